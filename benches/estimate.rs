@@ -1,0 +1,2 @@
+//! Throughput of the whole estimate.
+fn main() {}

@@ -1,0 +1,151 @@
+//! What can be wrong with the input, and what the user should know about a result.
+
+use serde::Serialize;
+use thiserror::Error;
+
+/// Why no fundamental matrix was estimated. Each message is one sentence: what happened, what to do.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum EstimateError {
+    /// Fewer point pairs than the method needs.
+    #[error(
+        "{needed} point pairs are needed, {found} given: mark the same scene point in both images, once more"
+    )]
+    TooFewPairs {
+        /// Pairs given.
+        found: usize,
+        /// Pairs needed.
+        needed: usize,
+    },
+    /// A coordinate is NaN or infinite.
+    #[error("point pair {pair} has a coordinate that is not a finite number")]
+    NotFinite {
+        /// Number of the pair, from 1.
+        pair: usize,
+    },
+    /// A point lies outside its image.
+    #[error("point ({x}, {y}) of pair {pair} lies outside image {image}, which is {width}×{height} pixels")]
+    Outside {
+        /// Number of the pair, from 1.
+        pair: usize,
+        /// 1 or 2.
+        image: usize,
+        /// x of the point, px.
+        x: f64,
+        /// y of the point, px.
+        y: f64,
+        /// Width of the image, px.
+        width: usize,
+        /// Height of the image, px.
+        height: usize,
+    },
+    /// Two clicks (nearly) coincide in one image.
+    #[error(
+        "point pairs {first} and {second} are only {distance:.1} px apart in image {image}: choose points farther from each other"
+    )]
+    TooClose {
+        /// Number of the first pair, from 1.
+        first: usize,
+        /// Number of the second pair, from 1.
+        second: usize,
+        /// 1 or 2.
+        image: usize,
+        /// Their distance, px.
+        distance: f64,
+    },
+    /// The image is too small for lines to be compared.
+    #[error("image {image} is {width}×{height} pixels, too small: at least {smallest}×{smallest} are needed")]
+    TooSmall {
+        /// 1 or 2.
+        image: usize,
+        /// Width, px.
+        width: usize,
+        /// Height, px.
+        height: usize,
+        /// Smallest side allowed, px.
+        smallest: usize,
+    },
+    /// An image of (nearly) one intensity.
+    #[error("image {image} is (nearly) uniform, so lines cannot be compared: use an image with texture")]
+    Flat {
+        /// 1 or 2.
+        image: usize,
+    },
+    /// A parameter is out of range.
+    #[error("parameter {name} is {value}: it must be {allowed}")]
+    Parameter {
+        /// Its name.
+        name: &'static str,
+        /// The value given.
+        value: String,
+        /// What is allowed.
+        allowed: &'static str,
+    },
+    /// No pencil lines with enough texture pass through a click.
+    #[error(
+        "no textured lines pass through point pair {pair}: choose a point in a textured part of the images"
+    )]
+    NoCandidates {
+        /// Number of the pair, from 1.
+        pair: usize,
+    },
+    /// No hypothesis survived.
+    #[error("no epipolar geometry was found: check that the point pairs match, or choose other points")]
+    NoGeometry,
+    /// A newer request or the user stopped the computation.
+    #[error("the computation was cancelled")]
+    Cancelled,
+}
+
+impl EstimateError {
+    /// Whether the input was at fault (exit status 2) rather than the computation (exit status 1).
+    pub fn is_bad_input(&self) -> bool {
+        !matches!(self, Self::NoCandidates { .. } | Self::NoGeometry | Self::Cancelled)
+    }
+}
+
+/// Something the user should know about a result. Each message is one sentence: what was seen, what to do.
+#[derive(Debug, Clone, PartialEq, Error, Serialize)]
+#[serde(tag = "kind", rename_all = "kebab-case")]
+pub enum Warning {
+    /// Both clicks lie (nearly) on one epipolar line, which leaves the epipoles undetermined.
+    #[error(
+        "the two clicks lie nearly on one epipolar line ({distance:.1} px apart from it): move one of them across the lines"
+    )]
+    SameEpipolarLine {
+        /// Smallest distance of a click from the other's epipolar line, px.
+        distance: f64,
+    },
+    /// The clicks are close together, so small click errors turn the lines a lot.
+    #[error(
+        "the two clicks are only {distance:.0} px apart: points farther from each other give a steadier result"
+    )]
+    CloseClicks {
+        /// Their distance, px.
+        distance: f64,
+    },
+    /// Few lines have texture.
+    #[error(
+        "only {textured} of {lines} lines through point pair {pair} have texture: a point in a textured part of the images is better"
+    )]
+    LittleTexture {
+        /// Number of the pair, from 1.
+        pair: usize,
+        /// Lines kept.
+        textured: usize,
+        /// Lines examined.
+        lines: usize,
+    },
+    /// The two images are (nearly) the same picture.
+    #[error(
+        "the two images are nearly identical, so there is no parallax and every geometry fits: use images from different places"
+    )]
+    NoParallax,
+    /// A clearly different geometry fits almost as well.
+    #[error(
+        "a clearly different geometry fits almost as well (margin {margin:.2}): add a third point pair or choose other points"
+    )]
+    Ambiguous {
+        /// Relative score distance to the best clearly different hypothesis.
+        margin: f64,
+    },
+}

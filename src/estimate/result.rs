@@ -1,0 +1,93 @@
+//! What an estimate holds.
+
+use serde::Serialize;
+
+use super::{Method, Preset, Stage, Warning};
+use crate::geometry::{FundamentalMatrix, HomogeneousPoint};
+
+/// One hypothesis of the geometry: two line pairs through the clicks and κ, in full-size pixels.
+#[derive(Debug, Clone, Serialize)]
+pub struct Hypothesis {
+    /// Its fundamental matrix.
+    pub fundamental: FundamentalMatrix,
+    /// Full-validation score, lower is better; see the module docs of `validation` for its unit.
+    pub score: f64,
+    /// Mean epipolar area between `l` and `GH l`, divided by the image width: px.
+    pub round_trip_area: f64,
+    /// κ of the paper's H: bisector chosen in image 1, matching line found in image 2.
+    pub kappa_line2_from_line1: f64,
+    /// κ of the paper's G: bisector chosen in image 2, matching line found in image 1.
+    pub kappa_line1_from_line2: f64,
+}
+
+impl Hypothesis {
+    /// The epipole in image 1.
+    pub fn epipole1(&self) -> HomogeneousPoint {
+        self.fundamental.epipole1()
+    }
+
+    /// The epipole in image 2.
+    pub fn epipole2(&self) -> HomogeneousPoint {
+        self.fundamental.epipole2()
+    }
+}
+
+/// How much was examined.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
+pub struct Counts {
+    /// Textured lines in image 1 through each click.
+    pub lines1: Vec<usize>,
+    /// Textured lines in image 2 through each click.
+    pub lines2: Vec<usize>,
+    /// Candidate line pairs through each click.
+    pub candidates: Vec<usize>,
+    /// Hypotheses examined.
+    pub hypotheses: usize,
+    /// Hypotheses that went through full validation.
+    pub validated: usize,
+}
+
+/// Time spent in one stage.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct StageTiming {
+    /// The stage.
+    pub stage: Stage,
+    /// Wall-clock seconds.
+    pub seconds: f64,
+}
+
+/// A fundamental matrix and how it came about. All coordinates are full-size pixels.
+#[derive(Debug, Clone, Serialize)]
+pub struct Estimate {
+    /// `x2ᵀ F x1 = 0`.
+    pub fundamental: FundamentalMatrix,
+    /// Epipole in image 1, homogeneous, unit norm.
+    pub epipole1: HomogeneousPoint,
+    /// Epipole in image 2, homogeneous, unit norm.
+    pub epipole2: HomogeneousPoint,
+    /// Full-validation score of the result, lower is better.
+    pub score: f64,
+    /// Mean epipolar area between `l` and `GH l` over the width of image 1, px.
+    pub round_trip_area: f64,
+    /// `(score of the best clearly different hypothesis − score) / score`; `None` when there is no other.
+    pub margin: Option<f64>,
+    /// How it was computed.
+    pub method: Method,
+    /// Whose choices it was computed with.
+    pub preset: Preset,
+    /// The seed of every random choice.
+    pub seed: u64,
+    /// What the user should know.
+    pub warnings: Vec<Warning>,
+    /// How much was examined.
+    pub counts: Counts,
+    /// Time per stage, in their order.
+    pub timings: Vec<StageTiming>,
+    /// Seconds until the first fundamental matrix.
+    pub first_seconds: f64,
+    /// Seconds in all.
+    pub seconds: f64,
+    /// The validated hypotheses, best first.
+    #[serde(skip)]
+    pub hypotheses: Vec<Hypothesis>,
+}

@@ -1,0 +1,112 @@
+//! Lines with a unit normal.
+
+use nalgebra::Vector3;
+
+use super::{HomogeneousPoint, Point, Vector};
+
+/// A line `a x + b y + c = 0` with `a² + b² = 1`, so that evaluating it gives a signed distance in
+/// pixels. A line and its negative are the same set of points with opposite orientation.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Line(Vector3<f64>);
+
+impl Line {
+    /// Normalises `(a, b, c)`; `None` for the line at infinity and for non-finite numbers.
+    pub fn from_homogeneous(coefficients: Vector3<f64>) -> Option<Self> {
+        let norm = coefficients.xy().norm();
+        let line = coefficients / norm;
+        (norm > 0.0 && line.iter().all(|v| v.is_finite())).then_some(Self(line))
+    }
+
+    /// The line through `point` whose direction makes `angle` radians with the x axis.
+    pub fn through_at_angle(point: Point, angle: f64) -> Self {
+        let (sin, cos) = angle.sin_cos();
+        Self(Vector3::new(-sin, cos, sin * point.x - cos * point.y))
+    }
+
+    /// The line through two points; `None` when they coincide.
+    pub fn through(a: Point, b: Point) -> Option<Self> {
+        Self::joining(&a.to_homogeneous(), &b.to_homogeneous())
+    }
+
+    /// The line through two homogeneous points; `None` when they coincide or both are at infinity.
+    pub fn joining(a: &HomogeneousPoint, b: &HomogeneousPoint) -> Option<Self> {
+        Self::from_homogeneous(a.cross(b))
+    }
+
+    /// `(a, b, c)`.
+    pub fn coefficients(&self) -> &Vector3<f64> {
+        &self.0
+    }
+
+    /// Signed distance of a point in pixels, positive on the side the normal points to.
+    pub fn signed_distance(&self, point: Point) -> f64 {
+        self.0.x * point.x + self.0.y * point.y + self.0.z
+    }
+
+    /// Absolute distance of a point in pixels.
+    pub fn distance(&self, point: Point) -> f64 {
+        self.signed_distance(point).abs()
+    }
+
+    /// Unit vector along the line: the normal turned by −90°, so that a line built by
+    /// [`Line::through_at_angle`] runs along its angle.
+    pub fn direction(&self) -> Vector {
+        Vector::new(self.0.y, -self.0.x)
+    }
+
+    /// Intersection with another line, at infinity when they are parallel, zero when they coincide.
+    pub fn intersection(&self, other: &Self) -> HomogeneousPoint {
+        self.0.cross(&other.0)
+    }
+
+    /// The point of the line nearest to `point`.
+    pub fn foot(&self, point: Point) -> Point {
+        point - self.0.xy() * self.signed_distance(point)
+    }
+
+    /// The same points, opposite orientation.
+    #[must_use]
+    pub fn reversed(&self) -> Self {
+        Self(-self.0)
+    }
+
+    /// This line with the orientation that puts `point` on its positive side.
+    #[must_use]
+    pub fn with_positive_side(&self, point: Point) -> Self {
+        if self.signed_distance(point) < 0.0 { self.reversed() } else { *self }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::PI;
+
+    #[test]
+    fn runs_along_its_angle_through_its_point() {
+        let p = Point::new(12.5, -3.0);
+        for k in 0..16 {
+            let angle = f64::from(k) * PI / 8.0;
+            let line = Line::through_at_angle(p, angle);
+            assert!(line.distance(p) < 1e-12);
+            let d = line.direction();
+            assert!((d - Vector::new(angle.cos(), angle.sin())).norm() < 1e-12);
+            assert!(line.distance(p + d * 500.0) < 1e-9);
+        }
+    }
+
+    #[test]
+    fn refuses_the_line_at_infinity_and_coincident_points() {
+        assert!(Line::from_homogeneous(Vector3::new(0.0, 0.0, 1.0)).is_none());
+        assert!(Line::from_homogeneous(Vector3::new(f64::NAN, 1.0, 1.0)).is_none());
+        assert!(Line::through(Point::new(3.0, 4.0), Point::new(3.0, 4.0)).is_none());
+    }
+
+    #[test]
+    fn orientation_follows_the_named_point() {
+        let line = Line::through(Point::new(0.0, 0.0), Point::new(10.0, 0.0)).unwrap();
+        for p in [Point::new(1.0, 5.0), Point::new(1.0, -5.0)] {
+            assert!((line.with_positive_side(p).signed_distance(p) - 5.0).abs() < 1e-12);
+        }
+    }
+}

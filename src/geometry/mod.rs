@@ -1,0 +1,35 @@
+//! Plane projective geometry in `f64`: points, lines, pencils, fundamental matrices, cameras.
+//!
+//! Pure mathematics on [`nalgebra`] types: no images, no threads, no input or output.
+//!
+//! # Conventions
+//! - Pixel coordinates are `(x, y)`, x right, y down; the centre of the top-left pixel is `(0, 0)`.
+//! - A fundamental matrix maps image 1 to image 2: `x2ᵀ F x1 = 0`, `line2 = F x1`, `line1 = Fᵀ x2`,
+//!   `F e1 = 0`, `Fᵀ e2 = 0`.
+//! - Names carry the direction of a map: `line2_from_line1`.
+//! - Angles are radians. Nothing here divides by the third coordinate of an epipole.
+
+mod area;
+mod camera;
+mod eight_point;
+mod frame;
+mod fundamental;
+mod line;
+mod pencil;
+mod point;
+mod residual;
+
+pub use area::area_between_lines;
+pub use camera::Camera;
+pub use eight_point::{EightPointError, eight_point};
+pub use frame::{Frame, Segment};
+pub use fundamental::FundamentalMatrix;
+pub use line::Line;
+pub use pencil::{LinePair, PencilMap, fit_pencil_map, pencil_angles};
+pub use point::{HomogeneousPoint, PointPair, finite_point};
+pub use residual::{algebraic_residual, sampson_distance, symmetric_epipolar_distance};
+
+/// A point in pixel coordinates.
+pub type Point = nalgebra::Point2<f64>;
+/// A direction or displacement in pixels.
+pub type Vector = nalgebra::Vector2<f64>;

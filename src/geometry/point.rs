@@ -1,0 +1,57 @@
+//! Points, point pairs and points at infinity.
+
+use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
+
+use super::Point;
+
+/// A point of the projective plane as a homogeneous triple, defined up to scale.
+///
+/// Epipoles are held this way because they are often far away or at infinity.
+pub type HomogeneousPoint = Vector3<f64>;
+
+/// One scene point seen in both images, pixel coordinates.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct PointPair {
+    /// Position in image 1.
+    pub point1: Point,
+    /// Position in image 2.
+    pub point2: Point,
+}
+
+impl PointPair {
+    /// A pair from the four numbers `x1 y1 x2 y2` of a match file.
+    pub fn new(x1: f64, y1: f64, x2: f64, y2: f64) -> Self {
+        Self { point1: Point::new(x1, y1), point2: Point::new(x2, y2) }
+    }
+
+    /// The same pair with the images exchanged.
+    #[must_use]
+    pub fn swapped(self) -> Self {
+        Self { point1: self.point2, point2: self.point1 }
+    }
+
+    /// Whether all four coordinates are finite numbers.
+    pub fn is_finite(&self) -> bool {
+        self.point1.iter().chain(self.point2.iter()).all(|v| v.is_finite())
+    }
+}
+
+/// The pixel position of a homogeneous point, or `None` when it is at infinity or beyond 10⁹ px.
+pub fn finite_point(p: &HomogeneousPoint) -> Option<Point> {
+    let scale = p.xy().norm();
+    (p.z.abs() * 1e9 > scale).then(|| Point::new(p.x / p.z, p.y / p.z))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn points_at_infinity_have_no_position() {
+        assert!(finite_point(&HomogeneousPoint::new(1.0, 2.0, 0.0)).is_none());
+        assert!(finite_point(&HomogeneousPoint::new(0.0, 0.0, 0.0)).is_none());
+        let p = finite_point(&HomogeneousPoint::new(-4.0, 2.0, -2.0));
+        assert_eq!(p, Some(Point::new(2.0, -1.0)));
+    }
+}

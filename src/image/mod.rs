@@ -1,0 +1,9 @@
+//! Pictures in memory: loading, grey planes, pyramids and samples along lines.
+
+mod load;
+mod plane;
+mod pyramid;
+
+pub use load::{LoadError, Picture};
+pub use plane::GrayPlane;
+pub use pyramid::Pyramid;

@@ -1,0 +1,84 @@
+//! Image pyramids: the same picture at smaller sizes.
+
+use rayon::prelude::*;
+
+use super::GrayPlane;
+use crate::geometry::Frame;
+
+/// A picture halved again and again, finest level first.
+///
+/// Each level is the 2×2 box average of the one before, so pixel centres map as
+/// `x_fine = 2·x_coarse + ½`, in general `x' = (x + ½)·scale − ½`. An odd last row or column is dropped.
+#[derive(Debug, Clone)]
+pub struct Pyramid {
+    levels: Vec<GrayPlane>,
+}
+
+impl Pyramid {
+    /// All levels down to a longer side of at least `smallest` px.
+    pub fn new(plane: &GrayPlane, smallest: f64) -> Self {
+        let mut levels = vec![plane.clone()];
+        while let Some(last) = levels.last()
+            && last.frame().longer_side() / 2.0 >= smallest
+            && last.frame().width >= 2
+            && last.frame().height >= 2
+        {
+            let next = halved(last);
+            levels.push(next);
+        }
+        Self { levels }
+    }
+
+    /// Level `k`: the picture at scale `2⁻ᵏ`; the coarsest one when there are fewer.
+    pub fn level(&self, k: usize) -> &GrayPlane {
+        &self.levels[k.min(self.levels.len() - 1)]
+    }
+
+    /// Number of levels, at least one.
+    pub fn len(&self) -> usize {
+        self.levels.len()
+    }
+
+    /// Always false: there is at least the picture itself.
+    pub fn is_empty(&self) -> bool {
+        self.levels.is_empty()
+    }
+}
+
+/// The 2×2 box average.
+fn halved(plane: &GrayPlane) -> GrayPlane {
+    let frame = Frame::new(plane.frame().width / 2, plane.frame().height / 2);
+    let mut values = vec![0.0; frame.width * frame.height];
+    values.par_chunks_mut(frame.width).enumerate().for_each(|(y, out)| {
+        let (top, bottom) = (plane.row(2 * y), plane.row(2 * y + 1));
+        for (x, value) in out.iter_mut().enumerate() {
+            *value = 0.25 * (top[2 * x] + top[2 * x + 1] + bottom[2 * x] + bottom[2 * x + 1]);
+        }
+    });
+    GrayPlane::new(frame, values)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_ramp_stays_the_same_ramp_under_the_stated_mapping() {
+        let plane = GrayPlane::from_fn(Frame::new(33, 17), |x, y| (3 * x + 5 * y) as f32);
+        let pyramid = Pyramid::new(&plane, 4.0);
+        assert_eq!(pyramid.len(), 4);
+        for k in 1..pyramid.len() {
+            let scale = 0.5f64.powi(k as i32);
+            let level = pyramid.level(k);
+            let fine = |v: usize| (v as f64 + 0.5) / scale - 0.5;
+            let expected = 3.0 * fine(1) + 5.0 * fine(1);
+            assert!((f64::from(level.at(1, 1)) - expected).abs() < 1e-3);
+        }
+    }
+
+    #[test]
+    fn tiny_pictures_have_one_level() {
+        let plane = GrayPlane::from_fn(Frame::new(1, 1), |_, _| 7.0);
+        assert_eq!(Pyramid::new(&plane, 16.0).len(), 1);
+    }
+}

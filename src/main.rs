@@ -1,0 +1,2 @@
+//! epiline
+fn main() {}
