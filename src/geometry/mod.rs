@@ -9,6 +9,7 @@
 //! - Names carry the direction of a map: `line2_from_line1`.
 //! - Angles are radians. Nothing here divides by the third coordinate of an epipole.
 
+mod anchored;
 mod area;
 mod camera;
 mod eight_point;
@@ -19,6 +20,7 @@ mod pencil;
 mod point;
 mod residual;
 
+pub use anchored::AnchoredLine;
 pub use area::area_between_lines;
 pub use camera::Camera;
 pub use eight_point::{EightPointError, eight_point};

@@ -3,7 +3,9 @@
 mod load;
 mod plane;
 mod pyramid;
+mod sampling;
 
 pub use load::{LoadError, Picture};
 pub use plane::GrayPlane;
 pub use pyramid::Pyramid;
+pub use sampling::Profile;
