@@ -12,6 +12,7 @@
 mod anchored;
 mod area;
 mod camera;
+mod difference;
 mod eight_point;
 mod frame;
 mod fundamental;
@@ -23,6 +24,7 @@ mod residual;
 pub use anchored::AnchoredLine;
 pub use area::area_between_lines;
 pub use camera::Camera;
+pub use difference::epipolar_difference;
 pub use eight_point::{EightPointError, eight_point};
 pub use frame::{Frame, Segment};
 pub use fundamental::FundamentalMatrix;
