@@ -14,6 +14,7 @@ use crate::image::{GrayPlane, Pyramid};
 pub struct PreparedPair {
     pyramids: [Pyramid; 2],
     witness: OnceLock<Witness>,
+    fine_witness: OnceLock<FineWitness>,
     refinement: [RefinementLevel; REFINEMENT_SIDES.len()],
 }
 
@@ -23,6 +24,13 @@ pub(crate) struct Witness {
     pub scales: [f64; 2],
     pub support: Support,
     pub electorate: Electorate,
+}
+
+/// Patch support at a finer level, where the right geometry stands out more clearly.
+#[derive(Debug)]
+pub(crate) struct FineWitness {
+    pub scales: [f64; 2],
+    pub support: Support,
 }
 
 /// Both images at one size.
@@ -37,6 +45,9 @@ pub(crate) struct Level<'a> {
 const WITNESS_SIDE: f64 = 384.0;
 /// Corners an image at that size.
 const WITNESS_CORNERS: usize = 600;
+/// The same at the finer level.
+const FINE_SIDE: f64 = 768.0;
+const FINE_CORNERS: usize = 1500;
 /// Look-alikes of a corner that vote.
 const VOTES_PER_CORNER: usize = 3;
 /// Longer sides of the levels `F` is refined at, px; the last one is full size.
@@ -49,7 +60,12 @@ impl PreparedPair {
     pub fn new(image1: &GrayPlane, image2: &GrayPlane) -> Self {
         let (a, b) =
             rayon::join(|| Pyramid::new(image1, SMALLEST_SIDE), || Pyramid::new(image2, SMALLEST_SIDE));
-        Self { pyramids: [a, b], witness: OnceLock::new(), refinement: Default::default() }
+        Self {
+            pyramids: [a, b],
+            witness: OnceLock::new(),
+            fine_witness: OnceLock::new(),
+            refinement: Default::default(),
+        }
     }
 
     /// Sizes of the two images.
@@ -96,6 +112,13 @@ impl PreparedPair {
             done = Some(level.scales);
         }
         refined
+    }
+
+    pub(crate) fn fine_witness(&self) -> &FineWitness {
+        self.fine_witness.get_or_init(|| {
+            let level = self.level(FINE_SIDE);
+            FineWitness { scales: level.scales, support: Support::new(level.planes, FINE_CORNERS) }
+        })
     }
 
     pub(crate) fn witness(&self) -> &Witness {

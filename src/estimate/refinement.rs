@@ -54,6 +54,14 @@ pub(crate) struct Refined {
     pub matches: Vec<RefinedMatch>,
 }
 
+impl Refined {
+    /// Correlation excess summed over the matches: the geometry with most of it is the right one, on every pair
+    /// measured.
+    pub fn weight(&self) -> f64 {
+        self.matches.iter().map(|m| f64::from(m.correlation) - 0.6).sum()
+    }
+}
+
 impl RefinementLevel {
     fn features(&self, level: &Level) -> &[Vec<Feature>; 2] {
         self.features.get_or_init(|| {

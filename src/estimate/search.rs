@@ -5,15 +5,18 @@
 //! 3. Those with most support are refitted to their own supporting matches with a shrinking band, and the one
 //!    with most support after that is the result.
 
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
 use rayon::prelude::*;
 
 use super::bundle::{Angles, Bundle};
 use super::candidates::Candidate;
 use super::polish::{Observation, fit};
 use super::prepared::Witness;
+use super::support::Support;
 use super::voting::{Ballot, Elected};
 use super::{EstimateError, Monitor};
-use crate::geometry::{FundamentalMatrix, PointPair};
+use crate::geometry::{FundamentalMatrix, PointPair, eight_point};
 
 /// A hypothesis at the witness level.
 #[derive(Debug, Clone)]
@@ -32,10 +35,6 @@ pub(crate) const BAND: f64 = 2.0;
 const THINNING: usize = 12;
 /// Combinations whose exact support is computed.
 const EXACT: usize = 240;
-/// Hypotheses that are polished.
-const POLISHED: usize = 40;
-/// Widths of the band while polishing, px of the witness level.
-const BANDS: [f64; 5] = [6.0, 4.0, 2.5, 1.5, 1.5];
 
 /// Scores combinations by votes and exact support; best first. All clicks are in full-size pixels.
 pub(crate) fn propose(
@@ -114,26 +113,40 @@ fn thinned(elected: &[Elected], count: usize) -> Vec<Elected> {
     kept
 }
 
-/// Refits the best proposals to their supporting matches; best first by support afterwards. The clicks take
-/// part with standard deviation `sigma`, px of the witness level.
+/// How the hypotheses of one witness level are polished.
+pub(crate) struct Polishing {
+    /// Hypotheses that are refitted.
+    pub count: usize,
+    /// Widths of the band while refitting, px of the level.
+    pub bands: &'static [f64],
+}
+
+/// At the level where the proposals come from.
+pub(crate) const COARSE: Polishing = Polishing { count: 40, bands: &[6.0, 4.0, 2.5, 1.5, 1.5] };
+/// At the next finer level, from the results of the coarser one.
+pub(crate) const FINE: Polishing = Polishing { count: 24, bands: &[6.0, 3.0, 1.5] };
+
+/// Refits the best proposals to their supporting matches; best first by support afterwards, near-copies left
+/// out. The clicks take part with standard deviation `sigma`, px of the level.
 pub(crate) fn polish(
-    witness: &Witness,
+    support: &Support,
     proposals: &[Steered],
+    how: &Polishing,
     clicks: &[PointPair],
     sigma: f64,
     monitor: &Monitor,
 ) -> Result<Vec<Steered>, EstimateError> {
     let mut polished: Vec<Steered> = proposals
         .par_iter()
-        .take(POLISHED)
+        .take(how.count)
         .map(|start| {
             if monitor.is_cancelled() {
                 return start.clone();
             }
-            let fundamental = climb(witness, &start.fundamental, clicks, sigma);
-            let support = witness.support.score(&fundamental, BAND);
-            if support > start.support {
-                Steered { fundamental, support, ..start.clone() }
+            let fundamental = climb(support, &start.fundamental, how.bands, clicks, sigma);
+            let score = support.score(&fundamental, BAND);
+            if score > start.support {
+                Steered { fundamental, support: score, ..start.clone() }
             } else {
                 start.clone()
             }
@@ -141,19 +154,21 @@ pub(crate) fn polish(
         .collect();
     monitor.check()?;
     polished.sort_by(|a, b| b.support.total_cmp(&a.support));
+    polished.dedup_by(|b, a| (a.fundamental.matrix() - b.fundamental.matrix()).norm() < 1e-9);
     Ok(polished)
 }
 
 fn climb(
-    witness: &Witness,
+    support: &Support,
     start: &FundamentalMatrix,
+    bands: &[f64],
     clicks: &[PointPair],
     sigma: f64,
 ) -> FundamentalMatrix {
     let mut f = *start;
-    for band in BANDS {
-        let matches = witness.support.matches(&f, band);
-        let observations: Vec<Observation> = matches
+    for band in bands {
+        let observations: Vec<Observation> = support
+            .matches(&f, *band)
             .iter()
             .map(|m| Observation { pair: m.pair, sigma: 1.0 })
             .chain(clicks.iter().map(|c| Observation { pair: *c, sigma }))
@@ -165,3 +180,66 @@ fn climb(
     }
     f
 }
+
+/// Hypotheses resampled from the matches that support the best ones so far.
+///
+/// A geometry that fits a dominant plane and a few chance matches has almost as much support as the right one;
+/// the matches off the plane that it half fits, drawn into small samples together with the clicks, lead out of
+/// that trap. Each sample is six matches of the pool and the clicks, solved by the eight-point algorithm.
+pub(crate) fn resample(
+    support: &Support,
+    best: &[Steered],
+    clicks: &[PointPair],
+    seed: u64,
+    monitor: &Monitor,
+) -> Result<Vec<Steered>, EstimateError> {
+    let Some(leader) = best.first() else { return Ok(Vec::new()) };
+    let mut pool: Vec<PointPair> = Vec::new();
+    for hypothesis in best.iter().take(POOLED) {
+        for m in support.matches(&hypothesis.fundamental, POOL_BAND) {
+            if !pool.contains(&m.pair) {
+                pool.push(m.pair);
+            }
+        }
+    }
+    if pool.len() < 2 * DRAWN {
+        return Ok(Vec::new());
+    }
+    let found: Vec<Steered> = (0..SAMPLES as u64)
+        .into_par_iter()
+        .filter_map(|k| {
+            if monitor.is_cancelled() {
+                return None;
+            }
+            let mut rng = Pcg64Mcg::seed_from_u64(seed.wrapping_mul(SAMPLES as u64).wrapping_add(k));
+            let mut sample: Vec<PointPair> = clicks.to_vec();
+            while sample.len() < DRAWN + 2 {
+                let pair = pool[rng.random_range(0..pool.len())];
+                if !sample.contains(&pair) {
+                    sample.push(pair);
+                }
+            }
+            let fundamental = eight_point(&sample).ok()?;
+            let score = support.score(&fundamental, BAND);
+            // Half the leader's support is what a geometry near the right one has before it is polished.
+            (score > 0.4 * leader.support).then_some(Steered {
+                fundamental,
+                support: score,
+                angles: leader.angles,
+            })
+        })
+        .collect();
+    monitor.check()?;
+    let mut found = found;
+    found.sort_by(|a, b| b.support.total_cmp(&a.support));
+    Ok(found)
+}
+
+/// Hypotheses whose matches are pooled.
+const POOLED: usize = 6;
+/// Width of the band the pool is taken from, px.
+const POOL_BAND: f64 = 8.0;
+/// Matches drawn from the pool into a sample.
+const DRAWN: usize = 6;
+/// Samples drawn.
+const SAMPLES: usize = 1500;

@@ -9,7 +9,8 @@ use super::candidates::{PencilComparison, compare_pencils};
 use super::degeneracy::{check_images, check_points, click_warnings};
 use super::hypotheses::{Draft, bisector_kappas, draft, draw_pairs, round_trip_area};
 use super::line_refinement::{refine_on_lines, stereo};
-use super::prepared::{Level, PreparedPair, Witness};
+use super::prepared::{FineWitness, Level, PreparedPair, Witness};
+use super::refinement::Refined;
 use super::search::{self, Steered};
 use super::validation::line_score;
 use super::{
@@ -21,6 +22,8 @@ use crate::similarity::StereoSimilarity;
 
 /// Hypotheses reported with all their figures.
 const REPORTED: usize = 60;
+/// Hypotheses refined at full resolution.
+const REFINED: usize = 3;
 /// Longer side of the largest images refined on lines, px: beyond it the lines are smoother than the step.
 const FINEST_LINES: f64 = 800.0;
 /// Geometries farther apart than this fraction of the longer side are clearly different.
@@ -221,30 +224,30 @@ impl Run<'_> {
         let first = proposals.first().ok_or(EstimateError::NoGeometry)?;
         let full = |f: &FundamentalMatrix| f.rescaled(1.0 / witness.scales[0], 1.0 / witness.scales[1]);
         let first_full = full(&first.fundamental).ok_or(EstimateError::NoGeometry)?;
-        self.preliminary(&first_full, &[], Some(first.support));
+        let support = PatchSupport {
+            matches: witness.support.matches(&first.fundamental, search::BAND).len(),
+            score: first.support,
+        };
+        self.preliminary(&first_full, &[], Some(support));
 
         self.enter(Stage::Validation)?;
-        let observed: Vec<PointPair> = own.iter().copied().chain(third).collect();
-        let sigma = parameters.click_sigma * witness.scales[0];
-        // Sub-pixel clicks at this level would pin what its corners cannot show.
-        let polished = search::polish(witness, &proposals, &observed, sigma.max(0.5), self.monitor)?;
-        let hypotheses = self.figures(similarity, level, clicks, &own, &polished, witness);
+        let fine = self.prepared.fine_witness();
+        let ranked = self.ranked(&proposals, &own, third, witness, fine)?;
+        let hypotheses = self.figures(similarity, level, clicks, &ranked, fine);
+        let leader = ranked.first().ok_or(EstimateError::NoGeometry)?;
         let best = hypotheses.first().ok_or(EstimateError::NoGeometry)?.fundamental;
-        self.preliminary(&best, &hypotheses, Some(polished[0].support));
+        let support = PatchSupport {
+            matches: fine.support.matches(&leader.fundamental, search::BAND).len(),
+            score: leader.support,
+        };
+        self.preliminary(&best, &hypotheses, Some(support.clone()));
 
         self.enter(Stage::Refinement)?;
-        let mut observed = self.clicks.to_vec();
-        observed.extend(self.third);
-        let refined = parameters
-            .refine
-            .then(|| self.prepared.refine(&best, &observed, parameters.click_sigma))
-            .flatten();
-        self.monitor.check()?;
-        let matches = witness.support.matches(&polished[0].fundamental, search::BAND).len();
-        if matches < 12 {
-            self.warnings.push(Warning::LittleSupport { matches });
+        if support.matches < 20 {
+            self.warnings.push(Warning::LittleSupport { matches: support.matches });
         }
-        let support = PatchSupport { matches, score: polished[0].support };
+        let refined = if parameters.refine { self.refined(&hypotheses) } else { None };
+        self.monitor.check()?;
         match refined {
             Some(refined) => {
                 self.finish(refined.fundamental, hypotheses, Some(support), Some(refined.matches))
@@ -258,26 +261,85 @@ impl Run<'_> {
         }
     }
 
+    /// The proposals polished at the coarse and the fine witness level, with what resampling their matches
+    /// adds; best first, in pixels of the fine level.
+    fn ranked(
+        &self,
+        proposals: &[Steered],
+        own: &[PointPair; 2],
+        third: Option<PointPair>,
+        witness: &Witness,
+        fine: &FineWitness,
+    ) -> Result<Vec<Steered>, EstimateError> {
+        // Clicks more precise than a level can show would pin what its corners cannot.
+        let sigma = |scales: [f64; 2]| (self.parameters.click_sigma * scales[0]).max(0.5);
+        let observed: Vec<PointPair> = own.iter().copied().chain(third).collect();
+        let coarse = search::polish(
+            &witness.support,
+            proposals,
+            &search::COARSE,
+            &observed,
+            sigma(witness.scales),
+            self.monitor,
+        )?;
+        let ratios = [fine.scales[0] / witness.scales[0], fine.scales[1] / witness.scales[1]];
+        let mut starts: Vec<Steered> = coarse
+            .into_par_iter()
+            .filter_map(|c| {
+                let fundamental = c.fundamental.rescaled(ratios[0], ratios[1])?;
+                let support = fine.support.score(&fundamental, search::BAND);
+                Some(Steered { fundamental, support, ..c })
+            })
+            .collect();
+        starts.sort_by(|a, b| b.support.total_cmp(&a.support));
+        let observed: Vec<PointPair> = self
+            .clicks
+            .iter()
+            .chain(self.third.as_ref())
+            .map(|c| super::prepared::resized_pair(c, fine.scales))
+            .collect();
+        let polish = |starts: &[Steered]| {
+            search::polish(&fine.support, starts, &search::FINE, &observed, sigma(fine.scales), self.monitor)
+        };
+        let mut ranked = polish(&starts)?;
+        let seed = self.parameters.seed;
+        let resampled = search::resample(&fine.support, &ranked, &observed, seed, self.monitor)?;
+        ranked.extend(polish(&resampled)?);
+        ranked.sort_by(|a, b| b.support.total_cmp(&a.support));
+        Ok(ranked)
+    }
+
+    /// The best of the few leading hypotheses after refinement at full resolution, by what its matches weigh.
+    fn refined(&self, hypotheses: &[Hypothesis]) -> Option<Refined> {
+        let mut observed = self.clicks.to_vec();
+        observed.extend(self.third);
+        hypotheses
+            .iter()
+            .take(REFINED)
+            .filter_map(|h| self.prepared.refine(&h.fundamental, &observed, self.parameters.click_sigma))
+            .max_by(|a, b| a.weight().total_cmp(&b.weight()))
+    }
+
     /// Line score, round trip and both κ of the best polished hypotheses, full-size pixels; their order stays.
     fn figures(
         &self,
         similarity: &StereoSimilarity,
         level: &Level,
         clicks: &[PointPair; 2],
-        own: &[PointPair; 2],
-        polished: &[Steered],
-        witness: &Witness,
+        ranked: &[Steered],
+        fine: &FineWitness,
     ) -> Vec<Hypothesis> {
+        let own = self.clicks.map(|c| super::prepared::resized_pair(&c, fine.scales));
         let frames = level.frames();
         let parameters = self.parameters;
-        polished
+        ranked
             .par_iter()
             .take(REPORTED)
             .filter_map(|steered| {
-                let matches = witness.support.matches(&steered.fundamental, search::BAND);
+                let matches = fine.support.matches(&steered.fundamental, search::BAND);
                 let angles = Angles::nearest(
                     &steered.fundamental,
-                    own,
+                    &own,
                     &steered.angles,
                     matches.iter().map(|m| m.pair),
                 )
@@ -293,7 +355,7 @@ impl Run<'_> {
                 let (forward, backward) =
                     bisector_kappas(similarity, &bundle, clicks).unwrap_or((angles.kappa, angles.kappa));
                 let area = round_trip_area(&bundle, forward / backward, frames[0]);
-                let [s1, s2] = witness.scales;
+                let [s1, s2] = fine.scales;
                 Some(Hypothesis {
                     fundamental: steered.fundamental.rescaled(1.0 / s1, 1.0 / s2)?,
                     score,
@@ -306,10 +368,14 @@ impl Run<'_> {
             .collect()
     }
 
-    fn preliminary(&mut self, f: &FundamentalMatrix, hypotheses: &[Hypothesis], support: Option<f64>) {
+    fn preliminary(
+        &mut self,
+        f: &FundamentalMatrix,
+        hypotheses: &[Hypothesis],
+        support: Option<PatchSupport>,
+    ) {
         let now = self.begun.elapsed().as_secs_f64();
         self.first_seconds.get_or_insert(now);
-        let support = support.map(|score| PatchSupport { matches: 0, score });
         let estimate = self.assemble(*f, hypotheses.to_vec(), support, None);
         self.monitor.report(Progress::Preliminary(Box::new(estimate)));
     }
