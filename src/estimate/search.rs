@@ -14,7 +14,7 @@ use super::candidates::Candidate;
 use super::polish::{Observation, fit};
 use super::prepared::Witness;
 use super::support::Support;
-use super::voting::{Ballot, Elected};
+use super::voting::{Ballot, Booth, Elected};
 use super::{EstimateError, Monitor};
 use crate::geometry::{FundamentalMatrix, PointPair, eight_point};
 
@@ -61,14 +61,14 @@ pub(crate) fn propose(
     };
     let mut elected: Vec<Elected> = drawn
         .par_iter()
-        .map_init(Vec::new, |histogram, (p, q)| {
+        .map_init(Booth::default, |booth, (p, q)| {
             if monitor.is_cancelled() {
                 return None;
             }
             let p = &ballots_p[position(&list_p, p)];
             let q = &ballots_q[position(&list_q, q)];
             match third {
-                None => Some(electorate.count(p, q, BAND as f32, histogram)),
+                None => Some(electorate.count(p, q, BAND as f32, booth)),
                 Some(pair) => {
                     let angles = Angles { p: p.angles(), q: q.angles(), kappa: 1.0 };
                     let kappa = Bundle::new(&angles, *clicks)?.map().kappa_from_point_pair(pair)?;

@@ -8,7 +8,7 @@
 use rayon::prelude::*;
 
 use super::patches::{HALF, Patch, correlate, patch};
-use crate::geometry::{FundamentalMatrix, Point, PointPair};
+use crate::geometry::{FundamentalMatrix, Line, Point, PointPair};
 use crate::image::{GrayPlane, find_corners};
 
 /// Correlations below this say nothing.
@@ -18,9 +18,26 @@ pub(crate) const FLOOR: f32 = 0.6;
 #[derive(Debug, Clone)]
 pub(crate) struct Support {
     corners: [Vec<Point>; 2],
-    /// Pairs of corner indices with their correlation, those above [`FLOOR`].
+    /// Pairs of corner indices with their correlation, those above [`FLOOR`], grouped by corner of image 1.
     pairs: Vec<Putative>,
+    /// The same with the positions of the corners of image 2, laid out for the vector units.
+    groups: Vec<Group>,
 }
+
+/// The look-alikes in image 2 of one corner of image 1.
+#[derive(Debug, Clone, Default)]
+struct Group {
+    /// Positions, padded with points that lie on no line to a multiple of [`LANES`].
+    x: Vec<f32>,
+    y: Vec<f32>,
+    partners: Vec<(u32, f32)>,
+}
+
+const LANES: usize = 8;
+/// Far from every epipolar line that crosses an image.
+const NOWHERE: f32 = 1e9;
+/// Look-alikes kept for a corner, the best ones.
+const PER_CORNER: usize = 16;
 
 /// Two corners whose patches look alike.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -43,24 +60,27 @@ impl Support {
         let corners = planes.map(|plane| find_corners(plane, count, HALF + 1));
         let patches: [Vec<Option<Patch>>; 2] =
             [0, 1].map(|k| corners[k].iter().map(|c| patch(planes[k], *c)).collect());
-        let pairs = patches[0]
+        let pairs: Vec<Putative> = patches[0]
             .par_iter()
             .enumerate()
             .flat_map_iter(|(i, a)| {
-                let others = &patches[1];
-                a.iter().flat_map(move |a| {
-                    others.iter().enumerate().filter_map(move |(j, b)| {
-                        let correlation = correlate(a, b.as_ref()?);
-                        (correlation > FLOOR).then_some(Putative {
-                            corner1: i as u32,
-                            corner2: j as u32,
-                            correlation,
+                let mut alike: Vec<Putative> = a
+                    .iter()
+                    .flat_map(|a| {
+                        patches[1].iter().enumerate().filter_map(move |(j, b)| {
+                            let correlation = correlate(a, b.as_ref()?);
+                            let (corner1, corner2) = (i as u32, j as u32);
+                            (correlation > FLOOR).then_some(Putative { corner1, corner2, correlation })
                         })
                     })
-                })
+                    .collect();
+                alike.sort_by(|a, b| b.correlation.total_cmp(&a.correlation).then(a.corner2.cmp(&b.corner2)));
+                alike.truncate(PER_CORNER);
+                alike
             })
             .collect();
-        Self { corners, pairs }
+        let groups = grouped(&pairs, &corners);
+        Self { corners, pairs, groups }
     }
 
     pub fn pairs(&self) -> &[Putative] {
@@ -73,21 +93,34 @@ impl Support {
 
     /// The mutual best matches within `band` px of each other's epipolar lines.
     pub fn matches(&self, f: &FundamentalMatrix, band: f64) -> Vec<SupportingMatch> {
-        let lines2: Vec<_> = self.corners[0].iter().map(|c| f.line2_from_point1(*c)).collect();
         let lines1: Vec<_> = self.corners[1].iter().map(|c| f.line1_from_point2(*c)).collect();
         let mut best1 = vec![(FLOOR, u32::MAX); self.corners[0].len()];
         let mut best2 = vec![(FLOOR, u32::MAX); self.corners[1].len()];
-        for pair in &self.pairs {
-            let (i, j) = (pair.corner1 as usize, pair.corner2 as usize);
-            let (Some(line2), Some(line1)) = (&lines2[i], &lines1[j]) else { continue };
-            if line2.distance(self.corners[1][j]) > band || line1.distance(self.corners[0][i]) > band {
-                continue;
-            }
-            if pair.correlation > best1[i].0 {
-                best1[i] = (pair.correlation, pair.corner2);
-            }
-            if pair.correlation > best2[j].0 {
-                best2[j] = (pair.correlation, pair.corner1);
+        for (i, group) in self.groups.iter().enumerate() {
+            let Some(line2) = f.line2_from_point1(self.corners[0][i]) else { continue };
+            let [a, b, c] = [0, 1, 2].map(|k| line2.coefficients()[k] as f32);
+            for (chunk, (x, y)) in group.x.chunks_exact(LANES).zip(group.y.chunks_exact(LANES)).enumerate() {
+                // Nearly all are far from the line: eight at a time, then the few that are near.
+                let mut distances = [0f32; LANES];
+                for k in 0..LANES {
+                    distances[k] = (a * x[k] + b * y[k] + c).abs();
+                }
+                for (k, distance) in distances.iter().enumerate() {
+                    if *distance > band as f32 {
+                        continue;
+                    }
+                    let (j, correlation) = group.partners[chunk * LANES + k];
+                    let near = |line1: &Line| line1.distance(self.corners[0][i]) <= band;
+                    if !lines1[j as usize].as_ref().is_some_and(near) {
+                        continue;
+                    }
+                    if correlation > best1[i].0 {
+                        best1[i] = (correlation, j);
+                    }
+                    if correlation > best2[j as usize].0 {
+                        best2[j as usize] = (correlation, i as u32);
+                    }
+                }
             }
         }
         best1
@@ -104,5 +137,67 @@ impl Support {
     /// Sum over the matches of how far their correlation exceeds the floor.
     pub fn score(&self, f: &FundamentalMatrix, band: f64) -> f64 {
         self.matches(f, band).iter().map(|m| f64::from(m.correlation - FLOOR)).sum()
+    }
+}
+
+fn grouped(pairs: &[Putative], corners: &[Vec<Point>; 2]) -> Vec<Group> {
+    let mut groups = vec![Group::default(); corners[0].len()];
+    for pair in pairs {
+        let group = &mut groups[pair.corner1 as usize];
+        let point = corners[1][pair.corner2 as usize];
+        group.x.push(point.x as f32);
+        group.y.push(point.y as f32);
+        group.partners.push((pair.corner2, pair.correlation));
+    }
+    for group in &mut groups {
+        let padded = group.x.len().next_multiple_of(LANES);
+        group.x.resize(padded, NOWHERE);
+        // Unequal coordinates keep the padding off diagonal lines too.
+        group.y.resize(padded, -2.7 * NOWHERE);
+        group.partners.resize(padded, (0, 0.0));
+    }
+    groups
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Frame;
+    use nalgebra::Matrix3;
+
+    /// Two views of one texture, the second shifted along the rows by 6 px.
+    fn planes() -> [GrayPlane; 2] {
+        let texture = |x: usize, y: usize| {
+            let cell = (x / 5 * 7919 + y / 6 * 104_729) % 251;
+            (cell * cell % 241) as f32
+        };
+        let frame = Frame::new(160, 120);
+        [GrayPlane::from_fn(frame, texture), GrayPlane::from_fn(frame, |x, y| texture(x + 6, y))]
+    }
+
+    fn rows(shift: f64) -> FundamentalMatrix {
+        let m = Matrix3::new(0.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 1.0, shift);
+        FundamentalMatrix::from_rank_two(m).unwrap()
+    }
+
+    #[test]
+    fn the_right_geometry_has_most_support_and_its_matches_are_right() {
+        let [a, b] = planes();
+        let support = Support::new([&a, &b], 200);
+        let right = support.score(&rows(0.0), 2.0);
+        for wrong in [rows(7.0), rows(-15.0)] {
+            assert!(right > 2.0 * support.score(&wrong, 2.0));
+        }
+        let matches = support.matches(&rows(0.0), 2.0);
+        let true_matches =
+            matches.iter().filter(|m| (m.pair.point1.x - m.pair.point2.x - 6.0).abs() < 0.5).count();
+        assert!(true_matches * 10 > matches.len() * 8, "{true_matches} of {}", matches.len());
+    }
+
+    #[test]
+    fn images_without_corners_have_no_support() {
+        let flat = GrayPlane::from_fn(Frame::new(60, 60), |_, _| 9.0);
+        let support = Support::new([&flat, &flat], 50);
+        assert!(support.matches(&rows(0.0), 3.0).is_empty());
     }
 }

@@ -22,6 +22,8 @@ use crate::similarity::StereoSimilarity;
 
 /// Hypotheses reported with all their figures.
 const REPORTED: usize = 60;
+/// Combinations tried for the first picture.
+const QUICK: usize = 1500;
 /// Hypotheses refined at full resolution.
 const REFINED: usize = 3;
 /// Longer side of the largest images refined on lines, px: beyond it the lines are smoother than the step.
@@ -210,25 +212,25 @@ impl Run<'_> {
         witness: &Witness,
     ) -> Result<Estimate, EstimateError> {
         let parameters = self.parameters;
-        let drawn = draw_pairs(
-            [&pencils[0].candidates, &pencils[1].candidates],
-            parameters.hypotheses,
-            parameters.seed,
-        );
-        self.counts.hypotheses = drawn.len();
+        let draw =
+            |count| draw_pairs([&pencils[0].candidates, &pencils[1].candidates], count, parameters.seed);
         let at_witness = |pair: &PointPair| super::prepared::resized_pair(pair, witness.scales);
         let own = self.clicks.map(|c| at_witness(&c));
         let third = self.third.map(|c| at_witness(&c));
-        let proposals = search::propose(witness, &drawn, &own, third.as_ref(), self.monitor)?;
+        let propose = |count| search::propose(witness, &draw(count), &own, third.as_ref(), self.monitor);
+        // A few of them first, so that there is something to draw at once.
+        if let Some(first) = propose(parameters.hypotheses.min(QUICK))?.first()
+            && let Some(full) = first.fundamental.rescaled(1.0 / witness.scales[0], 1.0 / witness.scales[1])
+        {
+            let support = PatchSupport {
+                matches: witness.support.matches(&first.fundamental, search::BAND).len(),
+                score: first.support,
+            };
+            self.preliminary(&full, &[], Some(support));
+        }
+        let proposals = propose(parameters.hypotheses)?;
+        self.counts.hypotheses = parameters.hypotheses;
         self.counts.validated = proposals.len();
-        let first = proposals.first().ok_or(EstimateError::NoGeometry)?;
-        let full = |f: &FundamentalMatrix| f.rescaled(1.0 / witness.scales[0], 1.0 / witness.scales[1]);
-        let first_full = full(&first.fundamental).ok_or(EstimateError::NoGeometry)?;
-        let support = PatchSupport {
-            matches: witness.support.matches(&first.fundamental, search::BAND).len(),
-            score: first.support,
-        };
-        self.preliminary(&first_full, &[], Some(support));
 
         self.enter(Stage::Validation)?;
         let fine = self.prepared.fine_witness();

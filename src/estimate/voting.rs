@@ -22,6 +22,8 @@ use crate::geometry::{Line, PointPair};
 /// Bins of the histogram of ln κ and their width.
 const BINS: usize = 448;
 const BIN: f32 = 1.0 / 64.0;
+/// Widest vote that counts, half of it, in bins.
+const WIDEST: f32 = 32.0;
 const LOWEST: f32 = -(BINS as f32) * BIN / 2.0;
 
 /// Corner pairs that vote, as points with their weight.
@@ -39,6 +41,14 @@ pub(crate) struct Ballot {
     /// Inverse distance of the voter's point from the line of image 2, px⁻¹.
     inverse: Vec<f32>,
     line2: Line,
+}
+
+/// Working memory of a count.
+#[derive(Debug, Default)]
+pub(crate) struct Booth {
+    histogram: Vec<f32>,
+    middle: Vec<f32>,
+    half: Vec<f32>,
 }
 
 /// The κ with most votes for one combination of candidates.
@@ -111,21 +121,28 @@ impl Electorate {
         Elected { angles: Angles { p: p.candidate.angles, q: q.candidate.angles, kappa }, votes }
     }
 
-    /// Counts the votes of one combination; `histogram` is working memory. `band` is how far, in px, a point
-    /// of image 2 may be from its epipolar line.
-    pub fn count(&self, p: &Ballot, q: &Ballot, band: f32, histogram: &mut Vec<f32>) -> Elected {
+    /// Counts the votes of one combination. `band` is how far, in px, a point of image 2 may be from its
+    /// epipolar line.
+    pub fn count(&self, p: &Ballot, q: &Ballot, band: f32, booth: &mut Booth) -> Elected {
+        let Booth { histogram, middle, half } = booth;
         histogram.clear();
         histogram.resize(BINS + 1, 0.0);
+        let n = self.voters.len();
+        middle.resize(n, 0.0);
+        half.resize(n, 0.0);
         let cosine = p.line2.coefficients().xy().dot(&q.line2.coefficients().xy()) as f32;
-        for (k, (_, weight)) in self.voters.iter().enumerate() {
-            let log = p.terms[k] + q.terms[k];
+        // Plain arithmetic first, which the compiler turns into vectors; then the scattered sums.
+        for k in 0..n {
+            middle[k] = (p.terms[k] + q.terms[k] - LOWEST) / BIN;
             let (a, b) = (p.inverse[k], q.inverse[k]);
-            // Change of ln κ for a point of image 2 that moves by `band` across its line.
-            let half = band * (a * a + b * b - 2.0 * cosine * a * b).max(0.0).sqrt();
-            let (low, high) = ((log - half - LOWEST) / BIN, (log + half - LOWEST) / BIN);
-            // Comparisons with NaN are false: voters without a vote drop out here too. A vote for a sixth of
+            // Change of ln κ, in bins, for a point of image 2 that moves by `band` across its line.
+            half[k] = band / BIN * (a * a + b * b - 2.0 * cosine * a * b).max(0.0).sqrt();
+        }
+        for (k, (_, weight)) in self.voters.iter().enumerate() {
+            let (low, high) = (middle[k] - half[k], middle[k] + half[k]);
+            // Comparisons with NaN are false: voters without a vote drop out here too. A vote for a seventh of
             // all bins says nothing.
-            if low >= 0.0 && high < BINS as f32 && half < 0.5 {
+            if low >= 0.0 && high < BINS as f32 && half[k] < WIDEST {
                 histogram[low as usize] += weight;
                 histogram[high as usize + 1] -= weight;
             }
