@@ -1,0 +1,261 @@
+//! The pairs that come with the program, stored as pictures with their exact geometry.
+
+use image::RgbImage;
+use nalgebra::Matrix3x4;
+use serde::{Deserialize, Serialize};
+
+use super::landmarks::landmarks;
+use super::render::{Quality, render_with};
+use super::scene::Scene;
+use super::{alley, courtyard};
+use crate::geometry::{Camera, Frame, FundamentalMatrix, PointPair};
+use crate::image::{GrayPlane, Picture};
+
+/// A built-in pair.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum Sample {
+    /// A sideways motion; both epipoles far outside.
+    #[default]
+    Courtyard,
+    /// A forward motion; both epipoles inside.
+    Alley,
+}
+
+/// A built-in pair with everything known about it.
+#[derive(Debug, Clone)]
+pub struct SamplePair {
+    /// The two pictures.
+    pub pictures: [Picture; 2],
+    /// The exact fundamental matrix.
+    pub fundamental: FundamentalMatrix,
+    /// The cameras it follows from.
+    pub cameras: [Camera; 2],
+    /// Exact matches at corners, the most distinct first.
+    pub matches: Vec<PointPair>,
+    /// Two matches that are good first clicks.
+    pub show_me: [PointPair; 2],
+    /// A good third one.
+    pub third: PointPair,
+    /// What to call it.
+    pub title: String,
+    /// One sentence.
+    pub description: String,
+}
+
+/// The file beside the pictures. Points are rows `x1 y1 x2 y2`, px.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SampleFile {
+    /// Name on the command line.
+    pub name: String,
+    /// Name for people.
+    pub title: String,
+    /// One sentence.
+    pub description: String,
+    /// `F` as nested rows.
+    pub fundamental: FundamentalMatrix,
+    /// `P1` as nested rows.
+    pub camera1: [[f64; 4]; 3],
+    /// `P2` as nested rows.
+    pub camera2: [[f64; 4]; 3],
+    /// Exact matches.
+    pub matches: Vec<[f64; 4]>,
+    /// Two good first clicks.
+    pub show_me: [[f64; 4]; 2],
+    /// A good third one.
+    pub third: [f64; 4],
+}
+
+/// Size of the built-in pictures.
+pub const SAMPLE_FRAME: Frame = Frame { width: 768, height: 576 };
+
+impl Sample {
+    /// All of them, the default first.
+    pub const ALL: [Self; 2] = [Self::Courtyard, Self::Alley];
+
+    /// Its name on the command line and in file names.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Courtyard => "courtyard",
+            Self::Alley => "alley",
+        }
+    }
+
+    /// The sample of that name.
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|s| s.name() == name)
+    }
+
+    /// Decodes the pictures and the file beside them.
+    ///
+    /// # Panics
+    /// Only if the embedded files are damaged; a test loads each of them.
+    pub fn load(self) -> SamplePair {
+        let (first, second, description) = self.files();
+        let picture = |which: usize, bytes: &[u8]| {
+            Picture::from_bytes(&format!("{}-{which}.png", self.name()), bytes)
+                .expect("an embedded sample picture is a valid PNG file")
+        };
+        let file: SampleFile =
+            serde_json::from_str(description).expect("an embedded sample description is valid JSON");
+        let camera = |rows: &[[f64; 4]; 3]| {
+            Camera::from_matrix(Matrix3x4::from_fn(|r, c| rows[r][c]))
+                .expect("the cameras of an embedded sample have rank 3")
+        };
+        SamplePair {
+            pictures: [picture(1, first), picture(2, second)],
+            fundamental: file.fundamental,
+            cameras: [camera(&file.camera1), camera(&file.camera2)],
+            matches: file.matches.iter().map(pair).collect(),
+            show_me: [pair(&file.show_me[0]), pair(&file.show_me[1])],
+            third: pair(&file.third),
+            title: file.title,
+            description: file.description,
+        }
+    }
+
+    fn files(self) -> (&'static [u8], &'static [u8], &'static str) {
+        macro_rules! files {
+            ($name:literal) => {
+                (
+                    include_bytes!(concat!("../../assets/", $name, "-1.png")),
+                    include_bytes!(concat!("../../assets/", $name, "-2.png")),
+                    include_str!(concat!("../../assets/", $name, ".json")),
+                )
+            };
+        }
+        match self {
+            Self::Courtyard => files!("courtyard"),
+            Self::Alley => files!("alley"),
+        }
+    }
+
+    /// The scene and its cameras for a picture size.
+    pub fn scene(self, frame: Frame) -> Option<(Scene, [Camera; 2])> {
+        match self {
+            Self::Courtyard => Some((courtyard::scene(), courtyard::cameras(frame)?)),
+            Self::Alley => Some((alley::scene(), alley::cameras(frame)?)),
+        }
+    }
+
+    fn words(self) -> (&'static str, &'static str) {
+        match self {
+            Self::Courtyard => (
+                "Courtyard",
+                "A fountain in a courtyard, seen from two places side by side: the epipoles lie far outside \
+                 the pictures.",
+            ),
+            Self::Alley => (
+                "Alley",
+                "An alley with an archway, seen before and after a step forward: both epipoles lie inside \
+                 the pictures.",
+            ),
+        }
+    }
+
+    /// Renders the pair anew; minutes of work. `None` when no landmarks were found.
+    pub fn make(self, quality: &Quality) -> Option<([RgbImage; 2], SampleFile)> {
+        let frame = SAMPLE_FRAME;
+        let (scene, cameras) = self.scene(frame)?;
+        let picture = |k: usize| {
+            let quality = Quality { seed: quality.seed + 1 + k as u64, ..*quality };
+            render_with(&scene, &cameras[k], frame, &quality)
+        };
+        let pictures = [picture(0)?, picture(1)?];
+        let plane = |p: &RgbImage| {
+            GrayPlane::from_fn(frame, |x, y| {
+                let [r, g, b] = p.get_pixel(x as u32, y as u32).0.map(f32::from);
+                0.2126 * r + 0.7152 * g + 0.0722 * b
+            })
+        };
+        let planes = [plane(&pictures[0]), plane(&pictures[1])];
+        let found = landmarks(&scene, &cameras, frame, [&planes[0], &planes[1]])?;
+        let rows = |c: &Camera| std::array::from_fn(|r| std::array::from_fn(|k| c.matrix()[(r, k)]));
+        let (title, description) = self.words();
+        let file = SampleFile {
+            name: self.name().to_owned(),
+            title: title.to_owned(),
+            description: description.to_owned(),
+            fundamental: Camera::fundamental(&cameras[0], &cameras[1])?,
+            camera1: rows(&cameras[0]),
+            camera2: rows(&cameras[1]),
+            matches: found.matches.iter().map(row).collect(),
+            show_me: [row(&found.show_me[0]), row(&found.show_me[1])],
+            third: row(&found.third),
+        };
+        Some((pictures, file))
+    }
+}
+
+fn pair(row: &[f64; 4]) -> PointPair {
+    PointPair::new(row[0], row[1], row[2], row[3])
+}
+
+fn row(pair: &PointPair) -> [f64; 4] {
+    [pair.point1.x, pair.point1.y, pair.point2.x, pair.point2.y]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::{finite_point, symmetric_epipolar_distance};
+    use crate::synthetic::landmarks::{SEPARATION, separation};
+    use crate::synthetic::true_match;
+
+    #[test]
+    fn names_lead_back() {
+        for sample in Sample::ALL {
+            assert_eq!(Sample::from_name(sample.name()), Some(sample));
+        }
+        assert_eq!(Sample::from_name("no such sample"), None);
+        assert_eq!(Sample::default(), Sample::ALL[0]);
+    }
+
+    #[test]
+    fn files_are_exact_and_agree_with_each_other() {
+        for sample in Sample::ALL {
+            let s = sample.load();
+            assert_eq!([s.pictures[0].frame(), s.pictures[1].frame()], [SAMPLE_FRAME; 2]);
+            let f = Camera::fundamental(&s.cameras[0], &s.cameras[1]).unwrap();
+            assert!((f.matrix() - s.fundamental.matrix()).norm() < 1e-9);
+            assert!(s.matches.len() >= 30);
+            for m in s.matches.iter().chain(&s.show_me).chain([&s.third]) {
+                // Coordinates of 10³ px and entries of F known to 10⁻¹⁶ leave this much.
+                assert!(symmetric_epipolar_distance(&s.fundamental, m) < 1e-6);
+            }
+        }
+    }
+
+    #[test]
+    fn files_belong_to_the_scenes() {
+        for sample in Sample::ALL {
+            let s = sample.load();
+            let (scene, cameras) = sample.scene(SAMPLE_FRAME).unwrap();
+            for m in &s.matches {
+                let again = true_match(&scene, &cameras[0], &cameras[1], SAMPLE_FRAME, m.point1).unwrap();
+                assert!((again.point2 - m.point2).norm() < 1e-6);
+            }
+        }
+    }
+
+    #[test]
+    fn shown_matches_are_separated() {
+        for sample in Sample::ALL {
+            let s = sample.load();
+            let [p, q] = s.show_me;
+            let least = SEPARATION * SAMPLE_FRAME.longer_side();
+            for (a, b) in [(p, q), (p, s.third), (q, s.third)] {
+                assert!(separation(&s.fundamental, &a, &b) > least);
+            }
+        }
+    }
+
+    #[test]
+    fn epipoles_are_where_the_descriptions_say() {
+        let inside = |sample: Sample| {
+            let f = sample.load().fundamental;
+            [f.epipole1(), f.epipole2()].map(|e| finite_point(&e).is_some_and(|e| SAMPLE_FRAME.contains(e)))
+        };
+        assert_eq!(inside(Sample::Courtyard), [false, false]);
+        assert_eq!(inside(Sample::Alley), [true, true]);
+    }
+}
