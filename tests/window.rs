@@ -89,10 +89,18 @@ fn pane(window: &Window, side: Side) -> Rect {
     window.get_by_label(&format!("{} image", side.name())).rect()
 }
 
-/// A place in a pane, as a fraction of its size from the middle.
-fn at(window: &Window, side: Side, x: f32, y: f32) -> Pos2 {
+/// Screen points per image pixel of an image that fits its pane (6 points of room at each side).
+fn fitting_scale(window: &Window, side: Side) -> f32 {
     let rect = pane(window, side);
-    rect.center() + vec2(x * rect.width(), y * rect.height())
+    let frame = window.state().document().frame(side).unwrap();
+    ((rect.width() - 12.0) / frame.width as f32).min((rect.height() - 12.0) / frame.height as f32).min(64.0)
+}
+
+/// A place in a fitting image, as a fraction of its size from the middle.
+fn at(window: &Window, side: Side, x: f32, y: f32) -> Pos2 {
+    let frame = window.state().document().frame(side).unwrap();
+    let offset = vec2(x * frame.width as f32, y * frame.height as f32);
+    pane(window, side).center() + offset * fitting_scale(window, side)
 }
 
 fn button(window: &Window, pos: Pos2, button: PointerButton, pressed: bool) {
@@ -132,15 +140,12 @@ fn click_two_pairs(window: &mut Window) {
     }
 }
 
+/// Where a point appears in a fitting image.
 fn screen(window: &Window, at: PointRef) -> Pos2 {
-    // The sample fits its pane, so the transform follows from the sizes (6 points of room at each side).
-    let rect = pane(window, at.side);
     let document = window.state().document();
-    let frame = document.frame(at.side).unwrap();
-    let scale =
-        ((rect.width() - 12.0) / frame.width as f32).min((rect.height() - 12.0) / frame.height as f32);
-    let offset = (document.point(at).unwrap() - frame.centre()) * f64::from(scale);
-    rect.center() + vec2(offset.x as f32, offset.y as f32)
+    let offset = document.point(at).unwrap() - document.frame(at.side).unwrap().centre();
+    let scale = fitting_scale(window, at.side);
+    pane(window, at.side).center() + vec2(offset.x as f32, offset.y as f32) * scale
 }
 
 const P_LEFT: PointRef = PointRef { pair: 0, side: Side::Left };
@@ -590,7 +595,7 @@ fn the_window_stays_live_while_computing_and_shows_only_the_newest_result() {
     window.step();
     window.step();
     assert!(window.state().is_busy());
-    window.get_by_label_contains("Estimating");
+    window.get_by_label_contains("Estimating. Points can be dragged");
     window.get_by_label("Stop");
     // Dragging goes on while the computation is held up.
     let from = screen(&window, P_LEFT);

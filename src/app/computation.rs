@@ -30,7 +30,8 @@ struct Input {
 pub struct Computation {
     worker: Worker,
     input: Option<Input>,
-    running: Option<Option<Stage>>,
+    running: bool,
+    stage: Option<Stage>,
     result: Option<(Box<Estimate>, Freshness)>,
     failure: Option<Failure>,
     stopped: bool,
@@ -42,7 +43,8 @@ impl Computation {
         Self {
             worker: Worker::new(estimate, waker),
             input: None,
-            running: None,
+            running: false,
+            stage: None,
             result: None,
             failure: None,
             stopped: false,
@@ -56,12 +58,12 @@ impl Computation {
 
     /// Whether a computation is under way.
     pub fn is_running(&self) -> bool {
-        self.running.is_some()
+        self.running
     }
 
     /// The stage under way, once it is known.
     pub fn stage(&self) -> Option<Stage> {
-        self.running.flatten()
+        self.stage
     }
 
     /// Why the latest computation has no result.
@@ -91,7 +93,8 @@ impl Computation {
         self.stopped = false;
         if let Some(request) = request {
             self.worker.submit(request);
-            self.running = Some(None);
+            self.running = true;
+            self.stage = None;
             match &mut self.result {
                 Some(_) if other_pictures => self.result = None,
                 Some((_, freshness)) => *freshness = Freshness::Stale,
@@ -99,23 +102,22 @@ impl Computation {
             }
         } else {
             self.worker.cancel();
-            self.running = None;
+            self.running = false;
             self.result = None;
         }
     }
 
     /// Stops the computation; a preliminary result stays.
     pub fn stop(&mut self) {
-        if self.running.take().is_none() {
+        if !std::mem::take(&mut self.running) {
             return;
         }
         self.worker.cancel();
-        match &mut self.result {
-            Some((_, freshness @ Freshness::Preliminary)) => *freshness = Freshness::Stopped,
-            _ => {
-                self.result = None;
-                self.stopped = true;
-            }
+        if let Some((_, freshness @ Freshness::Preliminary)) = &mut self.result {
+            *freshness = Freshness::Stopped;
+        } else {
+            self.result = None;
+            self.stopped = true;
         }
     }
 
@@ -128,14 +130,14 @@ impl Computation {
     pub fn take_news(&mut self) {
         while let Some(news) = self.worker.poll() {
             match news {
-                News::Started(stage) => self.running = Some(Some(stage)),
+                News::Started(stage) => self.stage = Some(stage),
                 News::Preliminary(estimate) => self.result = Some((estimate, Freshness::Preliminary)),
                 News::Finished(Ok(estimate)) => {
-                    self.running = None;
+                    self.running = false;
                     self.result = Some((estimate, Freshness::Final));
                 }
                 News::Finished(Err(failure)) => {
-                    self.running = None;
+                    self.running = false;
                     // Lines of earlier points would contradict the message.
                     self.result = None;
                     self.stopped = failure == Failure::Estimate(EstimateError::Cancelled);

@@ -25,9 +25,9 @@ pub const HANDLE_RADIUS: f32 = 6.5;
 /// How near to a handle a press takes hold of it, screen points.
 pub const GRAB_RADIUS: f32 = 11.0;
 /// Width of an ordinary line, screen points.
-pub const LINE_WIDTH: f32 = 1.6;
+pub const LINE_WIDTH: f32 = 1.8;
 /// Width of a line that matters most, screen points.
-pub const STRONG_LINE_WIDTH: f32 = 2.6;
+pub const STRONG_LINE_WIDTH: f32 = 3.0;
 /// Opacity of a result for earlier points.
 pub const STALE_OPACITY: f32 = 0.45;
 /// Space between neighbouring things, screen points.

@@ -158,16 +158,12 @@ fn facts(document: &Document, estimate: &Estimate) -> Vec<Fact> {
 fn epipole_text(epipole: &HomogeneousPoint, frame: Option<Frame>) -> String {
     // Farther away than this, the lines of an image are parallel to the eye.
     const FAR: f64 = 1e6;
-    match finite_point(epipole).filter(|p| p.coords.amax() < FAR) {
-        Some(p) => {
-            let inside = if frame.is_some_and(|frame| frame.contains(p)) { " in the image" } else { "" };
-            format!("({:.1}, {:.1}){inside}", p.x, p.y)
-        }
-        None => {
-            let degrees = epipole.y.atan2(epipole.x).rem_euclid(PI).to_degrees();
-            format!("at infinity, {degrees:.1}°")
-        }
-    }
+    let Some(p) = finite_point(epipole).filter(|p| p.coords.amax() < FAR) else {
+        let degrees = epipole.y.atan2(epipole.x).rem_euclid(PI).to_degrees();
+        return format!("at infinity, {degrees:.1}°");
+    };
+    let inside = if frame.is_some_and(|frame| frame.contains(p)) { " in the image" } else { "" };
+    format!("({:.1}, {:.1}){inside}", p.x, p.y)
 }
 
 #[cfg(test)]

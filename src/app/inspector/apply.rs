@@ -7,7 +7,7 @@ use std::time::Instant;
 
 use egui::{Theme, ThemePreference};
 
-use super::{EditKey, Inspector};
+use super::{EditKey, Inspector, Picking};
 use crate::app::command::Command;
 use crate::app::document::{Document, PointRef, Side};
 use crate::app::history::Step;
@@ -160,7 +160,7 @@ impl Inspector {
             self.tell("A file dialog is open already. Finish it first, or type a path.".into());
             return;
         }
-        let (sender, receiver) = channel();
+        let (sender, answer) = channel();
         let (pick_file, waker) = (Arc::clone(&self.pick_file), self.waker.clone());
         let thread = std::thread::Builder::new().name("file dialog".into()).spawn(move || {
             let start = Instant::now();
@@ -171,7 +171,7 @@ impl Inspector {
         });
         // Without a thread the sender is gone, which is reported like a dialog that could not open.
         drop(thread);
-        self.picking = Some((side, receiver));
+        self.picking = Some(Picking { side, answer });
     }
 
     /// Files dropped on the window since the last frame.

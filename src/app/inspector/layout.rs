@@ -36,7 +36,7 @@ impl Inspector {
         Panel::bottom("sections")
             .frame(bar(ui))
             .resizable(true)
-            .default_size(190.0)
+            .default_size(196.0)
             .size_range(120.0..=420.0)
             .show(ui, |ui| sections(ui, &scene, commands));
         let panes = &mut self.panes;
@@ -72,14 +72,20 @@ fn sections(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
     let mut left = area.min.x;
     for (number, section) in SECTIONS.iter().enumerate() {
         let right = left + area.width() * section.share;
-        let rect = Rect::from_x_y_ranges(left..=right - 2.0 * theme::GAP, area.y_range());
+        let rect = Rect::from_x_y_ranges(
+            left..=right - if number + 1 < SECTIONS.len() { 2.0 * theme::GAP } else { 0.0 },
+            area.y_range(),
+        );
         if number > 0 {
             let stroke = ui.visuals().widgets.noninteractive.bg_stroke;
             ui.painter().vline(left - theme::GAP, area.y_range(), stroke);
         }
         let mut child = ui.new_child(UiBuilder::new().max_rect(rect).id_salt(section.title));
-        child.strong(section.title);
-        child.add_space(2.0);
+        child.horizontal(|ui| {
+            ui.strong(section.title);
+            let right_to_left = egui::Layout::right_to_left(egui::Align::Center);
+            ui.with_layout(right_to_left, |ui| (section.tools)(ui, scene, commands));
+        });
         (section.show)(&mut child, scene, commands);
         left = right;
     }

@@ -1,7 +1,7 @@
 //! The window's state: what is open, what is edited, what is computed, and what is shown.
 //!
-//! One frame runs in this order: take in news from the threads, draw (panes and panels return commands),
-//! apply the commands, bring the computation in line with the document.
+//! One frame runs in this order: take in news from the threads, apply the commands of the keys, draw (panes
+//! and panels return commands), apply these, bring the computation in line with the document.
 
 mod apply;
 mod layout;
@@ -58,6 +58,13 @@ enum EditKey {
     Nudge(PointRef),
 }
 
+/// A file dialog that is open.
+struct Picking {
+    side: Side,
+    /// What was chosen and how long the dialog was open.
+    answer: Receiver<(Option<PathBuf>, Duration)>,
+}
+
 /// The whole window: state, threads and how it is drawn.
 pub struct Inspector {
     document: Document,
@@ -79,7 +86,7 @@ pub struct Inspector {
     messages: Vec<Message>,
     messages_shown: u64,
     pick_file: Arc<dyn Fn() -> Option<PathBuf> + Send + Sync>,
-    picking: Option<(Side, Receiver<(Option<PathBuf>, Duration)>)>,
+    picking: Option<Picking>,
     /// The document right after a click placed a point, for a second click to take it back.
     placed: Option<Document>,
     title: String,
@@ -143,8 +150,13 @@ impl Inspector {
         let ctx = ui.ctx().clone();
         self.waker.attach(&ctx);
         self.take_news(&ctx);
+        // Keys first: Escape ends a drag before the panes can carry it on.
         let mut commands = command::pressed(&ctx);
         commands.extend(Self::dropped_files(&ctx));
+        for command in commands {
+            self.apply(&ctx, command);
+        }
+        let mut commands = Vec::new();
         self.draw(ui, &mut commands);
         for command in commands {
             self.apply(&ctx, command);
@@ -172,7 +184,7 @@ impl Inspector {
             }
             None => {}
         }
-        let picked = self.picking.as_ref().map(|(side, receiver)| (*side, receiver.try_recv()));
+        let picked = self.picking.as_ref().map(|picking| (picking.side, picking.answer.try_recv()));
         match picked {
             None | Some((_, Err(TryRecvError::Empty))) => return,
             Some((side, Ok((Some(path), _)))) => {

@@ -24,7 +24,9 @@ pub struct Section {
     pub title: &'static str,
     /// Its share of the width.
     pub share: f32,
-    /// Shows it.
+    /// Shows what belongs in the line of the heading, from the right.
+    pub tools: fn(&mut Ui, &Scene, &mut Vec<Command>),
+    /// Shows the rest.
     pub show: fn(&mut Ui, &Scene, &mut Vec<Command>),
 }
 

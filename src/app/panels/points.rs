@@ -1,6 +1,6 @@
 //! The list of point pairs with their residuals.
 
-use egui::{Align, Grid, Label, Layout, RichText, ScrollArea, Sense, Ui};
+use egui::{Grid, Label, RichText, ScrollArea, Sense, Ui};
 
 use super::{Section, command_button, finish_button};
 use crate::app::command::Command;
@@ -10,7 +10,12 @@ use crate::app::theme;
 use crate::geometry::{Point, symmetric_epipolar_distance};
 
 /// Registered in [`super::SECTIONS`].
-pub const SECTION: Section = Section { title: "Point pairs", share: 0.5, show };
+pub const SECTION: Section = Section { title: "Point pairs", share: 0.5, tools, show };
+
+fn tools(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
+    let any = !scene.document.pairs.is_empty() || scene.document.half.is_some();
+    command_button(ui, Command::ClearPairs, any, commands);
+}
 
 fn show(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
     let document = scene.document;
@@ -19,21 +24,20 @@ fn show(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
         return;
     }
     ScrollArea::vertical().id_salt("points").auto_shrink([false, false]).show(ui, |ui| {
-        Grid::new("points").num_columns(6).striped(true).spacing([18.0, 4.0]).show(ui, |ui| {
-            for title in ["Pair", "Left x, y", "Right x, y", "Use", "Residual", ""] {
-                ui.weak(title);
-            }
-            ui.end_row();
-            for pair in 0..=document.pairs.len() {
-                if pair < document.pairs.len() || document.half.is_some() {
-                    row(ui, scene, pair, commands);
+        Grid::new("points").num_columns(6).striped(true).min_row_height(22.0).spacing([10.0, 3.0]).show(
+            ui,
+            |ui| {
+                for title in ["Pair", "   Left x, y", "   Right x, y", "Use", "  Residual", ""] {
+                    ui.weak(title);
                 }
-            }
-        });
-        ui.add_space(theme::GAP / 2.0);
-        ui.with_layout(Layout::left_to_right(Align::Min), |ui| {
-            command_button(ui, Command::ClearPairs, true, commands);
-        });
+                ui.end_row();
+                for pair in 0..=document.pairs.len() {
+                    if pair < document.pairs.len() || document.half.is_some() {
+                        row(ui, scene, pair, commands);
+                    }
+                }
+            },
+        );
     });
 }
 
@@ -83,5 +87,5 @@ fn row(ui: &mut Ui, scene: &Scene, pair: usize, commands: &mut Vec<Command>) {
 }
 
 fn position_text(point: Point) -> String {
-    format!("{:8.2}, {:8.2}", point.x, point.y)
+    format!("{:7.2}, {:7.2}", point.x, point.y)
 }

@@ -2,7 +2,7 @@
 
 use egui::{Color32, Grid, RichText, ScrollArea, Ui, vec2};
 
-use super::{Section, command_button};
+use super::{Section, command_button, finish_button};
 use crate::app::command::Command;
 use crate::app::scene::Scene;
 use crate::app::theme;
@@ -10,7 +10,7 @@ use crate::app::verdict::{Tone, Verdict, verdict};
 use crate::estimate::{Method, Preset};
 
 /// Registered in [`super::SECTIONS`].
-pub const SECTION: Section = Section { title: "Result", share: 0.5, show };
+pub const SECTION: Section = Section { title: "Result", share: 0.5, tools: settings, show };
 
 fn show(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
     let Verdict { tone, headline, facts, warnings } = verdict(scene.document, scene.computation);
@@ -32,36 +32,30 @@ fn show(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
             let color = tone_color(ui, Tone::Caution);
             ui.add(egui::Label::new(RichText::new(warning).color(color)).wrap());
         }
-        Grid::new("facts").num_columns(2).spacing([16.0, 4.0]).show(ui, |ui| {
+        Grid::new("facts").num_columns(2).min_row_height(18.0).spacing([16.0, 4.0]).show(ui, |ui| {
             for fact in facts {
                 ui.weak(fact.name).on_hover_text(fact.tooltip);
                 ui.label(fact.value).on_hover_text(fact.tooltip);
                 ui.end_row();
             }
         });
-        ui.add_space(theme::GAP / 2.0);
-        settings(ui, scene, commands);
     });
 }
 
-/// The choices of the estimate.
+/// The choices of the estimate, from right to left.
 fn settings(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
     let parameters = &scene.document.parameters;
-    ui.horizontal_wrapped(|ui| {
-        ui.weak("Estimate from");
-        for (method, name) in [(Method::TwoPoint, "Two pairs"), (Method::ThreePoint, "Three pairs")] {
-            let command = Command::SetMethod(method);
-            let response = ui.selectable_label(parameters.method == method, name);
-            super::finish_button(ui, response, command, commands);
-        }
-        ui.add_space(theme::GAP);
-        ui.weak("Preset");
-        for (preset, name) in [(Preset::Robust, "Robust"), (Preset::Paper, "Paper")] {
-            let command = Command::SetPreset(preset);
-            let response = ui.selectable_label(parameters.preset == preset, name);
-            super::finish_button(ui, response, command, commands);
-        }
-    });
+    for (preset, name) in [(Preset::Paper, "Paper"), (Preset::Robust, "Robust")] {
+        let response = ui.selectable_label(parameters.preset == preset, name);
+        finish_button(ui, response, Command::SetPreset(preset), commands);
+    }
+    ui.weak("Preset");
+    ui.add_space(theme::GAP);
+    for (method, name) in [(Method::ThreePoint, "Three pairs"), (Method::TwoPoint, "Two pairs")] {
+        let response = ui.selectable_label(parameters.method == method, name);
+        finish_button(ui, response, Command::SetMethod(method), commands);
+    }
+    ui.weak("From");
 }
 
 fn tone_color(ui: &Ui, tone: Tone) -> Color32 {

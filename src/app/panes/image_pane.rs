@@ -242,6 +242,6 @@ fn follow(ui: &Ui, drag: &Drag, shown: &mut Shown, transform: &Transform, comman
 /// The area of a pane, for layout.
 pub fn halves(rect: Rect) -> [Rect; 2] {
     let (left, right) = rect.split_left_right_at_fraction(0.5);
-    let half = theme::GAP / 2.0;
+    let half = theme::GAP;
     [left.with_max_x(left.max.x - half), right.with_min_x(right.min.x + half)]
 }
