@@ -498,7 +498,7 @@ fn typed_paths_open() {
         window.get_by_role_and_label(egui::accesskit::Role::TextInput, label).type_text(&path);
         window.step();
     }
-    window.get_by_label("Open both").click();
+    window.get_by_label("Open these").click();
     settle(&mut window);
     let pictures = window.state().document().pictures.clone().unwrap();
     assert_eq!(pictures.map(|picture| picture.name), ["left.png", "right.png"]);
@@ -526,7 +526,7 @@ fn typing_does_not_run_commands() {
     assert_eq!(window.state().document().pairs.len(), 2);
     window.key_press(Key::Escape);
     settle(&mut window);
-    assert!(window.query_by_label("Open both").is_none());
+    assert!(window.query_by_label("Open these").is_none());
 }
 
 #[test]

@@ -78,7 +78,7 @@ impl Loader {
     /// Opens the built-in pair.
     pub fn open_sample(&mut self) {
         self.start(|| {
-            let sample = sample_pair().map_err(|error| sentence(&error))?;
+            let sample = sample_pair().map_err(|error| failure(Side::Left, &error))?;
             Ok(Pair { pictures: sample.pictures.map(Opened::new), show_me: Some(sample.show_me) })
         });
     }
@@ -90,9 +90,10 @@ impl Loader {
             for (source, side) in sources.into_iter().zip(Side::BOTH) {
                 opened.push(match source {
                     Source::Keep(opened) => opened,
-                    Source::File(path) => Picture::open(&path)
-                        .map(Opened::new)
-                        .map_err(|error| format!("{} (the {} image)", sentence(&error), side.name()))?,
+                    Source::File(path) => {
+                        let opened = Picture::open(&path).map(Opened::new);
+                        opened.map_err(|error| failure(side, &error))?
+                    }
                 });
             }
             let pictures = opened.try_into().map_err(|_| "two pictures are needed".to_owned())?;
@@ -128,9 +129,9 @@ impl Loader {
     }
 }
 
-/// An error as a sentence of its own.
-fn sentence(error: &LoadError) -> String {
-    capitalised(&error.to_string())
+/// What happened and what to do.
+fn failure(side: Side, error: &LoadError) -> String {
+    format!("The {} image: {error}. Nothing was changed; check the file, or open another one.", side.name())
 }
 
 /// The text with a capital first letter, unless it starts with a path.

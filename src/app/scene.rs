@@ -10,8 +10,10 @@ use crate::geometry::Point;
 pub struct Hover {
     /// The image under the cursor.
     pub side: Side,
-    /// Where in it, px.
+    /// Where in it, px; the point that is being dragged, if one is.
     pub point: Point,
+    /// Whether a point is being dragged.
+    pub dragging: bool,
 }
 
 /// The state as it is drawn. Panes and panels read it and return commands.

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use egui::{Align2, Button, Grid, Key, TextEdit, Window, vec2};
+use egui::{Align2, Button, Key, Label, TextEdit, Window, vec2};
 
 use super::{command_button, finish_button};
 use crate::app::command::Command;
@@ -62,12 +62,9 @@ impl OpenDialog {
                 ui.set_width(520.0);
                 ui.weak("Type or paste the paths, browse for the files, or drop them on the window.");
                 ui.add_space(6.0);
-                Grid::new("paths").num_columns(3).show(ui, |ui| {
-                    for side in Side::BOTH {
-                        self.field(ui, scene, side, commands);
-                        ui.end_row();
-                    }
-                });
+                for side in Side::BOTH {
+                    ui.horizontal(|ui| self.field(ui, scene, side, commands));
+                }
                 ui.add_space(6.0);
                 let typed = self.typed();
                 let enough = match &scene.document.pictures {
@@ -75,7 +72,7 @@ impl OpenDialog {
                     None => typed.iter().all(Option::is_some),
                 };
                 ui.horizontal(|ui| {
-                    let open = ui.add_enabled(enough, Button::new("Open both"));
+                    let open = ui.add_enabled(enough, Button::new("Open these"));
                     finish_button(ui, open, Command::OpenFiles(typed.clone()), commands);
                     command_button(ui, Command::Cancel, true, commands);
                 });
@@ -90,13 +87,15 @@ impl OpenDialog {
     }
 
     fn field(&mut self, ui: &mut egui::Ui, scene: &Scene, side: Side, commands: &mut Vec<Command>) {
-        let label = ui.label(match side {
+        let name = match side {
             Side::Left => "Left image",
             Side::Right => "Right image",
-        });
+        };
+        // Both labels equally wide, so that the fields line up.
+        let label = ui.add_sized([84.0, 26.0], Label::new(name));
         let present = scene.document.pictures.as_ref().map(|pictures| &pictures[side.index()].name);
         let hint = present.map_or("path of the image".to_owned(), |name| format!("keep {name}"));
-        let edit = TextEdit::singleline(&mut self.paths[side.index()]).hint_text(hint).desired_width(310.0);
+        let edit = TextEdit::singleline(&mut self.paths[side.index()]).hint_text(hint).desired_width(330.0);
         let response = ui.add(edit).labelled_by(label.id);
         if self.just_opened && side == Side::Left {
             response.request_focus();

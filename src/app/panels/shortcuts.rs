@@ -1,6 +1,6 @@
 //! The list of keys and mouse actions.
 
-use egui::{Align2, Grid, RichText, Window, vec2};
+use egui::{Align2, Grid, RichText, ScrollArea, Window, vec2};
 
 use crate::app::command::{Command, key_text};
 
@@ -23,17 +23,28 @@ pub fn show(ctx: &egui::Context, open: &mut bool) {
         .resizable(false)
         .anchor(Align2::CENTER_CENTER, vec2(0.0, 0.0))
         .show(ctx, |ui| {
-            Grid::new("keys").num_columns(2).striped(true).spacing([24.0, 6.0]).show(ui, |ui| {
-                for (action, what) in MOUSE {
-                    ui.label(RichText::new(action).strong());
-                    ui.label(what);
-                    ui.end_row();
-                }
-                for command in Command::with_keys() {
-                    ui.label(RichText::new(key_text(ui.ctx(), &command).unwrap_or_default()).strong());
-                    ui.label(command.name()).on_hover_text(command.tooltip());
-                    ui.end_row();
-                }
+            let room = (ctx.content_rect().height() - 140.0).max(120.0);
+            ScrollArea::vertical().max_height(room).show(ui, |ui| {
+                Grid::new("keys")
+                    .num_columns(2)
+                    .striped(true)
+                    .min_row_height(20.0)
+                    .spacing([24.0, 4.0])
+                    .show(ui, |ui| {
+                        for (action, what) in MOUSE {
+                            ui.label(RichText::new(action).strong());
+                            ui.label(what);
+                            ui.end_row();
+                        }
+                        for command in Command::with_keys() {
+                            ui.label(
+                                RichText::new(key_text(ui.ctx(), &command).unwrap_or_default()).strong(),
+                            );
+                            let first_sentence = command.tooltip().split('.').next().unwrap_or_default();
+                            ui.label(first_sentence);
+                            ui.end_row();
+                        }
+                    });
             });
         });
 }

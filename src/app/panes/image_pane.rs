@@ -113,9 +113,11 @@ impl ImagePane {
         if due {
             painter.rect_stroke(rect, 4.0, egui::Stroke::new(2.0, palette.accent), StrokeKind::Inside);
         }
-        let position = response.hover_pos().or(self.drag.and(response.interact_pointer_pos()))?;
-        let point = transform.image_from_screen(position);
-        frame.contains(point).then_some(Hover { side, point })
+        if let Some(Drag { what: Dragged::Point(at, _), .. }) = self.drag {
+            return scene.document.point(at).map(|point| Hover { side, point, dragging: true });
+        }
+        let point = transform.image_from_screen(response.hover_pos()?);
+        frame.contains(point).then_some(Hover { side, point, dragging: false })
     }
 
     /// The line above the image: which one it is, its name, size and zoom.

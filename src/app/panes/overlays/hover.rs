@@ -13,6 +13,10 @@ pub const OVERLAY: Overlay = Overlay {
 
 fn draw(canvas: &Canvas) {
     let (Some((estimate, opacity)), Some(hover)) = (canvas.estimate(), canvas.scene.hover) else { return };
+    if hover.dragging {
+        // The dragged point has a line of its own.
+        return;
+    }
     let f = &estimate.fundamental;
     let (line, width, opacity) = if hover.side == canvas.side {
         // Faint: here it only shows which line the cursor is on.
