@@ -67,6 +67,8 @@ pub enum Command {
     ToggleOverlay(usize),
     /// Remove a message.
     Dismiss(u64),
+    /// Close the window.
+    Quit,
 }
 
 const COMMAND_SHIFT: Modifiers = Modifiers::COMMAND.plus(Modifiers::SHIFT);
@@ -78,7 +80,7 @@ const fn key(modifiers: Modifiers, key: Key) -> KeyboardShortcut {
 impl Command {
     /// The actions that have keys, in the order of the list of keys. Where one key is another one's with
     /// Shift, the one with Shift comes first, or it would never be seen.
-    pub fn with_keys() -> [Self; 10] {
+    pub fn with_keys() -> [Self; 11] {
         [
             Self::ShowOpenDialog,
             Self::ShowMe,
@@ -90,6 +92,7 @@ impl Command {
             Self::Recompute,
             Self::ToggleTheme,
             Self::ToggleShortcuts,
+            Self::Quit,
         ]
     }
 
@@ -120,6 +123,7 @@ impl Command {
             Self::SetPreset(_) => "Preset",
             Self::ToggleOverlay(_) => "Show or hide",
             Self::Dismiss(_) => "Dismiss message",
+            Self::Quit => "Quit",
         }
     }
 
@@ -157,6 +161,7 @@ impl Command {
             }
             Self::ToggleOverlay(_) => "Show or hide this in both images.",
             Self::Dismiss(_) => "Remove this message.",
+            Self::Quit => "Close the window.",
         }
     }
 
@@ -170,6 +175,7 @@ impl Command {
             Self::DeleteSelected => {
                 const { &[key(Modifiers::NONE, Key::Delete), key(Modifiers::NONE, Key::Backspace)] }
             }
+            Self::Quit => const { &[key(Modifiers::COMMAND, Key::Q)] },
             Self::Cancel => const { &[key(Modifiers::NONE, Key::Escape)] },
             Self::FitAll => const { &[key(Modifiers::NONE, Key::F)] },
             Self::Recompute => const { &[key(Modifiers::NONE, Key::F5)] },
@@ -181,22 +187,25 @@ impl Command {
         }
     }
 
-    /// Whether its keys work while a text field has the keyboard.
+    /// Whether its keys work while a text field or a dialog has the keyboard.
     fn works_while_typing(&self) -> bool {
-        matches!(self, Self::ShowOpenDialog | Self::Cancel)
+        matches!(self, Self::ShowOpenDialog | Self::Cancel | Self::Quit)
     }
 }
 
 /// Pixels an arrow key moves a point; ten times as far with Shift.
 const NUDGE: f64 = 0.1;
 
-/// The commands of the keys pressed since the last frame.
-pub fn pressed(ctx: &egui::Context) -> Vec<Command> {
-    let typing = ctx.text_edit_focused();
+/// The commands of the keys pressed since the last frame. While a dialog is open, keys that also write
+/// text belong to it.
+pub fn pressed(ctx: &egui::Context, dialog_open: bool) -> Vec<Command> {
+    let typing = dialog_open || ctx.text_edit_focused();
+    // An open menu closes on Escape by itself.
+    let menu_open = egui::Popup::is_any_open(ctx);
     let mut commands = Vec::new();
     ctx.input_mut(|input| {
         for command in Command::with_keys() {
-            if typing && !command.works_while_typing() {
+            if typing && !command.works_while_typing() || menu_open && command == Command::Cancel {
                 continue;
             }
             for shortcut in command.shortcuts() {

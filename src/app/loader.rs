@@ -133,17 +133,3 @@ impl Loader {
 fn failure(side: Side, error: &LoadError) -> String {
     format!("The {} image: {error}. Nothing was changed; check the file, or open another one.", side.name())
 }
-
-/// The text with a capital first letter, unless it starts with a path.
-pub fn capitalised(text: &str) -> String {
-    let mut characters = text.chars();
-    match characters.next() {
-        Some(first)
-            if first.is_ascii_lowercase()
-                && !text.split(' ').next().is_some_and(|w| w.contains(['/', '.'])) =>
-        {
-            first.to_ascii_uppercase().to_string() + characters.as_str()
-        }
-        _ => text.to_owned(),
-    }
-}

@@ -75,7 +75,7 @@ pub fn run(start: Start, services: Services) -> Result<(), AppError> {
             .with_title("Epiline")
             .with_app_id(APP_ID)
             .with_inner_size([1280.0, 800.0])
-            .with_min_inner_size([720.0, 480.0]),
+            .with_min_inner_size([860.0, 540.0]),
         ..NativeOptions::default()
     };
     let outcome = quietly(|| {

@@ -4,7 +4,6 @@ use std::f64::consts::PI;
 
 use super::computation::{Computation, Freshness};
 use super::document::{Document, pair_name};
-use super::loader::capitalised;
 use super::worker::Failure;
 use crate::estimate::Estimate;
 use crate::geometry::{Frame, HomogeneousPoint, finite_point};
@@ -164,6 +163,13 @@ fn epipole_text(epipole: &HomogeneousPoint, frame: Option<Frame>) -> String {
     };
     let inside = if frame.is_some_and(|frame| frame.contains(p)) { " in the image" } else { "" };
     format!("({:.1}, {:.1}){inside}", p.x, p.y)
+}
+
+/// The text with a capital first letter.
+fn capitalised(text: &str) -> String {
+    let mut characters = text.chars();
+    let first = characters.next().map(|first| first.to_ascii_uppercase());
+    first.into_iter().chain(characters).collect()
 }
 
 #[cfg(test)]

@@ -73,6 +73,7 @@ impl Inspector {
                     *shown = !*shown;
                 }
             }
+            Command::Quit => ctx.send_viewport_cmd(egui::ViewportCommand::Close),
             Command::Dismiss(number) => self.messages.retain(|message| message.number != number),
         }
     }

@@ -151,7 +151,7 @@ impl Inspector {
         self.waker.attach(&ctx);
         self.take_news(&ctx);
         // Keys first: Escape ends a drag before the panes can carry it on.
-        let mut commands = command::pressed(&ctx);
+        let mut commands = command::pressed(&ctx, self.open_dialog.open);
         commands.extend(Self::dropped_files(&ctx));
         for command in commands {
             self.apply(&ctx, command);

@@ -23,7 +23,7 @@ fn show(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
         ui.weak("The pairs you click appear here with their distances from the epipolar lines.");
         return;
     }
-    ScrollArea::vertical().id_salt("points").auto_shrink([false, false]).show(ui, |ui| {
+    ScrollArea::both().id_salt("points").auto_shrink([false, false]).show(ui, |ui| {
         Grid::new("points").num_columns(6).striped(true).min_row_height(22.0).spacing([10.0, 3.0]).show(
             ui,
             |ui| {

@@ -1,12 +1,13 @@
 //! The verdict: what was found, how far to trust it, and why.
 
-use egui::{Color32, Grid, RichText, ScrollArea, Ui, vec2};
+use egui::text::{LayoutJob, TextFormat};
+use egui::{Color32, RichText, ScrollArea, Ui, vec2};
 
 use super::{Section, command_button, finish_button};
 use crate::app::command::Command;
 use crate::app::scene::Scene;
 use crate::app::theme;
-use crate::app::verdict::{Tone, Verdict, verdict};
+use crate::app::verdict::{Fact, Tone, Verdict, verdict};
 use crate::estimate::{Method, Preset};
 
 /// Registered in [`super::SECTIONS`].
@@ -32,30 +33,49 @@ fn show(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
             let color = tone_color(ui, Tone::Caution);
             ui.add(egui::Label::new(RichText::new(warning).color(color)).wrap());
         }
-        Grid::new("facts").num_columns(2).min_row_height(18.0).spacing([16.0, 4.0]).show(ui, |ui| {
+        // Lines of text, not of buttons.
+        ui.spacing_mut().interact_size.y = 18.0;
+        ui.horizontal_wrapped(|ui| {
+            ui.spacing_mut().item_spacing = vec2(18.0, 4.0);
             for fact in facts {
-                ui.weak(fact.name).on_hover_text(fact.tooltip);
-                ui.label(fact.value).on_hover_text(fact.tooltip);
-                ui.end_row();
+                ui.add(egui::Label::new(fact_text(ui, &fact)).extend()).on_hover_text(fact.tooltip);
             }
         });
     });
 }
 
+/// Name and figure as one piece, so that a line never breaks between them.
+fn fact_text(ui: &Ui, fact: &Fact) -> LayoutJob {
+    let font = egui::TextStyle::Body.resolve(ui.style());
+    let mut job = LayoutJob::default();
+    let visuals = ui.visuals();
+    for (text, color) in
+        [(format!("{} ", fact.name), visuals.weak_text_color()), (fact.value.clone(), visuals.text_color())]
+    {
+        job.append(&text, 0.0, TextFormat::simple(font.clone(), color));
+    }
+    job
+}
+
 /// The choices of the estimate, from right to left.
 fn settings(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
     let parameters = &scene.document.parameters;
+    let roomy = ui.available_width() > 420.0;
     for (preset, name) in [(Preset::Paper, "Paper"), (Preset::Robust, "Robust")] {
         let response = ui.selectable_label(parameters.preset == preset, name);
         finish_button(ui, response, Command::SetPreset(preset), commands);
     }
-    ui.weak("Preset");
+    if roomy {
+        ui.weak("Preset");
+    }
     ui.add_space(theme::GAP);
     for (method, name) in [(Method::ThreePoint, "Three pairs"), (Method::TwoPoint, "Two pairs")] {
         let response = ui.selectable_label(parameters.method == method, name);
         finish_button(ui, response, Command::SetMethod(method), commands);
     }
-    ui.weak("From");
+    if roomy {
+        ui.weak("From");
+    }
 }
 
 fn tone_color(ui: &Ui, tone: Tone) -> Color32 {

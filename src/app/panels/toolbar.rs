@@ -1,6 +1,7 @@
 //! The bar at the top: opening, undo, what is shown, and help.
 
-use egui::{Align, Button, Layout, Ui};
+use egui::containers::menu::{MenuButton, MenuConfig};
+use egui::{Align, Button, Layout, PopupCloseBehavior, Ui};
 
 use super::{command_button, finish_button};
 use crate::app::command::Command;
@@ -18,9 +19,10 @@ pub fn show(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
         command_button(ui, Command::Redo, scene.can_undo_redo[1], commands);
         ui.separator();
         command_button(ui, Command::FitAll, scene.document.pictures.is_some(), commands);
-        ui.menu_button("Show", |ui| overlay_menu(ui, scene, commands))
-            .response
-            .on_hover_text("Choose what is drawn over the images.");
+        let stays_open = MenuConfig::new().close_behavior(PopupCloseBehavior::CloseOnClickOutside);
+        let (menu, _) =
+            MenuButton::new("Show").config(stays_open).ui(ui, |ui| overlay_menu(ui, scene, commands));
+        menu.on_hover_text("Choose what is drawn over the images.");
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             let keys = ui.add(Button::new("Keys"));
             finish_button(ui, keys, Command::ToggleShortcuts, commands);

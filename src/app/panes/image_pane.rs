@@ -201,7 +201,8 @@ impl ImagePane {
         if response.hovered() || self.drag.is_some() {
             ui.ctx().set_cursor_icon(cursor);
         }
-        if let Some((at, _)) = response.hover_pos().and_then(handle_at).filter(|_| self.drag.is_none()) {
+        let under = response.hover_pos().and_then(handle_at).map(|(at, _)| at);
+        if let Some(at) = under.filter(|at| self.drag.is_none() && scene.document.selection != Some(*at)) {
             let name = pair_name(at.pair);
             response
                 .clone()
