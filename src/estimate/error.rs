@@ -80,6 +80,11 @@ pub enum EstimateError {
         /// What is allowed.
         allowed: &'static str,
     },
+    /// The two images are (nearly) the same picture.
+    #[error(
+        "the two images are nearly identical, so there is no parallax and every geometry fits: use images from different places"
+    )]
+    NoParallax,
     /// No pencil lines with enough texture pass through a click.
     #[error(
         "no textured lines pass through point pair {pair}: choose a point in a textured part of the images"
@@ -99,7 +104,7 @@ pub enum EstimateError {
 impl EstimateError {
     /// Whether the input was at fault (exit status 2) rather than the computation (exit status 1).
     pub fn is_bad_input(&self) -> bool {
-        !matches!(self, Self::NoCandidates { .. } | Self::NoGeometry | Self::Cancelled)
+        !matches!(self, Self::NoCandidates { .. } | Self::NoGeometry | Self::NoParallax | Self::Cancelled)
     }
 }
 
@@ -135,11 +140,6 @@ pub enum Warning {
         /// Lines examined.
         lines: usize,
     },
-    /// The two images are (nearly) the same picture.
-    #[error(
-        "the two images are nearly identical, so there is no parallax and every geometry fits: use images from different places"
-    )]
-    NoParallax,
     /// A clearly different geometry fits almost as well.
     #[error(
         "a clearly different geometry fits almost as well (margin {margin:.2}): add a third point pair or choose other points"
@@ -148,4 +148,15 @@ pub enum Warning {
         /// Relative score distance to the best clearly different hypothesis.
         margin: f64,
     },
+    /// Few patches agree with the geometry.
+    #[error(
+        "only {matches} patches agree with this geometry, so it is a guess: choose points in a part of the scene that both images show clearly"
+    )]
+    LittleSupport {
+        /// Supporting matches.
+        matches: usize,
+    },
+    /// The refinement at full resolution found too few matches, or would have led away.
+    #[error("the refinement found too few matches along the epipolar lines, so the coarser result was kept")]
+    NotRefined,
 }

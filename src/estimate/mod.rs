@@ -1,19 +1,42 @@
 //! From clicked point pairs to a fundamental matrix, with everything that led to it.
 
+mod bundle;
+mod candidates;
+mod degeneracy;
 mod error;
+mod hypotheses;
+mod line_refinement;
 mod monitor;
 mod parameters;
+mod patches;
+mod polish;
+mod prepared;
+mod refinement;
 mod result;
+mod search;
+mod support;
+mod two_point;
+mod validation;
+mod voting;
 
+pub use candidates::{Candidate, PencilComparison};
+pub use degeneracy::SMALLEST_SIDE;
 pub use error::{EstimateError, Warning};
 pub use monitor::{CancelFlag, Monitor, Progress, Stage};
-pub use parameters::{Method, Parameters, Preset};
-pub use result::{Counts, Estimate, Hypothesis, StageTiming};
+pub use parameters::{LineScore, Method, Parameters, Preset};
+pub use prepared::PreparedPair;
+pub use refinement::RefinedMatch;
+pub use result::{Counts, Estimate, Hypothesis, PatchSupport, StageTiming};
+
+use std::time::Instant;
 
 use crate::geometry::PointPair;
 use crate::image::GrayPlane;
 
-/// Estimates the fundamental matrix of two images from two or three clicked point pairs.
+/// Estimates the fundamental matrix of two images from two or three clicked point pairs, full-size pixels.
+///
+/// Further pairs are ignored. The same images, pairs, parameters and seed give the same result on any number of
+/// threads. To estimate again on the same images, prepare them once and call [`estimate_prepared`].
 pub fn estimate(
     image1: &GrayPlane,
     image2: &GrayPlane,
@@ -21,6 +44,17 @@ pub fn estimate(
     parameters: &Parameters,
     monitor: &Monitor,
 ) -> Result<Estimate, EstimateError> {
-    let _ = (image1, image2, pairs, parameters, monitor);
-    Err(EstimateError::NoGeometry)
+    let begun = Instant::now();
+    let prepared = PreparedPair::new(image1, image2);
+    two_point::run(&prepared, pairs, parameters, monitor, begun)
+}
+
+/// [`estimate`] on images that were prepared before.
+pub fn estimate_prepared(
+    prepared: &PreparedPair,
+    pairs: &[PointPair],
+    parameters: &Parameters,
+    monitor: &Monitor,
+) -> Result<Estimate, EstimateError> {
+    two_point::run(prepared, pairs, parameters, monitor, Instant::now())
 }

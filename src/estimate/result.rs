@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::{Method, Preset, Stage, Warning};
+use super::{Method, Preset, RefinedMatch, Stage, Warning};
 use crate::geometry::{FundamentalMatrix, HomogeneousPoint};
 
 /// One hypothesis of the geometry: two line pairs through the clicks and κ, in full-size pixels.
@@ -12,6 +12,9 @@ pub struct Hypothesis {
     pub fundamental: FundamentalMatrix,
     /// Full-validation score, lower is better; see the module docs of `validation` for its unit.
     pub score: f64,
+    /// Patch support: summed correlation excess of the patches that agree with it, higher is better. 0 when
+    /// the preset does not use it.
+    pub support: f64,
     /// Mean epipolar area between `l` and `GH l`, divided by the image width: px.
     pub round_trip_area: f64,
     /// κ of the paper's H: bisector chosen in image 1, matching line found in image 2.
@@ -56,6 +59,15 @@ pub struct StageTiming {
     pub seconds: f64,
 }
 
+/// Patches that agree with a geometry.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PatchSupport {
+    /// Mutual best matches along the epipolar lines.
+    pub matches: usize,
+    /// Sum over them of the correlation in excess of 0.6.
+    pub score: f64,
+}
+
 /// A fundamental matrix and how it came about. All coordinates are full-size pixels.
 #[derive(Debug, Clone, Serialize)]
 pub struct Estimate {
@@ -69,7 +81,10 @@ pub struct Estimate {
     pub score: f64,
     /// Mean epipolar area between `l` and `GH l` over the width of image 1, px.
     pub round_trip_area: f64,
-    /// `(score of the best clearly different hypothesis − score) / score`; `None` when there is no other.
+    /// Patches that agree with the result, if the preset looks at patches.
+    pub support: Option<PatchSupport>,
+    /// Advantage over the best clearly different hypothesis, relative to the better of the two: of patch
+    /// support when the preset uses it, else of the score. `None` when there is no other hypothesis.
     pub margin: Option<f64>,
     /// How it was computed.
     pub method: Method,
@@ -87,7 +102,12 @@ pub struct Estimate {
     pub first_seconds: f64,
     /// Seconds in all.
     pub seconds: f64,
-    /// The validated hypotheses, best first.
+    /// Whether all seven degrees of freedom were refined at full resolution.
+    pub refined: bool,
+    /// The best hypotheses, best first.
     #[serde(skip)]
     pub hypotheses: Vec<Hypothesis>,
+    /// The matches the refinement rests on.
+    #[serde(skip)]
+    pub matches: Vec<RefinedMatch>,
 }

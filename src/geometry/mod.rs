@@ -9,8 +9,10 @@
 //! - Names carry the direction of a map: `line2_from_line1`.
 //! - Angles are radians. Nothing here divides by the third coordinate of an epipole.
 
+mod anchored;
 mod area;
 mod camera;
+mod difference;
 mod eight_point;
 mod frame;
 mod fundamental;
@@ -19,8 +21,10 @@ mod pencil;
 mod point;
 mod residual;
 
+pub use anchored::AnchoredLine;
 pub use area::area_between_lines;
 pub use camera::Camera;
+pub use difference::epipolar_difference;
 pub use eight_point::{EightPointError, eight_point};
 pub use frame::{Frame, Segment};
 pub use fundamental::FundamentalMatrix;

@@ -1,9 +1,13 @@
 //! Pictures in memory: loading, grey planes, pyramids and samples along lines.
 
+mod corners;
 mod load;
 mod plane;
 mod pyramid;
+mod sampling;
 
+pub use corners::find_corners;
 pub use load::{LoadError, Picture};
 pub use plane::GrayPlane;
 pub use pyramid::Pyramid;
+pub use sampling::Profile;

@@ -1,0 +1,126 @@
+//! What is computed once per image pair, whatever the clicks: pyramids, corners and patch correlations.
+
+use std::sync::OnceLock;
+
+use super::refinement::{Refined, RefinementLevel};
+use super::support::Support;
+use super::voting::Electorate;
+use crate::geometry::{Frame, FundamentalMatrix, Point, PointPair};
+use crate::image::{GrayPlane, Pyramid};
+
+/// Two images made ready for estimates. Keep it while the images stay the same: moving a click then costs only
+/// what depends on the click.
+#[derive(Debug)]
+pub struct PreparedPair {
+    pyramids: [Pyramid; 2],
+    witness: OnceLock<Witness>,
+    refinement: [RefinementLevel; REFINEMENT_SIDES.len()],
+}
+
+/// Patch support at its level, with the corner pairs that vote.
+#[derive(Debug)]
+pub(crate) struct Witness {
+    pub scales: [f64; 2],
+    pub support: Support,
+    pub electorate: Electorate,
+}
+
+/// Both images at one size.
+#[derive(Clone, Copy)]
+pub(crate) struct Level<'a> {
+    pub planes: [&'a GrayPlane; 2],
+    /// Size over full size, of each image.
+    pub scales: [f64; 2],
+}
+
+/// Longer side of the images patch support is computed on, px.
+const WITNESS_SIDE: f64 = 384.0;
+/// Corners an image at that size.
+const WITNESS_CORNERS: usize = 600;
+/// Look-alikes of a corner that vote.
+const VOTES_PER_CORNER: usize = 3;
+/// Longer sides of the levels `F` is refined at, px; the last one is full size.
+const REFINEMENT_SIDES: [f64; 2] = [800.0, f64::INFINITY];
+/// Levels smaller than this are never used, px.
+const SMALLEST_SIDE: f64 = 48.0;
+
+impl PreparedPair {
+    /// Builds the pyramids, in parallel; everything else when it is first needed.
+    pub fn new(image1: &GrayPlane, image2: &GrayPlane) -> Self {
+        let (a, b) =
+            rayon::join(|| Pyramid::new(image1, SMALLEST_SIDE), || Pyramid::new(image2, SMALLEST_SIDE));
+        Self { pyramids: [a, b], witness: OnceLock::new(), refinement: Default::default() }
+    }
+
+    /// Sizes of the two images.
+    pub fn frames(&self) -> [Frame; 2] {
+        [self.pyramids[0].level(0).frame(), self.pyramids[1].level(0).frame()]
+    }
+
+    /// The levels nearest to a longer side of `side` px, chosen for each image apart, so that images of
+    /// different size are compared at like sizes.
+    pub(crate) fn level(&self, side: f64) -> Level<'_> {
+        let nearest = |pyramid: &Pyramid| {
+            let off = |k: &usize| {
+                let own = pyramid.level(*k).frame().longer_side();
+                if side.is_finite() { (own / side).ln().abs() } else { -own }
+            };
+            (0..pyramid.len()).min_by(|a, b| off(a).total_cmp(&off(b))).unwrap_or(0)
+        };
+        let [k1, k2] = [nearest(&self.pyramids[0]), nearest(&self.pyramids[1])];
+        Level {
+            planes: [self.pyramids[0].level(k1), self.pyramids[1].level(k2)],
+            scales: [0.5f64.powi(k1 as i32), 0.5f64.powi(k2 as i32)],
+        }
+    }
+
+    /// Refines `f` level by level up to full size; `None` when there are too few matches at the first.
+    pub(crate) fn refine(
+        &self,
+        f: &FundamentalMatrix,
+        clicks: &[PointPair],
+        click_sigma: f64,
+    ) -> Option<Refined> {
+        let mut refined: Option<Refined> = None;
+        let mut done = None;
+        for (side, stage) in REFINEMENT_SIDES.iter().zip(&self.refinement) {
+            let level = self.level(*side);
+            if done == Some(level.scales) {
+                break;
+            }
+            let start = refined.as_ref().map_or(*f, |r| r.fundamental);
+            match stage.refine(&level, &start, clicks, click_sigma) {
+                Some(result) => refined = Some(result),
+                None => break,
+            }
+            done = Some(level.scales);
+        }
+        refined
+    }
+
+    pub(crate) fn witness(&self) -> &Witness {
+        self.witness.get_or_init(|| {
+            let level = self.level(WITNESS_SIDE);
+            let support = Support::new(level.planes, WITNESS_CORNERS);
+            let electorate = Electorate::new(&support, VOTES_PER_CORNER);
+            Witness { scales: level.scales, support, electorate }
+        })
+    }
+}
+
+impl Level<'_> {
+    pub fn frames(&self) -> [Frame; 2] {
+        [self.planes[0].frame(), self.planes[1].frame()]
+    }
+
+    /// A full-size point pair in this level's pixels.
+    pub fn from_full(&self, pair: &PointPair) -> PointPair {
+        resized_pair(pair, self.scales)
+    }
+}
+
+/// A point pair after resizing the images by `scales`; pixel centres map as `x' = (x + ½)·scale − ½`.
+pub(crate) fn resized_pair(pair: &PointPair, scales: [f64; 2]) -> PointPair {
+    let resized = |p: Point, s: f64| Point::new((p.x + 0.5) * s - 0.5, (p.y + 0.5) * s - 0.5);
+    PointPair { point1: resized(pair.point1, scales[0]), point2: resized(pair.point2, scales[1]) }
+}

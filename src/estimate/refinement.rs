@@ -1,0 +1,150 @@
+//! Refinement of all seven degrees of freedom at full resolution, on patches matched along the epipolar lines.
+//!
+//! With `F` known to a few pixels, each corner of image 1 is compared only with the corners of image 2 near its
+//! epipolar line. Mutual best matches are moved to sub-pixel positions, `F` is refitted to them with a robust
+//! cost, and the same again with a narrower band. The clicks take part with their own uncertainty.
+
+use std::sync::OnceLock;
+
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::patches::{HALF, Patch, align, correlate, patch};
+use super::polish::{Observation, fit};
+use super::prepared::{Level, resized_pair};
+use crate::geometry::{FundamentalMatrix, Point, PointPair, sampson_distance};
+use crate::image::find_corners;
+
+/// A match found along the epipolar lines, full-size pixels.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct RefinedMatch {
+    /// Where it is, image 2 to a fraction of a pixel.
+    pub pair: PointPair,
+    /// Correlation of its patches, −1 to 1.
+    pub correlation: f32,
+}
+
+/// Corners and patches of one level, computed once per image pair.
+#[derive(Debug, Default)]
+pub(crate) struct RefinementLevel {
+    features: OnceLock<[Vec<Feature>; 2]>,
+}
+
+#[derive(Debug, Clone)]
+struct Feature {
+    point: Point,
+    patch: Patch,
+}
+
+/// Corners an image.
+const CORNERS: usize = 1500;
+/// Patches that correlate less than this are no match.
+const LEAST_CORRELATION: f32 = 0.75;
+/// Widths of the band, px of the level, one round each.
+const BANDS: [f64; 3] = [4.0, 2.0, 1.2];
+/// Standard deviation of a refined match, px of the level.
+const MATCH_SIGMA: f64 = 0.3;
+/// Fewer matches than this determine nothing.
+const LEAST_MATCHES: usize = 16;
+
+/// What a refinement found.
+#[derive(Debug, Clone)]
+pub(crate) struct Refined {
+    pub fundamental: FundamentalMatrix,
+    pub matches: Vec<RefinedMatch>,
+}
+
+impl RefinementLevel {
+    fn features(&self, level: &Level) -> &[Vec<Feature>; 2] {
+        self.features.get_or_init(|| {
+            let of = |image: usize| -> Vec<Feature> {
+                find_corners(level.planes[image], CORNERS, HALF + 2)
+                    .into_iter()
+                    .filter_map(|point| Some(Feature { point, patch: patch(level.planes[image], point)? }))
+                    .collect()
+            };
+            let (a, b) = rayon::join(|| of(0), || of(1));
+            [a, b]
+        })
+    }
+
+    /// Refines `f` (full size) at this level; `None` when too few matches support it there. `click_sigma` is in
+    /// full-size pixels.
+    pub fn refine(
+        &self,
+        level: &Level,
+        f: &FundamentalMatrix,
+        clicks: &[PointPair],
+        click_sigma: f64,
+    ) -> Option<Refined> {
+        let [s1, s2] = level.scales;
+        let mut current = f.rescaled(s1, s2)?;
+        let mut matches = Vec::new();
+        for band in BANDS {
+            matches = self.guided_matches(level, &current, band);
+            if matches.len() < LEAST_MATCHES {
+                return None;
+            }
+            let observations: Vec<Observation> = matches
+                .iter()
+                .map(|m| Observation { pair: m.pair, sigma: MATCH_SIGMA })
+                .chain(clicks.iter().map(|c| Observation {
+                    pair: level.from_full(c),
+                    // Never below the level's own precision.
+                    sigma: (click_sigma * s1).max(MATCH_SIGMA),
+                }))
+                .collect();
+            current = fit(&current, &observations, (band / 3.0 / MATCH_SIGMA).max(1.5))?.fundamental;
+        }
+        matches.retain(|m| sampson_distance(&current, &m.pair) < BANDS[BANDS.len() - 1]);
+        for m in &mut matches {
+            m.pair = resized_pair(&m.pair, [1.0 / s1, 1.0 / s2]);
+        }
+        Some(Refined { fundamental: current.rescaled(1.0 / s1, 1.0 / s2)?, matches })
+    }
+
+    /// Mutual best matches among corners within `band` px of each other's epipolar lines, sub-pixel positions
+    /// in image 2; all in the level's pixels.
+    fn guided_matches(&self, level: &Level, f: &FundamentalMatrix, band: f64) -> Vec<RefinedMatch> {
+        let [features1, features2] = self.features(level);
+        let lines1: Vec<_> = features2.iter().map(|b| f.line1_from_point2(b.point)).collect();
+        // Best partners of each corner of image 1, and of each corner of image 2.
+        let best1: Vec<Option<(usize, f32)>> = features1
+            .par_iter()
+            .map(|a| {
+                let line2 = f.line2_from_point1(a.point)?;
+                let mut best = None;
+                for (j, b) in features2.iter().enumerate() {
+                    if line2.distance(b.point) > band
+                        || lines1[j].is_none_or(|line1| line1.distance(a.point) > band)
+                    {
+                        continue;
+                    }
+                    let correlation = correlate(&a.patch, &b.patch);
+                    if correlation > best.map_or(LEAST_CORRELATION, |(_, c)| c) {
+                        best = Some((j, correlation));
+                    }
+                }
+                best
+            })
+            .collect();
+        let mut best2: Vec<Option<(usize, f32)>> = vec![None; features2.len()];
+        for (i, best) in best1.iter().enumerate() {
+            if let Some((j, correlation)) = best
+                && best2[*j].is_none_or(|(_, c)| *correlation > c)
+            {
+                best2[*j] = Some((i, *correlation));
+            }
+        }
+        let mutual: Vec<(usize, usize, f32)> =
+            best2.iter().enumerate().filter_map(|(j, b)| b.map(|(i, c)| (i, j, c))).collect();
+        mutual
+            .par_iter()
+            .filter_map(|(i, j, correlation)| {
+                let point1 = features1[*i].point;
+                let point2 = align(level.planes, point1, features2[*j].point)?;
+                Some(RefinedMatch { pair: PointPair { point1, point2 }, correlation: *correlation })
+            })
+            .collect()
+    }
+}

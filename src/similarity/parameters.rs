@@ -1,0 +1,102 @@
+//! Parameters of the stereo cost (paper, equation 1).
+
+use serde::{Deserialize, Serialize};
+
+/// Which changes of disparity from one sample to the next are allowed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Ordering {
+    /// Matched positions `i + dᵢ` never go back: `dᵢ₊₁ ≥ dᵢ − 1`. The usual ordering constraint of stereo.
+    #[default]
+    Positions,
+    /// Any change.
+    Free,
+    /// `dᵢ₊₁ ≥ dᵢ`, as the paper prints it. It also forbids surfaces that come nearer along the line.
+    Disparities,
+}
+
+/// Disparities that are tried, in samples: `min ..= max`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct DisparityRange {
+    /// Smallest disparity.
+    pub min: i32,
+    /// Largest disparity.
+    pub max: i32,
+}
+
+impl DisparityRange {
+    /// `−reach ..= reach`.
+    pub fn symmetric(reach: i32) -> Self {
+        Self { min: -reach, max: reach }
+    }
+
+    /// Number of disparities.
+    pub fn len(&self) -> usize {
+        (self.max - self.min + 1).max(0) as usize
+    }
+
+    /// Whether nothing is allowed.
+    pub fn is_empty(&self) -> bool {
+        self.max < self.min
+    }
+
+    /// The range seen from the other line.
+    #[must_use]
+    pub fn reversed(self) -> Self {
+        Self { min: -self.max, max: -self.min }
+    }
+}
+
+/// The numbers of the stereo cost. Costs are in squared grey levels.
+///
+/// `C(d) = Σ min((I₁(i) − I₂(i + dᵢ))², r) + Σ min(λ (dᵢ − dᵢ₋₁)², α)`, and a sample whose match falls outside
+/// the other image pays `outside` instead of its first term.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct StereoParameters {
+    /// r: largest cost of one sample, squared grey levels.
+    pub truncation: u16,
+    /// λ: cost of a disparity change of one sample, squared grey levels.
+    pub lambda: u16,
+    /// α: largest cost of a disparity change, squared grey levels.
+    pub alpha: u16,
+    /// Cost of a sample whose match falls outside the other image, squared grey levels.
+    pub outside: u16,
+    /// Which disparity changes are allowed.
+    pub ordering: Ordering,
+}
+
+impl StereoParameters {
+    /// The published values: r = 50², λ = 2, α = 3.
+    pub const PAPER: Self =
+        Self { truncation: 2500, lambda: 2, alpha: 3, outside: 300, ordering: Ordering::Positions };
+
+    /// Disparity changes with a cost of their own: those with `λ Δ² < α`, Δ ≥ 1. All larger ones cost α.
+    pub fn explicit_changes(&self) -> usize {
+        (1u64..).take_while(|d| *d < 256 && u64::from(self.lambda) * d * d < u64::from(self.alpha)).count()
+    }
+
+    /// ψ: cost of a change of disparity by `change` samples; `None` when the ordering forbids it.
+    pub fn change_cost(&self, change: i32) -> Option<u16> {
+        let allowed = match self.ordering {
+            Ordering::Positions => change >= -1,
+            Ordering::Free => true,
+            Ordering::Disparities => change >= 0,
+        };
+        let quadratic = u64::from(self.lambda) * u64::from(change.unsigned_abs()).pow(2);
+        allowed.then(|| quadratic.min(u64::from(self.alpha)) as u16)
+    }
+
+    /// φ: cost of matching a sample with a sample, or with the outside of the other image.
+    pub fn sample_cost(&self, a: u8, b: Option<u8>) -> u16 {
+        match b {
+            Some(b) => (u16::from(a.abs_diff(b)) * u16::from(a.abs_diff(b))).min(self.truncation),
+            None => self.outside,
+        }
+    }
+}
+
+impl Default for StereoParameters {
+    fn default() -> Self {
+        Self::PAPER
+    }
+}
