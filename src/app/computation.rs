@@ -173,8 +173,8 @@ mod tests {
     fn gated(gate: &Arc<AtomicBool>) -> Computation {
         let gate = Arc::clone(gate);
         Computation::new(
-            Box::new(move |image1, image2, pairs, parameters, monitor| {
-                let result = fake::estimate(image1, image2, pairs, parameters, monitor)?;
+            Box::new(move |request, monitor| {
+                let result = fake::estimate(request, monitor)?;
                 while !gate.load(Ordering::Relaxed) {
                     monitor.check()?;
                     std::thread::sleep(Duration::from_millis(1));

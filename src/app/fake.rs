@@ -7,17 +7,11 @@ use nalgebra::{Matrix3, Vector3};
 use super::worker::Request;
 use crate::estimate::{Counts, Estimate, EstimateError, Monitor, Parameters, Progress, Stage};
 use crate::geometry::{FundamentalMatrix, PointPair};
-use crate::image::{GrayPlane, Picture};
+use crate::image::Picture;
 
 /// The estimate of a computation that reports one preliminary result.
-pub fn estimate(
-    _image1: &GrayPlane,
-    _image2: &GrayPlane,
-    pairs: &[PointPair],
-    parameters: &Parameters,
-    monitor: &Monitor,
-) -> Result<Estimate, EstimateError> {
-    let result = result(pairs, parameters).ok_or(EstimateError::NoGeometry)?;
+pub fn estimate(request: &Request, monitor: &Monitor) -> Result<Estimate, EstimateError> {
+    let result = result(&request.pairs, &request.parameters).ok_or(EstimateError::NoGeometry)?;
     monitor.report(Progress::Started(Stage::Pencils));
     monitor.report(Progress::Preliminary(Box::new(result.clone())));
     monitor.check()?;
@@ -40,6 +34,7 @@ pub fn result(pairs: &[PointPair], parameters: &Parameters) -> Option<Estimate> 
         fundamental,
         score: 0.25,
         round_trip_area: 0.5,
+        support: None,
         margin: Some(0.4),
         method: parameters.method,
         preset: parameters.preset,
@@ -49,7 +44,9 @@ pub fn result(pairs: &[PointPair], parameters: &Parameters) -> Option<Estimate> 
         timings: Vec::new(),
         first_seconds: 0.01,
         seconds: 0.02,
+        refined: true,
         hypotheses: Vec::new(),
+        matches: Vec::new(),
     })
 }
 

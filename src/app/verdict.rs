@@ -139,10 +139,17 @@ fn facts(document: &Document, estimate: &Estimate) -> Vec<Fact> {
                 Some(margin) => format!("{:.0} %", margin * 100.0),
                 None => "no other geometry came near".into(),
             },
-            tooltip: "How much worse the best clearly different geometry scores; \
+            tooltip: "Advantage over the best clearly different geometry; \
                       a few percent means that the result is a guess.",
         },
     ];
+    if let Some(support) = &estimate.support {
+        facts.push(Fact {
+            name: "Support",
+            value: format!("{} patches", support.matches),
+            tooltip: "Image patches that find their match along their epipolar line; more is better.",
+        });
+    }
     if estimate.seconds > 0.0 {
         facts.push(Fact {
             name: "Time",
@@ -180,10 +187,10 @@ mod tests {
     use crate::estimate::Warning;
     use std::time::Duration;
 
-    fn computed(change: impl Fn(&mut Estimate) + Send + Sync + 'static) -> (Document, Computation) {
+    fn computed(change: impl Fn(&mut Estimate) + Send + 'static) -> (Document, Computation) {
         let mut computation = Computation::new(
-            Box::new(move |image1, image2, pairs, parameters, monitor| {
-                let mut estimate = fake::estimate(image1, image2, pairs, parameters, monitor)?;
+            Box::new(move |request, monitor| {
+                let mut estimate = fake::estimate(request, monitor)?;
                 change(&mut estimate);
                 Ok(estimate)
             }),
@@ -206,10 +213,10 @@ mod tests {
         assert_eq!(good.tone, Tone::Good);
         assert_eq!(good.headline, "Epipolar geometry found from pairs p and q.");
         assert!(good.facts.iter().any(|fact| fact.name == "Margin" && fact.value == "40 %"));
-        let (document, computation) = computed(|e| e.warnings.push(Warning::NoParallax));
+        let (document, computation) = computed(|e| e.warnings.push(Warning::NotRefined));
         let doubtful = verdict(&document, &computation);
         assert_eq!(doubtful.tone, Tone::Caution);
-        assert!(doubtful.warnings[0].starts_with("The two images are nearly identical"));
+        assert!(doubtful.warnings[0].starts_with("The refinement found too few matches"));
     }
 
     #[test]

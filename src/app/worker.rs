@@ -10,14 +10,34 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, OnceLock, PoisonError};
 
-use crate::estimate::{CancelFlag, Estimate, EstimateError, Monitor, Parameters, Progress, Stage};
+use crate::estimate::{
+    CancelFlag, Estimate, EstimateError, Monitor, Parameters, PreparedPair, Progress, Stage,
+    estimate_prepared,
+};
 use crate::geometry::PointPair;
-use crate::image::{GrayPlane, Picture};
+use crate::image::Picture;
 
-/// The computation: [`crate::estimate::estimate`], or something that stands in for it.
-pub type EstimateFn = dyn Fn(&GrayPlane, &GrayPlane, &[PointPair], &Parameters, &Monitor) -> Result<Estimate, EstimateError>
-    + Send
-    + Sync;
+/// The computation: [`estimator`], or something that stands in for it.
+pub type EstimateFn = dyn FnMut(&Request, &Monitor) -> Result<Estimate, EstimateError> + Send;
+
+/// The estimator of this library. It keeps what depends on the pictures alone from one request to the next,
+/// so that moving a point costs only what depends on the point.
+pub fn estimator() -> Box<EstimateFn> {
+    let mut kept: Option<([Arc<Picture>; 2], PreparedPair)> = None;
+    Box::new(move |request, monitor| {
+        let same = |pictures: &[Arc<Picture>; 2]| {
+            pictures.iter().zip(&request.pictures).all(|(a, b)| Arc::ptr_eq(a, b))
+        };
+        let (_, prepared) = match kept.take() {
+            Some((pictures, prepared)) if same(&pictures) => kept.insert((pictures, prepared)),
+            _ => {
+                let [image1, image2] = &request.pictures;
+                kept.insert((request.pictures.clone(), PreparedPair::new(&image1.gray, &image2.gray)))
+            }
+        };
+        estimate_prepared(prepared, &request.pairs, &request.parameters, monitor)
+    })
+}
 
 /// Wakes the window from another thread. Works from its first frame on; before, there is nothing to wake.
 #[derive(Clone, Default)]
@@ -106,12 +126,12 @@ pub struct Worker {
 
 impl Worker {
     /// Starts the thread; it calls `waker` after each piece of news.
-    pub fn new(estimate: Box<EstimateFn>, waker: Waker) -> Self {
+    pub fn new(mut estimate: Box<EstimateFn>, waker: Waker) -> Self {
         let shared = Arc::new(Shared::default());
         let (sender, news) = channel();
         let thread = std::thread::Builder::new().name("estimate".into()).spawn({
             let (shared, sender) = (Arc::clone(&shared), sender.clone());
-            move || run(&shared, &sender, &estimate, &waker)
+            move || run(&shared, &sender, &mut *estimate, &waker)
         });
         Self { shared, sender, news, generation: 0, cancel: CancelFlag::default(), alive: thread.is_ok() }
     }
@@ -154,7 +174,7 @@ impl Drop for Worker {
 }
 
 /// The thread's loop.
-fn run(shared: &Shared, sender: &Sender<(u64, News)>, estimate: &EstimateFn, waker: &Waker) {
+fn run(shared: &Shared, sender: &Sender<(u64, News)>, estimate: &mut EstimateFn, waker: &Waker) {
     loop {
         let mut slot = shared.lock();
         let job = loop {
@@ -179,10 +199,7 @@ fn run(shared: &Shared, sender: &Sender<(u64, News)>, estimate: &EstimateFn, wak
                 Progress::Preliminary(estimate) => News::Preliminary(estimate),
             });
         });
-        let [image1, image2] = &request.pictures;
-        let result = catch_unwind(AssertUnwindSafe(|| {
-            estimate(&image1.gray, &image2.gray, &request.pairs, &request.parameters, &monitor)
-        }));
+        let result = catch_unwind(AssertUnwindSafe(|| estimate(&request, &monitor)));
         tell(News::Finished(match result {
             Ok(Ok(estimate)) => Ok(Box::new(estimate)),
             Ok(Err(error)) => Err(Failure::Estimate(error)),
@@ -243,13 +260,13 @@ mod tests {
     #[test]
     fn a_newer_request_cancels_the_older_one_and_hides_its_news() {
         let mut worker = Worker::new(
-            Box::new(|image1, image2, pairs, parameters, monitor| {
+            Box::new(|request, monitor| {
                 // The first request runs until it is cancelled.
-                while pairs[0].point1.x < 1.0 && !monitor.is_cancelled() {
+                while request.pairs[0].point1.x < 1.0 && !monitor.is_cancelled() {
                     std::thread::sleep(Duration::from_millis(1));
                 }
-                let mut estimate = fake::estimate(image1, image2, pairs, parameters, monitor)?;
-                estimate.score = pairs[0].point1.x;
+                let mut estimate = fake::estimate(request, monitor)?;
+                estimate.score = request.pairs[0].point1.x;
                 Ok(estimate)
             }),
             Waker::default(),
@@ -266,9 +283,9 @@ mod tests {
     #[test]
     fn a_panic_becomes_an_error_and_the_worker_lives_on() {
         let mut worker = Worker::new(
-            Box::new(|image1, image2, pairs, parameters, monitor| {
-                assert!(pairs[0].point1.x >= 1.0, "boom at {}", pairs[0].point1.x);
-                fake::estimate(image1, image2, pairs, parameters, monitor)
+            Box::new(|request, monitor| {
+                assert!(request.pairs[0].point1.x >= 1.0, "boom at {}", request.pairs[0].point1.x);
+                fake::estimate(request, monitor)
             }),
             Waker::default(),
         );
@@ -280,8 +297,7 @@ mod tests {
 
     #[test]
     fn errors_of_the_estimator_come_through_and_cancelled_work_is_silent() {
-        let mut worker =
-            Worker::new(Box::new(|_, _, _, _, _| Err(EstimateError::NoGeometry)), Waker::default());
+        let mut worker = Worker::new(Box::new(|_, _| Err(EstimateError::NoGeometry)), Waker::default());
         worker.submit(fake::request(0.0));
         assert_eq!(finish(&worker).unwrap_err(), Failure::Estimate(EstimateError::NoGeometry));
         worker.submit(fake::request(0.0));

@@ -15,12 +15,11 @@ use epiline::geometry::symmetric_epipolar_distance;
 fn a_failing_and_a_panicking_computation_are_told_and_the_points_stay() {
     let calls = Arc::new(AtomicUsize::new(0));
     let mut services = services();
-    services.estimate =
-        Box::new(move |_, _, pairs, parameters, _| match calls.fetch_add(1, Ordering::Relaxed) {
-            0 => Err(EstimateError::NoGeometry),
-            1 => panic!("index out of range"),
-            _ => fake_estimate(pairs, parameters),
-        });
+    services.estimate = Box::new(move |request, _| match calls.fetch_add(1, Ordering::Relaxed) {
+        0 => Err(EstimateError::NoGeometry),
+        1 => panic!("index out of range"),
+        _ => fake_estimate(&request.pairs, &request.parameters),
+    });
     let mut window = window(Start::default(), services);
     click_two_pairs(&mut window);
     window.get_by_label_contains("no epipolar geometry was found");
@@ -39,11 +38,11 @@ fn the_window_stays_live_while_computing_and_shows_only_the_newest_result() {
     let mut services = services();
     services.estimate = Box::new({
         let gate = Arc::clone(&gate);
-        move |_, _, pairs, parameters, _| {
+        move |request, _| {
             while gate.load(Ordering::Relaxed) == 0 {
                 std::thread::sleep(Duration::from_millis(1));
             }
-            fake_estimate(pairs, parameters)
+            fake_estimate(&request.pairs, &request.parameters)
         }
     });
     let mut window = window(Start::default(), services);
@@ -76,9 +75,9 @@ fn the_window_stays_live_while_computing_and_shows_only_the_newest_result() {
 #[test]
 fn stop_ends_the_computation() {
     let mut services = services();
-    services.estimate = Box::new(|_, _, pairs, parameters, _| {
+    services.estimate = Box::new(|request, _| {
         std::thread::sleep(Duration::from_millis(300));
-        fake_estimate(pairs, parameters)
+        fake_estimate(&request.pairs, &request.parameters)
     });
     let mut window = window(Start::default(), services);
     window.key_press(Key::S);

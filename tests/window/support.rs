@@ -34,6 +34,7 @@ pub fn fake_estimate(pairs: &[PointPair], parameters: &Parameters) -> Result<Est
         fundamental,
         score: 0.25,
         round_trip_area: 0.5,
+        support: None,
         margin: Some(0.4),
         method: parameters.method,
         preset: parameters.preset,
@@ -43,13 +44,15 @@ pub fn fake_estimate(pairs: &[PointPair], parameters: &Parameters) -> Result<Est
         timings: Vec::new(),
         first_seconds: 0.01,
         seconds: 0.02,
+        refined: true,
         hypotheses: Vec::new(),
+        matches: Vec::new(),
     })
 }
 
 pub fn services() -> Services {
     Services {
-        estimate: Box::new(|_, _, pairs, parameters, _| fake_estimate(pairs, parameters)),
+        estimate: Box::new(|request, _| fake_estimate(&request.pairs, &request.parameters)),
         pick_file: Arc::new(|| None),
     }
 }

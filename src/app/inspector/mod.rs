@@ -23,7 +23,7 @@ use super::panels::{Message, OpenDialog};
 use super::panes::ImagePane;
 use super::panes::overlays::OVERLAYS;
 use super::scene::Hover;
-use super::worker::{EstimateFn, Request, Waker};
+use super::worker::{EstimateFn, Request, Waker, estimator};
 use crate::estimate::Estimate;
 use crate::geometry::PointPair;
 
@@ -42,7 +42,7 @@ pub struct Services {
 
 impl Default for Services {
     fn default() -> Self {
-        Self { estimate: Box::new(crate::estimate::estimate), pick_file: Arc::new(pick_file) }
+        Self { estimate: estimator(), pick_file: Arc::new(pick_file) }
     }
 }
 
