@@ -2,7 +2,7 @@
 
 use egui::{Button, RichText, Ui};
 
-use super::finish_button;
+use super::{busy, finish_button};
 use crate::app::command::Command;
 use crate::app::guide::guide;
 use crate::app::scene::Scene;
@@ -19,7 +19,7 @@ pub fn show(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
             finish_button(ui, button, Command::ShowMe, commands);
         }
         if loading {
-            ui.spinner();
+            busy::show(ui);
         }
         let text = guide(document, computation, loading, has_sample_points);
         ui.add(egui::Label::new(RichText::new(text).strong()).truncate());

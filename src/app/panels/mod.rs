@@ -1,6 +1,7 @@
 //! Everything around the images: one file a panel. Panels read the [`super::scene::Scene`] and return
 //! commands.
 
+mod busy;
 mod guide_bar;
 mod messages;
 pub mod open_dialog;

@@ -3,7 +3,7 @@
 use egui::text::{LayoutJob, TextFormat};
 use egui::{Color32, RichText, ScrollArea, Ui, vec2};
 
-use super::{Section, command_button, finish_button};
+use super::{Section, busy, command_button, finish_button};
 use crate::app::command::Command;
 use crate::app::scene::Scene;
 use crate::app::theme;
@@ -18,7 +18,7 @@ fn show(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
     ui.horizontal(|ui| {
         let color = tone_color(ui, tone);
         if tone == Tone::Busy {
-            ui.add(egui::Spinner::new().size(14.0));
+            busy::show(ui);
         } else {
             let (dot, _) = ui.allocate_exact_size(vec2(14.0, 14.0), egui::Sense::hover());
             ui.painter().circle_filled(dot.center(), 5.0, color);
