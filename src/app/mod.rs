@@ -1,1 +1,68 @@
-//! To be written.
+//! The window: two images, point pairs on them, and the geometry that follows.
+//!
+//! | module | what it holds |
+//! |---|---|
+//! | [`document`] | what is edited: plain data, without a window |
+//! | [`command`] | every action, with its name, tooltip and keys |
+//! | [`history`] | undo and redo |
+//! | `computation`, [`worker`] | the estimate and the thread that computes it |
+//! | `loader` | opening pictures off the window's thread |
+//! | `panes` | the images: view transforms, textures, one file an overlay |
+//! | `panels` | everything around them, one file each |
+//! | `inspector` | the state, and the one place where commands are applied |
+//! | `shell` | the program's window around it |
+//!
+//! # From a click to a line
+//! `panes::ImagePane` turns a click into [`command::Command::Place`]; the inspector applies it to the
+//! [`document::Document`] and notes it in the [`history::History`]; at the end of the frame
+//! `computation::Computation::follow` sees that the used pairs have changed and hands them to the
+//! [`worker::Worker`], which cancels what it was doing. Its news wake the window, and the next frame's
+//! overlays draw the lines of the new estimate.
+
+pub mod command;
+mod computation;
+pub mod document;
+#[cfg(test)]
+mod fake;
+mod guide;
+pub mod history;
+mod inspector;
+mod loader;
+mod panels;
+mod panes;
+mod sample;
+mod scene;
+mod shell;
+mod theme;
+mod verdict;
+pub mod worker;
+
+pub use inspector::{Inspector, Services};
+pub use loader::Opening;
+pub use shell::AppError;
+
+use crate::geometry::PointPair;
+
+/// What the window opens with.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Start {
+    /// The pictures.
+    pub opening: Opening,
+    /// Point pairs placed on them.
+    pub pairs: Vec<PointPair>,
+}
+
+/// Opens the window and returns when it is closed.
+pub fn run(start: Start) -> Result<(), AppError> {
+    run_with(start, Services::default())
+}
+
+/// [`run`] with other services in place of the estimator and the system's file dialog.
+pub fn run_with(start: Start, services: Services) -> Result<(), AppError> {
+    shell::run(start, services)
+}
+
+/// Fonts, sizes and colours of the window, for tests that show an [`Inspector`] in a context of their own.
+pub fn install_theme(ctx: &egui::Context) {
+    theme::install(ctx);
+}

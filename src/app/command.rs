@@ -1,0 +1,275 @@
+//! Every action of the window: its name, its explanation and its keys in one place.
+//!
+//! Panels and panes return commands; [`super::Inspector`] applies them in one place.
+
+use std::path::PathBuf;
+
+use egui::{Key, KeyboardShortcut, Modifiers};
+
+use super::document::{PointRef, Side};
+use crate::estimate::{Method, Preset};
+use crate::geometry::{Point, Vector};
+
+/// Something to do.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Command {
+    /// Show the window for opening files.
+    ShowOpenDialog,
+    /// Show the window for opening files with one path filled in.
+    OfferFile(PathBuf),
+    /// Open the built-in pair.
+    OpenSample,
+    /// Open files; `None` keeps the picture that is open.
+    OpenFiles([Option<PathBuf>; 2]),
+    /// Choose a file for one side with the system's dialog.
+    Browse(Side),
+    /// Place two point pairs on the built-in pair.
+    ShowMe,
+    /// Take the last step back.
+    Undo,
+    /// Make the step again that was taken back.
+    Redo,
+    /// Remove the pair of the selected point.
+    DeleteSelected,
+    /// Remove a pair.
+    DeletePair(usize),
+    /// Remove all pairs.
+    ClearPairs,
+    /// Give up what is half done.
+    Cancel,
+    /// Show both images whole.
+    FitAll,
+    /// Show an image whole, taking back the point that the first of two clicks placed.
+    FitAfterDoubleClick(Side),
+    /// Change between light and dark.
+    ToggleTheme,
+    /// Show or hide the list of keys.
+    ToggleShortcuts,
+    /// Stop the computation.
+    Stop,
+    /// Compute again.
+    Recompute,
+    /// Place a point.
+    Place(Side, Point),
+    /// Move a point; all moves until [`Command::EndDrag`] are one step.
+    Drag(PointRef, Point),
+    /// The drag is over.
+    EndDrag,
+    /// Move the selected point a little, px.
+    Nudge(Vector),
+    /// Make a point the one that keys act on.
+    Select(Option<PointRef>),
+    /// Choose how the geometry is found.
+    SetMethod(Method),
+    /// Choose whose parameters to use.
+    SetPreset(Preset),
+    /// Show or hide an overlay, by its number in the list of overlays.
+    ToggleOverlay(usize),
+    /// Remove a message.
+    Dismiss(u64),
+    /// Close the window.
+    Quit,
+}
+
+const COMMAND_SHIFT: Modifiers = Modifiers::COMMAND.plus(Modifiers::SHIFT);
+
+const fn key(modifiers: Modifiers, key: Key) -> KeyboardShortcut {
+    KeyboardShortcut::new(modifiers, key)
+}
+
+impl Command {
+    /// The actions that have keys, in the order of the list of keys. Where one key is another one's with
+    /// Shift, the one with Shift comes first, or it would never be seen.
+    pub fn with_keys() -> [Self; 11] {
+        [
+            Self::ShowOpenDialog,
+            Self::ShowMe,
+            Self::Redo,
+            Self::Undo,
+            Self::DeleteSelected,
+            Self::Cancel,
+            Self::FitAll,
+            Self::Recompute,
+            Self::ToggleTheme,
+            Self::ToggleShortcuts,
+            Self::Quit,
+        ]
+    }
+
+    /// What it is called on buttons and in lists.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::ShowOpenDialog | Self::OfferFile(_) => "Open images",
+            Self::OpenSample => "Sample",
+            Self::OpenFiles(_) => "Open",
+            Self::Browse(_) => "Browse",
+            Self::ShowMe => "Show me",
+            Self::Undo => "Undo",
+            Self::Redo => "Redo",
+            Self::DeleteSelected => "Delete the selected pair",
+            Self::DeletePair(_) => "Delete",
+            Self::ClearPairs => "Clear points",
+            Self::Cancel => "Cancel",
+            Self::FitAll | Self::FitAfterDoubleClick(_) => "Fit",
+            Self::ToggleTheme => "Light or dark",
+            Self::ToggleShortcuts => "Keys",
+            Self::Stop => "Stop",
+            Self::Recompute => "Compute again",
+            Self::Place(..) => "Place a point",
+            Self::Drag(..) | Self::EndDrag => "Drag a point",
+            Self::Nudge(_) => "Nudge the selected point",
+            Self::Select(_) => "Select a point",
+            Self::SetMethod(_) => "Pairs used",
+            Self::SetPreset(_) => "Preset",
+            Self::ToggleOverlay(_) => "Show or hide",
+            Self::Dismiss(_) => "Dismiss message",
+            Self::Quit => "Quit",
+        }
+    }
+
+    /// One sentence about what it does.
+    pub fn tooltip(&self) -> &'static str {
+        match self {
+            Self::ShowOpenDialog | Self::OfferFile(_) => {
+                "Open two images of the same scene. Dropping them on the window does the same."
+            }
+            Self::OpenSample => "Open the built-in image pair.",
+            Self::OpenFiles(_) => "Open these files. Point pairs of the images before are removed.",
+            Self::Browse(_) => "Choose the file in the system's file dialog.",
+            Self::ShowMe => "Place two point pairs on the sample and see the geometry they give.",
+            Self::Undo => "Take the last step back; a drag is one step.",
+            Self::Redo => "Make the step again that was taken back.",
+            Self::DeleteSelected => "Remove the pair of the selected point from both images.",
+            Self::DeletePair(_) => "Remove this pair from both images.",
+            Self::ClearPairs => "Remove all point pairs. Undo brings them back.",
+            Self::Cancel => "Give up what is half done: a drag, the first click of a pair, a window.",
+            Self::FitAll => "Show both images whole. A double click does it for one.",
+            Self::FitAfterDoubleClick(_) => "Show this image whole.",
+            Self::ToggleTheme => "Change between the light and the dark theme.",
+            Self::ToggleShortcuts => "Show the keys and mouse actions.",
+            Self::Stop => "Stop the computation; a first result stays.",
+            Self::Recompute => "Run the estimate again from the same points.",
+            Self::Place(..) => "Click a scene point in one image, then the same point in the other.",
+            Self::Drag(..) | Self::EndDrag => "Move a point; the geometry follows.",
+            Self::Nudge(_) => "Arrow keys move the selected point by 0.1 px, with Shift by 1 px.",
+            Self::Select(_) => "Select this point for the arrow keys and Delete.",
+            Self::SetMethod(_) => {
+                "Estimate from two pairs (p and q), or from three (p, q and r), which is faster and steadier."
+            }
+            Self::SetPreset(_) => {
+                "Robust measured best on real images; Paper follows the published method to the letter."
+            }
+            Self::ToggleOverlay(_) => "Show or hide this in both images.",
+            Self::Dismiss(_) => "Remove this message.",
+            Self::Quit => "Close the window.",
+        }
+    }
+
+    /// Its keys, the first one being the one that is shown.
+    pub fn shortcuts(&self) -> &'static [KeyboardShortcut] {
+        match self {
+            Self::ShowOpenDialog => const { &[key(Modifiers::COMMAND, Key::O)] },
+            Self::ShowMe => const { &[key(Modifiers::NONE, Key::S)] },
+            Self::Undo => const { &[key(Modifiers::COMMAND, Key::Z)] },
+            Self::Redo => const { &[key(COMMAND_SHIFT, Key::Z), key(Modifiers::COMMAND, Key::Y)] },
+            Self::DeleteSelected => {
+                const { &[key(Modifiers::NONE, Key::Delete), key(Modifiers::NONE, Key::Backspace)] }
+            }
+            Self::Quit => const { &[key(Modifiers::COMMAND, Key::Q)] },
+            Self::Cancel => const { &[key(Modifiers::NONE, Key::Escape)] },
+            Self::FitAll => const { &[key(Modifiers::NONE, Key::F)] },
+            Self::Recompute => const { &[key(Modifiers::NONE, Key::F5)] },
+            Self::ToggleTheme => const { &[key(Modifiers::NONE, Key::T)] },
+            Self::ToggleShortcuts => {
+                const { &[key(Modifiers::NONE, Key::Questionmark), key(Modifiers::NONE, Key::F1)] }
+            }
+            _ => &[],
+        }
+    }
+
+    /// Whether its keys work while a text field or a dialog has the keyboard.
+    fn works_while_typing(&self) -> bool {
+        matches!(self, Self::ShowOpenDialog | Self::Cancel | Self::Quit)
+    }
+}
+
+/// Pixels an arrow key moves a point; ten times as far with Shift.
+const NUDGE: f64 = 0.1;
+
+/// The commands of the keys pressed since the last frame. While a dialog is open, keys that also write
+/// text belong to it.
+pub fn pressed(ctx: &egui::Context, dialog_open: bool) -> Vec<Command> {
+    let typing = dialog_open || ctx.text_edit_focused();
+    // An open menu closes on Escape by itself.
+    let menu_open = egui::Popup::is_any_open(ctx);
+    let mut commands = Vec::new();
+    ctx.input_mut(|input| {
+        for command in Command::with_keys() {
+            if typing && !command.works_while_typing() || menu_open && command == Command::Cancel {
+                continue;
+            }
+            for shortcut in command.shortcuts() {
+                for _ in 0..input.count_and_consume_key(shortcut.modifiers, shortcut.logical_key) {
+                    commands.push(command.clone());
+                }
+            }
+        }
+        if typing {
+            return;
+        }
+        let arrows = [
+            (Key::ArrowLeft, Vector::new(-1.0, 0.0)),
+            (Key::ArrowRight, Vector::new(1.0, 0.0)),
+            (Key::ArrowUp, Vector::new(0.0, -1.0)),
+            (Key::ArrowDown, Vector::new(0.0, 1.0)),
+        ];
+        for (key, direction) in arrows {
+            for (modifiers, far) in [(Modifiers::SHIFT, 10.0), (Modifiers::NONE, 1.0)] {
+                let count = input.count_and_consume_key(modifiers, key);
+                if count > 0 {
+                    commands.push(Command::Nudge(direction * (NUDGE * far * count as f64)));
+                }
+            }
+        }
+    });
+    commands
+}
+
+/// A command's first key as text, such as `Ctrl+Z`.
+pub fn key_text(ctx: &egui::Context, command: &Command) -> Option<String> {
+    command.shortcuts().first().map(|shortcut| {
+        // The name of this key is a word, but people know it by its sign.
+        if shortcut.logical_key == Key::Questionmark { "?".into() } else { ctx.format_shortcut(shortcut) }
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::HashSet;
+
+    #[test]
+    fn no_two_commands_share_a_key_and_each_has_a_name_and_a_tooltip() {
+        let mut seen = HashSet::new();
+        for command in Command::with_keys() {
+            assert!(!command.shortcuts().is_empty(), "{command:?}");
+            assert!(!command.name().is_empty() && command.tooltip().ends_with('.'), "{command:?}");
+            for shortcut in command.shortcuts() {
+                assert!(seen.insert(*shortcut), "{shortcut:?} twice");
+            }
+        }
+    }
+
+    #[test]
+    fn longer_shortcuts_come_before_the_ones_they_contain() {
+        let mut seen: Vec<KeyboardShortcut> = Vec::new();
+        for shortcut in Command::with_keys().iter().flat_map(Command::shortcuts) {
+            let hidden = seen.iter().any(|earlier| {
+                earlier.logical_key == shortcut.logical_key
+                    && shortcut.modifiers.matches_logically(earlier.modifiers)
+            });
+            assert!(!hidden, "{shortcut:?} would never be seen");
+            seen.push(*shortcut);
+        }
+    }
+}

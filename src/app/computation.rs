@@ -1,0 +1,235 @@
+//! Where the estimate stands: the latest result, whether it is still being improved, and what went wrong.
+
+use super::worker::{EstimateFn, Failure, News, Request, Waker, Worker};
+use crate::estimate::{Estimate, EstimateError, Parameters, Stage};
+use crate::geometry::PointPair;
+
+/// How the latest result relates to the points as they are now.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Freshness {
+    /// Final, for the points as they are.
+    Final,
+    /// For the points as they are, still being refined.
+    Preliminary,
+    /// For earlier points; a new one is being computed.
+    Stale,
+    /// A preliminary result that was stopped before it was refined.
+    Stopped,
+}
+
+/// What a request was made from; a new one is made only when this changes.
+#[derive(Debug, Clone, PartialEq)]
+struct Input {
+    /// Counts the openings of pictures.
+    opening: u64,
+    pairs: Vec<PointPair>,
+    parameters: Parameters,
+}
+
+/// The estimate and the thread that computes it.
+pub struct Computation {
+    worker: Worker,
+    input: Option<Input>,
+    running: bool,
+    stage: Option<Stage>,
+    result: Option<(Box<Estimate>, Freshness)>,
+    failure: Option<Failure>,
+    stopped: bool,
+}
+
+impl Computation {
+    /// Nothing computed yet.
+    pub fn new(estimate: Box<EstimateFn>, waker: Waker) -> Self {
+        Self {
+            worker: Worker::new(estimate, waker),
+            input: None,
+            running: false,
+            stage: None,
+            result: None,
+            failure: None,
+            stopped: false,
+        }
+    }
+
+    /// The latest result and how it relates to the points as they are now.
+    pub fn result(&self) -> Option<(&Estimate, Freshness)> {
+        self.result.as_ref().map(|(estimate, freshness)| (estimate.as_ref(), *freshness))
+    }
+
+    /// Whether a computation is under way.
+    pub fn is_running(&self) -> bool {
+        self.running
+    }
+
+    /// The stage under way, once it is known.
+    pub fn stage(&self) -> Option<Stage> {
+        self.stage
+    }
+
+    /// Why the latest computation has no result.
+    pub fn failure(&self) -> Option<&Failure> {
+        self.failure.as_ref()
+    }
+
+    /// Whether the user stopped the latest computation before it had a result.
+    pub fn was_stopped(&self) -> bool {
+        self.stopped
+    }
+
+    /// Brings the computation in line with the document: starts it anew when anything it depends on has
+    /// changed since, and drops the result when there is nothing to compute from (`request` is `None`).
+    pub fn follow(&mut self, opening: u64, request: Option<Request>) {
+        let input = request.as_ref().map(|request| Input {
+            opening,
+            pairs: request.pairs.clone(),
+            parameters: request.parameters.clone(),
+        });
+        if input == self.input {
+            return;
+        }
+        let other_pictures = self.input.as_ref().is_some_and(|old| old.opening != opening);
+        self.input = input;
+        self.failure = None;
+        self.stopped = false;
+        if let Some(request) = request {
+            self.worker.submit(request);
+            self.running = true;
+            self.stage = None;
+            match &mut self.result {
+                Some(_) if other_pictures => self.result = None,
+                Some((_, freshness)) => *freshness = Freshness::Stale,
+                None => {}
+            }
+        } else {
+            self.worker.cancel();
+            self.running = false;
+            self.result = None;
+        }
+    }
+
+    /// Stops the computation; a preliminary result stays.
+    pub fn stop(&mut self) {
+        if !std::mem::take(&mut self.running) {
+            return;
+        }
+        self.worker.cancel();
+        if let Some((_, freshness @ Freshness::Preliminary)) = &mut self.result {
+            *freshness = Freshness::Stopped;
+        } else {
+            self.result = None;
+            self.stopped = true;
+        }
+    }
+
+    /// Computes again, from the same input.
+    pub fn restart(&mut self) {
+        self.input = None;
+    }
+
+    /// Takes in what the thread has reported.
+    pub fn take_news(&mut self) {
+        while let Some(news) = self.worker.poll() {
+            match news {
+                News::Started(stage) => self.stage = Some(stage),
+                News::Preliminary(estimate) => self.result = Some((estimate, Freshness::Preliminary)),
+                News::Finished(Ok(estimate)) => {
+                    self.running = false;
+                    self.result = Some((estimate, Freshness::Final));
+                }
+                News::Finished(Err(failure)) => {
+                    self.running = false;
+                    // Lines of earlier points would contradict the message.
+                    self.result = None;
+                    self.stopped = failure == Failure::Estimate(EstimateError::Cancelled);
+                    self.failure = (!self.stopped).then_some(failure);
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::fake;
+    use std::sync::Arc;
+    use std::sync::atomic::{AtomicBool, Ordering};
+    use std::time::{Duration, Instant};
+
+    fn wait(computation: &mut Computation, until: impl Fn(&Computation) -> bool) {
+        let start = Instant::now();
+        while !until(computation) {
+            computation.take_news();
+            assert!(start.elapsed() < Duration::from_secs(20), "never happened");
+            std::thread::sleep(Duration::from_millis(1));
+        }
+    }
+
+    fn freshness(computation: &Computation) -> Option<Freshness> {
+        computation.result().map(|(_, freshness)| freshness)
+    }
+
+    /// A computation that pauses after its preliminary result until the gate opens or it is cancelled.
+    fn gated(gate: &Arc<AtomicBool>) -> Computation {
+        let gate = Arc::clone(gate);
+        Computation::new(
+            Box::new(move |request, monitor| {
+                let result = fake::estimate(request, monitor)?;
+                while !gate.load(Ordering::Relaxed) {
+                    monitor.check()?;
+                    std::thread::sleep(Duration::from_millis(1));
+                }
+                Ok(result)
+            }),
+            Waker::default(),
+        )
+    }
+
+    #[test]
+    fn results_go_from_preliminary_to_final_to_stale() {
+        let gate = Arc::new(AtomicBool::new(false));
+        let mut computation = gated(&gate);
+        computation.follow(1, Some(fake::request(1.0)));
+        assert!(computation.is_running());
+        wait(&mut computation, |c| freshness(c) == Some(Freshness::Preliminary));
+        assert!(computation.stage().is_some());
+        gate.store(true, Ordering::Relaxed);
+        wait(&mut computation, |c| !c.is_running());
+        assert_eq!(freshness(&computation), Some(Freshness::Final));
+        computation.follow(1, Some(fake::request(1.0)));
+        assert!(!computation.is_running(), "nothing changed");
+        computation.follow(1, Some(fake::request(2.0)));
+        assert_eq!(freshness(&computation), Some(Freshness::Stale));
+        computation.follow(2, Some(fake::request(3.0)));
+        assert_eq!(freshness(&computation), None, "a result of other pictures must not be drawn");
+        computation.follow(2, None);
+        assert!(!computation.is_running());
+    }
+
+    #[test]
+    fn stopping_keeps_the_preliminary_result() {
+        let gate = Arc::new(AtomicBool::new(false));
+        let mut computation = gated(&gate);
+        computation.follow(1, Some(fake::request(1.0)));
+        wait(&mut computation, |c| freshness(c).is_some());
+        computation.stop();
+        assert!(!computation.is_running());
+        assert_eq!(freshness(&computation), Some(Freshness::Stopped));
+        computation.restart();
+        computation.follow(1, Some(fake::request(1.0)));
+        assert!(computation.is_running());
+    }
+
+    #[test]
+    fn a_failure_removes_the_lines_it_contradicts() {
+        let mut computation = Computation::new(Box::new(fake::estimate), Waker::default());
+        computation.follow(1, Some(fake::request(1.0)));
+        wait(&mut computation, |c| !c.is_running());
+        let mut request = fake::request(1.0);
+        request.pairs.truncate(1);
+        computation.follow(1, Some(request));
+        wait(&mut computation, |c| !c.is_running());
+        assert!(computation.result().is_none());
+        assert_eq!(computation.failure(), Some(&Failure::Estimate(EstimateError::NoGeometry)));
+    }
+}

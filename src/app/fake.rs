@@ -1,0 +1,62 @@
+//! A stand-in for the estimator in tests: instant, and right for the two pairs it is given.
+
+use std::sync::Arc;
+
+use nalgebra::{Matrix3, Vector3};
+
+use super::worker::Request;
+use crate::estimate::{Counts, Estimate, EstimateError, Monitor, Parameters, Progress, Stage};
+use crate::geometry::{FundamentalMatrix, PointPair};
+use crate::image::Picture;
+
+/// The estimate of a computation that reports one preliminary result.
+pub fn estimate(request: &Request, monitor: &Monitor) -> Result<Estimate, EstimateError> {
+    let result = result(&request.pairs, &request.parameters).ok_or(EstimateError::NoGeometry)?;
+    monitor.report(Progress::Started(Stage::Pencils));
+    monitor.report(Progress::Preliminary(Box::new(result.clone())));
+    monitor.check()?;
+    Ok(result)
+}
+
+/// `F = [e2]× T` with the translation `T` that maps `p1` to `p2`, and `e2` on the line of `q2` and `T q1`:
+/// both pairs fit exactly.
+pub fn result(pairs: &[PointPair], parameters: &Parameters) -> Option<Estimate> {
+    let [p, q, ..] = pairs else { return None };
+    let t = p.point2 - p.point1;
+    let shift = Matrix3::new(1.0, 0.0, t.x, 0.0, 1.0, t.y, 0.0, 0.0, 1.0);
+    let line = q.point2.to_homogeneous().cross(&(shift * q.point1.to_homogeneous()));
+    let e2 = line.cross(&Vector3::new(0.0, 1.0, -100.0));
+    let e2 = e2.try_normalize(1e-9).unwrap_or_else(Vector3::x);
+    let fundamental = FundamentalMatrix::from_rank_two(e2.cross_matrix() * shift)?;
+    Some(Estimate {
+        epipole1: fundamental.epipole1(),
+        epipole2: fundamental.epipole2(),
+        fundamental,
+        score: 0.25,
+        round_trip_area: 0.5,
+        support: None,
+        margin: Some(0.4),
+        method: parameters.method,
+        preset: parameters.preset,
+        seed: parameters.seed,
+        warnings: Vec::new(),
+        counts: Counts::default(),
+        timings: Vec::new(),
+        first_seconds: 0.01,
+        seconds: 0.02,
+        refined: true,
+        hypotheses: Vec::new(),
+        matches: Vec::new(),
+    })
+}
+
+/// A request whose first point has the given x.
+pub fn request(x: f64) -> Request {
+    let pixels = image::DynamicImage::new_luma8(32, 24);
+    let picture = Arc::new(Picture::from_pixels("test".into(), None, pixels).expect("has pixels"));
+    Request {
+        pictures: [Arc::clone(&picture), picture],
+        pairs: vec![PointPair::new(x, 5.0, x + 1.0, 6.0), PointPair::new(20.0, 15.0, 22.0, 15.0)],
+        parameters: Parameters::default(),
+    }
+}

@@ -1,0 +1,52 @@
+//! The one sentence that says what to do next.
+
+use super::computation::Computation;
+use super::document::{Document, Side, pair_name};
+
+/// What to do next; always true to the state.
+pub fn guide(
+    document: &Document,
+    computation: &Computation,
+    loading: bool,
+    has_sample_points: bool,
+) -> String {
+    if document.pictures.is_none() {
+        return if loading {
+            "Opening the images.".into()
+        } else {
+            "Drop two images of the same scene on this window, or press Open.".into()
+        };
+    }
+    if let Some(half) = document.half {
+        let name = pair_name(document.pairs.len());
+        let other = half.side.other().name();
+        return format!(
+            "Pair {name}: now click the same scene point in the {other} image. Escape gives it up."
+        );
+    }
+    let needed = document.parameters.method.pairs_needed();
+    match document.pairs.len() {
+        0 if has_sample_points => {
+            "Click a distinct point in the left image, then its match in the right one. \
+             Or press Show me."
+                .into()
+        }
+        0 => "Click a distinct point in the left image, then its match in the right one.".into(),
+        placed if placed < needed => {
+            let name = pair_name(placed);
+            format!(
+                "{}: click pair {name} in the {} image, far from the others and in a textured place.",
+                if needed - placed == 1 { "One more pair" } else { "Two more pairs" },
+                Side::Left.name(),
+            )
+        }
+        _ if computation.is_running() => "Estimating. Points can be dragged meanwhile.".into(),
+        _ if computation.failure().is_some() => {
+            "Drag the points to better places, or delete a pair and click another.".into()
+        }
+        _ if computation.result().is_none() => "The estimate was stopped. F5 computes again.".into(),
+        _ => "Move the cursor over an image to see its epipolar line in the other. \
+              Drag points to correct them; click more pairs to check."
+            .into(),
+    }
+}

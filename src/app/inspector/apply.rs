@@ -1,0 +1,188 @@
+//! The one place where commands are applied.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::mpsc::channel;
+use std::time::Instant;
+
+use egui::{Theme, ThemePreference};
+
+use super::{EditKey, Inspector, Picking};
+use crate::app::command::Command;
+use crate::app::document::{Document, PointRef, Side};
+use crate::app::history::Step;
+use crate::app::loader::Source;
+use crate::estimate::{Parameters, Preset};
+
+impl Inspector {
+    /// Does what a command says.
+    pub(super) fn apply(&mut self, ctx: &egui::Context, command: Command) {
+        match command {
+            Command::ShowOpenDialog => self.open_dialog.show_empty(),
+            Command::OfferFile(path) => self.offer(&path),
+            Command::OpenSample => self.loader.open_sample(),
+            Command::OpenFiles(paths) => self.open_files(paths),
+            Command::Browse(side) => self.browse(side),
+            Command::ShowMe => {
+                if let Some(pairs) = self.show_me {
+                    self.edit(Step::Single, |document| document.set_pairs(pairs.to_vec()));
+                }
+            }
+            Command::Undo => self.travel(true),
+            Command::Redo => self.travel(false),
+            Command::DeleteSelected => {
+                if let Some(at) = self.document.selection {
+                    self.edit(Step::Single, |document| document.remove(at.pair));
+                }
+            }
+            Command::DeletePair(pair) => self.edit(Step::Single, |document| document.remove(pair)),
+            Command::ClearPairs => self.edit(Step::Single, |document| document.set_pairs(Vec::new())),
+            Command::Cancel => self.cancel(),
+            Command::FitAll => self.panes.iter_mut().for_each(super::ImagePane::fit),
+            Command::FitAfterDoubleClick(side) => self.fit_after_double_click(side),
+            Command::ToggleTheme => {
+                let dark = ctx.theme() == Theme::Dark;
+                ctx.set_theme(if dark { ThemePreference::Light } else { ThemePreference::Dark });
+            }
+            Command::ToggleShortcuts => self.shortcuts_open = !self.shortcuts_open,
+            Command::Stop => self.computation.stop(),
+            Command::Recompute => self.computation.restart(),
+            Command::Place(side, point) => {
+                let before = self.document.clone();
+                self.edit(Step::Single, |document| document.place(side, point));
+                self.placed = (before != self.document).then(|| self.document.clone());
+            }
+            Command::Drag(at, point) => {
+                self.edit(Step::Merged(EditKey::Drag(at)), |document| document.move_to(at, point));
+            }
+            Command::EndDrag => self.history.close_step(),
+            Command::Nudge(by) => {
+                if let Some(at) = self.document.selection
+                    && let Some(point) = self.document.point(at)
+                {
+                    self.edit(Step::Merged(EditKey::Nudge(at)), |document| document.move_to(at, point + by));
+                }
+            }
+            Command::Select(at) => self.select(at),
+            Command::SetMethod(method) => {
+                self.edit(Step::Single, |document| document.parameters.method = method);
+            }
+            Command::SetPreset(preset) => self.set_preset(preset),
+            Command::ToggleOverlay(number) => {
+                if let Some(shown) = self.overlays.get_mut(number) {
+                    *shown = !*shown;
+                }
+            }
+            Command::Quit => ctx.send_viewport_cmd(egui::ViewportCommand::Close),
+            Command::Dismiss(number) => self.messages.retain(|message| message.number != number),
+        }
+    }
+
+    /// Changes the document and notes it in the history.
+    fn edit(&mut self, step: Step<EditKey>, change: impl FnOnce(&mut Document)) {
+        let before = self.document.clone();
+        change(&mut self.document);
+        self.history.record(before, &self.document, step);
+    }
+
+    /// Choosing a point is no step of its own, but ends a run of moves.
+    fn select(&mut self, at: Option<PointRef>) {
+        self.document.selection = at.filter(|at| self.document.point(*at).is_some());
+        self.history.close_step();
+    }
+
+    fn travel(&mut self, back: bool) {
+        let current = std::mem::take(&mut self.document);
+        let travelled = if back { self.history.undo(current) } else { self.history.redo(current) };
+        self.document = travelled.unwrap_or_else(|unchanged| unchanged);
+        for pane in &mut self.panes {
+            pane.let_go();
+        }
+    }
+
+    /// Gives up what is half done, the most recent thing first.
+    fn cancel(&mut self) {
+        let dragging = self.panes.iter_mut().any(super::ImagePane::let_go);
+        if dragging {
+            if let Some(before) = self.history.revert() {
+                self.document = before;
+            }
+        } else if self.open_dialog.open {
+            self.open_dialog.open = false;
+        } else if self.shortcuts_open {
+            self.shortcuts_open = false;
+        } else if self.document.half.is_some() {
+            self.edit(Step::Single, |document| document.remove(document.pairs.len()));
+        } else {
+            self.select(None);
+        }
+    }
+
+    /// The first of the two clicks has placed a point that nobody wanted.
+    fn fit_after_double_click(&mut self, side: Side) {
+        if self.placed.take().is_some_and(|placed| placed == self.document)
+            && let Some(before) = self.history.revert()
+        {
+            self.document = before;
+        }
+        self.panes[side.index()].fit();
+    }
+
+    fn set_preset(&mut self, preset: Preset) {
+        self.edit(Step::Single, |document| {
+            let Parameters { method, seed, .. } = document.parameters;
+            document.parameters = Parameters { method, seed, ..Parameters::from(preset) };
+        });
+    }
+
+    /// A dropped or chosen file: two of them open, the first one waits in the dialog.
+    fn offer(&mut self, path: &std::path::Path) {
+        if let Some([left, right]) = self.open_dialog.offer(path, None) {
+            self.open_files([Some(left), Some(right)]);
+        }
+    }
+
+    fn open_files(&mut self, paths: [Option<PathBuf>; 2]) {
+        let [left, right] = paths;
+        let kept = |side: Side| self.pictures.as_ref().map(|pictures| pictures[side.index()].clone());
+        let source =
+            |path: Option<PathBuf>, side| path.map(Source::File).or_else(|| kept(side).map(Source::Keep));
+        if let (Some(left), Some(right)) = (source(left, Side::Left), source(right, Side::Right)) {
+            self.loader.open([left, right]);
+            self.open_dialog.open = false;
+        } else {
+            self.tell("Two images are needed: name a left and a right one.".into());
+        }
+    }
+
+    /// Shows the system's dialog in a thread of its own, since it returns only when it is closed.
+    fn browse(&mut self, side: Side) {
+        if self.picking.is_some() {
+            self.tell("A file dialog is open already. Finish it first, or type a path.".into());
+            return;
+        }
+        let (sender, answer) = channel();
+        let (pick_file, waker) = (Arc::clone(&self.pick_file), self.waker.clone());
+        let thread = std::thread::Builder::new().name("file dialog".into()).spawn(move || {
+            let start = Instant::now();
+            let picked = pick_file();
+            // Nobody waits for it any more when the window has closed.
+            let _ = sender.send((picked, start.elapsed()));
+            waker.wake();
+        });
+        // Without a thread the sender is gone, which is reported like a dialog that could not open.
+        drop(thread);
+        self.picking = Some(Picking { side, answer });
+    }
+
+    /// Files dropped on the window since the last frame.
+    pub(super) fn dropped_files(ctx: &egui::Context) -> Vec<Command> {
+        let files = ctx.input(|input| {
+            input.raw.dropped_files.iter().map(|file| file.path().to_owned()).collect::<Vec<_>>()
+        });
+        match <[PathBuf; 2]>::try_from(files) {
+            Ok(both) => vec![Command::OpenFiles(both.map(Some))],
+            Err(files) => files.into_iter().take(2).map(Command::OfferFile).collect(),
+        }
+    }
+}

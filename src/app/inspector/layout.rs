@@ -1,0 +1,93 @@
+//! Where everything is in the window.
+
+use egui::{CentralPanel, Frame, Margin, Panel, Rect, Ui, UiBuilder};
+
+use super::Inspector;
+use crate::app::command::Command;
+use crate::app::panels::{self, SECTIONS};
+use crate::app::panes::halves;
+use crate::app::scene::Scene;
+use crate::app::theme;
+
+impl Inspector {
+    /// Draws the window and collects what it was asked for.
+    pub(super) fn draw(&mut self, ui: &mut Ui, commands: &mut Vec<Command>) {
+        let ctx = ui.ctx().clone();
+        let bar = |ui: &Ui| Frame::new().fill(ui.visuals().panel_fill).inner_margin(Margin::symmetric(12, 7));
+        let scene = Scene {
+            document: &self.document,
+            computation: &self.computation,
+            hover: self.hover,
+            overlays: &self.overlays,
+            loading: self.loader.is_busy(),
+            has_sample_points: self.show_me.is_some(),
+            can_undo_redo: [self.history.can_undo(), self.history.can_redo()],
+            messages: &self.messages,
+        };
+        Panel::top("toolbar").frame(bar(ui)).show(ui, |ui| panels::toolbar(ui, &scene, commands));
+        Panel::top("guide").frame(bar(ui)).show(ui, |ui| {
+            ui.set_min_height(28.0);
+            panels::guide_bar(ui, &scene, commands);
+        });
+        Panel::bottom("status").frame(bar(ui)).show(ui, |ui| {
+            let pictures = self.pictures.as_ref();
+            panels::status(ui, &scene, pictures.map(|p| p.each_ref().map(|opened| opened.picture.as_ref())));
+        });
+        Panel::bottom("sections")
+            .frame(bar(ui))
+            .resizable(true)
+            .default_size(196.0)
+            .size_range(120.0..=420.0)
+            .show(ui, |ui| sections(ui, &scene, commands));
+        let panes = &mut self.panes;
+        let (area, hover) = CentralPanel::default()
+            .frame(bar(ui))
+            .show(ui, |ui| {
+                let area = ui.available_rect_before_wrap();
+                let mut hover = None;
+                for (pane, rect) in panes.iter_mut().zip(halves(area)) {
+                    let mut child =
+                        ui.new_child(UiBuilder::new().max_rect(rect).id_salt(rect.min.x > area.min.x));
+                    hover = pane.show(&mut child, &scene, commands).or(hover);
+                }
+                (area, hover)
+            })
+            .inner;
+        panels::messages(&ctx, area, &scene, commands);
+        self.open_dialog.show(&ctx, &scene, commands);
+        if self.shortcuts_open {
+            panels::shortcuts(&ctx, &mut self.shortcuts_open);
+        }
+        if hover != self.hover {
+            // Written in this frame, drawn in the next.
+            self.hover = hover;
+            ctx.request_repaint();
+        }
+    }
+}
+
+/// The bottom panel, one section beside the other.
+fn sections(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
+    let area = ui.available_rect_before_wrap();
+    let mut left = area.min.x;
+    for (number, section) in SECTIONS.iter().enumerate() {
+        let right = left + area.width() * section.share;
+        let rect = Rect::from_x_y_ranges(
+            left..=right - if number + 1 < SECTIONS.len() { 2.0 * theme::GAP } else { 0.0 },
+            area.y_range(),
+        );
+        if number > 0 {
+            let stroke = ui.visuals().widgets.noninteractive.bg_stroke;
+            ui.painter().vline(left - theme::GAP, area.y_range(), stroke);
+        }
+        let mut child = ui.new_child(UiBuilder::new().max_rect(rect).id_salt(section.title));
+        child.horizontal(|ui| {
+            ui.strong(section.title);
+            let right_to_left = egui::Layout::right_to_left(egui::Align::Center);
+            ui.with_layout(right_to_left, |ui| (section.tools)(ui, scene, commands));
+        });
+        (section.show)(&mut child, scene, commands);
+        left = right;
+    }
+    ui.advance_cursor_after_rect(area);
+}

@@ -1,0 +1,251 @@
+//! The window's state: what is open, what is edited, what is computed, and what is shown.
+//!
+//! One frame runs in this order: take in news from the threads, apply the commands of the keys, draw (panes
+//! and panels return commands), apply these, bring the computation in line with the document.
+
+mod apply;
+mod layout;
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, TryRecvError};
+use std::time::Duration;
+
+use egui::Ui;
+
+use super::Start;
+use super::command;
+use super::computation::Computation;
+use super::document::{Document, PictureIdentity, PointRef, Side};
+use super::history::History;
+use super::loader::{Loader, Opened, Opening, Pair, Source};
+use super::panels::{Message, OpenDialog};
+use super::panes::ImagePane;
+use super::panes::overlays::OVERLAYS;
+use super::scene::Hover;
+use super::worker::{EstimateFn, Request, Waker, estimator};
+use crate::estimate::Estimate;
+use crate::geometry::PointPair;
+
+/// A system dialog that returns sooner than this cannot have been seen by anybody.
+const DIALOG_UNSEEN: Duration = Duration::from_millis(150);
+/// Messages shown at most; the oldest gives way.
+const MESSAGES: usize = 4;
+
+/// What the window gets done by others, so that tests can put something else in their place.
+pub struct Services {
+    /// The computation.
+    pub estimate: Box<EstimateFn>,
+    /// The system's dialog for choosing a file; `None` when it was cancelled or could not open.
+    pub pick_file: Arc<dyn Fn() -> Option<PathBuf> + Send + Sync>,
+}
+
+impl Default for Services {
+    fn default() -> Self {
+        Self { estimate: estimator(), pick_file: Arc::new(pick_file) }
+    }
+}
+
+fn pick_file() -> Option<PathBuf> {
+    let extensions = ["png", "jpg", "jpeg", "tif", "tiff", "bmp", "pgm", "ppm", "pnm", "pbm", "webp"];
+    rfd::FileDialog::new().set_title("Open an image").add_filter("Images", &extensions).pick_file()
+}
+
+/// Which edits are one step of the history.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum EditKey {
+    Drag(PointRef),
+    Nudge(PointRef),
+}
+
+/// A file dialog that is open.
+struct Picking {
+    side: Side,
+    /// What was chosen and how long the dialog was open.
+    answer: Receiver<(Option<PathBuf>, Duration)>,
+}
+
+/// The whole window: state, threads and how it is drawn.
+pub struct Inspector {
+    document: Document,
+    history: History<Document, EditKey>,
+    computation: Computation,
+    loader: Loader,
+    waker: Waker,
+    pictures: Option<[Opened; 2]>,
+    /// Counts the openings of pictures.
+    opening: u64,
+    /// Point pairs to place once the pictures of the start are there.
+    start_pairs: Vec<PointPair>,
+    show_me: Option<[PointPair; 2]>,
+    panes: [ImagePane; 2],
+    hover: Option<Hover>,
+    overlays: [bool; OVERLAYS.len()],
+    open_dialog: OpenDialog,
+    shortcuts_open: bool,
+    messages: Vec<Message>,
+    messages_shown: u64,
+    pick_file: Arc<dyn Fn() -> Option<PathBuf> + Send + Sync>,
+    picking: Option<Picking>,
+    /// The document right after a click placed a point, for a second click to take it back.
+    placed: Option<Document>,
+    title: String,
+}
+
+impl Inspector {
+    /// A window that opens what `start` says.
+    pub fn new(start: Start, services: Services) -> Self {
+        let waker = Waker::default();
+        let mut loader = Loader::new(waker.clone());
+        match start.opening {
+            Opening::Sample => loader.open_sample(),
+            Opening::Files(left, right) => loader.open([Source::File(left), Source::File(right)]),
+        }
+        Self {
+            document: Document::default(),
+            history: History::default(),
+            computation: Computation::new(services.estimate, waker.clone()),
+            loader,
+            waker,
+            pictures: None,
+            opening: 0,
+            start_pairs: start.pairs,
+            show_me: None,
+            panes: Side::BOTH.map(ImagePane::new),
+            hover: None,
+            overlays: [true; OVERLAYS.len()],
+            open_dialog: OpenDialog::default(),
+            shortcuts_open: false,
+            messages: Vec::new(),
+            messages_shown: 0,
+            pick_file: services.pick_file,
+            picking: None,
+            placed: None,
+            title: String::new(),
+        }
+    }
+
+    /// What is edited.
+    pub fn document(&self) -> &Document {
+        &self.document
+    }
+
+    /// The latest estimate, also while a newer one is being computed.
+    pub fn estimate(&self) -> Option<&Estimate> {
+        self.computation.result().map(|(estimate, _)| estimate)
+    }
+
+    /// Whether pictures are being opened or an estimate computed.
+    pub fn is_busy(&self) -> bool {
+        self.loader.is_busy() || self.computation.is_running() || self.picking.is_some()
+    }
+
+    /// What the user was told and has not dismissed.
+    pub fn messages(&self) -> impl Iterator<Item = &str> {
+        self.messages.iter().map(|message| message.text.as_str())
+    }
+
+    /// One frame: takes in news, draws everything, and does what was asked for.
+    pub fn show(&mut self, ui: &mut Ui) {
+        let ctx = ui.ctx().clone();
+        self.waker.attach(&ctx);
+        self.take_news(&ctx);
+        // Keys first: Escape ends a drag before the panes can carry it on.
+        let mut commands = command::pressed(&ctx, self.open_dialog.open);
+        commands.extend(Self::dropped_files(&ctx));
+        for command in commands {
+            self.apply(&ctx, command);
+        }
+        let mut commands = Vec::new();
+        self.draw(ui, &mut commands);
+        for command in commands {
+            self.apply(&ctx, command);
+        }
+        self.computation.follow(self.opening, self.request());
+        self.name_window(&ctx);
+    }
+
+    fn request(&self) -> Option<Request> {
+        let pictures = self.pictures.as_ref()?;
+        Some(Request {
+            pictures: pictures.each_ref().map(|opened| Arc::clone(&opened.picture)),
+            pairs: self.document.used_pairs()?.to_vec(),
+            parameters: self.document.parameters.clone(),
+        })
+    }
+
+    fn take_news(&mut self, ctx: &egui::Context) {
+        self.computation.take_news();
+        match self.loader.poll() {
+            Some(Ok(pair)) => self.show_pictures(ctx, pair),
+            Some(Err(text)) => {
+                self.start_pairs.clear();
+                self.tell(text);
+            }
+            None => {}
+        }
+        let picked = self.picking.as_ref().map(|picking| (picking.side, picking.answer.try_recv()));
+        match picked {
+            None | Some((_, Err(TryRecvError::Empty))) => return,
+            Some((side, Ok((Some(path), _)))) => {
+                self.open_dialog.offer(&path, Some(side));
+            }
+            Some((_, Ok((None, elapsed)))) if elapsed > DIALOG_UNSEEN => {}
+            Some(_) => self.tell(
+                "The file dialog could not be opened here. Type a path, or drop the files on this window."
+                    .into(),
+            ),
+        }
+        self.picking = None;
+    }
+
+    /// Takes opened pictures in: a new document, with the parameters as they were.
+    fn show_pictures(&mut self, ctx: &egui::Context, pair: Pair) {
+        for (pane, opened) in self.panes.iter_mut().zip(&pair.pictures) {
+            pane.set_picture(ctx, opened);
+        }
+        let identities =
+            pair.pictures.each_ref().map(|opened| PictureIdentity::from(opened.picture.as_ref()));
+        self.document = Document::new(identities, self.document.parameters.clone());
+        self.history = History::default();
+        self.pictures = Some(pair.pictures);
+        self.show_me = pair.show_me;
+        self.opening += 1;
+        self.hover = None;
+        self.placed = None;
+        let pairs = std::mem::take(&mut self.start_pairs);
+        let (inside, outside): (Vec<_>, Vec<_>) = pairs.into_iter().partition(|pair| {
+            let [frame1, frame2] = Side::BOTH.map(|side| self.document.frame(side));
+            pair.is_finite()
+                && frame1.is_some_and(|frame| frame.contains(pair.point1))
+                && frame2.is_some_and(|frame| frame.contains(pair.point2))
+        });
+        if !outside.is_empty() {
+            self.tell(format!(
+                "{} of the point pairs given lie outside the images and were left out. Click them instead.",
+                outside.len()
+            ));
+        }
+        self.document.set_pairs(inside);
+    }
+
+    fn tell(&mut self, text: String) {
+        self.messages.retain(|message| message.text != text);
+        self.messages_shown += 1;
+        self.messages.push(Message { number: self.messages_shown, text });
+        if self.messages.len() > MESSAGES {
+            self.messages.remove(0);
+        }
+    }
+
+    fn name_window(&mut self, ctx: &egui::Context) {
+        let title = match &self.document.pictures {
+            Some([left, right]) => format!("{} and {} - Epiline", left.name, right.name),
+            None => "Epiline".to_owned(),
+        };
+        if title != self.title {
+            ctx.send_viewport_cmd(egui::ViewportCommand::Title(title.clone()));
+            self.title = title;
+        }
+    }
+}

@@ -1,0 +1,24 @@
+//! A sign that work is under way.
+
+use std::time::Duration;
+
+use egui::{Sense, Stroke, Ui, vec2};
+
+/// Turns a step this often. A smooth one would redraw the window all the time, which without a graphics
+/// card takes the processor away from the very computation it tells of.
+const STEP: Duration = Duration::from_millis(125);
+/// Steps of a turn.
+const STEPS: f64 = 8.0;
+
+/// Shows an arc that goes round.
+pub fn show(ui: &mut Ui) {
+    let (area, _) = ui.allocate_exact_size(vec2(14.0, 14.0), Sense::hover());
+    let step = (ui.input(|input| input.time) / STEP.as_secs_f64()).floor() % STEPS;
+    let start = std::f64::consts::TAU * step / STEPS;
+    let arc = (0..=12).map(|k| {
+        let (sin, cos) = (start + f64::from(k) * 0.35).sin_cos();
+        area.center() + vec2(cos as f32, sin as f32) * 5.5
+    });
+    ui.painter().line(arc.collect(), Stroke::new(2.0, ui.visuals().weak_text_color()));
+    ui.ctx().request_repaint_after(STEP);
+}

@@ -1,0 +1,51 @@
+//! What went wrong, a sentence each, until it is dismissed.
+
+use egui::{Align2, Area, Frame, Id, Label, Margin, Order, Rect, RichText, Stroke, vec2};
+
+use crate::app::command::Command;
+use crate::app::scene::Scene;
+use crate::app::theme;
+
+/// Something the user should read.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Message {
+    /// Number for [`Command::Dismiss`].
+    pub number: u64,
+    /// What happened and what to do.
+    pub text: String,
+}
+
+/// Shows the messages over the top of the images, so that nothing moves under the cursor.
+pub fn show(ctx: &egui::Context, area: Rect, scene: &Scene, commands: &mut Vec<Command>) {
+    if scene.messages.is_empty() {
+        return;
+    }
+    Area::new(Id::unique("messages"))
+        .order(Order::Foreground)
+        .pivot(Align2::CENTER_TOP)
+        .fixed_pos(area.center_top() + vec2(0.0, 32.0))
+        .show(ctx, |ui| {
+            let palette = theme::palette(ui.visuals());
+            let width = (area.width() - 64.0).clamp(200.0, 720.0);
+            for message in scene.messages {
+                Frame::new()
+                    .fill(palette.message_fill)
+                    .stroke(Stroke::new(1.0, palette.bad))
+                    .corner_radius(8.0)
+                    .shadow(ui.visuals().popup_shadow)
+                    .inner_margin(Margin::symmetric(14, 10))
+                    .show(ui, |ui| {
+                        ui.set_width(width);
+                        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                            let close = ui.button("Dismiss").on_hover_text("Remove this message.");
+                            if close.clicked() {
+                                commands.push(Command::Dismiss(message.number));
+                            }
+                            ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| {
+                                ui.add(Label::new(RichText::new(&message.text)).wrap());
+                            });
+                        });
+                    });
+            }
+        });
+}

@@ -1,0 +1,60 @@
+//! Everything around the images: one file a panel. Panels read the [`super::scene::Scene`] and return
+//! commands.
+
+mod busy;
+mod guide_bar;
+mod messages;
+pub mod open_dialog;
+mod points;
+mod result;
+mod shortcuts;
+mod status;
+mod toolbar;
+
+use egui::{Button, Response, Ui};
+
+use super::command::{Command, key_text};
+use super::scene::Scene;
+
+pub use messages::Message;
+pub use open_dialog::OpenDialog;
+
+/// A part of the bottom panel.
+pub struct Section {
+    /// Its heading.
+    pub title: &'static str,
+    /// Its share of the width.
+    pub share: f32,
+    /// Shows what belongs in the line of the heading, from the right.
+    pub tools: fn(&mut Ui, &Scene, &mut Vec<Command>),
+    /// Shows the rest.
+    pub show: fn(&mut Ui, &Scene, &mut Vec<Command>),
+}
+
+/// The parts of the bottom panel from left to right. A new one is a new file and a line here.
+pub const SECTIONS: [Section; 2] = [result::SECTION, points::SECTION];
+
+pub use guide_bar::show as guide_bar;
+pub use messages::show as messages;
+pub use shortcuts::show as shortcuts;
+pub use status::show as status;
+pub use toolbar::show as toolbar;
+
+/// A button for a command, with its name, tooltip and key.
+fn command_button(ui: &mut Ui, command: Command, enabled: bool, commands: &mut Vec<Command>) -> Response {
+    let response = ui.add_enabled(enabled, Button::new(command.name()));
+    finish_button(ui, response, command, commands)
+}
+
+/// The tooltip of a command's button, and what happens when it is clicked.
+fn finish_button(ui: &Ui, response: Response, command: Command, commands: &mut Vec<Command>) -> Response {
+    let tooltip = match key_text(ui.ctx(), &command) {
+        Some(key) => format!("{} ({key})", command.tooltip()),
+        None => command.tooltip().to_owned(),
+    };
+    let response = response.on_hover_text(&tooltip).on_disabled_hover_text(tooltip);
+    if response.clicked() {
+        commands.push(command);
+    }
+    response
+}

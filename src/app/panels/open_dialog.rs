@@ -1,0 +1,134 @@
+//! The window for opening files: typed paths, the system's dialog, or files dropped on it.
+
+use std::path::{Path, PathBuf};
+
+use egui::{Align2, Button, Key, Label, TextEdit, Window, vec2};
+
+use super::{command_button, finish_button};
+use crate::app::command::Command;
+use crate::app::document::Side;
+use crate::app::scene::Scene;
+
+/// What has been typed.
+#[derive(Debug, Clone, Default)]
+pub struct OpenDialog {
+    /// Whether it is shown.
+    pub open: bool,
+    paths: [String; 2],
+    just_opened: bool,
+}
+
+impl OpenDialog {
+    /// Shows it, empty.
+    pub fn show_empty(&mut self) {
+        *self = Self { open: true, just_opened: true, ..Self::default() };
+    }
+
+    /// Fills in a path: the given side, or the first field that is free, or the right one. Shows the
+    /// window. Returns both paths when there are two now.
+    pub fn offer(&mut self, path: &Path, side: Option<Side>) -> Option<[PathBuf; 2]> {
+        if !self.open {
+            self.show_empty();
+        }
+        let free = if self.paths[0].trim().is_empty() { Side::Left } else { Side::Right };
+        self.paths[side.unwrap_or(free).index()] = path.display().to_string();
+        match self.typed() {
+            [Some(left), Some(right)] => Some([left, right]),
+            _ => None,
+        }
+    }
+
+    fn typed(&self) -> [Option<PathBuf>; 2] {
+        self.paths.each_ref().map(|text| {
+            // Paths are often pasted with quotes or as an address.
+            let text = text.trim().trim_matches(['"', '\'']);
+            let text = text.strip_prefix("file://").unwrap_or(text);
+            (!text.is_empty()).then(|| PathBuf::from(text))
+        })
+    }
+
+    /// Shows the window.
+    pub fn show(&mut self, ctx: &egui::Context, scene: &Scene, commands: &mut Vec<Command>) {
+        if !self.open {
+            return;
+        }
+        let mut open = true;
+        Window::new("Open images")
+            .open(&mut open)
+            .collapsible(false)
+            .resizable(false)
+            .anchor(Align2::CENTER_CENTER, vec2(0.0, -40.0))
+            .show(ctx, |ui| {
+                ui.set_width(520.0);
+                ui.weak("Type or paste the paths, browse for the files, or drop them on the window.");
+                ui.add_space(6.0);
+                for side in Side::BOTH {
+                    ui.horizontal(|ui| self.field(ui, scene, side, commands));
+                }
+                ui.add_space(6.0);
+                let typed = self.typed();
+                let enough = match &scene.document.pictures {
+                    Some(_) => typed.iter().any(Option::is_some),
+                    None => typed.iter().all(Option::is_some),
+                };
+                ui.horizontal(|ui| {
+                    let open = ui.add_enabled(enough, Button::new("Open these"));
+                    finish_button(ui, open, Command::OpenFiles(typed.clone()), commands);
+                    command_button(ui, Command::Cancel, true, commands);
+                });
+                if enough && ui.input(|input| input.key_pressed(Key::Enter)) {
+                    commands.push(Command::OpenFiles(typed));
+                }
+            });
+        self.just_opened = false;
+        if !open {
+            self.open = false;
+        }
+    }
+
+    fn field(&mut self, ui: &mut egui::Ui, scene: &Scene, side: Side, commands: &mut Vec<Command>) {
+        let name = match side {
+            Side::Left => "Left image",
+            Side::Right => "Right image",
+        };
+        // Both labels equally wide, so that the fields line up.
+        let label = ui.add_sized([84.0, 26.0], Label::new(name));
+        let present = scene.document.pictures.as_ref().map(|pictures| &pictures[side.index()].name);
+        let hint = present.map_or("path of the image".to_owned(), |name| format!("keep {name}"));
+        let edit = TextEdit::singleline(&mut self.paths[side.index()]).hint_text(hint).desired_width(330.0);
+        let response = ui.add(edit).labelled_by(label.id);
+        if self.just_opened && side == Side::Left {
+            response.request_focus();
+        }
+        let browse = ui.button("Browse");
+        browse.widget_info(|| {
+            egui::WidgetInfo::labeled(
+                egui::Role::Button,
+                true,
+                format!("Browse for the {} image", side.name()),
+            )
+        });
+        finish_button(ui, browse, Command::Browse(side), commands);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn two_files_fill_left_then_right() {
+        let mut dialog = OpenDialog::default();
+        assert_eq!(dialog.offer(Path::new("a.png"), None), None);
+        assert!(dialog.open);
+        let both = dialog.offer(Path::new("b.png"), None);
+        assert_eq!(both, Some(["a.png".into(), "b.png".into()]));
+    }
+
+    #[test]
+    fn pasted_paths_lose_their_quotes() {
+        let dialog =
+            OpenDialog { paths: ["  \"/a b.png\" ".into(), "file:///c.png".into()], ..OpenDialog::default() };
+        assert_eq!(dialog.typed(), [Some("/a b.png".into()), Some("/c.png".into())]);
+    }
+}

@@ -1,0 +1,33 @@
+//! The bar at the bottom: position and intensity under the cursor.
+
+use egui::{Align, Layout, RichText, Ui};
+
+use crate::app::scene::Scene;
+use crate::image::Picture;
+
+/// Shows the bar.
+pub fn show(ui: &mut Ui, scene: &Scene, pictures: Option<[&Picture; 2]>) {
+    ui.horizontal(|ui| {
+        let text = match (scene.hover, pictures) {
+            (Some(hover), Some(pictures)) => {
+                let plane = &pictures[hover.side.index()].gray;
+                let frame = plane.frame();
+                let pixel = |v: f64, size: usize| (v.round().max(0.0) as usize).min(size.saturating_sub(1));
+                let (x, y) = (pixel(hover.point.x, frame.width), pixel(hover.point.y, frame.height));
+                format!(
+                    "{:<5}  x {:8.2}   y {:8.2}   intensity {:5.1}",
+                    hover.side.name(),
+                    hover.point.x,
+                    hover.point.y,
+                    plane.at(x, y)
+                )
+            }
+            _ => "Position and intensity under the cursor".into(),
+        };
+        let text = RichText::new(text);
+        ui.label(if scene.hover.is_some() { text.monospace() } else { text.weak() });
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            ui.weak("Scroll: zoom     Drag: move     Double click: fit     ?: all keys");
+        });
+    });
+}

@@ -1,0 +1,30 @@
+//! The pair of epipolar lines of the cursor, both ways, whenever there is a fundamental matrix.
+
+use super::{Canvas, Overlay};
+use crate::app::theme;
+
+/// Registered in [`super::OVERLAYS`].
+pub const OVERLAY: Overlay = Overlay {
+    name: "Epipolar line of the cursor",
+    tooltip: "The line in the other image on which the match of the point under the cursor lies.",
+    color: theme::HOVER,
+    draw,
+};
+
+fn draw(canvas: &Canvas) {
+    let (Some((estimate, opacity)), Some(hover)) = (canvas.estimate(), canvas.scene.hover) else { return };
+    if hover.dragging {
+        // The dragged point has a line of its own.
+        return;
+    }
+    let f = &estimate.fundamental;
+    let (line, width, opacity) = if hover.side == canvas.side {
+        // Faint: here it only shows which line the cursor is on.
+        (canvas.line_through(f, hover.point), theme::LINE_WIDTH * 0.75, opacity * 0.55)
+    } else {
+        (canvas.line_from_other(f, hover.point), theme::LINE_WIDTH, opacity)
+    };
+    if let Some(line) = line {
+        canvas.line(&line, width, theme::HOVER.gamma_multiply(opacity));
+    }
+}

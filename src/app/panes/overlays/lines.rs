@@ -1,0 +1,30 @@
+//! The epipolar lines of the clicked points: each point's line in the other image.
+
+use super::{Canvas, Overlay};
+use crate::app::theme;
+
+/// Registered in [`super::OVERLAYS`].
+pub const OVERLAY: Overlay = Overlay {
+    name: "Epipolar lines of the points",
+    tooltip: "Each clicked point's line in the other image. Its match must lie on it.",
+    color: theme::ESTIMATED,
+    draw,
+};
+
+fn draw(canvas: &Canvas) {
+    let Some((estimate, opacity)) = canvas.estimate() else { return };
+    let document = canvas.scene.document;
+    let selected = document.selection.map(|at| at.pair);
+    for (at, other) in document.points(canvas.side.other()) {
+        let Some(line) = canvas.line_from_other(&estimate.fundamental, other) else { continue };
+        let strong = selected == Some(at.pair);
+        let width = if strong { theme::STRONG_LINE_WIDTH } else { theme::LINE_WIDTH };
+        canvas.line(&line, width, theme::ESTIMATED.gamma_multiply(opacity));
+        // How far the point is from where it should lie; seen when magnified.
+        let own = crate::app::document::PointRef { side: canvas.side, ..at };
+        if let Some(point) = document.point(own) {
+            let color = theme::pair_color(at.pair).gamma_multiply(opacity);
+            canvas.segment(point, line.foot(point), theme::LINE_WIDTH, color);
+        }
+    }
+}

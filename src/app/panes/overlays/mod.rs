@@ -1,0 +1,103 @@
+//! What is drawn over the images: one file each, registered in [`OVERLAYS`].
+
+mod epipoles;
+mod hover;
+mod lines;
+mod points;
+
+use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Stroke, vec2};
+
+use super::Transform;
+use crate::app::computation::Freshness;
+use crate::app::document::Side;
+use crate::app::scene::Scene;
+use crate::app::theme;
+use crate::estimate::Estimate;
+use crate::geometry::{Frame, FundamentalMatrix, Line, Point};
+
+/// A layer over the images.
+pub struct Overlay {
+    /// What it is called in the list of overlays.
+    pub name: &'static str,
+    /// One sentence about it.
+    pub tooltip: &'static str,
+    /// Its colour in the legend.
+    pub color: Color32,
+    /// Draws it over one image.
+    pub draw: fn(&Canvas),
+}
+
+/// All overlays, from the lowest to the topmost. A new one is a new file and a line here.
+pub const OVERLAYS: [Overlay; 4] = [lines::OVERLAY, hover::OVERLAY, epipoles::OVERLAY, points::OVERLAY];
+
+/// An image on the screen, to be drawn over.
+pub struct Canvas<'a> {
+    /// Clipped to the pane.
+    pub painter: &'a Painter,
+    /// Where image pixels appear.
+    pub transform: &'a Transform,
+    /// Which image it is.
+    pub side: Side,
+    /// Its size.
+    pub frame: Frame,
+    /// The state to be shown.
+    pub scene: &'a Scene<'a>,
+}
+
+impl Canvas<'_> {
+    /// The estimate to be shown and how opaque its lines are.
+    fn estimate(&self) -> Option<(&Estimate, f32)> {
+        self.scene.computation.result().map(|(estimate, freshness)| {
+            (estimate, if freshness == Freshness::Stale { theme::STALE_OPACITY } else { 1.0 })
+        })
+    }
+
+    /// The epipolar line in this image of a point of the other.
+    fn line_from_other(&self, f: &FundamentalMatrix, point: Point) -> Option<Line> {
+        match self.side {
+            Side::Left => f.line1_from_point2(point),
+            Side::Right => f.line2_from_point1(point),
+        }
+    }
+
+    /// The epipolar line in this image through one of its own points.
+    fn line_through(&self, f: &FundamentalMatrix, point: Point) -> Option<Line> {
+        let epipole = match self.side {
+            Side::Left => f.epipole1(),
+            Side::Right => f.epipole2(),
+        };
+        Line::joining(&epipole, &point.to_homogeneous())
+    }
+
+    /// A line as far as it lies on the image, with a dark edge.
+    fn line(&self, line: &Line, width: f32, color: Color32) {
+        if let Some(segment) = self.frame.clip(line) {
+            self.segment(segment.start, segment.end, width, color);
+        }
+    }
+
+    /// A stretch between two image positions, with a dark edge.
+    fn segment(&self, start: Point, end: Point, width: f32, color: Color32) {
+        let ends = [self.transform.screen_from_image(start), self.transform.screen_from_image(end)];
+        let opacity = f32::from(color.a()) / 255.0;
+        self.painter.line_segment(ends, Stroke::new(width + 2.0, theme::HALO.gamma_multiply(opacity)));
+        self.painter.line_segment(ends, Stroke::new(width, color));
+    }
+
+    /// A short text beside a place on the screen, kept inside the pane.
+    fn label(&self, at: Pos2, text: &str, color: Color32) {
+        let galley = self.painter.layout_no_wrap(text.to_owned(), FontId::proportional(13.0), color);
+        let size = galley.size() + vec2(8.0, 2.0);
+        let pane = self.transform.rect.shrink(2.0);
+        let mut area = Rect::from_min_size(at + vec2(9.0, -9.0 - size.y), size);
+        if area.max.x > pane.max.x {
+            area = area.translate(vec2(-18.0 - size.x, 0.0));
+        }
+        if area.min.y < pane.min.y {
+            area = area.translate(vec2(0.0, 18.0 + size.y));
+        }
+        self.painter.rect_filled(area, 4.0, theme::LABEL_FILL);
+        let corner = Align2::CENTER_CENTER.align_size_within_rect(galley.size(), area).min;
+        self.painter.galley(corner, galley, color);
+    }
+}

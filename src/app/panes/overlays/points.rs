@@ -1,0 +1,33 @@
+//! The clicked points: rings, so that the pixel they mark stays in sight.
+
+use egui::Stroke;
+
+use super::{Canvas, Overlay};
+use crate::app::document::pair_name;
+use crate::app::theme;
+
+/// Registered in [`super::OVERLAYS`].
+pub const OVERLAY: Overlay = Overlay {
+    name: "Points",
+    tooltip: "The clicked points: p orange, q pink, r blue, check points grey.",
+    color: theme::PAIRS[0],
+    draw,
+};
+
+fn draw(canvas: &Canvas) {
+    let document = canvas.scene.document;
+    for (at, point) in document.points(canvas.side) {
+        let centre = canvas.transform.screen_from_image(point);
+        let color = theme::pair_color(at.pair);
+        let painter = canvas.painter;
+        if document.selection == Some(at) {
+            painter.circle_stroke(centre, theme::HANDLE_RADIUS + 3.5, Stroke::new(4.0, theme::HALO));
+            painter.circle_stroke(centre, theme::HANDLE_RADIUS + 3.5, Stroke::new(1.5, theme::SELECTED));
+        }
+        painter.circle_stroke(centre, theme::HANDLE_RADIUS, Stroke::new(4.5, theme::HALO));
+        painter.circle_stroke(centre, theme::HANDLE_RADIUS, Stroke::new(2.2, color));
+        painter.circle_filled(centre, 2.2, theme::HALO);
+        painter.circle_filled(centre, 1.3, color);
+        canvas.label(centre, &pair_name(at.pair), color);
+    }
+}

@@ -1,0 +1,160 @@
+//! Where image pixels appear on the screen: the only pair of transforms of the window.
+//!
+//! Image coordinates are those of [`crate::geometry`]: the centre of the top-left pixel is `(0, 0)`, so
+//! the picture's edge runs half a pixel outside.
+
+use egui::{Pos2, Rect, pos2, vec2};
+
+use crate::geometry::{Frame, Point, Vector};
+
+/// Screen points an image pixel may be wide at most.
+const LARGEST_SCALE: f64 = 64.0;
+
+/// What part of an image is shown.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct View {
+    /// The image position in the middle of the pane, px.
+    centre: Point,
+    /// Screen points per image pixel; `None` as long as the image is to fit the pane.
+    scale: Option<f64>,
+}
+
+impl View {
+    /// The whole image.
+    pub fn fitting(frame: Frame) -> Self {
+        Self { centre: frame.centre(), scale: None }
+    }
+
+    /// The transforms for a pane at `rect`.
+    pub fn transform(&self, frame: Frame, rect: Rect) -> Transform {
+        let scale = self.scale.unwrap_or_else(|| fitting_scale(frame, rect));
+        Transform { rect, centre: self.centre, scale }
+    }
+
+    /// Zooms by a factor; the image position under `at` stays where it is.
+    pub fn zoom(&mut self, transform: &Transform, frame: Frame, at: Pos2, factor: f64) {
+        let smallest = fitting_scale(frame, transform.rect) * 0.25;
+        let scale = (transform.scale * factor).clamp(smallest.min(LARGEST_SCALE), LARGEST_SCALE);
+        let fixed = transform.image_from_screen(at);
+        let offset = at - transform.rect.center();
+        self.scale = Some(scale);
+        self.centre = fixed - Vector::new(f64::from(offset.x), f64::from(offset.y)) / scale;
+        self.keep_in_sight(frame);
+    }
+
+    /// Moves the image so that what was in the middle of the pane at the start is `delta` away from it.
+    pub fn pan(&mut self, transform: &Transform, frame: Frame, start: Point, delta: egui::Vec2) {
+        self.scale = Some(transform.scale);
+        self.centre = start - Vector::new(f64::from(delta.x), f64::from(delta.y)) / transform.scale;
+        self.keep_in_sight(frame);
+    }
+
+    /// The image position in the middle of the pane, px.
+    pub fn centre(&self) -> Point {
+        self.centre
+    }
+
+    /// Whether the whole image is shown as large as the pane allows.
+    pub fn fits(&self) -> bool {
+        self.scale.is_none()
+    }
+
+    fn keep_in_sight(&mut self, frame: Frame) {
+        self.centre.x = self.centre.x.clamp(0.0, frame.right().max(0.0));
+        self.centre.y = self.centre.y.clamp(0.0, frame.bottom().max(0.0));
+    }
+}
+
+/// The scale at which the whole image is visible with a little room around it.
+fn fitting_scale(frame: Frame, rect: Rect) -> f64 {
+    let room = |extent: f32, pixels: usize| (f64::from(extent) - 12.0).max(1.0) / pixels.max(1) as f64;
+    room(rect.width(), frame.width).min(room(rect.height(), frame.height)).min(LARGEST_SCALE)
+}
+
+/// The transforms between an image and the pane that shows it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Transform {
+    /// The pane.
+    pub rect: Rect,
+    centre: Point,
+    /// Screen points per image pixel.
+    pub scale: f64,
+}
+
+impl Transform {
+    /// Where an image position appears.
+    pub fn screen_from_image(&self, point: Point) -> Pos2 {
+        let offset = (point - self.centre) * self.scale;
+        self.rect.center() + vec2(offset.x as f32, offset.y as f32)
+    }
+
+    /// What image position a place on the screen shows.
+    pub fn image_from_screen(&self, position: Pos2) -> Point {
+        let offset = position - self.rect.center();
+        self.centre + Vector::new(f64::from(offset.x), f64::from(offset.y)) / self.scale
+    }
+
+    /// The rectangle on the screen of the pixels from `first` up to but not including `end`.
+    pub fn screen_from_pixels(&self, first: [usize; 2], end: [usize; 2]) -> Rect {
+        let corner = |p: [usize; 2]| {
+            let at = self.screen_from_image(Point::new(p[0] as f64 - 0.5, p[1] as f64 - 0.5));
+            pos2(at.x, at.y)
+        };
+        Rect::from_min_max(corner(first), corner(end))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    const FRAME: Frame = Frame { width: 768, height: 576 };
+
+    fn pane() -> Rect {
+        Rect::from_min_size(pos2(30.0, 50.0), vec2(600.0, 400.0))
+    }
+
+    #[test]
+    fn a_fitting_view_shows_all_of_the_image_in_the_middle() {
+        let rect = pane();
+        let transform = View::fitting(FRAME).transform(FRAME, rect);
+        let image = transform.screen_from_pixels([0, 0], [FRAME.width, FRAME.height]);
+        assert!(rect.contains_rect(image));
+        assert!((image.center() - rect.center()).length() < 1e-3);
+    }
+
+    #[test]
+    fn extreme_images_have_a_view() {
+        for frame in [Frame::new(1, 1), Frame::new(12_000, 200), Frame::new(1, 9_000)] {
+            for rect in [pane(), Rect::from_min_size(pos2(0.0, 0.0), vec2(0.0, 0.0))] {
+                let mut view = View::fitting(frame);
+                for factor in [1e-9, 1e9, 0.5] {
+                    let transform = view.transform(frame, rect);
+                    view.zoom(&transform, frame, rect.center(), factor);
+                    assert!(transform.scale.is_finite() && transform.scale > 0.0);
+                }
+            }
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn the_transforms_undo_each_other_and_zoom_keeps_the_cursor(
+            x in 40.0..600.0f32, y in 60.0..420.0f32, factor in 0.8..1.3f64
+        ) {
+            let rect = pane();
+            let mut view = View::fitting(FRAME);
+            let before = view.transform(FRAME, rect);
+            let at = pos2(x, y);
+            prop_assert!((before.screen_from_image(before.image_from_screen(at)) - at).length() < 1e-3);
+            let under = before.image_from_screen(at);
+            view.zoom(&before, FRAME, at, factor);
+            let after = view.transform(FRAME, rect);
+            // Unless the limit that keeps the image in sight moved it.
+            if FRAME.contains(after.image_from_screen(rect.center())) && view.centre().x > 0.0 && view.centre().y > 0.0 && view.centre().x < FRAME.right() && view.centre().y < FRAME.bottom() {
+                prop_assert!((after.image_from_screen(at) - under).norm() < 1e-3);
+            }
+        }
+    }
+}

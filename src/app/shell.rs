@@ -1,0 +1,167 @@
+//! The program's window: a thin shell around [`Inspector`].
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::{Arc, Mutex, PoisonError};
+
+use eframe::{NativeOptions, Renderer};
+use thiserror::Error;
+
+use super::inspector::{Inspector, Services};
+use super::worker::panic_text;
+use super::{Start, theme};
+
+/// Names the program to the desktop, and the folder where it keeps its window size and theme.
+const APP_ID: &str = "epiline";
+
+/// Why the window could not be opened, or closed unexpectedly. Each message is one sentence.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+pub enum AppError {
+    /// There is no display.
+    #[error(
+        "cannot open a window, since there is no display (neither DISPLAY nor WAYLAND_DISPLAY is set); \
+         `epiline estimate` works without one"
+    )]
+    NoDisplay,
+    /// The display does not answer.
+    #[error(
+        "cannot open a window on the display {display}: check that it is running and may be used; \
+         `epiline estimate` works without one"
+    )]
+    Display {
+        /// Which one.
+        display: String,
+    },
+    /// A library of the system is missing.
+    #[error(
+        "cannot open a window, since the library {library} is missing: install it (on Debian, {package})"
+    )]
+    Library {
+        /// The library.
+        library: &'static str,
+        /// The package that has it.
+        package: &'static str,
+    },
+    /// OpenGL does not work.
+    #[error(
+        "cannot open a window, since OpenGL does not work here: check the graphics driver (on Debian, libgl1)"
+    )]
+    Graphics,
+    /// The toolkit stopped.
+    #[error("the window closed unexpectedly: {reason}")]
+    Crashed {
+        /// What it said.
+        reason: String,
+    },
+}
+
+struct Shell(Inspector);
+
+impl eframe::App for Shell {
+    fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
+        self.0.show(ui);
+    }
+
+    fn clear_color(&self, visuals: &egui::Visuals) -> [f32; 4] {
+        visuals.panel_fill.to_normalized_gamma_f32()
+    }
+}
+
+/// Opens the window and returns when it is closed.
+pub fn run(start: Start, services: Services) -> Result<(), AppError> {
+    let display = display()?;
+    let options = NativeOptions {
+        renderer: Renderer::Glow,
+        viewport: egui::ViewportBuilder::default()
+            .with_title("Epiline")
+            .with_app_id(APP_ID)
+            .with_inner_size([1280.0, 800.0])
+            .with_min_inner_size([860.0, 540.0]),
+        ..NativeOptions::default()
+    };
+    let outcome = quietly(|| {
+        eframe::run_native(
+            APP_ID,
+            options,
+            Box::new(move |creation| {
+                theme::install(&creation.egui_ctx);
+                Ok(Box::new(Shell(Inspector::new(start, services))))
+            }),
+        )
+    });
+    match outcome {
+        Ok(Ok(())) => Ok(()),
+        Ok(Err(error)) => Err(match error {
+            eframe::Error::Winit(_) | eframe::Error::WinitEventLoop(_) => AppError::Display { display },
+            eframe::Error::Glutin(_) | eframe::Error::NoGlutinConfigs(..) | eframe::Error::OpenGL(_) => {
+                AppError::Graphics
+            }
+            eframe::Error::AppCreation(reason) => AppError::Crashed { reason: reason.to_string() },
+        }),
+        Err(text) => Err(from_panic(text)),
+    }
+}
+
+/// The display to use.
+#[cfg(all(unix, not(target_os = "macos")))]
+fn display() -> Result<String, AppError> {
+    ["WAYLAND_DISPLAY", "DISPLAY"]
+        .iter()
+        .find_map(|name| std::env::var(name).ok().filter(|value| !value.is_empty()))
+        .ok_or(AppError::NoDisplay)
+}
+
+/// The display to use: there is only one.
+#[cfg(not(all(unix, not(target_os = "macos"))))]
+fn display() -> Result<String, AppError> {
+    Ok("of this computer".into())
+}
+
+/// The toolkit panics when some libraries are missing; its words become ours.
+fn from_panic(text: String) -> AppError {
+    let libraries = [
+        ("libxkbcommon-x11", "libxkbcommon-x11-0"),
+        ("libxkbcommon", "libxkbcommon0"),
+        ("libX11", "libx11-6"),
+    ];
+    let missing =
+        libraries.iter().find(|(library, _)| text.contains(library) && text.contains("not be loaded"));
+    match missing {
+        Some((library, package)) => AppError::Library { library, package },
+        None => AppError::Crashed { reason: text },
+    }
+}
+
+/// Runs `f` with panics turned into their messages. The usual report on standard error, with its paths of
+/// the build, is held back meanwhile, also for panics in other threads, which are told in the window.
+fn quietly<T>(f: impl FnOnce() -> T) -> Result<T, String> {
+    let first = Arc::new(Mutex::new(None));
+    let usual = std::panic::take_hook();
+    std::panic::set_hook({
+        let (first, main) = (Arc::clone(&first), std::thread::current().id());
+        Box::new(move |info| {
+            if std::thread::current().id() == main {
+                let text = panic_text(info.payload());
+                first.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(text);
+            }
+        })
+    });
+    let outcome = catch_unwind(AssertUnwindSafe(f));
+    std::panic::set_hook(usual);
+    // The first panic says what went wrong; others may follow while the window is taken down.
+    outcome.map_err(|payload| {
+        let first = first.lock().unwrap_or_else(PoisonError::into_inner).take();
+        first.unwrap_or_else(|| panic_text(payload.as_ref()))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_missing_library_is_named_with_its_package() {
+        let error = from_panic("Library libxkbcommon-x11.so could not be loaded.".into());
+        assert_eq!(error, AppError::Library { library: "libxkbcommon-x11", package: "libxkbcommon-x11-0" });
+        assert_eq!(from_panic("boom".into()), AppError::Crashed { reason: "boom".into() });
+    }
+}

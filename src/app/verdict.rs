@@ -1,0 +1,239 @@
+//! The result in words: a headline, the figures behind it, and what to know about it.
+
+use std::f64::consts::PI;
+
+use super::computation::{Computation, Freshness};
+use super::document::{Document, pair_name};
+use super::worker::Failure;
+use crate::estimate::Estimate;
+use crate::geometry::{Frame, HomogeneousPoint, finite_point};
+
+/// How the news is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Tone {
+    /// There is nothing yet.
+    Idle,
+    /// Work is under way.
+    Busy,
+    /// A result to rely on.
+    Good,
+    /// A result with something to know about it.
+    Caution,
+    /// No result.
+    Bad,
+}
+
+/// A figure with its name.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Fact {
+    /// What it is.
+    pub name: &'static str,
+    /// The figure with its unit.
+    pub value: String,
+    /// One sentence about what it means.
+    pub tooltip: &'static str,
+}
+
+/// What to say about the state of the estimate.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Verdict {
+    /// How the news is.
+    pub tone: Tone,
+    /// One sentence.
+    pub headline: String,
+    /// The figures behind it.
+    pub facts: Vec<Fact>,
+    /// What to know about it, a sentence each.
+    pub warnings: Vec<String>,
+}
+
+/// Puts the state into words.
+pub fn verdict(document: &Document, computation: &Computation) -> Verdict {
+    let bare = |tone, headline: String| Verdict { tone, headline, facts: Vec::new(), warnings: Vec::new() };
+    let Some((estimate, freshness)) = computation.result() else {
+        if computation.is_running() {
+            let stage = computation.stage().map_or(String::new(), |stage| format!(": {}", stage.label()));
+            return bare(Tone::Busy, format!("Estimating{stage}"));
+        }
+        return match computation.failure() {
+            Some(Failure::Estimate(error)) => bare(Tone::Bad, format!("No result: {error}.")),
+            Some(Failure::Panic(text)) => bare(
+                Tone::Bad,
+                format!(
+                    "The computation stopped unexpectedly ({text}). This is a fault of the program; \
+                     the points are kept. Move a point or press F5 to try again."
+                ),
+            ),
+            None if computation.was_stopped() => bare(Tone::Idle, "Stopped. F5 computes again.".into()),
+            None => bare(Tone::Idle, waiting(document)),
+        };
+    };
+    let warnings: Vec<_> =
+        estimate.warnings.iter().map(|warning| format!("{}.", capitalised(&warning.to_string()))).collect();
+    let (tone, headline) = match freshness {
+        Freshness::Stale => (Tone::Busy, "Updating; the lines still belong to the points before.".to_owned()),
+        Freshness::Preliminary => (
+            Tone::Busy,
+            format!(
+                "First result, being refined{}",
+                computation.stage().map_or(String::new(), |stage| format!(": {}", stage.label()))
+            ),
+        ),
+        Freshness::Stopped => (Tone::Caution, "First result; stopped before it was refined.".into()),
+        Freshness::Final if warnings.is_empty() => {
+            (Tone::Good, format!("Epipolar geometry found from {}.", used(document)))
+        }
+        Freshness::Final => {
+            (Tone::Caution, format!("Epipolar geometry found from {}, with doubts:", used(document)))
+        }
+    };
+    Verdict { tone, headline, facts: facts(document, estimate), warnings }
+}
+
+fn waiting(document: &Document) -> String {
+    let needed = document.parameters.method.pairs_needed();
+    if document.pictures.is_none() {
+        return "Nothing to estimate from yet.".into();
+    }
+    let more = needed.saturating_sub(document.pairs.len());
+    let pairs = if more == 1 { "One more point pair gives" } else { "Two point pairs give" };
+    let pairs = if more == 3 { "Three point pairs give" } else { pairs };
+    format!("{pairs} the epipolar lines, the epipoles and how far to trust them.")
+}
+
+/// `pairs p and q`.
+fn used(document: &Document) -> String {
+    let names: Vec<_> = (0..document.parameters.method.pairs_needed()).map(pair_name).collect();
+    match names.split_last() {
+        Some((last, rest)) if !rest.is_empty() => format!("pairs {} and {last}", rest.join(", ")),
+        _ => "the pairs".into(),
+    }
+}
+
+fn facts(document: &Document, estimate: &Estimate) -> Vec<Fact> {
+    let frame = |k: usize| document.pictures.as_ref().map(|pictures| pictures[k].frame);
+    let mut facts = vec![
+        Fact {
+            name: "Epipoles",
+            value: format!(
+                "left {},  right {}",
+                epipole_text(&estimate.epipole1, frame(0)),
+                epipole_text(&estimate.epipole2, frame(1))
+            ),
+            tooltip: "Where each image sees the other camera; all epipolar lines of an image meet there.",
+        },
+        Fact {
+            name: "Score",
+            value: format!("{:.3}", estimate.score),
+            tooltip: "How unlike corresponding epipolar lines are; lower is better.",
+        },
+        Fact {
+            name: "Round trip",
+            value: format!("{:.2} px", estimate.round_trip_area),
+            tooltip: "How far a line ends from where it began when it is carried to the other image and back; \
+                      small means that both directions agree.",
+        },
+        Fact {
+            name: "Margin",
+            value: match estimate.margin {
+                Some(margin) => format!("{:.0} %", margin * 100.0),
+                None => "no other geometry came near".into(),
+            },
+            tooltip: "Advantage over the best clearly different geometry; \
+                      a few percent means that the result is a guess.",
+        },
+    ];
+    if let Some(support) = &estimate.support {
+        facts.push(Fact {
+            name: "Support",
+            value: format!("{} patches", support.matches),
+            tooltip: "Image patches that find their match along their epipolar line; more is better.",
+        });
+    }
+    if estimate.seconds > 0.0 {
+        facts.push(Fact {
+            name: "Time",
+            value: format!("{:.2} s, first result after {:.2} s", estimate.seconds, estimate.first_seconds),
+            tooltip: "How long the computation took.",
+        });
+    }
+    facts
+}
+
+/// Where an epipole is, in words and figures.
+fn epipole_text(epipole: &HomogeneousPoint, frame: Option<Frame>) -> String {
+    // Farther away than this, the lines of an image are parallel to the eye.
+    const FAR: f64 = 1e6;
+    let Some(p) = finite_point(epipole).filter(|p| p.coords.amax() < FAR) else {
+        let degrees = epipole.y.atan2(epipole.x).rem_euclid(PI).to_degrees();
+        return format!("at infinity, {degrees:.1}°");
+    };
+    let inside = if frame.is_some_and(|frame| frame.contains(p)) { " in the image" } else { "" };
+    format!("({:.1}, {:.1}){inside}", p.x, p.y)
+}
+
+/// The text with a capital first letter.
+fn capitalised(text: &str) -> String {
+    let mut characters = text.chars();
+    let first = characters.next().map(|first| first.to_ascii_uppercase());
+    first.into_iter().chain(characters).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::fake;
+    use crate::app::worker::Waker;
+    use crate::estimate::Warning;
+    use std::time::Duration;
+
+    fn computed(change: impl Fn(&mut Estimate) + Send + 'static) -> (Document, Computation) {
+        let mut computation = Computation::new(
+            Box::new(move |request, monitor| {
+                let mut estimate = fake::estimate(request, monitor)?;
+                change(&mut estimate);
+                Ok(estimate)
+            }),
+            Waker::default(),
+        );
+        let request = fake::request(1.0);
+        let document = Document { pairs: request.pairs.clone(), ..Document::default() };
+        computation.follow(1, Some(request));
+        while computation.is_running() {
+            computation.take_news();
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        (document, computation)
+    }
+
+    #[test]
+    fn a_clean_result_is_good_and_one_with_warnings_is_not() {
+        let (document, computation) = computed(|_| ());
+        let good = verdict(&document, &computation);
+        assert_eq!(good.tone, Tone::Good);
+        assert_eq!(good.headline, "Epipolar geometry found from pairs p and q.");
+        assert!(good.facts.iter().any(|fact| fact.name == "Margin" && fact.value == "40 %"));
+        let (document, computation) = computed(|e| e.warnings.push(Warning::NotRefined));
+        let doubtful = verdict(&document, &computation);
+        assert_eq!(doubtful.tone, Tone::Caution);
+        assert!(doubtful.warnings[0].starts_with("The refinement found too few matches"));
+    }
+
+    #[test]
+    fn a_panic_is_told_without_losing_the_points() {
+        let (document, computation) = computed(|_| panic!("boom"));
+        let bad = verdict(&document, &computation);
+        assert_eq!(bad.tone, Tone::Bad);
+        assert!(bad.headline.contains("boom") && bad.headline.contains("points are kept"));
+    }
+
+    #[test]
+    fn epipoles_are_told_near_far_and_at_infinity() {
+        let frame = Some(Frame::new(100, 100));
+        let text = |x, y, z| epipole_text(&HomogeneousPoint::new(x, y, z), frame);
+        assert_eq!(text(50.0, 20.0, 1.0), "(50.0, 20.0) in the image");
+        assert_eq!(text(-50.0, 20.0, 0.5), "(-100.0, 40.0)");
+        assert_eq!(text(-1.0, -1.0, 0.0), "at infinity, 45.0°");
+        assert_eq!(text(1.0, 0.0, 1e-8), "at infinity, 0.0°");
+    }
+}

@@ -1,0 +1,293 @@
+//! Clicking, dragging, keys, undo, and what is drawn.
+
+use crate::support::*;
+
+use egui::{Key, Modifiers, PointerButton, Pos2, Rect, vec2};
+use egui_kittest::kittest::Queryable;
+use epiline::app::document::Side;
+use epiline::estimate::Method;
+use epiline::geometry::{Point, symmetric_epipolar_distance};
+
+#[test]
+fn the_sample_opens_and_the_window_says_what_to_do() {
+    let window = sample();
+    assert!(window.state().document().pictures.is_some());
+    window.get_by_label_contains("Click a distinct point in the left image");
+    window.get_by_label("Show me");
+}
+
+#[test]
+fn two_clicked_pairs_give_the_geometry() {
+    let mut window = sample();
+    click_two_pairs(&mut window);
+    let inspector = window.state();
+    assert_eq!(inspector.document().pairs.len(), 2);
+    let estimate = inspector.estimate().expect("an estimate");
+    for pair in &inspector.document().pairs {
+        assert!(symmetric_epipolar_distance(&estimate.fundamental, pair) < 1e-6);
+    }
+    window.get_by_label_contains("Epipolar geometry found from pairs p and q");
+}
+
+#[test]
+fn the_sentence_follows_the_clicks() {
+    let mut window = sample();
+    let left = at(&window, Side::Left, 0.1, 0.1);
+    click(&mut window, left);
+    window.get_by_label_contains("Pair p: now click the same scene point in the right image");
+    let right = at(&window, Side::Right, 0.1, 0.1);
+    click(&mut window, right);
+    window.get_by_label_contains("One more pair: click pair q");
+}
+
+#[test]
+fn show_me_places_two_pairs_and_undo_takes_them_back() {
+    let mut window = sample();
+    window.get_by_label("Show me").click();
+    settle(&mut window);
+    assert_eq!(window.state().document().pairs.len(), 2);
+    assert!(window.state().estimate().is_some());
+    window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    settle(&mut window);
+    assert!(window.state().document().pairs.is_empty());
+    assert!(window.state().estimate().is_none());
+    window.key_press_modifiers(Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
+    settle(&mut window);
+    assert_eq!(window.state().document().pairs.len(), 2);
+    window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    settle(&mut window);
+    window.key_press_modifiers(Modifiers::COMMAND, Key::Y);
+    settle(&mut window);
+    assert_eq!(window.state().document().pairs.len(), 2);
+}
+
+#[test]
+fn a_drag_moves_by_the_whole_way_and_is_one_step() {
+    let mut window = sample();
+    click_two_pairs(&mut window);
+    let (before, estimate) = (point(&window, P_LEFT), window.state().estimate().unwrap().fundamental);
+    let from = screen(&window, P_LEFT);
+    // Grabbed beside its centre, it must not jump.
+    let grab = from + vec2(3.0, 2.0);
+    drag(&mut window, grab, grab + vec2(40.25, -20.5), PointerButton::Primary);
+    let moved = screen(&window, P_LEFT) - from;
+    assert!((moved - vec2(40.25, -20.5)).length() < 0.02, "{moved:?}");
+    assert_ne!(window.state().estimate().unwrap().fundamental, estimate);
+    window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    settle(&mut window);
+    assert_eq!(point(&window, P_LEFT), before);
+    assert_eq!(window.state().estimate().unwrap().fundamental, estimate);
+}
+
+#[test]
+fn a_point_dragged_out_stays_on_its_image() {
+    let mut window = sample();
+    click_two_pairs(&mut window);
+    let from = screen(&window, P_LEFT);
+    drag(&mut window, from, Pos2::new(-500.0, -500.0), PointerButton::Primary);
+    assert_eq!(point(&window, P_LEFT), Point::new(-0.5, -0.5));
+}
+
+#[test]
+fn escape_during_a_drag_puts_the_point_back() {
+    let mut window = sample();
+    click_two_pairs(&mut window);
+    let (before, from) = (point(&window, P_LEFT), screen(&window, P_LEFT));
+    window.hover_at(from);
+    button(&window, from, PointerButton::Primary, true);
+    window.hover_at(from + vec2(20.0, 0.0));
+    window.hover_at(from + vec2(40.0, 0.0));
+    window.step();
+    assert_ne!(point(&window, P_LEFT), before);
+    window.key_press(Key::Escape);
+    window.hover_at(from + vec2(50.0, 0.0));
+    button(&window, from + vec2(50.0, 0.0), PointerButton::Primary, false);
+    settle(&mut window);
+    assert_eq!(point(&window, P_LEFT), before);
+}
+
+#[test]
+fn arrow_keys_nudge_the_selected_point() {
+    let mut window = sample();
+    click_two_pairs(&mut window);
+    let handle = screen(&window, P_LEFT);
+    click(&mut window, handle);
+    let before = point(&window, P_LEFT);
+    window.key_press(Key::ArrowRight);
+    window.key_press(Key::ArrowRight);
+    window.key_press_modifiers(Modifiers::SHIFT, Key::ArrowUp);
+    settle(&mut window);
+    let moved = point(&window, P_LEFT) - before;
+    assert!((moved.x - 0.2).abs() < 1e-9 && (moved.y + 1.0).abs() < 1e-9, "{moved:?}");
+    window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    settle(&mut window);
+    assert_eq!(point(&window, P_LEFT), before, "a run of nudges is one step");
+}
+
+#[test]
+fn pairs_are_deleted_by_key_and_in_the_list() {
+    let mut window = sample();
+    click_two_pairs(&mut window);
+    let handle = screen(&window, P_LEFT);
+    click(&mut window, handle);
+    window.key_press(Key::Delete);
+    settle(&mut window);
+    assert_eq!(window.state().document().pairs.len(), 1);
+    assert!(window.state().estimate().is_none());
+    window.get_by_label("Delete pair p").click();
+    settle(&mut window);
+    assert!(window.state().document().pairs.is_empty());
+}
+
+#[test]
+fn escape_gives_up_the_first_click_of_a_pair() {
+    let mut window = sample();
+    let left = at(&window, Side::Left, 0.1, 0.1);
+    click(&mut window, left);
+    window.key_press(Key::Escape);
+    settle(&mut window);
+    assert!(window.state().document().half.is_none());
+}
+
+#[test]
+fn further_pairs_check_the_result() {
+    let mut window = sample();
+    click_two_pairs(&mut window);
+    for side in Side::BOTH {
+        let position = at(&window, side, 0.3, -0.3);
+        click(&mut window, position);
+    }
+    window.get_by_label("check");
+    window.get_by_label("Three pairs").click();
+    settle(&mut window);
+    assert_eq!(window.state().document().parameters.method, Method::ThreePoint);
+    assert!(window.query_by_label("check").is_none());
+}
+
+#[test]
+fn the_hover_line_is_drawn_in_the_other_image_both_ways() {
+    let mut window = sample();
+    click_two_pairs(&mut window);
+    for side in Side::BOTH {
+        let position = at(&window, side, 0.05, 0.05);
+        window.hover_at(position);
+        settle(&mut window);
+        let other = pane(&window, side.other());
+        // Yellow is the colour of the cursor's line and of nothing else.
+        let yellow = egui::Color32::from_rgb(240, 228, 66);
+        let drawn = window.output().shapes.iter().any(|clipped| match &clipped.shape {
+            egui::Shape::LineSegment { points, stroke } => {
+                stroke.color == yellow && points.iter().all(|p| other.contains(*p))
+            }
+            _ => false,
+        });
+        assert!(drawn, "hovering the {} image", side.name());
+    }
+}
+
+#[test]
+fn a_double_click_fits_and_leaves_no_point() {
+    let mut window = sample();
+    let position = at(&window, Side::Left, 0.1, 0.1);
+    window.hover_at(position);
+    for pressed in [true, false, true, false] {
+        button(&window, position, PointerButton::Primary, pressed);
+    }
+    settle(&mut window);
+    assert!(window.state().document().half.is_none());
+    window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    settle(&mut window);
+    assert!(window.state().document().half.is_none());
+}
+
+#[test]
+fn scrolling_zooms_about_the_cursor_and_dragging_moves_the_image() {
+    let mut window = sample();
+    let position = at(&window, Side::Left, 0.1, 0.1);
+    let scroll = |window: &mut Window| {
+        window.hover_at(position);
+        window.event(egui::Event::MouseWheel {
+            unit: egui::MouseWheelUnit::Point,
+            delta: vec2(0.0, 200.0),
+            phase: egui::TouchPhase::Move,
+            source: egui::MouseWheelSource::Wheel,
+            modifiers: Modifiers::NONE,
+        });
+        for _ in 0..10 {
+            window.step();
+        }
+        settle(window);
+    };
+    // A point placed at the cursor before and after the zoom is the same point of the image.
+    click(&mut window, position);
+    let before = window.state().document().half.unwrap().point;
+    window.key_press(Key::Escape);
+    scroll(&mut window);
+    click(&mut window, position);
+    let after = window.state().document().half.unwrap().point;
+    assert!((after - before).norm() < 1e-2, "{before} {after}");
+    window.key_press(Key::Escape);
+    let empty = position + vec2(-60.0, 0.0);
+    for with in [PointerButton::Middle, PointerButton::Primary] {
+        drag(&mut window, empty, empty + vec2(30.0, 0.0), with);
+    }
+    assert!(window.state().document().half.is_none(), "a drag is no click");
+    click(&mut window, position);
+    let panned = window.state().document().half.unwrap().point;
+    assert!(panned.x < before.x - 5.0);
+}
+
+#[test]
+fn typing_does_not_run_commands() {
+    let mut window = sample();
+    click_two_pairs(&mut window);
+    window.get_by_label("Open").click();
+    settle(&mut window);
+    window.key_press(Key::Delete);
+    window.key_press(Key::S);
+    settle(&mut window);
+    assert_eq!(window.state().document().pairs.len(), 2);
+    window.key_press(Key::Escape);
+    settle(&mut window);
+    assert!(window.query_by_label("Open these").is_none());
+}
+
+#[test]
+fn overlays_keys_and_themes_can_be_switched() {
+    let mut window = sample();
+    click_two_pairs(&mut window);
+    window.key_press(Key::Questionmark);
+    settle(&mut window);
+    window.get_by_label("Keys and mouse");
+    window.key_press(Key::Escape);
+    settle(&mut window);
+    assert!(window.query_by_label("Keys and mouse").is_none());
+    let dark = window.ctx.theme();
+    window.key_press(Key::T);
+    settle(&mut window);
+    assert_ne!(window.ctx.theme(), dark);
+    window.get_by_label("Show").click();
+    settle(&mut window);
+    window.get_by_label("Points").click();
+    settle(&mut window);
+    window.get_by_label("Epipoles").click();
+    settle(&mut window);
+    window.key_press(Key::Escape);
+    settle(&mut window);
+    assert!(window.query_by_label("Epipoles").is_none(), "Escape closes the menu");
+}
+
+#[test]
+fn a_small_window_and_a_large_one_hold_everything() {
+    for size in [vec2(860.0, 540.0), vec2(1920.0, 1080.0)] {
+        let mut window = sample();
+        window.set_size(size);
+        settle(&mut window);
+        click_two_pairs(&mut window);
+        assert!(window.state().estimate().is_some(), "{size:?}");
+        let whole = Rect::from_min_size(Pos2::ZERO, size);
+        for side in Side::BOTH {
+            assert!(whole.contains_rect(pane(&window, side)), "{size:?}");
+        }
+    }
+}

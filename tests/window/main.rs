@@ -1,0 +1,7 @@
+//! The window without a display: clicks, drags, keys and dropped files, as a person would make them.
+#![cfg(feature = "inspector")]
+
+mod computing;
+mod editing;
+mod opening;
+mod support;

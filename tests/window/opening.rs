@@ -1,0 +1,117 @@
+//! Opening pictures, and what happens when that fails.
+
+use crate::support::*;
+
+use egui::{Key, Modifiers, vec2};
+use egui_kittest::kittest::Queryable;
+use epiline::app::document::Side;
+use epiline::app::{Opening, Start};
+use epiline::geometry::PointPair;
+
+#[test]
+fn files_of_the_command_line_open_with_their_pairs() {
+    let files = Files::new();
+    let pairs = vec![PointPair::new(5.0, 6.0, 7.0, 8.0), PointPair::new(500.0, 1.0, 1.0, 1.0)];
+    let opening = Opening::Files(files.image("a.png", 64, 48), files.image("b.png", 50, 70));
+    let window = window(Start { opening, pairs: pairs.clone() }, services());
+    assert_eq!(window.state().document().pairs, pairs[..1]);
+    assert!(window.state().messages().any(|text| text.contains("lie outside")));
+    assert!(window.query_by_label("Show me").is_none());
+}
+
+#[test]
+fn a_missing_file_is_a_sentence_that_can_be_dismissed() {
+    let files = Files::new();
+    let mut window = open([files.image("a.png", 64, 48), files.0.path().join("missing.png")]);
+    assert!(window.state().messages().any(|text| text.contains("there is no such file")));
+    window.get_by_label_contains("Drop two images of the same scene");
+    window.get_by_label("Dismiss").click();
+    settle(&mut window);
+    assert_eq!(window.state().messages().count(), 0);
+}
+
+#[test]
+fn a_dropped_file_that_is_no_image_leaves_the_session_as_it_was() {
+    let files = Files::new();
+    let mut window = sample();
+    click_two_pairs(&mut window);
+    let before = window.state().document().clone();
+    drop_files(&mut window, &[files.text("a.txt"), files.image("b.png", 64, 48)]);
+    assert!(window.state().messages().any(|text| text.contains("not an image in a known format")));
+    assert_eq!(window.state().document(), &before);
+    assert!(window.state().estimate().is_some());
+}
+
+#[test]
+fn two_dropped_files_open_and_one_waits_for_the_other() {
+    let files = Files::new();
+    let mut window = sample();
+    let (a, b) = (files.image("a.png", 64, 48), files.image("b.png", 50, 70));
+    drop_files(&mut window, &[a.clone(), b.clone()]);
+    let names = |window: &Window| {
+        let pictures = window.state().document().pictures.clone().unwrap();
+        pictures.map(|picture| picture.name)
+    };
+    assert_eq!(names(&window), ["a.png", "b.png"]);
+    drop_files(&mut window, std::slice::from_ref(&b));
+    assert_eq!(names(&window), ["a.png", "b.png"]);
+    window.get_by_label("Open images");
+    drop_files(&mut window, &[a]);
+    assert_eq!(names(&window), ["b.png", "a.png"]);
+}
+
+#[test]
+fn typed_paths_open() {
+    let files = Files::new();
+    let mut window = sample();
+    window.key_press_modifiers(Modifiers::COMMAND, Key::O);
+    settle(&mut window);
+    for (label, name) in [("Left image", "left.png"), ("Right image", "right.png")] {
+        let field = window.get_by_role_and_label(egui::accesskit::Role::TextInput, label);
+        field.focus();
+        window.step();
+        let path = files.image(name, 40, 30).display().to_string();
+        window.get_by_role_and_label(egui::accesskit::Role::TextInput, label).type_text(&path);
+        window.step();
+    }
+    window.get_by_label("Open these").click();
+    settle(&mut window);
+    let pictures = window.state().document().pictures.clone().unwrap();
+    assert_eq!(pictures.map(|picture| picture.name), ["left.png", "right.png"]);
+}
+
+#[test]
+fn a_file_dialog_that_cannot_open_is_told() {
+    let mut window = sample();
+    window.get_by_label("Open").click();
+    settle(&mut window);
+    window.get_by_label("Browse for the left image").click();
+    settle(&mut window);
+    assert!(window.state().messages().any(|text| text.contains("file dialog could not be opened here")));
+}
+
+#[test]
+fn extreme_images_can_be_clicked() {
+    let files = Files::new();
+    let mut window = open([files.image("a.png", 1, 1), files.image("b.png", 12_000, 200)]);
+    for side in Side::BOTH {
+        let position = at(&window, side, 0.0, 0.0);
+        click(&mut window, position);
+    }
+    assert_eq!(window.state().document().pairs.len(), 1);
+    // Zooming in brings tiles of the full resolution.
+    window.hover_at(at(&window, Side::Right, 0.1, 0.0));
+    for _ in 0..6 {
+        window.event(egui::Event::MouseWheel {
+            unit: egui::MouseWheelUnit::Point,
+            delta: vec2(0.0, 200.0),
+            phase: egui::TouchPhase::Move,
+            source: egui::MouseWheelSource::Wheel,
+            modifiers: Modifiers::NONE,
+        });
+        for _ in 0..5 {
+            window.step();
+        }
+    }
+    window.run();
+}

@@ -1,0 +1,205 @@
+//! What the window tests share: a window without a display, and the hands of a person.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use egui::{Modifiers, PointerButton, Pos2, Rect, vec2};
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
+use epiline::app::document::{PointRef, Side};
+use epiline::app::{Inspector, Opening, Services, Start, install_theme};
+use epiline::estimate::{Counts, Estimate, EstimateError, Parameters};
+use epiline::geometry::{FundamentalMatrix, Point, PointPair};
+use nalgebra::{Matrix3, Vector3};
+
+/// Long enough for a loaded machine; reached only when something is wrong.
+pub const PATIENCE: Duration = Duration::from_secs(30);
+
+/// A stand-in for the estimator, instant and exact for the two pairs it is given: `F = [e2]× T` with the
+/// translation `T` from `p1` to `p2`, and `e2` on the line of `q2` and `T q1`.
+pub fn fake_estimate(pairs: &[PointPair], parameters: &Parameters) -> Result<Estimate, EstimateError> {
+    let [p, q, ..] = pairs else {
+        return Err(EstimateError::TooFewPairs { found: pairs.len(), needed: 2 });
+    };
+    let t = p.point2 - p.point1;
+    let shift = Matrix3::new(1.0, 0.0, t.x, 0.0, 1.0, t.y, 0.0, 0.0, 1.0);
+    let line = q.point2.to_homogeneous().cross(&(shift * q.point1.to_homogeneous()));
+    let e2 = line.cross(&Vector3::new(0.0, 1.0, -100.0)).try_normalize(1e-9).unwrap_or_else(Vector3::x);
+    let fundamental =
+        FundamentalMatrix::from_rank_two(e2.cross_matrix() * shift).ok_or(EstimateError::NoGeometry)?;
+    Ok(Estimate {
+        epipole1: fundamental.epipole1(),
+        epipole2: fundamental.epipole2(),
+        fundamental,
+        score: 0.25,
+        round_trip_area: 0.5,
+        support: None,
+        margin: Some(0.4),
+        method: parameters.method,
+        preset: parameters.preset,
+        seed: parameters.seed,
+        warnings: Vec::new(),
+        counts: Counts::default(),
+        timings: Vec::new(),
+        first_seconds: 0.01,
+        seconds: 0.02,
+        refined: true,
+        hypotheses: Vec::new(),
+        matches: Vec::new(),
+    })
+}
+
+pub fn services() -> Services {
+    Services {
+        estimate: Box::new(|request, _| fake_estimate(&request.pairs, &request.parameters)),
+        pick_file: Arc::new(|| None),
+    }
+}
+
+pub type Window = Harness<'static, Inspector>;
+
+pub fn window(start: Start, services: Services) -> Window {
+    let mut window = Harness::builder()
+        .with_size(vec2(1280.0, 800.0))
+        .with_max_steps(30)
+        .with_step_dt(0.05)
+        .with_context_setup(install_theme)
+        .build_ui_state(|ui, inspector: &mut Inspector| inspector.show(ui), Inspector::new(start, services));
+    settle(&mut window);
+    window
+}
+
+pub fn sample() -> Window {
+    window(Start::default(), services())
+}
+
+/// Steps until nothing is under way in any thread, then until nothing is repainted.
+pub fn settle(window: &mut Window) {
+    let start = Instant::now();
+    window.step();
+    while window.state().is_busy() {
+        assert!(start.elapsed() < PATIENCE, "still busy");
+        std::thread::sleep(Duration::from_millis(1));
+        window.step();
+    }
+    window.run();
+}
+
+pub fn pane(window: &Window, side: Side) -> Rect {
+    window.get_by_label(&format!("{} image", side.name())).rect()
+}
+
+/// Screen points per image pixel of an image that fits its pane (6 points of room at each side).
+pub fn fitting_scale(window: &Window, side: Side) -> f32 {
+    let rect = pane(window, side);
+    let frame = window.state().document().frame(side).unwrap();
+    ((rect.width() - 12.0) / frame.width as f32).min((rect.height() - 12.0) / frame.height as f32).min(64.0)
+}
+
+/// A place in a fitting image, as a fraction of its size from the middle.
+pub fn at(window: &Window, side: Side, x: f32, y: f32) -> Pos2 {
+    let frame = window.state().document().frame(side).unwrap();
+    let offset = vec2(x * frame.width as f32, y * frame.height as f32);
+    pane(window, side).center() + offset * fitting_scale(window, side)
+}
+
+pub fn button(window: &Window, pos: Pos2, button: PointerButton, pressed: bool) {
+    window.event(egui::Event::PointerButton { pos, button, pressed, modifiers: Modifiers::NONE });
+}
+
+pub fn click(window: &mut Window, position: Pos2) {
+    window.hover_at(position);
+    button(window, position, PointerButton::Primary, true);
+    button(window, position, PointerButton::Primary, false);
+    // Long enough for the next click not to be the second of a double click.
+    for _ in 0..8 {
+        window.step();
+    }
+    settle(window);
+}
+
+pub fn drag(window: &mut Window, from: Pos2, to: Pos2, with: PointerButton) {
+    window.hover_at(from);
+    button(window, from, with, true);
+    for k in 1..=5 {
+        window.hover_at(from.lerp(to, k as f32 / 5.0));
+    }
+    window.step();
+    button(window, to, with, false);
+    window.step();
+    settle(window);
+}
+
+/// Two pairs on the sample: `p` near the top left, `q` near the bottom right.
+pub fn click_two_pairs(window: &mut Window) {
+    for (x, y) in [(-0.2, -0.2), (0.2, 0.25)] {
+        for side in Side::BOTH {
+            let position = at(window, side, if side == Side::Left { x } else { x - 0.05 }, y);
+            click(window, position);
+        }
+    }
+}
+
+/// Where a point appears in a fitting image.
+pub fn screen(window: &Window, at: PointRef) -> Pos2 {
+    let document = window.state().document();
+    let offset = document.point(at).unwrap() - document.frame(at.side).unwrap().centre();
+    let scale = fitting_scale(window, at.side);
+    pane(window, at.side).center() + vec2(offset.x as f32, offset.y as f32) * scale
+}
+
+pub const P_LEFT: PointRef = PointRef { pair: 0, side: Side::Left };
+
+pub fn point(window: &Window, at: PointRef) -> Point {
+    window.state().document().point(at).unwrap()
+}
+
+/// A file that is removed with its folder.
+pub struct Files(pub tempfile::TempDir);
+
+impl Files {
+    pub fn new() -> Self {
+        Self(tempfile::tempdir().unwrap())
+    }
+
+    pub fn image(&self, name: &str, width: u32, height: u32) -> PathBuf {
+        let path = self.0.path().join(name);
+        image::GrayImage::from_fn(width, height, |x, y| image::Luma([(x * 7 + y * 13) as u8]))
+            .save(&path)
+            .unwrap();
+        path
+    }
+
+    pub fn text(&self, name: &str) -> PathBuf {
+        let path = self.0.path().join(name);
+        std::fs::write(&path, "not an image").unwrap();
+        path
+    }
+}
+
+#[derive(Debug)]
+pub struct Dropped(PathBuf);
+
+impl egui::DroppedFile for Dropped {
+    fn path(&self) -> &Path {
+        &self.0
+    }
+
+    fn bytes(&self) -> Result<Vec<u8>, String> {
+        std::fs::read(&self.0).map_err(|error| error.to_string())
+    }
+}
+
+pub fn drop_files(window: &mut Window, paths: &[PathBuf]) {
+    for path in paths {
+        window.input_mut().dropped_files.push(Arc::new(Dropped(path.clone())));
+    }
+    window.step();
+    settle(window);
+}
+
+pub fn open(paths: [PathBuf; 2]) -> Window {
+    let [left, right] = paths;
+    window(Start { opening: Opening::Files(left, right), ..Start::default() }, services())
+}
