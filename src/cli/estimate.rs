@@ -21,6 +21,7 @@ use crate::image::Picture;
 
 /// Estimate the fundamental matrix of two images from two or three point pairs
 #[derive(Debug, Args)]
+#[command(allow_negative_numbers = true)]
 pub(super) struct Arguments {
     /// Left image
     #[arg(required_unless_present = "sample", requires = "right")]

@@ -29,6 +29,7 @@ pub(super) struct Arguments {
 #[derive(Debug, Subcommand)]
 enum Source {
     /// Views with cameras and tracks: PREFIX.NNN.pgm, .P, .corners and PREFIX.nview-corners
+    #[command(allow_negative_numbers = true)]
     Vgg {
         /// The folder
         folder: PathBuf,
@@ -39,6 +40,7 @@ enum Source {
         options: Box<Options>,
     },
     /// Pairs with true matches: NAMEA.*, NAMEB.* and NAME.txt with rows x1 y1 x2 y2
+    #[command(allow_negative_numbers = true)]
     Pairs {
         /// The folder
         folder: PathBuf,

@@ -16,7 +16,7 @@ pub(super) enum Output {
     /// Text to standard output, JSON to a file.
     File(OutputFile),
     /// JSON to standard output, so the text goes to standard error.
-    StandardOutput,
+    Piped,
 }
 
 impl Output {
@@ -24,7 +24,7 @@ impl Output {
     pub(super) fn prepare(json: Option<&Path>) -> Result<Self, CliError> {
         Ok(match json {
             None => Self::Text,
-            Some(path) if path == Path::new("-") => Self::StandardOutput,
+            Some(path) if path == Path::new("-") => Self::Piped,
             Some(path) => Self::File(OutputFile::prepare(path)?),
         })
     }
@@ -40,7 +40,7 @@ impl Output {
                 file.write(content.as_bytes())?;
                 print(text)
             }
-            Self::StandardOutput => {
+            Self::Piped => {
                 tell(text.trim_end());
                 print(&content)
             }

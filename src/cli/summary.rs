@@ -50,15 +50,12 @@ pub(super) fn summary(found: &Estimate, pictures: &[Picture; 2]) -> String {
 
 /// Where an epipole is: a position, or a direction when it is infinitely far.
 fn place(epipole: &HomogeneousPoint, frame: Frame) -> String {
-    match finite_point(epipole) {
-        Some(p) => {
-            let side = if frame.contains(p) { "inside" } else { "outside" };
-            format!("({:.2}, {:.2}) px, {side} the image", p.x, p.y)
-        }
-        None => {
-            let angle = epipole.y.atan2(epipole.x).to_degrees().rem_euclid(180.0);
-            format!("infinitely far, lines run at {angle:.2}° to the x axis (y is down)")
-        }
+    if let Some(p) = finite_point(epipole) {
+        let side = if frame.contains(p) { "inside" } else { "outside" };
+        format!("({:.2}, {:.2}) px, {side} the image", p.x, p.y)
+    } else {
+        let angle = epipole.y.atan2(epipole.x).to_degrees().rem_euclid(180.0);
+        format!("infinitely far, lines run at {angle:.2}° to the x axis (y is down)")
     }
 }
 

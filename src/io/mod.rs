@@ -9,6 +9,6 @@ mod vgg;
 
 pub use output::{OutputFile, WriteError};
 pub use pair_folder::{PairFiles, pair_folder};
-pub use point_pairs::{parse_point_pairs, read_point_pairs};
+pub use point_pairs::{PairProblem, parse_point_pairs, read_point_pairs};
 pub use read::ReadError;
 pub use vgg::VggFolder;

@@ -98,10 +98,13 @@ fn tracks_file(folder: &Path, entries: &[PathBuf]) -> Result<PathBuf, ReadError>
     }
 }
 
-/// The rows of indices with their line numbers, all of one length.
-fn read_tracks(path: &Path) -> Result<Vec<(usize, Vec<Option<usize>>)>, ReadError> {
+/// A line number and, one a view, an index into its corners.
+type TrackRow = (usize, Vec<Option<usize>>);
+
+/// The rows of the tracks, all of one length.
+fn read_tracks(path: &Path) -> Result<Vec<TrackRow>, ReadError> {
     let text = read_text(path)?;
-    let mut tracks: Vec<(usize, Vec<Option<usize>>)> = Vec::new();
+    let mut tracks: Vec<TrackRow> = Vec::new();
     for (line, row) in rows(&text) {
         let index = |cell: &str| match cell {
             "*" => Ok(None),
