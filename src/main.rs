@@ -1,2 +1,19 @@
-//! epiline
-fn main() {}
+//! The program `epiline`; everything is in the library.
+
+use std::process::ExitCode;
+
+use clap::Parser;
+use epiline::cli::{CommandLine, INTERNAL_ERROR, complain, report_panics_in_one_sentence};
+
+fn main() -> ExitCode {
+    report_panics_in_one_sentence();
+    let command_line = CommandLine::parse();
+    match std::panic::catch_unwind(|| command_line.run()) {
+        Ok(Ok(())) => ExitCode::SUCCESS,
+        Ok(Err(error)) => {
+            complain(&error);
+            ExitCode::from(error.exit_status())
+        }
+        Err(_) => ExitCode::from(INTERNAL_ERROR),
+    }
+}

@@ -1,1 +1,59 @@
-//! To be written.
+//! The command line: the same library as the window, for tests, benchmarks and scripts.
+//!
+//! Human text goes to standard output, progress and errors to standard error. Exit status: 0 success, 1 a
+//! computation that found no geometry, 2 bad input, 70 an error in the program itself.
+
+mod arguments;
+mod console;
+mod error;
+mod estimate;
+mod evaluate;
+mod output;
+mod overrides;
+mod summary;
+mod window;
+
+use clap::{Parser, Subcommand};
+
+pub use console::{complain, report_panics_in_one_sentence};
+pub use error::{CliError, INTERNAL_ERROR};
+
+/// See and trust the epipolar geometry of two images, from two clicked point pairs.
+///
+/// Without a command, opens the window: on two images, or on the built-in sample.
+/// Coordinates are pixels, x to the right and y down; the centre of the top-left pixel is (0, 0).
+#[derive(Debug, Parser)]
+#[command(name = "epiline", version, args_conflicts_with_subcommands = true)]
+pub struct CommandLine {
+    #[command(subcommand)]
+    command: Option<Command>,
+    #[command(flatten)]
+    window: window::Arguments,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    Estimate(Box<estimate::Arguments>),
+    Evaluate(evaluate::Arguments),
+}
+
+impl CommandLine {
+    /// Does what was asked for.
+    pub fn run(self) -> Result<(), CliError> {
+        match self.command {
+            None => window::run(self.window),
+            Some(Command::Estimate(arguments)) => estimate::run(&arguments),
+            Some(Command::Evaluate(arguments)) => evaluate::run(&arguments),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_description_of_the_command_line_is_consistent() {
+        <CommandLine as clap::CommandFactory>::command().debug_assert();
+    }
+}

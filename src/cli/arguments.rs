@@ -1,0 +1,120 @@
+//! Kinds of values on the command line, and options that several commands share.
+
+use clap::ValueEnum;
+use clap::builder::PossibleValue;
+
+use super::CliError;
+use crate::estimate::{Method, Preset};
+use crate::evaluate::Protocol;
+use crate::geometry::PointPair;
+
+/// Four numbers separated by commas.
+pub(super) fn point_pair(text: &str) -> Result<PointPair, String> {
+    const EXPECTED: &str = "expected four numbers X1,Y1,X2,Y2 (pixels)";
+    let cells: Vec<&str> = text.split(',').map(str::trim).collect();
+    let [x1, y1, x2, y2] = cells[..] else { return Err(format!("{EXPECTED}, found {}", cells.len())) };
+    let number = |cell: &str| match cell.parse::<f64>() {
+        Ok(value) if value.is_finite() => Ok(value),
+        _ => Err(format!("{EXPECTED}, but \"{cell}\" is not a finite number")),
+    };
+    Ok(PointPair::new(number(x1)?, number(y1)?, number(x2)?, number(y2)?))
+}
+
+/// A length in pixels, zero or more.
+pub(super) fn pixels(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value.is_finite() && value >= 0.0 => Ok(value),
+        _ => Err("expected a number of pixels, zero or more".into()),
+    }
+}
+
+/// A number of things, one or more.
+pub(super) fn count(text: &str) -> Result<usize, String> {
+    match text.parse::<usize>() {
+        Ok(value) if (1..=1_000_000).contains(&value) => Ok(value),
+        _ => Err("expected a whole number from 1 to 1000000".into()),
+    }
+}
+
+/// A number of threads.
+pub(super) fn threads(text: &str) -> Result<usize, String> {
+    match text.parse::<usize>() {
+        Ok(value) if (1..=1024).contains(&value) => Ok(value),
+        _ => Err("expected a whole number from 1 to 1024".into()),
+    }
+}
+
+/// Runs `work` on a number of threads of its own, all cores by default.
+pub(super) fn on_threads<T: Send>(
+    threads: Option<usize>,
+    work: impl FnOnce() -> T + Send,
+) -> Result<T, CliError> {
+    let Some(threads) = threads else { return Ok(work()) };
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build()
+        .map_err(|e| CliError::Arguments(format!("cannot start {threads} threads: {e}")))?;
+    Ok(pool.install(work))
+}
+
+impl ValueEnum for Preset {
+    fn value_variants<'a>() -> &'a [Self] {
+        &[Self::Paper, Self::Robust]
+    }
+
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        Some(match self {
+            Self::Paper => PossibleValue::new("paper").help("as published"),
+            Self::Robust => PossibleValue::new("robust").help("what measured best on real images"),
+        })
+    }
+}
+
+impl ValueEnum for Method {
+    fn value_variants<'a>() -> &'a [Self] {
+        &[Self::TwoPoint, Self::ThreePoint]
+    }
+
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        Some(match self {
+            Self::TwoPoint => PossibleValue::new("two-point").help("two point pairs"),
+            Self::ThreePoint => PossibleValue::new("three-point").help("three point pairs, faster"),
+        })
+    }
+}
+
+impl ValueEnum for Protocol {
+    fn value_variants<'a>() -> &'a [Self] {
+        &[Self::Paper, Self::WellPosed]
+    }
+
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        let help = match self {
+            Self::Paper => "points at least 30 px apart in both images",
+            Self::WellPosed => "also 12 % of the image off each other's true epipolar line",
+        };
+        Some(PossibleValue::new(self.name()).help(help))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pairs_are_four_finite_numbers() {
+        assert_eq!(point_pair("1,2.5, -3 ,4e1"), Ok(PointPair::new(1.0, 2.5, -3.0, 40.0)));
+        assert!(point_pair("1,2,3").unwrap_err().contains("found 3"));
+        assert!(point_pair("1,2,3,4,5").unwrap_err().contains("found 5"));
+        for bad in ["nan,1,2,3", "1,inf,2,3", "1,,2,3", "a,b,c,d"] {
+            assert!(point_pair(bad).unwrap_err().contains("is not a finite number"), "{bad}");
+        }
+    }
+
+    #[test]
+    fn counts_and_lengths_have_a_range() {
+        assert_eq!((count("10"), threads("2"), pixels("0.5")), (Ok(10), Ok(2), Ok(0.5)));
+        assert!(count("0").is_err() && count("-1").is_err() && threads("5000").is_err());
+        assert!(pixels("-1").is_err() && pixels("nan").is_err() && pixels("inf").is_err());
+    }
+}

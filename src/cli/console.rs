@@ -1,0 +1,53 @@
+//! Standard output and standard error. Neither a closed pipe nor a panic prints a stack of frames.
+
+use std::fmt::Display;
+use std::io::{ErrorKind, IsTerminal, Write};
+
+use super::CliError;
+
+/// Writes to standard output. A reader that has seen enough (`| head -1`) is not an error.
+pub(super) fn print(text: &str) -> Result<(), CliError> {
+    let mut out = std::io::stdout().lock();
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(e) if e.kind() != ErrorKind::BrokenPipe => Err(CliError::StandardOutput(e.to_string())),
+        _ => Ok(()),
+    }
+}
+
+/// Writes a line to standard error; if that is closed there is nobody to tell.
+pub(super) fn tell(line: impl Display) {
+    let _ = writeln!(std::io::stderr(), "{line}");
+}
+
+/// Writes over the current line of the terminal.
+pub(super) fn tell_in_place(line: impl Display) {
+    let mut err = std::io::stderr();
+    let _ = write!(err, "\r\x1b[2K{line}").and_then(|()| err.flush());
+}
+
+/// Whether a person watches standard error.
+pub(super) fn is_watched() -> bool {
+    std::io::stderr().is_terminal()
+}
+
+/// Tells the user why the program ends, in one line.
+pub fn complain(error: &CliError) {
+    tell(format_args!("error: {}", one_line(&error.to_string())));
+}
+
+/// Makes a panic one line on standard error, unless a developer asked for more with `RUST_BACKTRACE`.
+pub fn report_panics_in_one_sentence() {
+    if std::env::var_os("RUST_BACKTRACE").is_some_and(|v| v != "0") {
+        return;
+    }
+    std::panic::set_hook(Box::new(|panic| {
+        let place = panic.location().map(|l| format!(" ({}:{})", l.file(), l.line())).unwrap_or_default();
+        let what = panic.payload_as_str().unwrap_or("no message");
+        tell(format_args!("error: internal error, please report it: {}{place}", one_line(what)));
+    }));
+}
+
+/// Messages of other libraries may have several lines.
+fn one_line(text: &str) -> String {
+    text.lines().map(str::trim).filter(|l| !l.is_empty()).collect::<Vec<_>>().join(" ")
+}

@@ -1,0 +1,47 @@
+//! Everything that can end a command, and its exit status.
+
+use thiserror::Error;
+
+use crate::estimate::EstimateError;
+use crate::evaluate::EvaluateError;
+use crate::image::LoadError;
+use crate::io::WriteError;
+
+/// Exit status of an error in the program itself (`EX_SOFTWARE` of `sysexits.h`).
+pub const INTERNAL_ERROR: u8 = 70;
+
+/// Why a command did not succeed. Each message is one sentence for the user.
+#[derive(Debug, Error)]
+pub enum CliError {
+    /// An image could not be read.
+    #[error(transparent)]
+    Load(#[from] LoadError),
+    /// The estimator refused the input or found nothing.
+    #[error(transparent)]
+    Estimate(#[from] EstimateError),
+    /// Nothing could be evaluated.
+    #[error(transparent)]
+    Evaluate(#[from] EvaluateError),
+    /// A result could not be written.
+    #[error(transparent)]
+    Write(#[from] WriteError),
+    /// Standard output is full or broken (a closed one is no error).
+    #[error("cannot write to standard output: {0}")]
+    StandardOutput(String),
+    /// Arguments that do not go together.
+    #[error("{0}")]
+    Arguments(String),
+    /// The window could not be opened.
+    #[error("{0}")]
+    Window(String),
+}
+
+impl CliError {
+    /// What the program returns to the shell.
+    pub fn exit_status(&self) -> u8 {
+        match self {
+            Self::Estimate(error) if !error.is_bad_input() => 1,
+            _ => 2,
+        }
+    }
+}

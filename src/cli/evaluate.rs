@@ -1,0 +1,223 @@
+//! `epiline evaluate`: how good the estimators are on pairs whose geometry is known.
+
+use std::path::PathBuf;
+use std::sync::Mutex;
+use std::time::{Duration, Instant};
+
+use clap::builder::PossibleValuesParser;
+use clap::{Args, Subcommand};
+use serde::Serialize;
+
+use super::CliError;
+use super::arguments::{count, pixels, threads};
+use super::console::{is_watched, tell, tell_in_place};
+use super::output::Output;
+use super::overrides::Overrides;
+use crate::estimate::{Parameters, Preset};
+use crate::evaluate::{
+    Plan, Protocol, Report, Scene, TrialDone, contenders, method_names, pair_scenes, run as run_plan, table,
+    vgg_scenes,
+};
+
+/// Measure estimators on image pairs with known geometry
+#[derive(Debug, Args)]
+pub(super) struct Arguments {
+    #[command(subcommand)]
+    source: Source,
+}
+
+#[derive(Debug, Subcommand)]
+enum Source {
+    /// Views with cameras and tracks: PREFIX.NNN.pgm, .P, .corners and PREFIX.nview-corners
+    #[command(allow_negative_numbers = true)]
+    Vgg {
+        /// The folder
+        folder: PathBuf,
+        /// Compare view i with view i + STEP
+        #[arg(long, default_value = "1", value_parser = count)]
+        step: usize,
+        #[command(flatten)]
+        options: Box<Options>,
+    },
+    /// Pairs with true matches: NAMEA.*, NAMEB.* and NAME.txt with rows x1 y1 x2 y2
+    #[command(allow_negative_numbers = true)]
+    Pairs {
+        /// The folder
+        folder: PathBuf,
+        #[command(flatten)]
+        options: Box<Options>,
+    },
+}
+
+#[derive(Debug, Args)]
+struct Options {
+    /// Trials a pair
+    #[arg(long, default_value = "10", value_parser = count)]
+    trials: usize,
+    /// How true matches are chosen to be clicked
+    #[arg(long, value_enum, default_value_t = Protocol::WellPosed)]
+    protocol: Protocol,
+    /// Presets to compare; repeatable, or separated by commas
+    #[arg(long = "preset", value_enum, value_delimiter = ',', default_value = "robust")]
+    presets: Vec<Preset>,
+    /// Methods to compare; repeatable, or separated by commas
+    #[arg(long = "methods", alias = "method", value_name = "METHOD", value_delimiter = ',',
+        default_value = "two-point", value_parser = PossibleValuesParser::new(method_names()))]
+    methods: Vec<String>,
+    /// Standard deviation of Gaussian noise on every clicked coordinate, pixels
+    #[arg(long, value_name = "SIGMA", default_value = "0", value_parser = pixels)]
+    noise: f64,
+    /// Seed of the choice of clicks, of the noise and of the estimators
+    #[arg(long, default_value_t = 0)]
+    seed: u64,
+    /// Threads in all, all cores by default
+    #[arg(long, value_parser = threads)]
+    threads: Option<usize>,
+    /// Threads of one trial; for times as a user sees them give it the value of --threads
+    #[arg(long, default_value = "1", value_parser = threads, value_name = "N")]
+    threads_per_trial: usize,
+    /// Only these pairs, separated by commas
+    #[arg(long, value_name = "NAME", value_delimiter = ',')]
+    only: Vec<String>,
+    /// Write every trial as JSON, to standard output when it is -
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    #[command(flatten)]
+    overrides: Overrides,
+}
+
+/// The content of a report file.
+#[derive(Serialize)]
+struct ReportFile<'a> {
+    /// `vgg` or `pairs`.
+    layout: &'static str,
+    folder: String,
+    step: Option<usize>,
+    /// The version of the program.
+    version: &'static str,
+    #[serde(flatten)]
+    report: &'a Report,
+}
+
+/// Evaluates, writes the JSON file, prints the table.
+pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
+    let (layout, folder, step, options) = match &arguments.source {
+        Source::Vgg { folder, step, options } => ("vgg", folder, Some(*step), options),
+        Source::Pairs { folder, options } => ("pairs", folder, None, options),
+    };
+    let output = Output::prepare(options.json.as_deref())?;
+    let presets = parameters(options)?;
+    let contenders = contenders(&options.methods, &presets)?;
+    let scenes: Vec<Scene> = match step {
+        Some(step) => vgg_scenes(folder, step, &options.only)?,
+        None => pair_scenes(folder, &options.only)?,
+    };
+    let threads =
+        options.threads.or_else(|| std::thread::available_parallelism().ok().map(usize::from)).unwrap_or(1);
+    let plan = Plan {
+        protocol: options.protocol,
+        trials: options.trials,
+        noise: options.noise,
+        seed: options.seed,
+        trials_at_once: (threads / options.threads_per_trial).max(1),
+        threads_per_trial: options.threads_per_trial,
+    };
+    let progress = ProgressLine::new();
+    let report = run_plan(&scenes, &contenders, &plan, &|news| progress.hear(news))?;
+    progress.finish();
+    let file = ReportFile {
+        layout,
+        folder: folder.display().to_string(),
+        step,
+        version: env!("CARGO_PKG_VERSION"),
+        report: &report,
+    };
+    output.write(&file, &text(&report))
+}
+
+/// The parameters of every preset asked for, each once.
+fn parameters(options: &Options) -> Result<Vec<Parameters>, CliError> {
+    let mut presets: Vec<Preset> = Vec::new();
+    for preset in &options.presets {
+        if !presets.contains(preset) {
+            presets.push(*preset);
+        }
+    }
+    presets
+        .into_iter()
+        .map(|preset| Ok(Parameters { seed: options.seed, ..options.overrides.parameters(preset)? }))
+        .collect()
+}
+
+/// The table with a sentence on what it shows.
+fn text(report: &Report) -> String {
+    let plan = &report.parameters.plan;
+    format!(
+        "Mean symmetric epipolar distance of all true matches, px; protocol {}, click noise {} px, seed {}; \
+         seconds of a trial on {} thread(s), {} at once.\n\n{}",
+        plan.protocol.name(),
+        plan.noise,
+        plan.seed,
+        plan.threads_per_trial,
+        plan.trials_at_once,
+        table(report)
+    )
+}
+
+/// Progress on standard error: one changing line for a person, now and then a line for a log.
+struct ProgressLine {
+    started: Instant,
+    watched: bool,
+    last: Mutex<Option<Instant>>,
+}
+
+impl ProgressLine {
+    fn new() -> Self {
+        Self { started: Instant::now(), watched: is_watched(), last: Mutex::new(None) }
+    }
+
+    fn hear(&self, news: &TrialDone) {
+        let pause = Duration::from_millis(if self.watched { 100 } else { 10_000 });
+        // A poisoned clock still tells when it was last read.
+        let mut last = self.last.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        if news.done < news.total && last.is_some_and(|t| t.elapsed() < pause) {
+            return;
+        }
+        *last = Some(Instant::now());
+        let elapsed = self.started.elapsed().as_secs_f64();
+        let left = elapsed / news.done as f64 * (news.total - news.done) as f64;
+        let error =
+            if news.error.is_finite() { format!("{:.2} px", news.error) } else { "no geometry".into() };
+        let line = format!(
+            "{} of {} trials, about {} left; {} {}: {error}",
+            news.done,
+            news.total,
+            duration(left),
+            news.pair,
+            news.contender
+        );
+        if self.watched { tell_in_place(line) } else { tell(line) }
+    }
+
+    fn finish(&self) {
+        if self.watched {
+            tell_in_place("");
+        }
+    }
+}
+
+/// Seconds, or minutes and seconds.
+fn duration(seconds: f64) -> String {
+    let seconds = seconds.round() as u64;
+    if seconds < 60 { format!("{seconds} s") } else { format!("{} min {:02} s", seconds / 60, seconds % 60) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn durations_read_well() {
+        assert_eq!([0.4, 59.4, 61.0, 3600.0].map(duration), ["0 s", "59 s", "1 min 01 s", "60 min 00 s"]);
+    }
+}

@@ -1,0 +1,49 @@
+//! Where results go: a file, checked before the work begins, or standard output.
+
+use std::path::Path;
+
+use serde::Serialize;
+
+use super::CliError;
+use super::console::{print, tell};
+use crate::io::OutputFile;
+
+/// Where a command's JSON and its text for people go.
+#[derive(Debug)]
+pub(super) enum Output {
+    /// Text to standard output, no JSON.
+    Text,
+    /// Text to standard output, JSON to a file.
+    File(OutputFile),
+    /// JSON to standard output, so the text goes to standard error.
+    Piped,
+}
+
+impl Output {
+    /// From the value of `--json`; fails when the file cannot be written.
+    pub(super) fn prepare(json: Option<&Path>) -> Result<Self, CliError> {
+        Ok(match json {
+            None => Self::Text,
+            Some(path) if path == Path::new("-") => Self::Piped,
+            Some(path) => Self::File(OutputFile::prepare(path)?),
+        })
+    }
+
+    /// Writes both; the file first, because the reader of standard output may leave early.
+    pub(super) fn write(&self, json: &impl Serialize, text: &str) -> Result<(), CliError> {
+        let mut content =
+            serde_json::to_string_pretty(json).map_err(|e| CliError::StandardOutput(e.to_string()))?;
+        content.push('\n');
+        match self {
+            Self::Text => print(text),
+            Self::File(file) => {
+                file.write(content.as_bytes())?;
+                print(text)
+            }
+            Self::Piped => {
+                tell(text.trim_end());
+                print(&content)
+            }
+        }
+    }
+}

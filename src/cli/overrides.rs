@@ -1,0 +1,73 @@
+//! Changing single parameters of the estimator.
+
+use clap::Args;
+use serde_json::Value;
+
+use super::CliError;
+use crate::estimate::{Parameters, Preset};
+
+/// Options that change parameters after the preset has set them.
+#[derive(Debug, Clone, Default, Args)]
+pub(super) struct Overrides {
+    /// Change one parameter of the estimator, named as under "parameters" in result files; repeatable
+    #[arg(long = "set", value_name = "NAME=VALUE", help_heading = "Advanced")]
+    set: Vec<String>,
+}
+
+impl Overrides {
+    /// The parameters of a preset with the changes made.
+    ///
+    /// They are made on the parameters as data, so every parameter can be changed by its name, nested ones as
+    /// `outer.inner`, without a line of code for each.
+    pub(super) fn parameters(&self, preset: Preset) -> Result<Parameters, CliError> {
+        let mut parameters = Parameters::from(preset);
+        for assignment in &self.set {
+            parameters = changed(&parameters, assignment)
+                .map_err(|problem| CliError::Arguments(format!("--set {assignment}: {problem}")))?;
+        }
+        Ok(parameters)
+    }
+}
+
+fn changed(parameters: &Parameters, assignment: &str) -> Result<Parameters, String> {
+    let (name, text) = assignment.split_once('=').ok_or("expected NAME=VALUE")?;
+    if let Some(option) = ["preset", "method"].into_iter().find(|o| *o == name) {
+        return Err(format!("use --{option}"));
+    }
+    let mut data = serde_json::to_value(parameters).map_err(|e| e.to_string())?;
+    let mut place = &mut data;
+    for part in name.split('.') {
+        let known = place.as_object().map(|o| o.keys().cloned().collect::<Vec<_>>().join(", "));
+        place = place.get_mut(part).ok_or_else(|| {
+            format!("there is no parameter {name}; there are {}", known.unwrap_or_default())
+        })?;
+    }
+    // What is not a number or another piece of JSON is a word.
+    *place = serde_json::from_str(text).unwrap_or_else(|_| Value::String(text.to_owned()));
+    serde_json::from_value(data).map_err(|e| e.to_string())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn with(set: &[&str]) -> Result<Parameters, String> {
+        let set = set.iter().map(|s| (*s).to_owned()).collect();
+        Overrides { set }.parameters(Preset::Robust).map_err(|e| e.to_string())
+    }
+
+    #[test]
+    fn changes_what_is_named_and_nothing_else() {
+        let expected = Parameters { seed: 7, ..Parameters::from(Preset::Robust) };
+        assert_eq!(with(&["seed=7"]).unwrap(), expected);
+        assert_eq!(with(&[]).unwrap(), Parameters::from(Preset::Robust));
+    }
+
+    #[test]
+    fn refuses_unknown_names_and_wrong_kinds() {
+        assert!(with(&["sed=7"]).unwrap_err().contains("there is no parameter sed; there are"));
+        assert!(with(&["seed=many"]).unwrap_err().starts_with("--set seed=many: "));
+        assert!(with(&["seed"]).unwrap_err().contains("expected NAME=VALUE"));
+        assert!(with(&["preset=paper"]).unwrap_err().contains("use --preset"));
+    }
+}

@@ -1,0 +1,269 @@
+//! Which true matches are clicked in a trial.
+//!
+//! All valid combinations of two matches are listed and shuffled with a seed made of the run's seed and the
+//! pair's name; trial `t` takes the `t`-th, so trials are all different and trial `t` does not depend on how
+//! many are asked for. Further clicks (a third pair and so on) and the click noise come from generators of
+//! their own per trial, so that contenders that need more clicks share the first ones with the others.
+
+use std::f64::consts::TAU;
+
+use rand::{Rng, RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+use serde::Serialize;
+
+use super::Scene;
+use crate::geometry::{Frame, Point, PointPair};
+
+/// Clicked points are at least this far apart in both images, px, as in the published experiment.
+const SPACING: f64 = 30.0;
+
+/// Well-posed clicks lie at least this fraction of the image's longer side off each other's epipolar line.
+const OFF_LINE: f64 = 0.12;
+
+/// How clicks are chosen among the true matches.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Protocol {
+    /// Any matches at least 30 px apart in both images.
+    Paper,
+    /// These, and each point at least 12 % of the longer side away from the other's true epipolar line, in
+    /// both images: nearer ones leave the epipoles (nearly) undetermined.
+    WellPosed,
+}
+
+impl Protocol {
+    /// Its name on the command line and in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Paper => "paper",
+            Self::WellPosed => "well-posed",
+        }
+    }
+
+    /// Whether two true matches may be clicked together.
+    pub fn allows(self, scene: &Scene, p: &PointPair, q: &PointPair) -> bool {
+        apart(p, q) && (self == Self::Paper || off_lines(scene, p, q))
+    }
+}
+
+/// At least the spacing apart in both images.
+fn apart(p: &PointPair, q: &PointPair) -> bool {
+    (p.point1 - q.point1).norm() >= SPACING && (p.point2 - q.point2).norm() >= SPACING
+}
+
+/// Each point far enough from the other's true epipolar line, in both images.
+fn off_lines(scene: &Scene, p: &PointPair, q: &PointPair) -> bool {
+    let [limit1, limit2] = [0, 1].map(|k| OFF_LINE * scene.images[k].frame().longer_side());
+    [(p, q), (q, p)].into_iter().all(|(a, b)| {
+        scene.truth.line1_from_point2(a.point2).is_some_and(|l| l.distance(b.point1) >= limit1)
+            && scene.truth.line2_from_point1(a.point1).is_some_and(|l| l.distance(b.point2) >= limit2)
+    })
+}
+
+/// The clicks of all trials on one scene.
+#[derive(Debug)]
+pub struct Draws<'a> {
+    scene: &'a Scene,
+    seed: u64,
+    /// Standard deviation of the click noise, px.
+    noise: f64,
+    /// Indices of the first two matches, one entry a trial.
+    firsts: Vec<[usize; 2]>,
+}
+
+impl<'a> Draws<'a> {
+    /// Chooses the matches of up to `trials` trials; fewer when there are not enough combinations.
+    pub fn new(scene: &'a Scene, protocol: Protocol, trials: usize, noise: f64, seed: u64) -> Self {
+        let matches = &scene.matches;
+        let visible: Vec<_> = (0..matches.len()).filter(|k| inside(scene, &matches[*k])).collect();
+        let mut firsts: Vec<[usize; 2]> = visible
+            .iter()
+            .enumerate()
+            .flat_map(|(n, i)| visible[n + 1..].iter().map(move |j| [*i, *j]))
+            .filter(|[i, j]| protocol.allows(scene, &matches[*i], &matches[*j]))
+            .collect();
+        let mut random = generator(seed, &scene.name, Purpose::Combinations, 0);
+        let count = trials.min(firsts.len());
+        for k in 0..count {
+            let other = random.random_range(k..firsts.len());
+            firsts.swap(k, other);
+        }
+        firsts.truncate(count);
+        Self { scene, seed, noise, firsts }
+    }
+
+    /// How many trials there are.
+    pub fn trials(&self) -> usize {
+        self.firsts.len()
+    }
+
+    /// The indices of the first `count` matches clicked in a trial; `None` when no further match is far enough
+    /// from those before it.
+    pub fn matches(&self, trial: usize, count: usize) -> Option<Vec<usize>> {
+        let all = &self.scene.matches;
+        let mut chosen = self.firsts.get(trial)?.to_vec();
+        let mut random = generator(self.seed, &self.scene.name, Purpose::Further, trial);
+        while chosen.len() < count {
+            let free: Vec<_> = (0..all.len())
+                .filter(|k| inside(self.scene, &all[*k]))
+                .filter(|k| chosen.iter().all(|c| apart(&all[*c], &all[*k])))
+                .collect();
+            if free.is_empty() {
+                return None;
+            }
+            chosen.push(free[random.random_range(0..free.len())]);
+        }
+        chosen.truncate(count);
+        Some(chosen)
+    }
+
+    /// The clicks on the given matches: with noise, kept inside the images.
+    pub fn clicks(&self, trial: usize, matches: &[usize]) -> Vec<PointPair> {
+        let mut random = generator(self.seed, &self.scene.name, Purpose::Noise, trial);
+        let [frame1, frame2] = [0, 1].map(|k| self.scene.images[k].frame());
+        matches
+            .iter()
+            .map(|k| {
+                let exact = self.scene.matches[*k];
+                if self.noise <= 0.0 {
+                    return exact;
+                }
+                PointPair {
+                    point1: disturbed(exact.point1, self.noise, frame1, &mut random),
+                    point2: disturbed(exact.point2, self.noise, frame2, &mut random),
+                }
+            })
+            .collect()
+    }
+}
+
+fn inside(scene: &Scene, pair: &PointPair) -> bool {
+    scene.images[0].frame().contains(pair.point1) && scene.images[1].frame().contains(pair.point2)
+}
+
+/// The point with Gaussian noise in both coordinates (Box and Muller), kept on pixel centres.
+fn disturbed(point: Point, sigma: f64, frame: Frame, random: &mut impl Rng) -> Point {
+    // 1 − u is never 0, so the logarithm is finite.
+    let radius = sigma * (-2.0 * (1.0 - random.random::<f64>()).ln()).sqrt();
+    let angle = TAU * random.random::<f64>();
+    Point::new(
+        (point.x + radius * angle.cos()).clamp(0.0, frame.right().max(0.0)),
+        (point.y + radius * angle.sin()).clamp(0.0, frame.bottom().max(0.0)),
+    )
+}
+
+/// What random numbers are for: each purpose has its own sequence.
+#[derive(Clone, Copy)]
+enum Purpose {
+    Combinations,
+    Further,
+    Noise,
+}
+
+/// A generator for one purpose of one trial on one pair. The hash (FNV-1a) is spelled out because the one of
+/// the standard library may change between releases.
+fn generator(seed: u64, name: &str, purpose: Purpose, trial: usize) -> Pcg64Mcg {
+    let trial = (trial as u64).to_le_bytes();
+    let bytes = seed.to_le_bytes().into_iter().chain(name.bytes()).chain([purpose as u8]).chain(trial);
+    let hash = bytes.fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| {
+        (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3)
+    });
+    Pcg64Mcg::seed_from_u64(hash)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::evaluate::scene::tests::example_scene;
+
+    const BOTH: [Protocol; 2] = [Protocol::Paper, Protocol::WellPosed];
+
+    #[test]
+    fn spacing_rules_hold_for_all_clicks() {
+        let scene = example_scene("scene", 60);
+        for protocol in BOTH {
+            let draws = Draws::new(&scene, protocol, 200, 0.0, 7);
+            assert!(draws.trials() >= 50, "{}", draws.trials());
+            for trial in 0..draws.trials() {
+                let clicks = draws.clicks(trial, &draws.matches(trial, 3).unwrap());
+                for (a, b) in [(0, 1), (0, 2), (1, 2)] {
+                    assert!((clicks[a].point1 - clicks[b].point1).norm() >= 30.0);
+                    assert!((clicks[a].point2 - clicks[b].point2).norm() >= 30.0);
+                }
+                if protocol == Protocol::WellPosed {
+                    for (a, b) in [(0, 1), (1, 0)] {
+                        let line2 = scene.truth.line2_from_point1(clicks[a].point1).unwrap();
+                        let line1 = scene.truth.line1_from_point2(clicks[a].point2).unwrap();
+                        assert!(line2.distance(clicks[b].point2) >= 0.12 * 768.0);
+                        assert!(line1.distance(clicks[b].point1) >= 0.12 * 768.0);
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn trials_do_not_depend_on_their_number_or_on_further_clicks() {
+        let scene = example_scene("scene", 40);
+        for noise in [0.0, 1.5] {
+            let few = Draws::new(&scene, Protocol::Paper, 5, noise, 3);
+            let many = Draws::new(&scene, Protocol::Paper, 50, noise, 3);
+            for trial in (0..5).rev() {
+                let two = few.matches(trial, 2).unwrap();
+                let three = many.matches(trial, 3).unwrap();
+                assert_eq!(two, three[..2]);
+                assert_eq!(few.clicks(trial, &two), many.clicks(trial, &three)[..2]);
+            }
+        }
+    }
+
+    #[test]
+    fn trials_are_all_different_and_follow_seed_and_name() {
+        let scene = example_scene("scene", 40);
+        let draw = |scene: &Scene, seed| Draws::new(scene, Protocol::Paper, 30, 0.0, seed).firsts;
+        let first = draw(&scene, 1);
+        let mut distinct = first.clone();
+        distinct.sort_unstable();
+        distinct.dedup();
+        assert_eq!(distinct.len(), 30);
+        assert_eq!(first, draw(&scene, 1));
+        assert_ne!(first, draw(&scene, 2));
+        assert_ne!(first, draw(&example_scene("another", 40), 1));
+    }
+
+    #[test]
+    fn no_more_trials_than_combinations_and_no_third_where_there_is_none() {
+        let mut scene = example_scene("scene", 60);
+        scene.matches.truncate(2);
+        let draws = Draws::new(&scene, Protocol::Paper, 10, 0.0, 0);
+        assert_eq!(draws.trials(), 1);
+        assert_eq!(draws.matches(0, 3), None);
+        assert_eq!(draws.matches(1, 2), None);
+        scene.matches.truncate(1);
+        assert_eq!(Draws::new(&scene, Protocol::Paper, 10, 0.0, 0).trials(), 0);
+    }
+
+    #[test]
+    fn noise_has_the_asked_size_and_stays_inside() {
+        let scene = example_scene("scene", 60);
+        let draws = Draws::new(&scene, Protocol::Paper, 400, 2.0, 11);
+        let mut squares = Vec::new();
+        for trial in 0..draws.trials() {
+            let matches = draws.matches(trial, 2).unwrap();
+            for (k, click) in matches.iter().zip(draws.clicks(trial, &matches)) {
+                assert!(inside(&scene, &click));
+                let exact = scene.matches[*k];
+                squares.push((click.point1 - exact.point1).norm_squared() / 2.0);
+                squares.push((click.point2 - exact.point2).norm_squared() / 2.0);
+            }
+        }
+        let sigma = super::super::statistics::mean(&squares).sqrt();
+        // 3,200 numbers give σ to about 1.3 %; clamping at the border takes a little away.
+        assert!((sigma - 2.0).abs() < 0.15, "{sigma}");
+
+        let wild = Draws::new(&scene, Protocol::Paper, 50, 5000.0, 11);
+        for trial in 0..wild.trials() {
+            assert!(wild.clicks(trial, &wild.matches(trial, 2).unwrap()).iter().all(|c| inside(&scene, c)));
+        }
+    }
+}

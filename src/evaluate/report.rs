@@ -1,0 +1,195 @@
+//! What came out of an evaluation, as written to files.
+
+use serde::Serialize;
+use serde_json::Value;
+
+use super::statistics::{mean, median, share_below};
+use super::{Contender, Plan, Scene};
+use crate::geometry::FundamentalMatrix;
+
+/// One trial of one contender. Infinite numbers are written as `null`.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct TrialRecord {
+    /// Number of the trial, from 0.
+    pub trial: usize,
+    /// Which true matches were clicked, counted from 0.
+    pub matches: Vec<usize>,
+    /// Where, as `x1 y1 x2 y2`, noise included, px.
+    pub clicks: Vec<[f64; 4]>,
+    /// The F found.
+    pub fundamental: Option<FundamentalMatrix>,
+    /// Mean symmetric epipolar distance of all true matches, px; infinite without an F.
+    pub mean: f64,
+    /// Median of the same distances, px.
+    pub median: f64,
+    /// Seconds in all.
+    pub seconds: f64,
+    /// Seconds until the first F.
+    pub first_seconds: Option<f64>,
+    /// The contender's own score.
+    pub score: Option<f64>,
+    /// The contender's margin to the next best answer.
+    pub margin: Option<f64>,
+    /// What a user would have been told.
+    pub warnings: Vec<String>,
+    /// Why there is no F.
+    pub failure: Option<String>,
+}
+
+/// Which part of the trials, 0 to 1, is better than a limit; failures are not.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Shares {
+    /// Error below 1 px.
+    pub below_1_px: f64,
+    /// Error below 3 px.
+    pub below_3_px: f64,
+    /// Error below 1 % of the longer image side.
+    pub below_1_percent: f64,
+}
+
+/// All trials of one contender on one pair.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Record {
+    /// The pair.
+    pub pair: String,
+    /// The method.
+    pub method: String,
+    /// The preset, if the method has presets.
+    pub preset: Option<String>,
+    /// Width and height of both images, px.
+    pub image_sizes: [[usize; 2]; 2],
+    /// How many true matches the error is measured on.
+    pub matches: usize,
+    /// Mean distance of the true matches to the true F, px.
+    pub truth_error: f64,
+    /// Trials asked for; fewer are made when the matches allow fewer.
+    pub trials_asked: usize,
+    /// Trials without an F.
+    pub failures: usize,
+    /// Median of the trials' mean distances, px.
+    pub median: f64,
+    /// Mean of the trials' mean distances, px.
+    pub mean: f64,
+    /// Trials within limits.
+    pub shares: Shares,
+    /// Median seconds of a trial.
+    pub median_seconds: f64,
+    /// Median seconds until the first F, of the trials that found one.
+    pub median_first_seconds: f64,
+    /// The trials in their order.
+    pub trials: Vec<TrialRecord>,
+}
+
+impl Record {
+    pub(super) fn new(
+        scene: &Scene,
+        contender: &dyn Contender,
+        trials_asked: usize,
+        trials: Vec<TrialRecord>,
+    ) -> Self {
+        let errors: Vec<f64> = trials.iter().map(|t| t.mean).collect();
+        let seconds: Vec<f64> = trials.iter().map(|t| t.seconds).collect();
+        let first: Vec<f64> = trials.iter().filter_map(|t| t.first_seconds).collect();
+        let size = |k: usize| [scene.images[k].frame().width, scene.images[k].frame().height];
+        Self {
+            pair: scene.name.clone(),
+            method: contender.method().to_owned(),
+            preset: contender.preset().map(str::to_owned),
+            image_sizes: [size(0), size(1)],
+            matches: scene.matches.len(),
+            truth_error: scene.truth_error(),
+            trials_asked,
+            failures: trials.iter().filter(|t| t.fundamental.is_none()).count(),
+            median: median(&errors),
+            mean: mean(&errors),
+            shares: Shares {
+                below_1_px: share_below(&errors, 1.0),
+                below_3_px: share_below(&errors, 3.0),
+                below_1_percent: share_below(&errors, 0.01 * scene.longer_side()),
+            },
+            median_seconds: median(&seconds),
+            median_first_seconds: median(&first),
+            trials,
+        }
+    }
+}
+
+/// One contender over all pairs.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Overall {
+    /// The method.
+    pub method: String,
+    /// The preset, if the method has presets.
+    pub preset: Option<String>,
+    /// Pairs with at least one trial.
+    pub pairs: usize,
+    /// Trials made.
+    pub trials: usize,
+    /// Trials without an F.
+    pub failures: usize,
+    /// Median of the pairs' medians, px.
+    pub median_of_medians: f64,
+    /// Mean of all trials' errors, px.
+    pub mean: f64,
+    /// All trials within limits.
+    pub shares: Shares,
+    /// Median seconds of all trials.
+    pub median_seconds: f64,
+    /// Median seconds until the first F, of the trials that found one.
+    pub median_first_seconds: f64,
+}
+
+impl Overall {
+    /// Sums up the records of one contender.
+    pub(super) fn new(records: &[&Record]) -> Option<Self> {
+        let first = records.first()?;
+        let made: Vec<_> = records.iter().filter(|r| !r.trials.is_empty()).collect();
+        let trials = || made.iter().flat_map(|r| r.trials.iter());
+        let errors: Vec<f64> = trials().map(|t| t.mean).collect();
+        let medians: Vec<f64> = made.iter().map(|r| r.median).collect();
+        let count = errors.len() as f64;
+        // The limit differs between pairs, so shares are summed weighted by the number of trials.
+        let share = |of: fn(&Shares) -> f64| {
+            made.iter().map(|r| of(&r.shares) * r.trials.len() as f64).sum::<f64>() / count
+        };
+        Some(Self {
+            method: first.method.clone(),
+            preset: first.preset.clone(),
+            pairs: made.len(),
+            trials: errors.len(),
+            failures: made.iter().map(|r| r.failures).sum(),
+            median_of_medians: median(&medians),
+            mean: mean(&errors),
+            shares: Shares {
+                below_1_px: share(|s| s.below_1_px),
+                below_3_px: share(|s| s.below_3_px),
+                below_1_percent: share(|s| s.below_1_percent),
+            },
+            median_seconds: median(&trials().map(|t| t.seconds).collect::<Vec<_>>()),
+            median_first_seconds: median(&trials().filter_map(|t| t.first_seconds).collect::<Vec<_>>()),
+        })
+    }
+}
+
+/// What was asked for.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Settings {
+    /// How the trials were drawn and run.
+    #[serde(flatten)]
+    pub plan: Plan,
+    /// The parameters of every contender, in the order of the records of one pair.
+    pub contenders: Vec<Value>,
+}
+
+/// Everything that came out.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Report {
+    /// What was asked for.
+    pub parameters: Settings,
+    /// What the reader should know, one sentence each.
+    pub notes: Vec<String>,
+    /// One per contender, over all pairs.
+    pub overall: Vec<Overall>,
+    /// One per pair and contender, pairs outermost.
+    pub records: Vec<Record>,
+}

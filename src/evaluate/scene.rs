@@ -1,0 +1,202 @@
+//! Image pairs with known geometry.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::sync::Arc;
+
+use thiserror::Error;
+
+use super::statistics::mean;
+use crate::geometry::{
+    Camera, EightPointError, FundamentalMatrix, PointPair, eight_point, symmetric_epipolar_distance,
+};
+use crate::image::{GrayPlane, LoadError, Picture};
+use crate::io::{ReadError, VggFolder, pair_folder, read_point_pairs};
+
+/// Why nothing could be evaluated. Each message is one sentence for the user.
+#[derive(Debug, Error)]
+pub enum EvaluateError {
+    /// A file or folder could not be read.
+    #[error(transparent)]
+    Read(#[from] ReadError),
+    /// An image could not be read.
+    #[error(transparent)]
+    Load(#[from] LoadError),
+    /// The matches of a pair determine no true F.
+    #[error("{name}: no true geometry, because {source}")]
+    Truth {
+        /// The pair.
+        name: String,
+        /// Why.
+        source: EightPointError,
+    },
+    /// Two cameras have no F.
+    #[error("{name}: the two cameras have the same centre, so there is no true geometry")]
+    SameCentre {
+        /// The pair.
+        name: String,
+    },
+    /// No pair has the asked name.
+    #[error("there is no pair called {name}; there are {known}")]
+    UnknownPair {
+        /// The name asked for.
+        name: String,
+        /// All names.
+        known: String,
+    },
+    /// No two views are the step apart.
+    #[error("the folder has {views} views, so no two of them are {step} apart")]
+    Step {
+        /// Views in the folder.
+        views: usize,
+        /// The step asked for.
+        step: usize,
+    },
+    /// No such method.
+    #[error("there is no method called {name}; there are {known}")]
+    UnknownMethod {
+        /// The name asked for.
+        name: String,
+        /// All names.
+        known: String,
+    },
+    /// Threads could not be started.
+    #[error("cannot start {threads} threads: {reason}")]
+    Threads {
+        /// How many.
+        threads: usize,
+        /// The system's reason.
+        reason: String,
+    },
+}
+
+/// An image pair with true matches and a true F.
+#[derive(Debug, Clone)]
+pub struct Scene {
+    /// Its name, unique within a run.
+    pub name: String,
+    /// The images.
+    pub images: [Arc<GrayPlane>; 2],
+    /// All true matches.
+    pub matches: Vec<PointPair>,
+    /// The true F.
+    pub truth: FundamentalMatrix,
+}
+
+impl Scene {
+    /// The longer side of the larger image, px.
+    pub fn longer_side(&self) -> f64 {
+        self.images.iter().map(|i| i.frame().longer_side()).fold(0.0, f64::max)
+    }
+
+    /// Symmetric epipolar distance of every true match to an F, px.
+    pub fn distances(&self, fundamental: &FundamentalMatrix) -> Vec<f64> {
+        self.matches.iter().map(|m| symmetric_epipolar_distance(fundamental, m)).collect()
+    }
+
+    /// Mean distance of the true matches to the true F, px: no estimate can be expected to do much better.
+    pub fn truth_error(&self) -> f64 {
+        mean(&self.distances(&self.truth))
+    }
+}
+
+/// The pairs of views of a VGG folder that are `step` apart, called `0-1`, `1-2`, …; `only` those named when
+/// it is not empty. The true F comes from the two cameras.
+pub fn vgg_scenes(folder: &Path, step: usize, only: &[String]) -> Result<Vec<Scene>, EvaluateError> {
+    let set = VggFolder::open(folder)?;
+    let views = set.cameras.len();
+    let named: Vec<_> =
+        (0..views.saturating_sub(step)).map(|v| (format!("{v}-{}", v + step), v, v + step)).collect();
+    if named.is_empty() {
+        return Err(EvaluateError::Step { views, step });
+    }
+    let mut loaded: BTreeMap<usize, Arc<GrayPlane>> = BTreeMap::new();
+    let mut load = |view: usize| -> Result<_, EvaluateError> {
+        if let Some(plane) = loaded.get(&view) {
+            return Ok(plane.clone());
+        }
+        let plane = Arc::new(Picture::open(&set.images[view])?.gray);
+        loaded.insert(view, plane.clone());
+        Ok(plane)
+    };
+    chosen(named, only, |(name, ..)| name)?
+        .into_iter()
+        .map(|(name, view1, view2)| {
+            let truth = Camera::fundamental(&set.cameras[view1], &set.cameras[view2])
+                .ok_or_else(|| EvaluateError::SameCentre { name: name.clone() })?;
+            let images = [load(view1)?, load(view2)?];
+            Ok(Scene { name, images, matches: set.matches(view1, view2), truth })
+        })
+        .collect()
+}
+
+/// The pairs of a folder of `NAMEA.*`, `NAMEB.*` and `NAME.txt`; `only` those named when it is not empty. The
+/// true F is fitted to all matches.
+pub fn pair_scenes(folder: &Path, only: &[String]) -> Result<Vec<Scene>, EvaluateError> {
+    chosen(pair_folder(folder)?, only, |files| &files.name)?
+        .into_iter()
+        .map(|files| {
+            let matches = read_point_pairs(&files.matches)?;
+            let name = files.name;
+            let truth = eight_point(&matches)
+                .map_err(|source| EvaluateError::Truth { name: name.clone(), source })?;
+            let [a, b] = files.images;
+            let images = [Arc::new(Picture::open(&a)?.gray), Arc::new(Picture::open(&b)?.gray)];
+            Ok(Scene { name, images, matches, truth })
+        })
+        .collect()
+}
+
+/// Those whose name is among `only`, in their own order; all when `only` is empty.
+fn chosen<T>(all: Vec<T>, only: &[String], name: impl Fn(&T) -> &String) -> Result<Vec<T>, EvaluateError> {
+    if let Some(unknown) = only.iter().find(|asked| all.iter().all(|t| name(t) != *asked)) {
+        let known = all.iter().map(|t| name(t).as_str()).collect::<Vec<_>>().join(", ");
+        return Err(EvaluateError::UnknownPair { name: unknown.clone(), known });
+    }
+    Ok(all.into_iter().filter(|t| only.is_empty() || only.contains(name(t))).collect())
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+    use crate::geometry::Frame;
+
+    /// A scene of exact matches under two general cameras, images grey.
+    pub(in crate::evaluate) fn example_scene(name: &str, matches: usize) -> Scene {
+        let (camera1, camera2) = Camera::example_pair();
+        let frame = Frame::new(768, 576);
+        let plane = Arc::new(GrayPlane::from_fn(frame, |_, _| 128.0));
+        let matches = (0..)
+            .filter_map(|k| {
+                let t = f64::from(k);
+                let x = nalgebra::Point3::new(
+                    (t * 0.9).sin() * 2.0,
+                    (t * 1.7).cos() * 1.5,
+                    5.0 + (t * 2.3).sin() * 2.0,
+                );
+                let pair = PointPair { point1: camera1.project(&x)?, point2: camera2.project(&x)? };
+                (frame.contains(pair.point1) && frame.contains(pair.point2)).then_some(pair)
+            })
+            .take(matches)
+            .collect();
+        let truth = Camera::fundamental(&camera1, &camera2).unwrap();
+        Scene { name: name.to_owned(), images: [plane.clone(), plane], matches, truth }
+    }
+
+    #[test]
+    fn only_the_named_pairs_and_a_clear_word_about_others() {
+        let all = || ["a", "b", "c"].map(str::to_owned).to_vec();
+        let pick = |only: &[&str]| {
+            let only: Vec<_> = only.iter().map(|s| (*s).to_owned()).collect();
+            chosen(all(), &only, |name| name)
+        };
+        assert_eq!(pick(&[]).unwrap(), all());
+        assert_eq!(pick(&["c", "a"]).unwrap(), ["a", "c"]);
+        assert_eq!(pick(&["d"]).unwrap_err().to_string(), "there is no pair called d; there are a, b, c");
+    }
+
+    #[test]
+    fn the_true_f_fits_the_true_matches() {
+        assert!(example_scene("s", 20).truth_error() < 1e-8);
+    }
+}

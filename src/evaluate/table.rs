@@ -1,0 +1,114 @@
+//! The report as a plain text table.
+
+use std::fmt::Write;
+
+use super::report::{Overall, Record, Report, Shares};
+
+const HEADINGS: [&str; 12] = [
+    "pair", "method", "matches", "trials", "median", "mean", "<1 px", "<3 px", "<1 %", "failed", "time",
+    "first",
+];
+
+/// One row a pair and contender, then one a contender over all pairs. Errors in px, times in seconds.
+pub fn table(report: &Report) -> String {
+    let mut rows = vec![HEADINGS.map(str::to_owned)];
+    let mut last = "";
+    for record in &report.records {
+        let name = if record.pair == last { "" } else { &record.pair };
+        last = &record.pair;
+        rows.push(pair_row(name, record));
+    }
+    let body_end = rows.len();
+    rows.extend(report.overall.iter().enumerate().map(|(k, o)| overall_row(k, o)));
+
+    let widths: Vec<usize> =
+        (0..HEADINGS.len()).map(|c| rows.iter().map(|r| r[c].chars().count()).max().unwrap_or(0)).collect();
+    let mut text = String::new();
+    for (k, row) in rows.iter().enumerate() {
+        if k == 1 || k == body_end {
+            let _ = writeln!(text, "{}", "-".repeat(widths.iter().sum::<usize>() + 2 * (widths.len() - 1)));
+        }
+        let cells = row.iter().zip(&widths).enumerate().map(|(c, (cell, width))| {
+            // Words to the left, numbers to the right.
+            if c < 2 { format!("{cell:<width$}") } else { format!("{cell:>width$}") }
+        });
+        let _ = writeln!(text, "{}", cells.collect::<Vec<_>>().join("  ").trim_end());
+    }
+    for note in &report.notes {
+        let _ = writeln!(text, "Note: {note}");
+    }
+    text
+}
+
+fn label(method: &str, preset: Option<&str>) -> String {
+    preset.map_or_else(|| method.to_owned(), |preset| format!("{method} {preset}"))
+}
+
+fn pair_row(name: &str, record: &Record) -> [String; 12] {
+    let [one, three, percent] = shares(&record.shares);
+    [
+        name.to_owned(),
+        label(&record.method, record.preset.as_deref()),
+        record.matches.to_string(),
+        record.trials.len().to_string(),
+        pixels(record.median),
+        pixels(record.mean),
+        one,
+        three,
+        percent,
+        record.failures.to_string(),
+        seconds(record.median_seconds),
+        seconds(record.median_first_seconds),
+    ]
+}
+
+fn overall_row(index: usize, overall: &Overall) -> [String; 12] {
+    let [one, three, percent] = shares(&overall.shares);
+    [
+        if index == 0 { format!("all {}", overall.pairs) } else { String::new() },
+        label(&overall.method, overall.preset.as_deref()),
+        String::new(),
+        overall.trials.to_string(),
+        pixels(overall.median_of_medians),
+        pixels(overall.mean),
+        one,
+        three,
+        percent,
+        overall.failures.to_string(),
+        seconds(overall.median_seconds),
+        seconds(overall.median_first_seconds),
+    ]
+}
+
+fn shares(shares: &Shares) -> [String; 3] {
+    [shares.below_1_px, shares.below_3_px, shares.below_1_percent]
+        .map(|share| if share.is_nan() { "-".to_owned() } else { format!("{:.0} %", 100.0 * share) })
+}
+
+/// Two decimals below 100 px, none above, where they would say nothing.
+fn pixels(value: f64) -> String {
+    match value {
+        v if v.is_nan() => "-".to_owned(),
+        v if v.is_infinite() => "inf".to_owned(),
+        v if v < 100.0 => format!("{v:.2}"),
+        v => format!("{v:.0}"),
+    }
+}
+
+fn seconds(value: f64) -> String {
+    if value.is_nan() { "-".to_owned() } else { format!("{value:.2}") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_as_precise_as_they_are_worth() {
+        assert_eq!(
+            [0.123, 12.0, 1234.5, f64::INFINITY, f64::NAN].map(pixels),
+            ["0.12", "12.00", "1234", "inf", "-"]
+        );
+        assert_eq!(seconds(1.234), "1.23");
+    }
+}

@@ -1,0 +1,25 @@
+//! Numbers in text files.
+
+/// The finite numbers of a row whose cells are separated by spaces, tabs, commas or semicolons. The error
+/// names the first cell that is none.
+pub(super) fn finite_numbers(row: &str) -> Result<Vec<f64>, String> {
+    cells(row)
+        .map(|cell| match cell.parse::<f64>() {
+            Ok(value) if value.is_finite() => Ok(value),
+            _ => Err(format!("\"{cell}\" is not a finite number")),
+        })
+        .collect()
+}
+
+/// The cells of a row.
+pub(super) fn cells(row: &str) -> impl Iterator<Item = &str> {
+    row.split(|c: char| c.is_whitespace() || c == ',' || c == ';').filter(|cell| !cell.is_empty())
+}
+
+/// The numbered lines (from 1) that hold something: neither blank nor a `#` comment.
+pub(super) fn rows(text: &str) -> impl Iterator<Item = (usize, &str)> {
+    text.lines()
+        .enumerate()
+        .map(|(k, line)| (k + 1, line.trim()))
+        .filter(|(_, line)| !line.is_empty() && !line.starts_with('#'))
+}

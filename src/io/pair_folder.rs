@@ -1,0 +1,100 @@
+//! Folders of image pairs with true matches: `NAMEA.*`, `NAMEB.*` and `NAME.txt` with rows `x1 y1 x2 y2`.
+
+use std::path::{Path, PathBuf};
+
+use super::read::{ReadError, has_image_extension, read_folder};
+
+/// The files of one pair.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct PairFiles {
+    /// What the files have in common.
+    pub name: String,
+    /// The two images.
+    pub images: [PathBuf; 2],
+    /// The true matches.
+    pub matches: PathBuf,
+}
+
+/// All pairs of a folder by name; at least one. Text files without any image (notes) are passed over.
+pub fn pair_folder(folder: &Path) -> Result<Vec<PairFiles>, ReadError> {
+    let entries = read_folder(folder)?;
+    let mut pairs = Vec::new();
+    for matches in &entries {
+        let Some(name) = matches.file_stem().and_then(|s| s.to_str()) else { continue };
+        if matches.extension().is_none_or(|e| !e.eq_ignore_ascii_case("txt")) || !matches.is_file() {
+            continue;
+        }
+        let [a, b] = ["A", "B"].map(|side| images_named(&entries, &format!("{name}{side}")));
+        match (&a[..], &b[..]) {
+            ([], []) => {}
+            ([a], [b]) => pairs.push(PairFiles {
+                name: name.to_owned(),
+                images: [(*a).clone(), (*b).clone()],
+                matches: matches.clone(),
+            }),
+            ([_, _, ..], _) | (_, [_, _, ..]) => {
+                let problem = format!("there is more than one image {name}A or {name}B");
+                return Err(ReadError::content(folder, problem));
+            }
+            (found, _) => {
+                let side = if found.is_empty() { "A" } else { "B" };
+                let problem = format!("{name}.txt is there, but the image {name}{side} is missing");
+                return Err(ReadError::content(folder, problem));
+            }
+        }
+    }
+    if pairs.is_empty() {
+        let problem = "no pairs found, expected images NAMEA.*, NAMEB.* and matches NAME.txt";
+        return Err(ReadError::content(folder, problem));
+    }
+    Ok(pairs)
+}
+
+fn images_named<'a>(entries: &'a [PathBuf], stem: &str) -> Vec<&'a PathBuf> {
+    entries.iter().filter(|p| p.file_stem().is_some_and(|s| s == stem) && has_image_extension(p)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn folder_with(names: &[&str]) -> tempfile::TempDir {
+        let folder = tempfile::tempdir().unwrap();
+        for name in names {
+            std::fs::write(folder.path().join(name), "").unwrap();
+        }
+        folder
+    }
+
+    #[test]
+    fn finds_pairs_by_name_and_passes_over_notes() {
+        let folder = folder_with(&[
+            "towerA.png",
+            "towerB.jpg",
+            "tower.txt",
+            "aA.pgm",
+            "aB.pgm",
+            "a.txt",
+            "README.txt",
+        ]);
+        let pairs = pair_folder(folder.path()).unwrap();
+        assert_eq!(pairs.iter().map(|p| &p.name[..]).collect::<Vec<_>>(), ["a", "tower"]);
+        assert!(pairs[1].images[1].ends_with("towerB.jpg"));
+    }
+
+    #[test]
+    fn says_what_is_missing_or_double() {
+        for (names, expected) in [
+            (&["towerA.png", "tower.txt"][..], "towerB is missing"),
+            (&["towerB.png", "tower.txt"], "towerA is missing"),
+            (&["towerA.png", "towerA.jpg", "towerB.png", "tower.txt"], "more than one"),
+            (&["towerA.png", "towerB.png"], "no pairs found"),
+            (&[], "no pairs found"),
+        ] {
+            let folder = folder_with(names);
+            let message = pair_folder(folder.path()).unwrap_err().to_string();
+            assert!(message.contains(expected), "{message}");
+        }
+        assert!(pair_folder(Path::new("no/such/folder")).unwrap_err().to_string().contains("no such"));
+    }
+}

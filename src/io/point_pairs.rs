@@ -1,0 +1,97 @@
+//! Point pairs as text: one pair a row, `x1 y1 x2 y2`, separated by spaces, tabs, commas or semicolons.
+//!
+//! Blank lines and lines that start with `#` are skipped, and so is one heading of words in front, as
+//! spreadsheet programs write it. Pitfall: a decimal comma cannot be told from a separator.
+
+use std::path::Path;
+
+use super::number::{cells, finite_numbers, rows};
+use super::read::{ReadError, read_text};
+use crate::geometry::PointPair;
+
+/// Reads all pairs of a file; at least one.
+pub fn read_point_pairs(path: &Path) -> Result<Vec<PointPair>, ReadError> {
+    let text = read_text(path)?;
+    let pairs = parse_point_pairs(&text)
+        .map_err(|PairProblem { line, problem }| ReadError::line(path, line, problem))?;
+    if pairs.is_empty() {
+        return Err(ReadError::content(path, "no point pairs found, expected rows of x1 y1 x2 y2"));
+    }
+    Ok(pairs)
+}
+
+/// What is wrong with a row of point pairs.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct PairProblem {
+    /// Number of the line, from 1.
+    pub line: usize,
+    /// What was expected and what was found.
+    pub problem: String,
+}
+
+/// All pairs of a text.
+pub fn parse_point_pairs(text: &str) -> Result<Vec<PointPair>, PairProblem> {
+    let mut pairs = Vec::new();
+    for (k, (line, row)) in rows(text).enumerate() {
+        if k == 0 && is_heading(row) {
+            continue;
+        }
+        let failed = |problem| PairProblem { line, problem };
+        let numbers = finite_numbers(row).map_err(failed)?;
+        let [x1, y1, x2, y2] = numbers[..] else {
+            return Err(failed(format!("expected four numbers x1 y1 x2 y2, found {}", numbers.len())));
+        };
+        pairs.push(PointPair::new(x1, y1, x2, y2));
+    }
+    Ok(pairs)
+}
+
+/// A first row without any number in it, NaN and infinity counted as numbers.
+fn is_heading(row: &str) -> bool {
+    cells(row).all(|cell| cell.trim_matches('"').parse::<f64>().is_err())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn problem(text: &str) -> (usize, String) {
+        let PairProblem { line, problem } = parse_point_pairs(text).unwrap_err();
+        (line, problem)
+    }
+
+    #[test]
+    fn reads_text_and_csv_alike() {
+        let expected = [PointPair::new(1.0, 2.5, -3.0, 4e2), PointPair::new(5.0, 6.0, 7.0, 8.0)];
+        for text in [
+            "1 2.5 -3 4e2\n5 6 7 8\n",
+            "# a comment\n\n1\t2.5\t-3\t400\r\n  5 6 7 8  ",
+            "x1,y1,x2,y2\n1,2.5,-3,400\n5,6,7,8",
+            "\"x1\"; \"y1\"; \"x2\"; \"y2\"\n1; 2.5; -3; 400\n5; 6; 7; 8",
+        ] {
+            assert_eq!(parse_point_pairs(text).unwrap(), expected, "{text:?}");
+        }
+    }
+
+    #[test]
+    fn names_the_line_and_what_is_wrong() {
+        assert_eq!(problem("1 2 3 4\n\n1 2 3\n"), (3, "expected four numbers x1 y1 x2 y2, found 3".into()));
+        assert_eq!(problem("1 2 3 nan"), (1, "\"nan\" is not a finite number".into()));
+        assert_eq!(problem("1 2 3 4\n1 2 inf 4").0, 2);
+        assert_eq!(problem("1 2 3 4\nx1 y1 x2 y2").0, 2);
+        assert_eq!(problem("1 2 3 4 5").0, 1);
+        // Only words make a heading.
+        assert_eq!(problem("nan nan nan nan").0, 1);
+    }
+
+    #[test]
+    fn a_file_without_pairs_is_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("empty.txt");
+        std::fs::write(&path, "# nothing\n").unwrap();
+        assert!(read_point_pairs(&path).unwrap_err().to_string().contains("no point pairs"));
+        std::fs::write(&path, [0xff, 0xfe, 0x00]).unwrap();
+        assert!(read_point_pairs(&path).unwrap_err().to_string().contains("not a text file"));
+        assert!(read_point_pairs(folder.path()).unwrap_err().to_string().contains("it is a folder"));
+    }
+}

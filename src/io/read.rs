@@ -1,0 +1,93 @@
+//! Reading text files and folders, with errors that name the file and the line.
+
+use std::path::{Path, PathBuf};
+
+use thiserror::Error;
+
+/// Why a file or folder could not be read. Each message is one sentence for the user.
+#[derive(Debug, Error)]
+pub enum ReadError {
+    /// It is missing or may not be read.
+    #[error("cannot read {path}: {reason}")]
+    Open {
+        /// The file or folder.
+        path: String,
+        /// The system's reason.
+        reason: String,
+    },
+    /// A line does not say what it should.
+    #[error("{path}, line {line}: {problem}")]
+    Line {
+        /// The file.
+        path: String,
+        /// Number of the line, from 1.
+        line: usize,
+        /// What was expected and what was found.
+        problem: String,
+    },
+    /// The file or folder as a whole is not what it should be.
+    #[error("{path}: {problem}")]
+    Content {
+        /// The file or folder.
+        path: String,
+        /// What was expected and what was found.
+        problem: String,
+    },
+}
+
+impl ReadError {
+    /// An error about one line of a file, counted from 1.
+    pub(super) fn line(path: &Path, line: usize, problem: impl Into<String>) -> Self {
+        Self::Line { path: path.display().to_string(), line, problem: problem.into() }
+    }
+
+    /// An error about a whole file or folder.
+    pub(super) fn content(path: &Path, problem: impl Into<String>) -> Self {
+        Self::Content { path: path.display().to_string(), problem: problem.into() }
+    }
+
+    fn open(path: &Path, error: &std::io::Error) -> Self {
+        Self::Open { path: path.display().to_string(), reason: reason(error) }
+    }
+}
+
+/// The system's reason in plain words, without its error number where a common case is known.
+pub(super) fn reason(error: &std::io::Error) -> String {
+    use std::io::ErrorKind;
+    match error.kind() {
+        ErrorKind::NotFound => "there is no such file or folder".into(),
+        ErrorKind::PermissionDenied => "permission was denied".into(),
+        ErrorKind::NotADirectory => "it is not a folder".into(),
+        ErrorKind::IsADirectory => "it is a folder, a file is needed".into(),
+        ErrorKind::StorageFull => "there is no space left".into(),
+        _ => error.to_string(),
+    }
+}
+
+/// The whole of a text file.
+pub(super) fn read_text(path: &Path) -> Result<String, ReadError> {
+    let bytes = std::fs::read(path).map_err(|e| ReadError::open(path, &e))?;
+    let text = String::from_utf8(bytes).map_err(|_| ReadError::content(path, "this is not a text file"))?;
+    // Spreadsheet programs put a byte order mark in front of the first number.
+    Ok(text.strip_prefix('\u{feff}').map(str::to_owned).unwrap_or(text))
+}
+
+/// The entries of a folder, sorted, so that nothing depends on the order of the file system.
+pub(super) fn read_folder(path: &Path) -> Result<Vec<PathBuf>, ReadError> {
+    let entries = std::fs::read_dir(path).map_err(|e| ReadError::open(path, &e))?;
+    let mut paths = entries
+        .map(|entry| entry.map(|e| e.path()))
+        .collect::<Result<Vec<_>, _>>()
+        .map_err(|e| ReadError::open(path, &e))?;
+    paths.sort();
+    Ok(paths)
+}
+
+/// Whether the name ends like that of an image the program can open.
+pub(super) fn has_image_extension(path: &Path) -> bool {
+    const KNOWN: [&str; 12] =
+        ["png", "jpg", "jpeg", "tif", "tiff", "bmp", "pgm", "ppm", "pbm", "pnm", "pam", "webp"];
+    path.extension()
+        .and_then(|e| e.to_str())
+        .is_some_and(|e| KNOWN.iter().any(|known| known.eq_ignore_ascii_case(e)))
+}
