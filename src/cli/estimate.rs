@@ -18,6 +18,7 @@ use crate::estimate::{
 };
 use crate::geometry::{FundamentalMatrix, PointPair, symmetric_epipolar_distance};
 use crate::image::Picture;
+use crate::synthetic::Sample;
 
 /// Estimate the fundamental matrix of two images from two or three point pairs
 #[derive(Debug, Args)]
@@ -89,8 +90,15 @@ fn input(arguments: &Arguments, needed: usize) -> Result<Input, CliError> {
 }
 
 /// A built-in pair, with its own points unless some are given.
-fn sample(name: &str, _needed: usize, _pairs: &[PointPair]) -> Result<Input, CliError> {
-    Err(CliError::Arguments(format!("there is no built-in sample {name}")))
+fn sample(name: &str, needed: usize, pairs: &[PointPair]) -> Result<Input, CliError> {
+    let Some(sample) = Sample::from_name(name) else {
+        let known = Sample::ALL.map(Sample::name).join(", ");
+        return Err(CliError::Arguments(format!("there is no built-in sample {name}; there are {known}")));
+    };
+    let pair = sample.load();
+    let own = pair.show_me.into_iter().chain([pair.third]).take(needed);
+    let pairs = if pairs.is_empty() { own.collect() } else { pairs.to_vec() };
+    Ok(Input { pictures: pair.pictures, pairs })
 }
 
 /// The estimate, its progress told on standard error.

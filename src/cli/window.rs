@@ -33,8 +33,10 @@ pub(super) fn run(arguments: Arguments) -> Result<(), CliError> {
 
 /// Hands over to the window.
 #[cfg(feature = "inspector")]
-fn open(_images: Option<[PathBuf; 2]>, _pairs: Vec<PointPair>) -> Result<(), CliError> {
-    Err(CliError::Window("the window is not connected yet".into()))
+fn open(images: Option<[PathBuf; 2]>, pairs: Vec<PointPair>) -> Result<(), CliError> {
+    use crate::app::{Opening, Start, run};
+    let opening = images.map_or(Opening::Sample, |[left, right]| Opening::Files(left, right));
+    run(Start { opening, pairs }).map_err(|error| CliError::Window(error.to_string()))
 }
 
 /// Without the window there is only the command line.

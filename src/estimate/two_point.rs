@@ -17,7 +17,7 @@ use super::{
     Counts, Estimate, EstimateError, Hypothesis, Method, Monitor, Parameters, PatchSupport, Progress,
     RefinedMatch, Stage, StageTiming, Warning,
 };
-use crate::geometry::{FundamentalMatrix, PointPair, epipolar_difference};
+use crate::geometry::{FundamentalMatrix, PointPair, epipolar_difference, symmetric_epipolar_distance};
 use crate::similarity::StereoSimilarity;
 
 /// Hypotheses reported with all their figures.
@@ -199,7 +199,7 @@ impl Run<'_> {
             self.monitor,
         )?;
         let fundamental = Bundle::new(&angles, self.clicks).and_then(|b| b.fundamental()).unwrap_or(first);
-        self.finish(fundamental, hypotheses, None, None)
+        self.finish(fundamental, hypotheses, None, &[], None)
     }
 
     /// Line similarity proposes, patch support disposes (see [`search`]).
@@ -238,10 +238,13 @@ impl Run<'_> {
         let hypotheses = self.figures(similarity, level, clicks, &ranked, fine);
         let leader = ranked.first().ok_or(EstimateError::NoGeometry)?;
         let best = hypotheses.first().ok_or(EstimateError::NoGeometry)?.fundamental;
-        let support = PatchSupport {
-            matches: fine.support.matches(&leader.fundamental, search::BAND).len(),
-            score: leader.support,
-        };
+        let supporting: Vec<PointPair> = fine
+            .support
+            .matches(&leader.fundamental, search::BAND)
+            .iter()
+            .map(|m| super::prepared::resized_pair(&m.pair, fine.scales.map(f64::recip)))
+            .collect();
+        let support = PatchSupport { matches: supporting.len(), score: leader.support };
         self.preliminary(&best, &hypotheses, Some(support.clone()));
 
         self.enter(Stage::Refinement)?;
@@ -251,14 +254,18 @@ impl Run<'_> {
         let refined = if parameters.refine { self.refined(&hypotheses) } else { None };
         self.monitor.check()?;
         match refined {
-            Some(refined) => {
-                self.finish(refined.fundamental, hypotheses, Some(support), Some(refined.matches))
-            }
+            Some(refined) => self.finish(
+                refined.fundamental,
+                hypotheses,
+                Some(support),
+                &supporting,
+                Some(refined.matches),
+            ),
             None => {
                 if parameters.refine {
                     self.warnings.push(Warning::NotRefined);
                 }
-                self.finish(best, hypotheses, Some(support), None)
+                self.finish(best, hypotheses, Some(support), &supporting, None)
             }
         }
     }
@@ -304,6 +311,8 @@ impl Run<'_> {
             search::polish(&fine.support, starts, &search::FINE, &observed, sigma(fine.scales), self.monitor)
         };
         let mut ranked = polish(&starts)?;
+        // The rest stay in the list as they are: they may be the runners-up.
+        ranked.extend(starts.drain(starts.len().min(search::FINE.count)..));
         let seed = self.parameters.seed;
         let resampled = search::resample(&fine.support, &ranked, &observed, seed, self.monitor)?;
         ranked.extend(polish(&resampled)?);
@@ -378,7 +387,7 @@ impl Run<'_> {
     ) {
         let now = self.begun.elapsed().as_secs_f64();
         self.first_seconds.get_or_insert(now);
-        let estimate = self.assemble(*f, hypotheses.to_vec(), support, None);
+        let estimate = self.assemble(*f, hypotheses.to_vec(), support, &[], None);
         self.monitor.report(Progress::Preliminary(Box::new(estimate)));
     }
 
@@ -387,12 +396,13 @@ impl Run<'_> {
         fundamental: FundamentalMatrix,
         hypotheses: Vec<Hypothesis>,
         support: Option<PatchSupport>,
+        supporting: &[PointPair],
         matches: Option<Vec<RefinedMatch>>,
     ) -> Result<Estimate, EstimateError> {
         let seconds = self.stage_begun.elapsed().as_secs_f64();
         self.timings.push(StageTiming { stage: self.stage, seconds });
         self.monitor.check()?;
-        Ok(self.assemble(fundamental, hypotheses, support, matches))
+        Ok(self.assemble(fundamental, hypotheses, support, supporting, matches))
     }
 
     fn assemble(
@@ -400,10 +410,11 @@ impl Run<'_> {
         fundamental: FundamentalMatrix,
         hypotheses: Vec<Hypothesis>,
         support: Option<PatchSupport>,
+        supporting: &[PointPair],
         matches: Option<Vec<RefinedMatch>>,
     ) -> Estimate {
         let frames = self.prepared.frames();
-        let margin = self.margin(&fundamental, &hypotheses);
+        let margin = self.margin(&fundamental, &hypotheses, supporting);
         let mut warnings = self.warnings.clone();
         warnings.extend(click_warnings(&fundamental, frames, &self.clicks));
         if let Some(margin) = margin.filter(|m| *m < 0.1) {
@@ -432,14 +443,27 @@ impl Run<'_> {
         }
     }
 
-    /// Advantage of the best hypothesis over the best one whose epipolar lines are clearly elsewhere.
-    fn margin(&self, fundamental: &FundamentalMatrix, hypotheses: &[Hypothesis]) -> Option<f64> {
+    /// Advantage of the best hypothesis over the best one that is clearly different: where there are supporting
+    /// matches, one that half of them contradict (two geometries that agree wherever the scene is do not
+    /// compete); else one whose epipolar lines are elsewhere.
+    fn margin(
+        &self,
+        fundamental: &FundamentalMatrix,
+        hypotheses: &[Hypothesis],
+        matches: &[PointPair],
+    ) -> Option<f64> {
         let frames = self.prepared.frames();
         let far = DIFFERENT * frames[0].longer_side();
         let best = hypotheses.first()?;
-        let other = hypotheses
-            .iter()
-            .find(|h| epipolar_difference(fundamental, &h.fundamental, frames, 10.0 * far) > far)?;
+        let differs = |h: &&Hypothesis| {
+            if matches.is_empty() {
+                return epipolar_difference(fundamental, &h.fundamental, frames, 10.0 * far) > far;
+            }
+            let contradicting =
+                matches.iter().filter(|m| symmetric_epipolar_distance(&h.fundamental, m) > 0.5 * far).count();
+            2 * contradicting > matches.len()
+        };
+        let other = hypotheses.iter().find(differs)?;
         Some(if self.parameters.patch_support {
             (best.support - other.support) / best.support.max(1e-9)
         } else {

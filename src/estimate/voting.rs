@@ -81,10 +81,6 @@ impl Electorate {
         Self { voters }
     }
 
-    pub fn len(&self) -> usize {
-        self.voters.len()
-    }
-
     /// Prepares a candidate through the click `own`; the other click tells the positive sides of its lines.
     /// `first` says whether it is the first click's candidate, whose bracket is `ln d2 − ln d1`.
     pub fn ballot(&self, candidate: &Candidate, own: &PointPair, other: &PointPair, first: bool) -> Ballot {
