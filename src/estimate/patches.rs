@@ -1,8 +1,9 @@
 //! Square patches: normalised correlation and sub-pixel alignment.
 
-use nalgebra::{Matrix4, Vector4};
+use multiversion::multiversion;
+use nalgebra::{Matrix2, SMatrix, SVector};
 
-use crate::geometry::Point;
+use crate::geometry::{Point, Vector};
 use crate::image::GrayPlane;
 
 /// Half width of a patch: 11×11 pixels.
@@ -14,12 +15,39 @@ const PADDED: usize = 128;
 /// A patch with mean zero and norm one, padded with zeros.
 pub(crate) type Patch = [f32; PADDED];
 
-/// The patch around a pixel at least [`HALF`] px from the border; `None` where it is flat.
-pub(crate) fn patch(plane: &GrayPlane, corner: Point) -> Option<Patch> {
-    let (x, y) = (corner.x as usize, corner.y as usize);
+/// How the surroundings of a point look in the other image, to first order: offsets in image 2 are `warp` times
+/// offsets in image 1.
+pub(crate) type Warp = Matrix2<f64>;
+
+/// Warps tried when nothing is known about the surface: the identity, turns by 20°, scale by 4/3, and the
+/// foreshortening of a wall seen from another side. Between them, correlation falls off slowly enough.
+pub(crate) fn warps() -> Vec<Warp> {
+    let turned = |degrees: f64, scale: f64| {
+        let (sin, cos) = degrees.to_radians().sin_cos();
+        Warp::new(cos, -sin, sin, cos) * scale
+    };
+    let mut all = vec![Warp::identity()];
+    for degrees in [-20.0, 20.0] {
+        all.push(turned(degrees, 1.0));
+    }
+    for scale in [0.75, 4.0 / 3.0] {
+        for degrees in [-15.0, 0.0, 15.0] {
+            all.push(turned(degrees, scale));
+        }
+    }
+    for squeeze in [0.6, 1.6] {
+        for shear in [-0.3, 0.0, 0.3] {
+            all.push(Warp::new(squeeze, 0.0, shear, 1.0));
+        }
+    }
+    all
+}
+
+/// The patch around a point under a warp, by bilinear interpolation; `None` where it is flat.
+pub(crate) fn patch(plane: &GrayPlane, centre: Point, warp: &Warp) -> Option<Patch> {
     let mut patch = [0.0; PADDED];
-    for (row, out) in patch.chunks_exact_mut(SIDE).take(SIDE).enumerate() {
-        out.copy_from_slice(&plane.row(y + row - HALF)[x - HALF..=x + HALF]);
+    for (value, offset) in patch.iter_mut().zip(offsets()) {
+        *value = plane.sample(centre + warp * offset);
     }
     let values = &mut patch[..SIDE * SIDE];
     let mean = values.iter().sum::<f32>() / values.len() as f32;
@@ -33,56 +61,75 @@ pub(crate) fn patch(plane: &GrayPlane, corner: Point) -> Option<Patch> {
     (norm > 1e-3).then_some(patch)
 }
 
-/// Correlation of two normalised patches, −1 to 1.
-pub(crate) fn correlate(a: &Patch, b: &Patch) -> f32 {
-    // Eight running sums, so that the compiler may use vectors without reordering a float sum.
-    let mut sums = [0f32; 8];
-    for (x, y) in a.chunks_exact(8).zip(b.chunks_exact(8)) {
-        for k in 0..8 {
-            sums[k] += x[k] * y[k];
-        }
-    }
-    sums.iter().sum()
+/// Offsets of a patch's pixels from its centre, row by row.
+fn offsets() -> impl Iterator<Item = Vector> {
+    let half = HALF as i32;
+    (-half..=half).flat_map(move |y| (-half..=half).map(move |x| Vector::new(f64::from(x), f64::from(y))))
 }
 
-/// The position in `plane2` near `start2` whose surroundings fit those of `corner1` in `plane1` best, by
-/// least squares over shift, gain and offset (Lucas & Kanade 1981). `None` when it does not settle within
-/// 1.5 px of the start.
-pub(crate) fn align(planes: [&GrayPlane; 2], corner1: Point, start2: Point) -> Option<Point> {
-    let offsets = || {
-        let half = HALF as i32;
-        (-half..=half).flat_map(move |y| (-half..=half).map(move |x| (f64::from(x), f64::from(y))))
-    };
-    let mut at = start2;
+/// Correlations of one normalised patch with many, −1 to 1, into `out`.
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx2", "x86_64+avx2", "aarch64+neon"))]
+pub(crate) fn correlate_all(a: &Patch, others: &[Patch], out: &mut Vec<f32>) {
+    out.clear();
+    for b in others {
+        // Sixteen running sums whatever the instruction set, so that all give the same number.
+        let mut sums = [0f32; 16];
+        for (x, y) in a.chunks_exact(16).zip(b.chunks_exact(16)) {
+            for k in 0..16 {
+                sums[k] += x[k] * y[k];
+            }
+        }
+        out.push(sums.iter().sum());
+    }
+}
+
+/// The position in the second plane near `start2` whose surroundings, under a warp that is adjusted too, fit
+/// those of `point1` in the first plane best: least squares over six affine numbers, gain and offset (Lucas &
+/// Kanade 1981; Baker & Matthews 2004). `None` when it does not settle within 1.5 px of the start.
+pub(crate) fn align(
+    planes: [&GrayPlane; 2],
+    point1: Point,
+    start2: Point,
+    warp: &Warp,
+) -> Option<(Point, Warp)> {
+    let reference: Vec<f64> = offsets().map(|offset| f64::from(planes[0].sample(point1 + offset))).collect();
+    let (mut at, mut warp) = (start2, *warp);
     for _ in 0..ITERATIONS {
-        let (mut normal, mut right) = (Matrix4::<f64>::zeros(), Vector4::<f64>::zeros());
-        for (x, y) in offsets() {
-            let p = Point::new(at.x + x, at.y + y);
+        let mut normal = SMatrix::<f64, 8, 8>::zeros();
+        let mut right = SVector::<f64, 8>::zeros();
+        for (offset, reference) in offsets().zip(&reference) {
+            let p = at + warp * offset;
             let value = |dx: f64, dy: f64| f64::from(planes[1].sample(Point::new(p.x + dx, p.y + dy)));
-            let reference = f64::from(planes[0].sample(Point::new(corner1.x + x, corner1.y + y)));
-            // gain·I1 + offset − ∇I2·step = I2
-            let row = Vector4::new(
-                -0.5 * (value(1.0, 0.0) - value(-1.0, 0.0)),
-                -0.5 * (value(0.0, 1.0) - value(0.0, -1.0)),
-                reference,
-                1.0,
-            );
+            let (gx, gy) =
+                (0.5 * (value(1.0, 0.0) - value(-1.0, 0.0)), 0.5 * (value(0.0, 1.0) - value(0.0, -1.0)));
+            // gain·I1 + offset − ∇I2·(shift + ΔW·offset) = I2, the warp in units of the half width.
+            let (x, y) = (offset.x / HALF as f64, offset.y / HALF as f64);
+            let row =
+                SVector::<f64, 8>::from([-gx, -gy, -gx * x, -gx * y, -gy * x, -gy * y, *reference, 1.0]);
             normal += row * row.transpose();
             right += row * value(0.0, 0.0);
         }
+        // A little damping of the warp keeps patches with one direction of texture from sliding.
+        for k in 2..6 {
+            normal[(k, k)] += WARP_DAMPING;
+        }
         let solution = normal.cholesky()?.solve(&right);
-        let step = nalgebra::Vector2::new(solution[0], solution[1]);
+        let step = Vector::new(solution[0], solution[1]);
         at += step;
-        if (at - start2).norm() > 1.5 || !step.norm().is_finite() {
+        warp += Warp::new(solution[2], solution[3], solution[4], solution[5]) / HALF as f64;
+        if !step.norm().is_finite() || (at - start2).norm() > 1.5 || !(0.2..4.0).contains(&warp.determinant())
+        {
             return None;
         }
         if step.norm() < 0.01 {
-            return Some(at);
+            return Some((at, warp));
         }
     }
     None
 }
 
+/// Squared grey levels: about the texture of one grey level a pixel over a whole patch.
+const WARP_DAMPING: f64 = 500.0;
 const ITERATIONS: usize = 10;
 
 #[cfg(test)]
@@ -101,8 +148,25 @@ mod tests {
         let (dx, dy) = (0.37, -0.61);
         let plane2 = GrayPlane::from_fn(frame, |x, y| 0.8 * texture(x as f64 - dx, y as f64 - dy) + 12.0);
         let corner = Point::new(30.0, 28.0);
-        let found = align([&plane1, &plane2], corner, corner).unwrap();
+        let (found, _) = align([&plane1, &plane2], corner, corner, &Warp::identity()).unwrap();
         assert!((found - Point::new(30.0 + dx, 28.0 + dy)).norm() < 0.03, "{found}");
+    }
+
+    #[test]
+    fn alignment_follows_a_turned_and_scaled_surface() {
+        let frame = Frame::new(80, 80);
+        let truth = Warp::new(1.1, -0.25, 0.2, 1.15);
+        let (from, to) = (Point::new(40.0, 38.0), Point::new(41.3, 39.6));
+        let plane1 = GrayPlane::from_fn(frame, |x, y| texture(x as f64, y as f64));
+        let inverse = truth.try_inverse().unwrap();
+        let plane2 = GrayPlane::from_fn(frame, |x, y| {
+            let p = from + inverse * (Point::new(x as f64, y as f64) - to);
+            texture(p.x, p.y)
+        });
+        let nearest = Warp::new(0.95, -0.3, 0.3, 0.95);
+        let (found, warp) = align([&plane1, &plane2], from, Point::new(41.0, 40.0), &nearest).unwrap();
+        assert!((found - to).norm() < 0.03, "{found}");
+        assert!((warp - truth).norm() < 0.05, "{warp}");
     }
 
     #[test]
@@ -111,9 +175,13 @@ mod tests {
         let plane = GrayPlane::from_fn(frame, |x, y| texture(x as f64, y as f64));
         let darker = GrayPlane::from_fn(frame, |x, y| 0.5 * texture(x as f64, y as f64) + 3.0);
         let at = Point::new(12.0, 13.0);
-        let (a, b) = (patch(&plane, at).unwrap(), patch(&darker, at).unwrap());
-        assert!((correlate(&a, &b) - 1.0).abs() < 1e-4);
-        assert!(patch(&GrayPlane::from_fn(frame, |_, _| 5.0), at).is_none());
-        assert!(align([&GrayPlane::from_fn(frame, |_, _| 5.0), &plane], at, at).is_none());
+        let (a, b) =
+            (patch(&plane, at, &Warp::identity()).unwrap(), patch(&darker, at, &Warp::identity()).unwrap());
+        let mut found = Vec::new();
+        correlate_all(&a, &[b, a], &mut found);
+        assert!(found.iter().all(|c| (c - 1.0).abs() < 1e-4));
+        assert!(patch(&GrayPlane::from_fn(frame, |_, _| 5.0), at, &Warp::identity()).is_none());
+        let flat = GrayPlane::from_fn(frame, |_, _| 5.0);
+        assert!(align([&flat, &flat], at, at, &Warp::identity()).is_none());
     }
 }

@@ -2,6 +2,7 @@
 
 use std::sync::OnceLock;
 
+use super::patches::warps;
 use super::refinement::{Refined, RefinementLevel};
 use super::support::Support;
 use super::voting::Electorate;
@@ -117,14 +118,14 @@ impl PreparedPair {
     pub(crate) fn fine_witness(&self) -> &FineWitness {
         self.fine_witness.get_or_init(|| {
             let level = self.level(FINE_SIDE);
-            FineWitness { scales: level.scales, support: Support::new(level.planes, FINE_CORNERS) }
+            FineWitness { scales: level.scales, support: Support::new(level.planes, FINE_CORNERS, &warps()) }
         })
     }
 
     pub(crate) fn witness(&self) -> &Witness {
         self.witness.get_or_init(|| {
             let level = self.level(WITNESS_SIDE);
-            let support = Support::new(level.planes, WITNESS_CORNERS);
+            let support = Support::new(level.planes, WITNESS_CORNERS, &warps());
             let electorate = Electorate::new(&support, VOTES_PER_CORNER);
             Witness { scales: level.scales, support, electorate }
         })

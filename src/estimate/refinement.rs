@@ -9,7 +9,7 @@ use std::sync::OnceLock;
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::patches::{HALF, Patch, align, correlate, patch};
+use super::patches::{HALF, Patch, Warp, align, correlate_all, patch, warps};
 use super::polish::{Observation, fit};
 use super::prepared::{Level, resized_pair};
 use crate::geometry::{FundamentalMatrix, Point, PointPair, sampson_distance};
@@ -30,10 +30,12 @@ pub(crate) struct RefinementLevel {
     features: OnceLock<[Vec<Feature>; 2]>,
 }
 
+/// A corner with its patch under each warp: one in image 1, all of them in image 2.
 #[derive(Debug, Clone)]
 struct Feature {
     point: Point,
-    patch: Patch,
+    patches: Vec<Patch>,
+    warps: Vec<Warp>,
 }
 
 /// Corners an image.
@@ -66,9 +68,16 @@ impl RefinementLevel {
     fn features(&self, level: &Level) -> &[Vec<Feature>; 2] {
         self.features.get_or_init(|| {
             let of = |image: usize| -> Vec<Feature> {
+                let tried = if image == 0 { vec![Warp::identity()] } else { warps() };
                 find_corners(level.planes[image], CORNERS, HALF + 2)
-                    .into_iter()
-                    .filter_map(|point| Some(Feature { point, patch: patch(level.planes[image], point)? }))
+                    .into_par_iter()
+                    .filter_map(|point| {
+                        let (patches, warps): (Vec<Patch>, Vec<Warp>) = tried
+                            .iter()
+                            .filter_map(|warp| Some((patch(level.planes[image], point, warp)?, *warp)))
+                            .unzip();
+                        (!patches.is_empty()).then_some(Feature { point, patches, warps })
+                    })
                     .collect()
             };
             let (a, b) = rayon::join(|| of(0), || of(1));
@@ -116,10 +125,10 @@ impl RefinementLevel {
     fn guided_matches(&self, level: &Level, f: &FundamentalMatrix, band: f64) -> Vec<RefinedMatch> {
         let [features1, features2] = self.features(level);
         let lines1: Vec<_> = features2.iter().map(|b| f.line1_from_point2(b.point)).collect();
-        // Best partners of each corner of image 1, and of each corner of image 2.
-        let best1: Vec<Option<(usize, f32)>> = features1
+        // Best partner of each corner of image 1 with its warp, then of each corner of image 2.
+        let best1: Vec<Option<(usize, usize, f32)>> = features1
             .par_iter()
-            .map(|a| {
+            .map_init(Vec::new, |correlations, a| {
                 let line2 = f.line2_from_point1(a.point)?;
                 let mut best = None;
                 for (j, b) in features2.iter().enumerate() {
@@ -128,30 +137,33 @@ impl RefinementLevel {
                     {
                         continue;
                     }
-                    let correlation = correlate(&a.patch, &b.patch);
-                    if correlation > best.map_or(LEAST_CORRELATION, |(_, c)| c) {
-                        best = Some((j, correlation));
+                    correlate_all(&a.patches[0], &b.patches, correlations);
+                    for (warp, correlation) in correlations.iter().enumerate() {
+                        if *correlation > best.map_or(LEAST_CORRELATION, |(_, _, c)| c) {
+                            best = Some((j, warp, *correlation));
+                        }
                     }
                 }
                 best
             })
             .collect();
-        let mut best2: Vec<Option<(usize, f32)>> = vec![None; features2.len()];
+        let mut best2: Vec<Option<(usize, usize, f32)>> = vec![None; features2.len()];
         for (i, best) in best1.iter().enumerate() {
-            if let Some((j, correlation)) = best
-                && best2[*j].is_none_or(|(_, c)| *correlation > c)
+            if let Some((j, warp, correlation)) = best
+                && best2[*j].is_none_or(|(_, _, c)| *correlation > c)
             {
-                best2[*j] = Some((i, *correlation));
+                best2[*j] = Some((i, *warp, *correlation));
             }
         }
-        let mutual: Vec<(usize, usize, f32)> =
-            best2.iter().enumerate().filter_map(|(j, b)| b.map(|(i, c)| (i, j, c))).collect();
-        mutual
+        best2
             .par_iter()
-            .filter_map(|(i, j, correlation)| {
-                let point1 = features1[*i].point;
-                let point2 = align(level.planes, point1, features2[*j].point)?;
-                Some(RefinedMatch { pair: PointPair { point1, point2 }, correlation: *correlation })
+            .enumerate()
+            .filter_map(|(j, best)| {
+                let (i, warp, correlation) = (*best)?;
+                let point1 = features1[i].point;
+                let b = &features2[j];
+                let (point2, _) = align(level.planes, point1, b.point, &b.warps[warp])?;
+                Some(RefinedMatch { pair: PointPair { point1, point2 }, correlation })
             })
             .collect()
     }

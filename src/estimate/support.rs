@@ -7,7 +7,7 @@
 
 use rayon::prelude::*;
 
-use super::patches::{HALF, Patch, correlate, patch};
+use super::patches::{HALF, Patch, Warp, correlate_all, patch};
 use crate::geometry::{FundamentalMatrix, Line, Point, PointPair};
 use crate::image::{GrayPlane, find_corners};
 
@@ -55,29 +55,44 @@ pub(crate) struct SupportingMatch {
 }
 
 impl Support {
-    /// Finds up to `count` corners an image and compares all their patches.
-    pub fn new(planes: [&GrayPlane; 2], count: usize) -> Self {
+    /// Finds up to `count` corners an image and compares all their patches, those of image 2 under each warp.
+    pub fn new(planes: [&GrayPlane; 2], count: usize, warps: &[Warp]) -> Self {
         let corners = planes.map(|plane| find_corners(plane, count, HALF + 1));
-        let patches: [Vec<Option<Patch>>; 2] =
-            [0, 1].map(|k| corners[k].iter().map(|c| patch(planes[k], *c)).collect());
-        let pairs: Vec<Putative> = patches[0]
+        let firsts: Vec<Option<Patch>> =
+            corners[0].iter().map(|c| patch(planes[0], *c, &Warp::identity())).collect();
+        // Every corner of image 2 under every warp, flat ones left out.
+        let seconds: Vec<(u32, Patch)> = corners[1]
             .par_iter()
             .enumerate()
-            .flat_map_iter(|(i, a)| {
-                let mut alike: Vec<Putative> = a
-                    .iter()
-                    .flat_map(|a| {
-                        patches[1].iter().enumerate().filter_map(move |(j, b)| {
-                            let correlation = correlate(a, b.as_ref()?);
-                            let (corner1, corner2) = (i as u32, j as u32);
-                            (correlation > FLOOR).then_some(Putative { corner1, corner2, correlation })
-                        })
-                    })
-                    .collect();
+            .flat_map_iter(|(j, c)| {
+                warps.iter().filter_map(move |warp| Some((j as u32, patch(planes[1], *c, warp)?)))
+            })
+            .collect();
+        let (owners, seconds): (Vec<u32>, Vec<Patch>) = seconds.into_iter().unzip();
+        let pairs: Vec<Putative> = firsts
+            .par_iter()
+            .enumerate()
+            .map_init(Vec::new, |correlations, (i, a)| {
+                let Some(a) = a else { return Vec::new() };
+                correlate_all(a, &seconds, correlations);
+                let mut alike: Vec<Putative> = Vec::new();
+                for (corner2, correlation) in owners.iter().copied().zip(correlations.iter().copied()) {
+                    if correlation <= FLOOR {
+                        continue;
+                    }
+                    // Warps of one corner stand together: the best one speaks for it.
+                    match alike.last_mut() {
+                        Some(last) if last.corner2 == corner2 => {
+                            last.correlation = last.correlation.max(correlation);
+                        }
+                        _ => alike.push(Putative { corner1: i as u32, corner2, correlation }),
+                    }
+                }
                 alike.sort_by(|a, b| b.correlation.total_cmp(&a.correlation).then(a.corner2.cmp(&b.corner2)));
                 alike.truncate(PER_CORNER);
                 alike
             })
+            .flatten_iter()
             .collect();
         let groups = grouped(&pairs, &corners);
         Self { corners, pairs, groups }
@@ -184,7 +199,7 @@ mod tests {
     #[test]
     fn the_right_geometry_has_most_support_and_its_matches_are_right() {
         let [a, b] = planes();
-        let support = Support::new([&a, &b], 200);
+        let support = Support::new([&a, &b], 200, &[Warp::identity()]);
         let right = support.score(&rows(0.0), 2.0);
         for wrong in [rows(7.0), rows(-15.0)] {
             let other = support.score(&wrong, 2.0);
@@ -199,7 +214,7 @@ mod tests {
     #[test]
     fn images_without_corners_have_no_support() {
         let flat = GrayPlane::from_fn(Frame::new(60, 60), |_, _| 9.0);
-        let support = Support::new([&flat, &flat], 50);
+        let support = Support::new([&flat, &flat], 50, &[Warp::identity()]);
         assert!(support.matches(&rows(0.0), 3.0).is_empty());
     }
 }
