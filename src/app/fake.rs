@@ -5,7 +5,7 @@ use std::sync::Arc;
 use nalgebra::{Matrix3, Vector3};
 
 use super::worker::Request;
-use crate::estimate::{Counts, Estimate, EstimateError, Monitor, Parameters, Progress, Stage};
+use crate::estimate::{Estimate, EstimateError, Monitor, Parameters, Progress, Stage};
 use crate::geometry::{FundamentalMatrix, PointPair};
 use crate::image::Picture;
 
@@ -29,24 +29,13 @@ pub fn result(pairs: &[PointPair], parameters: &Parameters) -> Option<Estimate> 
     let e2 = e2.try_normalize(1e-9).unwrap_or_else(Vector3::x);
     let fundamental = FundamentalMatrix::from_rank_two(e2.cross_matrix() * shift)?;
     Some(Estimate {
-        epipole1: fundamental.epipole1(),
-        epipole2: fundamental.epipole2(),
-        fundamental,
         score: 0.25,
         round_trip_area: 0.5,
-        support: None,
         margin: Some(0.4),
-        method: parameters.method,
-        preset: parameters.preset,
-        seed: parameters.seed,
-        warnings: Vec::new(),
-        counts: Counts::default(),
-        timings: Vec::new(),
         first_seconds: 0.01,
         seconds: 0.02,
         refined: true,
-        hypotheses: Vec::new(),
-        matches: Vec::new(),
+        ..Estimate::of(fundamental, parameters)
     })
 }
 

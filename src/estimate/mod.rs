@@ -15,7 +15,9 @@ mod refinement;
 mod result;
 mod search;
 mod support;
+mod trust;
 mod two_point;
+mod uncertainty;
 mod validation;
 mod voting;
 
@@ -27,6 +29,8 @@ pub use parameters::{LineScore, Method, Parameters, Preset};
 pub use prepared::PreparedPair;
 pub use refinement::RefinedMatch;
 pub use result::{Counts, Estimate, Hypothesis, PatchSupport, StageTiming};
+pub use trust::{Reason, Trust, Verdict};
+pub use uncertainty::{EpipoleEllipse, Uncertainty};
 
 use std::time::Instant;
 

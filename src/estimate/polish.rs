@@ -83,7 +83,13 @@ impl Representation {
 #[derive(Debug, Clone)]
 pub(crate) struct Fit {
     pub fundamental: FundamentalMatrix,
+    /// Covariance of the nine entries of the matrix, row by row, from the curvature of the robust cost scaled
+    /// by the residuals that were left. `None` when the observations do not determine all seven numbers.
+    pub covariance: Option<Matrix9>,
 }
+
+/// Covariance of the nine entries of a matrix, row by row.
+pub(crate) type Matrix9 = SMatrix<f64, 9, 9>;
 
 /// Fits `F` to the observations, starting from `start`. `scale` is the Sampson distance, in units of each
 /// observation's σ, beyond which a match loses influence. `None` when there are too few observations or the
@@ -93,7 +99,7 @@ pub(crate) fn fit(start: &FundamentalMatrix, observations: &[Observation], scale
         return None;
     }
     let conditioning = Conditioning::new(observations);
-    let mut representation = Representation::new(&conditioning.into_conditioned(start.matrix()))?;
+    let mut representation = Representation::new(&conditioning.conditioned(start.matrix()))?;
     let (mut cost, mut gradient, mut hessian) = conditioning.normal_equations(&representation, scale)?;
     let mut damping = 1e-4;
     for _ in 0..ITERATIONS {
@@ -116,8 +122,21 @@ pub(crate) fn fit(start: &FundamentalMatrix, observations: &[Observation], scale
             _ => damping *= 10.0,
         }
     }
-    let fundamental = FundamentalMatrix::from_rank_two(conditioning.into_pixels(&representation.matrix()))?;
-    Some(Fit { fundamental })
+    let in_pixels = conditioning.in_pixels(&representation.matrix());
+    let fundamental = FundamentalMatrix::from_rank_two(in_pixels)?;
+    // The entries of F follow the seven numbers linearly to first order; its norm is brought to 1 on the way.
+    let scale_to_unit = 1.0 / in_pixels.norm();
+    let derivatives = representation.derivatives(&representation.matrix()).map(|d| {
+        let moved = conditioning.in_pixels(&d) * scale_to_unit;
+        let unit = in_pixels * scale_to_unit;
+        moved - unit * unit.dot(&moved)
+    });
+    let jacobian = SMatrix::<f64, 9, 7>::from_fn(|row, k| derivatives[k][(row / 3, row % 3)]);
+    let freedom = (observations.len() as f64 - 7.0).max(1.0);
+    // The robust cost of Gaussian residuals is about their sum of squares.
+    let variance = cost / freedom;
+    let covariance = hessian.cholesky().map(|c| jacobian * c.inverse() * jacobian.transpose() * variance);
+    Some(Fit { fundamental, covariance })
 }
 
 const ITERATIONS: usize = 25;
@@ -155,7 +174,7 @@ impl Conditioning {
         Self { to, points, sigmas: observations.iter().map(|o| s * o.sigma).collect() }
     }
 
-    fn into_conditioned(&self, f: &Matrix3<f64>) -> Matrix3<f64> {
+    fn conditioned(&self, f: &Matrix3<f64>) -> Matrix3<f64> {
         let inverse = |m: &Matrix3<f64>| {
             let s = m[(0, 0)];
             Matrix3::new(1.0 / s, 0.0, -m[(0, 2)] / s, 0.0, 1.0 / s, -m[(1, 2)] / s, 0.0, 0.0, 1.0)
@@ -163,7 +182,7 @@ impl Conditioning {
         inverse(&self.to[1]).transpose() * f * inverse(&self.to[0])
     }
 
-    fn into_pixels(&self, f: &Matrix3<f64>) -> Matrix3<f64> {
+    fn in_pixels(&self, f: &Matrix3<f64>) -> Matrix3<f64> {
         self.to[1].transpose() * f * self.to[0]
     }
 
@@ -261,6 +280,38 @@ mod tests {
             .collect();
         let result = fit(&disturbed(&f), &observations, 1.5).unwrap().fundamental;
         assert!(mean(&result, &pairs) < 0.1, "{}", mean(&result, &pairs));
+    }
+
+    #[test]
+    fn the_covariance_predicts_the_scatter_of_the_epipolar_lines() {
+        let (f, pairs) = scene(60);
+        let mut rng = rand_pcg::Pcg64Mcg::seed_from_u64(9);
+        let mut gauss = || (0..12).map(|_| rng.random::<f64>()).sum::<f64>() - 6.0;
+        let probe = PointPair::new(150.0, 420.0, 160.0, 415.0);
+        let on_line = f.line2_from_point1(probe.point1).unwrap().foot(probe.point2);
+        let (mut squares, mut predicted, runs) = (0.0, 0.0, 200);
+        for _ in 0..runs {
+            let sigma = 0.5;
+            let mut noisy = |p: nalgebra::Point2<f64>| {
+                nalgebra::Point2::new(p.x + sigma * gauss(), p.y + sigma * gauss())
+            };
+            let observations: Vec<_> = pairs
+                .iter()
+                .map(|p| {
+                    let pair = PointPair { point1: noisy(p.point1), point2: noisy(p.point2) };
+                    Observation { pair, sigma }
+                })
+                .collect();
+            let result = fit(&f, &observations, 4.0).unwrap();
+            let line = result.fundamental.line2_from_point1(probe.point1).unwrap();
+            squares += line.signed_distance(on_line).powi(2);
+            let l = result.fundamental.matrix() * probe.point1.to_homogeneous();
+            let (x1, x2) = (probe.point1.to_homogeneous(), on_line.to_homogeneous());
+            let row = SVector::<f64, 9>::from_fn(|k, _| x2[k / 3] * x1[k % 3]) / l.xy().norm();
+            predicted += row.dot(&(result.covariance.unwrap() * row));
+        }
+        let ratio = (squares / predicted).sqrt();
+        assert!((0.8..1.25).contains(&ratio), "measured over predicted deviation {ratio}");
     }
 
     #[test]

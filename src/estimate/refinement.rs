@@ -12,6 +12,7 @@ use serde::Serialize;
 use super::patches::{HALF, Patch, Warp, align, correlate_all, patch, warps};
 use super::polish::{Observation, fit};
 use super::prepared::{Level, resized_pair};
+use super::uncertainty::Uncertainty;
 use crate::geometry::{FundamentalMatrix, Point, PointPair, sampson_distance};
 use crate::image::find_corners;
 
@@ -53,6 +54,7 @@ const LEAST_MATCHES: usize = 16;
 #[derive(Debug, Clone)]
 pub(crate) struct Refined {
     pub fundamental: FundamentalMatrix,
+    pub uncertainty: Option<Uncertainty>,
     pub matches: Vec<RefinedMatch>,
 }
 
@@ -97,6 +99,7 @@ impl RefinementLevel {
         let [s1, s2] = level.scales;
         let mut current = f.rescaled(s1, s2)?;
         let mut matches = Vec::new();
+        let mut covariance = None;
         for band in BANDS {
             matches = self.guided_matches(level, &current, band);
             if matches.len() < LEAST_MATCHES {
@@ -111,13 +114,18 @@ impl RefinementLevel {
                     sigma: (click_sigma * s1).max(MATCH_SIGMA),
                 }))
                 .collect();
-            current = fit(&current, &observations, (band / 3.0 / MATCH_SIGMA).max(1.5))?.fundamental;
+            let fitted = fit(&current, &observations, (band / 3.0 / MATCH_SIGMA).max(1.5))?;
+            (current, covariance) = (fitted.fundamental, fitted.covariance);
         }
         matches.retain(|m| sampson_distance(&current, &m.pair) < BANDS[BANDS.len() - 1]);
         for m in &mut matches {
             m.pair = resized_pair(&m.pair, [1.0 / s1, 1.0 / s2]);
         }
-        Some(Refined { fundamental: current.rescaled(1.0 / s1, 1.0 / s2)?, matches })
+        Some(Refined {
+            fundamental: current.rescaled(1.0 / s1, 1.0 / s2)?,
+            uncertainty: covariance.map(|c| Uncertainty::new(&current, c, level.scales)),
+            matches,
+        })
     }
 
     /// Mutual best matches among corners within `band` px of each other's epipolar lines, sub-pixel positions

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::{Method, Preset, RefinedMatch, Stage, Warning};
+use super::{Method, Parameters, Preset, RefinedMatch, Stage, Uncertainty, Warning};
 use crate::geometry::{FundamentalMatrix, HomogeneousPoint};
 
 /// One hypothesis of the geometry: two line pairs through the clicks and κ, in full-size pixels.
@@ -102,6 +102,9 @@ pub struct Estimate {
     pub first_seconds: f64,
     /// Seconds in all.
     pub seconds: f64,
+    /// How well it is determined, when it was refined.
+    #[serde(skip)]
+    pub uncertainty: Option<Uncertainty>,
     /// Whether all seven degrees of freedom were refined at full resolution.
     pub refined: bool,
     /// The best hypotheses, best first.
@@ -110,4 +113,31 @@ pub struct Estimate {
     /// The matches the refinement rests on.
     #[serde(skip)]
     pub matches: Vec<RefinedMatch>,
+}
+
+impl Estimate {
+    /// An estimate that holds a matrix and nothing about how it came about: for a matrix from elsewhere.
+    pub fn of(fundamental: FundamentalMatrix, parameters: &Parameters) -> Self {
+        Self {
+            fundamental,
+            epipole1: fundamental.epipole1(),
+            epipole2: fundamental.epipole2(),
+            score: f64::NAN,
+            round_trip_area: f64::NAN,
+            support: None,
+            margin: None,
+            method: parameters.method,
+            preset: parameters.preset,
+            seed: parameters.seed,
+            warnings: Vec::new(),
+            counts: Counts::default(),
+            timings: Vec::new(),
+            first_seconds: 0.0,
+            seconds: 0.0,
+            uncertainty: None,
+            refined: false,
+            hypotheses: Vec::new(),
+            matches: Vec::new(),
+        }
+    }
 }

@@ -14,8 +14,8 @@ use super::refinement::Refined;
 use super::search::{self, Steered};
 use super::validation::line_score;
 use super::{
-    Counts, Estimate, EstimateError, Hypothesis, Method, Monitor, Parameters, PatchSupport, Progress,
-    RefinedMatch, Stage, StageTiming, Warning,
+    Counts, Estimate, EstimateError, Hypothesis, Method, Monitor, Parameters, PatchSupport, Progress, Stage,
+    StageTiming, Warning,
 };
 use crate::geometry::{FundamentalMatrix, PointPair, epipolar_difference, symmetric_epipolar_distance};
 use crate::similarity::StereoSimilarity;
@@ -254,13 +254,9 @@ impl Run<'_> {
         let refined = if parameters.refine { self.refined(&hypotheses) } else { None };
         self.monitor.check()?;
         match refined {
-            Some(refined) => self.finish(
-                refined.fundamental,
-                hypotheses,
-                Some(support),
-                &supporting,
-                Some(refined.matches),
-            ),
+            Some(refined) => {
+                self.finish(refined.fundamental, hypotheses, Some(support), &supporting, Some(refined))
+            }
             None => {
                 if parameters.refine {
                     self.warnings.push(Warning::NotRefined);
@@ -397,12 +393,12 @@ impl Run<'_> {
         hypotheses: Vec<Hypothesis>,
         support: Option<PatchSupport>,
         supporting: &[PointPair],
-        matches: Option<Vec<RefinedMatch>>,
+        refined: Option<Refined>,
     ) -> Result<Estimate, EstimateError> {
         let seconds = self.stage_begun.elapsed().as_secs_f64();
         self.timings.push(StageTiming { stage: self.stage, seconds });
         self.monitor.check()?;
-        Ok(self.assemble(fundamental, hypotheses, support, supporting, matches))
+        Ok(self.assemble(fundamental, hypotheses, support, supporting, refined))
     }
 
     fn assemble(
@@ -411,7 +407,7 @@ impl Run<'_> {
         hypotheses: Vec<Hypothesis>,
         support: Option<PatchSupport>,
         supporting: &[PointPair],
-        matches: Option<Vec<RefinedMatch>>,
+        refined: Option<Refined>,
     ) -> Estimate {
         let frames = self.prepared.frames();
         let margin = self.margin(&fundamental, &hypotheses, supporting);
@@ -437,9 +433,10 @@ impl Run<'_> {
             timings: self.timings.clone(),
             first_seconds: self.first_seconds.unwrap_or(seconds),
             seconds,
-            refined: matches.is_some(),
+            refined: refined.is_some(),
             hypotheses,
-            matches: matches.unwrap_or_default(),
+            uncertainty: refined.as_ref().and_then(|r| r.uncertainty.clone()),
+            matches: refined.map(|r| r.matches).unwrap_or_default(),
         }
     }
 

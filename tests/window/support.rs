@@ -9,7 +9,7 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use epiline::app::document::{PointRef, Side};
 use epiline::app::{Inspector, Opening, Services, Start, install_theme};
-use epiline::estimate::{Counts, Estimate, EstimateError, Parameters};
+use epiline::estimate::{Estimate, EstimateError, Parameters};
 use epiline::geometry::{FundamentalMatrix, Point, PointPair};
 use nalgebra::{Matrix3, Vector3};
 
@@ -29,24 +29,13 @@ pub fn fake_estimate(pairs: &[PointPair], parameters: &Parameters) -> Result<Est
     let fundamental =
         FundamentalMatrix::from_rank_two(e2.cross_matrix() * shift).ok_or(EstimateError::NoGeometry)?;
     Ok(Estimate {
-        epipole1: fundamental.epipole1(),
-        epipole2: fundamental.epipole2(),
-        fundamental,
         score: 0.25,
         round_trip_area: 0.5,
-        support: None,
         margin: Some(0.4),
-        method: parameters.method,
-        preset: parameters.preset,
-        seed: parameters.seed,
-        warnings: Vec::new(),
-        counts: Counts::default(),
-        timings: Vec::new(),
         first_seconds: 0.01,
         seconds: 0.02,
         refined: true,
-        hypotheses: Vec::new(),
-        matches: Vec::new(),
+        ..Estimate::of(fundamental, parameters)
     })
 }
 
