@@ -283,7 +283,7 @@ fn orange_tree(b: &mut Builder, p: &Palette, base: Point3<f64>) {
     tree(b, p, soil, 2.25, &crown);
     for k in 0..16 {
         let (sin, cos) = (f64::from(k) * 2.4).sin_cos();
-        let z = 1.0 + 0.075 * f64::from(k);
+        let z = 1.15 + 0.065 * f64::from(k);
         let r = 0.74 * (1.0 - ((z - 1.5) / 0.85).powi(2)).max(0.05).sqrt();
         let centre = soil + Vector3::new(r * cos, r * sin, z);
         b.add(Shape::Sphere { centre, radius: 0.05 }, fruit);

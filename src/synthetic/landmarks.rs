@@ -32,7 +32,7 @@ fn cornerness(plane: &GrayPlane, x: usize, y: usize) -> f64 {
             yy += gy * gy;
         }
     }
-    let (mean, half) = ((xx + yy) / 2.0, ((xx - yy) / 2.0).hypot(xy));
+    let (mean, half) = (f64::midpoint(xx, yy), ((xx - yy) / 2.0).hypot(xy));
     (mean - half) / 81.0
 }
 
@@ -114,7 +114,7 @@ pub fn landmarks(
             }
             if let Some(third) = central.iter().find(|m| apart(p, m) && apart(q, m)) {
                 let (show_me, third) = ([**p, **q], **third);
-                return Some(Landmarks { show_me, third, matches });
+                return Some(Landmarks { matches, show_me, third });
             }
         }
     }

@@ -18,6 +18,8 @@ pub struct Quality {
     pub supersampling: usize,
     /// Ambient directions for each sample.
     pub ambient_rays: usize,
+    /// Whether small relief of the surfaces tilts them against the light.
+    pub relief: bool,
     /// Standard deviation of the sensor noise, grey levels.
     pub noise: f64,
     /// Darkening of the corners, as a fraction.
@@ -28,10 +30,12 @@ pub struct Quality {
 
 impl Default for Quality {
     fn default() -> Self {
-        Self { supersampling: 4, ambient_rays: 4, noise: 1.0, vignetting: 0.14, seed: 0 }
+        Self { supersampling: 4, ambient_rays: 4, relief: true, noise: 0.8, vignetting: 0.14, seed: 0 }
     }
 }
 
+/// Side of the square a pixel averages over, px: more than one, as behind a real lens, and it spares aliasing.
+const APERTURE: f64 = 1.4;
 /// Luma weights, ITU-R BT.709.
 const LUMA: Rgb = Rgb::new(0.2126, 0.7152, 0.0722);
 /// The tone curve works on each channel and so exaggerates colours; this takes it back.
@@ -57,10 +61,10 @@ pub fn render_with(scene: &Scene, camera: &Camera, frame: Frame, quality: &Quali
         for (x, pixel) in row.chunks_exact_mut(3).enumerate() {
             let mut sum = Rgb::zeros();
             for (k, set) in directions.iter().enumerate() {
-                let offset = |i: usize| (i as f64 + 0.5) / side as f64 - 0.5;
+                let offset = |i: usize| APERTURE * ((i as f64 + 0.5) / side as f64 - 0.5);
                 let p = Point::new(x as f64 + offset(k % side), y as f64 + offset(k / side));
                 // Highlights are cut before averaging, or edges against them would not be smooth.
-                sum += radiance(scene, &eye.ray(p), set, sample).map(|c| c.min(4.0));
+                sum += radiance(scene, &eye.ray(p), set, sample, quality.relief).map(|c| c.min(4.0));
             }
             let r = (Point::new(x as f64, y as f64) - centre).norm() / half;
             let factor = scene.light.exposure * (1.0 - quality.vignetting * r * r);

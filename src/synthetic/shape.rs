@@ -144,6 +144,12 @@ impl Bounds {
         nalgebra::center(&self.low, &self.high)
     }
 
+    /// Area of its six sides.
+    pub fn surface(&self) -> f64 {
+        let d = self.high - self.low;
+        2.0 * (d.x * d.y + d.y * d.z + d.z * d.x)
+    }
+
     /// Distance at which a ray enters, if it does so before `limit`. `inverse` holds the reciprocals of
     /// the direction.
     pub fn entry(&self, origin: &Point3<f64>, inverse: &Vector3<f64>, limit: f64) -> Option<f64> {

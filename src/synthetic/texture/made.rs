@@ -130,7 +130,7 @@ pub fn azulejo(spot: &Spot, colours: &[Rgb; 2]) -> Look {
         3 => q.x + q.y < 0.6 || (q.x + q.y - 1.1).abs() < 0.06,
         _ => (r - 0.35).abs() < 0.05 || back < 0.3 || (back - 0.5).abs() < 0.04,
     };
-    let hue = unit(hash(i32x, i32y, spot.seed ^ 77));
+    let hue = unit(hash(i32x, i32y, spot.seed ^ 0x4D));
     let paint = mix(colours[0], srgb(0x3E_6FA8), hue * 0.7) * (0.8 + 0.3 * spot.fractal(0.03, 171));
     let glaze = colours[1] * (0.88 + 0.14 * hue + 0.08 * spot.fractal(0.2, 172));
     let margin = (0.5 - (q.x - 0.5).abs()).min(0.5 - (q.y - 0.5).abs()) * size;
@@ -181,7 +181,7 @@ fn word(s: f64, t: f64, pitch: f64, seed: u32) -> bool {
     let x = (s - 0.1) / pitch - k;
     let h = hash(k as i32, 0, seed);
     // One in six is a gap between words; letters are two strokes of a 3 × 3 grid.
-    if h % 6 == 0 || !(0.08..0.88).contains(&x) {
+    if h.is_multiple_of(6) || !(0.08..0.88).contains(&x) {
         return false;
     }
     let (column, row) = (((x - 0.08) / 0.27) as u32, (t * 3.0) as u32);
