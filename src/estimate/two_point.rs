@@ -86,7 +86,7 @@ impl Run<'_> {
 
     fn all(mut self) -> Result<Estimate, EstimateError> {
         let level = self.prepared.level(self.parameters.coarse_side);
-        let clicks = [level.from_full(&self.clicks[0]), level.from_full(&self.clicks[1])];
+        let clicks = [level.resized(&self.clicks[0]), level.resized(&self.clicks[1])];
         let similarity = stereo(&level, self.parameters);
         let witness = self.parameters.patch_support.then(|| self.prepared.witness());
         self.enter(Stage::Pencils)?;
@@ -140,7 +140,7 @@ impl Run<'_> {
             parameters.hypotheses,
             parameters.seed,
         );
-        let third = self.third.map(|pair| level.from_full(&pair));
+        let third = self.third.map(|pair| level.resized(&pair));
         let frames = level.frames();
         let mut drafts: Vec<Draft> = drawn
             .par_iter()
@@ -253,17 +253,13 @@ impl Run<'_> {
         }
         let refined = if parameters.refine { self.refined(&hypotheses) } else { None };
         self.monitor.check()?;
-        match refined {
-            Some(refined) => {
-                self.finish(refined.fundamental, hypotheses, Some(support), &supporting, Some(refined))
-            }
-            None => {
-                if parameters.refine {
-                    self.warnings.push(Warning::NotRefined);
-                }
-                self.finish(best, hypotheses, Some(support), &supporting, None)
-            }
+        if let Some(refined) = refined {
+            return self.finish(refined.fundamental, hypotheses, Some(support), &supporting, Some(refined));
         }
+        if parameters.refine {
+            self.warnings.push(Warning::NotRefined);
+        }
+        self.finish(best, hypotheses, Some(support), &supporting, None)
     }
 
     /// The proposals polished at the coarse and the fine witness level, with what resampling their matches
