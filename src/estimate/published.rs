@@ -91,6 +91,14 @@ impl Run<'_> {
             self.monitor,
         )?;
         let fundamental = Bundle::new(&angles, self.clicks).and_then(|b| b.fundamental()).unwrap_or(first);
-        self.finish(fundamental, hypotheses, None, &[], None)
+        if !parameters.refine {
+            return self.finish(fundamental, hypotheses, None, &[], None);
+        }
+        let starts = std::iter::once(fundamental).chain(hypotheses.iter().take(2).map(|h| h.fundamental));
+        let refined = self.refined(starts);
+        self.monitor.check()?;
+        let result = refined.as_ref().map_or(fundamental, |r| r.fundamental);
+        let matches: Vec<PointPair> = refined.iter().flat_map(|r| r.matches.iter().map(|m| m.pair)).collect();
+        self.finish(result, hypotheses, None, &matches, refined)
     }
 }

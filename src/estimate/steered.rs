@@ -8,7 +8,6 @@ use super::candidates::PencilComparison;
 use super::hypotheses::{bisector_kappas, draw_pairs, round_trip_area};
 use super::level::{Level, resized_pair};
 use super::prepared::{FineWitness, Witness};
-use super::refinement::Refined;
 use super::search::{self, Steered};
 use super::two_point::{REPORTED, Run};
 use super::validation::line_score;
@@ -68,7 +67,8 @@ impl Run<'_> {
         self.preliminary(&best, &hypotheses, Some(support.clone()));
 
         self.enter(Stage::Refinement)?;
-        let refined = if parameters.refine { self.refined(&hypotheses) } else { None };
+        let leading = hypotheses.iter().take(REFINED).map(|h| h.fundamental);
+        let refined = if parameters.refine { self.refined(leading) } else { None };
         self.monitor.check()?;
         if let Some(refined) = refined {
             return self.finish(refined.fundamental, hypotheses, Some(support), &supporting, Some(refined));
@@ -120,18 +120,6 @@ impl Run<'_> {
         ranked.extend(polish(&resampled)?);
         ranked.sort_by(|a, b| b.support.total_cmp(&a.support));
         Ok(ranked)
-    }
-
-    /// The best of the few leading hypotheses after refinement at full resolution, by what its matches weigh.
-    fn refined(&self, hypotheses: &[Hypothesis]) -> Option<Refined> {
-        let mut observed = self.clicks.to_vec();
-        observed.extend(self.third);
-        hypotheses
-            .iter()
-            .take(REFINED)
-            .take_while(|_| !self.monitor.is_cancelled())
-            .filter_map(|h| self.prepared.refine(&h.fundamental, &observed, self.parameters.click_sigma))
-            .max_by(|a, b| a.weight().total_cmp(&b.weight()))
     }
 
     /// Line score, round trip and both κ of the best polished hypotheses, full-size pixels; their order stays.

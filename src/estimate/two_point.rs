@@ -118,6 +118,17 @@ impl Run<'_> {
         Ok(pencils)
     }
 
+    /// The best of a few geometries after refinement at full resolution, by what its matches weigh; `None` when
+    /// none has enough matches.
+    pub(super) fn refined(&self, starts: impl Iterator<Item = FundamentalMatrix>) -> Option<Refined> {
+        let mut observed = self.clicks.to_vec();
+        observed.extend(self.third);
+        starts
+            .take_while(|_| !self.monitor.is_cancelled())
+            .filter_map(|f| self.prepared.refine(&f, &observed, self.parameters.click_sigma))
+            .max_by(|a, b| a.weight().total_cmp(&b.weight()))
+    }
+
     pub(super) fn preliminary(
         &mut self,
         f: &FundamentalMatrix,
