@@ -46,8 +46,24 @@ pub(crate) fn warps() -> Vec<Warp> {
 /// The patch around a point under a warp, by bilinear interpolation; `None` where it is flat.
 pub(crate) fn patch(plane: &GrayPlane, centre: Point, warp: &Warp) -> Option<Patch> {
     let mut patch = [0.0; PADDED];
-    for (value, offset) in patch.iter_mut().zip(offsets()) {
-        *value = plane.sample(centre + warp * offset);
+    // In steps along the warped rows and columns; inside the image no position needs a clamp.
+    let [a, b, c, d] = [warp.m11, warp.m21, warp.m12, warp.m22].map(|v| v as f32);
+    let (x, y) = (centre.x as f32, centre.y as f32);
+    let half = HALF as f32;
+    let reach = [half * (a.abs() + c.abs()), half * (b.abs() + d.abs())];
+    let (right, bottom) = (plane.frame().right() as f32, plane.frame().bottom() as f32);
+    let inside = x >= reach[0] && y >= reach[1] && x + reach[0] <= right && y + reach[1] <= bottom;
+    for (row, out) in patch.chunks_exact_mut(SIDE).take(SIDE).enumerate() {
+        let v = row as f32 - half;
+        for (column, value) in out.iter_mut().enumerate() {
+            let u = column as f32 - half;
+            let (px, py) = (x + a * u + c * v, y + b * u + d * v);
+            *value = if inside {
+                plane.interpolate(px, py)
+            } else {
+                plane.sample(Point::new(f64::from(px), f64::from(py)))
+            };
+        }
     }
     let values = &mut patch[..SIDE * SIDE];
     let mean = values.iter().sum::<f32>() / values.len() as f32;
