@@ -78,7 +78,7 @@ impl Loader {
     /// Opens the built-in pair.
     pub fn open_sample(&mut self) {
         self.start(|| {
-            let sample = sample_pair().map_err(|error| failure(Side::Left, &error))?;
+            let sample = sample_pair();
             Ok(Pair { pictures: sample.pictures.map(Opened::new), show_me: Some(sample.show_me) })
         });
     }

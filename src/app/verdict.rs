@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use super::computation::{Computation, Freshness};
 use super::document::{Document, pair_name};
 use super::worker::Failure;
-use crate::estimate::Estimate;
+use crate::estimate::{self, Estimate};
 use crate::geometry::{Frame, HomogeneousPoint, finite_point};
 
 /// How the news is.
@@ -68,8 +68,12 @@ pub fn verdict(document: &Document, computation: &Computation) -> Verdict {
             None => bare(Tone::Idle, waiting(document)),
         };
     };
-    let warnings: Vec<_> =
-        estimate.warnings.iter().map(|warning| format!("{}.", capitalised(&warning.to_string()))).collect();
+    let reasons = estimate.trust.iter().flat_map(|trust| trust.reasons.iter().map(ToString::to_string));
+    let warnings: Vec<_> = reasons
+        .chain(estimate.warnings.iter().map(ToString::to_string))
+        .map(|sentence| format!("{}.", capitalised(&sentence)))
+        .collect();
+    let wrong = estimate.trust.as_ref().is_some_and(|trust| trust.verdict == estimate::Verdict::Wrong);
     let (tone, headline) = match freshness {
         Freshness::Stale => (Tone::Busy, "Updating; the lines still belong to the points before.".to_owned()),
         Freshness::Preliminary => (
@@ -80,8 +84,12 @@ pub fn verdict(document: &Document, computation: &Computation) -> Verdict {
             ),
         ),
         Freshness::Stopped => (Tone::Caution, "First result; stopped before it was refined.".into()),
+        Freshness::Final if wrong => {
+            (Tone::Bad, format!("The geometry from {} is probably wrong:", used(document)))
+        }
         Freshness::Final if warnings.is_empty() => {
-            (Tone::Good, format!("Epipolar geometry found from {}.", used(document)))
+            let checked = if estimate.trust.is_some() { "; nothing speaks against it" } else { "" };
+            (Tone::Good, format!("Epipolar geometry found from {}{checked}.", used(document)))
         }
         Freshness::Final => {
             (Tone::Caution, format!("Epipolar geometry found from {}, with doubts:", used(document)))
@@ -123,17 +131,6 @@ fn facts(document: &Document, estimate: &Estimate) -> Vec<Fact> {
             tooltip: "Where each image sees the other camera; all epipolar lines of an image meet there.",
         },
         Fact {
-            name: "Score",
-            value: format!("{:.3}", estimate.score),
-            tooltip: "How unlike corresponding epipolar lines are; lower is better.",
-        },
-        Fact {
-            name: "Round trip",
-            value: format!("{:.2} px", estimate.round_trip_area),
-            tooltip: "How far a line ends from where it began when it is carried to the other image and back; \
-                      small means that both directions agree.",
-        },
-        Fact {
             name: "Margin",
             value: match estimate.margin {
                 Some(margin) => format!("{:.0} %", margin * 100.0),
@@ -143,6 +140,22 @@ fn facts(document: &Document, estimate: &Estimate) -> Vec<Fact> {
                       a few percent means that the result is a guess.",
         },
     ];
+    // The first result of a computation has neither yet.
+    if estimate.score.is_finite() {
+        facts.push(Fact {
+            name: "Score",
+            value: format!("{:.3}", estimate.score),
+            tooltip: "How unlike corresponding epipolar lines are; lower is better.",
+        });
+    }
+    if estimate.round_trip_area.is_finite() {
+        facts.push(Fact {
+            name: "Round trip",
+            value: format!("{:.2} px", estimate.round_trip_area),
+            tooltip: "How far a line ends from where it began when it is carried to the other image and back; \
+                      small means that both directions agree.",
+        });
+    }
     if let Some(support) = &estimate.support {
         facts.push(Fact {
             name: "Support",
@@ -184,7 +197,7 @@ mod tests {
     use super::*;
     use crate::app::fake;
     use crate::app::worker::Waker;
-    use crate::estimate::Warning;
+    use crate::estimate::{Reason, Trust, Warning};
     use std::time::Duration;
 
     fn computed(change: impl Fn(&mut Estimate) + Send + 'static) -> (Document, Computation) {
@@ -213,10 +226,22 @@ mod tests {
         assert_eq!(good.tone, Tone::Good);
         assert_eq!(good.headline, "Epipolar geometry found from pairs p and q.");
         assert!(good.facts.iter().any(|fact| fact.name == "Margin" && fact.value == "40 %"));
-        let (document, computation) = computed(|e| e.warnings.push(Warning::NotRefined));
+        let (document, computation) = computed(|e| e.warnings.push(Warning::CloseClicks { distance: 9.0 }));
         let doubtful = verdict(&document, &computation);
         assert_eq!(doubtful.tone, Tone::Caution);
-        assert!(doubtful.warnings[0].starts_with("The refinement found too few matches"));
+        assert!(doubtful.warnings[0].starts_with("The two clicks are only 9 px apart"));
+    }
+
+    #[test]
+    fn a_result_called_wrong_is_bad_news_with_its_reasons() {
+        let (document, computation) = computed(|e| {
+            let reasons = vec![Reason::ClickOff { pair: 2, distance: 40.0 }];
+            e.trust = Some(Trust { verdict: estimate::Verdict::Wrong, reasons });
+        });
+        let bad = verdict(&document, &computation);
+        assert_eq!(bad.tone, Tone::Bad);
+        assert!(bad.headline.ends_with("is probably wrong:"));
+        assert!(bad.warnings[0].starts_with("Point pair 2 is 40.0 px off"));
     }
 
     #[test]

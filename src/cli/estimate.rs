@@ -13,10 +13,10 @@ use super::output::Output;
 use super::overrides::Overrides;
 use super::{CliError, summary};
 use crate::estimate::{
-    CancelFlag, Counts, Estimate, EstimateError, Method, Monitor, Parameters, Preset, Progress, StageTiming,
-    Warning, estimate,
+    CancelFlag, Counts, Estimate, EstimateError, Method, Monitor, Parameters, PatchSupport, Preset, Progress,
+    StageTiming, Verdict, Warning, estimate,
 };
-use crate::geometry::{FundamentalMatrix, PointPair, symmetric_epipolar_distance};
+use crate::geometry::{FundamentalMatrix, PointPair, sampson_distance, symmetric_epipolar_distance};
 use crate::image::Picture;
 use crate::synthetic::Sample;
 
@@ -91,7 +91,8 @@ fn input(arguments: &Arguments, needed: usize) -> Result<Input, CliError> {
 
 /// A built-in pair, with its own points unless some are given.
 fn sample(name: &str, needed: usize, pairs: &[PointPair]) -> Result<Input, CliError> {
-    let Some(sample) = Sample::from_name(name) else {
+    let found = if name.is_empty() { Some(Sample::default()) } else { Sample::from_name(name) };
+    let Some(sample) = found else {
         let known = Sample::ALL.map(Sample::name).join(", ");
         return Err(CliError::Arguments(format!("there is no built-in sample {name}; there are {known}")));
     };
@@ -131,6 +132,11 @@ struct ResultFile<'a> {
     score: f64,
     round_trip_area: f64,
     margin: Option<f64>,
+    support: &'a Option<PatchSupport>,
+    verdict: Option<Verdict>,
+    reasons: Vec<String>,
+    refined: bool,
+    matches: Vec<MatchFile>,
     method: Method,
     preset: Preset,
     seed: u64,
@@ -147,6 +153,17 @@ struct ResultFile<'a> {
     parameters: &'a Parameters,
     /// The version of the program.
     version: &'static str,
+}
+
+/// A match that the refinement rests on.
+#[derive(Serialize)]
+struct MatchFile {
+    /// `x1 y1 x2 y2`, px.
+    pair: [f64; 4],
+    /// Correlation of the two patches, −1 to 1.
+    correlation: f32,
+    /// Sampson distance from the result, px.
+    residual: f64,
 }
 
 /// A warning with its sentence.
@@ -179,6 +196,19 @@ impl<'a> ResultFile<'a> {
             score: found.score,
             round_trip_area: found.round_trip_area,
             margin: found.margin,
+            support: &found.support,
+            verdict: found.trust.as_ref().map(|t| t.verdict),
+            reasons: found.trust.iter().flat_map(|t| t.reasons.iter().map(ToString::to_string)).collect(),
+            refined: found.refined,
+            matches: found
+                .matches
+                .iter()
+                .map(|m| MatchFile {
+                    pair: numbers(&m.pair),
+                    correlation: m.correlation,
+                    residual: sampson_distance(&found.fundamental, &m.pair),
+                })
+                .collect(),
             method: found.method,
             preset: found.preset,
             seed: found.seed,
@@ -188,7 +218,7 @@ impl<'a> ResultFile<'a> {
             counts: &found.counts,
             warnings: found.warnings.iter().map(|w| Told { message: w.to_string(), warning: w }).collect(),
             images: [image(0), image(1)],
-            pairs: pairs.iter().map(|p| [p.point1.x, p.point1.y, p.point2.x, p.point2.y]).collect(),
+            pairs: pairs.iter().map(numbers).collect(),
             pair_distances: pairs
                 .iter()
                 .map(|p| symmetric_epipolar_distance(&found.fundamental, p))
@@ -197,4 +227,9 @@ impl<'a> ResultFile<'a> {
             version: env!("CARGO_PKG_VERSION"),
         }
     }
+}
+
+/// `x1 y1 x2 y2`.
+fn numbers(pair: &PointPair) -> [f64; 4] {
+    [pair.point1.x, pair.point1.y, pair.point2.x, pair.point2.y]
 }

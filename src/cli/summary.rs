@@ -17,6 +17,15 @@ pub(super) fn summary(found: &Estimate, pictures: &[Picture; 2]) -> String {
         let place = place(epipole, pictures[k].frame());
         let _ = writeln!(text, "Epipole in image {}: {place}", k + 1);
     }
+    if let Some(trust) = &found.trust {
+        let _ = writeln!(text, "Verdict: {}", trust.verdict.label());
+        for reason in &trust.reasons {
+            let _ = writeln!(text, "  {reason}");
+        }
+    }
+    if found.refined {
+        let _ = writeln!(text, "Refined on {} patches matched along the epipolar lines", found.matches.len());
+    }
     let _ = writeln!(text, "Score: {:.4} (lower is better)", found.score);
     let _ = writeln!(text, "Round trip: {:.3} px between lines and their return", found.round_trip_area);
     let _ = match found.margin {

@@ -182,9 +182,9 @@ impl Bundle {
             .collect();
         let chosen = count.min(crossing.len());
         (0..chosen)
-            .filter_map(|k| {
+            .map(|k| {
                 let line = &crossing[(2 * k + 1) * crossing.len() / (2 * chosen)];
-                Some(self.coordinates_of_line1(line, frame))
+                self.coordinates_of_line1(line, frame)
             })
             .collect()
     }

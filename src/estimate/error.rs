@@ -140,23 +140,4 @@ pub enum Warning {
         /// Lines examined.
         lines: usize,
     },
-    /// A clearly different geometry fits almost as well.
-    #[error(
-        "a clearly different geometry fits almost as well (margin {margin:.2}): add a third point pair or choose other points"
-    )]
-    Ambiguous {
-        /// Relative score distance to the best clearly different hypothesis.
-        margin: f64,
-    },
-    /// Few patches agree with the geometry.
-    #[error(
-        "only {matches} patches agree with this geometry, so it is a guess: choose points in a part of the scene that both images show clearly"
-    )]
-    LittleSupport {
-        /// Supporting matches.
-        matches: usize,
-    },
-    /// The refinement at full resolution found too few matches, or would have led away.
-    #[error("the refinement found too few matches along the epipolar lines, so the coarser result was kept")]
-    NotRefined,
 }

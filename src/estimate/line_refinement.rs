@@ -69,7 +69,7 @@ fn refine_at(
     rng: &mut Pcg64Mcg,
     monitor: &Monitor,
 ) -> Result<Angles, EstimateError> {
-    let clicks = [level.from_full(&clicks[0]), level.from_full(&clicks[1])];
+    let clicks = [level.resized(&clicks[0]), level.resized(&clicks[1])];
     let frames = level.frames();
     let similarity = stereo(level, parameters);
     let score = |angles: &Angles| {

@@ -138,7 +138,7 @@ impl Level<'_> {
     }
 
     /// A full-size point pair in this level's pixels.
-    pub fn from_full(&self, pair: &PointPair) -> PointPair {
+    pub fn resized(&self, pair: &PointPair) -> PointPair {
         resized_pair(pair, self.scales)
     }
 }

@@ -109,7 +109,7 @@ impl RefinementLevel {
                 .iter()
                 .map(|m| Observation { pair: m.pair, sigma: MATCH_SIGMA })
                 .chain(clicks.iter().map(|c| Observation {
-                    pair: level.from_full(c),
+                    pair: level.resized(c),
                     // Never below the level's own precision.
                     sigma: (click_sigma * s1).max(MATCH_SIGMA),
                 }))
@@ -123,7 +123,7 @@ impl RefinementLevel {
         }
         Some(Refined {
             fundamental: current.rescaled(1.0 / s1, 1.0 / s2)?,
-            uncertainty: covariance.map(|c| Uncertainty::new(&current, c, level.scales)),
+            uncertainty: covariance.map(|c| Uncertainty::new(&current, &c, level.scales)),
             matches,
         })
     }

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::{Method, Parameters, Preset, RefinedMatch, Stage, Uncertainty, Warning};
+use super::{Method, Parameters, Preset, RefinedMatch, Stage, Trust, Uncertainty, Warning};
 use crate::geometry::{FundamentalMatrix, HomogeneousPoint};
 
 /// One hypothesis of the geometry: two line pairs through the clicks and κ, in full-size pixels.
@@ -102,6 +102,8 @@ pub struct Estimate {
     pub first_seconds: f64,
     /// Seconds in all.
     pub seconds: f64,
+    /// How far to trust it; `None` while it is preliminary.
+    pub trust: Option<Trust>,
     /// How well it is determined, when it was refined.
     #[serde(skip)]
     pub uncertainty: Option<Uncertainty>,
@@ -134,6 +136,7 @@ impl Estimate {
             timings: Vec::new(),
             first_seconds: 0.0,
             seconds: 0.0,
+            trust: None,
             uncertainty: None,
             refined: false,
             hypotheses: Vec::new(),

@@ -12,12 +12,15 @@ use super::line_refinement::{refine_on_lines, stereo};
 use super::prepared::{FineWitness, Level, PreparedPair, Witness};
 use super::refinement::Refined;
 use super::search::{self, Steered};
+use super::trust::{Evidence, Trust};
 use super::validation::line_score;
 use super::{
     Counts, Estimate, EstimateError, Hypothesis, Method, Monitor, Parameters, PatchSupport, Progress, Stage,
     StageTiming, Warning,
 };
-use crate::geometry::{FundamentalMatrix, PointPair, epipolar_difference, symmetric_epipolar_distance};
+use crate::geometry::{
+    FundamentalMatrix, PointPair, epipolar_difference, sampson_distance, symmetric_epipolar_distance,
+};
 use crate::similarity::StereoSimilarity;
 
 /// Hypotheses reported with all their figures.
@@ -86,7 +89,7 @@ impl Run<'_> {
 
     fn all(mut self) -> Result<Estimate, EstimateError> {
         let level = self.prepared.level(self.parameters.coarse_side);
-        let clicks = [level.from_full(&self.clicks[0]), level.from_full(&self.clicks[1])];
+        let clicks = [level.resized(&self.clicks[0]), level.resized(&self.clicks[1])];
         let similarity = stereo(&level, self.parameters);
         let witness = self.parameters.patch_support.then(|| self.prepared.witness());
         self.enter(Stage::Pencils)?;
@@ -140,7 +143,7 @@ impl Run<'_> {
             parameters.hypotheses,
             parameters.seed,
         );
-        let third = self.third.map(|pair| level.from_full(&pair));
+        let third = self.third.map(|pair| level.resized(&pair));
         let frames = level.frames();
         let mut drafts: Vec<Draft> = drawn
             .par_iter()
@@ -248,22 +251,12 @@ impl Run<'_> {
         self.preliminary(&best, &hypotheses, Some(support.clone()));
 
         self.enter(Stage::Refinement)?;
-        if support.matches < 20 {
-            self.warnings.push(Warning::LittleSupport { matches: support.matches });
-        }
         let refined = if parameters.refine { self.refined(&hypotheses) } else { None };
         self.monitor.check()?;
-        match refined {
-            Some(refined) => {
-                self.finish(refined.fundamental, hypotheses, Some(support), &supporting, Some(refined))
-            }
-            None => {
-                if parameters.refine {
-                    self.warnings.push(Warning::NotRefined);
-                }
-                self.finish(best, hypotheses, Some(support), &supporting, None)
-            }
+        if let Some(refined) = refined {
+            return self.finish(refined.fundamental, hypotheses, Some(support), &supporting, Some(refined));
         }
+        self.finish(best, hypotheses, Some(support), &supporting, None)
     }
 
     /// The proposals polished at the coarse and the fine witness level, with what resampling their matches
@@ -398,7 +391,36 @@ impl Run<'_> {
         let seconds = self.stage_begun.elapsed().as_secs_f64();
         self.timings.push(StageTiming { stage: self.stage, seconds });
         self.monitor.check()?;
-        Ok(self.assemble(fundamental, hypotheses, support, supporting, refined))
+        let mut estimate = self.assemble(fundamental, hypotheses, support, supporting, refined);
+        estimate.trust = Some(self.trust(&estimate));
+        Ok(estimate)
+    }
+
+    fn trust(&self, estimate: &Estimate) -> Trust {
+        let clicks: Vec<f64> = self
+            .clicks
+            .iter()
+            .chain(self.third.as_ref())
+            .map(|pair| sampson_distance(&estimate.fundamental, pair))
+            .collect();
+        let deviation = estimate.uncertainty.as_ref().and_then(|uncertainty| {
+            let mut deviations: Vec<f64> = estimate
+                .matches
+                .iter()
+                .filter_map(|m| uncertainty.line2_deviation(m.pair.point1, m.pair.point2))
+                .collect();
+            deviations.sort_by(f64::total_cmp);
+            deviations.get(deviations.len() / 2).copied()
+        });
+        Trust::judge(&Evidence {
+            patches: self.parameters.patch_support,
+            matches: estimate.refined.then_some(estimate.matches.len()),
+            clicks: &clicks,
+            click_sigma: self.parameters.click_sigma,
+            margin: estimate.margin,
+            deviation,
+            side: self.prepared.frames()[0].longer_side(),
+        })
     }
 
     fn assemble(
@@ -413,9 +435,6 @@ impl Run<'_> {
         let margin = self.margin(&fundamental, &hypotheses, supporting);
         let mut warnings = self.warnings.clone();
         warnings.extend(click_warnings(&fundamental, frames, &self.clicks));
-        if let Some(margin) = margin.filter(|m| *m < 0.1) {
-            warnings.push(Warning::Ambiguous { margin });
-        }
         let seconds = self.begun.elapsed().as_secs_f64();
         Estimate {
             fundamental,
@@ -425,6 +444,7 @@ impl Run<'_> {
             round_trip_area: hypotheses.first().map_or(f64::NAN, |h| h.round_trip_area),
             support,
             margin,
+            trust: None,
             method: self.parameters.method,
             preset: self.parameters.preset,
             seed: self.parameters.seed,

@@ -30,8 +30,8 @@ pub struct EpipoleEllipse {
 
 impl Uncertainty {
     /// `covariance` is that of the nine entries of `fundamental`, row by row, in images resized by `scales`.
-    pub(crate) fn new(fundamental: &FundamentalMatrix, covariance: Matrix9, scales: [f64; 2]) -> Self {
-        Self { fundamental: *fundamental, covariance, scales }
+    pub(crate) fn new(fundamental: &FundamentalMatrix, covariance: &Matrix9, scales: [f64; 2]) -> Self {
+        Self { fundamental: *fundamental, covariance: *covariance, scales }
     }
 
     /// Standard deviation, px, of the epipolar line of `point1` in image 2 across itself, where it passes

@@ -1,5 +1,7 @@
 //! Corner points: where the smaller eigenvalue of the structure tensor has a local maximum (Shi & Tomasi 1994).
 
+use std::cmp::Ordering;
+
 use rayon::prelude::*;
 
 use super::GrayPlane;
@@ -49,7 +51,11 @@ fn is_peak(response: &GrayPlane, x: usize, y: usize, value: f32) -> bool {
         (x - 2..=x + 2).all(|u| {
             // On a plateau the first pixel in reading order wins.
             let other = response.at(u, v);
-            other < value || (other == value && (v, u) >= (y, x))
+            match other.total_cmp(&value) {
+                Ordering::Less => true,
+                Ordering::Equal => (v, u) >= (y, x),
+                Ordering::Greater => false,
+            }
         })
     })
 }

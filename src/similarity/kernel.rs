@@ -44,11 +44,9 @@ impl LaneBlock {
     /// With more than [`LANES`] profiles: a programming error.
     pub fn new<'a>(profiles: impl IntoIterator<Item = &'a Profile>) -> Self {
         let mut lanes = [None; LANES];
-        let mut count = 0;
-        for profile in profiles {
+        for (count, profile) in profiles.into_iter().enumerate() {
             assert!(count < LANES, "at most {LANES} profiles a block");
             lanes[count] = Some(profile);
-            count += 1;
         }
         let filled = || lanes.iter().flatten().filter(|p| !p.is_empty());
         let first = filled().map(|p| p.first).min().unwrap_or(0);
@@ -162,6 +160,7 @@ fn run_block(
 
 /// All samples of the first lines. `K` explicit changes, 0 for the general loop; `ONE`: one first profile.
 #[inline(always)]
+#[expect(clippy::inline_always, reason = "must be compiled once per instruction set, inside `run_block`")]
 fn sweep<const K: usize, const ONE: bool>(
     step: &Step,
     range: DisparityRange,
@@ -197,6 +196,7 @@ fn sweep<const K: usize, const ONE: bool>(
 
 /// One sample: all disparities.
 #[inline(always)]
+#[expect(clippy::inline_always, reason = "must be compiled once per instruction set, inside `run_block`")]
 #[expect(clippy::too_many_arguments, reason = "the hot loop's registers, named")]
 fn advance<const K: usize, const ONE: bool>(
     step: &Step,
@@ -255,6 +255,7 @@ fn advance<const K: usize, const ONE: bool>(
 }
 
 #[inline(always)]
+#[expect(clippy::inline_always, reason = "must be compiled once per instruction set, inside `run_block`")]
 fn relax(best: &mut Row, from: &Row, cost: u16) {
     for l in 0..LANES {
         best[l] = best[l].min(from[l].saturating_add(cost));

@@ -125,7 +125,7 @@ impl StereoSimilarity<'_> {
         allowed: &(dyn Fn(usize, usize) -> bool + Sync),
         stop: &(dyn Fn() -> bool + Sync),
     ) -> Vec<f32> {
-        let blocks: Vec<LaneBlock> = seconds.par_chunks(LANES).map(|lanes| LaneBlock::new(lanes)).collect();
+        let blocks: Vec<LaneBlock> = seconds.par_chunks(LANES).map(LaneBlock::new).collect();
         let mut costs = vec![f32::INFINITY; firsts.len() * seconds.len()];
         if seconds.is_empty() {
             return costs;

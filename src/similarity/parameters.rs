@@ -72,7 +72,7 @@ impl StereoParameters {
 
     /// Disparity changes with a cost of their own: those with `λ Δ² < α`, Δ ≥ 1. All larger ones cost α.
     pub fn explicit_changes(&self) -> usize {
-        (1u64..).take_while(|d| *d < 256 && u64::from(self.lambda) * d * d < u64::from(self.alpha)).count()
+        (1..=256u64).take_while(|d| u64::from(self.lambda) * d * d < u64::from(self.alpha)).count()
     }
 
     /// ψ: cost of a change of disparity by `change` samples; `None` when the ordering forbids it.

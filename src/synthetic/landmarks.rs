@@ -99,13 +99,20 @@ pub fn landmarks(
     ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
     let matches: Vec<PointPair> = ranked.into_iter().map(|(_, pair)| pair).collect();
 
-    // Shown points also stand well inside both pictures.
+    // Shown points stand well inside both pictures and on something larger than a leaf.
     let least = SEPARATION * frame.longer_side() * 1.25;
     let border = 0.1 * frame.shorter_side();
     let inside = |p: Point| {
         p.x > border && p.y > border && p.x < frame.right() - border && p.y < frame.bottom() - border
     };
-    let central: Vec<_> = matches.iter().filter(|m| inside(m.point1) && inside(m.point2)).collect();
+    let sturdy = |m: &PointPair| {
+        scene.intersect(&eye.ray(m.point1)).is_some_and(|hit| {
+            let bounds = scene.object(hit.object).shape.bounds();
+            (bounds.high - bounds.low).max() > 0.4
+        })
+    };
+    let central: Vec<_> =
+        matches.iter().filter(|m| inside(m.point1) && inside(m.point2) && sturdy(m)).collect();
     for (j, q) in central.iter().enumerate() {
         for p in &central[..j] {
             let apart = |a: &PointPair, b: &PointPair| separation(&f, a, b) > least;

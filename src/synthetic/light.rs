@@ -148,6 +148,12 @@ fn ambient(scene: &Scene, hit: &Hit, normal: &Vector3<f64>, directions: &Directi
     let axis = (flat + normal * 0.7).normalize();
     let [x, y] = across(&axis);
     let light = &scene.light;
+    if directions.ambient.is_empty() {
+        // An open sky above and sunlit ground below.
+        let above = 0.5 + 0.5 * normal.z;
+        return (light.zenith + light.horizon) * (0.14 + 0.2 * above)
+            + light.sun_colour * (0.06 * (1.0 - above));
+    }
     let mut sum = Rgb::zeros();
     for local in &directions.ambient {
         let direction = x * local.x + y * local.y + axis * local.z;

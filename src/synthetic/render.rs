@@ -16,7 +16,7 @@ use crate::geometry::{Camera, Frame, Point};
 pub struct Quality {
     /// Samples along each side of a pixel, on a regular grid.
     pub supersampling: usize,
-    /// Ambient directions for each sample.
+    /// Ambient directions for each sample; with none the ambient light is that of open ground.
     pub ambient_rays: usize,
     /// Whether small relief of the surfaces tilts them against the light.
     pub relief: bool,

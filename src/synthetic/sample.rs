@@ -154,13 +154,20 @@ impl Sample {
 
     /// Renders the pair anew; minutes of work. `None` when no landmarks were found.
     pub fn make(self, quality: &Quality) -> Option<([RgbImage; 2], SampleFile)> {
-        let frame = SAMPLE_FRAME;
-        let (scene, cameras) = self.scene(frame)?;
+        let (scene, cameras) = self.scene(SAMPLE_FRAME)?;
         let picture = |k: usize| {
             let quality = Quality { seed: quality.seed + 1 + k as u64, ..*quality };
-            render_with(&scene, &cameras[k], frame, &quality)
+            render_with(&scene, &cameras[k], SAMPLE_FRAME, &quality)
         };
         let pictures = [picture(0)?, picture(1)?];
+        let file = self.describe(&pictures)?;
+        Some((pictures, file))
+    }
+
+    /// The geometry, and landmarks found in the rendered pictures. `None` when no three are separated.
+    pub fn describe(self, pictures: &[RgbImage; 2]) -> Option<SampleFile> {
+        let frame = SAMPLE_FRAME;
+        let (scene, cameras) = self.scene(frame)?;
         let plane = |p: &RgbImage| {
             GrayPlane::from_fn(frame, |x, y| {
                 let [r, g, b] = p.get_pixel(x as u32, y as u32).0.map(f32::from);
@@ -171,7 +178,7 @@ impl Sample {
         let found = landmarks(&scene, &cameras, frame, [&planes[0], &planes[1]])?;
         let rows = |c: &Camera| std::array::from_fn(|r| std::array::from_fn(|k| c.matrix()[(r, k)]));
         let (title, description) = self.words();
-        let file = SampleFile {
+        Some(SampleFile {
             name: self.name().to_owned(),
             title: title.to_owned(),
             description: description.to_owned(),
@@ -181,8 +188,7 @@ impl Sample {
             matches: found.matches.iter().map(row).collect(),
             show_me: [row(&found.show_me[0]), row(&found.show_me[1])],
             third: row(&found.third),
-        };
-        Some((pictures, file))
+        })
     }
 }
 

@@ -112,7 +112,7 @@ pub fn test_pair(frame: Frame, motion: Motion, seed: u64) -> Option<TestPair> {
     let cameras = motion.cameras(frame)?;
     let large = frame.width * frame.height > 1_500_000;
     // Twelve megapixels at the finer setting would take many minutes.
-    let (supersampling, ambient_rays, relief) = if large { (2, 1, false) } else { (3, 2, true) };
+    let (supersampling, ambient_rays, relief) = if large { (2, 0, false) } else { (3, 2, true) };
     let picture = |k: usize| {
         let quality =
             Quality { supersampling, ambient_rays, relief, seed: 2 * seed + k as u64, ..Quality::default() };
