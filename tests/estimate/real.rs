@@ -40,10 +40,10 @@ fn errors(scenes: &[Scene], trials: usize) -> Vec<f64> {
 fn the_house_is_found() {
     let Some(folder) = real_data("house") else { return };
     let only = ["0-1", "4-5"].map(str::to_owned);
-    let errors = errors(&vgg_scenes(&folder, 1, &only).unwrap(), 3);
+    let errors = errors(&vgg_scenes(&folder, 1, &only).unwrap(), 2);
     assert!(median(&errors) <= 1.2, "{errors:.2?}");
-    // One trial may go wrong, most may not.
-    assert!(errors.iter().filter(|e| **e < 3.0).count() >= 5, "{errors:.2?}");
+    // One trial may go wrong, the others may not.
+    assert!(errors.iter().filter(|e| **e < 3.0).count() >= 3, "{errors:.2?}");
 }
 
 /// A step forward, epipoles inside the images. Automatic matches by the hundred reach 0.2 px here; the bound is
@@ -52,7 +52,7 @@ fn the_house_is_found() {
 fn a_step_forward_is_found() {
     let Some(folder) = real_data("pairs") else { return };
     let scenes = pair_scenes(&folder, &["corr".to_owned()]).unwrap();
-    let errors = errors(&scenes, 3);
+    let errors = errors(&scenes, 2);
     assert!(median(&errors) <= 1.0, "{errors:.2?}");
     assert!(errors.iter().all(|e| *e < 0.01 * scenes[0].longer_side()), "{errors:.2?}");
 }

@@ -1,9 +1,9 @@
 //! Accuracy on the built-in pairs, where the true matches are exact.
 
-use epiline::estimate::Parameters;
+use epiline::estimate::{Parameters, Verdict};
 use epiline::geometry::PointPair;
 
-use crate::support::{Known, both, disturbed, paper, three_point};
+use crate::support::{Known, both, disturbed, mean_distance, paper, three_point};
 
 /// From exact clicks, px. The matched patches are good to some 0.3 px each and there are hundreds of them; what is
 /// left is mostly how their errors go together where the scene is one plane.
@@ -21,23 +21,16 @@ fn all_below(known: &Known, clicks: &[Vec<PointPair>], parameters: &Parameters, 
 }
 
 #[test]
-fn the_shown_clicks_are_accurate() {
-    for known in both() {
-        all_below(known, &[known.show_me.to_vec()], &Parameters::default(), EXACT);
-    }
-}
-
-#[test]
 fn other_true_clicks_are_accurate() {
     for known in both() {
-        all_below(known, &known.well_posed(4, 2), &Parameters::default(), EXACT);
+        all_below(known, &known.well_posed(2, 2), &Parameters::default(), EXACT);
     }
 }
 
 #[test]
 fn clicks_half_a_pixel_off_are_forgiven() {
     for known in both() {
-        let clicks: Vec<_> = (0..3).map(|seed| disturbed(&known.show_me, seed)).collect();
+        let clicks: Vec<_> = (0..2).map(|seed| disturbed(&known.show_me, seed)).collect();
         all_below(known, &clicks, &Parameters::default(), NOISY);
     }
 }
@@ -47,11 +40,10 @@ fn three_clicks_are_as_accurate() {
     for known in both() {
         let [p, q] = known.show_me;
         let shown = vec![p, q, known.third];
-        let mut exact = known.well_posed(2, 3);
+        let mut exact = known.well_posed(1, 3);
         exact.push(shown.clone());
         all_below(known, &exact, &three_point(), EXACT);
-        let noisy: Vec<_> = (10..12).map(|seed| disturbed(&shown, seed)).collect();
-        all_below(known, &noisy, &three_point(), NOISY);
+        all_below(known, &[disturbed(&shown, 10)], &three_point(), NOISY);
     }
 }
 
@@ -65,17 +57,20 @@ fn the_paper_preset_finds_the_geometry_roughly() {
     }
 }
 
-/// The clicks alone do not hold the result: matches that were never clicked must agree with it, and the result
-/// says so itself.
+/// The clicks alone do not hold the result: matches that were never clicked agree with it, and it says so itself.
 #[test]
-fn a_good_result_says_that_it_is_good() {
+fn the_shown_clicks_are_accurate_and_the_result_is_sure_of_itself() {
     for known in both() {
         let found = known.estimate(&known.show_me, &Parameters::default()).unwrap();
+        let error = mean_distance(&found.fundamental, &known.scene.matches);
+        println!("{}: {error:.3} px on {} patches", known.name, found.matches.len());
+        assert!(error <= EXACT, "{}: {error} px", known.name);
+        // Of some 1,500 corners an image, a few hundred should find each other; 100 is far from chance, which
+        // gives a wrong geometry a few dozen.
         assert!(found.refined && found.matches.len() >= 100, "{}: {}", known.name, found.matches.len());
-        let support = found.support.as_ref().expect("the robust preset looks at patches");
-        assert!(support.matches >= 50, "{}: {support:?}", known.name);
+        let trust = found.trust.as_ref().expect("a final result has a verdict");
+        assert_eq!(trust.verdict, Verdict::Right, "{}: {:?}", known.name, trust.reasons);
         assert!(found.warnings.is_empty(), "{}: {:?}", known.name, found.warnings);
-        assert!(found.margin.is_none_or(|m| m > 0.1), "{}: {:?}", known.name, found.margin);
         // Null vectors of a matrix of norm 1, to rounding.
         assert!((found.fundamental.matrix() * found.epipole1).norm() < 1e-12);
         assert!(found.fundamental.matrix().tr_mul(&found.epipole2).norm() < 1e-12);
