@@ -9,6 +9,11 @@ use crate::estimate::{Parameters, Preset};
 /// Options that change parameters after the preset has set them.
 #[derive(Debug, Clone, Default, Args)]
 pub(super) struct Overrides {
+    /// Refine all of F at full resolution on patches matched along the epipolar lines; on in the preset
+    /// robust, off in paper
+    #[arg(long, value_name = "true|false", num_args = 0..=1, default_missing_value = "true",
+        require_equals = true)]
+    refine: Option<bool>,
     /// Change one parameter of the estimator, named as under "parameters" in result files; repeatable
     #[arg(long = "set", value_name = "NAME=VALUE", help_heading = "Advanced")]
     set: Vec<String>,
@@ -21,6 +26,9 @@ impl Overrides {
     /// `outer.inner`, without a line of code for each.
     pub(super) fn parameters(&self, preset: Preset) -> Result<Parameters, CliError> {
         let mut parameters = Parameters::from(preset);
+        if let Some(refine) = self.refine {
+            parameters.refine = refine;
+        }
         for assignment in &self.set {
             parameters = changed(&parameters, assignment)
                 .map_err(|problem| CliError::Arguments(format!("--set {assignment}: {problem}")))?;
@@ -53,7 +61,15 @@ mod tests {
 
     fn with(set: &[&str]) -> Result<Parameters, String> {
         let set = set.iter().map(|s| (*s).to_owned()).collect();
-        Overrides { set }.parameters(Preset::Robust).map_err(|e| e.to_string())
+        Overrides { set, refine: None }.parameters(Preset::Robust).map_err(|e| e.to_string())
+    }
+
+    #[test]
+    fn refinement_is_switched_by_its_own_option() {
+        let refine =
+            |refine, preset| Overrides { refine, ..Overrides::default() }.parameters(preset).unwrap().refine;
+        assert!(refine(None, Preset::Robust) && !refine(None, Preset::Paper));
+        assert!(!refine(Some(false), Preset::Robust) && refine(Some(true), Preset::Paper));
     }
 
     #[test]

@@ -10,7 +10,8 @@ use rand_pcg::Pcg64Mcg;
 use rayon::prelude::*;
 
 use super::bundle::{Angles, Bundle};
-use super::prepared::{Level, PreparedPair};
+use super::level::Level;
+use super::prepared::PreparedPair;
 use super::validation::line_score;
 use super::{EstimateError, Monitor, Parameters};
 use crate::geometry::PointPair;

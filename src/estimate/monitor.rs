@@ -12,7 +12,8 @@ use super::{Estimate, EstimateError};
 pub struct CancelFlag(Arc<AtomicBool>);
 
 impl CancelFlag {
-    /// Asks the computation to stop; it returns [`EstimateError::Cancelled`] within a few milliseconds.
+    /// Asks the computation to stop; it returns [`EstimateError::Cancelled`] at the end of the
+    /// step it is in, mostly within some hundredths of a second.
     pub fn cancel(&self) {
         self.0.store(true, Ordering::Relaxed);
     }

@@ -2,11 +2,12 @@
 
 use std::sync::OnceLock;
 
+use super::level::Level;
 use super::patches::warps;
 use super::refinement::{Refined, RefinementLevel};
 use super::support::Support;
 use super::voting::Electorate;
-use crate::geometry::{Frame, FundamentalMatrix, Point, PointPair};
+use crate::geometry::{Frame, FundamentalMatrix, PointPair};
 use crate::image::{GrayPlane, Pyramid};
 
 /// Two images made ready for estimates. Keep it while the images stay the same: moving a click then costs only
@@ -32,14 +33,6 @@ pub(crate) struct Witness {
 pub(crate) struct FineWitness {
     pub scales: [f64; 2],
     pub support: Support,
-}
-
-/// Both images at one size.
-#[derive(Clone, Copy)]
-pub(crate) struct Level<'a> {
-    pub planes: [&'a GrayPlane; 2],
-    /// Size over full size, of each image.
-    pub scales: [f64; 2],
 }
 
 /// Longer side of the images patch support is computed on, px.
@@ -130,21 +123,4 @@ impl PreparedPair {
             Witness { scales: level.scales, support, electorate }
         })
     }
-}
-
-impl Level<'_> {
-    pub fn frames(&self) -> [Frame; 2] {
-        [self.planes[0].frame(), self.planes[1].frame()]
-    }
-
-    /// A full-size point pair in this level's pixels.
-    pub fn resized(&self, pair: &PointPair) -> PointPair {
-        resized_pair(pair, self.scales)
-    }
-}
-
-/// A point pair after resizing the images by `scales`; pixel centres map as `x' = (x + ½)·scale − ½`.
-pub(crate) fn resized_pair(pair: &PointPair, scales: [f64; 2]) -> PointPair {
-    let resized = |p: Point, s: f64| Point::new((p.x + 0.5) * s - 0.5, (p.y + 0.5) * s - 0.5);
-    PointPair { point1: resized(pair.point1, scales[0]), point2: resized(pair.point2, scales[1]) }
 }

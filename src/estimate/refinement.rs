@@ -9,9 +9,9 @@ use std::sync::OnceLock;
 use rayon::prelude::*;
 use serde::Serialize;
 
+use super::level::{Level, resized_pair};
 use super::patches::{HALF, Patch, Warp, align, correlate_all, patch, warps};
 use super::polish::{Observation, fit};
-use super::prepared::{Level, resized_pair};
 use super::uncertainty::Uncertainty;
 use crate::geometry::{FundamentalMatrix, Point, PointPair, sampson_distance};
 use crate::image::find_corners;

@@ -2,18 +2,13 @@
 
 use std::time::Instant;
 
-use rayon::prelude::*;
-
-use super::bundle::{Angles, Bundle};
 use super::candidates::{PencilComparison, compare_pencils};
 use super::degeneracy::{check_images, check_points, click_warnings};
-use super::hypotheses::{Draft, bisector_kappas, draft, draw_pairs, round_trip_area};
-use super::line_refinement::{refine_on_lines, stereo};
-use super::prepared::{FineWitness, Level, PreparedPair, Witness};
+use super::level::Level;
+use super::line_refinement::stereo;
+use super::prepared::PreparedPair;
 use super::refinement::Refined;
-use super::search::{self, Steered};
 use super::trust::{Evidence, Trust};
-use super::validation::line_score;
 use super::{
     Counts, Estimate, EstimateError, Hypothesis, Method, Monitor, Parameters, PatchSupport, Progress, Stage,
     StageTiming, Warning,
@@ -24,30 +19,24 @@ use crate::geometry::{
 use crate::similarity::StereoSimilarity;
 
 /// Hypotheses reported with all their figures.
-const REPORTED: usize = 60;
-/// Combinations tried for the first picture.
-const QUICK: usize = 1500;
-/// Hypotheses refined at full resolution.
-const REFINED: usize = 3;
-/// Longer side of the largest images refined on lines, px: beyond it the lines are smoother than the step.
-const FINEST_LINES: f64 = 800.0;
+pub(super) const REPORTED: usize = 60;
 /// Geometries farther apart than this fraction of the longer side are clearly different.
 const DIFFERENT: f64 = 0.01;
 
 /// One run of the estimator.
-struct Run<'a> {
-    prepared: &'a PreparedPair,
-    parameters: &'a Parameters,
-    monitor: &'a Monitor<'a>,
-    clicks: [PointPair; 2],
-    third: Option<PointPair>,
-    begun: Instant,
-    stage_begun: Instant,
-    stage: Stage,
-    timings: Vec<StageTiming>,
-    first_seconds: Option<f64>,
-    counts: Counts,
-    warnings: Vec<Warning>,
+pub(super) struct Run<'a> {
+    pub(super) prepared: &'a PreparedPair,
+    pub(super) parameters: &'a Parameters,
+    pub(super) monitor: &'a Monitor<'a>,
+    pub(super) clicks: [PointPair; 2],
+    pub(super) third: Option<PointPair>,
+    pub(super) begun: Instant,
+    pub(super) stage_begun: Instant,
+    pub(super) stage: Stage,
+    pub(super) timings: Vec<StageTiming>,
+    pub(super) first_seconds: Option<f64>,
+    pub(super) counts: Counts,
+    pub(super) warnings: Vec<Warning>,
 }
 
 pub(super) fn run(
@@ -78,7 +67,7 @@ pub(super) fn run(
 }
 
 impl Run<'_> {
-    fn enter(&mut self, stage: Stage) -> Result<(), EstimateError> {
+    pub(super) fn enter(&mut self, stage: Stage) -> Result<(), EstimateError> {
         let now = Instant::now();
         let seconds = (now - self.stage_begun).as_secs_f64();
         self.timings.push(StageTiming { stage: self.stage, seconds });
@@ -129,246 +118,18 @@ impl Run<'_> {
         Ok(pencils)
     }
 
-    /// As published: bisectors, round trip, full validation; then the five numbers are refined on lines.
-    fn published(
-        mut self,
-        similarity: &StereoSimilarity,
-        level: &Level,
-        clicks: &[PointPair; 2],
-        pencils: &[PencilComparison; 2],
-    ) -> Result<Estimate, EstimateError> {
-        let parameters = self.parameters;
-        let drawn = draw_pairs(
-            [&pencils[0].candidates, &pencils[1].candidates],
-            parameters.hypotheses,
-            parameters.seed,
-        );
-        let third = self.third.map(|pair| level.resized(&pair));
-        let frames = level.frames();
-        let mut drafts: Vec<Draft> = drawn
-            .par_iter()
-            .filter_map(|pair| {
-                if self.monitor.is_cancelled() {
-                    return None;
-                }
-                draft(similarity, pair, *clicks, frames, third.as_ref())
-            })
-            .collect();
-        self.monitor.check()?;
-        self.counts.hypotheses = drafts.len();
-        drafts.sort_by(|a, b| a.round_trip.total_cmp(&b.round_trip));
-        let kept = ((drafts.len() as f64 * parameters.validated).ceil() as usize).max(10);
-        // With a third pair both maps agree by construction: the round trip does not select.
-        let kept = if third.is_some() { drafts.len() } else { kept };
-        drafts.truncate(kept);
-        self.counts.validated = drafts.len();
-        self.enter(Stage::Validation)?;
-        let mut scored: Vec<(f64, Draft)> = drafts
-            .into_par_iter()
-            .filter_map(|d| {
-                let bundle = Bundle::new(&d.angles, *clicks)?;
-                let lines = parameters.validation_lines;
-                let score = line_score(similarity, &bundle, frames, lines, parameters.line_score);
-                score.is_finite().then_some((score, d))
-            })
-            .collect();
-        self.monitor.check()?;
-        scored.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let scale = 1.0 / level.scales[0];
-        let hypotheses: Vec<Hypothesis> = scored
-            .iter()
-            .take(REPORTED)
-            .filter_map(|(score, d)| {
-                Some(Hypothesis {
-                    fundamental: Bundle::new(&d.angles, self.clicks)?.fundamental()?,
-                    score: *score,
-                    support: 0.0,
-                    round_trip_area: d.round_trip * scale,
-                    kappa_line2_from_line1: d.angles.kappa,
-                    kappa_line1_from_line2: d.kappa_backward,
-                })
-            })
-            .collect();
-        let best = hypotheses.first().ok_or(EstimateError::NoGeometry)?;
-        let first = best.fundamental;
-        self.preliminary(&first, &hypotheses, None);
-        self.enter(Stage::Refinement)?;
-        let angles = refine_on_lines(
-            self.prepared,
-            &scored[0].1.angles,
-            &self.clicks,
-            parameters,
-            FINEST_LINES,
-            self.monitor,
-        )?;
-        let fundamental = Bundle::new(&angles, self.clicks).and_then(|b| b.fundamental()).unwrap_or(first);
-        self.finish(fundamental, hypotheses, None, &[], None)
-    }
-
-    /// Line similarity proposes, patch support disposes (see [`search`]).
-    fn steered(
-        mut self,
-        similarity: &StereoSimilarity,
-        level: &Level,
-        clicks: &[PointPair; 2],
-        pencils: &[PencilComparison; 2],
-        witness: &Witness,
-    ) -> Result<Estimate, EstimateError> {
-        let parameters = self.parameters;
-        let draw =
-            |count| draw_pairs([&pencils[0].candidates, &pencils[1].candidates], count, parameters.seed);
-        let at_witness = |pair: &PointPair| super::prepared::resized_pair(pair, witness.scales);
-        let own = self.clicks.map(|c| at_witness(&c));
-        let third = self.third.map(|c| at_witness(&c));
-        let propose = |count| search::propose(witness, &draw(count), &own, third.as_ref(), self.monitor);
-        // A few of them first, so that there is something to draw at once.
-        if let Some(first) = propose(parameters.hypotheses.min(QUICK))?.first()
-            && let Some(full) = first.fundamental.rescaled(1.0 / witness.scales[0], 1.0 / witness.scales[1])
-        {
-            let support = PatchSupport {
-                matches: witness.support.matches(&first.fundamental, search::BAND).len(),
-                score: first.support,
-            };
-            self.preliminary(&full, &[], Some(support));
-        }
-        let proposals = propose(parameters.hypotheses)?;
-        self.counts.hypotheses = parameters.hypotheses;
-        self.counts.validated = proposals.len();
-
-        self.enter(Stage::Validation)?;
-        let fine = self.prepared.fine_witness();
-        let ranked = self.ranked(&proposals, &own, third, witness, fine)?;
-        let hypotheses = self.figures(similarity, level, clicks, &ranked, fine);
-        let leader = ranked.first().ok_or(EstimateError::NoGeometry)?;
-        let best = hypotheses.first().ok_or(EstimateError::NoGeometry)?.fundamental;
-        let supporting: Vec<PointPair> = fine
-            .support
-            .matches(&leader.fundamental, search::BAND)
-            .iter()
-            .map(|m| super::prepared::resized_pair(&m.pair, fine.scales.map(f64::recip)))
-            .collect();
-        let support = PatchSupport { matches: supporting.len(), score: leader.support };
-        self.preliminary(&best, &hypotheses, Some(support.clone()));
-
-        self.enter(Stage::Refinement)?;
-        let refined = if parameters.refine { self.refined(&hypotheses) } else { None };
-        self.monitor.check()?;
-        if let Some(refined) = refined {
-            return self.finish(refined.fundamental, hypotheses, Some(support), &supporting, Some(refined));
-        }
-        self.finish(best, hypotheses, Some(support), &supporting, None)
-    }
-
-    /// The proposals polished at the coarse and the fine witness level, with what resampling their matches
-    /// adds; best first, in pixels of the fine level.
-    fn ranked(
-        &self,
-        proposals: &[Steered],
-        own: &[PointPair; 2],
-        third: Option<PointPair>,
-        witness: &Witness,
-        fine: &FineWitness,
-    ) -> Result<Vec<Steered>, EstimateError> {
-        // Clicks more precise than a level can show would pin what its corners cannot.
-        let sigma = |scales: [f64; 2]| (self.parameters.click_sigma * scales[0]).max(0.5);
-        let observed: Vec<PointPair> = own.iter().copied().chain(third).collect();
-        let coarse = search::polish(
-            &witness.support,
-            proposals,
-            &search::COARSE,
-            &observed,
-            sigma(witness.scales),
-            self.monitor,
-        )?;
-        let ratios = [fine.scales[0] / witness.scales[0], fine.scales[1] / witness.scales[1]];
-        let mut starts: Vec<Steered> = coarse
-            .into_par_iter()
-            .filter_map(|c| {
-                let fundamental = c.fundamental.rescaled(ratios[0], ratios[1])?;
-                let support = fine.support.score(&fundamental, search::BAND);
-                Some(Steered { fundamental, support, ..c })
-            })
-            .collect();
-        starts.sort_by(|a, b| b.support.total_cmp(&a.support));
-        let observed: Vec<PointPair> = self
-            .clicks
-            .iter()
-            .chain(self.third.as_ref())
-            .map(|c| super::prepared::resized_pair(c, fine.scales))
-            .collect();
-        let polish = |starts: &[Steered]| {
-            search::polish(&fine.support, starts, &search::FINE, &observed, sigma(fine.scales), self.monitor)
-        };
-        let mut ranked = polish(&starts)?;
-        // The rest stay in the list as they are: they may be the runners-up.
-        ranked.extend(starts.drain(starts.len().min(search::FINE.count)..));
-        let seed = self.parameters.seed;
-        let resampled = search::resample(&fine.support, &ranked, &observed, seed, self.monitor)?;
-        ranked.extend(polish(&resampled)?);
-        ranked.sort_by(|a, b| b.support.total_cmp(&a.support));
-        Ok(ranked)
-    }
-
-    /// The best of the few leading hypotheses after refinement at full resolution, by what its matches weigh.
-    fn refined(&self, hypotheses: &[Hypothesis]) -> Option<Refined> {
+    /// The best of a few geometries after refinement at full resolution, by what its matches weigh; `None` when
+    /// none has enough matches.
+    pub(super) fn refined(&self, starts: impl Iterator<Item = FundamentalMatrix>) -> Option<Refined> {
         let mut observed = self.clicks.to_vec();
         observed.extend(self.third);
-        hypotheses
-            .iter()
-            .take(REFINED)
-            .filter_map(|h| self.prepared.refine(&h.fundamental, &observed, self.parameters.click_sigma))
+        starts
+            .take_while(|_| !self.monitor.is_cancelled())
+            .filter_map(|f| self.prepared.refine(&f, &observed, self.parameters.click_sigma))
             .max_by(|a, b| a.weight().total_cmp(&b.weight()))
     }
 
-    /// Line score, round trip and both κ of the best polished hypotheses, full-size pixels; their order stays.
-    fn figures(
-        &self,
-        similarity: &StereoSimilarity,
-        level: &Level,
-        clicks: &[PointPair; 2],
-        ranked: &[Steered],
-        fine: &FineWitness,
-    ) -> Vec<Hypothesis> {
-        let own = self.clicks.map(|c| super::prepared::resized_pair(&c, fine.scales));
-        let frames = level.frames();
-        let parameters = self.parameters;
-        ranked
-            .par_iter()
-            .take(REPORTED)
-            .filter_map(|steered| {
-                let matches = fine.support.matches(&steered.fundamental, search::BAND);
-                let angles = Angles::nearest(
-                    &steered.fundamental,
-                    &own,
-                    &steered.angles,
-                    matches.iter().map(|m| m.pair),
-                )
-                .unwrap_or(steered.angles);
-                let bundle = Bundle::new(&angles, *clicks)?;
-                let score = line_score(
-                    similarity,
-                    &bundle,
-                    frames,
-                    parameters.validation_lines,
-                    parameters.line_score,
-                );
-                let (forward, backward) =
-                    bisector_kappas(similarity, &bundle, clicks).unwrap_or((angles.kappa, angles.kappa));
-                let area = round_trip_area(&bundle, forward / backward, frames[0]);
-                let [s1, s2] = fine.scales;
-                Some(Hypothesis {
-                    fundamental: steered.fundamental.rescaled(1.0 / s1, 1.0 / s2)?,
-                    score,
-                    support: steered.support,
-                    round_trip_area: area / level.scales[0],
-                    kappa_line2_from_line1: forward,
-                    kappa_line1_from_line2: backward,
-                })
-            })
-            .collect()
-    }
-
-    fn preliminary(
+    pub(super) fn preliminary(
         &mut self,
         f: &FundamentalMatrix,
         hypotheses: &[Hypothesis],
@@ -380,7 +141,7 @@ impl Run<'_> {
         self.monitor.report(Progress::Preliminary(Box::new(estimate)));
     }
 
-    fn finish(
+    pub(super) fn finish(
         mut self,
         fundamental: FundamentalMatrix,
         hypotheses: Vec<Hypothesis>,

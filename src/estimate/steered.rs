@@ -1,0 +1,172 @@
+//! The search that patch support steers: line similarity proposes, patch support disposes, local optimisation
+//! polishes (see [`super::search`] for the steps).
+
+use rayon::prelude::*;
+
+use super::bundle::{Angles, Bundle};
+use super::candidates::PencilComparison;
+use super::hypotheses::{bisector_kappas, draw_pairs, round_trip_area};
+use super::level::{Level, resized_pair};
+use super::prepared::{FineWitness, Witness};
+use super::search::{self, Steered};
+use super::two_point::{REPORTED, Run};
+use super::validation::line_score;
+use super::{Estimate, EstimateError, Hypothesis, PatchSupport, Stage};
+use crate::geometry::PointPair;
+use crate::similarity::StereoSimilarity;
+
+/// Combinations tried for the first picture.
+const QUICK: usize = 1500;
+/// Hypotheses refined at full resolution.
+const REFINED: usize = 3;
+
+impl Run<'_> {
+    /// Line similarity proposes, patch support disposes (see [`search`]).
+    pub(super) fn steered(
+        mut self,
+        similarity: &StereoSimilarity,
+        level: &Level,
+        clicks: &[PointPair; 2],
+        pencils: &[PencilComparison; 2],
+        witness: &Witness,
+    ) -> Result<Estimate, EstimateError> {
+        let parameters = self.parameters;
+        let draw =
+            |count| draw_pairs([&pencils[0].candidates, &pencils[1].candidates], count, parameters.seed);
+        let at_witness = |pair: &PointPair| resized_pair(pair, witness.scales);
+        let own = self.clicks.map(|c| at_witness(&c));
+        let third = self.third.map(|c| at_witness(&c));
+        let propose = |count| search::propose(witness, &draw(count), &own, third.as_ref(), self.monitor);
+        // A few of them first, so that there is something to draw at once.
+        if let Some(first) = propose(parameters.hypotheses.min(QUICK))?.first()
+            && let Some(full) = first.fundamental.rescaled(1.0 / witness.scales[0], 1.0 / witness.scales[1])
+        {
+            let support = PatchSupport {
+                matches: witness.support.matches(&first.fundamental, search::BAND).len(),
+                score: first.support,
+            };
+            self.preliminary(&full, &[], Some(support));
+        }
+        let proposals = propose(parameters.hypotheses)?;
+        self.counts.hypotheses = parameters.hypotheses;
+        self.counts.validated = proposals.len();
+
+        self.enter(Stage::Validation)?;
+        let fine = self.prepared.fine_witness();
+        let ranked = self.ranked(&proposals, &own, third, witness, fine)?;
+        let hypotheses = self.figures(similarity, level, clicks, &ranked, fine);
+        let leader = ranked.first().ok_or(EstimateError::NoGeometry)?;
+        let best = hypotheses.first().ok_or(EstimateError::NoGeometry)?.fundamental;
+        let supporting: Vec<PointPair> = fine
+            .support
+            .matches(&leader.fundamental, search::BAND)
+            .iter()
+            .map(|m| resized_pair(&m.pair, fine.scales.map(f64::recip)))
+            .collect();
+        let support = PatchSupport { matches: supporting.len(), score: leader.support };
+        self.preliminary(&best, &hypotheses, Some(support.clone()));
+
+        self.enter(Stage::Refinement)?;
+        let leading = hypotheses.iter().take(REFINED).map(|h| h.fundamental);
+        let refined = if parameters.refine { self.refined(leading) } else { None };
+        self.monitor.check()?;
+        if let Some(refined) = refined {
+            return self.finish(refined.fundamental, hypotheses, Some(support), &supporting, Some(refined));
+        }
+        self.finish(best, hypotheses, Some(support), &supporting, None)
+    }
+
+    /// The proposals polished at the coarse and the fine witness level, with what resampling their matches
+    /// adds; best first, in pixels of the fine level.
+    fn ranked(
+        &self,
+        proposals: &[Steered],
+        own: &[PointPair; 2],
+        third: Option<PointPair>,
+        witness: &Witness,
+        fine: &FineWitness,
+    ) -> Result<Vec<Steered>, EstimateError> {
+        // Clicks more precise than a level can show would pin what its corners cannot.
+        let sigma = |scales: [f64; 2]| (self.parameters.click_sigma * scales[0]).max(0.5);
+        let observed: Vec<PointPair> = own.iter().copied().chain(third).collect();
+        let coarse = search::polish(
+            &witness.support,
+            proposals,
+            &search::COARSE,
+            &observed,
+            sigma(witness.scales),
+            self.monitor,
+        )?;
+        let ratios = [fine.scales[0] / witness.scales[0], fine.scales[1] / witness.scales[1]];
+        let mut starts: Vec<Steered> = coarse
+            .into_par_iter()
+            .filter_map(|c| {
+                let fundamental = c.fundamental.rescaled(ratios[0], ratios[1])?;
+                let support = fine.support.score(&fundamental, search::BAND);
+                Some(Steered { fundamental, support, ..c })
+            })
+            .collect();
+        starts.sort_by(|a, b| b.support.total_cmp(&a.support));
+        let observed: Vec<PointPair> =
+            self.clicks.iter().chain(self.third.as_ref()).map(|c| resized_pair(c, fine.scales)).collect();
+        let polish = |starts: &[Steered]| {
+            search::polish(&fine.support, starts, &search::FINE, &observed, sigma(fine.scales), self.monitor)
+        };
+        let mut ranked = polish(&starts)?;
+        // The rest stay in the list as they are: they may be the runners-up.
+        ranked.extend(starts.drain(starts.len().min(search::FINE.count)..));
+        let seed = self.parameters.seed;
+        let resampled = search::resample(&fine.support, &ranked, &observed, seed, self.monitor)?;
+        ranked.extend(polish(&resampled)?);
+        ranked.sort_by(|a, b| b.support.total_cmp(&a.support));
+        Ok(ranked)
+    }
+
+    /// Line score, round trip and both κ of the best polished hypotheses, full-size pixels; their order stays.
+    fn figures(
+        &self,
+        similarity: &StereoSimilarity,
+        level: &Level,
+        clicks: &[PointPair; 2],
+        ranked: &[Steered],
+        fine: &FineWitness,
+    ) -> Vec<Hypothesis> {
+        let own = self.clicks.map(|c| resized_pair(&c, fine.scales));
+        let frames = level.frames();
+        let parameters = self.parameters;
+        ranked
+            .par_iter()
+            .take(REPORTED)
+            .filter_map(|steered| {
+                let matches = fine.support.matches(&steered.fundamental, search::BAND);
+                let angles = Angles::nearest(
+                    &steered.fundamental,
+                    &own,
+                    &steered.angles,
+                    matches.iter().map(|m| m.pair),
+                )
+                .unwrap_or(steered.angles);
+                let bundle = Bundle::new(&angles, *clicks)?;
+                let score = line_score(
+                    similarity,
+                    &bundle,
+                    frames,
+                    parameters.validation_lines,
+                    parameters.line_score,
+                );
+                let (forward, backward) =
+                    bisector_kappas(similarity, &bundle, clicks).unwrap_or((angles.kappa, angles.kappa));
+                let area = round_trip_area(&bundle, forward / backward, frames[0]);
+                let [s1, s2] = fine.scales;
+                Some(Hypothesis {
+                    fundamental: steered.fundamental.rescaled(1.0 / s1, 1.0 / s2)?,
+                    score,
+                    support: steered.support,
+                    round_trip_area: area / level.scales[0],
+                    kappa_line2_from_line1: forward,
+                    kappa_line1_from_line2: backward,
+                })
+            })
+            .collect()
+    }
+}
