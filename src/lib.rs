@@ -1,6 +1,62 @@
 //! Epipolar geometry of two images from two clicked point pairs.
 //!
-//! See `ARCHITECTURE.md` for the layout.
+//! A scene point that is seen in one image lies in the other on a line, its epipolar line; the fundamental
+//! matrix `F` says which line. Here `F` is found from **two** point pairs: lines through them are compared by how
+//! well their intensities match, which takes no further points.
+//!
+//! # The pipeline on one page
+//!
+//! | stage | what comes in | what goes out | where |
+//! |---|---|---|---|
+//! | load | files | [`image::Picture`]: pixels, and a grey plane of floats | [`image`] |
+//! | prepare | two grey planes | [`estimate::PreparedPair`]: pyramids; corners and patch correlations when first needed | [`estimate`] |
+//! | pencils | a click, a pyramid level | all lines through the click in both images, the cost of each against each, and the pairs that prefer each other | [`similarity`], [`estimate::PencilComparison`] |
+//! | hypotheses | candidate line pairs of both clicks | two line pairs and one number κ each: epipoles, a map between the pencils, an `F` | [`geometry::PencilMap`] |
+//! | validation | hypotheses | the same, scored on lines over the whole of both images, and on patches | [`estimate::Hypothesis`] |
+//! | refinement | the best ones | `F` at full resolution | [`estimate::Estimate`] |
+//!
+//! Each stage is a pure function of its input, the parameters and a seed; [`estimate::Monitor`] hears of its
+//! progress and can stop it. How the stages work, in equations, is told in [`mod@estimate`].
+//!
+//! # An estimate
+//!
+//! ```
+//! use epiline::estimate::{Monitor, Parameters, estimate};
+//! use epiline::evaluate::mean;
+//! use epiline::geometry::symmetric_epipolar_distance;
+//! use epiline::synthetic::Sample;
+//!
+//! // A built-in pair with its exact matches; `image::Picture::open` reads files.
+//! let pair = Sample::default().load();
+//! let [left, right] = &pair.pictures;
+//! let clicks = pair.show_me;
+//!
+//! let found = estimate(&left.gray, &right.gray, &clicks, &Parameters::default(), &Monitor::silent())?;
+//!
+//! // The line in the right image on which the match of a left point lies:
+//! let line = found.fundamental.line2_from_point1(clicks[0].point1).ok_or("that point is the epipole")?;
+//! assert!(line.distance(clicks[0].point2) < 1.0);
+//!
+//! // How far all true matches are from their lines, px:
+//! let f = &found.fundamental;
+//! let distances: Vec<f64> = pair.matches.iter().map(|m| symmetric_epipolar_distance(f, m)).collect();
+//! assert!(mean(&distances) < 0.7);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # Conventions
+//!
+//! - Pixels are `(x, y)`, x right, y down; the centre of the top-left pixel is `(0, 0)`.
+//! - `F` maps image 1 (left) to image 2 (right): `x2ᵀ F x1 = 0`; rank 2, Frobenius norm 1, the entry of largest
+//!   magnitude positive. More in [`geometry`].
+//! - The same images, points, parameters and seed give the same bits on any number of threads.
+//!
+//! # Features
+//!
+//! `inspector` (on by default) is the window, the module `app`, with all of its dependencies. Without it the
+//! library and the command line remain.
+//!
+//! `ARCHITECTURE.md` shows the layout of the code and how to add to it.
 
 #[cfg(feature = "inspector")]
 pub mod app;

@@ -1,0 +1,72 @@
+//! Time of comparing two pencils line by line, the stage that grows fastest with the image: lines × lines ×
+//! samples × disparities. Run with `cargo bench --bench pencils`.
+
+use std::f64::consts::{PI, TAU};
+use std::hint::black_box;
+use std::time::Instant;
+
+use epiline::estimate::{Parameters, Preset};
+use epiline::evaluate::median;
+use epiline::geometry::{AnchoredLine, Frame, Point, pencil_angles};
+use epiline::image::{GrayPlane, Pyramid};
+use epiline::similarity::{DisparityRange, LineSimilarity, StereoSimilarity};
+use epiline::synthetic::Sample;
+
+/// The lines through a point: one sense, or both.
+fn pencil(frame: Frame, point: Point, spacing: f64, both: bool) -> Vec<AnchoredLine> {
+    let half = pencil_angles(frame.farthest_corner(point), spacing);
+    let reversed = half.iter().map(|a| a + PI).take(if both { half.len() } else { 0 });
+    half.iter().copied().chain(reversed).map(|a| AnchoredLine::at_angle(point, a)).collect()
+}
+
+fn main() {
+    let sample = Sample::default().load();
+    let pyramids = sample.pictures.each_ref().map(|p| Pyramid::new(&p.gray, 90.0));
+    println!("Pencil against pencil, courtyard, {} threads", rayon::current_num_threads());
+    println!(
+        "{:<8} {:>11} {:>7} {:>7} {:>12} {:>9} {:>12}",
+        "preset", "image px", "lines", "lines", "disparities", "seconds", "pairs a s"
+    );
+    for preset in [Preset::Robust, Preset::Paper] {
+        let parameters = Parameters::from(preset);
+        for level in (0..pyramids[0].len()).rev() {
+            let planes: [&GrayPlane; 2] = [pyramids[0].level(level), pyramids[1].level(level)];
+            let frame = planes[0].frame();
+            let scale = 0.5f64.powi(level as i32);
+            let at = |p: Point| Point::new((p.x + 0.5) * scale - 0.5, (p.y + 0.5) * scale - 0.5);
+            let click = sample.show_me[0];
+            let lines1 = pencil(frame, at(click.point1), parameters.line_spacing, false);
+            let lines2 = pencil(frame, at(click.point2), parameters.line_spacing, true);
+            let reach = (parameters.disparity_reach * frame.longer_side()).round() as i32;
+            let similarity = StereoSimilarity {
+                planes,
+                range: DisparityRange::symmetric(reach),
+                parameters: parameters.stereo,
+            };
+            let allowed = |i: usize, j: usize| {
+                let turn = (lines2[j].angle() - lines1[i].angle()).rem_euclid(TAU);
+                turn.min(TAU - turn) <= parameters.rotation + 1e-9
+            };
+            let pairs: usize =
+                (0..lines1.len()).map(|i| (0..lines2.len()).filter(|j| allowed(i, *j)).count()).sum();
+            let runs = if level == 0 { 1 } else { 5 };
+            let times: Vec<f64> = (0..runs)
+                .map(|_| {
+                    let begun = Instant::now();
+                    black_box(similarity.cost_matrix(&lines1, &lines2, &allowed, &|| false));
+                    begun.elapsed().as_secs_f64()
+                })
+                .collect();
+            let seconds = median(&times);
+            println!(
+                "{:<8} {:>11} {:>7} {:>7} {:>12} {seconds:>9.4} {:>12.0}",
+                preset.name(),
+                format!("{}×{}", frame.width, frame.height),
+                lines1.len(),
+                lines2.len(),
+                similarity.range.len(),
+                pairs as f64 / seconds,
+            );
+        }
+    }
+}

@@ -1,0 +1,8 @@
+//! The estimator as a caller uses it: accuracy where truth is known, repeatability, stopping, and bad input.
+
+mod degenerate;
+mod real;
+mod repeatable;
+mod samples;
+mod support;
+mod watched;

@@ -1,0 +1,78 @@
+//! Accuracy on the built-in pairs, where the true matches are exact.
+
+use epiline::estimate::{Parameters, Verdict};
+use epiline::geometry::PointPair;
+
+use crate::support::{Known, both, disturbed, mean_distance, paper, three_point};
+
+/// From exact clicks, px. The matched patches are good to some 0.3 px each and there are hundreds of them; what is
+/// left is mostly how their errors go together where the scene is one plane.
+const EXACT: f64 = 0.7;
+/// From clicks up to 0.5 px off, px: the clicks are four of hundreds of observations once `F` is refined, so
+/// their error must come through damped, not magnified.
+const NOISY: f64 = 1.5;
+
+/// Every error at once in the message, so that a failure shows whether one trial is off or all are.
+#[track_caller]
+fn all_below(known: &Known, clicks: &[Vec<PointPair>], parameters: &Parameters, limit: f64) {
+    let errors: Vec<f64> = clicks.iter().map(|c| known.error(c, parameters)).collect();
+    println!("{}: {errors:.3?} px, at most {limit}", known.name);
+    assert!(errors.iter().all(|e| *e <= limit), "{}: {errors:.3?} px, at most {limit}", known.name);
+}
+
+#[test]
+fn other_true_clicks_are_accurate() {
+    for known in both() {
+        all_below(known, &known.well_posed(2, 2), &Parameters::default(), EXACT);
+    }
+}
+
+#[test]
+fn clicks_half_a_pixel_off_are_forgiven() {
+    for known in both() {
+        let clicks: Vec<_> = (0..2).map(|seed| disturbed(&known.show_me, seed)).collect();
+        all_below(known, &clicks, &Parameters::default(), NOISY);
+    }
+}
+
+#[test]
+fn three_clicks_are_as_accurate() {
+    for known in both() {
+        let [p, q] = known.show_me;
+        let shown = vec![p, q, known.third];
+        let mut exact = known.well_posed(1, 3);
+        exact.push(shown.clone());
+        all_below(known, &exact, &three_point(), EXACT);
+        all_below(known, &[disturbed(&shown, 10)], &three_point(), NOISY);
+    }
+}
+
+/// The published method ends with lines alone and no refinement of all seven numbers. It is not held to a
+/// pixel: the bound says that the geometry is of the right kind. A random geometry through the two clicks is
+/// off by a hundred pixels and more.
+#[test]
+fn the_paper_preset_finds_the_geometry_roughly() {
+    for known in both() {
+        all_below(known, &[known.show_me.to_vec()], &paper(), 25.0);
+    }
+}
+
+/// The clicks alone do not hold the result: matches that were never clicked agree with it, and it says so itself.
+#[test]
+fn the_shown_clicks_are_accurate_and_the_result_is_sure_of_itself() {
+    for known in both() {
+        let found = known.estimate(&known.show_me, &Parameters::default()).unwrap();
+        let error = mean_distance(&found.fundamental, &known.scene.matches);
+        println!("{}: {error:.3} px on {} patches", known.name, found.matches.len());
+        assert!(error <= EXACT, "{}: {error} px", known.name);
+        // Of some 1,500 corners an image, a few hundred should find each other; 100 is far from chance, which
+        // gives a wrong geometry a few dozen.
+        assert!(found.refined && found.matches.len() >= 100, "{}: {}", known.name, found.matches.len());
+        let trust = found.trust.as_ref().expect("a final result has a verdict");
+        assert_eq!(trust.verdict, Verdict::Right, "{}: {:?}", known.name, trust.reasons);
+        assert!(found.warnings.is_empty(), "{}: {:?}", known.name, found.warnings);
+        // Null vectors of a matrix of norm 1, to rounding.
+        assert!((found.fundamental.matrix() * found.epipole1).norm() < 1e-12);
+        assert!(found.fundamental.matrix().tr_mul(&found.epipole2).norm() < 1e-12);
+    }
+}

@@ -1,0 +1,86 @@
+//! Pairs with known geometry, and the error of an estimate on them.
+
+use std::sync::{Arc, LazyLock};
+
+use epiline::estimate::{
+    Estimate, EstimateError, Method, Monitor, Parameters, PreparedPair, Preset, estimate_prepared,
+};
+use epiline::evaluate::{Draws, Protocol, Scene, mean};
+use epiline::geometry::{FundamentalMatrix, Point, PointPair, symmetric_epipolar_distance};
+use epiline::synthetic::Sample;
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+
+/// A built-in pair, its pyramids and corners computed once for all tests.
+pub struct Known {
+    pub name: &'static str,
+    pub scene: Scene,
+    pub prepared: PreparedPair,
+    pub show_me: [PointPair; 2],
+    pub third: PointPair,
+}
+
+pub static COURTYARD: LazyLock<Known> = LazyLock::new(|| Known::new(Sample::Courtyard));
+pub static ALLEY: LazyLock<Known> = LazyLock::new(|| Known::new(Sample::Alley));
+
+/// Both built-in pairs: epipoles far outside, epipoles inside.
+pub fn both() -> [&'static Known; 2] {
+    [&COURTYARD, &ALLEY]
+}
+
+impl Known {
+    fn new(sample: Sample) -> Self {
+        let pair = sample.load();
+        let [image1, image2] = pair.pictures.map(|p| Arc::new(p.gray));
+        Self {
+            name: sample.name(),
+            prepared: PreparedPair::new(&image1, &image2),
+            scene: Scene {
+                name: sample.name().to_owned(),
+                images: [image1, image2],
+                matches: pair.matches,
+                truth: pair.fundamental,
+            },
+            show_me: pair.show_me,
+            third: pair.third,
+        }
+    }
+
+    pub fn estimate(&self, clicks: &[PointPair], parameters: &Parameters) -> Result<Estimate, EstimateError> {
+        estimate_prepared(&self.prepared, clicks, parameters, &Monitor::silent())
+    }
+
+    /// Mean symmetric epipolar distance of the true matches to the estimate, px.
+    pub fn error(&self, clicks: &[PointPair], parameters: &Parameters) -> f64 {
+        let found = self.estimate(clicks, parameters).expect("true clicks give a geometry");
+        mean_distance(&found.fundamental, &self.scene.matches)
+    }
+
+    /// `trials` times two (or three) true matches that hold the geometry well apart: each of the first two at
+    /// least 12 % of the image off the other's epipolar line.
+    pub fn well_posed(&self, trials: usize, count: usize) -> Vec<Vec<PointPair>> {
+        let draws = Draws::new(&self.scene, Protocol::WellPosed, trials, 0.0, 1);
+        assert_eq!(draws.trials(), trials, "the sample has so many well-posed pairs");
+        (0..trials).map(|t| draws.clicks(t, &draws.matches(t, count).expect("a further match"))).collect()
+    }
+}
+
+pub fn mean_distance(f: &FundamentalMatrix, matches: &[PointPair]) -> f64 {
+    mean(&matches.iter().map(|m| symmetric_epipolar_distance(f, m)).collect::<Vec<_>>())
+}
+
+/// The clicks with every coordinate up to 0.5 px off, as by a careful hand.
+pub fn disturbed(clicks: &[PointPair], seed: u64) -> Vec<PointPair> {
+    let mut random = Pcg64Mcg::seed_from_u64(seed);
+    let mut moved =
+        |p: Point| Point::new(p.x + random.random_range(-0.5..=0.5), p.y + random.random_range(-0.5..=0.5));
+    clicks.iter().map(|c| PointPair { point1: moved(c.point1), point2: moved(c.point2) }).collect()
+}
+
+pub fn three_point() -> Parameters {
+    Parameters { method: Method::ThreePoint, ..Parameters::default() }
+}
+
+pub fn paper() -> Parameters {
+    Parameters::from(Preset::Paper)
+}

@@ -1,0 +1,140 @@
+//! Watching and stopping a running estimate.
+
+use std::sync::Mutex;
+use std::time::{Duration, Instant};
+
+use epiline::estimate::{
+    CancelFlag, EstimateError, Monitor, Parameters, Progress, Stage, estimate, estimate_prepared,
+};
+
+use crate::support::{COURTYARD, mean_distance, paper};
+
+/// A stop takes effect between two pieces of work of a few milliseconds each. The limit leaves room for an
+/// unoptimised build on cores that other tests keep busy, and is still a fraction of a whole estimate there.
+const QUICKLY: Duration = Duration::from_millis(1500);
+
+/// Stages a caller hears of; the pyramids are there before the first news.
+const ANNOUNCED: [Stage; 4] = [Stage::Pencils, Stage::Hypotheses, Stage::Validation, Stage::Refinement];
+
+/// Cancels `delay` after a stage has begun; returns how long the estimate took to notice, or `None` when it
+/// was done before.
+fn time_to_stop(parameters: &Parameters, stage: Stage, delay: Duration) -> Option<Duration> {
+    let cancel = CancelFlag::default();
+    let asked = Mutex::new(None);
+    let outcome = std::thread::scope(|scope| {
+        let (cancel_later, asked) = (cancel.clone(), &asked);
+        let (begun, hear) = std::sync::mpsc::channel::<()>();
+        scope.spawn(move || {
+            // The sender is dropped without a word when the stage never comes.
+            if hear.recv().is_ok() {
+                std::thread::sleep(delay);
+                *asked.lock().unwrap() = Some(Instant::now());
+                cancel_later.cancel();
+            }
+        });
+        let monitor = Monitor::new(cancel, move |news| {
+            if matches!(news, Progress::Started(s) if s == stage) {
+                begun.send(()).unwrap();
+                if delay.is_zero() {
+                    // Stopped from within the news itself.
+                    while asked.lock().unwrap().is_none() {
+                        std::thread::yield_now();
+                    }
+                }
+            }
+        });
+        let outcome = estimate_prepared(&COURTYARD.prepared, &COURTYARD.show_me, parameters, &monitor);
+        (outcome, Instant::now())
+    });
+    let asked = asked.into_inner().unwrap().unwrap_or_else(|| panic!("{stage:?} was not announced"));
+    match outcome {
+        (Err(EstimateError::Cancelled), end) => Some(end - asked),
+        (Ok(_), end) if asked > end || delay > Duration::ZERO => None,
+        (other, _) => panic!("{stage:?}: {other:?}"),
+    }
+}
+
+#[test]
+fn stops_at_the_beginning_of_every_stage() {
+    for parameters in [Parameters::default(), paper()] {
+        for stage in ANNOUNCED {
+            let waited = time_to_stop(&parameters, stage, Duration::ZERO);
+            let waited = waited.unwrap_or_else(|| panic!("{stage:?}: not stopped"));
+            println!("{:?} {stage:?}: {waited:?}", parameters.preset);
+            assert!(waited < QUICKLY, "{:?} {stage:?}: {waited:?}", parameters.preset);
+        }
+    }
+}
+
+#[test]
+fn stops_in_the_middle_of_every_stage() {
+    for parameters in [Parameters::default(), paper()] {
+        let mut stopped = 0;
+        for stage in ANNOUNCED {
+            let waited = time_to_stop(&parameters, stage, Duration::from_millis(15));
+            println!("{:?} {stage:?}: {waited:?}", parameters.preset);
+            stopped += usize::from(waited.is_some());
+            assert!(waited.is_none_or(|w| w < QUICKLY), "{:?} {stage:?}: {waited:?}", parameters.preset);
+        }
+        // A stage may be over sooner than that, but not all of them.
+        assert!(stopped >= 2, "{:?}: only {stopped} stages were stopped", parameters.preset);
+    }
+}
+
+#[test]
+fn does_not_begin_when_already_cancelled() {
+    let cancel = CancelFlag::default();
+    cancel.cancel();
+    let monitor = Monitor::new(cancel, |news| {
+        assert!(!matches!(news, Progress::Preliminary(_)), "a result after the stop");
+    });
+    let [a, b] = &COURTYARD.scene.images;
+    let outcome = estimate(a, b, &COURTYARD.show_me, &Parameters::default(), &monitor);
+    assert_eq!(outcome.map(|_| ()), Err(EstimateError::Cancelled));
+}
+
+#[test]
+fn tells_stages_in_order_and_a_first_geometry_before_the_result() {
+    #[derive(Debug, PartialEq, Clone, Copy)]
+    enum Heard {
+        Stage(Stage),
+        Preliminary(f64),
+    }
+    for parameters in [Parameters::default(), paper()] {
+        let heard = Mutex::new(Vec::new());
+        let monitor = Monitor::new(CancelFlag::default(), |news| {
+            heard.lock().unwrap().push(match news {
+                Progress::Started(stage) => Heard::Stage(stage),
+                Progress::Preliminary(first) => {
+                    Heard::Preliminary(mean_distance(&first.fundamental, &COURTYARD.scene.matches))
+                }
+            });
+        });
+        let found =
+            estimate_prepared(&COURTYARD.prepared, &COURTYARD.show_me, &parameters, &monitor).unwrap();
+        drop(monitor);
+        let heard = heard.into_inner().unwrap();
+        println!("{:?}: {heard:.2?}", parameters.preset);
+        let stages: Vec<_> =
+            heard.iter().filter_map(|h| if let Heard::Stage(s) = h { Some(*s) } else { None }).collect();
+        assert_eq!(stages, ANNOUNCED, "each once, in order");
+        let timed: Vec<_> = found.timings.iter().map(|t| t.stage).collect();
+        assert_eq!(timed, Stage::ALL, "each stage has its time");
+
+        let at = |stage| heard.iter().position(|h| *h == Heard::Stage(stage)).unwrap();
+        let preliminary: Vec<(usize, f64)> = heard
+            .iter()
+            .enumerate()
+            .filter_map(|(k, h)| if let Heard::Preliminary(e) = h { Some((k, *e)) } else { None })
+            .collect();
+        let (first, _) = preliminary.first().expect("a preliminary geometry");
+        let (last, error) = preliminary[preliminary.len() - 1];
+        assert!(*first > at(Stage::Pencils) && last < at(Stage::Refinement), "{heard:?}");
+        // The one before refinement is already a picture of the scene, good to a few per cent of the image.
+        assert!(error < 25.0, "{heard:?}");
+        assert!(found.first_seconds > 0.0 && found.first_seconds < found.seconds);
+        let sum: f64 = found.timings.iter().map(|t| t.seconds).sum();
+        // What lies between two readings of the clock is nothing that takes time.
+        assert!((sum - found.seconds).abs() < 0.1 * found.seconds.max(0.1), "{sum} of {}", found.seconds);
+    }
+}
