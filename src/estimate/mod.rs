@@ -10,6 +10,7 @@ mod line_refinement;
 mod monitor;
 mod parameters;
 mod patches;
+mod plane;
 mod polish;
 mod prepared;
 mod published;

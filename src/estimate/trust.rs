@@ -64,6 +64,14 @@ pub enum Reason {
         /// Relative advantage over it.
         margin: f64,
     },
+    /// Nearly all matches follow one homography.
+    #[error(
+        "{percent} % of the matches fit one plane or a turn of the camera, so the epipoles are hardly determined: use views from places farther apart, or a scene with more depth"
+    )]
+    OnePlane {
+        /// Percent of the matches.
+        percent: u32,
+    },
     /// The matches leave the epipolar lines loose.
     #[error("the matches leave the epipolar lines uncertain by {deviation:.1} px")]
     Loose {
@@ -89,6 +97,8 @@ const CLICK_DEVIATIONS: f64 = 4.0;
 const CLICK_DEVIATIONS_WRONG: f64 = 12.0;
 /// Smallest advantage over a clearly different geometry.
 const CLEAR_MARGIN: f64 = 0.2;
+/// Share of the matches on one plane from which on the epipoles hang on a handful of matches.
+const ONE_PLANE: f64 = 0.95;
 /// Loosest epipolar lines, as a fraction of the longer side.
 const LOOSEST: f64 = 0.002;
 
@@ -107,6 +117,8 @@ pub(super) struct Evidence<'a> {
     pub margin: Option<f64>,
     /// Median standard deviation of the epipolar lines at the matches, px.
     pub deviation: Option<f64>,
+    /// Share of the matches that one homography explains, 0 to 1.
+    pub on_one_plane: f64,
     /// Longer side of image 1, px.
     pub side: f64,
 }
@@ -139,6 +151,9 @@ impl Trust {
         if let Some(deviation) = evidence.deviation.filter(|d| *d > LOOSEST * evidence.side) {
             reasons.push(Reason::Loose { deviation });
         }
+        if evidence.on_one_plane > ONE_PLANE {
+            reasons.push(Reason::OnePlane { percent: (100.0 * evidence.on_one_plane) as u32 });
+        }
         let verdict = match (reasons.is_empty(), wrong) {
             (true, _) => Verdict::Right,
             (false, false) => Verdict::Doubtful,
@@ -159,6 +174,7 @@ mod tests {
         click_sigma: 1.0,
         margin: Some(0.5),
         deviation: Some(0.05),
+        on_one_plane: 0.4,
         side: 768.0,
     };
 
@@ -177,6 +193,7 @@ mod tests {
             Evidence { clicks: &[0.5, 5.0], ..GOOD },
             Evidence { margin: Some(0.05), ..GOOD },
             Evidence { deviation: Some(3.0), ..GOOD },
+            Evidence { on_one_plane: 0.98, ..GOOD },
         ] {
             assert_eq!(verdict(worse), Verdict::Doubtful);
         }

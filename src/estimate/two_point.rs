@@ -6,6 +6,7 @@ use super::candidates::{PencilComparison, compare_pencils};
 use super::degeneracy::{check_images, check_points, click_warnings};
 use super::level::Level;
 use super::line_refinement::stereo;
+use super::plane::share_on_one_plane;
 use super::prepared::PreparedPair;
 use super::refinement::Refined;
 use super::trust::{Evidence, Trust};
@@ -20,6 +21,8 @@ use crate::similarity::StereoSimilarity;
 
 /// Hypotheses reported with all their figures.
 pub(super) const REPORTED: usize = 60;
+/// How near a match must be to a homography to be explained by it, px in an image of 800 px.
+const PLANE_TOLERANCE: f64 = 1.0;
 /// Geometries farther apart than this fraction of the longer side are clearly different.
 const DIFFERENT: f64 = 0.01;
 
@@ -173,6 +176,8 @@ impl Run<'_> {
             deviations.sort_by(f64::total_cmp);
             deviations.get(deviations.len() / 2).copied()
         });
+        let side = self.prepared.frames()[0].longer_side();
+        let matches: Vec<PointPair> = estimate.matches.iter().map(|m| m.pair).collect();
         Trust::judge(&Evidence {
             patches: self.parameters.patch_support,
             matches: estimate.refined.then_some(estimate.matches.len()),
@@ -180,7 +185,12 @@ impl Run<'_> {
             click_sigma: self.parameters.click_sigma,
             margin: estimate.margin,
             deviation,
-            side: self.prepared.frames()[0].longer_side(),
+            on_one_plane: share_on_one_plane(
+                &matches,
+                PLANE_TOLERANCE * side.max(800.0) / 800.0,
+                self.parameters.seed,
+            ),
+            side,
         })
     }
 

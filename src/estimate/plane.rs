@@ -1,0 +1,100 @@
+//! Whether one plane, or a turn of the camera alone, explains the matches: then a homography maps them all, and
+//! every epipole fits (Hartley & Zisserman, §11.9.2).
+
+use nalgebra::{Matrix3, SMatrix, SVector};
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+
+use crate::geometry::{Point, PointPair, finite_point};
+
+/// Samples drawn: one of four good matches is among them almost surely when the answer matters, which is when
+/// nearly all matches lie on one plane.
+const SAMPLES: usize = 60;
+/// Rounds of refitting to all matches within the tolerance.
+const REFITS: usize = 3;
+
+/// Largest share of the matches, 0 to 1, found to follow one homography within `tolerance` px in image 2.
+pub(crate) fn share_on_one_plane(matches: &[PointPair], tolerance: f64, seed: u64) -> f64 {
+    if matches.len() < 8 {
+        return 0.0;
+    }
+    let mut rng = Pcg64Mcg::seed_from_u64(seed);
+    let inliers = |h: &Matrix3<f64>| -> Vec<PointPair> {
+        matches.iter().filter(|m| transfer_error(h, m) < tolerance).copied().collect()
+    };
+    let mut most = 0;
+    for _ in 0..SAMPLES {
+        let sample: Vec<PointPair> = (0..4).map(|_| matches[rng.random_range(0..matches.len())]).collect();
+        let Some(mut h) = homography(&sample) else { continue };
+        for _ in 0..REFITS {
+            let on_plane = inliers(&h);
+            most = most.max(on_plane.len());
+            match (on_plane.len() > 8).then(|| homography(&on_plane)).flatten() {
+                Some(better) => h = better,
+                None => break,
+            }
+        }
+    }
+    most as f64 / matches.len() as f64
+}
+
+fn transfer_error(h: &Matrix3<f64>, pair: &PointPair) -> f64 {
+    finite_point(&(h * pair.point1.to_homogeneous())).map_or(f64::INFINITY, |p| (p - pair.point2).norm())
+}
+
+/// The homography of four or more matches by linear least squares on conditioned coordinates.
+fn homography(pairs: &[PointPair]) -> Option<Matrix3<f64>> {
+    let conditioned = |points: &dyn Fn(&PointPair) -> Point| {
+        let n = pairs.len() as f64;
+        let centre = pairs.iter().fold(nalgebra::Vector2::zeros(), |s, p| s + points(p).coords) / n;
+        let spread = pairs.iter().map(|p| (points(p).coords - centre).norm()).sum::<f64>() / n;
+        let s = std::f64::consts::SQRT_2 / spread;
+        s.is_finite().then(|| Matrix3::new(s, 0.0, -s * centre.x, 0.0, s, -s * centre.y, 0.0, 0.0, 1.0))
+    };
+    let (t1, t2) = (conditioned(&|p| p.point1)?, conditioned(&|p| p.point2)?);
+    let mut normal = SMatrix::<f64, 9, 9>::zeros();
+    for pair in pairs {
+        let a = t1 * pair.point1.to_homogeneous();
+        let b = t2 * pair.point2.to_homogeneous();
+        // Two rows of b × (H a) = 0.
+        for (k, l) in [(0, b.x), (1, b.y)] {
+            let row = SVector::<f64, 9>::from_fn(|i, _| match i / 3 {
+                r if r == k => a[i % 3],
+                2 => -l * a[i % 3],
+                _ => 0.0,
+            });
+            normal += row * row.transpose();
+        }
+    }
+    let eigen = normal.symmetric_eigen();
+    let v = eigen.eigenvectors.column(eigen.eigenvalues.imin()).into_owned();
+    let h = t2.try_inverse()? * Matrix3::from_fn(|r, c| v[3 * r + c]) * t1;
+    h.iter().all(|x| x.is_finite()).then_some(h)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Camera;
+    use nalgebra::Point3;
+
+    fn scene(depth: impl Fn(f64) -> f64) -> Vec<PointPair> {
+        let (camera1, camera2) = Camera::example_pair();
+        (0..80)
+            .map(|k| {
+                let t = f64::from(k);
+                let x = Point3::new((t * 0.9).sin() * 2.0, (t * 1.7).cos() * 1.5, depth(t));
+                PointPair { point1: camera1.project(&x).unwrap(), point2: camera2.project(&x).unwrap() }
+            })
+            .collect()
+    }
+
+    #[test]
+    fn a_plane_is_recognised_and_depth_is_not_one() {
+        let plane = scene(|t| 5.0 + 0.3 * (t * 0.9).sin());
+        assert!(share_on_one_plane(&plane, 1.0, 0) > 0.99);
+        let deep = scene(|t| 5.0 + 2.0 * (t * 2.3).sin());
+        assert!(share_on_one_plane(&deep, 1.0, 0) < 0.5);
+        assert!(share_on_one_plane(&plane[..4], 1.0, 0) < 0.01, "too few to say");
+    }
+}
