@@ -3,11 +3,12 @@
 use epiline::estimate::{
     Estimate, EstimateError, Method, Monitor, Parameters, Preset, Verdict, Warning, estimate,
 };
-use epiline::geometry::{Frame, Point, PointPair};
+use epiline::geometry::{Frame, Point, PointPair, Vector};
 use epiline::image::{GrayPlane, Picture, Pyramid};
 use epiline::synthetic::{Motion, TestPair, test_pair};
 use image::imageops::{FilterType, resize};
 use image::{DynamicImage, GrayImage, ImageBuffer, Luma};
+use nalgebra::Matrix3;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
@@ -119,6 +120,28 @@ fn the_same_view_in_other_light_is_not_trusted() {
         is_sound(&outcome);
         assert!(is_doubted(&outcome), "{:?}: {}", parameters.preset, told(&outcome));
     }
+}
+
+/// A camera that only turned, or a scene that is one plane: the second image is a homography of the first, every
+/// epipole fits all matches, and so the geometry must not be called right.
+#[test]
+fn a_turned_camera_is_not_trusted() {
+    let [image, _] = &COURTYARD.scene.images;
+    let (sin, cos) = 5f64.to_radians().sin_cos();
+    let centre = image.frame().centre();
+    // A turn in the plane about the centre of the image with a little perspective, and its inverse.
+    let there = Matrix3::new(cos, -sin, 4.0, sin, cos, -3.0, 2e-5, -3e-5, 1.0);
+    let back = there.try_inverse().unwrap();
+    let mapped = |map: &Matrix3<f64>, p: Point| {
+        let q = map * (p - centre.coords).to_homogeneous();
+        centre + Vector::new(q.x, q.y) / q.z
+    };
+    let turned =
+        GrayPlane::from_fn(image.frame(), |x, y| image.sample(mapped(&back, Point::new(x as f64, y as f64))));
+    let clicks = COURTYARD.show_me.map(|c| PointPair { point1: c.point1, point2: mapped(&there, c.point1) });
+    let outcome = run([image, &turned], &clicks, &Parameters::default());
+    is_sound(&outcome);
+    assert!(is_doubted(&outcome), "{}", told(&outcome));
 }
 
 /// Two matches on one true epipolar line, far from each other: the line is known, the epipole on it is not.
