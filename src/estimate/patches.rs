@@ -46,8 +46,24 @@ pub(crate) fn warps() -> Vec<Warp> {
 /// The patch around a point under a warp, by bilinear interpolation; `None` where it is flat.
 pub(crate) fn patch(plane: &GrayPlane, centre: Point, warp: &Warp) -> Option<Patch> {
     let mut patch = [0.0; PADDED];
-    for (value, offset) in patch.iter_mut().zip(offsets()) {
-        *value = plane.sample(centre + warp * offset);
+    // In steps along the warped rows and columns; inside the image no position needs a clamp.
+    let [a, b, c, d] = [warp.m11, warp.m21, warp.m12, warp.m22].map(|v| v as f32);
+    let (x, y) = (centre.x as f32, centre.y as f32);
+    let half = HALF as f32;
+    let reach = [half * (a.abs() + c.abs()), half * (b.abs() + d.abs())];
+    let (right, bottom) = (plane.frame().right() as f32, plane.frame().bottom() as f32);
+    let inside = x >= reach[0] && y >= reach[1] && x + reach[0] <= right && y + reach[1] <= bottom;
+    for (row, out) in patch.chunks_exact_mut(SIDE).take(SIDE).enumerate() {
+        let v = row as f32 - half;
+        for (column, value) in out.iter_mut().enumerate() {
+            let u = column as f32 - half;
+            let (px, py) = (x + a * u + c * v, y + b * u + d * v);
+            *value = if inside {
+                plane.interpolate(px, py)
+            } else {
+                plane.sample(Point::new(f64::from(px), f64::from(py)))
+            };
+        }
     }
     let values = &mut patch[..SIDE * SIDE];
     let mean = values.iter().sum::<f32>() / values.len() as f32;
@@ -67,19 +83,23 @@ fn offsets() -> impl Iterator<Item = Vector> {
     (-half..=half).flat_map(move |y| (-half..=half).map(move |x| Vector::new(f64::from(x), f64::from(y))))
 }
 
-/// Correlations of one normalised patch with many, −1 to 1, into `out`.
+/// Correlations, −1 to 1, of each of a few normalised patches with many: those of the first patch, then those of
+/// the second, and so on. The few stay in the first-level cache while the many pass by once.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx2", "x86_64+avx2", "aarch64+neon"))]
-pub(crate) fn correlate_all(a: &Patch, others: &[Patch], out: &mut Vec<f32>) {
+pub(crate) fn correlate_all(few: &[Patch], many: &[Patch], out: &mut Vec<f32>) {
     out.clear();
-    for b in others {
-        // Sixteen running sums whatever the instruction set, so that all give the same number.
-        let mut sums = [0f32; 16];
-        for (x, y) in a.chunks_exact(16).zip(b.chunks_exact(16)) {
-            for k in 0..16 {
-                sums[k] += x[k] * y[k];
+    out.resize(few.len() * many.len(), 0.0);
+    for (j, b) in many.iter().enumerate() {
+        for (i, a) in few.iter().enumerate() {
+            // Sixteen running sums whatever the instruction set, so that all give the same number.
+            let mut sums = [0f32; 16];
+            for (x, y) in a.chunks_exact(16).zip(b.chunks_exact(16)) {
+                for k in 0..16 {
+                    sums[k] += x[k] * y[k];
+                }
             }
+            out[i * many.len() + j] = sums.iter().sum();
         }
-        out.push(sums.iter().sum());
     }
 }
 
@@ -178,7 +198,7 @@ mod tests {
         let (a, b) =
             (patch(&plane, at, &Warp::identity()).unwrap(), patch(&darker, at, &Warp::identity()).unwrap());
         let mut found = Vec::new();
-        correlate_all(&a, &[b, a], &mut found);
+        correlate_all(&[a], &[b, a], &mut found);
         assert!(found.iter().all(|c| (c - 1.0).abs() < 1e-4));
         assert!(patch(&GrayPlane::from_fn(frame, |_, _| 5.0), at, &Warp::identity()).is_none());
         let flat = GrayPlane::from_fn(frame, |_, _| 5.0);

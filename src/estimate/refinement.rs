@@ -145,7 +145,7 @@ impl RefinementLevel {
                     {
                         continue;
                     }
-                    correlate_all(&a.patches[0], &b.patches, correlations);
+                    correlate_all(&a.patches, &b.patches, correlations);
                     for (warp, correlation) in correlations.iter().enumerate() {
                         if *correlation > best.map_or(LEAST_CORRELATION, |(_, _, c)| c) {
                             best = Some((j, warp, *correlation));

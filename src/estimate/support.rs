@@ -34,6 +34,8 @@ struct Group {
 }
 
 const LANES: usize = 8;
+/// Patches of image 1 compared in one pass over those of image 2.
+const AT_ONCE: usize = 16;
 /// Far from every epipolar line that crosses an image.
 const NOWHERE: f32 = 1e9;
 /// Look-alikes kept for a corner, the best ones.
@@ -58,41 +60,28 @@ impl Support {
     /// Finds up to `count` corners an image and compares all their patches, those of image 2 under each warp.
     pub fn new(planes: [&GrayPlane; 2], count: usize, warps: &[Warp]) -> Self {
         let corners = planes.map(|plane| find_corners(plane, count, HALF + 1));
-        let firsts: Vec<Option<Patch>> =
-            corners[0].iter().map(|c| patch(planes[0], *c, &Warp::identity())).collect();
+        let (names, firsts): (Vec<u32>, Vec<Patch>) = corners[0]
+            .iter()
+            .enumerate()
+            .filter_map(|(i, c)| Some((i as u32, patch(planes[0], *c, &Warp::identity())?)))
+            .unzip();
         // Every corner of image 2 under every warp, flat ones left out.
-        let seconds: Vec<(u32, Patch)> = corners[1]
+        let (owners, seconds): (Vec<u32>, Vec<Patch>) = corners[1]
             .par_iter()
             .enumerate()
             .flat_map_iter(|(j, c)| {
                 warps.iter().filter_map(move |warp| Some((j as u32, patch(planes[1], *c, warp)?)))
             })
-            .collect();
-        let (owners, seconds): (Vec<u32>, Vec<Patch>) = seconds.into_iter().unzip();
+            .unzip();
         let pairs: Vec<Putative> = firsts
-            .par_iter()
-            .enumerate()
-            .map_init(Vec::new, |correlations, (i, a)| {
-                let Some(a) = a else { return Vec::new() };
-                correlate_all(a, &seconds, correlations);
-                let mut alike: Vec<Putative> = Vec::new();
-                for (corner2, correlation) in owners.iter().copied().zip(correlations.iter().copied()) {
-                    if correlation <= FLOOR {
-                        continue;
-                    }
-                    // Warps of one corner stand together: the best one speaks for it.
-                    match alike.last_mut() {
-                        Some(last) if last.corner2 == corner2 => {
-                            last.correlation = last.correlation.max(correlation);
-                        }
-                        _ => alike.push(Putative { corner1: i as u32, corner2, correlation }),
-                    }
-                }
-                alike.sort_by(|a, b| b.correlation.total_cmp(&a.correlation).then(a.corner2.cmp(&b.corner2)));
-                alike.truncate(PER_CORNER);
-                alike
+            .par_chunks(AT_ONCE)
+            .zip(names.par_chunks(AT_ONCE))
+            .map_init(Vec::new, |correlations, (few, names)| {
+                correlate_all(few, &seconds, correlations);
+                let rows = correlations.chunks_exact(seconds.len().max(1));
+                names.iter().zip(rows).flat_map(|(name, row)| look_alikes(*name, &owners, row)).collect()
             })
-            .flatten_iter()
+            .flat_map_iter(|alike: Vec<Putative>| alike)
             .collect();
         let groups = grouped(&pairs, &corners);
         Self { corners, pairs, groups }
@@ -153,6 +142,24 @@ impl Support {
     pub fn score(&self, f: &FundamentalMatrix, band: f64) -> f64 {
         self.matches(f, band).iter().map(|m| f64::from(m.correlation - FLOOR)).sum()
     }
+}
+
+/// The best look-alikes of one corner of image 1, from its correlations with every warped patch.
+fn look_alikes(corner1: u32, owners: &[u32], correlations: &[f32]) -> Vec<Putative> {
+    let mut alike: Vec<Putative> = Vec::new();
+    for (corner2, correlation) in owners.iter().copied().zip(correlations.iter().copied()) {
+        if correlation <= FLOOR {
+            continue;
+        }
+        // Warps of one corner stand together: the best one speaks for it.
+        match alike.last_mut() {
+            Some(last) if last.corner2 == corner2 => last.correlation = last.correlation.max(correlation),
+            _ => alike.push(Putative { corner1, corner2, correlation }),
+        }
+    }
+    alike.sort_by(|a, b| b.correlation.total_cmp(&a.correlation).then(a.corner2.cmp(&b.corner2)));
+    alike.truncate(PER_CORNER);
+    alike
 }
 
 fn grouped(pairs: &[Putative], corners: &[Vec<Point>; 2]) -> Vec<Group> {

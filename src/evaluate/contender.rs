@@ -5,7 +5,7 @@
 use serde_json::Value;
 
 use super::{EvaluateError, Scene};
-use crate::estimate::{Method, Monitor, Parameters, Preset, estimate};
+use crate::estimate::{Method, Monitor, Parameters, Preset, Verdict, estimate};
 use crate::geometry::{FundamentalMatrix, PointPair};
 
 /// What a contender found in one trial.
@@ -21,7 +21,9 @@ pub struct Outcome {
     pub score: Option<f64>,
     /// Its distance to the next best answer, if it knows.
     pub margin: Option<f64>,
-    /// What a user would be told.
+    /// Its own verdict on the result, if it gives one.
+    pub verdict: Option<Verdict>,
+    /// What a user would be told: warnings and what speaks against the result.
     pub warnings: Vec<String>,
 }
 
@@ -146,7 +148,13 @@ impl Contender for Clicked {
             first_seconds: found.first_seconds,
             score: Some(found.score),
             margin: found.margin,
-            warnings: found.warnings.iter().map(ToString::to_string).collect(),
+            verdict: found.trust.as_ref().map(|t| t.verdict),
+            warnings: found
+                .warnings
+                .iter()
+                .map(ToString::to_string)
+                .chain(found.trust.iter().flat_map(|t| t.reasons.iter().map(ToString::to_string)))
+                .collect(),
         })
     }
 }

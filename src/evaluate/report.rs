@@ -5,6 +5,7 @@ use serde_json::Value;
 
 use super::statistics::{mean, median, share_below};
 use super::{Contender, Plan, Scene};
+use crate::estimate::Verdict;
 use crate::geometry::FundamentalMatrix;
 
 /// One trial of one contender. Infinite numbers are written as `null`.
@@ -30,6 +31,8 @@ pub struct TrialRecord {
     pub score: Option<f64>,
     /// The contender's margin to the next best answer.
     pub margin: Option<f64>,
+    /// The contender's own verdict.
+    pub verdict: Option<Verdict>,
     /// What a user would have been told.
     pub warnings: Vec<String>,
     /// Why there is no F.

@@ -183,12 +183,13 @@ fn run_trial(scene: &Scene, contender: &dyn Contender, draws: &Draws, job: &Job)
         first_seconds: None,
         score: None,
         margin: None,
+        verdict: None,
         warnings: Vec::new(),
         failure: None,
     };
     match outcome {
         Err(failure) => TrialRecord { failure: Some(failure), ..failed },
-        Ok(Outcome { fundamental, seconds, first_seconds, score, margin, warnings }) => {
+        Ok(Outcome { fundamental, seconds, first_seconds, score, margin, verdict, warnings }) => {
             let distances = scene.distances(&fundamental);
             TrialRecord {
                 fundamental: Some(fundamental),
@@ -198,6 +199,7 @@ fn run_trial(scene: &Scene, contender: &dyn Contender, draws: &Draws, job: &Job)
                 first_seconds: Some(first_seconds),
                 score,
                 margin,
+                verdict,
                 warnings,
                 ..failed
             }
@@ -237,6 +239,7 @@ mod tests {
                 first_seconds: 0.25,
                 score: Some(1.0),
                 margin: None,
+                verdict: None,
                 warnings: vec!["a word".into()],
             })
         }

@@ -50,15 +50,27 @@ impl GrayPlane {
 
     /// Bilinear interpolation; positions outside the sampling rectangle take the nearest border value.
     pub fn sample(&self, p: Point) -> f32 {
-        let x = p.x.clamp(0.0, self.frame.right().max(0.0));
-        let y = p.y.clamp(0.0, self.frame.bottom().max(0.0));
-        let (x0, y0) = (x as usize, y as usize);
-        let x1 = (x0 + 1).min(self.frame.width - 1);
-        let y1 = (y0 + 1).min(self.frame.height - 1);
-        let (fx, fy) = ((x - x0 as f64) as f32, (y - y0 as f64) as f32);
-        let top = self.at(x0, y0) * (1.0 - fx) + self.at(x1, y0) * fx;
-        let bottom = self.at(x0, y1) * (1.0 - fx) + self.at(x1, y1) * fx;
-        top * (1.0 - fy) + bottom * fy
+        let (right, bottom) = (self.frame.right().max(0.0) as f32, self.frame.bottom().max(0.0) as f32);
+        self.interpolate((p.x as f32).clamp(0.0, right), (p.y as f32).clamp(0.0, bottom))
+    }
+
+    /// Bilinear interpolation at a position inside the sampling rectangle, for loops that have made sure of it.
+    /// `f32` holds 1/1000 px over the largest images.
+    #[inline]
+    pub(crate) fn interpolate(&self, x: f32, y: f32) -> f32 {
+        let Frame { width, height } = self.frame;
+        if width < 2 || height < 2 {
+            return self.at(x as usize, y as usize);
+        }
+        // The last column and row interpolate from the cell before them.
+        let xi = (x as usize).min(width - 2);
+        let yi = (y as usize).min(height - 2);
+        let (fx, fy) = (x - xi as f32, y - yi as f32);
+        let i = yi * width + xi;
+        let (top, below) = (&self.values[i..i + 2], &self.values[i + width..i + width + 2]);
+        let a = top[0] + (top[1] - top[0]) * fx;
+        let b = below[0] + (below[1] - below[0]) * fx;
+        a + (b - a) * fy
     }
 
     /// Standard deviation of all values, grey levels: near zero for a flat image.

@@ -18,7 +18,6 @@ impl Profile {
         let Some((first, last)) = line.index_range(plane.frame(), step) else {
             return Self { first: 0, values: Vec::new() };
         };
-        let (width, values) = (plane.frame().width, plane.values());
         let (right, bottom) = (plane.frame().right() as f32, plane.frame().bottom() as f32);
         // Fixed to the first sample, f32 keeps 1/1000 px over the longest line of the largest image.
         let start = line.point_at(f64::from(first) * step);
@@ -28,15 +27,7 @@ impl Profile {
             .map(|k| {
                 let x = (x0 + dx * k as f32).clamp(0.0, right);
                 let y = (y0 + dy * k as f32).clamp(0.0, bottom);
-                // The last column and row interpolate from the cell before them.
-                let xi = (x as usize).min(plane.frame().width - 2);
-                let yi = (y as usize).min(plane.frame().height - 2);
-                let (fx, fy) = (x - xi as f32, y - yi as f32);
-                let i = yi * width + xi;
-                let (top, below) = (&values[i..i + 2], &values[i + width..i + width + 2]);
-                let a = top[0] + (top[1] - top[0]) * fx;
-                let b = below[0] + (below[1] - below[0]) * fx;
-                (a + (b - a) * fy + 0.5) as u8
+                (plane.interpolate(x, y) + 0.5) as u8
             })
             .collect();
         Self { first, values }

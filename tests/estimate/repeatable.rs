@@ -53,7 +53,7 @@ fn another_seed_draws_other_hypotheses() {
     let half = |k: usize| Pyramid::new(&COURTYARD.scene.images[k], 300.0).level(1).clone();
     let planes = [half(0), half(1)];
     let scaled = |c: &PointPair| {
-        let s = |v: f64| (v + 0.5) * 0.5 - 0.5;
+        let s = |v: f64| v * 0.5 - 0.25;
         PointPair::new(s(c.point1.x), s(c.point1.y), s(c.point2.x), s(c.point2.y))
     };
     let clicks: Vec<_> = COURTYARD.show_me.iter().map(scaled).collect();
