@@ -39,10 +39,8 @@ fn clicks_half_a_pixel_off_are_forgiven() {
 fn three_clicks_are_as_accurate() {
     for known in both() {
         let [p, q] = known.show_me;
-        let shown = vec![p, q, known.third];
-        let mut exact = known.well_posed(1, 3);
-        exact.push(shown.clone());
-        all_below(known, &exact, &three_point(), EXACT);
+        let shown = [p, q, known.third];
+        all_below(known, &known.well_posed(1, 3), &three_point(), EXACT);
         all_below(known, &[disturbed(&shown, 10)], &three_point(), NOISY);
     }
 }
