@@ -2,6 +2,7 @@
 
 use std::sync::OnceLock;
 
+use super::Monitor;
 use super::level::Level;
 use super::patches::warps;
 use super::refinement::{Refined, RefinementLevel};
@@ -84,12 +85,13 @@ impl PreparedPair {
         }
     }
 
-    /// Refines `f` level by level up to full size; `None` when there are too few matches at the first.
+    /// Refines `f` level by level up to full size; `None` when there are too few matches at the first, or when stopped.
     pub(crate) fn refine(
         &self,
         f: &FundamentalMatrix,
         clicks: &[PointPair],
         click_sigma: f64,
+        monitor: &Monitor,
     ) -> Option<Refined> {
         let mut refined: Option<Refined> = None;
         let mut done = None;
@@ -99,7 +101,7 @@ impl PreparedPair {
                 break;
             }
             let start = refined.as_ref().map_or(*f, |r| r.fundamental);
-            match stage.refine(&level, &start, clicks, click_sigma) {
+            match stage.refine(&level, &start, clicks, click_sigma, monitor) {
                 Some(result) => refined = Some(result),
                 None => break,
             }

@@ -9,6 +9,7 @@ use std::sync::OnceLock;
 use rayon::prelude::*;
 use serde::Serialize;
 
+use super::Monitor;
 use super::level::{Level, resized_pair};
 use super::patches::{HALF, Patch, Warp, align, correlate_all, patch, warps};
 use super::polish::{Observation, fit};
@@ -95,12 +96,16 @@ impl RefinementLevel {
         f: &FundamentalMatrix,
         clicks: &[PointPair],
         click_sigma: f64,
+        monitor: &Monitor,
     ) -> Option<Refined> {
         let [s1, s2] = level.scales;
         let mut current = f.rescaled(s1, s2)?;
         let mut matches = Vec::new();
         let mut covariance = None;
         for band in BANDS {
+            if monitor.is_cancelled() {
+                return None;
+            }
             matches = self.guided_matches(level, &current, band);
             if matches.len() < LEAST_MATCHES {
                 return None;

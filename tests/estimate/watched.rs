@@ -9,9 +9,9 @@ use epiline::estimate::{
 
 use crate::support::{COURTYARD, mean_distance, paper};
 
-/// A stop takes effect between two pieces of work of a few milliseconds each. The limit leaves room for an
-/// unoptimised build on cores that other tests keep busy, and is still a fraction of a whole estimate there.
-const QUICKLY: Duration = Duration::from_millis(1500);
+/// A guard against a stop that is never heard, not a measure of speed: a stop takes effect at the end of a step,
+/// some hundredths of a second in a release build, and this test may run unoptimised on busy cores.
+const QUICKLY: Duration = Duration::from_secs(10);
 
 /// Stages a caller hears of; the pyramids are there before the first news.
 const ANNOUNCED: [Stage; 4] = [Stage::Pencils, Stage::Hypotheses, Stage::Validation, Stage::Refinement];
