@@ -29,7 +29,9 @@ fn main() {
     );
     for preset in [Preset::Robust, Preset::Paper] {
         let parameters = Parameters::from(preset);
-        for level in (0..pyramids[0].len()).rev() {
+        // Full size is left out: the estimator compares pencils at a coarse level, and sixteen times the time of
+        // half the size tells nothing new.
+        for level in (1..pyramids[0].len()).rev() {
             let planes: [&GrayPlane; 2] = [pyramids[0].level(level), pyramids[1].level(level)];
             let frame = planes[0].frame();
             let scale = 0.5f64.powi(level as i32);
@@ -49,8 +51,7 @@ fn main() {
             };
             let pairs: usize =
                 (0..lines1.len()).map(|i| (0..lines2.len()).filter(|j| allowed(i, *j)).count()).sum();
-            let runs = if level == 0 { 1 } else { 5 };
-            let times: Vec<f64> = (0..runs)
+            let times: Vec<f64> = (0..5)
                 .map(|_| {
                     let begun = Instant::now();
                     black_box(similarity.cost_matrix(&lines1, &lines2, &allowed, &|| false));
