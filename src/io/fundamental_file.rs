@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use nalgebra::Matrix3;
 use serde_json::Value;
 
 use super::number::{finite_numbers, rows};
@@ -26,7 +27,12 @@ pub fn read_fundamental(path: &Path) -> Result<FundamentalMatrix, ReadError> {
         let problem = format!("expected the nine numbers of a fundamental matrix, found {}", numbers.len());
         return Err(ReadError::content(path, problem));
     };
-    FundamentalMatrix::from_rows([[a, b, c], [d, e, f], [g, h, i]])
+    let matrix = Matrix3::new(a, b, c, d, e, f, g, h, i);
+    // In pixels the second singular value may be a millionth of the first, but it is no rounding error.
+    let has_rank_two = matrix.rank(1e-13 * matrix.norm()) >= 2;
+    has_rank_two
+        .then(|| FundamentalMatrix::nearest_rank_two(matrix))
+        .flatten()
         .ok_or_else(|| ReadError::content(path, "the matrix has rank 1 or 0, a fundamental matrix has 2"))
 }
 

@@ -21,6 +21,8 @@
 //! - Rotation up to 30° and scales from 0.7 to 1.4 are searched, beyond the sizes of the images; larger ones are
 //!   found only by luck.
 //! - At the silhouette of a thing the patches show different backgrounds: the right place may score low.
+//! - Matches within 10 px of the border of the other image (at 768 px; 5 px with `F`) are found only by luck:
+//!   half of the patch is not in the picture. Clicks at a border are no problem.
 //! - A point that is hidden in the other image has no match, but a twin of it may look clear.
 
 mod alignment;

@@ -49,7 +49,8 @@ pub struct Suggestion {
 pub struct Suggestions {
     /// Best first, at least one.
     pub candidates: Vec<Suggestion>,
-    /// Mismatch of the best candidate over that of the best competitor, 0 to 1: `(1 − c₁)/(1 − c₂)`.
+    /// Mismatch of the best candidate over that of the best competitor, 0 to 1: `(1 − c₁)/(1 − c₂)`, both
+    /// mismatches with a little added for noise.
     /// Competitors are the next separate place in the other image and, on the way back, the next separate place
     /// in the clicked one. Near 0 the best one stands alone; at 1 another is as good.
     pub ambiguity: f64,

@@ -102,7 +102,7 @@ fn refuses_bad_input() {
         (&["--at", "80,60", "--fundamental", "no/such/file"], "no such file"),
         (&["--at", "80,60", "--fundamental", &words], "words.txt, line 1: \"This\" is not a finite number"),
         (&["--at", "80,60", "--json", "no/such/result.json"], "there is no folder"),
-        (&[], "--at"),
+        (&[], "required arguments"),
     ] {
         fails(&[&["suggest", &left, &right][..], rest].concat(), 2, message);
     }
