@@ -67,4 +67,5 @@ pub mod geometry;
 pub mod image;
 pub mod io;
 pub mod similarity;
+pub mod suggest;
 pub mod synthetic;

@@ -5,6 +5,10 @@ use std::process::{Command, Output, Stdio};
 
 use serde_json::Value;
 
+// Beside this file it would be a test program of its own.
+#[path = "command_line/suggest.rs"]
+mod suggest;
+
 /// The program with the given arguments.
 fn epiline(arguments: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_epiline"));

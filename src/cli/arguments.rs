@@ -6,7 +6,8 @@ use clap::builder::PossibleValue;
 use super::CliError;
 use crate::estimate::{Method, Preset};
 use crate::evaluate::Protocol;
-use crate::geometry::PointPair;
+use crate::geometry::{Point, PointPair};
+use crate::synthetic::Sample;
 
 /// Four numbers separated by commas.
 pub(super) fn point_pair(text: &str) -> Result<PointPair, String> {
@@ -18,6 +19,27 @@ pub(super) fn point_pair(text: &str) -> Result<PointPair, String> {
         _ => Err(format!("{EXPECTED}, but \"{cell}\" is not a finite number")),
     };
     Ok(PointPair::new(number(x1)?, number(y1)?, number(x2)?, number(y2)?))
+}
+
+/// Two numbers separated by a comma.
+pub(super) fn point(text: &str) -> Result<Point, String> {
+    const EXPECTED: &str = "expected two numbers X,Y (pixels)";
+    let cells: Vec<&str> = text.split(',').map(str::trim).collect();
+    let [x, y] = cells[..] else { return Err(format!("{EXPECTED}, found {}", cells.len())) };
+    let number = |cell: &str| match cell.parse::<f64>() {
+        Ok(value) if value.is_finite() => Ok(value),
+        _ => Err(format!("{EXPECTED}, but \"{cell}\" is not a finite number")),
+    };
+    Ok(Point::new(number(x)?, number(y)?))
+}
+
+/// The built-in pair of that name, the default one when there is no name.
+pub(super) fn built_in(name: &str) -> Result<Sample, CliError> {
+    let found = if name.is_empty() { Some(Sample::default()) } else { Sample::from_name(name) };
+    found.ok_or_else(|| {
+        let known = Sample::ALL.map(Sample::name).join(", ");
+        CliError::Arguments(format!("there is no built-in sample {name}; there are {known}"))
+    })
 }
 
 /// A length in pixels, zero or more.

@@ -5,7 +5,8 @@ use thiserror::Error;
 use crate::estimate::EstimateError;
 use crate::evaluate::EvaluateError;
 use crate::image::LoadError;
-use crate::io::WriteError;
+use crate::io::{ReadError, WriteError};
+use crate::suggest::SuggestError;
 
 /// Exit status of an error in the program itself (`EX_SOFTWARE` of `sysexits.h`).
 pub const INTERNAL_ERROR: u8 = 70;
@@ -22,6 +23,12 @@ pub enum CliError {
     /// Nothing could be evaluated.
     #[error(transparent)]
     Evaluate(#[from] EvaluateError),
+    /// There is no suggestion.
+    #[error(transparent)]
+    Suggest(#[from] SuggestError),
+    /// A file other than an image could not be read.
+    #[error(transparent)]
+    Read(#[from] ReadError),
     /// A result could not be written.
     #[error(transparent)]
     Write(#[from] WriteError),
@@ -41,6 +48,7 @@ impl CliError {
     pub fn exit_status(&self) -> u8 {
         match self {
             Self::Estimate(error) if !error.is_bad_input() => 1,
+            Self::Suggest(error) if !error.is_bad_input() => 1,
             _ => 2,
         }
     }

@@ -1,7 +1,7 @@
 //! The command line: the same library as the window, for tests, benchmarks and scripts.
 //!
 //! Human text goes to standard output, progress and errors to standard error. Exit status: 0 success, 1 a
-//! computation that found no geometry, 2 bad input, 70 an error in the program itself.
+//! computation that found nothing, 2 bad input, 70 an error in the program itself.
 
 mod arguments;
 mod console;
@@ -10,6 +10,7 @@ mod estimate;
 mod evaluate;
 mod output;
 mod overrides;
+mod suggest;
 mod summary;
 mod window;
 
@@ -35,6 +36,7 @@ pub struct CommandLine {
 enum Command {
     Estimate(Box<estimate::Arguments>),
     Evaluate(evaluate::Arguments),
+    Suggest(suggest::Arguments),
 }
 
 impl CommandLine {
@@ -44,6 +46,7 @@ impl CommandLine {
             None => window::run(self.window),
             Some(Command::Estimate(arguments)) => estimate::run(&arguments),
             Some(Command::Evaluate(arguments)) => evaluate::run(&arguments),
+            Some(Command::Suggest(arguments)) => suggest::run(&arguments),
         }
     }
 }

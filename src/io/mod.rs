@@ -1,5 +1,6 @@
-//! Files: point pairs, folders of pairs, the VGG layout, and output that is never half written.
+//! Files: point pairs, fundamental matrices, folders of pairs, the VGG layout, and output that is never half written.
 
+mod fundamental_file;
 mod number;
 mod output;
 mod pair_folder;
@@ -7,6 +8,7 @@ mod point_pairs;
 mod read;
 mod vgg;
 
+pub use fundamental_file::read_fundamental;
 pub use output::{OutputFile, WriteError};
 pub use pair_folder::{PairFiles, pair_folder};
 pub use point_pairs::{PairProblem, parse_point_pairs, read_point_pairs};

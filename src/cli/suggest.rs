@@ -1,0 +1,142 @@
+//! `epiline suggest`: the match of a point that was clicked in one image.
+
+use std::fmt::Write;
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+use serde::Serialize;
+
+use super::CliError;
+use super::arguments::{built_in, on_threads, pixels, point, threads};
+use super::output::Output;
+use crate::estimate::PreparedPair;
+use crate::geometry::{FundamentalMatrix, Point};
+use crate::image::Picture;
+use crate::io::read_fundamental;
+use crate::suggest::{ClickedImage, SuggestParameters, Suggestions, suggest};
+
+/// Suggest where a point of one image is in the other
+#[derive(Debug, Args)]
+#[command(allow_negative_numbers = true)]
+pub(super) struct Arguments {
+    /// Left image
+    #[arg(required_unless_present = "sample", requires = "right")]
+    left: Option<PathBuf>,
+    /// Right image
+    right: Option<PathBuf>,
+    /// The point, pixels
+    #[arg(long, value_name = "X,Y", value_parser = point, allow_hyphen_values = true)]
+    at: Point,
+    /// The image the point is in
+    #[arg(long = "in", value_enum, default_value_t = Side::Left, value_name = "IMAGE")]
+    side: Side,
+    /// Search along the epipolar line of this fundamental matrix: a result of estimate, or nine numbers
+    #[arg(long, value_name = "FILE")]
+    fundamental: Option<PathBuf>,
+    /// Half width of the band searched around the epipolar line, pixels
+    #[arg(long, value_name = "PX", value_parser = pixels, requires = "fundamental", default_value_t = SuggestParameters::default().band)]
+    band: f64,
+    /// Threads to use, all cores by default
+    #[arg(long, value_parser = threads)]
+    threads: Option<usize>,
+    /// Write the result as JSON, to standard output when it is -
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    /// Use a built-in pair instead of two files
+    #[arg(long, value_name = "NAME", conflicts_with = "left", num_args = 0..=1, default_missing_value = "")]
+    sample: Option<String>,
+}
+
+/// One of the two images.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, Serialize)]
+#[serde(rename_all = "kebab-case")]
+enum Side {
+    /// The first image
+    Left,
+    /// The second image
+    Right,
+}
+
+impl From<Side> for ClickedImage {
+    fn from(side: Side) -> Self {
+        match side {
+            Side::Left => Self::First,
+            Side::Right => Self::Second,
+        }
+    }
+}
+
+/// Suggests, writes the JSON file, prints the candidates.
+pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
+    let output = Output::prepare(arguments.json.as_deref())?;
+    let fundamental = arguments.fundamental.as_deref().map(read_fundamental).transpose()?;
+    let [image1, image2] = pictures(arguments)?;
+    let parameters = SuggestParameters { band: arguments.band, ..SuggestParameters::default() };
+    let clicked = ClickedImage::from(arguments.side);
+    let found = on_threads(arguments.threads, || {
+        let prepared = PreparedPair::new(&image1.gray, &image2.gray);
+        suggest(&prepared, arguments.at, clicked, fundamental.as_ref(), &parameters)
+    })??;
+    let result = ResultFile {
+        at: arguments.at,
+        side: arguments.side,
+        fundamental,
+        clear: found.clear().is_some(),
+        message: found.verdict.to_string(),
+        suggestions: &found,
+        images: [&image1.name, &image2.name],
+        parameters: &parameters,
+        version: env!("CARGO_PKG_VERSION"),
+    };
+    output.write(&result, &table(&found, arguments.at, clicked))
+}
+
+fn pictures(arguments: &Arguments) -> Result<[Picture; 2], CliError> {
+    match (&arguments.sample, &arguments.left, &arguments.right) {
+        (Some(name), ..) => Ok(built_in(name)?.load().pictures),
+        (None, Some(left), Some(right)) => Ok([Picture::open(left)?, Picture::open(right)?]),
+        _ => Err(CliError::Arguments("two images are needed, LEFT and RIGHT".into())),
+    }
+}
+
+/// The content of a result file. Positions are `[x, y]` in px, angles radians.
+#[derive(Serialize)]
+struct ResultFile<'a> {
+    at: Point,
+    #[serde(rename = "in")]
+    side: Side,
+    fundamental: Option<FundamentalMatrix>,
+    clear: bool,
+    message: String,
+    #[serde(flatten)]
+    suggestions: &'a Suggestions,
+    images: [&'a str; 2],
+    parameters: &'a SuggestParameters,
+    version: &'static str,
+}
+
+/// The candidates for people.
+fn table(found: &Suggestions, at: Point, clicked: ClickedImage) -> String {
+    let other = 3 - clicked.number();
+    let mut text =
+        format!("Match of ({}, {}) px of image {} in image {other}:\n", at.x, at.y, clicked.number());
+    text.push_str("      x, px     y, px  correlation  turned by  scaled by\n");
+    for candidate in &found.candidates {
+        let _ = writeln!(
+            text,
+            " {:>10.2}{:>10.2}{:>13.3}{:>10.1}°{:>11.2}",
+            candidate.position.x,
+            candidate.position.y,
+            candidate.correlation,
+            candidate.rotation.to_degrees(),
+            candidate.scale
+        );
+    }
+    let _ = writeln!(text, "{}", found.verdict);
+    let _ = writeln!(text, "Ambiguity: {:.2} (0 stands alone, 1 another is as good)", found.ambiguity);
+    let _ = match found.return_distance {
+        Some(distance) => writeln!(text, "Way back: ends {distance:.2} px from the point"),
+        None => writeln!(text, "Way back: found nothing alike"),
+    };
+    text
+}

@@ -1,0 +1,56 @@
+//! What to search and when to trust it.
+
+use serde::{Deserialize, Serialize};
+
+use super::Verdict;
+
+/// Choices of [`suggest`](super::suggest()).
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SuggestParameters {
+    /// Half width of the band searched around the epipolar line, full-size px.
+    pub band: f64,
+    /// Most candidates returned.
+    pub candidates: usize,
+    /// A clear suggestion correlates at least this much, −1 to 1.
+    pub least_correlation: f64,
+    /// The ambiguity of a clear suggestion is below this, 0 to 1.
+    pub most_ambiguity: f64,
+    /// The way back of a clear suggestion ends this near the click, px or …
+    pub return_pixels: f64,
+    /// … share of the longer side of the image, whichever is more.
+    pub return_share: f64,
+}
+
+impl Default for SuggestParameters {
+    fn default() -> Self {
+        Self {
+            band: 4.0,
+            candidates: 5,
+            least_correlation: 0.8,
+            most_ambiguity: 0.6,
+            return_pixels: 2.0,
+            return_share: 0.0025,
+        }
+    }
+}
+
+impl SuggestParameters {
+    pub(super) fn verdict(
+        &self,
+        correlation: f64,
+        ambiguity: f64,
+        return_distance: Option<f64>,
+        longer_side: f64,
+    ) -> Verdict {
+        let near = self.return_pixels.max(self.return_share * longer_side);
+        if correlation < self.least_correlation {
+            Verdict::Weak
+        } else if ambiguity >= self.most_ambiguity {
+            Verdict::Ambiguous
+        } else if return_distance.is_none_or(|d| d > near) {
+            Verdict::NoReturn
+        } else {
+            Verdict::Clear
+        }
+    }
+}

@@ -1,0 +1,191 @@
+//! Candidates for the match of a click: found on small images, followed to the large ones.
+
+use rayon::prelude::*;
+
+use super::alignment::{Aligner, Placement};
+use super::correlation::{Region, Windows};
+use super::template::{Pose, Template};
+use crate::estimate::PreparedPair;
+use crate::geometry::{Line, Point};
+use crate::image::GrayPlane;
+
+/// Longer sides of the levels candidates are compared at, px; with halved levels they are from 1/√2 to √2 times
+/// that. A patch of fixed size shows some 6 %, 3 % and 1.5 % of the image: the surroundings tell repeated things
+/// apart, the detail gives the place.
+const SIDES: [f64; LEVELS] = [145.0, 290.0, 580.0];
+const LEVELS: usize = 3;
+/// Candidates followed from each level.
+const PER_LEVEL: usize = 16;
+/// Correlation below which a place on a small image is not followed.
+const LEAST_CORRELATION: f32 = 0.5;
+/// Candidates nearer to each other than this share of the longer side are one.
+const SEPARATION: f64 = 0.005;
+
+/// The two images at one size, in the order of the search.
+#[derive(Clone, Copy)]
+struct Stage<'a> {
+    from: &'a GrayPlane,
+    to: &'a GrayPlane,
+    /// Size over full size.
+    from_scale: f64,
+    to_scale: f64,
+}
+
+/// The images seen from the one that was clicked.
+pub(super) struct View<'a> {
+    stages: Vec<Stage<'a>>,
+    full: Stage<'a>,
+}
+
+/// Where the match may lie, full-size pixels.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Candidate {
+    pub placement: Placement,
+    /// Correlation of the patches, mean of all levels, −1 to 1.
+    pub correlation: f64,
+}
+
+/// What is searched for, and where.
+pub(super) struct Quest<'a> {
+    /// The click, full-size px.
+    pub at: Point,
+    pub poses: &'a [Pose],
+    /// Epipolar line and half width of the band around it, full-size px.
+    pub band: Option<(Line, f64)>,
+}
+
+impl Stage<'_> {
+    fn placement(&self, full: &Placement) -> Placement {
+        Placement {
+            at: resized(full.at, self.to_scale),
+            affine: full.affine * (self.to_scale / self.from_scale),
+        }
+    }
+
+    fn full(&self, own: &Placement) -> Placement {
+        Placement {
+            at: resized(own.at, 1.0 / self.to_scale),
+            affine: own.affine * (self.from_scale / self.to_scale),
+        }
+    }
+
+    fn aligner(&self, full_at: Point) -> Aligner<'_> {
+        Aligner { from: self.from, to: self.to, at: resized(full_at, self.from_scale) }
+    }
+
+    /// Peaks of the correlation on the small image, full size.
+    fn peaks(&self, quest: &Quest) -> Vec<Placement> {
+        let at = resized(quest.at, self.from_scale);
+        let templates: Vec<Template> =
+            quest.poses.iter().filter_map(|pose| Template::new(self.from, at, *pose)).collect();
+        if templates.is_empty() {
+            return Vec::new();
+        }
+        let frame = self.to.frame();
+        let region = match &quest.band {
+            None => Region::whole(frame),
+            Some((line, band)) => match resized_line(line, self.to_scale) {
+                // At least the pixels on either side of the line.
+                Some(line) => Region::band(frame, &line, (band * self.to_scale).max(1.0)),
+                None => return Vec::new(),
+            },
+        };
+        let map = Windows::new(self.to).best(&templates, region);
+        map.peaks(LEAST_CORRELATION, PER_LEVEL)
+            .into_iter()
+            .map(|peak| {
+                let template = &templates[usize::from(peak.best.template)];
+                self.full(&Placement {
+                    at: Point::new(peak.x as f64, peak.y as f64) + template.offset,
+                    affine: template.pose.matrix(),
+                })
+            })
+            .collect()
+    }
+}
+
+impl<'a> View<'a> {
+    /// From image `from` (0 or 1) to the other.
+    pub fn new(prepared: &'a PreparedPair, from: usize) -> Self {
+        let stage = |side: f64| {
+            let level = prepared.level(side);
+            Stage {
+                from: level.planes[from],
+                to: level.planes[1 - from],
+                from_scale: level.scales[from],
+                to_scale: level.scales[1 - from],
+            }
+        };
+        Self { stages: SIDES.map(stage).to_vec(), full: stage(f64::INFINITY) }
+    }
+
+    fn longer_side(&self) -> f64 {
+        self.full.to.frame().longer_side()
+    }
+
+    /// Whether the surroundings of a point are too uniform to be found anywhere.
+    pub fn is_flat(&self, at: Point) -> bool {
+        let upright = Pose { rotation: 0.0, scale: 1.0 };
+        self.stages.iter().all(|s| Template::new(s.from, resized(at, s.from_scale), upright).is_none())
+    }
+
+    /// Places that look like the click, best first, each separate from the others.
+    pub fn candidates(&self, quest: &Quest) -> Vec<Candidate> {
+        // Along a line there is time for the large image too.
+        let searched = if quest.band.is_some() { LEVELS } else { 2 };
+        let starts: Vec<(usize, Placement)> = (0..searched)
+            .flat_map(|k| self.stages[k].peaks(quest).into_iter().map(move |p| (k, p)))
+            .collect();
+        let mut found: Vec<Candidate> =
+            starts.par_iter().filter_map(|(k, start)| self.followed(quest, *k, *start)).collect();
+        // Stable: equals stay in the order they were found in, which does not depend on threads.
+        found.sort_by(|a, b| b.correlation.total_cmp(&a.correlation));
+        let apart = SEPARATION * self.longer_side();
+        let mut separate: Vec<Candidate> = Vec::new();
+        for candidate in found {
+            let near = |c: &Candidate| (c.placement.at - candidate.placement.at).norm() < apart;
+            if !separate.iter().any(near) {
+                separate.push(candidate);
+            }
+        }
+        separate
+    }
+
+    /// A place aligned at its own level and all finer ones.
+    fn followed(&self, quest: &Quest, level: usize, start: Placement) -> Option<Candidate> {
+        let mut full = start;
+        for stage in &self.stages[level..] {
+            full = stage.full(&stage.aligner(quest.at).align(stage.placement(&full))?);
+        }
+        if let Some((line, band)) = &quest.band
+            && line.distance(full.at) > band + 1.0
+        {
+            return None;
+        }
+        let correlation = |stage: &Stage| stage.aligner(quest.at).correlation(&stage.placement(&full));
+        let correlation = self.stages.iter().map(correlation).sum::<f64>() / LEVELS as f64;
+        Some(Candidate { placement: full, correlation })
+    }
+
+    /// A pose between the full-size images as one between the small ones, which may be reduced unequally.
+    pub fn level_pose(&self, pose: Pose) -> Pose {
+        let Stage { from_scale, to_scale, .. } = self.stages[0];
+        Pose { scale: pose.scale * to_scale / from_scale, ..pose }
+    }
+
+    /// The candidate at the full size of the images.
+    pub fn finished(&self, at: Point, candidate: &Candidate) -> Placement {
+        let aligned = self.full.aligner(at).align(self.full.placement(&candidate.placement));
+        aligned.map_or(candidate.placement, |placement| self.full.full(&placement))
+    }
+}
+
+/// Pixel centres map as `x' = (x + ½)·scale − ½`.
+fn resized(p: Point, scale: f64) -> Point {
+    Point::new((p.x + 0.5) * scale - 0.5, (p.y + 0.5) * scale - 0.5)
+}
+
+fn resized_line(line: &Line, scale: f64) -> Option<Line> {
+    let foot = resized(line.foot(Point::origin()), scale);
+    Line::through(foot, foot + line.direction())
+}

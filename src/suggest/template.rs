@@ -1,0 +1,85 @@
+//! The surroundings of a click as they would look turned and resized.
+
+use nalgebra::Matrix2;
+
+use crate::geometry::{Point, Vector};
+use crate::image::GrayPlane;
+
+/// Half width of a template: 11×11 pixels, whatever the level.
+pub(super) const HALF: usize = 5;
+pub(super) const SIDE: usize = 2 * HALF + 1;
+
+/// How the clicked image would have to be turned and resized to look like the other one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Pose {
+    /// Angle in radians, from the x axis to the y axis.
+    pub rotation: f64,
+    /// Size in the other image over size in the clicked one.
+    pub scale: f64,
+}
+
+/// Values with mean zero and norm one.
+pub(super) struct Template {
+    pub values: [f32; SIDE * SIDE],
+    /// From the middle of the template to the click, px of the other image; zero except near borders.
+    pub offset: Vector,
+    pub pose: Pose,
+}
+
+impl Pose {
+    /// Every combination of the rotations and scales.
+    pub fn grid(rotations: &[f64], scales: &[f64]) -> Vec<Self> {
+        rotations
+            .iter()
+            .flat_map(|rotation| scales.iter().map(|scale| Self { rotation: *rotation, scale: *scale }))
+            .collect()
+    }
+
+    /// The pose nearest to an affine map.
+    pub fn of(affine: &Matrix2<f64>) -> Self {
+        let (a, b) = (affine[(0, 0)] + affine[(1, 1)], affine[(1, 0)] - affine[(0, 1)]);
+        Self { rotation: b.atan2(a), scale: affine.determinant().abs().sqrt().max(1e-3) }
+    }
+
+    /// The pose of the way back.
+    pub fn inverse(self) -> Self {
+        Self { rotation: -self.rotation, scale: 1.0 / self.scale }
+    }
+
+    /// Displacements in the other image from those in the clicked one.
+    pub fn matrix(self) -> Matrix2<f64> {
+        let (sin, cos) = self.rotation.sin_cos();
+        Matrix2::new(cos, -sin, sin, cos) * self.scale
+    }
+}
+
+impl Template {
+    /// The template around a point of a plane; `None` where it is flat.
+    ///
+    /// Near a border the middle is moved inwards until the whole template shows the image, for what lies beyond
+    /// is not known; the click is then off the middle.
+    pub fn new(plane: &GrayPlane, at: Point, pose: Pose) -> Option<Self> {
+        let inverse = pose.matrix().try_inverse()?;
+        // Of a turned square the corners reach farthest.
+        let reach = HALF as f64 * (inverse[(0, 0)].abs() + inverse[(0, 1)].abs());
+        let inside = |v: f64, last: f64| if last > 2.0 * reach { v.clamp(reach, last - reach) } else { v };
+        let middle = Point::new(inside(at.x, plane.frame().right()), inside(at.y, plane.frame().bottom()));
+        let mut values = [0f32; SIDE * SIDE];
+        for (k, value) in values.iter_mut().enumerate() {
+            let (u, v) = ((k % SIDE) as f64 - HALF as f64, (k / SIDE) as f64 - HALF as f64);
+            *value = plane.sample(middle + inverse * Vector::new(u, v));
+        }
+        let mean = values.iter().sum::<f32>() / values.len() as f32;
+        for value in &mut values {
+            *value -= mean;
+        }
+        let norm = values.iter().map(|v| v * v).sum::<f32>().sqrt();
+        if norm < super::correlation::LEAST_CONTRAST * SIDE as f32 {
+            return None;
+        }
+        for value in &mut values {
+            *value /= norm;
+        }
+        Some(Self { values, offset: pose.matrix() * (at - middle), pose })
+    }
+}

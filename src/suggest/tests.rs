@@ -1,0 +1,194 @@
+//! The whole search on pictures whose matches are known.
+
+use std::path::Path;
+
+use super::*;
+use crate::evaluate::{Scene, pair_scenes, vgg_scenes};
+use crate::geometry::{Frame, PointPair};
+use crate::image::GrayPlane;
+use crate::synthetic::{Motion, test_pair};
+
+const BOTH: [ClickedImage; 2] = [ClickedImage::First, ClickedImage::Second];
+
+/// Click and truth of a match.
+fn click(m: &PointPair, clicked: ClickedImage) -> (Point, Point) {
+    match clicked {
+        ClickedImage::First => (m.point1, m.point2),
+        ClickedImage::Second => (m.point2, m.point1),
+    }
+}
+
+/// Irregular smooth blobs, defined everywhere.
+fn blobs(x: f64, y: f64) -> f32 {
+    let lattice = |i: f64, j: f64| {
+        let cell = (i as i64 as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15)
+            ^ (j as i64 as u64).wrapping_mul(0xC2B2_AE3D_27D4_EB4F);
+        (cell.wrapping_mul(0x1656_67B1_9E37_79F9) >> 40) as f64 / f64::from(1 << 24)
+    };
+    let octave = |size: f64| {
+        let (i, j) = ((x / size).floor(), (y / size).floor());
+        let smooth = |t: f64| t * t * (3.0 - 2.0 * t);
+        let (u, v) = (smooth(x / size - i), smooth(y / size - j));
+        let row = |j: f64| lattice(i, j) * (1.0 - u) + lattice(i + 1.0, j) * u;
+        row(j) * (1.0 - v) + row(j + 1.0) * v
+    };
+    (40.0 + 90.0 * octave(23.0) + 60.0 * octave(9.0) + 30.0 * octave(5.0)) as f32
+}
+
+/// The blobs, and the blobs turned and resized about the middle under another brightness.
+fn turned(degrees: f64, scale: f64) -> (PreparedPair, impl Fn(Point) -> Point) {
+    let frame = Frame::new(480, 360);
+    let middle = frame.centre();
+    let pose = Pose { rotation: degrees.to_radians(), scale };
+    let (forth, back) = (pose.matrix(), pose.inverse().matrix());
+    let image1 = GrayPlane::from_fn(frame, |x, y| blobs(x as f64, y as f64));
+    let image2 = GrayPlane::from_fn(frame, |x, y| {
+        let p = middle + back * (Point::new(x as f64, y as f64) - middle);
+        0.7 * blobs(p.x, p.y) + 25.0
+    });
+    (PreparedPair::new(&image1, &image2), move |p| middle + forth * (p - middle))
+}
+
+fn free(prepared: &PreparedPair, point: Point, clicked: ClickedImage) -> Result<Suggestions, SuggestError> {
+    suggest(prepared, point, clicked, None, &SuggestParameters::default())
+}
+
+#[test]
+fn turned_resized_and_darker_pictures_are_matched_to_a_fraction_of_a_pixel() {
+    for (degrees, scale) in [(0.0, 1.0), (30.0, 1.0), (-30.0, 1.0), (0.0, 0.7), (0.0, 1.4), (-22.0, 1.2)] {
+        let (prepared, there) = turned(degrees, scale);
+        for point in [Point::new(240.0, 180.0), Point::new(200.0, 140.0), Point::new(290.0, 225.0)] {
+            let found = free(&prepared, point, ClickedImage::First).unwrap();
+            let best = found.clear().unwrap_or_else(|| panic!("{degrees}° {scale} {point}: {found:?}"));
+            assert!((best.position - there(point)).norm() < 0.3, "{degrees}° {scale} {point}: {found:?}");
+            // A step of the search is 15° and 1.19: alignment must have come closer than half of it.
+            assert!((best.rotation.to_degrees() - degrees).abs() < 5.0, "{found:?}");
+            assert!((best.scale / scale - 1.0).abs() < 0.06, "{found:?}");
+        }
+    }
+}
+
+#[test]
+fn points_at_the_border_are_matched_with_what_is_inside() {
+    let frame = Frame::new(480, 360);
+    let image1 = GrayPlane::from_fn(frame, |x, y| blobs(x as f64, y as f64));
+    let image2 = GrayPlane::from_fn(frame, |x, y| blobs(x as f64 - 40.0, y as f64 - 30.0));
+    let prepared = PreparedPair::new(&image1, &image2);
+    for point in
+        [Point::new(0.0, 0.0), Point::new(2.0, 150.0), Point::new(200.0, -0.5), Point::new(425.0, 3.0)]
+    {
+        let found = free(&prepared, point, ClickedImage::First).unwrap();
+        let truth = point + crate::geometry::Vector::new(40.0, 30.0);
+        assert!((found.candidates[0].position - truth).norm() < 1.0, "{point}: {found:?}");
+    }
+}
+
+#[test]
+fn rendered_scenes_are_matched_and_clear_ones_are_right() {
+    for (motion, least_clear) in
+        [(Motion::Sideways, 0.5), (Motion::Roll, 0.3), (Motion::Scale, 0.2), (Motion::Forward, 0.5)]
+    {
+        let pair = test_pair(Frame::new(512, 384), motion, 4).unwrap();
+        let prepared = PreparedPair::new(&pair.pictures[0].gray, &pair.pictures[1].gray);
+        let (mut clicks, mut clear, mut right) = (0, 0, 0);
+        for m in pair.matches.iter().step_by(3) {
+            for (clicked, f) in BOTH.iter().zip([None, Some(&pair.fundamental)]) {
+                let (point, truth) = click(m, *clicked);
+                clicks += 1;
+                let found = suggest(&prepared, point, *clicked, f, &SuggestParameters::default());
+                let Ok(found) = found else { continue };
+                if let Some(best) = found.clear() {
+                    clear += 1;
+                    right += usize::from((best.position - truth).norm() < 5.0);
+                }
+            }
+        }
+        let (clicks, clear, right) = (f64::from(clicks), f64::from(clear), right as f64);
+        assert!(clear >= least_clear * clicks, "{motion:?}: {clear} of {clicks}");
+        // At most one or two wrong of a few dozen.
+        assert!(right >= 0.93 * clear, "{motion:?}: {right} of {clear}");
+    }
+}
+
+#[test]
+fn repeated_things_are_called_ambiguous_and_flat_ones_flat() {
+    let frame = Frame::new(400, 300);
+    let tiles = GrayPlane::from_fn(frame, |x, y| blobs((x % 80) as f64, (y % 60) as f64));
+    let prepared = PreparedPair::new(&tiles, &tiles);
+    let found = free(&prepared, Point::new(200.0, 150.0), ClickedImage::First).unwrap();
+    assert_ne!(found.verdict, Verdict::Clear, "{found:?}");
+    assert!(found.candidates.len() > 1 && found.ambiguity > 0.9, "{found:?}");
+
+    let half = GrayPlane::from_fn(frame, |x, y| if x < 200 { 90.0 } else { blobs(x as f64, y as f64) });
+    let prepared = PreparedPair::new(&half, &tiles);
+    let flat = free(&prepared, Point::new(60.0, 150.0), ClickedImage::First);
+    assert_eq!(flat, Err(SuggestError::Flat));
+    let nowhere = PreparedPair::new(&tiles, &GrayPlane::from_fn(frame, |_, _| 9.0));
+    let nothing = free(&nowhere, Point::new(60.0, 150.0), ClickedImage::First);
+    assert_eq!(nothing, Err(SuggestError::NothingAlike { image: 2 }));
+}
+
+#[test]
+fn impossible_points_are_refused() {
+    let frame = Frame::new(200, 150);
+    let plane = GrayPlane::from_fn(frame, |x, y| blobs(x as f64, y as f64));
+    let small = GrayPlane::from_fn(Frame::new(12, 150), |x, y| blobs(x as f64, y as f64));
+    let prepared = PreparedPair::new(&plane, &plane);
+    let at = |x, y| free(&prepared, Point::new(x, y), ClickedImage::Second).unwrap_err();
+    assert_eq!(at(f64::NAN, 3.0), SuggestError::NotFinite);
+    assert!(matches!(at(200.0, 3.0), SuggestError::Outside { image: 2, .. }));
+    let tiny = free(&PreparedPair::new(&plane, &small), Point::new(9.0, 9.0), ClickedImage::First);
+    assert!(matches!(tiny, Err(SuggestError::TooSmall { image: 2, .. })));
+    for size in [24, 25, 33] {
+        let plane = GrayPlane::from_fn(Frame::new(size, 24), |x, y| blobs(x as f64, y as f64));
+        let _ = free(&PreparedPair::new(&plane, &plane), Point::new(3.0, 20.0), ClickedImage::First);
+    }
+}
+
+/// Shares over the true matches of real pairs: clicks, clear, clear and right.
+fn tally(scenes: &[Scene], every: usize, with_f: bool) -> (usize, usize, usize) {
+    let (mut clicks, mut clear, mut right) = (0, 0, 0);
+    for scene in scenes {
+        let prepared = PreparedPair::new(&scene.images[0], &scene.images[1]);
+        for m in scene.matches.iter().step_by(every) {
+            for clicked in BOTH {
+                let (point, truth) = click(m, clicked);
+                let f = with_f.then_some(&scene.truth);
+                clicks += 1;
+                let found = suggest(&prepared, point, clicked, f, &SuggestParameters::default());
+                let Ok(found) = found else { continue };
+                if let Some(best) = found.clear() {
+                    clear += 1;
+                    let near = 0.01 * scene.longer_side();
+                    right += usize::from((best.position - truth).norm() <= near);
+                }
+            }
+        }
+    }
+    (clicks, clear, right)
+}
+
+#[test]
+fn clear_suggestions_on_real_pairs_are_right() {
+    let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data");
+    if !data.is_dir() {
+        eprintln!("skipped: {} is not there", data.display());
+        return;
+    }
+    let house = vgg_scenes(&data.join("house"), 1, &[]).unwrap();
+    let pairs = pair_scenes(&data.join("pairs"), &[]).unwrap();
+    // All clicks give 80 % (92 % with F) on the house and 56 % (66 %) on the pairs; a sample this size may lie
+    // some 8 % below.
+    for (scenes, every, with_f, least_clear) in [
+        (&house, 60, false, 0.72),
+        (&house, 60, true, 0.84),
+        (&pairs, 2, false, 0.45),
+        (&pairs, 2, true, 0.55),
+    ] {
+        let (clicks, clear, right) = tally(scenes, every, with_f);
+        println!("{clicks} clicks, F {with_f}: {clear} clear, {right} of them right");
+        assert!(clear as f64 >= least_clear * clicks as f64, "{clear} of {clicks}");
+        // 98 % and more are right; 95 % is what a clear suggestion promises.
+        assert!(right as f64 >= 0.95 * clear as f64, "{right} of {clear}");
+    }
+}
