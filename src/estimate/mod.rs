@@ -15,6 +15,7 @@ mod polish;
 mod prepared;
 mod published;
 mod refinement;
+mod resampling;
 mod result;
 mod search;
 mod steered;

@@ -8,6 +8,7 @@ use super::candidates::PencilComparison;
 use super::hypotheses::{bisector_kappas, draw_pairs, round_trip_area};
 use super::level::{Level, resized_pair};
 use super::prepared::{FineWitness, Witness};
+use super::resampling::resample;
 use super::search::{self, Steered};
 use super::two_point::{REPORTED, Run};
 use super::validation::line_score;
@@ -17,8 +18,11 @@ use crate::similarity::StereoSimilarity;
 
 /// Combinations tried for the first picture.
 const QUICK: usize = 1500;
+/// Rounds of resampling at most, and the growth of the best support in a round below which it is the last one.
+const ROUNDS: u64 = 5;
+const SETTLED: f64 = 1.01;
 /// Hypotheses refined at full resolution.
-const REFINED: usize = 3;
+const REFINED: usize = 8;
 
 impl Run<'_> {
     /// Line similarity proposes, patch support disposes (see [`search`]).
@@ -115,9 +119,18 @@ impl Run<'_> {
         let mut ranked = polish(&starts)?;
         // The rest stay in the list as they are: they may be the runners-up.
         ranked.extend(starts.drain(starts.len().min(search::FINE.count)..));
-        let seed = self.parameters.seed;
-        let resampled = search::resample(&fine.support, &ranked, &observed, seed, self.monitor)?;
-        ranked.extend(polish(&resampled)?);
+        for round in 0..ROUNDS {
+            ranked.sort_by(|a, b| b.support.total_cmp(&a.support));
+            let before = ranked.first().map_or(0.0, |leader| leader.support);
+            let seed = self.parameters.seed.wrapping_mul(ROUNDS).wrapping_add(round);
+            let resampled = resample(&fine.support, &ranked, &observed, seed, self.monitor)?;
+            let polished = polish(&resampled)?;
+            let after = polished.first().map_or(0.0, |best| best.support);
+            ranked.extend(polished);
+            if after < SETTLED * before {
+                break;
+            }
+        }
         ranked.sort_by(|a, b| b.support.total_cmp(&a.support));
         Ok(ranked)
     }

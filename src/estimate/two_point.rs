@@ -129,7 +129,7 @@ impl Run<'_> {
         starts
             .take_while(|_| !self.monitor.is_cancelled())
             .filter_map(|f| self.prepared.refine(&f, &observed, self.parameters.click_sigma, self.monitor))
-            .max_by(|a, b| a.weight().total_cmp(&b.weight()))
+            .max_by(|a, b| a.weight.total_cmp(&b.weight))
     }
 
     pub(super) fn preliminary(
