@@ -5,6 +5,7 @@
 //! | [`document`] | what is edited: plain data, without a window |
 //! | [`command`] | every action, with its name, tooltip and keys |
 //! | [`history`] | undo and redo |
+//! | [`focus`] | what is pointed at and what is chosen, shared by all panes and panels |
 //! | `computation`, [`worker`] | the estimate and the thread that computes it |
 //! | `loader` | opening pictures off the window's thread |
 //! | `panes` | the images: view transforms, textures, one file an overlay |
@@ -24,6 +25,7 @@ mod computation;
 pub mod document;
 #[cfg(test)]
 mod fake;
+pub mod focus;
 mod guide;
 pub mod history;
 mod inspector;
