@@ -38,6 +38,8 @@ pub struct Computation {
     begun: Vec<(Stage, Instant)>,
     /// The pencils compared last: of the clicks as they are, or of the ones just before.
     pencils: Option<Arc<[ComparedPencils; 2]>>,
+    /// Counts the pencils.
+    pencils_revision: u64,
     /// Counts the results.
     revision: u64,
     result: Option<(Box<Estimate>, Freshness)>,
@@ -54,6 +56,7 @@ impl Computation {
             running: false,
             begun: Vec::new(),
             pencils: None,
+            pencils_revision: 0,
             revision: 0,
             result: None,
             failure: None,
@@ -84,9 +87,19 @@ impl Computation {
             .map(|(k, (stage, begun))| (*stage, self.begun.get(k + 1).map(|(_, next)| *next - *begun)))
     }
 
+    /// Whether there is a computation at all, under way or over.
+    pub fn has_begun(&self) -> bool {
+        self.input.is_some()
+    }
+
     /// The pencils compared last, also while newer ones are being compared.
     pub fn pencils(&self) -> Option<&[ComparedPencils; 2]> {
         self.pencils.as_deref()
+    }
+
+    /// Another number for each pair of pencils.
+    pub fn pencils_revision(&self) -> u64 {
+        self.pencils_revision
     }
 
     /// Another number for each result: numbers of hypotheses belong to one of them.
@@ -137,9 +150,17 @@ impl Computation {
         }
     }
 
+    fn set_pencils(&mut self, pencils: Arc<[ComparedPencils; 2]>) {
+        if self.pencils.as_ref().is_none_or(|old| !Arc::ptr_eq(old, &pencils)) {
+            self.pencils = Some(pencils);
+            self.pencils_revision += 1;
+        }
+    }
+
     fn set_result(&mut self, result: Option<(Box<Estimate>, Freshness)>) {
         if let Some(pencils) = result.as_ref().and_then(|(estimate, _)| estimate.pencils.as_ref()) {
-            self.pencils = Some(Arc::clone(pencils));
+            let pencils = Arc::clone(pencils);
+            self.set_pencils(pencils);
         }
         self.result = result;
         self.revision += 1;
@@ -169,7 +190,7 @@ impl Computation {
         while let Some(news) = self.worker.poll() {
             match news {
                 News::Started(stage) => self.begun.push((stage, Instant::now())),
-                News::Pencils(pencils) => self.pencils = Some(pencils),
+                News::Pencils(pencils) => self.set_pencils(pencils),
                 News::Preliminary(estimate) => {
                     self.set_result(Some((estimate, Freshness::Preliminary)));
                 }

@@ -19,6 +19,7 @@ use super::computation::Computation;
 use super::document::{Document, PictureIdentity, PointRef, Side};
 use super::focus::Focus;
 use super::history::History;
+use super::inspection::{InspectionRequest, Matcher};
 use super::loader::{Loader, Opened, Opening, Pair, Source};
 use super::panels::{Message, OpenDialog};
 use super::panes::ImagePane;
@@ -26,7 +27,7 @@ use super::panes::overlays::OVERLAYS;
 use super::scene::Hover;
 use super::worker::{EstimateFn, Request, Waker, estimator};
 use crate::estimate::Estimate;
-use crate::geometry::PointPair;
+use crate::geometry::{AnchoredLine, PointPair};
 
 /// A system dialog that returns sooner than this cannot have been seen by anybody.
 const DIALOG_UNSEEN: Duration = Duration::from_millis(150);
@@ -57,6 +58,7 @@ fn pick_file() -> Option<PathBuf> {
 enum EditKey {
     Drag(PointRef),
     Nudge(PointRef),
+    Parameter(&'static str),
 }
 
 /// A file dialog that is open.
@@ -82,8 +84,14 @@ pub struct Inspector {
     panes: [ImagePane; 2],
     hover: Option<Hover>,
     focus: Focus,
+    matcher: Matcher,
+    /// The line pair that was inspected when the window was last drawn.
+    inspected: Option<[AnchoredLine; 2]>,
     /// The result that the chosen hypothesis belongs to.
     revision: u64,
+    /// The tab of the bottom panel, and whether the panel is unfolded.
+    tab: usize,
+    tabs_open: bool,
     overlays: [bool; OVERLAYS.len()],
     open_dialog: OpenDialog,
     shortcuts_open: bool,
@@ -110,7 +118,7 @@ impl Inspector {
             history: History::default(),
             computation: Computation::new(services.estimate, waker.clone()),
             loader,
-            waker,
+            waker: waker.clone(),
             pictures: None,
             opening: 0,
             start_pairs: start.pairs,
@@ -118,7 +126,11 @@ impl Inspector {
             panes: Side::BOTH.map(ImagePane::new),
             hover: None,
             focus: Focus::default(),
+            matcher: Matcher::new(waker),
+            inspected: None,
             revision: 0,
+            tab: 0,
+            tabs_open: true,
             overlays: [true; OVERLAYS.len()],
             open_dialog: OpenDialog::default(),
             shortcuts_open: false,
@@ -143,7 +155,10 @@ impl Inspector {
 
     /// Whether pictures are being opened or an estimate computed.
     pub fn is_busy(&self) -> bool {
-        self.loader.is_busy() || self.computation.is_running() || self.picking.is_some()
+        self.loader.is_busy()
+            || self.computation.is_running()
+            || self.matcher.is_busy()
+            || self.picking.is_some()
     }
 
     /// What the user was told and has not dismissed.
@@ -166,9 +181,14 @@ impl Inspector {
         self.draw(ui, &mut commands);
         self.point_at(&ctx, &commands);
         for command in commands {
+            if !matches!(command, Command::PointAt(_)) {
+                // The inspected lines follow when they are drawn.
+                ctx.request_repaint();
+            }
             self.apply(&ctx, command);
         }
         self.computation.follow(self.opening, self.request());
+        self.matcher.follow(self.inspection_request());
         self.name_window(&ctx);
     }
 
@@ -188,13 +208,19 @@ impl Inspector {
         let pictures = self.pictures.as_ref()?;
         Some(Request {
             pictures: pictures.each_ref().map(|opened| Arc::clone(&opened.picture)),
-            pairs: self.document.used_pairs()?.to_vec(),
+            pairs: self.document.used_pairs()?,
             parameters: self.document.parameters.clone(),
         })
     }
 
+    fn inspection_request(&self) -> Option<InspectionRequest> {
+        let pictures = self.pictures.as_ref()?.each_ref().map(|opened| Arc::clone(&opened.picture));
+        Some(InspectionRequest::new(pictures, self.inspected?, &self.document.parameters))
+    }
+
     fn take_news(&mut self, ctx: &egui::Context) {
         self.computation.take_news();
+        self.matcher.take_news();
         if self.revision != self.computation.revision() {
             // Numbers of hypotheses belong to one result.
             self.revision = self.computation.revision();
