@@ -7,7 +7,8 @@ use std::path::PathBuf;
 use egui::{Key, KeyboardShortcut, Modifiers};
 
 use super::document::{PointRef, Side};
-use crate::estimate::{Method, Preset};
+use super::focus::{LineSource, Target};
+use crate::estimate::{Method, Parameters, Preset};
 use crate::geometry::{Point, Vector};
 
 /// Something to do.
@@ -33,6 +34,8 @@ pub enum Command {
     DeleteSelected,
     /// Remove a pair.
     DeletePair(usize),
+    /// Leave a pair out, or take it in again.
+    IncludePair(usize, bool),
     /// Remove all pairs.
     ClearPairs,
     /// Give up what is half done.
@@ -63,6 +66,31 @@ pub enum Command {
     SetMethod(Method),
     /// Choose whose parameters to use.
     SetPreset(Preset),
+    /// Something is under the cursor; its counterparts light up in the next frame.
+    PointAt(Target),
+    /// Show a hypothesis in the whole window, by its place in the list, or the result again.
+    ChooseHypothesis(Option<usize>),
+    /// Keep a line pair on the images and look at it closely.
+    Pin(LineSource),
+    /// Look closely at a pinned line pair, by its place in the list.
+    Inspect(usize),
+    /// Remove a pinned line pair, by its place in the list.
+    Unpin(usize),
+    /// Remove all pinned line pairs.
+    UnpinAll,
+    /// Change parameters, at the setting of this name; all changes of one until [`Command::EndDrag`] are one step.
+    SetParameters {
+        /// The setting that was changed.
+        setting: &'static str,
+        /// All parameters, with the change.
+        to: Box<Parameters>,
+    },
+    /// Take all parameters back to those of the preset.
+    ResetParameters,
+    /// Show a tab of the bottom panel, by its number.
+    ShowTab(usize),
+    /// Fold the bottom panel away, or bring it back.
+    FoldTabs,
     /// Show or hide an overlay, by its number in the list of overlays.
     ToggleOverlay(usize),
     /// Remove a message.
@@ -80,7 +108,7 @@ const fn key(modifiers: Modifiers, key: Key) -> KeyboardShortcut {
 impl Command {
     /// The actions that have keys, in the order of the list of keys. Where one key is another one's with
     /// Shift, the one with Shift comes first, or it would never be seen.
-    pub fn with_keys() -> [Self; 11] {
+    pub fn with_keys() -> [Self; 12] {
         [
             Self::ShowOpenDialog,
             Self::ShowMe,
@@ -90,6 +118,7 @@ impl Command {
             Self::Cancel,
             Self::FitAll,
             Self::Recompute,
+            Self::FoldTabs,
             Self::ToggleTheme,
             Self::ToggleShortcuts,
             Self::Quit,
@@ -108,6 +137,7 @@ impl Command {
             Self::Redo => "Redo",
             Self::DeleteSelected => "Delete the selected pair",
             Self::DeletePair(_) => "Delete",
+            Self::IncludePair(..) => "Include or leave out",
             Self::ClearPairs => "Clear points",
             Self::Cancel => "Cancel",
             Self::FitAll | Self::FitAfterDoubleClick(_) => "Fit",
@@ -121,6 +151,17 @@ impl Command {
             Self::Select(_) => "Select a point",
             Self::SetMethod(_) => "Pairs used",
             Self::SetPreset(_) => "Preset",
+            Self::PointAt(_) => "Point at something",
+            Self::ChooseHypothesis(None) => "Back to the result",
+            Self::ChooseHypothesis(Some(_)) => "Show a hypothesis",
+            Self::Pin(_) => "Pin a line pair",
+            Self::Inspect(_) => "Inspect a pinned line pair",
+            Self::Unpin(_) => "Unpin",
+            Self::UnpinAll => "Unpin all lines",
+            Self::SetParameters { .. } => "Change a parameter",
+            Self::ResetParameters => "Reset all parameters",
+            Self::ShowTab(_) => "Show a tab",
+            Self::FoldTabs => "Hide or show the panel",
             Self::ToggleOverlay(_) => "Show or hide",
             Self::Dismiss(_) => "Dismiss message",
             Self::Quit => "Quit",
@@ -141,6 +182,9 @@ impl Command {
             Self::Redo => "Make the step again that was taken back.",
             Self::DeleteSelected => "Remove the pair of the selected point from both images.",
             Self::DeletePair(_) => "Remove this pair from both images.",
+            Self::IncludePair(..) => {
+                "A pair left out counts neither for the estimate nor for the summary; the next one takes its place."
+            }
             Self::ClearPairs => "Remove all point pairs. Undo brings them back.",
             Self::Cancel => "Give up what is half done: a drag, the first click of a pair, a window.",
             Self::FitAll => "Show both images whole. A double click does it for one.",
@@ -159,6 +203,19 @@ impl Command {
             Self::SetPreset(_) => {
                 "Robust measured best on real images; Paper follows the published method to the letter."
             }
+            Self::PointAt(_) => "What is under the cursor lights up everywhere else.",
+            Self::ChooseHypothesis(None) => "Show the result of the estimate in the whole window again.",
+            Self::ChooseHypothesis(Some(_)) => {
+                "Show this hypothesis in the whole window instead of the result."
+            }
+            Self::Pin(_) => "Keep these two lines on the images and compare their intensities.",
+            Self::Inspect(_) => "Compare the intensities of this line pair.",
+            Self::Unpin(_) => "Remove this line pair from the images.",
+            Self::UnpinAll => "Remove all pinned line pairs from the images.",
+            Self::SetParameters { .. } => "Change a parameter of the estimate.",
+            Self::ResetParameters => "Take all parameters back to those of the preset.",
+            Self::ShowTab(_) => "Show this tab of the bottom panel.",
+            Self::FoldTabs => "Fold the bottom panel away, or bring it back.",
             Self::ToggleOverlay(_) => "Show or hide this in both images.",
             Self::Dismiss(_) => "Remove this message.",
             Self::Quit => "Close the window.",
@@ -179,6 +236,7 @@ impl Command {
             Self::Cancel => const { &[key(Modifiers::NONE, Key::Escape)] },
             Self::FitAll => const { &[key(Modifiers::NONE, Key::F)] },
             Self::Recompute => const { &[key(Modifiers::NONE, Key::F5)] },
+            Self::FoldTabs => const { &[key(Modifiers::NONE, Key::B)] },
             Self::ToggleTheme => const { &[key(Modifiers::NONE, Key::T)] },
             Self::ToggleShortcuts => {
                 const { &[key(Modifiers::NONE, Key::Questionmark), key(Modifiers::NONE, Key::F1)] }

@@ -1,7 +1,10 @@
 //! Where the estimate stands: the latest result, whether it is still being improved, and what went wrong.
 
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
 use super::worker::{EstimateFn, Failure, News, Request, Waker, Worker};
-use crate::estimate::{Estimate, EstimateError, Parameters, Stage};
+use crate::estimate::{ComparedPencils, Estimate, EstimateError, Parameters, Stage};
 use crate::geometry::PointPair;
 
 /// How the latest result relates to the points as they are now.
@@ -31,7 +34,14 @@ pub struct Computation {
     worker: Worker,
     input: Option<Input>,
     running: bool,
-    stage: Option<Stage>,
+    /// The stages of the latest computation that have begun, with when they did.
+    begun: Vec<(Stage, Instant)>,
+    /// The pencils compared last: of the clicks as they are, or of the ones just before.
+    pencils: Option<Arc<[ComparedPencils; 2]>>,
+    /// Counts the pencils.
+    pencils_revision: u64,
+    /// Counts the results.
+    revision: u64,
     result: Option<(Box<Estimate>, Freshness)>,
     failure: Option<Failure>,
     stopped: bool,
@@ -44,7 +54,10 @@ impl Computation {
             worker: Worker::new(estimate, waker),
             input: None,
             running: false,
-            stage: None,
+            begun: Vec::new(),
+            pencils: None,
+            pencils_revision: 0,
+            revision: 0,
             result: None,
             failure: None,
             stopped: false,
@@ -63,7 +76,35 @@ impl Computation {
 
     /// The stage under way, once it is known.
     pub fn stage(&self) -> Option<Stage> {
-        self.stage
+        self.begun.last().map(|(stage, _)| *stage)
+    }
+
+    /// The stages of the latest computation that have begun, each with the time it took; of the last one, none.
+    pub fn stages(&self) -> impl Iterator<Item = (Stage, Option<Duration>)> + '_ {
+        self.begun
+            .iter()
+            .enumerate()
+            .map(|(k, (stage, begun))| (*stage, self.begun.get(k + 1).map(|(_, next)| *next - *begun)))
+    }
+
+    /// Whether there is a computation at all, under way or over.
+    pub fn has_begun(&self) -> bool {
+        self.input.is_some()
+    }
+
+    /// The pencils compared last, also while newer ones are being compared.
+    pub fn pencils(&self) -> Option<&[ComparedPencils; 2]> {
+        self.pencils.as_deref()
+    }
+
+    /// Another number for each pair of pencils.
+    pub fn pencils_revision(&self) -> u64 {
+        self.pencils_revision
+    }
+
+    /// Another number for each result: numbers of hypotheses belong to one of them.
+    pub fn revision(&self) -> u64 {
+        self.revision
     }
 
     /// Why the latest computation has no result.
@@ -94,17 +135,35 @@ impl Computation {
         if let Some(request) = request {
             self.worker.submit(request);
             self.running = true;
-            self.stage = None;
-            match &mut self.result {
-                Some(_) if other_pictures => self.result = None,
-                Some((_, freshness)) => *freshness = Freshness::Stale,
-                None => {}
+            self.begun.clear();
+            if other_pictures {
+                self.pencils = None;
+                self.set_result(None);
+            } else if let Some((_, freshness)) = &mut self.result {
+                *freshness = Freshness::Stale;
             }
         } else {
             self.worker.cancel();
             self.running = false;
-            self.result = None;
+            self.pencils = None;
+            self.set_result(None);
         }
+    }
+
+    fn set_pencils(&mut self, pencils: Arc<[ComparedPencils; 2]>) {
+        if self.pencils.as_ref().is_none_or(|old| !Arc::ptr_eq(old, &pencils)) {
+            self.pencils = Some(pencils);
+            self.pencils_revision += 1;
+        }
+    }
+
+    fn set_result(&mut self, result: Option<(Box<Estimate>, Freshness)>) {
+        if let Some(pencils) = result.as_ref().and_then(|(estimate, _)| estimate.pencils.as_ref()) {
+            let pencils = Arc::clone(pencils);
+            self.set_pencils(pencils);
+        }
+        self.result = result;
+        self.revision += 1;
     }
 
     /// Stops the computation; a preliminary result stays.
@@ -116,7 +175,7 @@ impl Computation {
         if let Some((_, freshness @ Freshness::Preliminary)) = &mut self.result {
             *freshness = Freshness::Stopped;
         } else {
-            self.result = None;
+            self.set_result(None);
             self.stopped = true;
         }
     }
@@ -130,16 +189,19 @@ impl Computation {
     pub fn take_news(&mut self) {
         while let Some(news) = self.worker.poll() {
             match news {
-                News::Started(stage) => self.stage = Some(stage),
-                News::Preliminary(estimate) => self.result = Some((estimate, Freshness::Preliminary)),
+                News::Started(stage) => self.begun.push((stage, Instant::now())),
+                News::Pencils(pencils) => self.set_pencils(pencils),
+                News::Preliminary(estimate) => {
+                    self.set_result(Some((estimate, Freshness::Preliminary)));
+                }
                 News::Finished(Ok(estimate)) => {
                     self.running = false;
-                    self.result = Some((estimate, Freshness::Final));
+                    self.set_result(Some((estimate, Freshness::Final)));
                 }
                 News::Finished(Err(failure)) => {
                     self.running = false;
                     // Lines of earlier points would contradict the message.
-                    self.result = None;
+                    self.set_result(None);
                     self.stopped = failure == Failure::Estimate(EstimateError::Cancelled);
                     self.failure = (!self.stopped).then_some(failure);
                 }

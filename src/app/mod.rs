@@ -5,7 +5,9 @@
 //! | [`document`] | what is edited: plain data, without a window |
 //! | [`command`] | every action, with its name, tooltip and keys |
 //! | [`history`] | undo and redo |
+//! | [`focus`] | what is pointed at and what is chosen, shared by all panes and panels |
 //! | `computation`, [`worker`] | the estimate and the thread that computes it |
+//! | `inspection` | the intensities of the inspected line pair, matched in a third thread |
 //! | `loader` | opening pictures off the window's thread |
 //! | `panes` | the images: view transforms, textures, one file an overlay |
 //! | `panels` | everything around them, one file each |
@@ -24,15 +26,21 @@ mod computation;
 pub mod document;
 #[cfg(test)]
 mod fake;
+pub mod focus;
 mod guide;
+mod heat;
 pub mod history;
+mod inspection;
 mod inspector;
 mod loader;
 mod panels;
 mod panes;
+mod residuals;
 mod sample;
 mod scene;
+mod settings;
 mod shell;
+mod step;
 mod theme;
 mod verdict;
 pub mod worker;

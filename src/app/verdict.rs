@@ -103,7 +103,7 @@ fn waiting(document: &Document) -> String {
     if document.pictures.is_none() {
         return "Nothing to estimate from yet.".into();
     }
-    let more = needed.saturating_sub(document.pairs.len());
+    let more = needed.saturating_sub(document.used().count());
     let pairs = if more == 1 { "One more point pair gives" } else { "Two point pairs give" };
     let pairs = if more == 3 { "Three point pairs give" } else { pairs };
     format!("{pairs} the epipolar lines, the epipoles and how far to trust them.")
@@ -111,7 +111,7 @@ fn waiting(document: &Document) -> String {
 
 /// `pairs p and q`.
 fn used(document: &Document) -> String {
-    let names: Vec<_> = (0..document.parameters.method.pairs_needed()).map(pair_name).collect();
+    let names: Vec<_> = document.used().map(pair_name).collect();
     match names.split_last() {
         Some((last, rest)) if !rest.is_empty() => format!("pairs {} and {last}", rest.join(", ")),
         _ => "the pairs".into(),
@@ -174,7 +174,7 @@ fn facts(document: &Document, estimate: &Estimate) -> Vec<Fact> {
 }
 
 /// Where an epipole is, in words and figures.
-fn epipole_text(epipole: &HomogeneousPoint, frame: Option<Frame>) -> String {
+pub fn epipole_text(epipole: &HomogeneousPoint, frame: Option<Frame>) -> String {
     // Farther away than this, the lines of an image are parallel to the eye.
     const FAR: f64 = 1e6;
     let Some(p) = finite_point(epipole).filter(|p| p.coords.amax() < FAR) else {

@@ -11,7 +11,7 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, OnceLock, PoisonError};
 
 use crate::estimate::{
-    CancelFlag, Estimate, EstimateError, Monitor, Parameters, PreparedPair, Progress, Stage,
+    CancelFlag, ComparedPencils, Estimate, EstimateError, Monitor, Parameters, PreparedPair, Progress, Stage,
     estimate_prepared,
 };
 use crate::geometry::PointPair;
@@ -82,6 +82,8 @@ pub enum Failure {
 pub enum News {
     /// A stage has begun.
     Started(Stage),
+    /// The pencils through the first two clicks have been compared.
+    Pencils(Arc<[ComparedPencils; 2]>),
     /// A result good enough to draw; better ones follow.
     Preliminary(Box<Estimate>),
     /// The end.
@@ -196,6 +198,7 @@ fn run(shared: &Shared, sender: &Sender<(u64, News)>, estimate: &mut EstimateFn,
         let monitor = Monitor::new(cancel, |progress| {
             tell(match progress {
                 Progress::Started(stage) => News::Started(stage),
+                Progress::Pencils(pencils) => News::Pencils(pencils),
                 Progress::Preliminary(estimate) => News::Preliminary(estimate),
             });
         });
@@ -249,7 +252,7 @@ mod tests {
         let mut preliminary = 0;
         loop {
             match wait(&worker) {
-                News::Started(_) => {}
+                News::Started(_) | News::Pencils(_) => {}
                 News::Preliminary(_) => preliminary += 1,
                 News::Finished(result) => break assert!(result.is_ok()),
             }

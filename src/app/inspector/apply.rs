@@ -36,6 +36,9 @@ impl Inspector {
                 }
             }
             Command::DeletePair(pair) => self.edit(Step::Single, |document| document.remove(pair)),
+            Command::IncludePair(pair, included) => {
+                self.edit(Step::Single, |document| document.include(pair, included));
+            }
             Command::ClearPairs => self.edit(Step::Single, |document| document.set_pairs(Vec::new())),
             Command::Cancel => self.cancel(),
             Command::FitAll => self.panes.iter_mut().for_each(super::ImagePane::fit),
@@ -68,6 +71,19 @@ impl Inspector {
                 self.edit(Step::Single, |document| document.parameters.method = method);
             }
             Command::SetPreset(preset) => self.set_preset(preset),
+            // Collected by `Inspector::show`, since only what is pointed at in this frame counts.
+            Command::PointAt(_) => {}
+            Command::ChooseHypothesis(number) => self.focus.choose_hypothesis(number),
+            Command::Pin(source) => self.focus.pin(source),
+            Command::Inspect(number) => self.focus.inspect(number),
+            Command::Unpin(number) => self.focus.unpin(number),
+            Command::UnpinAll => self.focus.unpin_all(),
+            Command::SetParameters { setting, to } => {
+                self.edit(Step::Merged(EditKey::Parameter(setting)), |document| document.parameters = *to);
+            }
+            Command::ResetParameters => self.set_preset(self.document.parameters.preset),
+            Command::ShowTab(number) => (self.tab, self.tabs_open) = (number, true),
+            Command::FoldTabs => self.tabs_open = !self.tabs_open,
             Command::ToggleOverlay(number) => {
                 if let Some(shown) = self.overlays.get_mut(number) {
                     *shown = !*shown;

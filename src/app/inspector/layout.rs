@@ -1,13 +1,12 @@
 //! Where everything is in the window.
 
-use egui::{CentralPanel, Frame, Margin, Panel, Rect, Ui, UiBuilder};
+use egui::{CentralPanel, Frame, Margin, Panel, Ui, UiBuilder};
 
 use super::Inspector;
 use crate::app::command::Command;
-use crate::app::panels::{self, SECTIONS};
+use crate::app::panels;
 use crate::app::panes::halves;
 use crate::app::scene::Scene;
-use crate::app::theme;
 
 impl Inspector {
     /// Draws the window and collects what it was asked for.
@@ -18,6 +17,9 @@ impl Inspector {
             document: &self.document,
             computation: &self.computation,
             hover: self.hover,
+            focus: &self.focus,
+            inspection: self.matcher.latest(),
+            tab: self.tabs_open.then_some(self.tab),
             overlays: &self.overlays,
             loading: self.loader.is_busy(),
             has_sample_points: self.show_me.is_some(),
@@ -33,12 +35,27 @@ impl Inspector {
             let pictures = self.pictures.as_ref();
             panels::status(ui, &scene, pictures.map(|p| p.each_ref().map(|opened| opened.picture.as_ref())));
         });
-        Panel::bottom("sections")
+        Panel::right("side")
             .frame(bar(ui))
             .resizable(true)
-            .default_size(196.0)
-            .size_range(120.0..=420.0)
-            .show(ui, |ui| sections(ui, &scene, commands));
+            .default_size(300.0)
+            .size_range(240.0..=480.0)
+            .show(ui, |ui| panels::side::show(ui, &scene, commands));
+        if scene.tab.is_some() {
+            Panel::bottom("tabs")
+                .frame(bar(ui))
+                .resizable(true)
+                .default_size(228.0)
+                .size_range(130.0..=560.0)
+                .show(ui, |ui| {
+                    panels::tabs::headings(ui, &scene, commands);
+                    panels::tabs::chosen(ui, &scene, commands);
+                });
+        } else {
+            Panel::bottom("folded tabs").frame(bar(ui)).show(ui, |ui| {
+                panels::tabs::headings(ui, &scene, commands);
+            });
+        }
         let panes = &mut self.panes;
         let (area, hover) = CentralPanel::default()
             .frame(bar(ui))
@@ -58,36 +75,11 @@ impl Inspector {
         if self.shortcuts_open {
             panels::shortcuts(&ctx, &mut self.shortcuts_open);
         }
+        self.inspected = scene.inspected().map(|inspected| inspected.lines);
         if hover != self.hover {
             // Written in this frame, drawn in the next.
             self.hover = hover;
             ctx.request_repaint();
         }
     }
-}
-
-/// The bottom panel, one section beside the other.
-fn sections(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
-    let area = ui.available_rect_before_wrap();
-    let mut left = area.min.x;
-    for (number, section) in SECTIONS.iter().enumerate() {
-        let right = left + area.width() * section.share;
-        let rect = Rect::from_x_y_ranges(
-            left..=right - if number + 1 < SECTIONS.len() { 2.0 * theme::GAP } else { 0.0 },
-            area.y_range(),
-        );
-        if number > 0 {
-            let stroke = ui.visuals().widgets.noninteractive.bg_stroke;
-            ui.painter().vline(left - theme::GAP, area.y_range(), stroke);
-        }
-        let mut child = ui.new_child(UiBuilder::new().max_rect(rect).id_salt(section.title));
-        child.horizontal(|ui| {
-            ui.strong(section.title);
-            let right_to_left = egui::Layout::right_to_left(egui::Align::Center);
-            ui.with_layout(right_to_left, |ui| (section.tools)(ui, scene, commands));
-        });
-        (section.show)(&mut child, scene, commands);
-        left = right;
-    }
-    ui.advance_cursor_after_rect(area);
 }

@@ -14,10 +14,12 @@ use std::time::Duration;
 use egui::Ui;
 
 use super::Start;
-use super::command;
+use super::command::{self, Command};
 use super::computation::Computation;
 use super::document::{Document, PictureIdentity, PointRef, Side};
+use super::focus::Focus;
 use super::history::History;
+use super::inspection::{InspectionRequest, Matcher};
 use super::loader::{Loader, Opened, Opening, Pair, Source};
 use super::panels::{Message, OpenDialog};
 use super::panes::ImagePane;
@@ -25,7 +27,7 @@ use super::panes::overlays::OVERLAYS;
 use super::scene::Hover;
 use super::worker::{EstimateFn, Request, Waker, estimator};
 use crate::estimate::Estimate;
-use crate::geometry::PointPair;
+use crate::geometry::{AnchoredLine, PointPair};
 
 /// A system dialog that returns sooner than this cannot have been seen by anybody.
 const DIALOG_UNSEEN: Duration = Duration::from_millis(150);
@@ -56,6 +58,7 @@ fn pick_file() -> Option<PathBuf> {
 enum EditKey {
     Drag(PointRef),
     Nudge(PointRef),
+    Parameter(&'static str),
 }
 
 /// A file dialog that is open.
@@ -80,6 +83,15 @@ pub struct Inspector {
     show_me: Option<[PointPair; 2]>,
     panes: [ImagePane; 2],
     hover: Option<Hover>,
+    focus: Focus,
+    matcher: Matcher,
+    /// The line pair that was inspected when the window was last drawn.
+    inspected: Option<[AnchoredLine; 2]>,
+    /// The result that the chosen hypothesis belongs to.
+    revision: u64,
+    /// The tab of the bottom panel, and whether the panel is unfolded.
+    tab: usize,
+    tabs_open: bool,
     overlays: [bool; OVERLAYS.len()],
     open_dialog: OpenDialog,
     shortcuts_open: bool,
@@ -106,13 +118,19 @@ impl Inspector {
             history: History::default(),
             computation: Computation::new(services.estimate, waker.clone()),
             loader,
-            waker,
+            waker: waker.clone(),
             pictures: None,
             opening: 0,
             start_pairs: start.pairs,
             show_me: None,
             panes: Side::BOTH.map(ImagePane::new),
             hover: None,
+            focus: Focus::default(),
+            matcher: Matcher::new(waker),
+            inspected: None,
+            revision: 0,
+            tab: 0,
+            tabs_open: true,
             overlays: [true; OVERLAYS.len()],
             open_dialog: OpenDialog::default(),
             shortcuts_open: false,
@@ -137,7 +155,10 @@ impl Inspector {
 
     /// Whether pictures are being opened or an estimate computed.
     pub fn is_busy(&self) -> bool {
-        self.loader.is_busy() || self.computation.is_running() || self.picking.is_some()
+        self.loader.is_busy()
+            || self.computation.is_running()
+            || self.matcher.is_busy()
+            || self.picking.is_some()
     }
 
     /// What the user was told and has not dismissed.
@@ -158,24 +179,53 @@ impl Inspector {
         }
         let mut commands = Vec::new();
         self.draw(ui, &mut commands);
+        self.point_at(&ctx, &commands);
         for command in commands {
+            if !matches!(command, Command::PointAt(_)) {
+                // The inspected lines follow when they are drawn.
+                ctx.request_repaint();
+            }
             self.apply(&ctx, command);
         }
         self.computation.follow(self.opening, self.request());
+        self.matcher.follow(self.inspection_request());
         self.name_window(&ctx);
+    }
+
+    /// Notes what is pointed at in this frame, for the next one to draw.
+    fn point_at(&mut self, ctx: &egui::Context, commands: &[Command]) {
+        let targets = commands.iter().filter_map(|command| match command {
+            Command::PointAt(target) => Some(*target),
+            _ => None,
+        });
+        // The panels are drawn before what lies over them: the last one is the topmost.
+        if self.focus.point_at(targets.last()) {
+            ctx.request_repaint();
+        }
     }
 
     fn request(&self) -> Option<Request> {
         let pictures = self.pictures.as_ref()?;
         Some(Request {
             pictures: pictures.each_ref().map(|opened| Arc::clone(&opened.picture)),
-            pairs: self.document.used_pairs()?.to_vec(),
+            pairs: self.document.used_pairs()?,
             parameters: self.document.parameters.clone(),
         })
     }
 
+    fn inspection_request(&self) -> Option<InspectionRequest> {
+        let pictures = self.pictures.as_ref()?.each_ref().map(|opened| Arc::clone(&opened.picture));
+        Some(InspectionRequest::new(pictures, self.inspected?, &self.document.parameters))
+    }
+
     fn take_news(&mut self, ctx: &egui::Context) {
         self.computation.take_news();
+        self.matcher.take_news();
+        if self.revision != self.computation.revision() {
+            // Numbers of hypotheses belong to one result.
+            self.revision = self.computation.revision();
+            self.focus.choose_hypothesis(None);
+        }
         match self.loader.poll() {
             Some(Ok(pair)) => self.show_pictures(ctx, pair),
             Some(Err(text)) => {
@@ -212,6 +262,7 @@ impl Inspector {
         self.show_me = pair.show_me;
         self.opening += 1;
         self.hover = None;
+        self.focus.clear();
         self.placed = None;
         let pairs = std::mem::take(&mut self.start_pairs);
         let (inside, outside): (Vec<_>, Vec<_>) = pairs.into_iter().partition(|pair| {
