@@ -3,15 +3,15 @@
 
 use rayon::prelude::*;
 
-use super::bundle::{Angles, Bundle};
+use super::bundle::Angles;
 use super::candidates::PencilComparison;
-use super::hypotheses::{bisector_kappas, draw_pairs, round_trip_area};
+use super::examination::Examiner;
+use super::hypotheses::draw_pairs;
 use super::level::{Level, resized_pair};
 use super::prepared::{FineWitness, Witness};
 use super::resampling::resample;
 use super::search::{self, Steered};
 use super::two_point::{REPORTED, Run};
-use super::validation::line_score;
 use super::{Construction, Estimate, EstimateError, Hypothesis, PatchSupport, Stage};
 use crate::geometry::PointPair;
 use crate::similarity::StereoSimilarity;
@@ -30,7 +30,6 @@ impl Run<'_> {
         mut self,
         similarity: &StereoSimilarity,
         level: &Level,
-        clicks: &[PointPair; 2],
         pencils: &[PencilComparison; 2],
         witness: &Witness,
     ) -> Result<Estimate, EstimateError> {
@@ -60,7 +59,7 @@ impl Run<'_> {
         self.enter(Stage::Validation)?;
         let fine = self.prepared.fine_witness();
         let ranked = self.ranked(&proposals, &own, third, witness, fine)?;
-        let hypotheses = self.figures(similarity, level, clicks, &ranked, fine);
+        let hypotheses = self.figures(similarity, level, &ranked, fine);
         let leader = ranked.first().ok_or(EstimateError::NoGeometry)?;
         let best = hypotheses.first().ok_or(EstimateError::NoGeometry)?.fundamental;
         let supporting: Vec<PointPair> = fine
@@ -158,13 +157,12 @@ impl Run<'_> {
         &self,
         similarity: &StereoSimilarity,
         level: &Level,
-        clicks: &[PointPair; 2],
         ranked: &[Steered],
         fine: &FineWitness,
     ) -> Vec<Hypothesis> {
         let own = self.clicks.map(|c| resized_pair(&c, fine.scales));
-        let frames = level.frames();
-        let parameters = self.parameters;
+        let examiner = Examiner { similarity, level, parameters: self.parameters, clicks: self.clicks };
+        let [s1, s2] = fine.scales;
         ranked
             .par_iter()
             .take(REPORTED)
@@ -177,28 +175,8 @@ impl Run<'_> {
                     matches.iter().map(|m| m.pair),
                 )
                 .unwrap_or(steered.angles);
-                let bundle = Bundle::new(&angles, *clicks)?;
-                let score = line_score(
-                    similarity,
-                    &bundle,
-                    frames,
-                    parameters.validation_lines,
-                    parameters.line_score,
-                );
-                let (forward, backward) =
-                    bisector_kappas(similarity, &bundle, clicks).unwrap_or((angles.kappa, angles.kappa));
-                let area = round_trip_area(&bundle, forward / backward, frames[0]);
-                let [s1, s2] = fine.scales;
-                let angles = Angles { kappa: forward, ..angles };
-                Some(Hypothesis {
-                    fundamental: steered.fundamental.rescaled(1.0 / s1, 1.0 / s2)?,
-                    score,
-                    support: steered.support,
-                    round_trip_area: area / level.scales[0],
-                    kappa_line2_from_line1: forward,
-                    kappa_line1_from_line2: backward,
-                    construction: Construction::new(&angles, self.clicks, Some(backward))?,
-                })
+                let fundamental = steered.fundamental.rescaled(1.0 / s1, 1.0 / s2)?;
+                examiner.hypothesis(fundamental, &angles, steered.support)
             })
             .collect()
     }

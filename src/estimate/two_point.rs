@@ -92,7 +92,7 @@ impl Run<'_> {
         let pencils = self.pencils(&similarity, &level, &clicks)?;
         self.enter(Stage::Hypotheses)?;
         match witness {
-            Some(witness) => self.steered(&similarity, &level, &clicks, &pencils, witness),
+            Some(witness) => self.steered(&similarity, &level, &pencils, witness),
             None => self.published(&similarity, &level, &clicks, &pencils),
         }
     }
