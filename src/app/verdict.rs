@@ -122,13 +122,14 @@ fn facts(document: &Document, estimate: &Estimate) -> Vec<Fact> {
     let frame = |k: usize| document.pictures.as_ref().map(|pictures| pictures[k].frame);
     let mut facts = vec![
         Fact {
-            name: "Epipoles",
-            value: format!(
-                "left {},  right {}",
-                epipole_text(&estimate.epipole1, frame(0)),
-                epipole_text(&estimate.epipole2, frame(1))
-            ),
-            tooltip: "Where each image sees the other camera; all epipolar lines of an image meet there.",
+            name: "Left epipole",
+            value: epipole_text(&estimate.epipole1, frame(0)),
+            tooltip: "Where the left image sees the other camera; all its epipolar lines meet there.",
+        },
+        Fact {
+            name: "Right epipole",
+            value: epipole_text(&estimate.epipole2, frame(1)),
+            tooltip: "Where the right image sees the other camera; all its epipolar lines meet there.",
         },
         Fact {
             name: "Margin",

@@ -36,9 +36,7 @@ pub fn show(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
         let color = tone_color(ui, Tone::Caution);
         ui.add(Label::new(RichText::new(warning).color(color)).wrap());
     }
-    // Lines of text, not of buttons.
-    ui.spacing_mut().interact_size.y = 18.0;
-    Grid::new("facts").num_columns(2).spacing([10.0, 3.0]).show(ui, |ui| {
+    Grid::new("facts").num_columns(2).min_row_height(18.0).spacing([10.0, 3.0]).show(ui, |ui| {
         for fact in facts {
             ui.weak(fact.name).on_hover_text(fact.tooltip);
             ui.add(Label::new(fact.value).wrap()).on_hover_text(fact.tooltip);
