@@ -23,7 +23,9 @@ use super::panels::{Message, OpenDialog};
 use super::panes::ImagePane;
 use super::panes::overlays::OVERLAYS;
 use super::scene::Hover;
-use super::worker::{EstimateFn, Request, Waker, estimator};
+use super::services::Services;
+use super::waker::Waker;
+use super::worker::Request;
 use crate::estimate::Estimate;
 use crate::geometry::PointPair;
 
@@ -31,25 +33,6 @@ use crate::geometry::PointPair;
 const DIALOG_UNSEEN: Duration = Duration::from_millis(150);
 /// Messages shown at most; the oldest gives way.
 const MESSAGES: usize = 4;
-
-/// What the window gets done by others, so that tests can put something else in their place.
-pub struct Services {
-    /// The computation.
-    pub estimate: Box<EstimateFn>,
-    /// The system's dialog for choosing a file; `None` when it was cancelled or could not open.
-    pub pick_file: Arc<dyn Fn() -> Option<PathBuf> + Send + Sync>,
-}
-
-impl Default for Services {
-    fn default() -> Self {
-        Self { estimate: estimator(), pick_file: Arc::new(pick_file) }
-    }
-}
-
-fn pick_file() -> Option<PathBuf> {
-    let extensions = ["png", "jpg", "jpeg", "tif", "tiff", "bmp", "pgm", "ppm", "pnm", "pbm", "webp"];
-    rfd::FileDialog::new().set_title("Open an image").add_filter("Images", &extensions).pick_file()
-}
 
 /// Which edits are one step of the history.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -104,7 +87,8 @@ impl Inspector {
         Self {
             document: Document::default(),
             history: History::default(),
-            computation: Computation::new(services.estimate, waker.clone()),
+            computation: Computation::new(services.estimate, waker.clone())
+                .following(services.follow, waker.clone()),
             loader,
             waker,
             pictures: None,
