@@ -7,6 +7,7 @@ use std::path::PathBuf;
 use egui::{Key, KeyboardShortcut, Modifiers};
 
 use super::document::{PointRef, Side};
+use super::focus::{LineSource, Target};
 use crate::estimate::{Method, Preset};
 use crate::geometry::{Point, Vector};
 
@@ -63,6 +64,18 @@ pub enum Command {
     SetMethod(Method),
     /// Choose whose parameters to use.
     SetPreset(Preset),
+    /// Something is under the cursor; its counterparts light up in the next frame.
+    PointAt(Target),
+    /// Show a hypothesis in the whole window, by its place in the list, or the result again.
+    ChooseHypothesis(Option<usize>),
+    /// Keep a line pair on the images and look at it closely.
+    Pin(LineSource),
+    /// Look closely at a pinned line pair, by its place in the list.
+    Inspect(usize),
+    /// Remove a pinned line pair, by its place in the list.
+    Unpin(usize),
+    /// Remove all pinned line pairs.
+    UnpinAll,
     /// Show or hide an overlay, by its number in the list of overlays.
     ToggleOverlay(usize),
     /// Remove a message.
@@ -121,6 +134,13 @@ impl Command {
             Self::Select(_) => "Select a point",
             Self::SetMethod(_) => "Pairs used",
             Self::SetPreset(_) => "Preset",
+            Self::PointAt(_) => "Point at something",
+            Self::ChooseHypothesis(None) => "Back to the result",
+            Self::ChooseHypothesis(Some(_)) => "Show a hypothesis",
+            Self::Pin(_) => "Pin a line pair",
+            Self::Inspect(_) => "Inspect a pinned line pair",
+            Self::Unpin(_) => "Unpin",
+            Self::UnpinAll => "Unpin all lines",
             Self::ToggleOverlay(_) => "Show or hide",
             Self::Dismiss(_) => "Dismiss message",
             Self::Quit => "Quit",
@@ -159,6 +179,15 @@ impl Command {
             Self::SetPreset(_) => {
                 "Robust measured best on real images; Paper follows the published method to the letter."
             }
+            Self::PointAt(_) => "What is under the cursor lights up everywhere else.",
+            Self::ChooseHypothesis(None) => "Show the result of the estimate in the whole window again.",
+            Self::ChooseHypothesis(Some(_)) => {
+                "Show this hypothesis in the whole window instead of the result."
+            }
+            Self::Pin(_) => "Keep these two lines on the images and compare their intensities.",
+            Self::Inspect(_) => "Compare the intensities of this line pair.",
+            Self::Unpin(_) => "Remove this line pair from the images.",
+            Self::UnpinAll => "Remove all pinned line pairs from the images.",
             Self::ToggleOverlay(_) => "Show or hide this in both images.",
             Self::Dismiss(_) => "Remove this message.",
             Self::Quit => "Close the window.",

@@ -1,12 +1,13 @@
 //! Where the estimate stands: the latest result, whether it is still being improved, and what went wrong.
 
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 use super::background::Latest;
 use super::services::FollowFn;
 use super::waker::Waker;
 use super::worker::{EstimateFn, Failure, News, Request, Worker};
-use crate::estimate::{Estimate, EstimateError, Parameters, Stage};
+use crate::estimate::{ComparedPencils, Estimate, EstimateError, Parameters, Stage};
 use crate::geometry::PointPair;
 
 /// How the latest result relates to the points as they are now.
@@ -55,7 +56,12 @@ pub struct Computation {
     /// Of the request that `input` was made into.
     generation: u64,
     running: bool,
-    stage: Option<Stage>,
+    /// The stages of the latest computation that have begun, with when they did.
+    begun: Vec<(Stage, Instant)>,
+    /// The pencils compared last: of the clicks as they are, or of the ones just before.
+    pencils: Option<Arc<[ComparedPencils; 2]>>,
+    /// Counts the results.
+    revision: u64,
     shown: Option<Shown>,
     /// The latest result of a search through all stages that find the geometry, whichever points it was for.
     found: Option<Arc<Estimate>>,
@@ -74,7 +80,9 @@ impl Computation {
             input: None,
             generation: 0,
             running: false,
-            stage: None,
+            begun: Vec::new(),
+            pencils: None,
+            revision: 0,
             shown: None,
             found: None,
             guessed: None,
@@ -105,7 +113,25 @@ impl Computation {
 
     /// The stage under way, once it is known.
     pub fn stage(&self) -> Option<Stage> {
-        self.stage
+        self.begun.last().map(|(stage, _)| *stage)
+    }
+
+    /// The stages of the latest computation that have begun, each with the time it took; of the last one, none.
+    pub fn stages(&self) -> impl Iterator<Item = (Stage, Option<Duration>)> + '_ {
+        self.begun
+            .iter()
+            .enumerate()
+            .map(|(k, (stage, begun))| (*stage, self.begun.get(k + 1).map(|(_, next)| *next - *begun)))
+    }
+
+    /// The pencils compared last, also while newer ones are being compared.
+    pub fn pencils(&self) -> Option<&[ComparedPencils; 2]> {
+        self.pencils.as_deref()
+    }
+
+    /// Another number for each result: numbers of hypotheses belong to one of them.
+    pub fn revision(&self) -> u64 {
+        self.revision
     }
 
     /// Why the latest computation has no result.
@@ -142,12 +168,13 @@ impl Computation {
             self.give_up();
         }
         let Some(request) = request else {
-            self.shown = None;
+            self.pencils = None;
+            self.set_shown(None);
             return;
         };
         self.generation = self.worker.submit(request.clone());
         self.running = true;
-        self.stage = None;
+        self.begun.clear();
         let starts: Vec<_> = self.found.iter().chain(&self.guessed).cloned().collect();
         let mut freshness = Freshness::Stale;
         if let Some(follower) = self.follower.as_mut().filter(|_| !starts.is_empty()) {
@@ -155,7 +182,8 @@ impl Computation {
             freshness = Freshness::Followed;
         }
         if other_pictures {
-            self.shown = None;
+            self.pencils = None;
+            self.set_shown(None);
         } else if let Some(shown) = &mut self.shown {
             shown.freshness = freshness;
         }
@@ -171,6 +199,11 @@ impl Computation {
         (self.found, self.guessed) = (None, None);
     }
 
+    fn set_shown(&mut self, shown: Option<Shown>) {
+        self.shown = shown;
+        self.revision += 1;
+    }
+
     /// Stops the computation; a preliminary result stays.
     pub fn stop(&mut self) {
         if !self.running {
@@ -182,7 +215,7 @@ impl Computation {
         {
             *freshness = Freshness::Stopped;
         } else {
-            self.shown = None;
+            self.set_shown(None);
             self.stopped = true;
         }
     }
@@ -197,7 +230,8 @@ impl Computation {
         while let Some((generation, news)) = self.worker.poll() {
             let current = generation == self.generation;
             match news {
-                News::Started(stage) if current => self.stage = Some(stage),
+                News::Started(stage) if current => self.begun.push((stage, Instant::now())),
+                News::Pencils(pencils) => self.pencils = Some(pencils),
                 News::Preliminary(estimate) => {
                     self.take_result(generation, estimate, Freshness::Preliminary);
                 }
@@ -208,7 +242,7 @@ impl Computation {
                 News::Finished(Err(failure)) if current => {
                     self.running = false;
                     // Lines of earlier points would contradict the message.
-                    self.shown = None;
+                    self.set_shown(None);
                     self.stopped = failure == Failure::Estimate(EstimateError::Cancelled);
                     self.failure = (!self.stopped).then_some(failure);
                 }
@@ -220,8 +254,8 @@ impl Computation {
         match answer {
             // The search's own result for the same points is better.
             Some(estimate) if self.running && self.is_news(generation.saturating_sub(1)) => {
-                self.shown =
-                    Some(Shown { generation, estimate: Arc::new(estimate), freshness: Freshness::Followed });
+                let (estimate, freshness) = (Arc::new(estimate), Freshness::Followed);
+                self.set_shown(Some(Shown { generation, estimate, freshness }));
             }
             None => {
                 if let Some(shown) = &mut self.shown
@@ -237,8 +271,11 @@ impl Computation {
     /// A result of a search: kept to start from, and shown unless something newer is.
     fn take_result(&mut self, generation: u64, estimate: Box<Estimate>, freshness: Freshness) {
         let estimate: Arc<Estimate> = estimate.into();
-        // The first guess comes before there is a list of hypotheses.
-        let guess = freshness == Freshness::Preliminary && estimate.hypotheses.is_empty();
+        if let Some(pencils) = &estimate.pencils {
+            self.pencils = Some(Arc::clone(pencils));
+        }
+        // The first guess comes before lines are compared.
+        let guess = freshness == Freshness::Preliminary && estimate.score.is_nan();
         if guess {
             self.guessed = Some(Arc::clone(&estimate));
         } else {
@@ -250,7 +287,7 @@ impl Computation {
             });
         if self.is_news(generation) && !better_shown {
             let freshness = if generation == self.generation { freshness } else { Freshness::Stale };
-            self.shown = Some(Shown { generation, estimate, freshness });
+            self.set_shown(Some(Shown { generation, estimate, freshness }));
         }
     }
 
@@ -264,6 +301,7 @@ impl Computation {
 mod tests {
     use super::*;
     use crate::app::fake;
+    use crate::estimate::Monitor;
     use std::sync::atomic::{AtomicBool, Ordering};
     use std::time::{Duration, Instant};
 
@@ -329,7 +367,14 @@ mod tests {
     #[test]
     fn geometries_follow_moved_points_until_the_search_has_its_own() {
         let gate = Arc::new(AtomicBool::new(true));
-        let mut computation = following(gated(&gate));
+        let held_up = Arc::clone(&gate);
+        let search = move |request: &Request, monitor: &Monitor| {
+            while !held_up.load(Ordering::Relaxed) {
+                std::thread::sleep(Duration::from_millis(1));
+            }
+            fake::estimate(request, monitor)
+        };
+        let mut computation = following(Computation::new(Box::new(search), Waker::default()));
         computation.follow(1, Some(fake::request(1.0)));
         wait(&mut computation, |c| !c.is_running());
         gate.store(false, Ordering::Relaxed);

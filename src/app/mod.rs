@@ -5,6 +5,7 @@
 //! | [`document`] | what is edited: plain data, without a window |
 //! | [`command`] | every action, with its name, tooltip and keys |
 //! | [`history`] | undo and redo |
+//! | [`focus`] | what is pointed at and what is chosen, shared by all panes and panels |
 //! | `computation`, [`worker`] | the estimate and the thread that computes it |
 //! | `background` | a thread that answers the newest of many questions |
 //! | `services` | what threads and the system do for the window; tests put something else in their place |
@@ -27,6 +28,7 @@ mod computation;
 pub mod document;
 #[cfg(test)]
 mod fake;
+pub mod focus;
 mod guide;
 pub mod history;
 mod inspector;

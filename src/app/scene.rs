@@ -1,9 +1,12 @@
 //! What panes and panels may look at: the whole state, read-only.
 
-use super::computation::Computation;
+use super::computation::{Computation, Freshness};
 use super::document::{Document, Side};
+use super::focus::{Focus, LineSource, Pin};
 use super::panels::Message;
-use crate::geometry::Point;
+use super::theme;
+use crate::estimate::{Construction, Estimate, Hypothesis, lines_at};
+use crate::geometry::{AnchoredLine, FundamentalMatrix, Line, Point, PointPair};
 
 /// A position under the cursor.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -23,6 +26,8 @@ pub struct Scene<'a> {
     pub document: &'a Document,
     /// Where the estimate stands.
     pub computation: &'a Computation,
+    /// What is pointed at and what is chosen, here or in another part of the window.
+    pub focus: &'a Focus,
     /// The position under the cursor: written in one frame, read in the next.
     pub hover: Option<Hover>,
     /// Which overlays are shown, in the order of their list.
@@ -35,4 +40,95 @@ pub struct Scene<'a> {
     pub can_undo_redo: [bool; 2],
     /// What the user was told and has not dismissed.
     pub messages: &'a [Message],
+}
+
+/// The geometry that the whole window shows: the hypothesis that was chosen, or else the result.
+#[derive(Clone, Copy)]
+pub struct Shown<'a> {
+    /// Its matrix.
+    pub fundamental: &'a FundamentalMatrix,
+    /// The hypothesis, with its place in the list, if one was chosen.
+    pub hypothesis: Option<(usize, &'a Hypothesis)>,
+    /// The result it belongs to.
+    pub estimate: &'a Estimate,
+    /// How that relates to the points as they are now.
+    pub freshness: Freshness,
+}
+
+/// A line pair that is looked at closely.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Inspected {
+    /// Where it comes from.
+    pub source: LineSource,
+    /// The line of each image, directed alike and anchored at nearly the same scene point.
+    pub lines: [AnchoredLine; 2],
+    /// Its colour everywhere.
+    pub color: egui::Color32,
+}
+
+impl<'a> Scene<'a> {
+    /// The geometry that is shown; everything that draws or measures goes by it.
+    pub fn shown(&self) -> Option<Shown<'a>> {
+        let (estimate, freshness) = self.computation.result()?;
+        let hypothesis = self.focus.hypothesis().and_then(|k| Some((k, estimate.hypotheses.get(k)?)));
+        let fundamental = hypothesis.map_or(&estimate.fundamental, |(_, hypothesis)| &hypothesis.fundamental);
+        Some(Shown { fundamental, hypothesis, estimate, freshness })
+    }
+
+    /// The lines that the geometry shown is built from: those of the hypothesis that was chosen, or else of the
+    /// best one.
+    pub fn construction(&self) -> Option<&'a Construction> {
+        let shown = self.shown()?;
+        let hypothesis = shown.hypothesis.map(|(_, hypothesis)| hypothesis);
+        hypothesis.or(shown.estimate.hypotheses.first()).map(|hypothesis| &hypothesis.construction)
+    }
+
+    /// The lines of a source under the geometry shown; `None` while there are none.
+    pub fn lines(&self, source: LineSource) -> Option<[AnchoredLine; 2]> {
+        match source {
+            LineSource::Pencil { pair, angles } => {
+                self.document.pairs.get(pair).map(|click| lines_at(click, angles))
+            }
+            LineSource::Pair(pair) => {
+                let PointPair { point1, point2 } = *self.document.pairs.get(pair)?;
+                let f = self.shown()?.fundamental;
+                self.corresponding(&f.line1_from_point2(point2)?, &f.line2_from_point1(point1)?)
+            }
+            LineSource::Through { side: Side::Left, point } => {
+                let f = self.shown()?.fundamental;
+                let line1 = Line::joining(&f.epipole1(), &point.to_homogeneous())?;
+                self.corresponding(&line1, &f.line2_from_point1(point)?)
+            }
+            LineSource::Through { side: Side::Right, point } => {
+                let f = self.shown()?.fundamental;
+                let line2 = Line::joining(&f.epipole2(), &point.to_homogeneous())?;
+                self.corresponding(&f.line1_from_point2(point)?, &line2)
+            }
+        }
+    }
+
+    /// Two epipolar lines of the geometry shown, directed alike.
+    fn corresponding(&self, line1: &Line, line2: &Line) -> Option<[AnchoredLine; 2]> {
+        let turn = self.construction().map_or(0.0, Construction::turn);
+        let clicks = [*self.document.pairs.first()?, *self.document.pairs.get(1)?];
+        let own = Construction::of(self.shown()?.fundamental, clicks, turn)?;
+        own.corresponding(line1, line2).map(|(line1, line2)| [line1, line2])
+    }
+
+    /// The pinned line pairs, the oldest first.
+    pub fn pinned(&self) -> impl Iterator<Item = Inspected> + '_ {
+        self.focus.pins().iter().filter_map(|pin: &Pin| {
+            Some(Inspected { source: pin.source, lines: self.lines(pin.source)?, color: pin.color })
+        })
+    }
+
+    /// The line pair that is looked at closely: the pinned one that was chosen, or else the one through the first
+    /// click.
+    pub fn inspected(&self) -> Option<Inspected> {
+        let (source, color) = match self.focus.inspected() {
+            Some(pin) => (pin.source, pin.color),
+            None => (LineSource::Pair(0), theme::INSPECTED),
+        };
+        Some(Inspected { source, lines: self.lines(source)?, color })
+    }
 }

@@ -22,6 +22,16 @@ pub const LABEL_FILL: Color32 = Color32::from_black_alpha(190);
 pub const SELECTED: Color32 = Color32::WHITE;
 /// Radius of a handle, screen points.
 pub const HANDLE_RADIUS: f32 = 6.5;
+/// Lines of a pair in inspection that was not pinned.
+pub const INSPECTED: Color32 = Color32::WHITE;
+/// Pinned line pairs, the same in both images and in the plots; another after each, then from the start.
+pub const PINNED: [Color32; 4] = [
+    Color32::from_rgb(230, 110, 40),
+    Color32::from_rgb(90, 150, 255),
+    Color32::from_rgb(214, 120, 255),
+    Color32::from_rgb(80, 220, 230),
+];
+
 /// How near to a handle a press takes hold of it, screen points.
 pub const GRAB_RADIUS: f32 = 11.0;
 /// Width of an ordinary line, screen points.

@@ -12,7 +12,9 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 
 use super::waker::Waker;
-use crate::estimate::{CancelFlag, Estimate, EstimateError, Monitor, Parameters, Progress, Stage};
+use crate::estimate::{
+    CancelFlag, ComparedPencils, Estimate, EstimateError, Monitor, Parameters, Progress, Stage,
+};
 use crate::geometry::PointPair;
 use crate::image::Picture;
 
@@ -44,6 +46,8 @@ pub enum Failure {
 pub enum News {
     /// A stage has begun.
     Started(Stage),
+    /// The pencils through the first two clicks have been compared.
+    Pencils(Arc<[ComparedPencils; 2]>),
     /// A result good enough to draw; better ones follow.
     Preliminary(Box<Estimate>),
     /// The end.
@@ -189,6 +193,7 @@ fn run(shared: &Shared, sender: &Sender<(u64, News)>, estimate: &mut EstimateFn,
         };
         let monitor = Monitor::new(cancel, |progress| match progress {
             Progress::Started(stage) => tell(News::Started(stage)),
+            Progress::Pencils(pencils) => tell(News::Pencils(pencils)),
             Progress::Preliminary(estimate) => {
                 tell(News::Preliminary(estimate));
                 let mut slot = shared.lock();
@@ -263,7 +268,7 @@ mod tests {
         let mut preliminary = 0;
         loop {
             match wait(&worker).1 {
-                News::Started(_) => {}
+                News::Started(_) | News::Pencils(_) => {}
                 News::Preliminary(_) => preliminary += 1,
                 News::Finished(result) => break assert!(result.is_ok()),
             }

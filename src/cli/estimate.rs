@@ -115,7 +115,7 @@ fn watched(input: &Input, parameters: &Parameters) -> Result<Estimate, EstimateE
                 let numbers = numbers.iter().map(|v| format!("{v:.4e}"));
                 tell(format_args!("{seconds:7.2} s  First F: {}", numbers.collect::<Vec<_>>().join(" ")));
             }
-            Progress::Preliminary(_) => {}
+            Progress::Pencils(_) | Progress::Preliminary(_) => {}
         }
     });
     let [image1, image2] = &input.pictures;

@@ -23,6 +23,25 @@ pub(crate) struct Angles {
 }
 
 impl Angles {
+    /// Those of a matrix: its epipolar lines at the clicks. Of the two ways to direct the lines of image 2, the
+    /// one that is turned by about `turn` radians against image 1. `None` when `f` degenerates at a click.
+    pub fn of(f: &FundamentalMatrix, clicks: &[PointPair; 2], turn: f64) -> Option<Self> {
+        let (e1, e2) = (f.epipole1(), f.epipole2());
+        let angle = |epipole: &HomogeneousPoint, point: Point| {
+            let d = direction(epipole, point);
+            d.y.atan2(d.x)
+        };
+        let angles = clicks.map(|c| [angle(&e1, c.point1), angle(&e2, c.point2)]);
+        let agreement: f64 = angles.iter().map(|[a1, a2]| (a2 - a1 - turn).cos()).sum();
+        let back = if agreement < 0.0 { PI } else { 0.0 };
+        let [p, q] = angles.map(|[a1, a2]| [a1, a2 + back]);
+        // κ from the line half way between the clicks.
+        let between = nalgebra::center(&clicks[0].point1, &clicks[1].point1);
+        let beside = nalgebra::center(&clicks[0].point2, &clicks[1].point2);
+        let third = PointPair { point1: between, point2: f.line2_from_point1(between)?.foot(beside) };
+        Self::nearest(f, clicks, &Self { p, q, kappa: 1.0 }, std::iter::once(third))
+    }
+
     /// The geometry through the clicks nearest to `f`: directions of its epipolar lines at the clicks, κ the
     /// median over `matches`, or that of `reference` when there are none. `reference` tells
     /// which way the lines are directed. `None` when `f` degenerates at a click.

@@ -2,6 +2,7 @@
 
 mod bundle;
 mod candidates;
+mod construction;
 mod degeneracy;
 mod error;
 mod follow;
@@ -11,6 +12,7 @@ mod line_refinement;
 mod monitor;
 mod parameters;
 mod patches;
+mod pencils;
 mod plane;
 mod polish;
 mod prepared;
@@ -27,11 +29,13 @@ mod validation;
 mod voting;
 
 pub use candidates::{Candidate, PencilComparison};
+pub use construction::{Construction, RoundTrip};
 pub use degeneracy::SMALLEST_SIDE;
 pub use error::{EstimateError, Warning};
 pub use follow::follow;
 pub use monitor::{CancelFlag, Monitor, Progress, Stage};
 pub use parameters::{LineScore, Method, Parameters, Preset};
+pub use pencils::{ComparedPencils, lines_at};
 pub use prepared::PreparedPair;
 pub use refinement::RefinedMatch;
 pub use result::{Counts, Estimate, Hypothesis, PatchSupport, StageTiming};

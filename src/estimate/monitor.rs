@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use serde::Serialize;
 
-use super::{Estimate, EstimateError};
+use super::{ComparedPencils, Estimate, EstimateError};
 
 /// A flag that stops a computation from another thread. Clones share the flag.
 #[derive(Debug, Clone, Default)]
@@ -62,6 +62,8 @@ impl Stage {
 pub enum Progress {
     /// A stage has begun.
     Started(Stage),
+    /// The pencils through the first and the second click have been compared.
+    Pencils(Arc<[ComparedPencils; 2]>),
     /// An estimate good enough to draw; better ones follow. The last one is the function's result.
     Preliminary(Box<Estimate>),
 }

@@ -10,7 +10,7 @@ use super::level::Level;
 use super::line_refinement::refine_on_lines;
 use super::two_point::{REPORTED, Run};
 use super::validation::line_score;
-use super::{Estimate, EstimateError, Hypothesis, Stage};
+use super::{Construction, Estimate, EstimateError, Hypothesis, Stage};
 use crate::geometry::PointPair;
 use crate::similarity::StereoSimilarity;
 
@@ -68,13 +68,15 @@ impl Run<'_> {
             .iter()
             .take(REPORTED)
             .filter_map(|(score, d)| {
+                let construction = Construction::new(&d.angles, self.clicks, Some(d.kappa_backward))?;
                 Some(Hypothesis {
-                    fundamental: Bundle::new(&d.angles, self.clicks)?.fundamental()?,
+                    fundamental: construction.fundamental()?,
                     score: *score,
                     support: 0.0,
                     round_trip_area: d.round_trip * scale,
                     kappa_line2_from_line1: d.angles.kappa,
                     kappa_line1_from_line2: d.kappa_backward,
+                    construction,
                 })
             })
             .collect();

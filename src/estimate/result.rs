@@ -1,8 +1,13 @@
 //! What an estimate holds.
 
+use std::sync::Arc;
+
 use serde::Serialize;
 
-use super::{Method, Parameters, Preset, RefinedMatch, Stage, Trust, Uncertainty, Warning};
+use super::{
+    ComparedPencils, Construction, Method, Parameters, Preset, RefinedMatch, Stage, Trust, Uncertainty,
+    Warning,
+};
 use crate::geometry::{FundamentalMatrix, HomogeneousPoint};
 
 /// One hypothesis of the geometry: two line pairs through the clicks and κ, in full-size pixels.
@@ -10,7 +15,8 @@ use crate::geometry::{FundamentalMatrix, HomogeneousPoint};
 pub struct Hypothesis {
     /// Its fundamental matrix.
     pub fundamental: FundamentalMatrix,
-    /// Full-validation score, lower is better; see the module docs of `validation` for its unit.
+    /// Full-validation score, lower is better; see the module docs of `validation` for its unit. NaN before
+    /// validation, like the two figures that need G.
     pub score: f64,
     /// Patch support: summed correlation excess of the patches that agree with it, higher is better. 0 when
     /// the preset does not use it.
@@ -21,6 +27,9 @@ pub struct Hypothesis {
     pub kappa_line2_from_line1: f64,
     /// κ of the paper's G: bisector chosen in image 2, matching line found in image 1.
     pub kappa_line1_from_line2: f64,
+    /// The lines it is built from.
+    #[serde(skip)]
+    pub construction: Construction,
 }
 
 impl Hypothesis {
@@ -109,6 +118,9 @@ pub struct Estimate {
     pub uncertainty: Option<Uncertainty>,
     /// Whether all seven degrees of freedom were refined at full resolution.
     pub refined: bool,
+    /// The pencils through the first and the second click, as they were compared.
+    #[serde(skip)]
+    pub pencils: Option<Arc<[ComparedPencils; 2]>>,
     /// The best hypotheses, best first.
     #[serde(skip)]
     pub hypotheses: Vec<Hypothesis>,
@@ -139,6 +151,7 @@ impl Estimate {
             trust: None,
             uncertainty: None,
             refined: false,
+            pencils: None,
             hypotheses: Vec::new(),
             matches: Vec::new(),
         }

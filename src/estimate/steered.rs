@@ -11,7 +11,7 @@ use super::prepared::{FineWitness, Witness};
 use super::search::{self, Steered};
 use super::two_point::{REPORTED, Run};
 use super::validation::line_score;
-use super::{Estimate, EstimateError, Hypothesis, PatchSupport, Stage};
+use super::{Construction, Estimate, EstimateError, Hypothesis, PatchSupport, Stage};
 use crate::geometry::PointPair;
 use crate::similarity::StereoSimilarity;
 
@@ -38,14 +38,16 @@ impl Run<'_> {
         let third = self.third.map(|c| at_witness(&c));
         let propose = |count| search::propose(witness, &draw(count), &own, third.as_ref(), self.monitor);
         // A few of them first, so that there is something to draw at once.
-        if let Some(first) = propose(parameters.hypotheses.min(QUICK))?.first()
+        let quick = propose(parameters.hypotheses.min(QUICK))?;
+        if let Some(first) = quick.first()
             && let Some(full) = first.fundamental.rescaled(1.0 / witness.scales[0], 1.0 / witness.scales[1])
         {
             let support = PatchSupport {
                 matches: witness.support.matches(&first.fundamental, search::BAND).len(),
                 score: first.support,
             };
-            self.preliminary(&full, &[], Some(support));
+            let hypotheses = self.unvalidated(&quick, witness.scales);
+            self.preliminary(&full, &hypotheses, Some(support));
         }
         let proposals = propose(parameters.hypotheses)?;
         self.counts.hypotheses = parameters.hypotheses;
@@ -74,6 +76,22 @@ impl Run<'_> {
             return self.finish(refined.fundamental, hypotheses, Some(support), &supporting, Some(refined));
         }
         self.finish(best, hypotheses, Some(support), &supporting, None)
+    }
+
+    /// Proposals in full-size pixels before lines are compared: without a score and without G.
+    fn unvalidated(&self, proposals: &[Steered], scales: [f64; 2]) -> Vec<Hypothesis> {
+        let full_size = |steered: &Steered| {
+            Some(Hypothesis {
+                fundamental: steered.fundamental.rescaled(1.0 / scales[0], 1.0 / scales[1])?,
+                score: f64::NAN,
+                support: steered.support,
+                round_trip_area: f64::NAN,
+                kappa_line2_from_line1: steered.angles.kappa,
+                kappa_line1_from_line2: f64::NAN,
+                construction: Construction::new(&steered.angles, self.clicks, None)?,
+            })
+        };
+        proposals.iter().take(REPORTED).filter_map(full_size).collect()
     }
 
     /// The proposals polished at the coarse and the fine witness level, with what resampling their matches
@@ -158,6 +176,7 @@ impl Run<'_> {
                     bisector_kappas(similarity, &bundle, clicks).unwrap_or((angles.kappa, angles.kappa));
                 let area = round_trip_area(&bundle, forward / backward, frames[0]);
                 let [s1, s2] = fine.scales;
+                let angles = Angles { kappa: forward, ..angles };
                 Some(Hypothesis {
                     fundamental: steered.fundamental.rescaled(1.0 / s1, 1.0 / s2)?,
                     score,
@@ -165,6 +184,7 @@ impl Run<'_> {
                     round_trip_area: area / level.scales[0],
                     kappa_line2_from_line1: forward,
                     kappa_line1_from_line2: backward,
+                    construction: Construction::new(&angles, self.clicks, Some(backward))?,
                 })
             })
             .collect()

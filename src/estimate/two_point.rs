@@ -1,5 +1,6 @@
 //! The estimator from two (or three) point pairs: the stages in their order.
 
+use std::sync::Arc;
 use std::time::Instant;
 
 use super::candidates::{PencilComparison, compare_pencils};
@@ -11,8 +12,8 @@ use super::prepared::PreparedPair;
 use super::refinement::Refined;
 use super::trust::{Evidence, Trust};
 use super::{
-    Counts, Estimate, EstimateError, Hypothesis, Method, Monitor, Parameters, PatchSupport, Progress, Stage,
-    StageTiming, Warning,
+    ComparedPencils, Counts, Estimate, EstimateError, Hypothesis, Method, Monitor, Parameters, PatchSupport,
+    Progress, Stage, StageTiming, Warning,
 };
 use crate::geometry::{
     FundamentalMatrix, PointPair, epipolar_difference, sampson_distance, symmetric_epipolar_distance,
@@ -40,6 +41,8 @@ pub(super) struct Run<'a> {
     pub(super) first_seconds: Option<f64>,
     pub(super) counts: Counts,
     pub(super) warnings: Vec<Warning>,
+    /// What the pencils looked like, once they are compared.
+    pub(super) compared: Option<Arc<[ComparedPencils; 2]>>,
 }
 
 pub(super) fn run(
@@ -65,6 +68,7 @@ pub(super) fn run(
         first_seconds: None,
         counts: Counts::default(),
         warnings: Vec::new(),
+        compared: None,
     };
     run.all()
 }
@@ -118,6 +122,10 @@ impl Run<'_> {
                 }
             }
         }
+        let compared = [0, 1].map(|k| ComparedPencils::new(self.clicks[k], pencils[k].clone()));
+        let compared = Arc::new(compared);
+        self.monitor.report(Progress::Pencils(Arc::clone(&compared)));
+        self.compared = Some(compared);
         Ok(pencils)
     }
 
@@ -225,6 +233,7 @@ impl Run<'_> {
             first_seconds: self.first_seconds.unwrap_or(seconds),
             seconds,
             refined: refined.is_some(),
+            pencils: self.compared.clone(),
             hypotheses,
             uncertainty: refined.as_ref().and_then(|r| r.uncertainty.clone()),
             matches: refined.map(|r| r.matches).unwrap_or_default(),

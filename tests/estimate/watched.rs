@@ -98,6 +98,7 @@ fn tells_stages_in_order_and_a_first_geometry_before_the_result() {
     #[derive(Debug, PartialEq, Clone, Copy)]
     enum Heard {
         Stage(Stage),
+        Pencils,
         Preliminary(f64),
     }
     for parameters in [Parameters::default(), paper()] {
@@ -105,6 +106,18 @@ fn tells_stages_in_order_and_a_first_geometry_before_the_result() {
         let monitor = Monitor::new(CancelFlag::default(), |news| {
             heard.lock().unwrap().push(match news {
                 Progress::Started(stage) => Heard::Stage(stage),
+                Progress::Pencils(pencils) => {
+                    for (pencils, click) in pencils.iter().zip(&COURTYARD.show_me) {
+                        assert_eq!(pencils.click(), click);
+                        let best = &pencils.candidates()[0];
+                        let [row, column] = pencils.cell(best).unwrap();
+                        assert_eq!(pencils.costs().at(row, column).to_bits(), best.cost.to_bits());
+                        let [line1, line2] = pencils.lines(row, column).unwrap();
+                        assert!(line1.line().distance(click.point1) < 1e-9);
+                        assert!(line2.line().distance(click.point2) < 1e-9);
+                    }
+                    Heard::Pencils
+                }
                 Progress::Preliminary(first) => {
                     Heard::Preliminary(mean_distance(&first.fundamental, &COURTYARD.scene.matches))
                 }
@@ -122,6 +135,8 @@ fn tells_stages_in_order_and_a_first_geometry_before_the_result() {
         assert_eq!(timed, Stage::ALL, "each stage has its time");
 
         let at = |stage| heard.iter().position(|h| *h == Heard::Stage(stage)).unwrap();
+        assert_eq!(heard[at(Stage::Pencils) + 1..at(Stage::Hypotheses)], [Heard::Pencils]);
+        assert!(found.pencils.is_some());
         let preliminary: Vec<(usize, f64)> = heard
             .iter()
             .enumerate()

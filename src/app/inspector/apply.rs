@@ -68,6 +68,13 @@ impl Inspector {
                 self.edit(Step::Single, |document| document.parameters.method = method);
             }
             Command::SetPreset(preset) => self.set_preset(preset),
+            // Collected by `Inspector::show`, since only what is pointed at in this frame counts.
+            Command::PointAt(_) => {}
+            Command::ChooseHypothesis(number) => self.focus.choose_hypothesis(number),
+            Command::Pin(source) => self.focus.pin(source),
+            Command::Inspect(number) => self.focus.inspect(number),
+            Command::Unpin(number) => self.focus.unpin(number),
+            Command::UnpinAll => self.focus.unpin_all(),
             Command::ToggleOverlay(number) => {
                 if let Some(shown) = self.overlays.get_mut(number) {
                     *shown = !*shown;

@@ -18,6 +18,7 @@ impl Inspector {
             document: &self.document,
             computation: &self.computation,
             hover: self.hover,
+            focus: &self.focus,
             overlays: &self.overlays,
             loading: self.loader.is_busy(),
             has_sample_points: self.show_me.is_some(),

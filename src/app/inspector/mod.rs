@@ -14,9 +14,10 @@ use std::time::Duration;
 use egui::Ui;
 
 use super::Start;
-use super::command;
+use super::command::{self, Command};
 use super::computation::Computation;
 use super::document::{Document, PictureIdentity, PointRef, Side};
+use super::focus::Focus;
 use super::history::History;
 use super::loader::{Loader, Opened, Opening, Pair, Source};
 use super::panels::{Message, OpenDialog};
@@ -63,6 +64,9 @@ pub struct Inspector {
     show_me: Option<[PointPair; 2]>,
     panes: [ImagePane; 2],
     hover: Option<Hover>,
+    focus: Focus,
+    /// The result that the chosen hypothesis belongs to.
+    revision: u64,
     overlays: [bool; OVERLAYS.len()],
     open_dialog: OpenDialog,
     shortcuts_open: bool,
@@ -97,6 +101,8 @@ impl Inspector {
             show_me: None,
             panes: Side::BOTH.map(ImagePane::new),
             hover: None,
+            focus: Focus::default(),
+            revision: 0,
             overlays: [true; OVERLAYS.len()],
             open_dialog: OpenDialog::default(),
             shortcuts_open: false,
@@ -142,11 +148,24 @@ impl Inspector {
         }
         let mut commands = Vec::new();
         self.draw(ui, &mut commands);
+        self.point_at(&ctx, &commands);
         for command in commands {
             self.apply(&ctx, command);
         }
         self.computation.follow(self.opening, self.request());
         self.name_window(&ctx);
+    }
+
+    /// Notes what is pointed at in this frame, for the next one to draw.
+    fn point_at(&mut self, ctx: &egui::Context, commands: &[Command]) {
+        let mut targets = commands.iter().filter_map(|command| match command {
+            Command::PointAt(target) => Some(*target),
+            _ => None,
+        });
+        // The panels are drawn before what lies over them: the last one is the topmost.
+        if self.focus.point_at(targets.next_back()) {
+            ctx.request_repaint();
+        }
     }
 
     fn request(&self) -> Option<Request> {
@@ -160,6 +179,11 @@ impl Inspector {
 
     fn take_news(&mut self, ctx: &egui::Context) {
         self.computation.take_news();
+        if self.revision != self.computation.revision() {
+            // Numbers of hypotheses belong to one result.
+            self.revision = self.computation.revision();
+            self.focus.choose_hypothesis(None);
+        }
         match self.loader.poll() {
             Some(Ok(pair)) => self.show_pictures(ctx, pair),
             Some(Err(text)) => {
@@ -196,6 +220,7 @@ impl Inspector {
         self.show_me = pair.show_me;
         self.opening += 1;
         self.hover = None;
+        self.focus.clear();
         self.placed = None;
         let pairs = std::mem::take(&mut self.start_pairs);
         let (inside, outside): (Vec<_>, Vec<_>) = pairs.into_iter().partition(|pair| {

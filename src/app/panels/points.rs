@@ -69,9 +69,8 @@ fn row(ui: &mut Ui, scene: &Scene, pair: usize, commands: &mut Vec<Command>) {
             ui.label("check").on_hover_text("It only shows how well the geometry fits elsewhere.")
         }
     };
-    let residual = finished
-        .zip(scene.computation.result())
-        .map(|(pair, (estimate, _))| symmetric_epipolar_distance(&estimate.fundamental, pair));
+    let residual =
+        finished.zip(scene.shown()).map(|(pair, shown)| symmetric_epipolar_distance(shown.fundamental, pair));
     match residual {
         Some(distance) if distance.is_finite() => ui
             .label(RichText::new(format!("{distance:6.2} px")).monospace())

@@ -16,12 +16,12 @@ pub const OVERLAY: Overlay = Overlay {
 };
 
 fn draw(canvas: &Canvas) {
-    let Some((estimate, opacity)) = canvas.estimate() else { return };
+    let Some((shown, opacity)) = canvas.shown() else { return };
     let epipole = match canvas.side {
-        Side::Left => &estimate.epipole1,
-        Side::Right => &estimate.epipole2,
+        Side::Left => shown.fundamental.epipole1(),
+        Side::Right => shown.fundamental.epipole2(),
     };
-    let Some(at) = finite_point(epipole).map(|point| canvas.transform.screen_from_image(point)) else {
+    let Some(at) = finite_point(&epipole).map(|point| canvas.transform.screen_from_image(point)) else {
         return;
     };
     if !canvas.transform.rect.contains(at) {

@@ -12,12 +12,12 @@ pub const OVERLAY: Overlay = Overlay {
 };
 
 fn draw(canvas: &Canvas) {
-    let (Some((estimate, opacity)), Some(hover)) = (canvas.estimate(), canvas.scene.hover) else { return };
+    let (Some((shown, opacity)), Some(hover)) = (canvas.shown(), canvas.scene.hover) else { return };
     if hover.dragging {
         // The dragged point has a line of its own.
         return;
     }
-    let f = &estimate.fundamental;
+    let f = shown.fundamental;
     let (line, width, opacity) = if hover.side == canvas.side {
         // Faint: here it only shows which line the cursor is on.
         (canvas.line_through(f, hover.point), theme::LINE_WIDTH * 0.75, opacity * 0.55)

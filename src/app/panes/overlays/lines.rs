@@ -12,11 +12,11 @@ pub const OVERLAY: Overlay = Overlay {
 };
 
 fn draw(canvas: &Canvas) {
-    let Some((estimate, opacity)) = canvas.estimate() else { return };
+    let Some((shown, opacity)) = canvas.shown() else { return };
     let document = canvas.scene.document;
     let selected = document.selection.map(|at| at.pair);
     for (at, other) in document.points(canvas.side.other()) {
-        let Some(line) = canvas.line_from_other(&estimate.fundamental, other) else { continue };
+        let Some(line) = canvas.line_from_other(shown.fundamental, other) else { continue };
         let strong = selected == Some(at.pair);
         let width = if strong { theme::STRONG_LINE_WIDTH } else { theme::LINE_WIDTH };
         canvas.line(&line, width, theme::ESTIMATED.gamma_multiply(opacity));

@@ -10,9 +10,8 @@ use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Stroke, vec2};
 use super::Transform;
 use crate::app::computation::Freshness;
 use crate::app::document::Side;
-use crate::app::scene::Scene;
+use crate::app::scene::{Scene, Shown};
 use crate::app::theme;
-use crate::estimate::Estimate;
 use crate::geometry::{Frame, FundamentalMatrix, Line, Point};
 
 /// A layer over the images.
@@ -45,10 +44,10 @@ pub struct Canvas<'a> {
 }
 
 impl Canvas<'_> {
-    /// The estimate to be shown and how opaque its lines are.
-    fn estimate(&self) -> Option<(&Estimate, f32)> {
-        self.scene.computation.result().map(|(estimate, freshness)| {
-            (estimate, if freshness == Freshness::Stale { theme::STALE_OPACITY } else { 1.0 })
+    /// The geometry to be drawn and how opaque its lines are.
+    fn shown(&self) -> Option<(Shown<'_>, f32)> {
+        self.scene.shown().map(|shown| {
+            (shown, if shown.freshness == Freshness::Stale { theme::STALE_OPACITY } else { 1.0 })
         })
     }
 
