@@ -76,6 +76,9 @@ pub fn verdict(document: &Document, computation: &Computation) -> Verdict {
     let wrong = estimate.trust.as_ref().is_some_and(|trust| trust.verdict == estimate::Verdict::Wrong);
     let (tone, headline) = match freshness {
         Freshness::Stale => (Tone::Busy, "Updating; the lines still belong to the points before.".to_owned()),
+        Freshness::Followed => {
+            (Tone::Busy, "The geometry follows the points; the search for the best one goes on.".into())
+        }
         Freshness::Preliminary => (
             Tone::Busy,
             format!(
@@ -216,7 +219,7 @@ fn capitalised(text: &str) -> String {
 mod tests {
     use super::*;
     use crate::app::fake;
-    use crate::app::worker::Waker;
+    use crate::app::waker::Waker;
     use crate::estimate::{Reason, Trust, Warning};
     use std::time::Duration;
 

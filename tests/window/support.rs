@@ -42,6 +42,7 @@ pub fn fake_estimate(pairs: &[PointPair], parameters: &Parameters) -> Result<Est
 pub fn services() -> Services {
     Services {
         estimate: Box::new(|request, _| fake_estimate(&request.pairs, &request.parameters)),
+        follow: Box::new(|_, _| None),
         pick_file: Arc::new(|| None),
     }
 }
