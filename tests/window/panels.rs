@@ -133,13 +133,13 @@ fn a_place_in_the_profiles_is_a_sample_of_the_line() {
 fn a_parameter_recomputes_and_undo_takes_it_back() {
     let mut window = with_result();
     let before = window.state().document().parameters.clone();
-    window.get_by_label_contains("Line pencils").click();
+    window.get_by_label_contains("Epipole hypotheses").click();
     settle(&mut window);
-    window.get_by_role_and_label(Role::CheckBox, "Normalise").click();
+    window.get_by_role_and_label(Role::CheckBox, "Patch support").click();
     settle(&mut window);
-    let expected = Parameters { normalise: !before.normalise, ..before.clone() };
+    let expected = Parameters { patch_support: !before.patch_support, ..before.clone() };
     assert_eq!(window.state().document().parameters, expected);
-    window.get_by_label("Reset Normalise").click();
+    window.get_by_label("Reset Patch support").click();
     settle(&mut window);
     assert_eq!(window.state().document().parameters, before);
     for parameters in [&expected, &before] {
@@ -157,7 +157,7 @@ fn a_parameter_out_of_range_is_told_with_its_range_and_reset_with_all_others() {
     settle(&mut window);
     window.get_by_role_and_label(Role::SpinButton, "Line spacing").click();
     settle(&mut window);
-    window.get_by_role_and_label(Role::TextInput, "Line spacing").type_text("99");
+    window.event(egui::Event::Text("99".into()));
     settle(&mut window);
     press(&mut window, Key::Enter);
     assert!((window.state().document().parameters.line_spacing - 99.0).abs() < 1e-9);
