@@ -8,6 +8,7 @@ use egui::{Key, KeyboardShortcut, Modifiers};
 
 use super::document::{PointRef, Side};
 use super::focus::{LineSource, Target};
+use super::panels::tabs::TABS;
 use crate::estimate::{Method, Parameters, Preset};
 use crate::geometry::{Point, Vector};
 
@@ -108,7 +109,7 @@ const fn key(modifiers: Modifiers, key: Key) -> KeyboardShortcut {
 impl Command {
     /// The actions that have keys, in the order of the list of keys. Where one key is another one's with
     /// Shift, the one with Shift comes first, or it would never be seen.
-    pub fn with_keys() -> [Self; 12] {
+    pub fn with_keys() -> [Self; 17] {
         [
             Self::ShowOpenDialog,
             Self::ShowMe,
@@ -119,6 +120,11 @@ impl Command {
             Self::FitAll,
             Self::Recompute,
             Self::FoldTabs,
+            Self::ShowTab(0),
+            Self::ShowTab(1),
+            Self::ShowTab(2),
+            Self::ShowTab(3),
+            Self::ChooseHypothesis(None),
             Self::ToggleTheme,
             Self::ToggleShortcuts,
             Self::Quit,
@@ -160,7 +166,7 @@ impl Command {
             Self::UnpinAll => "Unpin all lines",
             Self::SetParameters { .. } => "Change a parameter",
             Self::ResetParameters => "Reset all parameters",
-            Self::ShowTab(_) => "Show a tab",
+            Self::ShowTab(number) => TABS[*number].title,
             Self::FoldTabs => "Hide or show the panel",
             Self::ToggleOverlay(_) => "Show or hide",
             Self::Dismiss(_) => "Dismiss message",
@@ -214,7 +220,7 @@ impl Command {
             Self::UnpinAll => "Remove all pinned line pairs from the images.",
             Self::SetParameters { .. } => "Change a parameter of the estimate.",
             Self::ResetParameters => "Take all parameters back to those of the preset.",
-            Self::ShowTab(_) => "Show this tab of the bottom panel.",
+            Self::ShowTab(number) => TABS[*number].tooltip,
             Self::FoldTabs => "Fold the bottom panel away, or bring it back.",
             Self::ToggleOverlay(_) => "Show or hide this in both images.",
             Self::Dismiss(_) => "Remove this message.",
@@ -237,6 +243,11 @@ impl Command {
             Self::FitAll => const { &[key(Modifiers::NONE, Key::F)] },
             Self::Recompute => const { &[key(Modifiers::NONE, Key::F5)] },
             Self::FoldTabs => const { &[key(Modifiers::NONE, Key::B)] },
+            Self::ShowTab(0) => const { &[key(Modifiers::NONE, Key::Num1)] },
+            Self::ShowTab(1) => const { &[key(Modifiers::NONE, Key::Num2)] },
+            Self::ShowTab(2) => const { &[key(Modifiers::NONE, Key::Num3)] },
+            Self::ShowTab(3) => const { &[key(Modifiers::NONE, Key::Num4)] },
+            Self::ChooseHypothesis(None) => const { &[key(Modifiers::NONE, Key::R)] },
             Self::ToggleTheme => const { &[key(Modifiers::NONE, Key::T)] },
             Self::ToggleShortcuts => {
                 const { &[key(Modifiers::NONE, Key::Questionmark), key(Modifiers::NONE, Key::F1)] }

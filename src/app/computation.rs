@@ -3,7 +3,10 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use super::worker::{EstimateFn, Failure, News, Request, Waker, Worker};
+use super::background::Latest;
+use super::services::FollowFn;
+use super::waker::Waker;
+use super::worker::{EstimateFn, Failure, News, Request, Worker};
 use crate::estimate::{ComparedPencils, Estimate, EstimateError, Parameters, Stage};
 use crate::geometry::PointPair;
 
@@ -14,6 +17,9 @@ pub enum Freshness {
     Final,
     /// For the points as they are, still being refined.
     Preliminary,
+    /// An earlier geometry of the same images, refitted to the points as they are or were a moment ago; the
+    /// search for them goes on.
+    Followed,
     /// For earlier points; a new one is being computed.
     Stale,
     /// A preliminary result that was stopped before it was refined.
@@ -29,10 +35,26 @@ struct Input {
     parameters: Parameters,
 }
 
-/// The estimate and the thread that computes it.
+/// The result on the screen.
+struct Shown {
+    /// Which request it belongs to; a result of an earlier one never takes its place.
+    generation: u64,
+    estimate: Arc<Estimate>,
+    freshness: Freshness,
+}
+
+/// A request with the generation of its search and the geometries to start from.
+type Question = (u64, Request, Vec<Arc<Estimate>>);
+/// What became of it.
+type Answer = (u64, Option<Estimate>);
+
+/// The estimate and the threads that compute it.
 pub struct Computation {
     worker: Worker,
+    follower: Option<Latest<Question, Answer>>,
     input: Option<Input>,
+    /// Of the request that `input` was made into.
+    generation: u64,
     running: bool,
     /// The stages of the latest computation that have begun, with when they did.
     begun: Vec<(Stage, Instant)>,
@@ -42,7 +64,11 @@ pub struct Computation {
     pencils_revision: u64,
     /// Counts the results.
     revision: u64,
-    result: Option<(Box<Estimate>, Freshness)>,
+    shown: Option<Shown>,
+    /// The latest result of a search through all stages that find the geometry, whichever points it was for.
+    found: Option<Arc<Estimate>>,
+    /// A first guess of a later search.
+    guessed: Option<Arc<Estimate>>,
     failure: Option<Failure>,
     stopped: bool,
 }
@@ -52,21 +78,35 @@ impl Computation {
     pub fn new(estimate: Box<EstimateFn>, waker: Waker) -> Self {
         Self {
             worker: Worker::new(estimate, waker),
+            follower: None,
             input: None,
+            generation: 0,
             running: false,
             begun: Vec::new(),
             pencils: None,
             pencils_revision: 0,
             revision: 0,
-            result: None,
+            shown: None,
+            found: None,
+            guessed: None,
             failure: None,
             stopped: false,
         }
     }
 
+    /// Has geometries follow moved points while the search for them goes on.
+    #[must_use]
+    pub fn following(mut self, mut follow: Box<FollowFn>, waker: Waker) -> Self {
+        self.follower = Some(Latest::new("follow", waker, move |(generation, request, starts): Question| {
+            let starts: Vec<&Estimate> = starts.iter().map(AsRef::as_ref).collect();
+            Some((generation, follow(&request, &starts)))
+        }));
+        self
+    }
+
     /// The latest result and how it relates to the points as they are now.
     pub fn result(&self) -> Option<(&Estimate, Freshness)> {
-        self.result.as_ref().map(|(estimate, freshness)| (estimate.as_ref(), *freshness))
+        self.shown.as_ref().map(|shown| (shown.estimate.as_ref(), shown.freshness))
     }
 
     /// Whether a computation is under way.
@@ -128,25 +168,37 @@ impl Computation {
         if input == self.input {
             return;
         }
+        let only_points_moved = self
+            .input
+            .as_ref()
+            .zip(input.as_ref())
+            .is_some_and(|(old, new)| old.opening == new.opening && old.parameters == new.parameters);
         let other_pictures = self.input.as_ref().is_some_and(|old| old.opening != opening);
         self.input = input;
         self.failure = None;
         self.stopped = false;
-        if let Some(request) = request {
-            self.worker.submit(request);
-            self.running = true;
-            self.begun.clear();
-            if other_pictures {
-                self.pencils = None;
-                self.set_result(None);
-            } else if let Some((_, freshness)) = &mut self.result {
-                *freshness = Freshness::Stale;
-            }
-        } else {
-            self.worker.cancel();
-            self.running = false;
+        if !only_points_moved {
+            self.give_up();
+        }
+        let Some(request) = request else {
             self.pencils = None;
-            self.set_result(None);
+            self.set_shown(None);
+            return;
+        };
+        self.generation = self.worker.submit(request.clone());
+        self.running = true;
+        self.begun.clear();
+        let starts: Vec<_> = self.found.iter().chain(&self.guessed).cloned().collect();
+        let mut freshness = Freshness::Stale;
+        if let Some(follower) = self.follower.as_mut().filter(|_| !starts.is_empty()) {
+            follower.ask((self.generation, request, starts));
+            freshness = Freshness::Followed;
+        }
+        if other_pictures {
+            self.pencils = None;
+            self.set_shown(None);
+        } else if let Some(shown) = &mut self.shown {
+            shown.freshness = freshness;
         }
     }
 
@@ -157,25 +209,33 @@ impl Computation {
         }
     }
 
-    fn set_result(&mut self, result: Option<(Box<Estimate>, Freshness)>) {
-        if let Some(pencils) = result.as_ref().and_then(|(estimate, _)| estimate.pencils.as_ref()) {
-            let pencils = Arc::clone(pencils);
-            self.set_pencils(pencils);
+    /// Stops the threads and forgets what they found, all but what is shown.
+    fn give_up(&mut self) {
+        self.worker.cancel();
+        if let Some(follower) = &mut self.follower {
+            follower.forget();
         }
-        self.result = result;
+        self.running = false;
+        (self.found, self.guessed) = (None, None);
+    }
+
+    fn set_shown(&mut self, shown: Option<Shown>) {
+        self.shown = shown;
         self.revision += 1;
     }
 
     /// Stops the computation; a preliminary result stays.
     pub fn stop(&mut self) {
-        if !std::mem::take(&mut self.running) {
+        if !self.running {
             return;
         }
-        self.worker.cancel();
-        if let Some((_, freshness @ Freshness::Preliminary)) = &mut self.result {
+        self.give_up();
+        if let Some(Shown { freshness: freshness @ (Freshness::Preliminary | Freshness::Followed), .. }) =
+            &mut self.shown
+        {
             *freshness = Freshness::Stopped;
         } else {
-            self.set_result(None);
+            self.set_shown(None);
             self.stopped = true;
         }
     }
@@ -185,28 +245,75 @@ impl Computation {
         self.input = None;
     }
 
-    /// Takes in what the thread has reported.
+    /// Takes in what the threads have reported.
     pub fn take_news(&mut self) {
-        while let Some(news) = self.worker.poll() {
+        while let Some((generation, news)) = self.worker.poll() {
+            let current = generation == self.generation;
             match news {
-                News::Started(stage) => self.begun.push((stage, Instant::now())),
+                News::Started(stage) if current => self.begun.push((stage, Instant::now())),
                 News::Pencils(pencils) => self.set_pencils(pencils),
                 News::Preliminary(estimate) => {
-                    self.set_result(Some((estimate, Freshness::Preliminary)));
+                    self.take_result(generation, estimate, Freshness::Preliminary);
                 }
                 News::Finished(Ok(estimate)) => {
-                    self.running = false;
-                    self.set_result(Some((estimate, Freshness::Final)));
+                    self.running &= !current;
+                    self.take_result(generation, estimate, Freshness::Final);
                 }
-                News::Finished(Err(failure)) => {
+                News::Finished(Err(failure)) if current => {
                     self.running = false;
                     // Lines of earlier points would contradict the message.
-                    self.set_result(None);
+                    self.set_shown(None);
                     self.stopped = failure == Failure::Estimate(EstimateError::Cancelled);
                     self.failure = (!self.stopped).then_some(failure);
                 }
+                // How a search that was overtaken went on or ended is nobody's concern.
+                News::Started(_) | News::Finished(Err(_)) => {}
             }
         }
+        let Some((generation, answer)) = self.follower.as_mut().and_then(Latest::poll) else { return };
+        match answer {
+            // The search's own result for the same points is better.
+            Some(estimate) if self.running && self.is_news(generation.saturating_sub(1)) => {
+                let (estimate, freshness) = (Arc::new(estimate), Freshness::Followed);
+                self.set_shown(Some(Shown { generation, estimate, freshness }));
+            }
+            None => {
+                if let Some(shown) = &mut self.shown
+                    && shown.freshness == Freshness::Followed
+                {
+                    shown.freshness = Freshness::Stale;
+                }
+            }
+            Some(_) => {}
+        }
+    }
+
+    /// A result of a search: kept to start from, and shown unless something newer is.
+    fn take_result(&mut self, generation: u64, estimate: Box<Estimate>, freshness: Freshness) {
+        let estimate: Arc<Estimate> = estimate.into();
+        if let Some(pencils) = &estimate.pencils {
+            self.set_pencils(Arc::clone(pencils));
+        }
+        // The first guess comes before lines are compared.
+        let guess = freshness == Freshness::Preliminary && estimate.score.is_nan();
+        if guess {
+            self.guessed = Some(Arc::clone(&estimate));
+        } else {
+            (self.found, self.guessed) = (Some(Arc::clone(&estimate)), None);
+        }
+        let better_shown = guess
+            && self.shown.as_ref().is_some_and(|shown| {
+                shown.generation == generation && shown.freshness == Freshness::Followed
+            });
+        if self.is_news(generation) && !better_shown {
+            let freshness = if generation == self.generation { freshness } else { Freshness::Stale };
+            self.set_shown(Some(Shown { generation, estimate, freshness }));
+        }
+    }
+
+    /// Whether nothing newer than a result of this generation is shown.
+    fn is_news(&self, generation: u64) -> bool {
+        self.shown.as_ref().is_none_or(|shown| shown.generation <= generation)
     }
 }
 
@@ -214,7 +321,7 @@ impl Computation {
 mod tests {
     use super::*;
     use crate::app::fake;
-    use std::sync::Arc;
+    use crate::estimate::Monitor;
     use std::sync::atomic::{AtomicBool, Ordering};
     use std::time::{Duration, Instant};
 
@@ -266,6 +373,56 @@ mod tests {
         assert_eq!(freshness(&computation), None, "a result of other pictures must not be drawn");
         computation.follow(2, None);
         assert!(!computation.is_running());
+    }
+
+    /// A follower that marks what it gives with the first point's x.
+    fn following(computation: Computation) -> Computation {
+        let follow = |request: &Request, starts: &[&Estimate]| {
+            let start = starts.last()?;
+            Some(Estimate { seconds: request.pairs[0].point1.x, ..(*start).clone() })
+        };
+        computation.following(Box::new(follow), Waker::default())
+    }
+
+    #[test]
+    fn geometries_follow_moved_points_until_the_search_has_its_own() {
+        let gate = Arc::new(AtomicBool::new(true));
+        let held_up = Arc::clone(&gate);
+        let search = move |request: &Request, monitor: &Monitor| {
+            while !held_up.load(Ordering::Relaxed) {
+                std::thread::sleep(Duration::from_millis(1));
+            }
+            fake::estimate(request, monitor)
+        };
+        let mut computation = following(Computation::new(Box::new(search), Waker::default()));
+        computation.follow(1, Some(fake::request(1.0)));
+        wait(&mut computation, |c| !c.is_running());
+        gate.store(false, Ordering::Relaxed);
+        for x in [2.0, 3.0, 4.0] {
+            computation.follow(1, Some(fake::request(x)));
+            assert_eq!(freshness(&computation), Some(Freshness::Followed), "no flicker while it is asked");
+        }
+        wait(&mut computation, |c| {
+            c.result().is_some_and(|(estimate, _)| estimate.seconds.to_bits() == 4f64.to_bits())
+        });
+        assert_eq!(freshness(&computation), Some(Freshness::Followed));
+        gate.store(true, Ordering::Relaxed);
+        wait(&mut computation, |c| !c.is_running());
+        assert_eq!(freshness(&computation), Some(Freshness::Final));
+    }
+
+    #[test]
+    fn other_parameters_and_pictures_are_not_followed() {
+        let mut computation = following(Computation::new(Box::new(fake::estimate), Waker::default()));
+        computation.follow(1, Some(fake::request(1.0)));
+        wait(&mut computation, |c| !c.is_running());
+        let mut request = fake::request(2.0);
+        request.parameters.seed += 1;
+        computation.follow(1, Some(request));
+        assert_eq!(freshness(&computation), Some(Freshness::Stale));
+        wait(&mut computation, |c| !c.is_running());
+        computation.follow(2, Some(fake::request(3.0)));
+        assert_eq!(freshness(&computation), None);
     }
 
     #[test]

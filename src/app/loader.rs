@@ -11,7 +11,8 @@ use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use super::document::Side;
 use super::panes::Overview;
 use super::sample::sample_pair;
-use super::worker::{Waker, panic_text};
+use super::waker::Waker;
+use super::worker::panic_text;
 use crate::geometry::PointPair;
 use crate::image::{LoadError, Picture};
 

@@ -8,6 +8,8 @@
 //! | [`focus`] | what is pointed at and what is chosen, shared by all panes and panels |
 //! | `computation`, [`worker`] | the estimate and the thread that computes it |
 //! | `inspection` | the intensities of the inspected line pair, matched in a third thread |
+//! | `background` | a thread that answers the newest of many questions |
+//! | `services` | what threads and the system do for the window; tests put something else in their place |
 //! | `loader` | opening pictures off the window's thread |
 //! | `panes` | the images: view transforms, textures, one file an overlay |
 //! | `panels` | everything around them, one file each |
@@ -18,9 +20,10 @@
 //! `panes::ImagePane` turns a click into [`command::Command::Place`]; the inspector applies it to the
 //! [`document::Document`] and notes it in the [`history::History`]; at the end of the frame
 //! `computation::Computation::follow` sees that the used pairs have changed and hands them to the
-//! [`worker::Worker`], which cancels what it was doing. Its news wake the window, and the next frame's
-//! overlays draw the lines of the new estimate.
+//! [`worker::Worker`] for a search, and the latest geometry to the follower, which has it refitted to the moved
+//! points within a frame or two. Their news wake the window, and the next frame's overlays draw the new lines.
 
+mod background;
 pub mod command;
 mod computation;
 pub mod document;
@@ -38,15 +41,18 @@ mod panes;
 mod residuals;
 mod sample;
 mod scene;
+mod services;
 mod settings;
 mod shell;
 mod step;
 mod theme;
 mod verdict;
+mod waker;
 pub mod worker;
 
-pub use inspector::{Inspector, Services};
+pub use inspector::Inspector;
 pub use loader::Opening;
+pub use services::Services;
 pub use shell::AppError;
 
 use crate::geometry::PointPair;

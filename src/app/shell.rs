@@ -6,7 +6,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 use eframe::{NativeOptions, Renderer};
 use thiserror::Error;
 
-use super::inspector::{Inspector, Services};
+use super::inspector::Inspector;
+use super::services::Services;
 use super::worker::panic_text;
 use super::{Start, theme};
 

@@ -5,8 +5,8 @@ use std::f64::consts::PI;
 use super::computation::{Computation, Freshness};
 use super::document::{Document, pair_name};
 use super::worker::Failure;
-use crate::estimate::{self, Estimate};
-use crate::geometry::{Frame, HomogeneousPoint, finite_point};
+use crate::estimate::{self, Estimate, Hypothesis};
+use crate::geometry::{Frame, FundamentalMatrix, HomogeneousPoint, finite_point};
 
 /// How the news is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -76,6 +76,9 @@ pub fn verdict(document: &Document, computation: &Computation) -> Verdict {
     let wrong = estimate.trust.as_ref().is_some_and(|trust| trust.verdict == estimate::Verdict::Wrong);
     let (tone, headline) = match freshness {
         Freshness::Stale => (Tone::Busy, "Updating; the lines still belong to the points before.".to_owned()),
+        Freshness::Followed => {
+            (Tone::Busy, "The geometry follows the points; the search for the best one goes on.".into())
+        }
         Freshness::Preliminary => (
             Tone::Busy,
             format!(
@@ -119,43 +122,17 @@ fn used(document: &Document) -> String {
 }
 
 fn facts(document: &Document, estimate: &Estimate) -> Vec<Fact> {
-    let frame = |k: usize| document.pictures.as_ref().map(|pictures| pictures[k].frame);
-    let mut facts = vec![
-        Fact {
-            name: "Epipoles",
-            value: format!(
-                "left {},  right {}",
-                epipole_text(&estimate.epipole1, frame(0)),
-                epipole_text(&estimate.epipole2, frame(1))
-            ),
-            tooltip: "Where each image sees the other camera; all epipolar lines of an image meet there.",
+    let mut facts = epipoles(document, &estimate.fundamental);
+    facts.push(Fact {
+        name: "Margin",
+        value: match estimate.margin {
+            Some(margin) => format!("{:.0} %", margin * 100.0),
+            None => "no other geometry came near".into(),
         },
-        Fact {
-            name: "Margin",
-            value: match estimate.margin {
-                Some(margin) => format!("{:.0} %", margin * 100.0),
-                None => "no other geometry came near".into(),
-            },
-            tooltip: "Advantage over the best clearly different geometry; \
-                      a few percent means that the result is a guess.",
-        },
-    ];
-    // The first result of a computation has neither yet.
-    if estimate.score.is_finite() {
-        facts.push(Fact {
-            name: "Score",
-            value: format!("{:.3}", estimate.score),
-            tooltip: "How unlike corresponding epipolar lines are; lower is better.",
-        });
-    }
-    if estimate.round_trip_area.is_finite() {
-        facts.push(Fact {
-            name: "Round trip",
-            value: format!("{:.2} px", estimate.round_trip_area),
-            tooltip: "How far a line ends from where it began when it is carried to the other image and back; \
-                      small means that both directions agree.",
-        });
-    }
+        tooltip: "Advantage over the best clearly different geometry; \
+                  a few percent means that the result is a guess.",
+    });
+    facts.extend(line_figures(estimate.score, estimate.round_trip_area));
     if let Some(support) = &estimate.support {
         facts.push(Fact {
             name: "Support",
@@ -171,6 +148,52 @@ fn facts(document: &Document, estimate: &Estimate) -> Vec<Fact> {
         });
     }
     facts
+}
+
+/// The figures of a hypothesis that is shown in place of the result.
+pub fn hypothesis_facts(document: &Document, hypothesis: &Hypothesis) -> Vec<Fact> {
+    let mut facts = epipoles(document, &hypothesis.fundamental);
+    facts.extend(line_figures(hypothesis.score, hypothesis.round_trip_area));
+    if hypothesis.support > 0.0 {
+        facts.push(Fact {
+            name: "Support",
+            value: format!("{:.1}", hypothesis.support),
+            tooltip: "How strongly matching image patches agree with it; higher is better.",
+        });
+    }
+    facts
+}
+
+fn epipoles(document: &Document, f: &FundamentalMatrix) -> Vec<Fact> {
+    let frame = |k: usize| document.pictures.as_ref().map(|pictures| pictures[k].frame);
+    vec![
+        Fact {
+            name: "Left epipole",
+            value: epipole_text(&f.epipole1(), frame(0)),
+            tooltip: "Where the left image sees the other camera; all its epipolar lines meet there.",
+        },
+        Fact {
+            name: "Right epipole",
+            value: epipole_text(&f.epipole2(), frame(1)),
+            tooltip: "Where the right image sees the other camera; all its epipolar lines meet there.",
+        },
+    ]
+}
+
+/// What the lines say; the first result of a computation has neither figure yet.
+fn line_figures(score: f64, round_trip_area: f64) -> impl Iterator<Item = Fact> {
+    let score = score.is_finite().then(|| Fact {
+        name: "Line score",
+        value: format!("{score:.3}"),
+        tooltip: "How unlike corresponding epipolar lines are; lower is better.",
+    });
+    let round_trip = round_trip_area.is_finite().then(|| Fact {
+        name: "Round trip",
+        value: format!("{round_trip_area:.2} px"),
+        tooltip: "How far a line ends from where it began when it is carried to the other image and back; \
+                  small means that both directions agree.",
+    });
+    score.into_iter().chain(round_trip)
 }
 
 /// Where an epipole is, in words and figures.
@@ -196,7 +219,7 @@ fn capitalised(text: &str) -> String {
 mod tests {
     use super::*;
     use crate::app::fake;
-    use crate::app::worker::Waker;
+    use crate::app::waker::Waker;
     use crate::estimate::{Reason, Trust, Warning};
     use std::time::Duration;
 

@@ -1,61 +1,25 @@
 //! The thread that computes.
 //!
-//! One thread runs one request at a time. A newer request cancels the running one through its
-//! [`CancelFlag`] and replaces the waiting one; each carries a generation number, and [`Worker::poll`]
-//! drops news of older generations, so that an old result can never overwrite a newer one. A panic in
-//! the computation becomes [`Failure::Panic`].
+//! One thread runs one request at a time; of those that wait only the newest counts. While a point is dragged
+//! a request comes every frame: if each cancelled the one before, none would ever get anywhere. So the running
+//! one is left alone until its first result that can be drawn, and is cancelled through its [`CancelFlag`] as
+//! soon as it has one and a newer request waits. News carries the generation of its request and never comes
+//! after news of a newer one. A panic in the computation becomes [`Failure::Panic`].
 
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::mpsc::{Receiver, Sender, channel};
-use std::sync::{Arc, Condvar, Mutex, MutexGuard, OnceLock, PoisonError};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 
+use super::waker::Waker;
 use crate::estimate::{
-    CancelFlag, ComparedPencils, Estimate, EstimateError, Monitor, Parameters, PreparedPair, Progress, Stage,
-    estimate_prepared,
+    CancelFlag, ComparedPencils, Estimate, EstimateError, Monitor, Parameters, Progress, Stage,
 };
 use crate::geometry::PointPair;
 use crate::image::Picture;
 
-/// The computation: [`estimator`], or something that stands in for it.
+/// The computation: the estimator of this library, or something that stands in for it.
 pub type EstimateFn = dyn FnMut(&Request, &Monitor) -> Result<Estimate, EstimateError> + Send;
-
-/// The estimator of this library. It keeps what depends on the pictures alone from one request to the next,
-/// so that moving a point costs only what depends on the point.
-pub fn estimator() -> Box<EstimateFn> {
-    let mut kept: Option<([Arc<Picture>; 2], PreparedPair)> = None;
-    Box::new(move |request, monitor| {
-        let same = |pictures: &[Arc<Picture>; 2]| {
-            pictures.iter().zip(&request.pictures).all(|(a, b)| Arc::ptr_eq(a, b))
-        };
-        let (_, prepared) = match kept.take() {
-            Some((pictures, prepared)) if same(&pictures) => kept.insert((pictures, prepared)),
-            _ => {
-                let [image1, image2] = &request.pictures;
-                kept.insert((request.pictures.clone(), PreparedPair::new(&image1.gray, &image2.gray)))
-            }
-        };
-        estimate_prepared(prepared, &request.pairs, &request.parameters, monitor)
-    })
-}
-
-/// Wakes the window from another thread. Works from its first frame on; before, there is nothing to wake.
-#[derive(Clone, Default)]
-pub struct Waker(Arc<OnceLock<egui::Context>>);
-
-impl Waker {
-    /// Names the window to wake; only the first call counts.
-    pub fn attach(&self, ctx: &egui::Context) {
-        self.0.get_or_init(|| ctx.clone());
-    }
-
-    /// Asks for a new frame.
-    pub fn wake(&self) {
-        if let Some(ctx) = self.0.get() {
-            ctx.request_repaint();
-        }
-    }
-}
 
 /// What is to be computed.
 #[derive(Debug, Clone)]
@@ -77,7 +41,7 @@ pub enum Failure {
     Panic(String),
 }
 
-/// News of the current request.
+/// News of a request.
 #[derive(Debug)]
 pub enum News {
     /// A stage has begun.
@@ -92,14 +56,39 @@ pub enum News {
 
 struct Job {
     generation: u64,
-    cancel: CancelFlag,
     request: Request,
+}
+
+/// The job under way.
+struct Running {
+    cancel: CancelFlag,
+    /// Whether it has given a result that can be drawn.
+    drawable: bool,
 }
 
 #[derive(Default)]
 struct Slot {
     waiting: Option<Job>,
+    running: Option<Running>,
     closed: bool,
+}
+
+impl Slot {
+    /// Cancels what is running if it has had its turn and something newer waits.
+    fn give_way(&mut self) {
+        if let Some(running) = self.running.as_ref().filter(|running| running.drawable)
+            && self.waiting.is_some()
+        {
+            running.cancel.cancel();
+        }
+    }
+
+    fn cancel(&mut self) {
+        self.waiting = None;
+        if let Some(running) = &self.running {
+            running.cancel.cancel();
+        }
+    }
 }
 
 #[derive(Default)]
@@ -120,8 +109,10 @@ pub struct Worker {
     shared: Arc<Shared>,
     sender: Sender<(u64, News)>,
     news: Receiver<(u64, News)>,
+    /// Number of the newest request.
     generation: u64,
-    cancel: CancelFlag,
+    /// News of this generation and the ones before is unwanted.
+    unwanted: u64,
     /// Whether the thread could be started at all.
     alive: bool,
 }
@@ -135,42 +126,46 @@ impl Worker {
             let (shared, sender) = (Arc::clone(&shared), sender.clone());
             move || run(&shared, &sender, &mut *estimate, &waker)
         });
-        Self { shared, sender, news, generation: 0, cancel: CancelFlag::default(), alive: thread.is_ok() }
+        Self { shared, sender, news, generation: 0, unwanted: 0, alive: thread.is_ok() }
     }
 
-    /// Asks for a computation in place of whatever is running or waiting.
-    pub fn submit(&mut self, request: Request) {
-        self.cancel();
-        if !self.alive {
+    /// Asks for a computation in place of whatever is waiting; what is running gets as far as its first result.
+    /// Returns the generation that the news of this request will carry.
+    pub fn submit(&mut self, request: Request) -> u64 {
+        self.generation += 1;
+        if self.alive {
+            let mut slot = self.shared.lock();
+            slot.waiting = Some(Job { generation: self.generation, request });
+            slot.give_way();
+            drop(slot);
+            self.shared.changed.notify_one();
+        } else {
             let failure = Failure::Panic("no thread could be started".into());
             // The receiver lives as long as `self`.
             let _ = self.sender.send((self.generation, News::Finished(Err(failure))));
-            return;
         }
-        let job = Job { generation: self.generation, cancel: self.cancel.clone(), request };
-        self.shared.lock().waiting = Some(job);
-        self.shared.changed.notify_one();
+        self.generation
     }
 
     /// Stops what is running or waiting; none of its news will arrive.
     pub fn cancel(&mut self) {
-        self.cancel.cancel();
-        self.cancel = CancelFlag::default();
-        self.generation += 1;
-        self.shared.lock().waiting = None;
+        self.unwanted = self.generation;
+        self.shared.lock().cancel();
     }
 
-    /// The next piece of news of the current request, if there is one.
-    pub fn poll(&self) -> Option<News> {
-        self.news.try_iter().find(|(generation, _)| *generation == self.generation).map(|(_, news)| news)
+    /// The next piece of news, with the generation of its request.
+    pub fn poll(&self) -> Option<(u64, News)> {
+        self.news.try_iter().find(|(generation, _)| *generation > self.unwanted)
     }
 }
 
 impl Drop for Worker {
     fn drop(&mut self) {
         // The thread is not joined: a computation slow to notice must not hold up the closing window.
-        self.cancel.cancel();
-        self.shared.lock().closed = true;
+        let mut slot = self.shared.lock();
+        slot.cancel();
+        slot.closed = true;
+        drop(slot);
         self.shared.changed.notify_one();
     }
 }
@@ -179,7 +174,7 @@ impl Drop for Worker {
 fn run(shared: &Shared, sender: &Sender<(u64, News)>, estimate: &mut EstimateFn, waker: &Waker) {
     loop {
         let mut slot = shared.lock();
-        let job = loop {
+        let Job { generation, request } = loop {
             if slot.closed {
                 return;
             }
@@ -188,21 +183,28 @@ fn run(shared: &Shared, sender: &Sender<(u64, News)>, estimate: &mut EstimateFn,
             }
             slot = shared.changed.wait(slot).unwrap_or_else(PoisonError::into_inner);
         };
+        let cancel = CancelFlag::default();
+        slot.running = Some(Running { cancel: cancel.clone(), drawable: false });
         drop(slot);
-        let Job { generation, cancel, request } = job;
         let tell = |news| {
             // Nobody listens any more when the window has closed.
             let _ = sender.send((generation, news));
             waker.wake();
         };
-        let monitor = Monitor::new(cancel, |progress| {
-            tell(match progress {
-                Progress::Started(stage) => News::Started(stage),
-                Progress::Pencils(pencils) => News::Pencils(pencils),
-                Progress::Preliminary(estimate) => News::Preliminary(estimate),
-            });
+        let monitor = Monitor::new(cancel, |progress| match progress {
+            Progress::Started(stage) => tell(News::Started(stage)),
+            Progress::Pencils(pencils) => tell(News::Pencils(pencils)),
+            Progress::Preliminary(estimate) => {
+                tell(News::Preliminary(estimate));
+                let mut slot = shared.lock();
+                if let Some(running) = &mut slot.running {
+                    running.drawable = true;
+                }
+                slot.give_way();
+            }
         });
         let result = catch_unwind(AssertUnwindSafe(|| estimate(&request, &monitor)));
+        shared.lock().running = None;
         tell(News::Finished(match result {
             Ok(Ok(estimate)) => Ok(Box::new(estimate)),
             Ok(Err(error)) => Err(Failure::Estimate(error)),
@@ -226,7 +228,7 @@ mod tests {
     /// Long enough for a loaded machine; reached only when something is wrong.
     const PATIENCE: Duration = Duration::from_secs(20);
 
-    fn wait(worker: &Worker) -> News {
+    fn wait(worker: &Worker) -> (u64, News) {
         let start = Instant::now();
         loop {
             if let Some(news) = worker.poll() {
@@ -237,12 +239,26 @@ mod tests {
         }
     }
 
-    fn finish(worker: &Worker) -> Result<Box<Estimate>, Failure> {
+    fn finish(worker: &Worker) -> (u64, Result<Box<Estimate>, Failure>) {
         loop {
-            if let News::Finished(result) = wait(worker) {
-                return result;
+            if let (generation, News::Finished(result)) = wait(worker) {
+                return (generation, result);
             }
         }
+    }
+
+    /// A computation that reports a preliminary result whenever it is let to, and ends when it is cancelled.
+    fn endless(go_on: Receiver<()>) -> Box<EstimateFn> {
+        Box::new(move |request, monitor| {
+            loop {
+                monitor.check()?;
+                if go_on.try_recv().is_ok() {
+                    let estimate = fake::estimate(request, monitor);
+                    estimate?;
+                }
+                std::thread::sleep(Duration::from_millis(1));
+            }
+        })
     }
 
     #[test]
@@ -251,7 +267,7 @@ mod tests {
         worker.submit(fake::request(0.0));
         let mut preliminary = 0;
         loop {
-            match wait(&worker) {
+            match wait(&worker).1 {
                 News::Started(_) | News::Pencils(_) => {}
                 News::Preliminary(_) => preliminary += 1,
                 News::Finished(result) => break assert!(result.is_ok()),
@@ -261,26 +277,32 @@ mod tests {
     }
 
     #[test]
-    fn a_newer_request_cancels_the_older_one_and_hides_its_news() {
-        let mut worker = Worker::new(
-            Box::new(|request, monitor| {
-                // The first request runs until it is cancelled.
-                while request.pairs[0].point1.x < 1.0 && !monitor.is_cancelled() {
-                    std::thread::sleep(Duration::from_millis(1));
-                }
-                let mut estimate = fake::estimate(request, monitor)?;
-                estimate.score = request.pairs[0].point1.x;
-                Ok(estimate)
-            }),
-            Waker::default(),
-        );
-        worker.submit(fake::request(0.0));
-        std::thread::sleep(Duration::from_millis(20));
+    fn a_running_request_reaches_its_first_result_and_then_gives_way_to_the_newest() {
+        let (go_on, gate) = channel();
+        let mut worker = Worker::new(endless(gate), Waker::default());
+        let first = worker.submit(fake::request(0.0));
+        let started = Instant::now();
+        while worker.shared.lock().running.is_none() {
+            assert!(started.elapsed() < PATIENCE);
+            std::thread::sleep(Duration::from_millis(1));
+        }
         worker.submit(fake::request(2.0));
-        worker.submit(fake::request(3.0));
-        let estimate = finish(&worker).unwrap();
-        assert!((estimate.score - 3.0).abs() < 1e-12);
-        assert!(worker.poll().is_none());
+        let newest = worker.submit(fake::request(3.0));
+        // It has nothing to show yet, so it goes on although others wait.
+        assert!(worker.shared.lock().running.as_ref().is_some_and(|running| !running.cancel.is_cancelled()));
+        go_on.send(()).unwrap();
+        let (generation, result) = finish(&worker);
+        assert_eq!((generation, result.unwrap_err()), (first, Failure::Estimate(EstimateError::Cancelled)));
+        go_on.send(()).unwrap();
+        let generation = loop {
+            if let (generation, News::Preliminary(_)) = wait(&worker) {
+                break generation;
+            }
+        };
+        assert_eq!(generation, newest, "the one in between was overtaken");
+        // Nothing newer waits: it may go on until one comes.
+        worker.submit(fake::request(4.0));
+        assert_eq!(finish(&worker).0, newest);
     }
 
     #[test]
@@ -293,16 +315,16 @@ mod tests {
             Waker::default(),
         );
         worker.submit(fake::request(0.0));
-        assert_eq!(finish(&worker).unwrap_err(), Failure::Panic("boom at 0".into()));
+        assert_eq!(finish(&worker).1.unwrap_err(), Failure::Panic("boom at 0".into()));
         worker.submit(fake::request(2.0));
-        assert!(finish(&worker).is_ok());
+        assert!(finish(&worker).1.is_ok());
     }
 
     #[test]
     fn errors_of_the_estimator_come_through_and_cancelled_work_is_silent() {
         let mut worker = Worker::new(Box::new(|_, _| Err(EstimateError::NoGeometry)), Waker::default());
         worker.submit(fake::request(0.0));
-        assert_eq!(finish(&worker).unwrap_err(), Failure::Estimate(EstimateError::NoGeometry));
+        assert_eq!(finish(&worker).1.unwrap_err(), Failure::Estimate(EstimateError::NoGeometry));
         worker.submit(fake::request(0.0));
         worker.cancel();
         std::thread::sleep(Duration::from_millis(20));

@@ -39,15 +39,24 @@ const ALIKE: f32 = 0.8;
 /// Share of the leader's support that a geometry near a better one has before it is polished.
 const PROMISING: f64 = 0.4;
 
+/// How a round of samples is drawn.
+pub(crate) struct Drawing<'a> {
+    /// In pixels of the level.
+    pub clicks: &'a [PointPair],
+    /// Whether planes are looked at, too.
+    pub parallax: bool,
+    pub seed: u64,
+}
+
 /// Hypotheses from small samples and from planes, best first, in pixels of the level of `support`.
 pub(crate) fn resample(
     support: &Support,
     best: &[Steered],
-    clicks: &[PointPair],
-    seed: u64,
+    drawing: &Drawing,
     monitor: &Monitor,
 ) -> Result<Vec<Steered>, EstimateError> {
     let Some(leader) = best.first() else { return Ok(Vec::new()) };
+    let Drawing { clicks, parallax, seed } = *drawing;
     let promising = |f: FundamentalMatrix| {
         let score = support.score(&f, BAND);
         let angles = leader.angles;
@@ -71,7 +80,7 @@ pub(crate) fn resample(
     if pool.len() >= 2 * DRAWN {
         found.extend(draw(0, &|rng| sample(&pool, clicks, rng)));
     }
-    for (k, hypothesis) in best.iter().take(PLANES).enumerate() {
+    for (k, hypothesis) in best.iter().take(if parallax { PLANES } else { 0 }).enumerate() {
         let matches: Vec<PointPair> =
             support.matches(&hypothesis.fundamental, BAND).iter().map(|m| m.pair).collect();
         if let Some((h, _)) = largest_plane(&matches, ON_PLANE, seed) {

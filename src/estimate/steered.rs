@@ -9,7 +9,7 @@ use super::examination::Examiner;
 use super::hypotheses::draw_pairs;
 use super::level::{Level, resized_pair};
 use super::prepared::{FineWitness, Witness};
-use super::resampling::resample;
+use super::resampling::{Drawing, resample};
 use super::search::{self, Steered};
 use super::two_point::{REPORTED, Run};
 use super::{Construction, Estimate, EstimateError, Hypothesis, PatchSupport, Stage};
@@ -18,11 +18,8 @@ use crate::similarity::StereoSimilarity;
 
 /// Combinations tried for the first picture.
 const QUICK: usize = 1500;
-/// Rounds of resampling at most, and the growth of the best support in a round below which it is the last one.
-const ROUNDS: u64 = 5;
+/// Growth of the best support in a round of resampling below which it is the last one.
 const SETTLED: f64 = 1.01;
-/// Hypotheses refined at full resolution.
-const REFINED: usize = 8;
 
 impl Run<'_> {
     /// Line similarity proposes, patch support disposes (see [`search`]).
@@ -72,7 +69,7 @@ impl Run<'_> {
         self.preliminary(&best, &hypotheses, Some(support.clone()));
 
         self.enter(Stage::Refinement)?;
-        let leading = hypotheses.iter().take(REFINED).map(|h| h.fundamental);
+        let leading = hypotheses.iter().take(parameters.refined).map(|h| h.fundamental);
         let refined = if parameters.refine { self.refined(leading) } else { None };
         self.monitor.check()?;
         if let Some(refined) = refined {
@@ -108,7 +105,8 @@ impl Run<'_> {
         fine: &FineWitness,
     ) -> Result<Vec<Steered>, EstimateError> {
         // Clicks more precise than a level can show would pin what its corners cannot.
-        let sigma = |scales: [f64; 2]| (self.parameters.click_sigma * scales[0]).max(0.5);
+        let parameters = self.parameters;
+        let sigma = |scales: [f64; 2]| (parameters.click_sigma * scales[0]).max(0.5);
         let observed: Vec<PointPair> = own.iter().copied().chain(third).collect();
         let coarse = search::polish(
             &witness.support,
@@ -136,11 +134,16 @@ impl Run<'_> {
         let mut ranked = polish(&starts)?;
         // The rest stay in the list as they are: they may be the runners-up.
         ranked.extend(starts.drain(starts.len().min(search::FINE.count)..));
-        for round in 0..ROUNDS {
+        for round in 0..parameters.resampling as u64 {
             ranked.sort_by(|a, b| b.support.total_cmp(&a.support));
             let before = ranked.first().map_or(0.0, |leader| leader.support);
-            let seed = self.parameters.seed.wrapping_mul(ROUNDS).wrapping_add(round);
-            let resampled = resample(&fine.support, &ranked, &observed, seed, self.monitor)?;
+            let drawing = Drawing {
+                clicks: &observed,
+                parallax: parameters.parallax,
+                // Rounds must not repeat each other, with any seed.
+                seed: parameters.seed.wrapping_mul(64).wrapping_add(round),
+            };
+            let resampled = resample(&fine.support, &ranked, &drawing, self.monitor)?;
             let polished = polish(&resampled)?;
             let after = polished.first().map_or(0.0, |best| best.support);
             ranked.extend(polished);

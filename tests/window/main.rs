@@ -4,4 +4,5 @@
 mod computing;
 mod editing;
 mod opening;
+mod panels;
 mod support;

@@ -45,9 +45,11 @@ impl Inspector {
             Panel::bottom("tabs")
                 .frame(bar(ui))
                 .resizable(true)
-                .default_size(228.0)
+                .default_size(256.0)
                 .size_range(130.0..=560.0)
                 .show(ui, |ui| {
+                    // The panel keeps its height, however little a tab has to show.
+                    ui.set_min_height(ui.available_height());
                     panels::tabs::headings(ui, &scene, commands);
                     panels::tabs::chosen(ui, &scene, commands);
                 });

@@ -25,7 +25,9 @@ use super::panels::{Message, OpenDialog};
 use super::panes::ImagePane;
 use super::panes::overlays::OVERLAYS;
 use super::scene::Hover;
-use super::worker::{EstimateFn, Request, Waker, estimator};
+use super::services::Services;
+use super::waker::Waker;
+use super::worker::Request;
 use crate::estimate::Estimate;
 use crate::geometry::{AnchoredLine, PointPair};
 
@@ -33,25 +35,6 @@ use crate::geometry::{AnchoredLine, PointPair};
 const DIALOG_UNSEEN: Duration = Duration::from_millis(150);
 /// Messages shown at most; the oldest gives way.
 const MESSAGES: usize = 4;
-
-/// What the window gets done by others, so that tests can put something else in their place.
-pub struct Services {
-    /// The computation.
-    pub estimate: Box<EstimateFn>,
-    /// The system's dialog for choosing a file; `None` when it was cancelled or could not open.
-    pub pick_file: Arc<dyn Fn() -> Option<PathBuf> + Send + Sync>,
-}
-
-impl Default for Services {
-    fn default() -> Self {
-        Self { estimate: estimator(), pick_file: Arc::new(pick_file) }
-    }
-}
-
-fn pick_file() -> Option<PathBuf> {
-    let extensions = ["png", "jpg", "jpeg", "tif", "tiff", "bmp", "pgm", "ppm", "pnm", "pbm", "webp"];
-    rfd::FileDialog::new().set_title("Open an image").add_filter("Images", &extensions).pick_file()
-}
 
 /// Which edits are one step of the history.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -116,7 +99,8 @@ impl Inspector {
         Self {
             document: Document::default(),
             history: History::default(),
-            computation: Computation::new(services.estimate, waker.clone()),
+            computation: Computation::new(services.estimate, waker.clone())
+                .following(services.follow, waker.clone()),
             loader,
             waker: waker.clone(),
             pictures: None,
@@ -146,6 +130,11 @@ impl Inspector {
     /// What is edited.
     pub fn document(&self) -> &Document {
         &self.document
+    }
+
+    /// What is pointed at and what is chosen.
+    pub fn focus(&self) -> &Focus {
+        &self.focus
     }
 
     /// The latest estimate, also while a newer one is being computed.
@@ -194,12 +183,12 @@ impl Inspector {
 
     /// Notes what is pointed at in this frame, for the next one to draw.
     fn point_at(&mut self, ctx: &egui::Context, commands: &[Command]) {
-        let targets = commands.iter().filter_map(|command| match command {
+        let mut targets = commands.iter().filter_map(|command| match command {
             Command::PointAt(target) => Some(*target),
             _ => None,
         });
         // The panels are drawn before what lies over them: the last one is the topmost.
-        if self.focus.point_at(targets.last()) {
+        if self.focus.point_at(targets.next_back()) {
             ctx.request_repaint();
         }
     }

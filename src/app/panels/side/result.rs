@@ -6,7 +6,7 @@ use super::super::{busy, command_button};
 use crate::app::command::Command;
 use crate::app::scene::Scene;
 use crate::app::theme;
-use crate::app::verdict::{Tone, Verdict, verdict};
+use crate::app::verdict::{Fact, Tone, Verdict, hypothesis_facts, verdict};
 
 /// Shows it.
 pub fn show(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
@@ -18,8 +18,10 @@ pub fn show(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
             });
         }
     });
-    if let Some((number, _)) = scene.shown().and_then(|shown| shown.hypothesis) {
+    if let Some((number, hypothesis)) = scene.shown().and_then(|shown| shown.hypothesis) {
         hypothesis_shown(ui, number, commands);
+        list(ui, hypothesis_facts(scene.document, hypothesis));
+        return;
     }
     let Verdict { tone, headline, facts, warnings } = verdict(scene.document, scene.computation);
     ui.horizontal_top(|ui| {
@@ -36,9 +38,12 @@ pub fn show(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
         let color = tone_color(ui, Tone::Caution);
         ui.add(Label::new(RichText::new(warning).color(color)).wrap());
     }
-    // Lines of text, not of buttons.
-    ui.spacing_mut().interact_size.y = 18.0;
-    Grid::new("facts").num_columns(2).spacing([10.0, 3.0]).show(ui, |ui| {
+    list(ui, facts);
+}
+
+/// Figures with their names.
+fn list(ui: &mut Ui, facts: Vec<Fact>) {
+    Grid::new("facts").num_columns(2).min_row_height(18.0).spacing([10.0, 3.0]).show(ui, |ui| {
         for fact in facts {
             ui.weak(fact.name).on_hover_text(fact.tooltip);
             ui.add(Label::new(fact.value).wrap()).on_hover_text(fact.tooltip);

@@ -32,8 +32,7 @@ pub fn show(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
         }
         state.store(ui.ctx());
         if let Some(text) = result_text(stage, scene.document, scene.computation) {
-            ui.horizontal_wrapped(|ui| {
-                ui.add_space(26.0);
+            ui.indent(("found", number), |ui| {
                 ui.add(Label::new(RichText::new(text).weak().small()).wrap());
             });
         }

@@ -33,9 +33,7 @@ pub fn headings(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
         for (number, tab) in TABS.iter().enumerate() {
             let shown = scene.tab == Some(number);
             let response = ui.selectable_label(shown, RichText::new(tab.title).strong());
-            if response.on_hover_text(tab.tooltip).clicked() {
-                commands.push(Command::ShowTab(number));
-            }
+            finish_button(ui, response, Command::ShowTab(number), commands);
         }
         let right_to_left = egui::Layout::right_to_left(egui::Align::Center);
         ui.with_layout(right_to_left, |ui| {

@@ -110,7 +110,8 @@ fn show(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
         let mut child = ui.new_child(UiBuilder::new().max_rect(rect).id_salt(title));
         child.spacing_mut().item_spacing.y = 0.0;
         child.label(RichText::new(title).size(12.0).weak()).on_hover_text(tooltip);
-        hovered = plot(&mut child, title, inspection, marked, content).or(hovered);
+        let plot = Titled { title, has_scale: row == 1, content };
+        hovered = plot.show(&mut child, inspection, marked).or(hovered);
     }
     ui.advance_cursor_after_rect(area);
     if let Some(sample) = hovered {
@@ -121,42 +122,48 @@ fn show(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
 /// What a plot shows.
 type Content = fn(&mut PlotUi, &Inspection, &TextureHandle);
 
-/// One plot; returns the sample under the cursor.
-fn plot(
-    ui: &mut Ui,
-    title: &str,
-    inspection: &Inspection,
-    marked: Option<i32>,
+/// A plot with its title.
+struct Titled<'a> {
+    title: &'a str,
+    /// Whether the distance along the line is written below; the plots above it share its scale.
+    has_scale: bool,
     content: Content,
-) -> Option<i32> {
-    let group = Id::unique("profile plots");
-    let step = inspection.step;
-    let samples = inspection.samples();
-    let texture = band_texture(ui, inspection);
-    let response = Plot::new(("profile", title))
-        .link_axis(group, [true, false])
-        .show_axes([true, true])
-        .y_axis_min_width(36.0)
-        .show_x(false)
-        .show_y(false)
-        .set_margin_fraction(vec2(0.0, 0.06))
-        .allow_scroll(false)
-        .allow_zoom([true, false])
-        .allow_drag([true, false])
-        .allow_boxed_zoom(false)
-        .x_axis_formatter(|mark, _| format!("{:.0} px", mark.value))
-        .label_formatter(|_| None)
-        .show(ui, |plot_ui| {
-            content(plot_ui, inspection, &texture);
-            let cursor = plot_ui.pointer_coordinate().filter(|_| plot_ui.response().hovered());
-            let own = cursor.map(|point| (point.x / step).round() as i32);
-            if let Some(sample) = own.or(marked).filter(|sample| samples.contains(sample)) {
-                let line = VLine::new("cursor", f64::from(sample) * step);
-                plot_ui.vline(line.color(theme::HOVER).width(1.0));
-            }
-            own.filter(|sample| samples.contains(sample))
-        });
-    response.inner
+}
+
+impl Titled<'_> {
+    /// Shows it; returns the sample under the cursor.
+    fn show(&self, ui: &mut Ui, inspection: &Inspection, marked: Option<i32>) -> Option<i32> {
+        let step = inspection.step;
+        let samples = inspection.samples();
+        let texture = band_texture(ui, inspection);
+        let response = Plot::new(("profile", self.title))
+            .link_axis(Id::unique("profile plots"), [true, false])
+            .show_axes([self.has_scale, true])
+            .y_axis_min_width(40.0)
+            .grid_spacing(24.0..=120.0)
+            .grid_color(ui.visuals().widgets.noninteractive.bg_stroke.color)
+            .show_x(false)
+            .show_y(false)
+            .set_margin_fraction(vec2(0.0, 0.06))
+            .allow_scroll(false)
+            .allow_zoom([true, false])
+            .allow_drag([true, false])
+            .allow_boxed_zoom(false)
+            .x_axis_formatter(|mark, _| format!("{:.0} px", mark.value))
+            .label_formatter(|_| None)
+            .show(ui, |plot| {
+                (self.content)(plot, inspection, &texture);
+                let cursor = plot.pointer_coordinate().filter(|_| plot.response().hovered());
+                let own = cursor.map(|point| (point.x / step).round() as i32);
+                let own = own.filter(|sample| samples.contains(sample));
+                if let Some(sample) = own.or(marked).filter(|sample| samples.contains(sample)) {
+                    let line = VLine::new("cursor", f64::from(sample) * step);
+                    plot.vline(line.color(theme::HOVER).width(1.0));
+                }
+                own
+            });
+        response.inner
+    }
 }
 
 /// Points of a curve over the distance from the anchor, px.

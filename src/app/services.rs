@@ -1,0 +1,70 @@
+//! What the window gets done by others, so that tests can put something else in their place.
+
+use std::path::PathBuf;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use super::worker::{EstimateFn, Request};
+use crate::estimate::{Estimate, PreparedPair, estimate_prepared, follow};
+use crate::image::Picture;
+
+/// Refits the most supported of some earlier geometries of the same pictures to moved points, in milliseconds.
+pub type FollowFn = dyn FnMut(&Request, &[&Estimate]) -> Option<Estimate> + Send;
+
+/// The computations and the system's dialogs.
+pub struct Services {
+    /// The search for a geometry.
+    pub estimate: Box<EstimateFn>,
+    /// What is shown while the search goes on.
+    pub follow: Box<FollowFn>,
+    /// The system's dialog for choosing a file; `None` when it was cancelled or could not open.
+    pub pick_file: Arc<dyn Fn() -> Option<PathBuf> + Send + Sync>,
+}
+
+impl Default for Services {
+    fn default() -> Self {
+        let searching = PreparedCache::default();
+        let following = searching.clone();
+        Self {
+            estimate: Box::new(move |request, monitor| {
+                let prepared = searching.get(&request.pictures);
+                estimate_prepared(&prepared, &request.pairs, &request.parameters, monitor)
+            }),
+            follow: Box::new(move |request, starts| {
+                let prepared = following.get(&request.pictures);
+                follow(&prepared, starts.iter().copied(), &request.pairs, &request.parameters)
+            }),
+            pick_file: Arc::new(pick_file),
+        }
+    }
+}
+
+/// What depends on the pictures alone, kept from one request to the next and shared by the threads, so that
+/// moving a point costs only what depends on the point.
+#[derive(Clone, Default)]
+struct PreparedCache(Arc<Mutex<Option<Kept>>>);
+
+struct Kept {
+    pictures: [Arc<Picture>; 2],
+    prepared: Arc<PreparedPair>,
+}
+
+impl PreparedCache {
+    fn get(&self, pictures: &[Arc<Picture>; 2]) -> Arc<PreparedPair> {
+        // A panic while preparing leaves the old pair in place, which is sound.
+        let mut kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(kept) = kept.as_ref()
+            && kept.pictures.iter().zip(pictures).all(|(a, b)| Arc::ptr_eq(a, b))
+        {
+            return Arc::clone(&kept.prepared);
+        }
+        let [image1, image2] = pictures;
+        let prepared = Arc::new(PreparedPair::new(&image1.gray, &image2.gray));
+        *kept = Some(Kept { pictures: pictures.clone(), prepared: Arc::clone(&prepared) });
+        prepared
+    }
+}
+
+fn pick_file() -> Option<PathBuf> {
+    let extensions = ["png", "jpg", "jpeg", "tif", "tiff", "bmp", "pgm", "ppm", "pnm", "pbm", "webp"];
+    rfd::FileDialog::new().set_title("Open an image").add_filter("Images", &extensions).pick_file()
+}
