@@ -9,6 +9,8 @@
 //! | `computation`, [`worker`] | the estimate and the thread that computes it |
 //! | `background` | a thread that answers the newest of many questions |
 //! | `services` | what threads and the system do for the window; tests put something else in their place |
+//! | `suggesting` | the suggested match of a first click |
+//! | [`look`] | what is drawn, remembered between runs |
 //! | `loader` | opening pictures off the window's thread |
 //! | `panes` | the images: view transforms, textures, one file an overlay |
 //! | `panels` | everything around them, one file each |
@@ -33,12 +35,14 @@ mod guide;
 pub mod history;
 mod inspector;
 mod loader;
+pub mod look;
 mod panels;
 mod panes;
 mod sample;
 mod scene;
 mod services;
 mod shell;
+mod suggesting;
 mod theme;
 mod verdict;
 mod waker;

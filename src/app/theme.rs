@@ -12,6 +12,8 @@ use egui::{
 
 /// Lines of the estimated geometry.
 pub const ESTIMATED: Color32 = Color32::from_rgb(26, 204, 140);
+/// Bands around them.
+pub const BAND: Color32 = Color32::from_rgb(30, 130, 96);
 /// The line pair of the cursor.
 pub const HOVER: Color32 = Color32::from_rgb(240, 228, 66);
 /// Dark edge around everything drawn over an image.
@@ -32,6 +34,17 @@ pub const PINNED: [Color32; 4] = [
     Color32::from_rgb(80, 220, 230),
 ];
 
+/// Epipoles of hypotheses.
+pub const HYPOTHESIS: Color32 = Color32::from_rgb(205, 178, 255);
+/// The bisector of image 1 with its match, and lines carried by H.
+pub const FORWARD: Color32 = Color32::from_rgb(110, 205, 255);
+/// The bisector of image 2 with its match, and lines carried back by G.
+pub const BACKWARD: Color32 = Color32::from_rgb(255, 142, 98);
+/// Matches that the refinement found.
+pub const MATCH: Color32 = Color32::from_rgb(190, 255, 150);
+/// Places that a patch comparison suggests.
+pub const SUGGESTED: Color32 = Color32::from_rgb(255, 255, 255);
+
 /// How near to a handle a press takes hold of it, screen points.
 pub const GRAB_RADIUS: f32 = 11.0;
 /// Width of an ordinary line, screen points.
@@ -51,6 +64,26 @@ const CHECK: Color32 = Color32::from_rgb(225, 225, 225);
 /// The colour of a pair by its number: one each for `p`, `q` and `r`, one for all others.
 pub fn pair_color(pair: usize) -> Color32 {
     PAIRS.get(pair).copied().unwrap_or(CHECK)
+}
+
+/// How alike two things are: 0 the least, 1 the most. From blue over grey to yellow, evenly in lightness, after
+/// the map "cividis" (Nuñez, Anderton & Renslow 2018), which people with any common colour vision read alike.
+pub fn similarity_color(likeness: f32) -> Color32 {
+    const STOPS: [[f32; 3]; 5] = [
+        [22.0, 60.0, 118.0],
+        [84.0, 94.0, 120.0],
+        [133.0, 130.0, 124.0],
+        [190.0, 172.0, 104.0],
+        [254.0, 232.0, 56.0],
+    ];
+    let at = likeness.clamp(0.0, 1.0) * (STOPS.len() - 1) as f32;
+    let below = (at as usize).min(STOPS.len() - 2);
+    let share = at - below as f32;
+    let [r, g, b] = [0, 1, 2].map(|k| {
+        let (from, to) = (STOPS[below][k], STOPS[below + 1][k]);
+        (from + (to - from) * share).round() as u8
+    });
+    Color32::from_rgb(r, g, b)
 }
 
 /// Colours of the window around the images.

@@ -11,6 +11,7 @@ use epiline::app::document::{PointRef, Side};
 use epiline::app::{Inspector, Opening, Services, Start, install_theme};
 use epiline::estimate::{Estimate, EstimateError, Parameters};
 use epiline::geometry::{FundamentalMatrix, Point, PointPair};
+use epiline::suggest::SuggestError;
 use nalgebra::{Matrix3, Vector3};
 
 /// Long enough for a loaded machine; reached only when something is wrong.
@@ -43,6 +44,7 @@ pub fn services() -> Services {
     Services {
         estimate: Box::new(|request, _| fake_estimate(&request.pairs, &request.parameters)),
         follow: Box::new(|_, _| None),
+        suggest: Box::new(|_| Err(SuggestError::Flat)),
         pick_file: Arc::new(|| None),
     }
 }

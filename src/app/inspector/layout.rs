@@ -4,27 +4,51 @@ use egui::{CentralPanel, Frame, Margin, Panel, Rect, Ui, UiBuilder};
 
 use super::Inspector;
 use crate::app::command::Command;
-use crate::app::panels::{self, SECTIONS};
-use crate::app::panes::halves;
-use crate::app::scene::Scene;
+use crate::app::document::Side;
+use crate::app::panels::{self, CommandPalette, OpenDialog, SECTIONS};
+use crate::app::panes::{ImagePane, halves};
+use crate::app::scene::{Hover, Scene};
 use crate::app::theme;
+
+/// What changes while it is drawn, apart from the state that everything else reads.
+struct Drawing {
+    panes: [ImagePane; 2],
+    open_dialog: OpenDialog,
+    palette: CommandPalette,
+    shortcuts_open: bool,
+}
 
 impl Inspector {
     /// Draws the window and collects what it was asked for.
     pub(super) fn draw(&mut self, ui: &mut Ui, commands: &mut Vec<Command>) {
+        let mut drawing = Drawing {
+            panes: std::mem::replace(&mut self.panes, Side::BOTH.map(ImagePane::new)),
+            open_dialog: std::mem::take(&mut self.open_dialog),
+            palette: std::mem::take(&mut self.palette),
+            shortcuts_open: self.shortcuts_open,
+        };
+        let views = drawing.panes.each_ref().map(ImagePane::view);
+        let hover = self.draw_all(ui, &mut drawing, commands);
+        self.panes = drawing.panes;
+        self.open_dialog = drawing.open_dialog;
+        self.palette = drawing.palette;
+        self.shortcuts_open = drawing.shortcuts_open;
+        for side in Side::BOTH {
+            if self.panes[side.index()].view() != views[side.index()] {
+                self.link_views(side);
+            }
+        }
+        if hover != self.hover {
+            // Written in this frame, drawn in the next.
+            self.hover = hover;
+            ui.ctx().request_repaint();
+        }
+    }
+
+    fn draw_all(&self, ui: &mut Ui, drawing: &mut Drawing, commands: &mut Vec<Command>) -> Option<Hover> {
         let ctx = ui.ctx().clone();
         let bar = |ui: &Ui| Frame::new().fill(ui.visuals().panel_fill).inner_margin(Margin::symmetric(12, 7));
-        let scene = Scene {
-            document: &self.document,
-            computation: &self.computation,
-            hover: self.hover,
-            focus: &self.focus,
-            overlays: &self.overlays,
-            loading: self.loader.is_busy(),
-            has_sample_points: self.show_me.is_some(),
-            can_undo_redo: [self.history.can_undo(), self.history.can_redo()],
-            messages: &self.messages,
-        };
+        let scene = self.scene();
         Panel::top("toolbar").frame(bar(ui)).show(ui, |ui| panels::toolbar(ui, &scene, commands));
         Panel::top("guide").frame(bar(ui)).show(ui, |ui| {
             ui.set_min_height(28.0);
@@ -40,13 +64,15 @@ impl Inspector {
             .default_size(196.0)
             .size_range(120.0..=420.0)
             .show(ui, |ui| sections(ui, &scene, commands));
-        let panes = &mut self.panes;
+        if scene.document.pictures.is_some() {
+            Panel::bottom("legend").frame(bar(ui)).show(ui, |ui| panels::legend(ui, &scene, commands));
+        }
         let (area, hover) = CentralPanel::default()
             .frame(bar(ui))
             .show(ui, |ui| {
                 let area = ui.available_rect_before_wrap();
                 let mut hover = None;
-                for (pane, rect) in panes.iter_mut().zip(halves(area)) {
+                for (pane, rect) in drawing.panes.iter_mut().zip(halves(area)) {
                     let mut child =
                         ui.new_child(UiBuilder::new().max_rect(rect).id_salt(rect.min.x > area.min.x));
                     hover = pane.show(&mut child, &scene, commands).or(hover);
@@ -55,15 +81,12 @@ impl Inspector {
             })
             .inner;
         panels::messages(&ctx, area, &scene, commands);
-        self.open_dialog.show(&ctx, &scene, commands);
-        if self.shortcuts_open {
-            panels::shortcuts(&ctx, &mut self.shortcuts_open);
+        drawing.open_dialog.show(&ctx, &scene, commands);
+        drawing.palette.show(&ctx, &scene, commands);
+        if drawing.shortcuts_open {
+            panels::shortcuts(&ctx, &mut drawing.shortcuts_open);
         }
-        if hover != self.hover {
-            // Written in this frame, drawn in the next.
-            self.hover = hover;
-            ctx.request_repaint();
-        }
+        hover
     }
 }
 

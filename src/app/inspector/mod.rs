@@ -15,16 +15,17 @@ use egui::Ui;
 
 use super::Start;
 use super::command::{self, Command};
-use super::computation::Computation;
+use super::computation::{Computation, Freshness};
 use super::document::{Document, PictureIdentity, PointRef, Side};
 use super::focus::Focus;
 use super::history::History;
 use super::loader::{Loader, Opened, Opening, Pair, Source};
-use super::panels::{Message, OpenDialog};
+use super::look::{Look, Tool};
+use super::panels::{CommandPalette, Message, OpenDialog};
 use super::panes::ImagePane;
-use super::panes::overlays::OVERLAYS;
-use super::scene::Hover;
+use super::scene::{Hover, Scene};
 use super::services::Services;
+use super::suggesting::{Question, Suggesting};
 use super::waker::Waker;
 use super::worker::Request;
 use crate::estimate::Estimate;
@@ -67,7 +68,10 @@ pub struct Inspector {
     focus: Focus,
     /// The result that the chosen hypothesis belongs to.
     revision: u64,
-    overlays: [bool; OVERLAYS.len()],
+    look: Look,
+    tool: Tool,
+    suggesting: Suggesting,
+    palette: CommandPalette,
     open_dialog: OpenDialog,
     shortcuts_open: bool,
     messages: Vec<Message>,
@@ -94,7 +98,7 @@ impl Inspector {
             computation: Computation::new(services.estimate, waker.clone())
                 .following(services.follow, waker.clone()),
             loader,
-            waker,
+            waker: waker.clone(),
             pictures: None,
             opening: 0,
             start_pairs: start.pairs,
@@ -103,7 +107,10 @@ impl Inspector {
             hover: None,
             focus: Focus::default(),
             revision: 0,
-            overlays: [true; OVERLAYS.len()],
+            look: Look::default(),
+            tool: Tool::default(),
+            suggesting: Suggesting::new(services.suggest, waker),
+            palette: CommandPalette::default(),
             open_dialog: OpenDialog::default(),
             shortcuts_open: false,
             messages: Vec::new(),
@@ -125,9 +132,22 @@ impl Inspector {
         self.computation.result().map(|(estimate, _)| estimate)
     }
 
-    /// Whether pictures are being opened or an estimate computed.
+    /// What is drawn.
+    pub fn look(&self) -> &Look {
+        &self.look
+    }
+
+    /// Draws as it was done in an earlier run.
+    pub fn set_look(&mut self, look: Look) {
+        self.look = look;
+    }
+
+    /// Whether pictures are being opened, an estimate computed, or a match searched for.
     pub fn is_busy(&self) -> bool {
-        self.loader.is_busy() || self.computation.is_running() || self.picking.is_some()
+        self.loader.is_busy()
+            || self.computation.is_running()
+            || self.suggesting.is_busy()
+            || self.picking.is_some()
     }
 
     /// What the user was told and has not dismissed.
@@ -141,7 +161,11 @@ impl Inspector {
         self.waker.attach(&ctx);
         self.take_news(&ctx);
         // Keys first: Escape ends a drag before the panes can carry it on.
-        let mut commands = command::pressed(&ctx, self.open_dialog.open);
+        let keyboard = command::Keyboard {
+            dialog_open: self.open_dialog.open || self.palette.open,
+            suggestion: self.scene().accepted_suggestion().is_some(),
+        };
+        let mut commands = command::pressed(&ctx, keyboard);
         commands.extend(Self::dropped_files(&ctx));
         for command in commands {
             self.apply(&ctx, command);
@@ -153,6 +177,7 @@ impl Inspector {
             self.apply(&ctx, command);
         }
         self.computation.follow(self.opening, self.request());
+        self.suggesting.follow(self.question());
         self.name_window(&ctx);
     }
 
@@ -175,6 +200,35 @@ impl Inspector {
             pairs: self.document.used_pairs()?.to_vec(),
             parameters: self.document.parameters.clone(),
         })
+    }
+
+    /// What a match is to be suggested for.
+    fn question(&self) -> Option<Question> {
+        let pictures = self.pictures.as_ref()?;
+        let final_result = self.computation.result().filter(|(_, freshness)| *freshness == Freshness::Final);
+        Some(Question {
+            pictures: pictures.each_ref().map(|opened| Arc::clone(&opened.picture)),
+            half: self.document.half?,
+            fundamental: final_result.map(|(estimate, _)| estimate.fundamental),
+        })
+    }
+
+    /// The state as it is drawn.
+    fn scene(&self) -> Scene<'_> {
+        Scene {
+            document: &self.document,
+            computation: &self.computation,
+            hover: self.hover,
+            focus: &self.focus,
+            overlays: &self.look.overlays,
+            look: &self.look,
+            tool: self.tool,
+            suggestion: self.suggesting.answer(),
+            loading: self.loader.is_busy(),
+            has_sample_points: self.show_me.is_some(),
+            can_undo_redo: [self.history.can_undo(), self.history.can_redo()],
+            messages: &self.messages,
+        }
     }
 
     fn take_news(&mut self, ctx: &egui::Context) {

@@ -3,8 +3,10 @@
 
 mod busy;
 mod guide_bar;
+mod legend;
 mod messages;
 pub mod open_dialog;
+mod palette;
 mod points;
 mod result;
 mod shortcuts;
@@ -18,6 +20,7 @@ use super::scene::Scene;
 
 pub use messages::Message;
 pub use open_dialog::OpenDialog;
+pub use palette::CommandPalette;
 
 /// A part of the bottom panel.
 pub struct Section {
@@ -35,6 +38,7 @@ pub struct Section {
 pub const SECTIONS: [Section; 2] = [result::SECTION, points::SECTION];
 
 pub use guide_bar::show as guide_bar;
+pub use legend::show as legend;
 pub use messages::show as messages;
 pub use shortcuts::show as shortcuts;
 pub use status::show as status;
