@@ -8,7 +8,8 @@ use egui::{Key, KeyboardShortcut, Modifiers};
 
 use super::document::{PointRef, Side};
 use super::focus::{LineSource, Target};
-use crate::estimate::{Method, Preset};
+use super::panels::tabs::TABS;
+use crate::estimate::{Method, Parameters, Preset};
 use crate::geometry::{Point, Vector};
 
 /// Something to do.
@@ -34,6 +35,8 @@ pub enum Command {
     DeleteSelected,
     /// Remove a pair.
     DeletePair(usize),
+    /// Leave a pair out, or take it in again.
+    IncludePair(usize, bool),
     /// Remove all pairs.
     ClearPairs,
     /// Give up what is half done.
@@ -88,6 +91,19 @@ pub enum Command {
     AcceptSuggestion,
     /// Show or hide the list of all commands.
     TogglePalette,
+    /// Change parameters, at the setting of this name; all changes of one until [`Command::EndDrag`] are one step.
+    SetParameters {
+        /// The setting that was changed.
+        setting: &'static str,
+        /// All parameters, with the change.
+        to: Box<Parameters>,
+    },
+    /// Take all parameters back to those of the preset.
+    ResetParameters,
+    /// Show a tab of the bottom panel, by its number.
+    ShowTab(usize),
+    /// Fold the bottom panel away, or bring it back.
+    FoldTabs,
     /// Show or hide an overlay, by its number in the list of overlays.
     ToggleOverlay(usize),
     /// Remove a message.
@@ -105,7 +121,7 @@ const fn key(modifiers: Modifiers, key: Key) -> KeyboardShortcut {
 impl Command {
     /// The actions that have keys, in the order of the list of keys. Where one key is another one's with
     /// Shift, the one with Shift comes first, or it would never be seen.
-    pub fn with_keys() -> [Self; 16] {
+    pub fn with_keys() -> [Self; 22] {
         [
             Self::TogglePalette,
             Self::AcceptSuggestion,
@@ -120,6 +136,12 @@ impl Command {
             Self::Cancel,
             Self::FitAll,
             Self::Recompute,
+            Self::FoldTabs,
+            Self::ShowTab(0),
+            Self::ShowTab(1),
+            Self::ShowTab(2),
+            Self::ShowTab(3),
+            Self::ChooseHypothesis(None),
             Self::ToggleTheme,
             Self::ToggleShortcuts,
             Self::Quit,
@@ -138,6 +160,7 @@ impl Command {
             Self::Redo => "Redo",
             Self::DeleteSelected => "Delete the selected pair",
             Self::DeletePair(_) => "Delete",
+            Self::IncludePair(..) => "Include or leave out",
             Self::ClearPairs => "Clear points",
             Self::Cancel => "Cancel",
             Self::FitAll | Self::FitAfterDoubleClick(_) => "Fit",
@@ -164,6 +187,10 @@ impl Command {
             Self::ToggleLoupe => "Loupe",
             Self::AcceptSuggestion => "Accept the suggested match",
             Self::TogglePalette => "Commands",
+            Self::SetParameters { .. } => "Change a parameter",
+            Self::ResetParameters => "Reset all parameters",
+            Self::ShowTab(number) => TABS[*number].title,
+            Self::FoldTabs => "Hide or show the panel",
             Self::ToggleOverlay(_) => "Show or hide",
             Self::Dismiss(_) => "Dismiss message",
             Self::Quit => "Quit",
@@ -184,6 +211,9 @@ impl Command {
             Self::Redo => "Make the step again that was taken back.",
             Self::DeleteSelected => "Remove the pair of the selected point from both images.",
             Self::DeletePair(_) => "Remove this pair from both images.",
+            Self::IncludePair(..) => {
+                "A pair left out counts neither for the estimate nor for the summary; the next one takes its place."
+            }
             Self::ClearPairs => "Remove all point pairs. Undo brings them back.",
             Self::Cancel => "Give up what is half done: a drag, the first click of a pair, a window.",
             Self::FitAll => "Show both images whole. A double click does it for one.",
@@ -219,6 +249,10 @@ impl Command {
             Self::ToggleLoupe => "Magnify the surroundings of a point while it is placed or dragged.",
             Self::AcceptSuggestion => "Place the second point of the pair at the suggested match.",
             Self::TogglePalette => "List every command by name, to search and run.",
+            Self::SetParameters { .. } => "Change a parameter of the estimate.",
+            Self::ResetParameters => "Take all parameters back to those of the preset.",
+            Self::ShowTab(number) => TABS[*number].tooltip,
+            Self::FoldTabs => "Fold the bottom panel away, or bring it back.",
             Self::ToggleOverlay(_) => "Show or hide this in both images.",
             Self::Dismiss(_) => "Remove this message.",
             Self::Quit => "Close the window.",
@@ -246,6 +280,12 @@ impl Command {
                 const { &[key(Modifiers::COMMAND, Key::K), key(Modifiers::COMMAND, Key::P)] }
             }
             Self::Recompute => const { &[key(Modifiers::NONE, Key::F5)] },
+            Self::FoldTabs => const { &[key(Modifiers::NONE, Key::B)] },
+            Self::ShowTab(0) => const { &[key(Modifiers::NONE, Key::Num1)] },
+            Self::ShowTab(1) => const { &[key(Modifiers::NONE, Key::Num2)] },
+            Self::ShowTab(2) => const { &[key(Modifiers::NONE, Key::Num3)] },
+            Self::ShowTab(3) => const { &[key(Modifiers::NONE, Key::Num4)] },
+            Self::ChooseHypothesis(None) => const { &[key(Modifiers::NONE, Key::R)] },
             Self::ToggleTheme => const { &[key(Modifiers::NONE, Key::T)] },
             Self::ToggleShortcuts => {
                 const { &[key(Modifiers::NONE, Key::Questionmark), key(Modifiers::NONE, Key::F1)] }

@@ -60,6 +60,8 @@ pub struct Computation {
     begun: Vec<(Stage, Instant)>,
     /// The pencils compared last: of the clicks as they are, or of the ones just before.
     pencils: Option<Arc<[ComparedPencils; 2]>>,
+    /// Counts the pencils.
+    pencils_revision: u64,
     /// Counts the results.
     revision: u64,
     shown: Option<Shown>,
@@ -82,6 +84,7 @@ impl Computation {
             running: false,
             begun: Vec::new(),
             pencils: None,
+            pencils_revision: 0,
             revision: 0,
             shown: None,
             found: None,
@@ -124,9 +127,19 @@ impl Computation {
             .map(|(k, (stage, begun))| (*stage, self.begun.get(k + 1).map(|(_, next)| *next - *begun)))
     }
 
+    /// Whether there is a computation at all, under way or over.
+    pub fn has_begun(&self) -> bool {
+        self.input.is_some()
+    }
+
     /// The pencils compared last, also while newer ones are being compared.
     pub fn pencils(&self) -> Option<&[ComparedPencils; 2]> {
         self.pencils.as_deref()
+    }
+
+    /// Another number for each pair of pencils.
+    pub fn pencils_revision(&self) -> u64 {
+        self.pencils_revision
     }
 
     /// Another number for each result: numbers of hypotheses belong to one of them.
@@ -199,6 +212,13 @@ impl Computation {
         (self.found, self.guessed) = (None, None);
     }
 
+    fn set_pencils(&mut self, pencils: Arc<[ComparedPencils; 2]>) {
+        if self.pencils.as_ref().is_none_or(|old| !Arc::ptr_eq(old, &pencils)) {
+            self.pencils = Some(pencils);
+            self.pencils_revision += 1;
+        }
+    }
+
     fn set_shown(&mut self, shown: Option<Shown>) {
         self.shown = shown;
         self.revision += 1;
@@ -231,7 +251,7 @@ impl Computation {
             let current = generation == self.generation;
             match news {
                 News::Started(stage) if current => self.begun.push((stage, Instant::now())),
-                News::Pencils(pencils) => self.pencils = Some(pencils),
+                News::Pencils(pencils) => self.set_pencils(pencils),
                 News::Preliminary(estimate) => {
                     self.take_result(generation, estimate, Freshness::Preliminary);
                 }
@@ -272,7 +292,7 @@ impl Computation {
     fn take_result(&mut self, generation: u64, estimate: Box<Estimate>, freshness: Freshness) {
         let estimate: Arc<Estimate> = estimate.into();
         if let Some(pencils) = &estimate.pencils {
-            self.pencils = Some(Arc::clone(pencils));
+            self.set_pencils(Arc::clone(pencils));
         }
         // The first guess comes before lines are compared.
         let guess = freshness == Freshness::Preliminary && estimate.score.is_nan();

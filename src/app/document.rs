@@ -3,6 +3,7 @@
 //! Plain data, serialisable and testable without a window. The pixels live elsewhere; a document only
 //! knows which pictures it is about and how large they are.
 
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
@@ -94,6 +95,8 @@ pub enum Role {
     Used,
     /// It only shows how well the geometry fits.
     Check,
+    /// It was left out.
+    Excluded,
 }
 
 /// Everything a person can change and undo.
@@ -103,6 +106,9 @@ pub struct Document {
     pub pictures: Option<[PictureIdentity; 2]>,
     /// Finished point pairs: `p`, `q`, `r`, then check points.
     pub pairs: Vec<PointPair>,
+    /// Numbers of the pairs that are left out.
+    #[serde(default)]
+    pub excluded: BTreeSet<usize>,
     /// The pair whose second click is due.
     pub half: Option<HalfPair>,
     /// Parameters of the estimate.
@@ -180,6 +186,10 @@ impl Document {
             self.half = None;
         } else if pair < self.pairs.len() {
             self.pairs.remove(pair);
+            // The pairs behind it move up.
+            let moved = |number: &usize| if *number > pair { number - 1 } else { *number };
+            self.excluded.remove(&pair);
+            self.excluded = self.excluded.iter().map(moved).collect();
         }
         self.selection = None;
     }
@@ -187,18 +197,42 @@ impl Document {
     /// Replaces all pairs.
     pub fn set_pairs(&mut self, pairs: Vec<PointPair>) {
         self.pairs = pairs;
+        self.excluded.clear();
         self.half = None;
         self.selection = None;
     }
 
+    /// Leaves a pair out, or takes it in again.
+    pub fn include(&mut self, pair: usize, included: bool) {
+        if included {
+            self.excluded.remove(&pair);
+        } else if pair < self.pairs.len() {
+            self.excluded.insert(pair);
+        }
+    }
+
+    /// Numbers of the pairs the geometry is estimated from: the first ones that are not left out, fewer than
+    /// needed while there are too few.
+    pub fn used(&self) -> impl Iterator<Item = usize> + '_ {
+        let included = (0..self.pairs.len()).filter(|pair| !self.excluded.contains(pair));
+        included.take(self.parameters.method.pairs_needed())
+    }
+
     /// The pairs the geometry is estimated from; `None` while there are too few.
-    pub fn used_pairs(&self) -> Option<&[PointPair]> {
-        self.pairs.get(..self.parameters.method.pairs_needed())
+    pub fn used_pairs(&self) -> Option<Vec<PointPair>> {
+        let pairs: Vec<PointPair> = self.used().map(|pair| self.pairs[pair]).collect();
+        (pairs.len() == self.parameters.method.pairs_needed()).then_some(pairs)
     }
 
     /// What a pair is for.
     pub fn role(&self, pair: usize) -> Role {
-        if pair < self.parameters.method.pairs_needed() { Role::Used } else { Role::Check }
+        if self.excluded.contains(&pair) {
+            Role::Excluded
+        } else if self.used().any(|used| used == pair) || pair >= self.pairs.len() {
+            Role::Used
+        } else {
+            Role::Check
+        }
     }
 
     /// The point nearest to the given one that lies on the pixels of the image.
@@ -240,7 +274,7 @@ mod tests {
         document.place(Side::Left, Point::new(5.0, 6.0));
         assert_eq!(document.pairs, [PointPair::new(1.0, 2.0, 3.0, 4.0), PointPair::new(5.0, 6.0, 7.0, 8.0)]);
         assert!(document.half.is_none());
-        assert_eq!(document.used_pairs().map(<[_]>::len), Some(2));
+        assert_eq!(document.used_pairs().map(|pairs| pairs.len()), Some(2));
     }
 
     #[test]
@@ -284,7 +318,25 @@ mod tests {
         assert_eq!(document.role(2), Role::Check);
         document.parameters.method = Method::ThreePoint;
         assert_eq!(document.role(2), Role::Used);
-        assert_eq!(document.used_pairs().map(<[_]>::len), Some(3));
+        assert_eq!(document.used_pairs().map(|pairs| pairs.len()), Some(3));
+    }
+
+    #[test]
+    fn a_pair_left_out_makes_room_for_the_next_one() {
+        let mut document = document();
+        let pair = |x: f64| PointPair::new(x, 1.0, x, 1.0);
+        document.set_pairs([1.0, 2.0, 3.0, 4.0].map(pair).to_vec());
+        document.include(1, false);
+        assert_eq!(document.used_pairs(), Some(vec![pair(1.0), pair(3.0)]));
+        let roles: Vec<_> = (0..4).map(|k| document.role(k)).collect();
+        assert_eq!(roles, [Role::Used, Role::Excluded, Role::Used, Role::Check]);
+        document.remove(0);
+        assert_eq!(document.role(0), Role::Excluded, "numbers follow when a pair before it goes");
+        document.include(0, true);
+        assert_eq!(document.used_pairs(), Some(vec![pair(2.0), pair(3.0)]));
+        document.include(1, false);
+        document.include(2, false);
+        assert_eq!(document.used_pairs(), None);
     }
 
     #[test]

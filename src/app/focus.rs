@@ -15,7 +15,7 @@ use crate::geometry::Point;
 pub enum Target {
     /// A line of image 1 against a line of image 2 in the matrix of a click.
     Cell {
-        /// Number of the click, from 0.
+        /// Which of the two clicks that the pencils pass through, 0 or 1.
         pair: usize,
         /// Line of image 1.
         row: usize,
@@ -46,7 +46,7 @@ pub enum LineSource {
     },
     /// Two lines of the pencils through a click.
     Pencil {
-        /// Number of the click, from 0.
+        /// Number of the pair.
         pair: usize,
         /// Their directions in image 1 and 2, radians.
         angles: [f64; 2],

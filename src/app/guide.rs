@@ -33,7 +33,7 @@ pub fn guide(scene: &Scene) -> String {
         return format!("Pair {name}: now click the same scene point in the {other} image. {offer}");
     }
     let needed = document.parameters.method.pairs_needed();
-    match document.pairs.len() {
+    match document.used().count() {
         0 if has_sample_points => {
             "Click a distinct point in the left image, then its match in the right one. \
              Or press Show me."
@@ -41,7 +41,7 @@ pub fn guide(scene: &Scene) -> String {
         }
         0 => "Click a distinct point in the left image, then its match in the right one.".into(),
         placed if placed < needed => {
-            let name = pair_name(placed);
+            let name = pair_name(document.pairs.len());
             format!(
                 "{}: click pair {name} in the {} image, far from the others and in a textured place.",
                 if needed - placed == 1 { "One more pair" } else { "Two more pairs" },

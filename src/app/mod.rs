@@ -11,6 +11,7 @@
 //! | `services` | what threads and the system do for the window; tests put something else in their place |
 //! | `suggesting` | the suggested match of a first click |
 //! | [`look`] | what is drawn, remembered between runs |
+//! | `inspection` | the intensities of the inspected line pair, matched in a third thread |
 //! | `loader` | opening pictures off the window's thread |
 //! | `panes` | the images: view transforms, textures, one file an overlay |
 //! | `panels` | everything around them, one file each |
@@ -32,16 +33,21 @@ pub mod document;
 mod fake;
 pub mod focus;
 mod guide;
+mod heat;
 pub mod history;
+mod inspection;
 mod inspector;
 mod loader;
 pub mod look;
 mod panels;
 mod panes;
+mod residuals;
 mod sample;
 mod scene;
 mod services;
+mod settings;
 mod shell;
+mod step;
 mod suggesting;
 mod theme;
 mod verdict;

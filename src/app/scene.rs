@@ -3,6 +3,7 @@
 use super::computation::{Computation, Freshness};
 use super::document::{Document, Side};
 use super::focus::{Focus, LineSource, Pin};
+use super::inspection::Inspection;
 use super::look::{Look, Tool};
 use super::panels::Message;
 use super::suggesting::Suggested;
@@ -32,6 +33,8 @@ pub struct Scene<'a> {
     pub focus: &'a Focus,
     /// The position under the cursor: written in one frame, read in the next.
     pub hover: Option<Hover>,
+    /// The intensities along the inspected line pair; while others are being matched, of the lines before.
+    pub inspection: Option<&'a Inspection>,
     /// Which overlays are shown, in the order of their list.
     pub overlays: &'a [bool],
     /// The other choices about what is drawn.
@@ -40,6 +43,8 @@ pub struct Scene<'a> {
     pub tool: Tool,
     /// Where the second click of a pair may belong, once that is known.
     pub suggestion: Option<&'a Suggested>,
+    /// The tab of the bottom panel; none when it is folded away.
+    pub tab: Option<usize>,
     /// Whether pictures are being opened.
     pub loading: bool,
     /// Whether "Show me" has something to place.
@@ -118,7 +123,7 @@ impl<'a> Scene<'a> {
     /// Two epipolar lines of the geometry shown, directed alike.
     fn corresponding(&self, line1: &Line, line2: &Line) -> Option<[AnchoredLine; 2]> {
         let turn = self.construction().map_or(0.0, Construction::turn);
-        let clicks = [*self.document.pairs.first()?, *self.document.pairs.get(1)?];
+        let clicks = *self.document.used_pairs()?.first_chunk::<2>()?;
         let own = Construction::of(self.shown()?.fundamental, clicks, turn)?;
         own.corresponding(line1, line2).map(|(line1, line2)| [line1, line2])
     }
@@ -142,7 +147,7 @@ impl<'a> Scene<'a> {
     pub fn inspected(&self) -> Option<Inspected> {
         let (source, color) = match self.focus.inspected() {
             Some(pin) => (pin.source, pin.color),
-            None => (LineSource::Pair(0), theme::INSPECTED),
+            None => (LineSource::Pair(self.document.used().next()?), theme::INSPECTED),
         };
         Some(Inspected { source, lines: self.lines(source)?, color })
     }

@@ -5,8 +5,8 @@ use std::f64::consts::PI;
 use super::computation::{Computation, Freshness};
 use super::document::{Document, pair_name};
 use super::worker::Failure;
-use crate::estimate::{self, Estimate};
-use crate::geometry::{Frame, HomogeneousPoint, finite_point};
+use crate::estimate::{self, Estimate, Hypothesis};
+use crate::geometry::{Frame, FundamentalMatrix, HomogeneousPoint, finite_point};
 
 /// How the news is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -106,7 +106,7 @@ fn waiting(document: &Document) -> String {
     if document.pictures.is_none() {
         return "Nothing to estimate from yet.".into();
     }
-    let more = needed.saturating_sub(document.pairs.len());
+    let more = needed.saturating_sub(document.used().count());
     let pairs = if more == 1 { "One more point pair gives" } else { "Two point pairs give" };
     let pairs = if more == 3 { "Three point pairs give" } else { pairs };
     format!("{pairs} the epipolar lines, the epipoles and how far to trust them.")
@@ -114,7 +114,7 @@ fn waiting(document: &Document) -> String {
 
 /// `pairs p and q`.
 fn used(document: &Document) -> String {
-    let names: Vec<_> = (0..document.parameters.method.pairs_needed()).map(pair_name).collect();
+    let names: Vec<_> = document.used().map(pair_name).collect();
     match names.split_last() {
         Some((last, rest)) if !rest.is_empty() => format!("pairs {} and {last}", rest.join(", ")),
         _ => "the pairs".into(),
@@ -122,43 +122,17 @@ fn used(document: &Document) -> String {
 }
 
 fn facts(document: &Document, estimate: &Estimate) -> Vec<Fact> {
-    let frame = |k: usize| document.pictures.as_ref().map(|pictures| pictures[k].frame);
-    let mut facts = vec![
-        Fact {
-            name: "Epipoles",
-            value: format!(
-                "left {},  right {}",
-                epipole_text(&estimate.epipole1, frame(0)),
-                epipole_text(&estimate.epipole2, frame(1))
-            ),
-            tooltip: "Where each image sees the other camera; all epipolar lines of an image meet there.",
+    let mut facts = epipoles(document, &estimate.fundamental);
+    facts.push(Fact {
+        name: "Margin",
+        value: match estimate.margin {
+            Some(margin) => format!("{:.0} %", margin * 100.0),
+            None => "no other geometry came near".into(),
         },
-        Fact {
-            name: "Margin",
-            value: match estimate.margin {
-                Some(margin) => format!("{:.0} %", margin * 100.0),
-                None => "no other geometry came near".into(),
-            },
-            tooltip: "Advantage over the best clearly different geometry; \
-                      a few percent means that the result is a guess.",
-        },
-    ];
-    // The first result of a computation has neither yet.
-    if estimate.score.is_finite() {
-        facts.push(Fact {
-            name: "Score",
-            value: format!("{:.3}", estimate.score),
-            tooltip: "How unlike corresponding epipolar lines are; lower is better.",
-        });
-    }
-    if estimate.round_trip_area.is_finite() {
-        facts.push(Fact {
-            name: "Round trip",
-            value: format!("{:.2} px", estimate.round_trip_area),
-            tooltip: "How far a line ends from where it began when it is carried to the other image and back; \
-                      small means that both directions agree.",
-        });
-    }
+        tooltip: "Advantage over the best clearly different geometry; \
+                  a few percent means that the result is a guess.",
+    });
+    facts.extend(line_figures(estimate.score, estimate.round_trip_area));
     if let Some(support) = &estimate.support {
         facts.push(Fact {
             name: "Support",
@@ -176,8 +150,54 @@ fn facts(document: &Document, estimate: &Estimate) -> Vec<Fact> {
     facts
 }
 
+/// The figures of a hypothesis that is shown in place of the result.
+pub fn hypothesis_facts(document: &Document, hypothesis: &Hypothesis) -> Vec<Fact> {
+    let mut facts = epipoles(document, &hypothesis.fundamental);
+    facts.extend(line_figures(hypothesis.score, hypothesis.round_trip_area));
+    if hypothesis.support > 0.0 {
+        facts.push(Fact {
+            name: "Support",
+            value: format!("{:.1}", hypothesis.support),
+            tooltip: "How strongly matching image patches agree with it; higher is better.",
+        });
+    }
+    facts
+}
+
+fn epipoles(document: &Document, f: &FundamentalMatrix) -> Vec<Fact> {
+    let frame = |k: usize| document.pictures.as_ref().map(|pictures| pictures[k].frame);
+    vec![
+        Fact {
+            name: "Left epipole",
+            value: epipole_text(&f.epipole1(), frame(0)),
+            tooltip: "Where the left image sees the other camera; all its epipolar lines meet there.",
+        },
+        Fact {
+            name: "Right epipole",
+            value: epipole_text(&f.epipole2(), frame(1)),
+            tooltip: "Where the right image sees the other camera; all its epipolar lines meet there.",
+        },
+    ]
+}
+
+/// What the lines say; the first result of a computation has neither figure yet.
+fn line_figures(score: f64, round_trip_area: f64) -> impl Iterator<Item = Fact> {
+    let score = score.is_finite().then(|| Fact {
+        name: "Line score",
+        value: format!("{score:.3}"),
+        tooltip: "How unlike corresponding epipolar lines are; lower is better.",
+    });
+    let round_trip = round_trip_area.is_finite().then(|| Fact {
+        name: "Round trip",
+        value: format!("{round_trip_area:.2} px"),
+        tooltip: "How far a line ends from where it began when it is carried to the other image and back; \
+                  small means that both directions agree.",
+    });
+    score.into_iter().chain(round_trip)
+}
+
 /// Where an epipole is, in words and figures.
-fn epipole_text(epipole: &HomogeneousPoint, frame: Option<Frame>) -> String {
+pub fn epipole_text(epipole: &HomogeneousPoint, frame: Option<Frame>) -> String {
     // Farther away than this, the lines of an image are parallel to the eye.
     const FAR: f64 = 1e6;
     let Some(p) = finite_point(epipole).filter(|p| p.coords.amax() < FAR) else {

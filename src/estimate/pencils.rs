@@ -34,6 +34,11 @@ impl ComparedPencils {
         &self.comparison.angles2
     }
 
+    /// Lines of each pencil before those without texture were dropped, evenly spread over half a turn.
+    pub fn lines_before(&self) -> [usize; 2] {
+        self.comparison.lines
+    }
+
     /// The costs; infinite where two lines were not compared.
     pub fn costs(&self) -> &CostMatrix {
         &self.comparison.costs

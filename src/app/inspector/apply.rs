@@ -37,6 +37,9 @@ impl Inspector {
                 }
             }
             Command::DeletePair(pair) => self.edit(Step::Single, |document| document.remove(pair)),
+            Command::IncludePair(pair, included) => {
+                self.edit(Step::Single, |document| document.include(pair, included));
+            }
             Command::ClearPairs => self.edit(Step::Single, |document| document.set_pairs(Vec::new())),
             Command::Cancel => self.cancel(),
             Command::FitAll => self.panes.iter_mut().for_each(super::ImagePane::fit),
@@ -97,6 +100,12 @@ impl Inspector {
                     self.palette.show_empty();
                 }
             }
+            Command::SetParameters { setting, to } => {
+                self.edit(Step::Merged(EditKey::Parameter(setting)), |document| document.parameters = *to);
+            }
+            Command::ResetParameters => self.set_preset(self.document.parameters.preset),
+            Command::ShowTab(number) => (self.tab, self.tabs_open) = (number, true),
+            Command::FoldTabs => self.tabs_open = !self.tabs_open,
             Command::ToggleOverlay(number) => {
                 if let Some(shown) = self.look.overlays.get_mut(number) {
                     *shown = !*shown;

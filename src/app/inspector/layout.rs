@@ -1,14 +1,13 @@
 //! Where everything is in the window.
 
-use egui::{CentralPanel, Frame, Margin, Panel, Rect, Ui, UiBuilder};
+use egui::{CentralPanel, Frame, Margin, Panel, Ui, UiBuilder};
 
 use super::Inspector;
 use crate::app::command::Command;
 use crate::app::document::Side;
-use crate::app::panels::{self, CommandPalette, OpenDialog, SECTIONS};
+use crate::app::panels::{self, CommandPalette, OpenDialog};
 use crate::app::panes::{ImagePane, halves};
-use crate::app::scene::{Hover, Scene};
-use crate::app::theme;
+use crate::app::scene::Hover;
 
 /// What changes while it is drawn, apart from the state that everything else reads.
 struct Drawing {
@@ -29,6 +28,7 @@ impl Inspector {
         };
         let views = drawing.panes.each_ref().map(ImagePane::view);
         let hover = self.draw_all(ui, &mut drawing, commands);
+        self.inspected = self.scene().inspected().map(|inspected| inspected.lines);
         self.panes = drawing.panes;
         self.open_dialog = drawing.open_dialog;
         self.palette = drawing.palette;
@@ -58,12 +58,29 @@ impl Inspector {
             let pictures = self.pictures.as_ref();
             panels::status(ui, &scene, pictures.map(|p| p.each_ref().map(|opened| opened.picture.as_ref())));
         });
-        Panel::bottom("sections")
+        Panel::right("side")
             .frame(bar(ui))
             .resizable(true)
-            .default_size(196.0)
-            .size_range(120.0..=420.0)
-            .show(ui, |ui| sections(ui, &scene, commands));
+            .default_size(300.0)
+            .size_range(240.0..=480.0)
+            .show(ui, |ui| panels::side::show(ui, &scene, commands));
+        if scene.tab.is_some() {
+            Panel::bottom("tabs")
+                .frame(bar(ui))
+                .resizable(true)
+                .default_size(256.0)
+                .size_range(130.0..=560.0)
+                .show(ui, |ui| {
+                    // The panel keeps its height, however little a tab has to show.
+                    ui.set_min_height(ui.available_height());
+                    panels::tabs::headings(ui, &scene, commands);
+                    panels::tabs::chosen(ui, &scene, commands);
+                });
+        } else {
+            Panel::bottom("folded tabs").frame(bar(ui)).show(ui, |ui| {
+                panels::tabs::headings(ui, &scene, commands);
+            });
+        }
         if scene.document.pictures.is_some() {
             Panel::bottom("legend").frame(bar(ui)).show(ui, |ui| panels::legend(ui, &scene, commands));
         }
@@ -88,30 +105,4 @@ impl Inspector {
         }
         hover
     }
-}
-
-/// The bottom panel, one section beside the other.
-fn sections(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
-    let area = ui.available_rect_before_wrap();
-    let mut left = area.min.x;
-    for (number, section) in SECTIONS.iter().enumerate() {
-        let right = left + area.width() * section.share;
-        let rect = Rect::from_x_y_ranges(
-            left..=right - if number + 1 < SECTIONS.len() { 2.0 * theme::GAP } else { 0.0 },
-            area.y_range(),
-        );
-        if number > 0 {
-            let stroke = ui.visuals().widgets.noninteractive.bg_stroke;
-            ui.painter().vline(left - theme::GAP, area.y_range(), stroke);
-        }
-        let mut child = ui.new_child(UiBuilder::new().max_rect(rect).id_salt(section.title));
-        child.horizontal(|ui| {
-            ui.strong(section.title);
-            let right_to_left = egui::Layout::right_to_left(egui::Align::Center);
-            ui.with_layout(right_to_left, |ui| (section.tools)(ui, scene, commands));
-        });
-        (section.show)(&mut child, scene, commands);
-        left = right;
-    }
-    ui.advance_cursor_after_rect(area);
 }

@@ -19,6 +19,7 @@ use super::computation::{Computation, Freshness};
 use super::document::{Document, PictureIdentity, PointRef, Side};
 use super::focus::Focus;
 use super::history::History;
+use super::inspection::{InspectionRequest, Matcher};
 use super::loader::{Loader, Opened, Opening, Pair, Source};
 use super::look::{Look, Tool};
 use super::panels::{CommandPalette, Message, OpenDialog};
@@ -29,7 +30,7 @@ use super::suggesting::{Question, Suggesting};
 use super::waker::Waker;
 use super::worker::Request;
 use crate::estimate::Estimate;
-use crate::geometry::PointPair;
+use crate::geometry::{AnchoredLine, PointPair};
 
 /// A system dialog that returns sooner than this cannot have been seen by anybody.
 const DIALOG_UNSEEN: Duration = Duration::from_millis(150);
@@ -41,6 +42,7 @@ const MESSAGES: usize = 4;
 enum EditKey {
     Drag(PointRef),
     Nudge(PointRef),
+    Parameter(&'static str),
 }
 
 /// A file dialog that is open.
@@ -66,8 +68,14 @@ pub struct Inspector {
     panes: [ImagePane; 2],
     hover: Option<Hover>,
     focus: Focus,
+    matcher: Matcher,
+    /// The line pair that was inspected when the window was last drawn.
+    inspected: Option<[AnchoredLine; 2]>,
     /// The result that the chosen hypothesis belongs to.
     revision: u64,
+    /// The tab of the bottom panel, and whether the panel is unfolded.
+    tab: usize,
+    tabs_open: bool,
     look: Look,
     tool: Tool,
     suggesting: Suggesting,
@@ -106,7 +114,11 @@ impl Inspector {
             panes: Side::BOTH.map(ImagePane::new),
             hover: None,
             focus: Focus::default(),
+            matcher: Matcher::new(waker.clone()),
+            inspected: None,
             revision: 0,
+            tab: 0,
+            tabs_open: true,
             look: Look::default(),
             tool: Tool::default(),
             suggesting: Suggesting::new(services.suggest, waker),
@@ -147,6 +159,7 @@ impl Inspector {
         self.loader.is_busy()
             || self.computation.is_running()
             || self.suggesting.is_busy()
+            || self.matcher.is_busy()
             || self.picking.is_some()
     }
 
@@ -174,10 +187,15 @@ impl Inspector {
         self.draw(ui, &mut commands);
         self.point_at(&ctx, &commands);
         for command in commands {
+            if !matches!(command, Command::PointAt(_)) {
+                // The inspected lines follow when they are drawn.
+                ctx.request_repaint();
+            }
             self.apply(&ctx, command);
         }
         self.computation.follow(self.opening, self.request());
         self.suggesting.follow(self.question());
+        self.matcher.follow(self.inspection_request());
         self.name_window(&ctx);
     }
 
@@ -197,9 +215,14 @@ impl Inspector {
         let pictures = self.pictures.as_ref()?;
         Some(Request {
             pictures: pictures.each_ref().map(|opened| Arc::clone(&opened.picture)),
-            pairs: self.document.used_pairs()?.to_vec(),
+            pairs: self.document.used_pairs()?,
             parameters: self.document.parameters.clone(),
         })
+    }
+
+    fn inspection_request(&self) -> Option<InspectionRequest> {
+        let pictures = self.pictures.as_ref()?.each_ref().map(|opened| Arc::clone(&opened.picture));
+        Some(InspectionRequest::new(pictures, self.inspected?, &self.document.parameters))
     }
 
     /// What a match is to be suggested for.
@@ -220,6 +243,8 @@ impl Inspector {
             computation: &self.computation,
             hover: self.hover,
             focus: &self.focus,
+            inspection: self.matcher.latest(),
+            tab: self.tabs_open.then_some(self.tab),
             overlays: &self.look.overlays,
             look: &self.look,
             tool: self.tool,
@@ -233,6 +258,7 @@ impl Inspector {
 
     fn take_news(&mut self, ctx: &egui::Context) {
         self.computation.take_news();
+        self.matcher.take_news();
         if self.revision != self.computation.revision() {
             // Numbers of hypotheses belong to one result.
             self.revision = self.computation.revision();

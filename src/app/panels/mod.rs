@@ -7,35 +7,20 @@ mod legend;
 mod messages;
 pub mod open_dialog;
 mod palette;
-mod points;
-mod result;
 mod shortcuts;
+pub mod side;
 mod status;
+mod table;
+pub mod tabs;
 mod toolbar;
 
 use egui::{Button, Response, Ui};
 
 use super::command::{Command, key_text};
-use super::scene::Scene;
 
 pub use messages::Message;
 pub use open_dialog::OpenDialog;
 pub use palette::CommandPalette;
-
-/// A part of the bottom panel.
-pub struct Section {
-    /// Its heading.
-    pub title: &'static str,
-    /// Its share of the width.
-    pub share: f32,
-    /// Shows what belongs in the line of the heading, from the right.
-    pub tools: fn(&mut Ui, &Scene, &mut Vec<Command>),
-    /// Shows the rest.
-    pub show: fn(&mut Ui, &Scene, &mut Vec<Command>),
-}
-
-/// The parts of the bottom panel from left to right. A new one is a new file and a line here.
-pub const SECTIONS: [Section; 2] = [result::SECTION, points::SECTION];
 
 pub use guide_bar::show as guide_bar;
 pub use legend::show as legend;

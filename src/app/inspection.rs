@@ -1,0 +1,253 @@
+//! The inspected line pair: its intensities, matched in a thread of its own.
+//!
+//! Matching two lines of a large image takes a tenth of a second, so the window never waits for it. Only the
+//! newest request counts; until it is answered the answer before stays.
+
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, Sender, channel};
+
+use super::document::Side;
+use super::waker::Waker;
+use crate::estimate::Parameters;
+use crate::geometry::{AnchoredLine, Point};
+use crate::image::Picture;
+use crate::similarity::{DisparityRange, StereoParameters, WarpedProfile, inspect_lines};
+
+/// Samples of a line, about: longer lines are sampled in larger steps.
+const SAMPLES: f64 = 1000.0;
+
+/// Two lines to match.
+#[derive(Debug, Clone)]
+pub struct InspectionRequest {
+    /// The pictures.
+    pub pictures: [Arc<Picture>; 2],
+    /// The line of each.
+    pub lines: [AnchoredLine; 2],
+    /// The numbers of the stereo cost.
+    pub stereo: StereoParameters,
+    /// Largest disparity tried, as a fraction of the longer side of the left image.
+    pub reach: f64,
+}
+
+impl InspectionRequest {
+    /// A request with the parameters of the estimate.
+    pub fn new(pictures: [Arc<Picture>; 2], lines: [AnchoredLine; 2], parameters: &Parameters) -> Self {
+        Self { pictures, lines, stereo: parameters.stereo, reach: parameters.disparity_reach }
+    }
+
+    fn is_same(&self, other: &Self) -> bool {
+        self.lines == other.lines
+            && self.stereo == other.stereo
+            && self.reach.to_bits() == other.reach.to_bits()
+            && self.pictures.iter().zip(&other.pictures).all(|(a, b)| Arc::ptr_eq(a, b))
+    }
+
+    /// Samples and matches the lines.
+    pub fn inspect(&self, number: u64) -> Inspection {
+        let side = self.pictures[0].frame().longer_side();
+        let step = (self.pictures[0].frame().diagonal() / SAMPLES).max(1.0);
+        let range = DisparityRange::symmetric((self.reach * side / step).round().max(2.0) as i32);
+        let planes = self.pictures.each_ref().map(|picture| &picture.gray);
+        let warped = inspect_lines(planes, self.lines.each_ref(), step, range, &self.stereo);
+        Inspection { number, lines: self.lines, step, range, stereo: self.stereo, warped }
+    }
+}
+
+/// Two lines matched sample by sample. Sample `i` is `i` steps from the anchor of the left line.
+#[derive(Debug, Clone)]
+pub struct Inspection {
+    /// Another number for each.
+    pub number: u64,
+    /// The lines.
+    pub lines: [AnchoredLine; 2],
+    /// Distance of neighbouring samples, px.
+    pub step: f64,
+    /// Disparities tried, samples.
+    pub range: DisparityRange,
+    /// The numbers of the cost.
+    pub stereo: StereoParameters,
+    /// Intensities and disparities.
+    pub warped: WarpedProfile,
+}
+
+impl Inspection {
+    /// Index of the first sample, and the one after the last.
+    pub fn samples(&self) -> std::ops::Range<i32> {
+        self.warped.profile1.first..self.warped.profile1.end()
+    }
+
+    /// Where a sample is in the left image, px.
+    pub fn point1(&self, sample: i32) -> Option<Point> {
+        self.samples().contains(&sample).then(|| self.lines[0].point_at(f64::from(sample) * self.step))
+    }
+
+    /// The match of a sample in the right image, px; `None` where it falls outside the image.
+    pub fn point2(&self, sample: i32) -> Option<Point> {
+        let k = usize::try_from(sample - self.warped.profile1.first).ok()?;
+        let partner = sample + self.warped.matching.disparities.get(k)?;
+        let profile2 = &self.warped.profile2;
+        (profile2.first..profile2.end())
+            .contains(&partner)
+            .then(|| self.lines[1].point_at(f64::from(partner) * self.step))
+    }
+
+    /// The sample nearest to a position of an image, if the line passes within `reach` px of it.
+    pub fn sample_near(&self, side: Side, point: Point, reach: f64) -> Option<i32> {
+        let line = &self.lines[side.index()];
+        if line.line().distance(point) > reach {
+            return None;
+        }
+        let along = ((point - line.anchor).dot(&line.direction) / self.step).round() as i32;
+        match side {
+            Side::Left => self.samples().contains(&along).then_some(along),
+            Side::Right => {
+                // Several samples may match one place; the path is searched, since it may jump.
+                let partner = |i: i32| {
+                    let k = (i - self.warped.profile1.first) as usize;
+                    i + self.warped.matching.disparities[k]
+                };
+                let nearest = self.samples().min_by_key(|i| partner(*i).abs_diff(along))?;
+                (partner(nearest).abs_diff(along) <= 2).then_some(nearest)
+            }
+        }
+    }
+
+    /// Cost of matching a sample at a disparity, squared grey levels.
+    pub fn cost(&self, sample: i32, disparity: i32) -> u16 {
+        let value = self.warped.profile1.get(sample).unwrap_or_default();
+        self.stereo.sample_cost(value, self.warped.profile2.get(sample + disparity))
+    }
+}
+
+/// The thread that matches, and its latest answer.
+pub struct Matcher {
+    requests: Sender<(u64, InspectionRequest)>,
+    answers: Receiver<(u64, Inspection)>,
+    asked: Option<InspectionRequest>,
+    /// Numbers of the latest request and of the latest answer.
+    asked_number: u64,
+    answered_number: u64,
+    latest: Option<Inspection>,
+}
+
+impl Matcher {
+    /// Starts the thread.
+    pub fn new(waker: Waker) -> Self {
+        let (requests, inbox) = channel::<(u64, InspectionRequest)>();
+        let (outbox, answers) = channel();
+        let run = move || {
+            while let Ok(mut request) = inbox.recv() {
+                while let Ok(newer) = inbox.try_recv() {
+                    request = newer;
+                }
+                let (number, request) = request;
+                if outbox.send((number, request.inspect(number))).is_err() {
+                    return;
+                }
+                waker.wake();
+            }
+        };
+        // Without a thread the inbox is gone, and sending says so.
+        drop(std::thread::Builder::new().name("inspection".into()).spawn(run));
+        Self { requests, answers, asked: None, asked_number: 0, answered_number: 0, latest: None }
+    }
+
+    /// Asks for these lines, unless they were asked for last; without a request there is nothing to show.
+    pub fn follow(&mut self, request: Option<InspectionRequest>) {
+        let Some(request) = request else {
+            (self.asked, self.latest) = (None, None);
+            self.answered_number = self.asked_number;
+            return;
+        };
+        if self.asked.as_ref().is_some_and(|asked| asked.is_same(&request)) {
+            return;
+        }
+        if self.asked.as_ref().is_some_and(|asked| !Arc::ptr_eq(&asked.pictures[0], &request.pictures[0])) {
+            self.latest = None;
+        }
+        self.asked = Some(request.clone());
+        if self.requests.send((self.asked_number + 1, request)).is_ok() {
+            self.asked_number += 1;
+        }
+    }
+
+    /// Takes in what the thread has found.
+    pub fn take_news(&mut self) {
+        for (number, inspection) in self.answers.try_iter() {
+            if number > self.answered_number {
+                self.answered_number = number;
+                self.latest = Some(inspection);
+            }
+        }
+    }
+
+    /// The latest answer; while another is awaited, of the lines before.
+    pub fn latest(&self) -> Option<&Inspection> {
+        self.latest.as_ref()
+    }
+
+    /// Whether an answer is awaited.
+    pub fn is_busy(&self) -> bool {
+        self.asked_number != self.answered_number
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::fake;
+    use std::time::{Duration, Instant};
+
+    /// Two pictures whose rows differ by a shift of 7 px.
+    fn shifted() -> [Arc<Picture>; 2] {
+        [0, 7].map(|shift| {
+            let pixels = image::GrayImage::from_fn(160, 40, |x, y| {
+                let x = x + shift;
+                image::Luma([((x * x * 7 + y * 13) % 251) as u8])
+            });
+            Arc::new(Picture::from_pixels("rows".into(), None, pixels.into()).expect("has pixels"))
+        })
+    }
+
+    fn request(pictures: &[Arc<Picture>; 2], y: f64) -> InspectionRequest {
+        let line = AnchoredLine::at_angle(Point::new(50.0, y), 0.0);
+        InspectionRequest::new(pictures.clone(), [line; 2], &Parameters::default())
+    }
+
+    #[test]
+    fn samples_have_their_places_in_both_images() {
+        let inspection = request(&shifted(), 20.0).inspect(1);
+        assert_eq!(inspection.samples(), -50..110);
+        assert_eq!(inspection.point1(30), Some(Point::new(80.0, 20.0)));
+        assert_eq!(inspection.point2(30), Some(Point::new(73.0, 20.0)));
+        assert_eq!(inspection.point1(110), None);
+        assert_eq!(inspection.sample_near(Side::Left, Point::new(80.3, 22.0), 4.0), Some(30));
+        assert_eq!(inspection.sample_near(Side::Right, Point::new(73.3, 22.0), 4.0), Some(30));
+        assert_eq!(inspection.sample_near(Side::Right, Point::new(73.3, 32.0), 4.0), None);
+        assert_eq!(inspection.cost(30, -7), 0);
+        assert!(inspection.cost(30, -4) > 0);
+    }
+
+    #[test]
+    fn only_the_newest_request_is_answered_in_the_end() {
+        let pictures = shifted();
+        let mut matcher = Matcher::new(Waker::default());
+        for y in [3.0, 9.0, 27.0] {
+            matcher.follow(Some(request(&pictures, y)));
+        }
+        matcher.follow(Some(request(&pictures, 27.0)));
+        let start = Instant::now();
+        while matcher.is_busy() {
+            assert!(start.elapsed() < Duration::from_secs(20), "no answer");
+            std::thread::sleep(Duration::from_millis(1));
+            matcher.take_news();
+        }
+        let row = matcher.latest().expect("an answer").lines[0].anchor.y;
+        assert!((row - 27.0).abs() < 1e-12);
+        let other = fake::request(0.0).pictures;
+        matcher.follow(Some(request(&other, 5.0)));
+        assert!(matcher.latest().is_none(), "lines of other pictures must not be drawn");
+        matcher.follow(None);
+        assert!(!matcher.is_busy());
+    }
+}

@@ -1,0 +1,59 @@
+//! The side panel: the verdict, then the steps of the algorithm in their order.
+
+mod parameters;
+mod result;
+mod steps;
+
+use egui::{ScrollArea, Ui};
+
+use super::finish_button;
+use crate::app::command::Command;
+use crate::app::scene::Scene;
+use crate::estimate::{Method, Parameters, Preset};
+
+/// Shows the panel.
+pub fn show(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
+    ScrollArea::vertical().id_salt("side").auto_shrink([false, false]).show(ui, |ui| {
+        result::show(ui, scene, commands);
+        ui.add_space(2.0);
+        ui.separator();
+        choices(ui, scene, commands);
+        ui.add_space(4.0);
+        steps::show(ui, scene, commands);
+    });
+}
+
+/// What the estimate starts from: how many pairs, and whose parameters.
+fn choices(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
+    let parameters = &scene.document.parameters;
+    ui.horizontal(|ui| {
+        ui.strong("Steps");
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            let defaults = Parameters {
+                method: parameters.method,
+                seed: parameters.seed,
+                ..Parameters::from(parameters.preset)
+            };
+            let reset = ui.add_enabled(*parameters != defaults, egui::Button::new("Reset all"));
+            finish_button(ui, reset, Command::ResetParameters, commands);
+        });
+    });
+    egui::Grid::new("choices").num_columns(2).spacing([10.0, 4.0]).show(ui, |ui| {
+        ui.weak("From");
+        ui.horizontal(|ui| {
+            for (method, name) in [(Method::TwoPoint, "Two pairs"), (Method::ThreePoint, "Three pairs")] {
+                let response = ui.selectable_label(parameters.method == method, name);
+                finish_button(ui, response, Command::SetMethod(method), commands);
+            }
+        });
+        ui.end_row();
+        ui.weak("Preset");
+        ui.horizontal(|ui| {
+            for (preset, name) in [(Preset::Robust, "Robust"), (Preset::Paper, "Paper")] {
+                let response = ui.selectable_label(parameters.preset == preset, name);
+                finish_button(ui, response, Command::SetPreset(preset), commands);
+            }
+        });
+        ui.end_row();
+    });
+}

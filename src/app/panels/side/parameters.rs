@@ -1,0 +1,112 @@
+//! The parameters of a step, each with its unit, its default, and what is wrong with it.
+
+use egui::{Button, ComboBox, DragValue, Grid, Label, RichText, Ui};
+
+use crate::app::command::Command;
+use crate::app::settings::{SETTINGS, Setting, Value};
+use crate::app::theme;
+use crate::estimate::{Parameters, Stage};
+
+/// Whether a parameter of a step differs from the preset.
+pub fn is_any_changed(stage: Stage, parameters: &Parameters) -> bool {
+    let defaults = Parameters::from(parameters.preset);
+    of(stage).any(|setting| !setting.is_same(parameters, &defaults))
+}
+
+fn of(stage: Stage) -> impl Iterator<Item = &'static Setting> {
+    SETTINGS.iter().filter(move |setting| setting.stage == stage)
+}
+
+/// Shows the parameters of a step.
+pub fn show(ui: &mut Ui, stage: Stage, parameters: &Parameters, commands: &mut Vec<Command>) {
+    Grid::new(("parameters", stage.label())).num_columns(3).spacing([8.0, 3.0]).show(ui, |ui| {
+        for setting in of(stage) {
+            let tooltip = format!("{} Default: {}.", setting.tooltip, setting.default_text(parameters));
+            let label = ui.label(setting.name).on_hover_text(tooltip.as_str());
+            if let Some(changed) = edit(ui, setting, parameters, label.id, &tooltip, commands) {
+                commands.push(Command::SetParameters { setting: setting.name, to: Box::new(changed) });
+            }
+            reset(ui, setting, parameters, commands);
+            ui.end_row();
+        }
+    });
+    let color = theme::palette(ui.visuals()).bad;
+    for problem in of(stage).filter_map(|setting| setting.problem(parameters)) {
+        ui.add(Label::new(RichText::new(problem).color(color)).wrap());
+    }
+}
+
+/// The field of a parameter; the parameters with the new value when it was changed.
+fn edit(
+    ui: &mut Ui,
+    setting: &Setting,
+    parameters: &Parameters,
+    label: egui::Id,
+    tooltip: &str,
+    commands: &mut Vec<Command>,
+) -> Option<Parameters> {
+    let mut changed = parameters.clone();
+    let (response, is_changed) = match setting.value {
+        Value::Number { unit, range: [least, most], decimals, get, set } => {
+            let before = get(parameters);
+            let mut value = before;
+            let speed = (before.abs() / 100.0).max(0.1f64.powi(decimals as i32));
+            let field = DragValue::new(&mut value)
+                .suffix(unit)
+                .speed(speed)
+                .fixed_decimals(decimals)
+                .update_while_editing(false);
+            let response = ui.add(field);
+            if response.dragged() {
+                // A drag stops at the ends; what is typed is taken as it is, and told when it is wrong.
+                value = value.clamp(least, most);
+            }
+            if response.drag_stopped() {
+                commands.push(Command::EndDrag);
+            }
+            set(&mut changed, value);
+            (response, value.to_bits() != before.to_bits())
+        }
+        Value::Switch { get, set } => {
+            let mut on = get(parameters);
+            let response = ui.checkbox(&mut on, "");
+            set(&mut changed, on);
+            (response, on != get(parameters))
+        }
+        Value::Choice { names, get, set } => {
+            let before = get(parameters);
+            let mut chosen = before;
+            let response = ComboBox::from_id_salt(setting.name).width(96.0).show_index(
+                ui,
+                &mut chosen,
+                names.len(),
+                |k| names[k],
+            );
+            set(&mut changed, chosen);
+            (response, chosen != before)
+        }
+    };
+    response.labelled_by(label).on_hover_text(tooltip);
+    (is_changed && changed != *parameters).then_some(changed)
+}
+
+/// Takes one parameter back to its default.
+fn reset(ui: &mut Ui, setting: &Setting, parameters: &Parameters, commands: &mut Vec<Command>) {
+    let defaults = Parameters::from(parameters.preset);
+    if setting.is_same(parameters, &defaults) {
+        ui.label("");
+        return;
+    }
+    let response = ui.add(Button::new("Reset").small());
+    response.widget_info(|| {
+        egui::WidgetInfo::labeled(egui::Role::Button, true, format!("Reset {}", setting.name))
+    });
+    let tooltip = format!("Back to {}.", setting.default_text(parameters));
+    if response.on_hover_text(tooltip).clicked() {
+        let mut changed = parameters.clone();
+        setting.copy(&defaults, &mut changed);
+        commands.push(Command::EndDrag);
+        commands.push(Command::SetParameters { setting: setting.name, to: Box::new(changed) });
+        commands.push(Command::EndDrag);
+    }
+}

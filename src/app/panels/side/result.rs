@@ -1,0 +1,77 @@
+//! The verdict: what was found, how far to trust it, and why.
+
+use egui::{Color32, Grid, Label, RichText, Ui, vec2};
+
+use super::super::{busy, command_button};
+use crate::app::command::Command;
+use crate::app::scene::Scene;
+use crate::app::theme;
+use crate::app::verdict::{Fact, Tone, Verdict, hypothesis_facts, verdict};
+
+/// Shows it.
+pub fn show(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
+    ui.horizontal(|ui| {
+        ui.strong("Result");
+        if scene.computation.is_running() {
+            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                command_button(ui, Command::Stop, true, commands);
+            });
+        }
+    });
+    if let Some((number, hypothesis)) = scene.shown().and_then(|shown| shown.hypothesis) {
+        hypothesis_shown(ui, number, commands);
+        list(ui, hypothesis_facts(scene.document, hypothesis));
+        return;
+    }
+    let Verdict { tone, headline, facts, warnings } = verdict(scene.document, scene.computation);
+    ui.horizontal_top(|ui| {
+        let color = tone_color(ui, tone);
+        if tone == Tone::Busy {
+            busy::show(ui);
+        } else {
+            let (dot, _) = ui.allocate_exact_size(vec2(14.0, 18.0), egui::Sense::hover());
+            ui.painter().circle_filled(dot.center(), 5.0, color);
+        }
+        ui.add(Label::new(RichText::new(headline).strong()).wrap());
+    });
+    for warning in warnings {
+        let color = tone_color(ui, Tone::Caution);
+        ui.add(Label::new(RichText::new(warning).color(color)).wrap());
+    }
+    list(ui, facts);
+}
+
+/// Figures with their names.
+fn list(ui: &mut Ui, facts: Vec<Fact>) {
+    Grid::new("facts").num_columns(2).min_row_height(18.0).spacing([10.0, 3.0]).show(ui, |ui| {
+        for fact in facts {
+            ui.weak(fact.name).on_hover_text(fact.tooltip);
+            ui.add(Label::new(fact.value).wrap()).on_hover_text(fact.tooltip);
+            ui.end_row();
+        }
+    });
+}
+
+/// Says that the window does not show the result, and leads back to it.
+fn hypothesis_shown(ui: &mut Ui, number: usize, commands: &mut Vec<Command>) {
+    let palette = theme::palette(ui.visuals());
+    egui::Frame::new()
+        .stroke(egui::Stroke::new(1.0, palette.accent))
+        .corner_radius(6.0)
+        .inner_margin(egui::Margin::symmetric(8, 6))
+        .show(ui, |ui| {
+            let text = format!("The images show hypothesis {}, not the result.", number + 1);
+            ui.add(Label::new(RichText::new(text).color(palette.accent)).wrap());
+            command_button(ui, Command::ChooseHypothesis(None), true, commands);
+        });
+}
+
+fn tone_color(ui: &Ui, tone: Tone) -> Color32 {
+    let palette = theme::palette(ui.visuals());
+    match tone {
+        Tone::Idle | Tone::Busy => ui.visuals().weak_text_color(),
+        Tone::Good => palette.good,
+        Tone::Caution => palette.caution,
+        Tone::Bad => palette.bad,
+    }
+}

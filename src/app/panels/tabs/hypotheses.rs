@@ -1,0 +1,134 @@
+//! The hypotheses of the estimate with their figures; choosing one makes the whole window show it.
+
+use egui::Ui;
+
+use super::super::command_button;
+use super::super::table::{Column, Look, Table};
+use super::{Tab, empty};
+use crate::app::command::Command;
+use crate::app::focus::Target;
+use crate::app::scene::Scene;
+use crate::app::verdict::epipole_text;
+use crate::estimate::Hypothesis;
+use crate::geometry::{Frame, HomogeneousPoint, finite_point};
+
+/// Registered in [`super::TABS`].
+pub const TAB: Tab = Tab {
+    title: "Hypotheses",
+    tooltip: "The geometries that came nearest, with the figures they were judged by.",
+    tools,
+    show,
+};
+
+const COLUMNS: [Column; 7] = [
+    Column { title: "Rank", tooltip: "Place in the list of the estimate, best first.", width: 64.0 },
+    Column {
+        title: "Support",
+        tooltip: "How strongly matching image patches agree with it; higher is better. Empty where patches were \
+                  not compared.",
+        width: 88.0,
+    },
+    Column {
+        title: "Line score",
+        tooltip: "How unlike its corresponding lines are over both images; lower is better.",
+        width: 100.0,
+    },
+    Column {
+        title: "Round trip, px",
+        tooltip: "Mean area between a line and where H and G bring it, over the image width; small means that both \
+                  directions agree.",
+        width: 126.0,
+    },
+    Column {
+        title: "κ of H / κ of G",
+        tooltip: "Ratio of the maps found in the two directions; 1 means that they agree.",
+        width: 126.0,
+    },
+    Column {
+        title: "Left epipole",
+        tooltip: "Where the left image sees the other camera, px, or the direction if it is far away. Sorted by the \
+                  distance from the middle.",
+        width: 200.0,
+    },
+    Column {
+        title: "Right epipole",
+        tooltip: "Where the right image sees the other camera, px, or the direction if it is far away. Sorted by the \
+                  distance from the middle.",
+        width: 200.0,
+    },
+];
+
+fn tools(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
+    let chosen = scene.focus.hypothesis().is_some();
+    command_button(ui, Command::ChooseHypothesis(None), chosen, commands);
+}
+
+fn show(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
+    let hypotheses = scene.computation.result().map_or(&[][..], |(estimate, _)| &estimate.hypotheses);
+    if hypotheses.is_empty() {
+        empty(
+            ui,
+            "The geometries that the estimate considered appear here, once there are enough point pairs. Click one to \
+             see it in both images.",
+        );
+        return;
+    }
+    let frames = scene.document.pictures.as_ref().map(|pictures| pictures.each_ref().map(|p| p.frame));
+    let chosen = scene.shown().and_then(|shown| shown.hypothesis).map(|(number, _)| number);
+    let lit = match scene.focus.hovered() {
+        Some(Target::Hypothesis(number)) => Some(number),
+        _ => None,
+    };
+    let touched = Table {
+        name: "hypotheses",
+        columns: &COLUMNS,
+        rows: hypotheses.len(),
+        row_name: &|row| format!("Hypothesis {}", row + 1),
+        key: &|row, column| key(&hypotheses[row], row, column, frames),
+        text: &|row, column| text(&hypotheses[row], row, column),
+        look: &|row| Look { chosen: chosen == Some(row), lit: lit == Some(row) },
+    }
+    .show(ui);
+    if let Some(row) = touched.hovered {
+        commands.push(Command::PointAt(Target::Hypothesis(row)));
+    }
+    if let Some(row) = touched.clicked {
+        commands.push(Command::ChooseHypothesis((chosen != Some(row)).then_some(row)));
+    }
+}
+
+fn key(hypothesis: &Hypothesis, row: usize, column: usize, frames: Option<[Frame; 2]>) -> f64 {
+    let away = |epipole: &HomogeneousPoint, side: usize| {
+        let centre = frames.map_or(crate::geometry::Point::origin(), |frames| frames[side].centre());
+        finite_point(epipole).map_or(f64::INFINITY, |point| (point - centre).norm())
+    };
+    match column {
+        0 => row as f64,
+        1 => hypothesis.support,
+        2 => hypothesis.score,
+        3 => hypothesis.round_trip_area,
+        4 => ratio(hypothesis),
+        5 => away(&hypothesis.epipole1(), 0),
+        _ => away(&hypothesis.epipole2(), 1),
+    }
+}
+
+fn ratio(hypothesis: &Hypothesis) -> f64 {
+    hypothesis.kappa_line2_from_line1 / hypothesis.kappa_line1_from_line2
+}
+
+fn text(hypothesis: &Hypothesis, row: usize, column: usize) -> String {
+    let figure = |value: f64, decimals: usize| {
+        if value.is_finite() { format!("{value:.decimals$}") } else { String::new() }
+    };
+    match column {
+        0 => (row + 1).to_string(),
+        1 if hypothesis.support > 0.0 => figure(hypothesis.support, 1),
+        1 => String::new(),
+        2 => figure(hypothesis.score, 3),
+        3 => figure(hypothesis.round_trip_area, 2),
+        4 => figure(ratio(hypothesis), 3),
+        5 => epipole_text(&hypothesis.epipole1(), None),
+        _ => epipole_text(&hypothesis.epipole2(), None),
+    }
+}

@@ -1,0 +1,60 @@
+//! The bottom panel: one tab a file, registered in [`TABS`].
+
+mod hypotheses;
+mod matrix;
+mod pencils;
+mod points;
+mod profiles;
+
+use egui::{RichText, Ui};
+
+use super::finish_button;
+use crate::app::command::Command;
+use crate::app::scene::Scene;
+
+/// A tab of the bottom panel.
+pub struct Tab {
+    /// Its heading.
+    pub title: &'static str,
+    /// One sentence about what it shows.
+    pub tooltip: &'static str,
+    /// Shows what belongs in the line of the headings, from the right.
+    pub tools: fn(&mut Ui, &Scene, &mut Vec<Command>),
+    /// Shows the rest.
+    pub show: fn(&mut Ui, &Scene, &mut Vec<Command>),
+}
+
+/// The tabs from left to right. A new one is a new file and a line here.
+pub const TABS: [Tab; 4] = [points::TAB, profiles::TAB, pencils::TAB, hypotheses::TAB];
+
+/// The line of the headings.
+pub fn headings(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
+    ui.horizontal(|ui| {
+        for (number, tab) in TABS.iter().enumerate() {
+            let shown = scene.tab == Some(number);
+            let response = ui.selectable_label(shown, RichText::new(tab.title).strong());
+            finish_button(ui, response, Command::ShowTab(number), commands);
+        }
+        let right_to_left = egui::Layout::right_to_left(egui::Align::Center);
+        ui.with_layout(right_to_left, |ui| {
+            let fold = ui.button(if scene.tab.is_some() { "Hide panel" } else { "Show panel" });
+            finish_button(ui, fold, Command::FoldTabs, commands);
+            if let Some(tab) = scene.tab.and_then(|number| TABS.get(number)) {
+                (tab.tools)(ui, scene, commands);
+            }
+        });
+    });
+}
+
+/// The tab that was chosen.
+pub fn chosen(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
+    if let Some(tab) = scene.tab.and_then(|number| TABS.get(number)) {
+        ui.push_id(tab.title, |ui| (tab.show)(ui, scene, commands));
+    }
+}
+
+/// What an empty tab says: what will appear, and what to do for it.
+fn empty(ui: &mut Ui, text: &str) {
+    ui.add_space(8.0);
+    ui.weak(text);
+}
