@@ -66,26 +66,6 @@ pub fn pair_color(pair: usize) -> Color32 {
     PAIRS.get(pair).copied().unwrap_or(CHECK)
 }
 
-/// How alike two things are: 0 the least, 1 the most. From blue over grey to yellow, evenly in lightness, after
-/// the map "cividis" (Nuñez, Anderton & Renslow 2018), which people with any common colour vision read alike.
-pub fn similarity_color(likeness: f32) -> Color32 {
-    const STOPS: [[f32; 3]; 5] = [
-        [22.0, 60.0, 118.0],
-        [84.0, 94.0, 120.0],
-        [133.0, 130.0, 124.0],
-        [190.0, 172.0, 104.0],
-        [254.0, 232.0, 56.0],
-    ];
-    let at = likeness.clamp(0.0, 1.0) * (STOPS.len() - 1) as f32;
-    let below = (at as usize).min(STOPS.len() - 2);
-    let share = at - below as f32;
-    let [r, g, b] = [0, 1, 2].map(|k| {
-        let (from, to) = (STOPS[below][k], STOPS[below + 1][k]);
-        (from + (to - from) * share).round() as u8
-    });
-    Color32::from_rgb(r, g, b)
-}
-
 /// Colours of the window around the images.
 #[derive(Debug, Clone, Copy)]
 pub struct Palette {

@@ -4,15 +4,15 @@ use egui::Color32;
 
 use super::{Canvas, Overlay, Visibility};
 use crate::app::document::Side;
-use crate::app::theme;
+use crate::app::heat;
 use crate::geometry::AnchoredLine;
 
 /// Registered in [`super::OVERLAYS`].
 pub const OVERLAY: Overlay = Overlay {
     name: "Candidates",
-    tooltip: "Candidate epipolar lines through p and q: pairs that look most alike, the best ones yellow, others \
-              blue.",
-    color: Color32::from_rgb(190, 172, 104),
+    tooltip: "Candidate epipolar lines through p and q: pairs that look most alike, the best ones yellow, the \
+              last ones violet, as in the tab Pencils.",
+    color: Color32::from_rgb(92, 200, 99),
     visibility: Visibility::OnRequest,
     magnified: false,
     draw,
@@ -33,7 +33,7 @@ fn draw(canvas: &Canvas) {
         for (rank, candidate) in pencil.candidates().iter().take(drawn).enumerate().rev() {
             let likeness = 1.0 - rank as f32 / drawn.max(1) as f32;
             let line = AnchoredLine::at_angle(click, candidate.angles[canvas.side.index()]).line();
-            let color = theme::similarity_color(likeness).gamma_multiply(0.35 + 0.55 * likeness);
+            let color = heat::color(likeness).gamma_multiply(0.35 + 0.55 * likeness);
             canvas.thin_line(&line, 0.8 + 0.6 * likeness, color);
         }
     }

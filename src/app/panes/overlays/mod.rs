@@ -13,6 +13,7 @@ mod pointed;
 mod points;
 mod residuals;
 mod round_trip;
+mod samples;
 mod suggestion;
 mod uncertainty;
 
@@ -54,7 +55,7 @@ pub enum Visibility {
 }
 
 /// All overlays, from the lowest to the topmost. A new one is a new file and a line here.
-pub const OVERLAYS: [Overlay; 15] = [
+pub const OVERLAYS: [Overlay; 16] = [
     candidates::OVERLAY,
     round_trip::OVERLAY,
     uncertainty::OVERLAY,
@@ -63,6 +64,7 @@ pub const OVERLAYS: [Overlay; 15] = [
     bisectors::OVERLAY,
     hover::OVERLAY,
     pinned::OVERLAY,
+    samples::OVERLAY,
     matches::OVERLAY,
     residuals::OVERLAY,
     hypotheses::OVERLAY,
@@ -86,16 +88,18 @@ type Finder = fn(&Canvas, Pos2) -> Option<Pointing>;
 
 /// What the cursor points at among what is shown: the nearest thing within reach.
 pub fn pointed_at(canvas: &Canvas, position: Pos2) -> Option<Target> {
-    let finders: [(&str, Finder); 4] = [
-        (points::OVERLAY.name, points::at),
-        (hypotheses::OVERLAY.name, hypotheses::at),
-        (matches::OVERLAY.name, matches::at),
-        (pinned::OVERLAY.name, pinned::at),
+    let finders: [(&Overlay, Finder); 3] = [
+        (&points::OVERLAY, points::at),
+        (&hypotheses::OVERLAY, hypotheses::at),
+        (&matches::OVERLAY, matches::at),
     ];
     let shown = |name: &str| {
         OVERLAYS.iter().zip(canvas.scene.overlays).any(|(overlay, shown)| *shown && overlay.name == name)
     };
-    let found = finders.iter().filter(|(name, _)| shown(name)).filter_map(|(_, at)| at(canvas, position));
+    let found = finders.iter().filter(|(overlay, _)| shown(overlay.name));
+    let found = found.filter_map(|(_, at)| at(canvas, position));
+    // The plot marks the sample under the cursor whether or not there are dots in the images.
+    let found = found.chain(samples::at(canvas, position));
     found.min_by(|a, b| a.distance.total_cmp(&b.distance)).map(|pointing| pointing.target)
 }
 

@@ -2,7 +2,7 @@
 
 use egui::Stroke;
 
-use super::{Canvas, Overlay, Visibility};
+use super::{Canvas, Overlay, Visibility, samples};
 use crate::app::document::{PointRef, Side};
 use crate::app::focus::Target;
 use crate::app::theme;
@@ -54,10 +54,8 @@ fn draw(canvas: &Canvas) {
             }
         }
         Some(Target::Sample(index)) => {
-            if canvas.side == Side::Left
-                && let Some(inspected) = scene.inspected()
-            {
-                ring(canvas, inspected.lines[0].point_at(f64::from(index)));
+            if let Some(point) = samples::place(canvas, index) {
+                ring(canvas, point);
             }
         }
         None => {}
