@@ -14,9 +14,9 @@ use crate::app::theme;
 use crate::geometry::{Frame, HomogeneousPoint, Vector};
 
 /// Radius of the disc, screen points.
-const RADIUS: f32 = 48.0;
+const RADIUS: f32 = 38.0;
 /// From the corner of the pane, screen points.
-const MARGIN: f32 = 10.0;
+const MARGIN: f32 = 6.0;
 /// Hypotheses drawn, by rank.
 const DRAWN: usize = 60;
 /// How near the cursor takes hold of a mark, screen points.
