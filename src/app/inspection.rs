@@ -4,8 +4,8 @@
 //! newest request counts; until it is answered the answer before stays.
 
 use std::sync::Arc;
-use std::sync::mpsc::{Receiver, Sender, channel};
 
+use super::background::Latest;
 use super::document::Side;
 use super::waker::Waker;
 use crate::estimate::Parameters;
@@ -121,63 +121,47 @@ impl Inspection {
 
 /// The thread that matches, and its latest answer.
 pub struct Matcher {
-    requests: Sender<(u64, InspectionRequest)>,
-    answers: Receiver<(u64, Inspection)>,
+    thread: Latest<InspectionRequest, Inspection>,
     asked: Option<InspectionRequest>,
-    /// Numbers of the latest request and of the latest answer.
-    asked_number: u64,
-    answered_number: u64,
     latest: Option<Inspection>,
 }
 
 impl Matcher {
     /// Starts the thread.
     pub fn new(waker: Waker) -> Self {
-        let (requests, inbox) = channel::<(u64, InspectionRequest)>();
-        let (outbox, answers) = channel();
-        let run = move || {
-            while let Ok(mut request) = inbox.recv() {
-                while let Ok(newer) = inbox.try_recv() {
-                    request = newer;
-                }
-                let (number, request) = request;
-                if outbox.send((number, request.inspect(number))).is_err() {
-                    return;
-                }
-                waker.wake();
-            }
-        };
-        // Without a thread the inbox is gone, and sending says so.
-        drop(std::thread::Builder::new().name("inspection".into()).spawn(run));
-        Self { requests, answers, asked: None, asked_number: 0, answered_number: 0, latest: None }
+        let mut number = 0;
+        let thread = Latest::new("inspection", waker, move |request: InspectionRequest| {
+            number += 1;
+            Some(request.inspect(number))
+        });
+        Self { thread, asked: None, latest: None }
     }
 
     /// Asks for these lines, unless they were asked for last; without a request there is nothing to show.
     pub fn follow(&mut self, request: Option<InspectionRequest>) {
         let Some(request) = request else {
+            self.thread.forget();
             (self.asked, self.latest) = (None, None);
-            self.answered_number = self.asked_number;
             return;
         };
-        if self.asked.as_ref().is_some_and(|asked| asked.is_same(&request)) {
+        let asked = self.asked.as_ref();
+        if asked.is_some_and(|asked| asked.is_same(&request)) {
             return;
         }
-        if self.asked.as_ref().is_some_and(|asked| !Arc::ptr_eq(&asked.pictures[0], &request.pictures[0])) {
+        let same_picture =
+            |asked: &InspectionRequest, k: usize| Arc::ptr_eq(&asked.pictures[k], &request.pictures[k]);
+        if asked.is_some_and(|asked| !(same_picture(asked, 0) && same_picture(asked, 1))) {
+            self.thread.forget();
             self.latest = None;
         }
         self.asked = Some(request.clone());
-        if self.requests.send((self.asked_number + 1, request)).is_ok() {
-            self.asked_number += 1;
-        }
+        self.thread.ask(request);
     }
 
     /// Takes in what the thread has found.
     pub fn take_news(&mut self) {
-        for (number, inspection) in self.answers.try_iter() {
-            if number > self.answered_number {
-                self.answered_number = number;
-                self.latest = Some(inspection);
-            }
+        if let Some(inspection) = self.thread.poll() {
+            self.latest = Some(inspection);
         }
     }
 
@@ -188,7 +172,7 @@ impl Matcher {
 
     /// Whether an answer is awaited.
     pub fn is_busy(&self) -> bool {
-        self.asked_number != self.answered_number
+        self.thread.is_busy()
     }
 }
 

@@ -41,7 +41,9 @@ pub fn progress(stage: Stage, computation: &Computation) -> Progress {
 
 /// What a step found, in a line; `None` while it has found nothing.
 pub fn result_text(stage: Stage, document: &Document, computation: &Computation) -> Option<String> {
-    let result = computation.result().filter(|(_, freshness)| *freshness != Freshness::Stale);
+    // What earlier points gave says nothing of these.
+    let earlier = |freshness| matches!(freshness, Freshness::Stale | Freshness::Followed);
+    let result = computation.result().filter(|(_, freshness)| !earlier(*freshness));
     let estimate = result.map(|(estimate, _)| estimate);
     match stage {
         Stage::Pyramid => {
@@ -64,9 +66,9 @@ pub fn result_text(stage: Stage, document: &Document, computation: &Computation)
             };
             Some(format!("{}; {}", of(0), of(1)))
         }
-        Stage::Hypotheses => {
-            estimate.filter(|e| e.counts.hypotheses > 0).map(|e| format!("{} tried", e.counts.hypotheses))
-        }
+        Stage::Hypotheses => estimate
+            .filter(|e| e.counts.hypotheses > 0)
+            .map(|e| format!("{} tried", grouped(e.counts.hypotheses))),
         Stage::Validation => estimate.filter(|e| e.score.is_finite()).map(validation),
         Stage::Refinement => {
             estimate.filter(|_| matches!(result, Some((_, Freshness::Final)))).map(|estimate| {
@@ -80,7 +82,67 @@ pub fn result_text(stage: Stage, document: &Document, computation: &Computation)
     }
 }
 
+/// A number with its thousands apart.
+fn grouped(number: usize) -> String {
+    let digits = number.to_string();
+    let mut text = String::new();
+    for (k, digit) in digits.chars().enumerate() {
+        if k > 0 && (digits.len() - k).is_multiple_of(3) {
+            text.push(',');
+        }
+        text.push(digit);
+    }
+    text
+}
+
 fn validation(estimate: &Estimate) -> String {
     let counts = &estimate.counts;
     format!("{} compared, best line score {:.3}", counts.validated, estimate.score)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::fake;
+    use crate::app::waker::Waker;
+    use crate::estimate::{EstimateError, Progress as Told};
+
+    fn after(stages: &'static [Stage], error: Option<EstimateError>) -> Computation {
+        let mut computation = Computation::new(
+            Box::new(move |request, monitor| {
+                for stage in stages {
+                    monitor.report(Told::Started(*stage));
+                }
+                error.clone().map_or_else(|| fake::estimate(request, monitor), Err)
+            }),
+            Waker::default(),
+        );
+        computation.follow(1, Some(fake::request(1.0)));
+        while computation.is_running() {
+            computation.take_news();
+            std::thread::yield_now();
+        }
+        computation
+    }
+
+    #[test]
+    fn a_failure_is_told_at_the_step_it_happened_in() {
+        let of = |computation: &Computation| Stage::ALL.map(|stage| progress(stage, computation));
+        let idle = Computation::new(Box::new(fake::estimate), Waker::default());
+        assert_eq!(of(&idle), [Progress::Waiting; 5]);
+        let refused = of(&after(&[], Some(EstimateError::NoGeometry)));
+        assert_eq!((refused[0], refused[1]), (Progress::Failed, Progress::Waiting));
+        let failed = of(&after(&[Stage::Pencils, Stage::Hypotheses], Some(EstimateError::NoGeometry)));
+        assert!(matches!(failed[1], Progress::Done(Some(_))));
+        assert_eq!(
+            [failed[0], failed[2], failed[3]],
+            [Progress::Done(None), Progress::Failed, Progress::Waiting]
+        );
+        assert_eq!(of(&after(&[Stage::Pencils], None)), [Progress::Done(None); 5]);
+    }
+
+    #[test]
+    fn thousands_stand_apart() {
+        assert_eq!([1, 999, 12_000, 1_234_567].map(grouped), ["1", "999", "12,000", "1,234,567"]);
+    }
 }

@@ -3,5 +3,7 @@
 
 mod computing;
 mod editing;
+mod looking;
 mod opening;
+mod panels;
 mod support;

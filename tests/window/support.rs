@@ -1,16 +1,21 @@
 //! What the window tests share: a window without a display, and the hands of a person.
 
+use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use egui::{Modifiers, PointerButton, Pos2, Rect, vec2};
+use egui::{Color32, Modifiers, PointerButton, Pos2, Rect, Shape, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use epiline::app::document::{PointRef, Side};
 use epiline::app::{Inspector, Opening, Services, Start, install_theme};
-use epiline::estimate::{Estimate, EstimateError, Parameters};
+use epiline::estimate::{
+    Candidate, ComparedPencils, Construction, Estimate, EstimateError, Hypothesis, Parameters,
+    PencilComparison,
+};
 use epiline::geometry::{FundamentalMatrix, Point, PointPair};
+use epiline::similarity::CostMatrix;
 use epiline::suggest::SuggestError;
 use nalgebra::{Matrix3, Vector3};
 
@@ -38,6 +43,71 @@ pub fn fake_estimate(pairs: &[PointPair], parameters: &Parameters) -> Result<Est
         refined: true,
         ..Estimate::of(fundamental, parameters)
     })
+}
+
+/// [`fake_estimate`] with three hypotheses, worst line score first, and pencils in which lines of the same
+/// direction are alike.
+pub fn rich_estimate(pairs: &[PointPair], parameters: &Parameters) -> Result<Estimate, EstimateError> {
+    let estimate = fake_estimate(pairs, parameters)?;
+    let clicks = [pairs[0], pairs[1]];
+    let hypothesis = |number: usize| {
+        // Another match for q, and so other lines.
+        let mut moved = clicks;
+        moved[1].point2.y += 40.0 * number as f64;
+        let fundamental = fake_estimate(&moved, parameters)?.fundamental;
+        Ok(Hypothesis {
+            fundamental,
+            score: 0.9 - 0.2 * number as f64,
+            support: 100.0 - 10.0 * number as f64,
+            round_trip_area: 0.5,
+            kappa_line2_from_line1: 1.0,
+            kappa_line1_from_line2: 1.0,
+            construction: Construction::of(&fundamental, clicks, 0.0).ok_or(EstimateError::NoGeometry)?,
+        })
+    };
+    let hypotheses = (0..3).map(hypothesis).collect::<Result<Vec<_>, EstimateError>>()?;
+    let compared = |click| {
+        let angles = |count: usize| (0..count).map(|k| PI * k as f64 / 24.0).collect::<Vec<f64>>();
+        let (angles1, angles2) = (angles(24), angles(48));
+        let costs = angles1
+            .iter()
+            .flat_map(|a| angles2.iter().map(move |b| (b - a).abs()))
+            .map(|turn| if turn < PI / 4.0 { turn as f32 + 0.1 } else { f32::INFINITY })
+            .collect();
+        let candidates = angles1.iter().map(|a| Candidate { angles: [*a, *a], cost: 0.1 }).collect();
+        let costs = CostMatrix::new(24, 48, costs);
+        ComparedPencils::new(click, PencilComparison { angles1, angles2, lines: [24, 24], costs, candidates })
+    };
+    Ok(Estimate { hypotheses, pencils: Some(Arc::new(clicks.map(compared))), ..estimate })
+}
+
+/// Services with [`rich_estimate`] for the estimator.
+pub fn rich_services() -> Services {
+    Services {
+        estimate: Box::new(|request, _| rich_estimate(&request.pairs, &request.parameters)),
+        ..services()
+    }
+}
+
+/// The lines of a colour drawn over an image, as their ends on the screen.
+pub fn lines(window: &Window, side: Side, color: Color32) -> Vec<[Pos2; 2]> {
+    let pane = pane(window, side);
+    let shapes =
+        window.output().shapes.iter().filter(|clipped| pane.expand(1.0).contains_rect(clipped.clip_rect));
+    let lines = shapes.filter_map(|clipped| match &clipped.shape {
+        Shape::LineSegment { points, stroke } if stroke.color == color => Some(*points),
+        _ => None,
+    });
+    lines.collect()
+}
+
+/// The estimated lines' colour.
+pub const ESTIMATED: Color32 = Color32::from_rgb(26, 204, 140);
+
+/// Where an image position appears in a fitting image.
+pub fn screen_of(window: &Window, side: Side, point: Point) -> Pos2 {
+    let offset = point - window.state().document().frame(side).unwrap().centre();
+    pane(window, side).center() + vec2(offset.x as f32, offset.y as f32) * fitting_scale(window, side)
 }
 
 pub fn services() -> Services {

@@ -139,6 +139,11 @@ impl Inspector {
         &self.document
     }
 
+    /// What is pointed at and what is chosen.
+    pub fn focus(&self) -> &Focus {
+        &self.focus
+    }
+
     /// The latest estimate, also while a newer one is being computed.
     pub fn estimate(&self) -> Option<&Estimate> {
         self.computation.result().map(|(estimate, _)| estimate)

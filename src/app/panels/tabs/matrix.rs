@@ -105,8 +105,9 @@ impl<'a> Matrix<'a> {
         self.axes(ui, plot);
         let painter = ui.painter_at(plot.expand(5.0));
         let ring = |at: Pos2, radius: f32, color: Color32| {
-            painter.circle_stroke(at, radius, Stroke::new(3.0, theme::HALO));
-            painter.circle_stroke(at, radius, Stroke::new(1.4, color));
+            let width = radius / 4.0 + 0.8;
+            painter.circle_stroke(at, radius, Stroke::new(width + 1.6, theme::HALO));
+            painter.circle_stroke(at, radius, Stroke::new(width, color));
         };
         for candidate in self.pencils.candidates().iter().take(MARKED) {
             ring(self.place(plot, candidate.angles), 2.5, Color32::WHITE);

@@ -14,7 +14,7 @@ use crate::geometry::Point;
 
 /// Registered in [`super::TABS`].
 pub const TAB: Tab = Tab {
-    title: "Points",
+    title: "Point pairs",
     tooltip: "The clicked pairs, what each is for, and how far each is from the geometry.",
     tools,
     show,

@@ -141,6 +141,7 @@ impl Titled<'_> {
             .show_axes([self.has_scale, true])
             .y_axis_min_width(40.0)
             .grid_spacing(24.0..=120.0)
+            .grid_color(ui.visuals().widgets.noninteractive.bg_stroke.color)
             .show_x(false)
             .show_y(false)
             .set_margin_fraction(vec2(0.0, 0.06))

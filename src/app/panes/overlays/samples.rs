@@ -36,7 +36,11 @@ fn draw(canvas: &Canvas) {
             canvas.painter.circle_filled(at, 5.0, theme::HALO);
             // One whose match falls outside the other image has none to be compared with.
             if other.is_some() {
-                canvas.painter.circle_filled(at, 3.8, heat::color((sample - first) as f32 / count.max(1) as f32));
+                canvas.painter.circle_filled(
+                    at,
+                    3.8,
+                    heat::color((sample - first) as f32 / count.max(1) as f32),
+                );
             }
         }
     }

@@ -1,0 +1,208 @@
+//! The panels around the images: what they show, and what follows in the rest of the window.
+
+use crate::support::*;
+
+use egui::accesskit::Role;
+use egui::{Key, Modifiers, vec2};
+use egui_kittest::kittest::Queryable;
+use epiline::app::Start;
+use epiline::app::document::Side;
+use epiline::app::focus::{LineSource, Target};
+use epiline::estimate::Parameters;
+use epiline::geometry::FundamentalMatrix;
+
+/// The sample with two pairs and a result with hypotheses and pencils.
+fn with_result() -> Window {
+    let mut window = window(Start::default(), rich_services());
+    click_two_pairs(&mut window);
+    window
+}
+
+fn press(window: &mut Window, key: Key) {
+    window.key_press(key);
+    settle(window);
+}
+
+/// Whether one of the green lines in the right image is the epipolar line of p under `f`.
+fn shows(window: &Window, f: &FundamentalMatrix) -> bool {
+    let p = window.state().document().pairs[0];
+    let line = f.line2_from_point1(p.point1).unwrap();
+    let frame = window.state().document().frame(Side::Right).unwrap();
+    let segment = frame.clip(&line).expect("the line crosses the image");
+    let ends = [segment.start, segment.end].map(|point| screen_of(window, Side::Right, point));
+    lines(window, Side::Right, ESTIMATED)
+        .iter()
+        .any(|drawn| drawn.iter().zip(&ends).all(|(a, b)| a.distance(*b) < 0.5))
+}
+
+#[test]
+fn choosing_a_hypothesis_changes_the_lines_until_the_result_is_wanted_again() {
+    let mut window = with_result();
+    press(&mut window, Key::Num4);
+    let estimate = window.state().estimate().unwrap().clone();
+    let third = &estimate.hypotheses[2].fundamental;
+    assert!(shows(&window, &estimate.fundamental) && !shows(&window, third));
+    window.get_by_label("Hypothesis 3").click();
+    settle(&mut window);
+    assert_eq!(window.state().focus().hypothesis(), Some(2));
+    assert!(shows(&window, third) && !shows(&window, &estimate.fundamental));
+    window.get_by_label_contains("The images show hypothesis 3, not the result");
+    press(&mut window, Key::R);
+    assert!(shows(&window, &estimate.fundamental));
+    // A new result has other hypotheses.
+    window.get_by_label("Hypothesis 2").click();
+    settle(&mut window);
+    let moved = screen(&window, P_LEFT) + vec2(20.0, 0.0);
+    let from = screen(&window, P_LEFT);
+    drag(&mut window, from, moved, egui::PointerButton::Primary);
+    assert_eq!(window.state().focus().hypothesis(), None);
+}
+
+#[test]
+fn the_hypotheses_can_be_sorted_both_ways() {
+    let mut window = with_result();
+    press(&mut window, Key::Num4);
+    let order = |window: &Window| {
+        let mut rows: Vec<_> =
+            (1..=3).map(|k| (window.get_by_label(&format!("Hypothesis {k}")).rect().min.y, k)).collect();
+        rows.sort_by(|a, b| a.0.total_cmp(&b.0));
+        rows.into_iter().map(|(_, k)| k).collect::<Vec<_>>()
+    };
+    assert_eq!(order(&window), [1, 2, 3]);
+    window.get_by_label("Sort by Line score").click();
+    settle(&mut window);
+    assert_eq!(order(&window), [3, 2, 1], "the lowest score first");
+    window.get_by_label("Sort by Line score").click();
+    settle(&mut window);
+    assert_eq!(order(&window), [1, 2, 3]);
+}
+
+#[test]
+fn a_row_under_the_cursor_is_told_to_the_rest_of_the_window() {
+    let mut window = with_result();
+    press(&mut window, Key::Num4);
+    let row = window.get_by_label("Hypothesis 2").rect().center();
+    window.hover_at(row);
+    settle(&mut window);
+    assert_eq!(window.state().focus().hovered(), Some(Target::Hypothesis(1)));
+    let image = at(&window, Side::Left, 0.0, 0.0);
+    window.hover_at(image);
+    settle(&mut window);
+    assert_eq!(window.state().focus().hovered(), None);
+}
+
+#[test]
+fn a_cell_of_the_pencils_is_pointed_at_and_a_click_inspects_its_lines() {
+    let mut window = with_result();
+    press(&mut window, Key::Num3);
+    // Two matrices: p and q.
+    window.get_by_label("pencil matrix of q");
+    let matrix = window.get_by_label("pencil matrix of p").rect();
+    // The middle of the matrix: a right angle, unturned. It is a candidate.
+    window.hover_at(matrix.center() + vec2(2.0, 2.0));
+    settle(&mut window);
+    let hovered = window.state().focus().hovered();
+    let Some(Target::Cell { pair: 0, row, column }) = hovered else { panic!("{hovered:?}") };
+    let estimate = window.state().estimate().unwrap();
+    let angles = estimate.pencils.as_ref().unwrap()[0].angles(row, column).unwrap();
+    let right_angle = std::f64::consts::FRAC_PI_2;
+    assert!(angles.iter().all(|angle| (angle - right_angle).abs() < 1e-9), "{angles:?}");
+    click(&mut window, matrix.center() + vec2(2.0, 2.0));
+    let pin = *window.state().focus().inspected().expect("a pinned pair");
+    assert_eq!(pin.source, LineSource::Pencil { pair: 0, angles });
+    press(&mut window, Key::Num2);
+    window.get_by_label_contains("Lines through p at 90.0° and 90.0°");
+    window.get_by_label("Unpin all lines").click();
+    settle(&mut window);
+    assert!(window.state().focus().pins().is_empty());
+    window.get_by_label_contains("Epipolar lines of p");
+}
+
+#[test]
+fn a_place_in_the_profiles_is_a_sample_of_the_line() {
+    let mut window = with_result();
+    press(&mut window, Key::Num2);
+    let title = window.get_by_label("Before warping").rect();
+    window.hover_at(title.left_bottom() + vec2(250.0, 20.0));
+    settle(&mut window);
+    let hovered = window.state().focus().hovered();
+    assert!(matches!(hovered, Some(Target::Sample(_))), "{hovered:?}");
+}
+
+#[test]
+fn a_parameter_recomputes_and_undo_takes_it_back() {
+    let mut window = with_result();
+    let before = window.state().document().parameters.clone();
+    window.get_by_label_contains("Epipole hypotheses").click();
+    settle(&mut window);
+    window.get_by_role_and_label(Role::CheckBox, "Patch support").click();
+    settle(&mut window);
+    let expected = Parameters { patch_support: !before.patch_support, ..before.clone() };
+    assert_eq!(window.state().document().parameters, expected);
+    window.get_by_label("Reset Patch support").click();
+    settle(&mut window);
+    assert_eq!(window.state().document().parameters, before);
+    for parameters in [&expected, &before] {
+        window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+        settle(&mut window);
+        assert_eq!(window.state().document().parameters, *parameters);
+    }
+    assert_eq!(window.state().document().pairs.len(), 2, "the points are no part of it");
+}
+
+#[test]
+fn a_parameter_out_of_range_is_told_with_its_range_and_reset_with_all_others() {
+    let mut window = with_result();
+    window.get_by_label_contains("Line pencils").click();
+    settle(&mut window);
+    window.get_by_role_and_label(Role::SpinButton, "Line spacing").click();
+    settle(&mut window);
+    window.event(egui::Event::Text("99".into()));
+    settle(&mut window);
+    press(&mut window, Key::Enter);
+    assert!((window.state().document().parameters.line_spacing - 99.0).abs() < 1e-9);
+    window.get_by_label("Line spacing must be between 0.5 and 16 px.");
+    window.get_by_label("Reset all").click();
+    settle(&mut window);
+    assert_eq!(window.state().document().parameters, Parameters::default());
+    assert!(window.query_by_label_contains("must be between").is_none());
+}
+
+#[test]
+fn a_pair_left_out_is_replaced_by_the_next_one() {
+    let mut window = with_result();
+    for side in Side::BOTH {
+        let position = at(&window, side, 0.1, -0.3);
+        click(&mut window, position);
+    }
+    window.get_by_label_contains("Check pairs");
+    let third = window.state().document().pairs[2];
+    window.get_by_label("Include pair p").click();
+    settle(&mut window);
+    let used = window.state().document().used_pairs().unwrap();
+    assert_eq!(used[1], third);
+    window.get_by_label_contains("found from pairs q and r");
+    window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    settle(&mut window);
+    window.get_by_label_contains("found from pairs p and q");
+}
+
+#[test]
+fn every_tab_says_what_will_appear_and_folds_away() {
+    let mut window = window(Start::default(), rich_services());
+    for (key, says) in [
+        (Key::Num1, "The pairs you click appear here"),
+        (Key::Num2, "Intensities along the epipolar lines of p appear here"),
+        (Key::Num3, "All lines through p and q"),
+        (Key::Num4, "The geometries that the estimate considered appear here"),
+    ] {
+        press(&mut window, key);
+        window.get_by_label_contains(says);
+    }
+    let height = pane(&window, Side::Left).height();
+    press(&mut window, Key::B);
+    assert!(pane(&window, Side::Left).height() > height + 100.0);
+    window.get_by_label("Show panel").click();
+    settle(&mut window);
+    assert!((pane(&window, Side::Left).height() - height).abs() < 1.0);
+}
