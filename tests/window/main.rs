@@ -3,6 +3,7 @@
 
 mod computing;
 mod editing;
+mod frames;
 mod looking;
 mod opening;
 mod panels;
