@@ -4,28 +4,51 @@ use egui::{CentralPanel, Frame, Margin, Panel, Ui, UiBuilder};
 
 use super::Inspector;
 use crate::app::command::Command;
-use crate::app::panels;
-use crate::app::panes::halves;
-use crate::app::scene::Scene;
+use crate::app::document::Side;
+use crate::app::panels::{self, CommandPalette, OpenDialog};
+use crate::app::panes::{ImagePane, halves};
+use crate::app::scene::Hover;
+
+/// What changes while it is drawn, apart from the state that everything else reads.
+struct Drawing {
+    panes: [ImagePane; 2],
+    open_dialog: OpenDialog,
+    palette: CommandPalette,
+    shortcuts_open: bool,
+}
 
 impl Inspector {
     /// Draws the window and collects what it was asked for.
     pub(super) fn draw(&mut self, ui: &mut Ui, commands: &mut Vec<Command>) {
+        let mut drawing = Drawing {
+            panes: std::mem::replace(&mut self.panes, Side::BOTH.map(ImagePane::new)),
+            open_dialog: std::mem::take(&mut self.open_dialog),
+            palette: std::mem::take(&mut self.palette),
+            shortcuts_open: self.shortcuts_open,
+        };
+        let views = drawing.panes.each_ref().map(ImagePane::view);
+        let hover = self.draw_all(ui, &mut drawing, commands);
+        self.inspected = self.scene().inspected().map(|inspected| inspected.lines);
+        self.panes = drawing.panes;
+        self.open_dialog = drawing.open_dialog;
+        self.palette = drawing.palette;
+        self.shortcuts_open = drawing.shortcuts_open;
+        for side in Side::BOTH {
+            if self.panes[side.index()].view() != views[side.index()] {
+                self.link_views(side);
+            }
+        }
+        if hover != self.hover {
+            // Written in this frame, drawn in the next.
+            self.hover = hover;
+            ui.ctx().request_repaint();
+        }
+    }
+
+    fn draw_all(&self, ui: &mut Ui, drawing: &mut Drawing, commands: &mut Vec<Command>) -> Option<Hover> {
         let ctx = ui.ctx().clone();
         let bar = |ui: &Ui| Frame::new().fill(ui.visuals().panel_fill).inner_margin(Margin::symmetric(12, 7));
-        let scene = Scene {
-            document: &self.document,
-            computation: &self.computation,
-            hover: self.hover,
-            focus: &self.focus,
-            inspection: self.matcher.latest(),
-            tab: self.tabs_open.then_some(self.tab),
-            overlays: &self.overlays,
-            loading: self.loader.is_busy(),
-            has_sample_points: self.show_me.is_some(),
-            can_undo_redo: [self.history.can_undo(), self.history.can_redo()],
-            messages: &self.messages,
-        };
+        let scene = self.scene();
         Panel::top("toolbar").frame(bar(ui)).show(ui, |ui| panels::toolbar(ui, &scene, commands));
         Panel::top("guide").frame(bar(ui)).show(ui, |ui| {
             ui.set_min_height(28.0);
@@ -58,13 +81,15 @@ impl Inspector {
                 panels::tabs::headings(ui, &scene, commands);
             });
         }
-        let panes = &mut self.panes;
+        if scene.document.pictures.is_some() {
+            Panel::bottom("legend").frame(bar(ui)).show(ui, |ui| panels::legend(ui, &scene, commands));
+        }
         let (area, hover) = CentralPanel::default()
             .frame(bar(ui))
             .show(ui, |ui| {
                 let area = ui.available_rect_before_wrap();
                 let mut hover = None;
-                for (pane, rect) in panes.iter_mut().zip(halves(area)) {
+                for (pane, rect) in drawing.panes.iter_mut().zip(halves(area)) {
                     let mut child =
                         ui.new_child(UiBuilder::new().max_rect(rect).id_salt(rect.min.x > area.min.x));
                     hover = pane.show(&mut child, &scene, commands).or(hover);
@@ -73,15 +98,11 @@ impl Inspector {
             })
             .inner;
         panels::messages(&ctx, area, &scene, commands);
-        self.open_dialog.show(&ctx, &scene, commands);
-        if self.shortcuts_open {
-            panels::shortcuts(&ctx, &mut self.shortcuts_open);
+        drawing.open_dialog.show(&ctx, &scene, commands);
+        drawing.palette.show(&ctx, &scene, commands);
+        if drawing.shortcuts_open {
+            panels::shortcuts(&ctx, &mut drawing.shortcuts_open);
         }
-        self.inspected = scene.inspected().map(|inspected| inspected.lines);
-        if hover != self.hover {
-            // Written in this frame, drawn in the next.
-            self.hover = hover;
-            ctx.request_repaint();
-        }
+        hover
     }
 }
