@@ -31,6 +31,12 @@ impl Inspector {
             }
             Command::Undo => self.travel(true),
             Command::Redo => self.travel(false),
+            Command::DeleteSelected if self.tool == Tool::Inspect => {
+                let inspected = self.focus.inspected().copied();
+                if let Some(number) = self.focus.pins().iter().position(|pin| Some(*pin) == inspected) {
+                    self.focus.unpin(number);
+                }
+            }
             Command::DeleteSelected => {
                 if let Some(at) = self.document.selection {
                     self.edit(Step::Single, |document| document.remove(at.pair));
