@@ -202,6 +202,13 @@ impl Computation {
         }
     }
 
+    fn set_pencils(&mut self, pencils: Arc<[ComparedPencils; 2]>) {
+        if self.pencils.as_ref().is_none_or(|old| !Arc::ptr_eq(old, &pencils)) {
+            self.pencils = Some(pencils);
+            self.pencils_revision += 1;
+        }
+    }
+
     /// Stops the threads and forgets what they found, all but what is shown.
     fn give_up(&mut self) {
         self.worker.cancel();
@@ -210,13 +217,6 @@ impl Computation {
         }
         self.running = false;
         (self.found, self.guessed) = (None, None);
-    }
-
-    fn set_pencils(&mut self, pencils: Arc<[ComparedPencils; 2]>) {
-        if self.pencils.as_ref().is_none_or(|old| !Arc::ptr_eq(old, &pencils)) {
-            self.pencils = Some(pencils);
-            self.pencils_revision += 1;
-        }
     }
 
     fn set_shown(&mut self, shown: Option<Shown>) {

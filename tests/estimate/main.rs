@@ -1,6 +1,7 @@
 //! The estimator as a caller uses it: accuracy where truth is known, repeatability, stopping, and bad input.
 
 mod degenerate;
+mod following;
 mod real;
 mod repeatable;
 mod samples;

@@ -10,6 +10,9 @@ use crate::app::panels::{self, CommandPalette, OpenDialog};
 use crate::app::panes::{ImagePane, halves};
 use crate::app::scene::Hover;
 
+/// Windows lower than this do without the legend, screen points.
+const ROOM_FOR_LEGEND: f32 = 620.0;
+
 /// What changes while it is drawn, apart from the state that everything else reads.
 struct Drawing {
     panes: [ImagePane; 2],
@@ -53,6 +56,7 @@ impl Inspector {
         let ctx = ui.ctx().clone();
         let bar = |ui: &Ui| Frame::new().fill(ui.visuals().panel_fill).inner_margin(Margin::symmetric(12, 7));
         let scene = self.scene();
+        let height = ctx.content_rect().height();
         Panel::top("toolbar").frame(bar(ui)).show(ui, |ui| panels::toolbar(ui, &scene, commands));
         Panel::top("guide").frame(bar(ui)).show(ui, |ui| {
             ui.set_min_height(28.0);
@@ -72,8 +76,8 @@ impl Inspector {
             Panel::bottom("tabs")
                 .frame(bar(ui))
                 .resizable(true)
-                .default_size((ctx.content_rect().height() * 0.28).clamp(180.0, 320.0))
-                .size_range(130.0..=560.0)
+                .default_size((height * 0.29).clamp(130.0, 320.0))
+                .size_range(130.0..=(height * 0.6).max(131.0))
                 .show(ui, |ui| {
                     // The panel keeps its height, however little a tab has to show.
                     ui.set_min_height(ui.available_height());
@@ -85,8 +89,10 @@ impl Inspector {
                 panels::tabs::headings(ui, &scene, commands);
             });
         }
-        if scene.document.pictures.is_some() {
-            Panel::bottom("legend").frame(bar(ui)).show(ui, |ui| panels::legend(ui, &scene, commands));
+        // A small window has better use for the space; the list of commands has every overlay too.
+        if scene.document.pictures.is_some() && height > ROOM_FOR_LEGEND {
+            let strip = bar(ui).inner_margin(Margin::symmetric(8, 3));
+            Panel::bottom("legend").frame(strip).show(ui, |ui| panels::legend(ui, &scene, commands));
         }
         let (area, hover) = CentralPanel::default()
             .frame(bar(ui))

@@ -9,9 +9,9 @@ use crate::app::scene::Scene;
 /// Shows the strip.
 pub fn show(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
     ui.horizontal_wrapped(|ui| {
-        ui.spacing_mut().item_spacing = vec2(3.0, 2.0);
+        ui.spacing_mut().item_spacing = vec2(3.0, 0.0);
         ui.spacing_mut().button_padding = vec2(5.0, 1.0);
-        ui.spacing_mut().interact_size.y = 22.0;
+        ui.spacing_mut().interact_size.y = 20.0;
         for (number, (overlay, shown)) in OVERLAYS.iter().zip(scene.overlays).enumerate() {
             if overlay.visibility == Visibility::Always {
                 continue;

@@ -99,6 +99,7 @@ pub fn show(ui: &mut Ui, pane: Rect, side: Side, frame: Frame, scene: &Scene, co
         }
         if let Some(cursor) = response.hover_pos() {
             let distance = at.distance(cursor);
+            let distance = if infinite { distance.min(disc.opposite(at).distance(cursor)) } else { distance };
             // Of two at the same place the better one.
             if distance <= nearest.map_or(REACH, |(_, distance)| distance) {
                 nearest = Some((rank, distance));

@@ -10,10 +10,10 @@ use crate::geometry::Point;
 const SIDE: f32 = 132.0;
 /// From the cursor to its nearest corner, screen points.
 const GAP: f32 = 26.0;
-/// Magnification of the view in it, at least; screen points per image pixel.
-const LEAST_SCALE: f64 = 8.0;
-/// How many times larger than in the pane, unless that is too large already.
-const TIMES: f64 = 4.0;
+/// How many times larger than in the pane, at least and at most: with more one would not know where one is.
+const TIMES: std::ops::RangeInclusive<f64> = 4.0..=12.0;
+/// Between these limits pixels are this wide in it, screen points: wide enough to be told apart.
+const PIXEL: f64 = 8.0;
 /// When the pane itself magnifies this much a loupe shows nothing new; screen points per image pixel.
 const ENOUGH: f64 = 16.0;
 
@@ -27,7 +27,8 @@ pub fn place(pane: &Transform, point: Point) -> Option<Transform> {
     let x = if at.x + GAP + SIDE <= pane.rect.max.x { at.x + GAP } else { at.x - GAP - SIDE };
     let y = if at.y - GAP - SIDE >= pane.rect.min.y { at.y - GAP - SIDE } else { at.y + GAP };
     let rect = Rect::from_min_size(pos2(x, y), vec2(SIDE, SIDE));
-    Some(Transform::new(rect, point, (pane.scale * TIMES).max(LEAST_SCALE)))
+    let scale = PIXEL.clamp(pane.scale * TIMES.start(), pane.scale * TIMES.end());
+    Some(Transform::new(rect, point, scale))
 }
 
 /// Cross hairs and a frame, once the pixels are drawn.
