@@ -5,6 +5,7 @@ use egui::{CentralPanel, Frame, Margin, Panel, Ui, UiBuilder};
 use super::Inspector;
 use crate::app::command::Command;
 use crate::app::document::Side;
+use crate::app::panels::tabs::TABS;
 use crate::app::panels::{self, CommandPalette, OpenDialog};
 use crate::app::panes::{ImagePane, halves};
 use crate::app::scene::Hover;
@@ -31,7 +32,10 @@ impl Inspector {
         };
         let views = drawing.panes.each_ref().map(ImagePane::view);
         let hover = self.draw_all(ui, &mut drawing, commands);
-        self.inspected = self.scene().inspected().map(|inspected| inspected.lines);
+        // Matching keeps a core busy while a point is dragged: it waits until something shows it.
+        let scene = self.scene();
+        let wanted = !self.focus.pins().is_empty() || scene.tab.is_some_and(|tab| TABS[tab].inspects);
+        self.inspected = scene.inspected().filter(|_| wanted).map(|inspected| inspected.lines);
         self.panes = drawing.panes;
         self.open_dialog = drawing.open_dialog;
         self.palette = drawing.palette;
@@ -72,7 +76,7 @@ impl Inspector {
             Panel::bottom("tabs")
                 .frame(bar(ui))
                 .resizable(true)
-                .default_size((height * 0.32).clamp(130.0, 256.0))
+                .default_size((height * 0.29).clamp(130.0, 320.0))
                 .size_range(130.0..=(height * 0.6).max(131.0))
                 .show(ui, |ui| {
                     // The panel keeps its height, however little a tab has to show.
