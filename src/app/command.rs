@@ -79,6 +79,18 @@ pub enum Command {
     Unpin(usize),
     /// Remove all pinned line pairs.
     UnpinAll,
+    /// Change between placing points and pinning line pairs.
+    ToggleInspectTool,
+    /// Let both images zoom and move together, or not.
+    ToggleLink,
+    /// Show or hide the map of the epipoles.
+    ToggleMap,
+    /// Show or hide the loupe.
+    ToggleLoupe,
+    /// Take the suggested match of the first click.
+    AcceptSuggestion,
+    /// Show or hide the list of all commands.
+    TogglePalette,
     /// Change parameters, at the setting of this name; all changes of one until [`Command::EndDrag`] are one step.
     SetParameters {
         /// The setting that was changed.
@@ -109,8 +121,13 @@ const fn key(modifiers: Modifiers, key: Key) -> KeyboardShortcut {
 impl Command {
     /// The actions that have keys, in the order of the list of keys. Where one key is another one's with
     /// Shift, the one with Shift comes first, or it would never be seen.
-    pub fn with_keys() -> [Self; 17] {
+    pub fn with_keys() -> [Self; 22] {
         [
+            Self::TogglePalette,
+            Self::AcceptSuggestion,
+            Self::ToggleInspectTool,
+            Self::ToggleLink,
+            Self::ToggleMap,
             Self::ShowOpenDialog,
             Self::ShowMe,
             Self::Redo,
@@ -164,6 +181,12 @@ impl Command {
             Self::Inspect(_) => "Inspect a pinned line pair",
             Self::Unpin(_) => "Unpin",
             Self::UnpinAll => "Unpin all lines",
+            Self::ToggleInspectTool => "Inspect",
+            Self::ToggleLink => "Link views",
+            Self::ToggleMap => "Epipole map",
+            Self::ToggleLoupe => "Loupe",
+            Self::AcceptSuggestion => "Accept the suggested match",
+            Self::TogglePalette => "Commands",
             Self::SetParameters { .. } => "Change a parameter",
             Self::ResetParameters => "Reset all parameters",
             Self::ShowTab(number) => TABS[*number].title,
@@ -186,7 +209,9 @@ impl Command {
             Self::ShowMe => "Place two point pairs on the sample and see the geometry they give.",
             Self::Undo => "Take the last step back; a drag is one step.",
             Self::Redo => "Make the step again that was taken back.",
-            Self::DeleteSelected => "Remove the pair of the selected point from both images.",
+            Self::DeleteSelected => {
+                "Remove the pair of the selected point from both images; with the inspect tool, the pinned line pair."
+            }
             Self::DeletePair(_) => "Remove this pair from both images.",
             Self::IncludePair(..) => {
                 "A pair left out counts neither for the estimate nor for the summary; the next one takes its place."
@@ -218,6 +243,14 @@ impl Command {
             Self::Inspect(_) => "Compare the intensities of this line pair.",
             Self::Unpin(_) => "Remove this line pair from the images.",
             Self::UnpinAll => "Remove all pinned line pairs from the images.",
+            Self::ToggleInspectTool => {
+                "Pin the pair of epipolar lines through each place you click; Escape goes back to placing points."
+            }
+            Self::ToggleLink => "Zoom and move both images together.",
+            Self::ToggleMap => "Show where the epipoles are, inside and far outside the images.",
+            Self::ToggleLoupe => "Magnify the surroundings of a point while it is placed or dragged.",
+            Self::AcceptSuggestion => "Place the second point of the pair at the suggested match.",
+            Self::TogglePalette => "List every command by name, to search and run.",
             Self::SetParameters { .. } => "Change a parameter of the estimate.",
             Self::ResetParameters => "Take all parameters back to those of the preset.",
             Self::ShowTab(number) => TABS[*number].tooltip,
@@ -241,6 +274,13 @@ impl Command {
             Self::Quit => const { &[key(Modifiers::COMMAND, Key::Q)] },
             Self::Cancel => const { &[key(Modifiers::NONE, Key::Escape)] },
             Self::FitAll => const { &[key(Modifiers::NONE, Key::F)] },
+            Self::ToggleInspectTool => const { &[key(Modifiers::NONE, Key::I)] },
+            Self::ToggleLink => const { &[key(Modifiers::NONE, Key::L)] },
+            Self::ToggleMap => const { &[key(Modifiers::NONE, Key::M)] },
+            Self::AcceptSuggestion => const { &[key(Modifiers::NONE, Key::Enter)] },
+            Self::TogglePalette => {
+                const { &[key(Modifiers::COMMAND, Key::K), key(Modifiers::COMMAND, Key::P)] }
+            }
             Self::Recompute => const { &[key(Modifiers::NONE, Key::F5)] },
             Self::FoldTabs => const { &[key(Modifiers::NONE, Key::B)] },
             Self::ShowTab(0) => const { &[key(Modifiers::NONE, Key::Num1)] },
@@ -258,23 +298,34 @@ impl Command {
 
     /// Whether its keys work while a text field or a dialog has the keyboard.
     fn works_while_typing(&self) -> bool {
-        matches!(self, Self::ShowOpenDialog | Self::Cancel | Self::Quit)
+        matches!(self, Self::ShowOpenDialog | Self::TogglePalette | Self::Cancel | Self::Quit)
     }
 }
 
 /// Pixels an arrow key moves a point; ten times as far with Shift.
 const NUDGE: f64 = 0.1;
 
-/// The commands of the keys pressed since the last frame. While a dialog is open, keys that also write
-/// text belong to it.
-pub fn pressed(ctx: &egui::Context, dialog_open: bool) -> Vec<Command> {
-    let typing = dialog_open || ctx.text_edit_focused();
+/// What keys mean just now.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Keyboard {
+    /// Keys that also write text belong to a dialog.
+    pub dialog_open: bool,
+    /// There is a suggestion for Enter to accept; else Enter presses the button that has the focus.
+    pub suggestion: bool,
+}
+
+/// The commands of the keys pressed since the last frame.
+pub fn pressed(ctx: &egui::Context, keyboard: Keyboard) -> Vec<Command> {
+    let typing = keyboard.dialog_open || ctx.text_edit_focused();
     // An open menu closes on Escape by itself.
     let menu_open = egui::Popup::is_any_open(ctx);
     let mut commands = Vec::new();
     ctx.input_mut(|input| {
         for command in Command::with_keys() {
-            if typing && !command.works_while_typing() || menu_open && command == Command::Cancel {
+            if typing && !command.works_while_typing()
+                || menu_open && command == Command::Cancel
+                || !keyboard.suggestion && command == Command::AcceptSuggestion
+            {
                 continue;
             }
             for shortcut in command.shortcuts() {

@@ -1,15 +1,12 @@
 //! The one sentence that says what to do next.
 
-use super::computation::Computation;
-use super::document::{Document, Side, pair_name};
+use super::document::{Side, pair_name};
+use super::look::Tool;
+use super::scene::Scene;
 
 /// What to do next; always true to the state.
-pub fn guide(
-    document: &Document,
-    computation: &Computation,
-    loading: bool,
-    has_sample_points: bool,
-) -> String {
+pub fn guide(scene: &Scene) -> String {
+    let Scene { document, computation, loading, has_sample_points, .. } = *scene;
     if document.pictures.is_none() {
         return if loading {
             "Opening the images.".into()
@@ -17,12 +14,23 @@ pub fn guide(
             "Drop two images of the same scene on this window, or press Open.".into()
         };
     }
+    if scene.tool == Tool::Inspect {
+        return if scene.shown().is_some() {
+            "Inspect: click in an image to pin the pair of epipolar lines through that place. Escape goes back.".into()
+        } else {
+            "Inspect: there are no epipolar lines to pin yet. Escape goes back to placing points.".into()
+        };
+    }
     if let Some(half) = document.half {
         let name = pair_name(document.pairs.len());
         let other = half.side.other().name();
-        return format!(
-            "Pair {name}: now click the same scene point in the {other} image. Escape gives it up."
-        );
+        let offer = match scene.suggestion {
+            Some(Ok(found)) if found.clear().is_some() => "Enter accepts the suggested match.".to_owned(),
+            Some(Ok(_)) => "No suggestion is clear enough to accept.".to_owned(),
+            Some(Err(_)) => "There is no suggestion for it.".to_owned(),
+            None => "Escape gives it up.".to_owned(),
+        };
+        return format!("Pair {name}: now click the same scene point in the {other} image. {offer}");
     }
     let needed = document.parameters.method.pairs_needed();
     match document.used().count() {
@@ -45,8 +53,8 @@ pub fn guide(
             "Drag the points to better places, or delete a pair and click another.".into()
         }
         _ if computation.result().is_none() => "The estimate was stopped. F5 computes again.".into(),
-        _ => "Move the cursor over an image to see its epipolar line in the other. \
-              Drag points to correct them; click more pairs to check."
+        _ => "Move the cursor over an image to see its epipolar line in the other. Drag points to correct them, \
+              click more pairs to check, or press I to pin lines."
             .into(),
     }
 }

@@ -18,8 +18,8 @@ const STOPS: [[u8; 3]; 9] = [
 
 /// The colour of a share from 0 (dark) to 1 (bright).
 pub fn color(share: f32) -> Color32 {
-    // What is not a number counts as 0.
-    let place = share.max(0.0).min(1.0) * (STOPS.len() - 1) as f32;
+    let share = if share.is_nan() { 0.0 } else { share.clamp(0.0, 1.0) };
+    let place = share * (STOPS.len() - 1) as f32;
     let first = (place as usize).min(STOPS.len() - 2);
     let (a, b) = (STOPS[first], STOPS[first + 1]);
     let part = place - first as f32;

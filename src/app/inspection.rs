@@ -5,8 +5,11 @@
 
 use std::sync::Arc;
 
+use egui::ColorImage;
+
 use super::background::Latest;
 use super::document::Side;
+use super::heat;
 use super::waker::Waker;
 use crate::estimate::Parameters;
 use crate::geometry::{AnchoredLine, Point};
@@ -49,8 +52,26 @@ impl InspectionRequest {
         let range = DisparityRange::symmetric((self.reach * side / step).round().max(2.0) as i32);
         let planes = self.pictures.each_ref().map(|picture| &picture.gray);
         let warped = inspect_lines(planes, self.lines.each_ref(), step, range, &self.stereo);
-        Inspection { number, lines: self.lines, step, range, stereo: self.stereo, warped }
+        let band = Arc::new(band(&warped, range, &self.stereo));
+        Inspection { number, lines: self.lines, step, range, warped, band }
     }
+}
+
+/// The cost band as a picture.
+fn band(warped: &WarpedProfile, range: DisparityRange, stereo: &StereoParameters) -> ColorImage {
+    let WarpedProfile { profile1, profile2, .. } = warped;
+    let largest = f32::from(stereo.truncation.max(1));
+    // The square root spreads the small costs, which decide.
+    let color = |cost: u16| heat::color(1.0 - (f32::from(cost) / largest).sqrt());
+    let pixels = (range.min..=range.max)
+        .rev()
+        .flat_map(|disparity| {
+            let samples = (profile1.first..).zip(&profile1.values);
+            samples.map(move |(i, value)| (*value, profile2.get(i + disparity)))
+        })
+        .map(|(value, partner)| color(stereo.sample_cost(value, partner)))
+        .collect();
+    ColorImage::new([profile1.len(), range.len()], pixels)
 }
 
 /// Two lines matched sample by sample. Sample `i` is `i` steps from the anchor of the left line.
@@ -64,10 +85,10 @@ pub struct Inspection {
     pub step: f64,
     /// Disparities tried, samples.
     pub range: DisparityRange,
-    /// The numbers of the cost.
-    pub stereo: StereoParameters,
     /// Intensities and disparities.
     pub warped: WarpedProfile,
+    /// Cost of matching each sample (across) at each disparity (the largest on top): bright is alike.
+    pub band: Arc<ColorImage>,
 }
 
 impl Inspection {
@@ -110,12 +131,6 @@ impl Inspection {
                 (partner(nearest).abs_diff(along) <= 2).then_some(nearest)
             }
         }
-    }
-
-    /// Cost of matching a sample at a disparity, squared grey levels.
-    pub fn cost(&self, sample: i32, disparity: i32) -> u16 {
-        let value = self.warped.profile1.get(sample).unwrap_or_default();
-        self.stereo.sample_cost(value, self.warped.profile2.get(sample + disparity))
     }
 }
 
@@ -208,8 +223,12 @@ mod tests {
         assert_eq!(inspection.sample_near(Side::Left, Point::new(80.3, 22.0), 4.0), Some(30));
         assert_eq!(inspection.sample_near(Side::Right, Point::new(73.3, 22.0), 4.0), Some(30));
         assert_eq!(inspection.sample_near(Side::Right, Point::new(73.3, 32.0), 4.0), None);
-        assert_eq!(inspection.cost(30, -7), 0);
-        assert!(inspection.cost(30, -4) > 0);
+        let band = |sample: i32, disparity: i32| {
+            let (x, y) = (sample - inspection.samples().start, inspection.range.max - disparity);
+            inspection.band.pixels[y as usize * inspection.band.width() + x as usize]
+        };
+        assert_eq!(band(30, -7), heat::color(1.0), "alike");
+        assert_ne!(band(30, -4), heat::color(1.0));
     }
 
     #[test]

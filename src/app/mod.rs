@@ -7,9 +7,11 @@
 //! | [`history`] | undo and redo |
 //! | [`focus`] | what is pointed at and what is chosen, shared by all panes and panels |
 //! | `computation`, [`worker`] | the estimate and the thread that computes it |
-//! | `inspection` | the intensities of the inspected line pair, matched in a third thread |
 //! | `background` | a thread that answers the newest of many questions |
 //! | `services` | what threads and the system do for the window; tests put something else in their place |
+//! | `suggesting` | the suggested match of a first click |
+//! | [`look`] | what is drawn, remembered between runs |
+//! | `inspection` | the intensities of the inspected line pair, matched in a third thread |
 //! | `loader` | opening pictures off the window's thread |
 //! | `panes` | the images: view transforms, textures, one file an overlay |
 //! | `panels` | everything around them, one file each |
@@ -36,6 +38,7 @@ pub mod history;
 mod inspection;
 mod inspector;
 mod loader;
+pub mod look;
 mod panels;
 mod panes;
 mod residuals;
@@ -45,6 +48,7 @@ mod services;
 mod settings;
 mod shell;
 mod step;
+mod suggesting;
 mod theme;
 mod verdict;
 mod waker;

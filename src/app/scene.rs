@@ -4,7 +4,9 @@ use super::computation::{Computation, Freshness};
 use super::document::{Document, Side};
 use super::focus::{Focus, LineSource, Pin};
 use super::inspection::Inspection;
+use super::look::{Look, Tool};
 use super::panels::Message;
+use super::suggesting::Suggested;
 use super::theme;
 use crate::estimate::{Construction, Estimate, Hypothesis, lines_at};
 use crate::geometry::{AnchoredLine, FundamentalMatrix, Line, Point, PointPair};
@@ -35,6 +37,12 @@ pub struct Scene<'a> {
     pub inspection: Option<&'a Inspection>,
     /// Which overlays are shown, in the order of their list.
     pub overlays: &'a [bool],
+    /// The other choices about what is drawn.
+    pub look: &'a Look,
+    /// What a click in an image does.
+    pub tool: Tool,
+    /// Where the second click of a pair may belong, once that is known.
+    pub suggestion: Option<&'a Suggested>,
     /// The tab of the bottom panel; none when it is folded away.
     pub tab: Option<usize>,
     /// Whether pictures are being opened.
@@ -118,6 +126,13 @@ impl<'a> Scene<'a> {
         let clicks = *self.document.used_pairs()?.first_chunk::<2>()?;
         let own = Construction::of(self.shown()?.fundamental, clicks, turn)?;
         own.corresponding(line1, line2).map(|(line1, line2)| [line1, line2])
+    }
+
+    /// The second point that Enter places: the suggested match, if it is clear.
+    pub fn accepted_suggestion(&self) -> Option<(Side, Point)> {
+        let half = self.document.half?;
+        let clear = self.suggestion?.as_ref().ok()?.clear()?;
+        Some((half.side.other(), clear.position))
     }
 
     /// The pinned line pairs, the oldest first.

@@ -3,12 +3,18 @@
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 
+use super::document::Side;
+use super::suggesting::{Question, Suggested};
 use super::worker::{EstimateFn, Request};
 use crate::estimate::{Estimate, PreparedPair, estimate_prepared, follow};
 use crate::image::Picture;
+use crate::suggest::{ClickedImage, SuggestParameters, suggest};
 
 /// Refits the most supported of some earlier geometries of the same pictures to moved points, in milliseconds.
 pub type FollowFn = dyn FnMut(&Request, &[&Estimate]) -> Option<Estimate> + Send;
+
+/// Suggests the match of a first click, in some hundredths of a second.
+pub type SuggestFn = dyn FnMut(&Question) -> Suggested + Send;
 
 /// The computations and the system's dialogs.
 pub struct Services {
@@ -16,6 +22,8 @@ pub struct Services {
     pub estimate: Box<EstimateFn>,
     /// What is shown while the search goes on.
     pub follow: Box<FollowFn>,
+    /// What is offered for the second click of a pair.
+    pub suggest: Box<SuggestFn>,
     /// The system's dialog for choosing a file; `None` when it was cancelled or could not open.
     pub pick_file: Arc<dyn Fn() -> Option<PathBuf> + Send + Sync>,
 }
@@ -23,7 +31,7 @@ pub struct Services {
 impl Default for Services {
     fn default() -> Self {
         let searching = PreparedCache::default();
-        let following = searching.clone();
+        let (following, suggesting) = (searching.clone(), searching.clone());
         Self {
             estimate: Box::new(move |request, monitor| {
                 let prepared = searching.get(&request.pictures);
@@ -32,6 +40,15 @@ impl Default for Services {
             follow: Box::new(move |request, starts| {
                 let prepared = following.get(&request.pictures);
                 follow(&prepared, starts.iter().copied(), &request.pairs, &request.parameters)
+            }),
+            suggest: Box::new(move |question| {
+                let prepared = suggesting.get(&question.pictures);
+                let clicked = match question.half.side {
+                    Side::Left => ClickedImage::First,
+                    Side::Right => ClickedImage::Second,
+                };
+                let (point, f) = (question.half.point, question.fundamental.as_ref());
+                suggest(&prepared, point, clicked, f, &SuggestParameters::default())
             }),
             pick_file: Arc::new(pick_file),
         }

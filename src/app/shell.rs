@@ -55,11 +55,18 @@ pub enum AppError {
     },
 }
 
+/// Under which name it is remembered what is drawn; the toolkit itself remembers theme, window and panel sizes.
+const LOOK: &str = "look";
+
 struct Shell(Inspector);
 
 impl eframe::App for Shell {
     fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
         self.0.show(ui);
+    }
+
+    fn save(&mut self, storage: &mut dyn eframe::Storage) {
+        eframe::set_value(storage, LOOK, self.0.look());
     }
 
     fn clear_color(&self, visuals: &egui::Visuals) -> [f32; 4] {
@@ -85,7 +92,11 @@ pub fn run(start: Start, services: Services) -> Result<(), AppError> {
             options,
             Box::new(move |creation| {
                 theme::install(&creation.egui_ctx);
-                Ok(Box::new(Shell(Inspector::new(start, services))))
+                let mut inspector = Inspector::new(start, services);
+                if let Some(look) = creation.storage.and_then(|storage| eframe::get_value(storage, LOOK)) {
+                    inspector.set_look(look);
+                }
+                Ok(Box::new(Shell(inspector)))
             }),
         )
     });

@@ -12,6 +12,8 @@ use egui::{
 
 /// Lines of the estimated geometry.
 pub const ESTIMATED: Color32 = Color32::from_rgb(26, 204, 140);
+/// Bands around them.
+pub const BAND: Color32 = Color32::from_rgb(30, 130, 96);
 /// The line pair of the cursor.
 pub const HOVER: Color32 = Color32::from_rgb(240, 228, 66);
 /// Dark edge around everything drawn over an image.
@@ -31,6 +33,17 @@ pub const PINNED: [Color32; 4] = [
     Color32::from_rgb(214, 120, 255),
     Color32::from_rgb(80, 220, 230),
 ];
+
+/// Epipoles of hypotheses.
+pub const HYPOTHESIS: Color32 = Color32::from_rgb(205, 178, 255);
+/// The bisector of image 1 with its match, and lines carried by H.
+pub const FORWARD: Color32 = Color32::from_rgb(110, 205, 255);
+/// The bisector of image 2 with its match, and lines carried back by G.
+pub const BACKWARD: Color32 = Color32::from_rgb(255, 142, 98);
+/// Matches that the refinement found.
+pub const MATCH: Color32 = Color32::from_rgb(190, 255, 150);
+/// Places that a patch comparison suggests.
+pub const SUGGESTED: Color32 = Color32::from_rgb(255, 255, 255);
 
 /// How near to a handle a press takes hold of it, screen points.
 pub const GRAB_RADIUS: f32 = 11.0;

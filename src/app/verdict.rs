@@ -204,8 +204,10 @@ pub fn epipole_text(epipole: &HomogeneousPoint, frame: Option<Frame>) -> String 
         let degrees = epipole.y.atan2(epipole.x).rem_euclid(PI).to_degrees();
         return format!("at infinity, {degrees:.1}°");
     };
+    // Far away, fractions of a pixel mean nothing.
+    let decimals = if p.coords.amax() < 1000.0 { 1 } else { 0 };
     let inside = if frame.is_some_and(|frame| frame.contains(p)) { " in the image" } else { "" };
-    format!("({:.1}, {:.1}){inside}", p.x, p.y)
+    format!("({:.decimals$}, {:.decimals$}){inside}", p.x, p.y)
 }
 
 /// The text with a capital first letter.

@@ -7,12 +7,21 @@ use super::{Frame, Line, Point};
 /// The lines are oriented alike first (the acute wedge). Closed form: the sampling rectangle is clipped by
 /// half planes and its area taken by the shoelace formula.
 pub fn area_between_lines(a: &Line, b: &Line, frame: Frame) -> f64 {
+    wedges(a, b, frame).iter().map(Polygon::area).sum()
+}
+
+/// The corners of the parts of the image that [`area_between_lines`] adds up: two wedges, either of which may be
+/// empty.
+pub fn regions_between_lines(a: &Line, b: &Line, frame: Frame) -> [Vec<Point>; 2] {
+    wedges(a, b, frame).map(|wedge: Polygon| wedge.points[..wedge.len].to_vec())
+}
+
+/// Where the two lines, oriented alike, disagree about the side.
+fn wedges(a: &Line, b: &Line, frame: Frame) -> [Polygon; 2] {
     let b = if a.direction().dot(&b.direction()) < 0.0 { b.reversed() } else { *b };
-    let between = |x: &Line, y: &Line| {
-        let rectangle = Polygon::from_corners(frame.corners());
-        rectangle.clipped(x).clipped(&y.reversed()).area()
-    };
-    between(a, &b) + between(&b, a)
+    let between =
+        |x: &Line, y: &Line| Polygon::from_corners(frame.corners()).clipped(x).clipped(&y.reversed());
+    [between(a, &b), between(&b, a)]
 }
 
 /// A convex polygon of at most eight corners: a rectangle cut by two lines has six.

@@ -22,7 +22,7 @@ mod point;
 mod residual;
 
 pub use anchored::AnchoredLine;
-pub use area::area_between_lines;
+pub use area::{area_between_lines, regions_between_lines};
 pub use camera::Camera;
 pub use difference::epipolar_difference;
 pub use eight_point::{EightPointError, eight_point};

@@ -10,10 +10,11 @@
 //! ran into 26 or more fully mismatched samples in a row. The vectorised kernel computes the same numbers,
 //! bit for bit; tests compare the two.
 //!
-//! This file is the plain definition, with a loop over every jump; it is used where the disparities are
-//! wanted (one inspected line pair) and as the truth for the kernel.
+//! [`match_cost`] is the plain definition, with a loop over every jump: the truth for the kernel. Where the
+//! disparities are wanted, [`match_profiles`] looks at the few jumps that cost less than α one by one and at all
+//! others together; tests compare the two.
 
-use super::{DisparityRange, StereoParameters};
+use super::{DisparityRange, Ordering, StereoParameters};
 use crate::image::Profile;
 
 /// The best matching of a profile with another.
@@ -29,7 +30,7 @@ pub struct StereoMatch {
 
 /// C* alone; zero for an empty first profile.
 pub fn match_cost(a: &Profile, b: &Profile, range: DisparityRange, parameters: &StereoParameters) -> u64 {
-    forward(a, b, range, parameters, |_, _| ())
+    forward(a, b, range, parameters, reach_plainly, |_| ())
 }
 
 /// C* with the disparities that reach it, by backtracking. Among equals the smallest change wins.
@@ -40,7 +41,7 @@ pub fn match_profiles(
     parameters: &StereoParameters,
 ) -> StereoMatch {
     let mut rows: Vec<Vec<u16>> = Vec::with_capacity(a.len());
-    let cost = forward(a, b, range, parameters, |_, row| rows.push(row.to_vec()));
+    let cost = forward(a, b, range, parameters, reach_quickly, |row| rows.push(row.to_vec()));
     let mut disparities = vec![0; a.len()];
     let mut sample_costs = vec![0; a.len()];
     let mut state = rows.last().map_or(0, |row| argmin(row.iter().copied()));
@@ -65,13 +66,49 @@ pub fn match_profiles(
     StereoMatch { cost, disparities, sample_costs }
 }
 
-/// The recurrence; `visit` sees each row of states.
+/// What it costs to reach each state from the cheapest of the row before: a loop over every jump.
+fn reach_plainly(row: &[u16], parameters: &StereoParameters, reached: &mut [u16]) {
+    for (d, reached) in reached.iter_mut().enumerate() {
+        let jumps = row.iter().enumerate().filter_map(|(from, state)| {
+            Some(state.saturating_add(parameters.change_cost(d as i32 - from as i32)?))
+        });
+        *reached = jumps.min().unwrap_or(u16::MAX);
+    }
+}
+
+/// The same: all jumps as far as the ordering allows cost α at most, so their cheapest start is a running
+/// minimum; only those that cost less are looked at one by one.
+fn reach_quickly(row: &[u16], parameters: &StereoParameters, reached: &mut [u16]) {
+    let near =
+        (1..row.len() as u64).take_while(|c| u64::from(parameters.lambda) * c * c < parameters.alpha.into());
+    let near = near.count() as i32;
+    // How far behind a state its predecessors may lie.
+    let lead = match parameters.ordering {
+        Ordering::Positions => 1,
+        Ordering::Free => row.len(),
+        Ordering::Disparities => 0,
+    };
+    let (mut seen, mut least) = (0, u16::MAX);
+    for (d, reached) in reached.iter_mut().enumerate() {
+        let end = (d + lead + 1).min(row.len());
+        least = row[seen..end].iter().copied().fold(least, u16::min);
+        seen = end;
+        let jumps = (-near..=near).filter_map(|change| {
+            let from = usize::try_from(d as i32 - change).ok()?;
+            Some(row.get(from)?.saturating_add(parameters.change_cost(change)?))
+        });
+        *reached = jumps.min().unwrap_or(u16::MAX).min(least.saturating_add(parameters.alpha));
+    }
+}
+
+/// The recurrence; `reach` is one of the two functions above, `visit` sees each row of states.
 fn forward(
     a: &Profile,
     b: &Profile,
     range: DisparityRange,
     parameters: &StereoParameters,
-    mut visit: impl FnMut(usize, &[u16]),
+    reach: impl Fn(&[u16], &StereoParameters, &mut [u16]),
+    mut visit: impl FnMut(&[u16]),
 ) -> u64 {
     let mut row = vec![0u16; range.len()];
     let mut next = row.clone();
@@ -79,20 +116,14 @@ fn forward(
     for (i, value) in a.values.iter().enumerate() {
         let lowest = row.iter().copied().min().unwrap_or(0);
         total += u64::from(lowest);
+        reach(&row, parameters, &mut next);
         for (d, state) in next.iter_mut().enumerate() {
-            let best = (0..row.len())
-                .filter_map(|from| {
-                    let cost = parameters.change_cost(d as i32 - from as i32)?;
-                    Some(row[from].saturating_add(cost))
-                })
-                .min()
-                .unwrap_or(u16::MAX);
             let other = b.get(a.first + i as i32 + range.min + d as i32);
-            // The first sample has no change before it: all states are zero then, so `best` is too.
-            *state = (best - lowest).saturating_add(parameters.sample_cost(*value, other));
+            // The first sample has no change before it: all states are zero then, so it costs nothing.
+            *state = (*state - lowest).saturating_add(parameters.sample_cost(*value, other));
         }
         std::mem::swap(&mut row, &mut next);
-        visit(i, &row);
+        visit(&row);
     }
     total + u64::from(row.iter().copied().min().unwrap_or(0))
 }
@@ -104,7 +135,7 @@ fn argmin(values: impl Iterator<Item = u16>) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::similarity::Ordering;
+    use proptest::prelude::*;
 
     fn profile(first: i32, values: &[u8]) -> Profile {
         Profile { first, values: values.to_vec() }
@@ -171,5 +202,22 @@ mod tests {
         assert_eq!(match_cost(&empty, &full, range, &StereoParameters::PAPER), 0);
         assert_eq!(match_cost(&full, &empty, range, &StereoParameters::PAPER), 900);
         assert!(match_profiles(&empty, &full, range, &StereoParameters::PAPER).disparities.is_empty());
+    }
+
+    proptest! {
+        #[test]
+        fn states_are_reached_alike_quickly_and_plainly(
+            row in proptest::collection::vec(0..60_000u16, 1..40),
+            lambda in 0..900u16,
+            alpha in 0..9000u16,
+            ordering in 0..3usize,
+        ) {
+            let ordering = [Ordering::Positions, Ordering::Free, Ordering::Disparities][ordering];
+            let parameters = StereoParameters { lambda, alpha, ordering, ..StereoParameters::PAPER };
+            let (mut plain, mut quick) = (vec![0; row.len()], vec![0; row.len()]);
+            reach_plainly(&row, &parameters, &mut plain);
+            reach_quickly(&row, &parameters, &mut quick);
+            prop_assert_eq!(plain, quick);
+        }
     }
 }

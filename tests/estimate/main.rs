@@ -2,6 +2,7 @@
 
 mod changed;
 mod degenerate;
+mod following;
 mod real;
 mod repeatable;
 mod samples;

@@ -266,15 +266,14 @@ fn overlays_keys_and_themes_can_be_switched() {
     window.key_press(Key::T);
     settle(&mut window);
     assert_ne!(window.ctx.theme(), dark);
-    window.get_by_label("Show").click();
+    window.get_by_label("View").click();
     settle(&mut window);
-    window.get_by_label("Points").click();
+    window.get_by_label("Link views").click();
     settle(&mut window);
-    window.get_by_label("Epipoles").click();
-    settle(&mut window);
+    assert!(window.state().look().linked);
     window.key_press(Key::Escape);
     settle(&mut window);
-    assert!(window.query_by_label("Epipoles").is_none(), "Escape closes the menu");
+    assert!(window.query_by_label("Link views").is_none(), "Escape closes the menu");
 }
 
 #[test]

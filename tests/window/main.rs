@@ -3,6 +3,8 @@
 
 mod computing;
 mod editing;
+mod frames;
+mod looking;
 mod opening;
 mod panels;
 mod support;

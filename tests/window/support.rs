@@ -16,6 +16,7 @@ use epiline::estimate::{
 };
 use epiline::geometry::{FundamentalMatrix, Point, PointPair};
 use epiline::similarity::CostMatrix;
+use epiline::suggest::SuggestError;
 use nalgebra::{Matrix3, Vector3};
 
 /// Long enough for a loaded machine; reached only when something is wrong.
@@ -113,6 +114,7 @@ pub fn services() -> Services {
     Services {
         estimate: Box::new(|request, _| fake_estimate(&request.pairs, &request.parameters)),
         follow: Box::new(|_, _| None),
+        suggest: Box::new(|_| Err(SuggestError::Flat)),
         pick_file: Arc::new(|| None),
     }
 }

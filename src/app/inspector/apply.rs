@@ -12,6 +12,7 @@ use crate::app::command::Command;
 use crate::app::document::{Document, PointRef, Side};
 use crate::app::history::Step;
 use crate::app::loader::Source;
+use crate::app::look::Tool;
 use crate::estimate::{Parameters, Preset};
 
 impl Inspector {
@@ -30,11 +31,7 @@ impl Inspector {
             }
             Command::Undo => self.travel(true),
             Command::Redo => self.travel(false),
-            Command::DeleteSelected => {
-                if let Some(at) = self.document.selection {
-                    self.edit(Step::Single, |document| document.remove(at.pair));
-                }
-            }
+            Command::DeleteSelected => self.delete_selected(),
             Command::DeletePair(pair) => self.edit(Step::Single, |document| document.remove(pair)),
             Command::IncludePair(pair, included) => {
                 self.edit(Step::Single, |document| document.include(pair, included));
@@ -78,6 +75,27 @@ impl Inspector {
             Command::Inspect(number) => self.focus.inspect(number),
             Command::Unpin(number) => self.focus.unpin(number),
             Command::UnpinAll => self.focus.unpin_all(),
+            Command::ToggleInspectTool => {
+                self.tool = if self.tool == Tool::Inspect { Tool::Points } else { Tool::Inspect };
+            }
+            Command::ToggleLink => {
+                self.look.linked = !self.look.linked;
+                self.link_views(Side::Left);
+            }
+            Command::ToggleMap => self.look.map = !self.look.map,
+            Command::ToggleLoupe => self.look.loupe = !self.look.loupe,
+            Command::AcceptSuggestion => {
+                if let Some((side, point)) = self.scene().accepted_suggestion() {
+                    self.edit(Step::Single, |document| document.place(side, point));
+                }
+            }
+            Command::TogglePalette => {
+                if self.palette.open {
+                    self.palette.open = false;
+                } else {
+                    self.palette.show_empty();
+                }
+            }
             Command::SetParameters { setting, to } => {
                 self.edit(Step::Merged(EditKey::Parameter(setting)), |document| document.parameters = *to);
             }
@@ -85,7 +103,7 @@ impl Inspector {
             Command::ShowTab(number) => (self.tab, self.tabs_open) = (number, true),
             Command::FoldTabs => self.tabs_open = !self.tabs_open,
             Command::ToggleOverlay(number) => {
-                if let Some(shown) = self.overlays.get_mut(number) {
+                if let Some(shown) = self.look.overlays.get_mut(number) {
                     *shown = !*shown;
                 }
             }
@@ -116,6 +134,18 @@ impl Inspector {
         }
     }
 
+    /// The tool in hand says whether it is a point pair or a pinned line pair.
+    fn delete_selected(&mut self) {
+        if self.tool == Tool::Inspect {
+            let inspected = self.focus.inspected().copied();
+            if let Some(number) = self.focus.pins().iter().position(|pin| Some(*pin) == inspected) {
+                self.focus.unpin(number);
+            }
+        } else if let Some(at) = self.document.selection {
+            self.edit(Step::Single, |document| document.remove(at.pair));
+        }
+    }
+
     /// Gives up what is half done, the most recent thing first.
     fn cancel(&mut self) {
         let dragging = self.panes.iter_mut().any(super::ImagePane::let_go);
@@ -123,14 +153,29 @@ impl Inspector {
             if let Some(before) = self.history.revert() {
                 self.document = before;
             }
+        } else if self.palette.open {
+            self.palette.open = false;
         } else if self.open_dialog.open {
             self.open_dialog.open = false;
         } else if self.shortcuts_open {
             self.shortcuts_open = false;
         } else if self.document.half.is_some() {
             self.edit(Step::Single, |document| document.remove(document.pairs.len()));
+        } else if self.tool == Tool::Inspect {
+            self.tool = Tool::Points;
         } else {
             self.select(None);
+        }
+    }
+
+    /// Lets the other image show the same part as this one, if the views are linked.
+    pub(super) fn link_views(&mut self, leader: Side) {
+        if self.look.linked {
+            let [left, right] = &mut self.panes;
+            match leader {
+                Side::Left => right.follow(left),
+                Side::Right => left.follow(right),
+            }
         }
     }
 

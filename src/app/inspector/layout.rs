@@ -4,28 +4,59 @@ use egui::{CentralPanel, Frame, Margin, Panel, Ui, UiBuilder};
 
 use super::Inspector;
 use crate::app::command::Command;
-use crate::app::panels;
-use crate::app::panes::halves;
-use crate::app::scene::Scene;
+use crate::app::document::Side;
+use crate::app::panels::tabs::TABS;
+use crate::app::panels::{self, CommandPalette, OpenDialog};
+use crate::app::panes::{ImagePane, halves};
+use crate::app::scene::Hover;
+
+/// Windows lower than this do without the legend, screen points.
+const ROOM_FOR_LEGEND: f32 = 620.0;
+
+/// What changes while it is drawn, apart from the state that everything else reads.
+struct Drawing {
+    panes: [ImagePane; 2],
+    open_dialog: OpenDialog,
+    palette: CommandPalette,
+    shortcuts_open: bool,
+}
 
 impl Inspector {
     /// Draws the window and collects what it was asked for.
     pub(super) fn draw(&mut self, ui: &mut Ui, commands: &mut Vec<Command>) {
+        let mut drawing = Drawing {
+            panes: std::mem::replace(&mut self.panes, Side::BOTH.map(ImagePane::new)),
+            open_dialog: std::mem::take(&mut self.open_dialog),
+            palette: std::mem::take(&mut self.palette),
+            shortcuts_open: self.shortcuts_open,
+        };
+        let views = drawing.panes.each_ref().map(ImagePane::view);
+        let hover = self.draw_all(ui, &mut drawing, commands);
+        // Matching keeps a core busy while a point is dragged: it waits until something shows it.
+        let scene = self.scene();
+        let wanted = !self.focus.pins().is_empty() || scene.tab.is_some_and(|tab| TABS[tab].inspects);
+        self.inspected = scene.inspected().filter(|_| wanted).map(|inspected| inspected.lines);
+        self.panes = drawing.panes;
+        self.open_dialog = drawing.open_dialog;
+        self.palette = drawing.palette;
+        self.shortcuts_open = drawing.shortcuts_open;
+        for side in Side::BOTH {
+            if self.panes[side.index()].view() != views[side.index()] {
+                self.link_views(side);
+            }
+        }
+        if hover != self.hover {
+            // Written in this frame, drawn in the next.
+            self.hover = hover;
+            ui.ctx().request_repaint();
+        }
+    }
+
+    fn draw_all(&self, ui: &mut Ui, drawing: &mut Drawing, commands: &mut Vec<Command>) -> Option<Hover> {
         let ctx = ui.ctx().clone();
         let bar = |ui: &Ui| Frame::new().fill(ui.visuals().panel_fill).inner_margin(Margin::symmetric(12, 7));
-        let scene = Scene {
-            document: &self.document,
-            computation: &self.computation,
-            hover: self.hover,
-            focus: &self.focus,
-            inspection: self.matcher.latest(),
-            tab: self.tabs_open.then_some(self.tab),
-            overlays: &self.overlays,
-            loading: self.loader.is_busy(),
-            has_sample_points: self.show_me.is_some(),
-            can_undo_redo: [self.history.can_undo(), self.history.can_redo()],
-            messages: &self.messages,
-        };
+        let scene = self.scene();
+        let height = ctx.content_rect().height();
         Panel::top("toolbar").frame(bar(ui)).show(ui, |ui| panels::toolbar(ui, &scene, commands));
         Panel::top("guide").frame(bar(ui)).show(ui, |ui| {
             ui.set_min_height(28.0);
@@ -45,8 +76,8 @@ impl Inspector {
             Panel::bottom("tabs")
                 .frame(bar(ui))
                 .resizable(true)
-                .default_size(256.0)
-                .size_range(130.0..=560.0)
+                .default_size((height * 0.29).clamp(130.0, 320.0))
+                .size_range(130.0..=(height * 0.6).max(131.0))
                 .show(ui, |ui| {
                     // The panel keeps its height, however little a tab has to show.
                     ui.set_min_height(ui.available_height());
@@ -58,13 +89,17 @@ impl Inspector {
                 panels::tabs::headings(ui, &scene, commands);
             });
         }
-        let panes = &mut self.panes;
+        // A small window has better use for the space; the list of commands has every overlay too.
+        if scene.document.pictures.is_some() && height > ROOM_FOR_LEGEND {
+            let strip = bar(ui).inner_margin(Margin::symmetric(8, 3));
+            Panel::bottom("legend").frame(strip).show(ui, |ui| panels::legend(ui, &scene, commands));
+        }
         let (area, hover) = CentralPanel::default()
             .frame(bar(ui))
             .show(ui, |ui| {
                 let area = ui.available_rect_before_wrap();
                 let mut hover = None;
-                for (pane, rect) in panes.iter_mut().zip(halves(area)) {
+                for (pane, rect) in drawing.panes.iter_mut().zip(halves(area)) {
                     let mut child =
                         ui.new_child(UiBuilder::new().max_rect(rect).id_salt(rect.min.x > area.min.x));
                     hover = pane.show(&mut child, &scene, commands).or(hover);
@@ -73,15 +108,11 @@ impl Inspector {
             })
             .inner;
         panels::messages(&ctx, area, &scene, commands);
-        self.open_dialog.show(&ctx, &scene, commands);
-        if self.shortcuts_open {
-            panels::shortcuts(&ctx, &mut self.shortcuts_open);
+        drawing.open_dialog.show(&ctx, &scene, commands);
+        drawing.palette.show(&ctx, &scene, commands);
+        if drawing.shortcuts_open {
+            panels::shortcuts(&ctx, &mut drawing.shortcuts_open);
         }
-        self.inspected = scene.inspected().map(|inspected| inspected.lines);
-        if hover != self.hover {
-            // Written in this frame, drawn in the next.
-            self.hover = hover;
-            ctx.request_repaint();
-        }
+        hover
     }
 }

@@ -15,17 +15,18 @@ use egui::Ui;
 
 use super::Start;
 use super::command::{self, Command};
-use super::computation::Computation;
+use super::computation::{Computation, Freshness};
 use super::document::{Document, PictureIdentity, PointRef, Side};
 use super::focus::Focus;
 use super::history::History;
 use super::inspection::{InspectionRequest, Matcher};
 use super::loader::{Loader, Opened, Opening, Pair, Source};
-use super::panels::{Message, OpenDialog};
+use super::look::{Look, Tool};
+use super::panels::{CommandPalette, Message, OpenDialog};
 use super::panes::ImagePane;
-use super::panes::overlays::OVERLAYS;
-use super::scene::Hover;
+use super::scene::{Hover, Scene};
 use super::services::Services;
+use super::suggesting::{Question, Suggesting};
 use super::waker::Waker;
 use super::worker::Request;
 use crate::estimate::Estimate;
@@ -75,7 +76,10 @@ pub struct Inspector {
     /// The tab of the bottom panel, and whether the panel is unfolded.
     tab: usize,
     tabs_open: bool,
-    overlays: [bool; OVERLAYS.len()],
+    look: Look,
+    tool: Tool,
+    suggesting: Suggesting,
+    palette: CommandPalette,
     open_dialog: OpenDialog,
     shortcuts_open: bool,
     messages: Vec<Message>,
@@ -110,12 +114,15 @@ impl Inspector {
             panes: Side::BOTH.map(ImagePane::new),
             hover: None,
             focus: Focus::default(),
-            matcher: Matcher::new(waker),
+            matcher: Matcher::new(waker.clone()),
             inspected: None,
             revision: 0,
             tab: 0,
             tabs_open: true,
-            overlays: [true; OVERLAYS.len()],
+            look: Look::default(),
+            tool: Tool::default(),
+            suggesting: Suggesting::new(services.suggest, waker),
+            palette: CommandPalette::default(),
             open_dialog: OpenDialog::default(),
             shortcuts_open: false,
             messages: Vec::new(),
@@ -142,10 +149,21 @@ impl Inspector {
         self.computation.result().map(|(estimate, _)| estimate)
     }
 
-    /// Whether pictures are being opened or an estimate computed.
+    /// What is drawn.
+    pub fn look(&self) -> &Look {
+        &self.look
+    }
+
+    /// Draws as it was done in an earlier run.
+    pub fn set_look(&mut self, look: Look) {
+        self.look = look;
+    }
+
+    /// Whether pictures are being opened, an estimate computed, or a match searched for.
     pub fn is_busy(&self) -> bool {
         self.loader.is_busy()
             || self.computation.is_running()
+            || self.suggesting.is_busy()
             || self.matcher.is_busy()
             || self.picking.is_some()
     }
@@ -161,7 +179,11 @@ impl Inspector {
         self.waker.attach(&ctx);
         self.take_news(&ctx);
         // Keys first: Escape ends a drag before the panes can carry it on.
-        let mut commands = command::pressed(&ctx, self.open_dialog.open);
+        let keyboard = command::Keyboard {
+            dialog_open: self.open_dialog.open || self.palette.open,
+            suggestion: self.scene().accepted_suggestion().is_some(),
+        };
+        let mut commands = command::pressed(&ctx, keyboard);
         commands.extend(Self::dropped_files(&ctx));
         for command in commands {
             self.apply(&ctx, command);
@@ -177,6 +199,7 @@ impl Inspector {
             self.apply(&ctx, command);
         }
         self.computation.follow(self.opening, self.request());
+        self.suggesting.follow(self.question());
         self.matcher.follow(self.inspection_request());
         self.name_window(&ctx);
     }
@@ -205,6 +228,37 @@ impl Inspector {
     fn inspection_request(&self) -> Option<InspectionRequest> {
         let pictures = self.pictures.as_ref()?.each_ref().map(|opened| Arc::clone(&opened.picture));
         Some(InspectionRequest::new(pictures, self.inspected?, &self.document.parameters))
+    }
+
+    /// What a match is to be suggested for.
+    fn question(&self) -> Option<Question> {
+        let pictures = self.pictures.as_ref()?;
+        let final_result = self.computation.result().filter(|(_, freshness)| *freshness == Freshness::Final);
+        Some(Question {
+            pictures: pictures.each_ref().map(|opened| Arc::clone(&opened.picture)),
+            half: self.document.half?,
+            fundamental: final_result.map(|(estimate, _)| estimate.fundamental),
+        })
+    }
+
+    /// The state as it is drawn.
+    fn scene(&self) -> Scene<'_> {
+        Scene {
+            document: &self.document,
+            computation: &self.computation,
+            hover: self.hover,
+            focus: &self.focus,
+            inspection: self.matcher.latest(),
+            tab: self.tabs_open.then_some(self.tab),
+            overlays: &self.look.overlays,
+            look: &self.look,
+            tool: self.tool,
+            suggestion: self.suggesting.answer(),
+            loading: self.loader.is_busy(),
+            has_sample_points: self.show_me.is_some(),
+            can_undo_redo: [self.history.can_undo(), self.history.can_redo()],
+            messages: &self.messages,
+        }
     }
 
     fn take_news(&mut self, ctx: &egui::Context) {

@@ -10,7 +10,7 @@ use crate::app::theme;
 
 /// Shows the bar.
 pub fn show(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
-    let Scene { document, computation, loading, has_sample_points, .. } = *scene;
+    let Scene { document, loading, has_sample_points, .. } = *scene;
     let palette = theme::palette(ui.visuals());
     ui.horizontal(|ui| {
         if has_sample_points && document.pairs.is_empty() && document.half.is_none() {
@@ -21,7 +21,7 @@ pub fn show(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
         if loading {
             busy::show(ui);
         }
-        let text = guide(document, computation, loading, has_sample_points);
+        let text = guide(scene);
         ui.add(egui::Label::new(RichText::new(text).strong()).truncate());
     });
 }

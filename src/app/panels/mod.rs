@@ -3,8 +3,10 @@
 
 mod busy;
 mod guide_bar;
+mod legend;
 mod messages;
 pub mod open_dialog;
+mod palette;
 mod shortcuts;
 pub mod side;
 mod status;
@@ -18,8 +20,10 @@ use super::command::{Command, key_text};
 
 pub use messages::Message;
 pub use open_dialog::OpenDialog;
+pub use palette::CommandPalette;
 
 pub use guide_bar::show as guide_bar;
+pub use legend::show as legend;
 pub use messages::show as messages;
 pub use shortcuts::show as shortcuts;
 pub use status::show as status;

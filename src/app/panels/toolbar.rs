@@ -1,11 +1,11 @@
-//! The bar at the top: opening, undo, what is shown, and help.
+//! The bar at the top: opening, undo, the tool, how it is looked at, and help.
 
 use egui::containers::menu::{MenuButton, MenuConfig};
 use egui::{Align, Button, Layout, PopupCloseBehavior, Ui};
 
 use super::{command_button, finish_button};
 use crate::app::command::Command;
-use crate::app::panes::overlays::OVERLAYS;
+use crate::app::look::Tool;
 use crate::app::scene::Scene;
 
 /// Shows the bar.
@@ -19,29 +19,34 @@ pub fn show(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
         command_button(ui, Command::Redo, scene.can_undo_redo[1], commands);
         ui.separator();
         command_button(ui, Command::FitAll, scene.document.pictures.is_some(), commands);
+        let inspect = Button::selectable(scene.tool == Tool::Inspect, Command::ToggleInspectTool.name());
+        let inspect = ui.add_enabled(scene.document.pictures.is_some(), inspect.frame_when_inactive(true));
+        finish_button(ui, inspect, Command::ToggleInspectTool, commands);
         let stays_open = MenuConfig::new().close_behavior(PopupCloseBehavior::CloseOnClickOutside);
         let (menu, _) =
-            MenuButton::new("Show").config(stays_open).ui(ui, |ui| overlay_menu(ui, scene, commands));
-        menu.on_hover_text("Choose what is drawn over the images.");
+            MenuButton::new("View").config(stays_open).ui(ui, |ui| view_menu(ui, scene, commands));
+        menu.on_hover_text("Choose how the images are shown.");
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             let keys = ui.add(Button::new("Keys"));
             finish_button(ui, keys, Command::ToggleShortcuts, commands);
+            let palette = ui.add(Button::new(Command::TogglePalette.name()));
+            finish_button(ui, palette, Command::TogglePalette, commands);
             let theme = ui.add(Button::new(if ui.visuals().dark_mode { "Light" } else { "Dark" }));
             finish_button(ui, theme, Command::ToggleTheme, commands);
         });
     });
 }
 
-/// The list of overlays, which is also their legend.
-fn overlay_menu(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
-    for (number, (overlay, shown)) in OVERLAYS.iter().zip(scene.overlays).enumerate() {
-        ui.horizontal(|ui| {
-            let (swatch, _) = ui.allocate_exact_size(egui::vec2(14.0, 14.0), egui::Sense::hover());
-            ui.painter().rect_filled(swatch, 3.0, overlay.color);
-            let mut shown = *shown;
-            if ui.checkbox(&mut shown, overlay.name).on_hover_text(overlay.tooltip).changed() {
-                commands.push(Command::ToggleOverlay(number));
-            }
-        });
+/// How the images are shown.
+fn view_menu(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
+    let look = scene.look;
+    let choices = [
+        (Command::ToggleLink, look.linked),
+        (Command::ToggleMap, look.map),
+        (Command::ToggleLoupe, look.loupe),
+    ];
+    for (command, mut on) in choices {
+        let choice = ui.checkbox(&mut on, command.name());
+        finish_button(ui, choice, command, commands);
     }
 }

@@ -4,12 +4,15 @@ use std::sync::Arc;
 
 use egui::{CursorIcon, PointerButton, Pos2, Rect, Response, Sense, StrokeKind, Ui, WidgetInfo};
 
-use super::overlays::{Canvas, OVERLAYS};
+use super::overlays::{Canvas, OVERLAYS, pointed_at};
 use super::texture::PictureTexture;
 use super::view::{Transform, View};
+use super::{epipole_map, loupe};
 use crate::app::command::Command;
 use crate::app::document::{PointRef, Side, pair_name};
+use crate::app::focus::LineSource;
 use crate::app::loader::Opened;
+use crate::app::look::Tool;
 use crate::app::scene::{Hover, Scene};
 use crate::app::theme;
 use crate::geometry::{Frame, Point, Vector};
@@ -40,6 +43,8 @@ pub struct ImagePane {
     side: Side,
     shown: Option<Shown>,
     drag: Option<Drag>,
+    /// Where it was drawn last.
+    rect: Rect,
 }
 
 /// The picture in a pane.
@@ -52,7 +57,7 @@ struct Shown {
 impl ImagePane {
     /// An empty pane.
     pub fn new(side: Side) -> Self {
-        Self { side, shown: None, drag: None }
+        Self { side, shown: None, drag: None, rect: Rect::ZERO }
     }
 
     /// Shows another picture, whole.
@@ -70,6 +75,19 @@ impl ImagePane {
         }
     }
 
+    /// What part of the image is shown.
+    pub fn view(&self) -> Option<View> {
+        self.shown.as_ref().map(|shown| shown.view)
+    }
+
+    /// Shows the part of the image that another pane shows of its own.
+    pub fn follow(&mut self, leader: &Self) {
+        if let (Some(own), Some(other)) = (&mut self.shown, &leader.shown) {
+            let place = |shown: &Shown, rect| (shown.picture.frame(), rect);
+            own.view = other.view.carried_over(place(other, leader.rect), place(own, self.rect));
+        }
+    }
+
     /// Lets go of what is being dragged; says whether it was a point.
     pub fn let_go(&mut self) -> bool {
         matches!(self.drag.take(), Some(Drag { what: Dragged::Point(..), .. }))
@@ -79,6 +97,7 @@ impl ImagePane {
     pub fn show(&mut self, ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) -> Option<Hover> {
         self.header(ui, scene);
         let rect = ui.available_rect_before_wrap();
+        self.rect = rect;
         let response = ui.allocate_rect(rect, Sense::click_and_drag());
         let side = self.side;
         response
@@ -109,15 +128,53 @@ impl ImagePane {
                 (overlay.draw)(&canvas);
             }
         }
+        if let Some(target) = response.hover_pos().and_then(|position| pointed_at(&canvas, position)) {
+            commands.push(Command::PointAt(target));
+        }
+        if scene.look.map {
+            epipole_map::show(ui, rect, side, frame, scene, commands);
+        }
         let due = scene.document.half.is_some_and(|half| half.side != side);
         if due {
             painter.rect_stroke(rect, 4.0, egui::Stroke::new(2.0, palette.accent), StrokeKind::Inside);
         }
-        if let Some(Drag { what: Dragged::Point(at, _), .. }) = self.drag {
-            return scene.document.point(at).map(|point| Hover { side, point, dragging: true });
+        let hover = if let Some(Drag { what: Dragged::Point(at, _), .. }) = self.drag {
+            scene.document.point(at).map(|point| Hover { side, point, dragging: true })
+        } else {
+            let under = response.hover_pos().map(|position| transform.image_from_screen(position));
+            let inside = under.filter(|point| frame.contains(*point));
+            inside.map(|point| Hover { side, point, dragging: false })
+        };
+        if let Some(hover) = hover.filter(|hover| scene.look.loupe && self.wants_loupe(scene, *hover)) {
+            self.magnify(&painter, &transform, hover.point, scene);
         }
-        let point = transform.image_from_screen(response.hover_pos()?);
-        frame.contains(point).then_some(Hover { side, point, dragging: false })
+        hover
+    }
+
+    /// Whether a point is being dragged, or the next click will place one that is needed.
+    fn wants_loupe(&self, scene: &Scene, hover: Hover) -> bool {
+        let document = scene.document;
+        let due = match document.half {
+            Some(half) => half.side != self.side,
+            None => document.used_pairs().is_none(),
+        };
+        hover.dragging || due && self.drag.is_none() && scene.tool == Tool::Points
+    }
+
+    /// Draws the loupe beside a point.
+    fn magnify(&mut self, painter: &egui::Painter, pane: &Transform, point: Point, scene: &Scene) {
+        let (Some(shown), Some(transform)) = (&mut self.shown, loupe::place(pane, point)) else { return };
+        let painter = painter.with_clip_rect(transform.rect.intersect(pane.rect));
+        painter.rect_filled(transform.rect, 6.0, egui::Color32::from_gray(30));
+        shown.texture.draw(&painter, &transform);
+        let frame = shown.picture.frame();
+        let canvas = Canvas { painter: &painter, transform: &transform, side: self.side, frame, scene };
+        for (overlay, visible) in OVERLAYS.iter().zip(scene.overlays) {
+            if *visible && overlay.magnified {
+                (overlay.draw)(&canvas);
+            }
+        }
+        loupe::finish(&painter, &transform);
     }
 
     /// The line above the image: which one it is, its name, size and zoom.
@@ -183,7 +240,15 @@ impl ImagePane {
             && !space
         {
             let point = transform.image_from_screen(position);
-            if let Some((at, _)) = handle_at(position) {
+            let handle = handle_at(position).map(|(at, _)| at);
+            if scene.tool == Tool::Inspect {
+                let whole = handle.filter(|at| at.pair < scene.document.pairs.len());
+                let source =
+                    whole.map_or(LineSource::Through { side, point }, |at| LineSource::Pair(at.pair));
+                if frame.contains(point) {
+                    commands.push(Command::Pin(source));
+                }
+            } else if let Some(at) = handle {
                 commands.push(Command::Select(Some(at)));
             } else if frame.contains(point) {
                 commands.push(Command::Place(self.side, point));

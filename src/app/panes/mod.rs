@@ -1,6 +1,8 @@
 //! The images, and what is drawn over them.
 
+mod epipole_map;
 mod image_pane;
+mod loupe;
 pub mod overlays;
 mod texture;
 mod view;

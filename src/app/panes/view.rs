@@ -54,6 +54,19 @@ impl View {
         self.centre
     }
 
+    /// The same part of another image, by its share of width and height.
+    #[must_use]
+    pub fn carried_over(&self, from: (Frame, Rect), to: (Frame, Rect)) -> Self {
+        let share = |v: f64, from: f64, to: f64| v / from.max(1.0) * to;
+        Self {
+            centre: Point::new(
+                share(self.centre.x, from.0.right(), to.0.right()),
+                share(self.centre.y, from.0.bottom(), to.0.bottom()),
+            ),
+            scale: self.scale.map(|scale| scale / fitting_scale(from.0, from.1) * fitting_scale(to.0, to.1)),
+        }
+    }
+
     /// Whether the whole image is shown as large as the pane allows.
     pub fn fits(&self) -> bool {
         self.scale.is_none()
@@ -82,6 +95,11 @@ pub struct Transform {
 }
 
 impl Transform {
+    /// Shows `centre` in the middle of `rect`, with `scale` screen points per image pixel.
+    pub fn new(rect: Rect, centre: Point, scale: f64) -> Self {
+        Self { rect, centre, scale }
+    }
+
     /// Where an image position appears.
     pub fn screen_from_image(&self, point: Point) -> Pos2 {
         let offset = (point - self.centre) * self.scale;
@@ -136,6 +154,19 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn a_view_carried_over_and_back_is_the_same() {
+        let (small, large) = ((FRAME, pane()), (Frame::new(4000, 3000), pane()));
+        let mut view = View::fitting(FRAME);
+        assert!(view.carried_over(small, large).fits());
+        view.zoom(&view.transform(FRAME, pane()), FRAME, pos2(200.0, 200.0), 3.0);
+        let there = view.carried_over(small, large);
+        assert!((there.centre.x / 3999.0 - view.centre.x / 767.0).abs() < 1e-9);
+        let back = there.carried_over(large, small);
+        assert!((back.centre - view.centre).norm() < 1e-9);
+        assert!((back.scale.unwrap() - view.scale.unwrap()).abs() < 1e-9);
     }
 
     proptest! {

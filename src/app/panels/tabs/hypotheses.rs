@@ -16,6 +16,7 @@ use crate::geometry::{Frame, HomogeneousPoint, finite_point};
 pub const TAB: Tab = Tab {
     title: "Hypotheses",
     tooltip: "The geometries that came nearest, with the figures they were judged by.",
+    inspects: false,
     tools,
     show,
 };

@@ -59,8 +59,14 @@ impl<'a> Matrix<'a> {
     /// Where a pair of directions is.
     fn place(&self, plot: Rect, angles: [f64; 2]) -> Pos2 {
         let across = angles[0] / PI;
-        let up = (turn(angles) / self.picture.extent + 1.0) / 2.0;
-        pos2(egui::lerp(plot.x_range(), across as f32), egui::lerp(plot.max.y..=plot.min.y, up as f32))
+        let x = egui::lerp(plot.x_range(), across as f32);
+        pos2(x, self.height(plot, turn(angles)))
+    }
+
+    /// Where a turn is.
+    fn height(&self, plot: Rect, turn: f64) -> f32 {
+        let share = turn / self.picture.extent;
+        plot.center().y - share as f32 * plot.height() / 2.0
     }
 
     /// The cell at a place: that of a candidate near it, or else the one whose lines are nearest, if they were
@@ -85,7 +91,8 @@ impl<'a> Matrix<'a> {
     pub fn describe(&self, cell: [usize; 2]) -> String {
         let [row, column] = cell;
         let Some(angles) = self.pencils.angles(row, column) else { return String::new() };
-        let rank = self.pencils.candidates().iter().position(|candidate| candidate.angles == angles);
+        let candidates = self.pencils.candidates().iter();
+        let rank = candidates.map(|candidate| self.pencils.cell(candidate)).position(|at| at == Some(cell));
         let rank = rank.map_or(String::new(), |rank| format!("\nMutual best, rank {}", rank + 1));
         format!(
             "Left {:.1}°, right {:.1}°, turn {:+.1}°\nCost {:.3}{rank}\nClick to inspect the two lines.",
@@ -153,7 +160,7 @@ impl<'a> Matrix<'a> {
         }
         let extent = self.picture.extent.to_degrees();
         for share in [-1.0, 0.0, 1.0] {
-            let y = egui::lerp(plot.max.y..=plot.min.y, (share as f32 + 1.0) / 2.0);
+            let y = self.height(plot, share * self.picture.extent);
             painter.hline(plot.min.x - 3.0..=plot.min.x, y, stroke);
             let at = pos2(plot.min.x, y) - vec2(5.0, 0.0);
             let text = format!("{:+.0}°", share * extent);

@@ -18,6 +18,8 @@ pub struct Tab {
     pub title: &'static str,
     /// One sentence about what it shows.
     pub tooltip: &'static str,
+    /// Whether it shows the inspected line pair, which is matched only while something shows it.
+    pub inspects: bool,
     /// Shows what belongs in the line of the headings, from the right.
     pub tools: fn(&mut Ui, &Scene, &mut Vec<Command>),
     /// Shows the rest.

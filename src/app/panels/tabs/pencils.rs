@@ -17,6 +17,7 @@ use crate::estimate::ComparedPencils;
 pub const TAB: Tab = Tab {
     title: "Pencils",
     tooltip: "How alike the lines through a click in one image are to those through it in the other.",
+    inspects: false,
     tools,
     show,
 };

@@ -16,6 +16,7 @@ use crate::geometry::Point;
 pub const TAB: Tab = Tab {
     title: "Point pairs",
     tooltip: "The clicked pairs, what each is for, and how far each is from the geometry.",
+    inspects: false,
     tools,
     show,
 };

@@ -1,6 +1,8 @@
 //! The intensities along the inspected line pair, before and after warping, with what the matching cost.
 
-use egui::{Color32, ColorImage, Id, RichText, TextureHandle, TextureOptions, Ui, UiBuilder, vec2};
+use std::sync::Arc;
+
+use egui::{Color32, Id, ImageData, RichText, TextureHandle, TextureOptions, Ui, UiBuilder, vec2};
 use egui_plot::{Line, Plot, PlotImage, PlotPoint, PlotPoints, PlotUi, VLine};
 
 use super::super::command_button;
@@ -8,7 +10,6 @@ use super::{Tab, empty};
 use crate::app::command::Command;
 use crate::app::document::pair_name;
 use crate::app::focus::{LineSource, Target};
-use crate::app::heat;
 use crate::app::inspection::Inspection;
 use crate::app::scene::{Inspected, Scene};
 use crate::app::theme;
@@ -17,6 +18,7 @@ use crate::app::theme;
 pub const TAB: Tab = Tab {
     title: "Profiles",
     tooltip: "Intensities along one line pair, and how its samples were matched.",
+    inspects: true,
     tools,
     show,
 };
@@ -66,8 +68,10 @@ fn describe(inspected: &Inspected) -> String {
 
 fn show(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
     let Some(inspection) = scene.inspection.filter(|inspection| !inspection.samples().is_empty()) else {
-        let text = if scene.inspected().is_some() {
-            "These two lines do not cross both images."
+        let text = if scene.inspection.is_some() {
+            "This line does not cross the left image. Pin another pair to compare its intensities."
+        } else if scene.inspected().is_some() {
+            "The two lines are being compared."
         } else {
             "Intensities along the epipolar lines of p appear here, once there are enough point pairs. Pin a line \
              pair in the matrix of the pencils to compare others."
@@ -229,17 +233,7 @@ fn band_texture(ui: &Ui, inspection: &Inspection) -> TextureHandle {
     {
         return texture;
     }
-    let (samples, range) = (inspection.samples(), inspection.range);
-    let largest = f32::from(inspection.stereo.truncation.max(1));
-    let pixels = (range.min..=range.max)
-        .rev()
-        .flat_map(|disparity| samples.clone().map(move |sample| (sample, disparity)))
-        .map(|(sample, disparity)| {
-            // The square root spreads the small costs, which decide.
-            heat::color(1.0 - (f32::from(inspection.cost(sample, disparity)) / largest).sqrt())
-        })
-        .collect();
-    let image = ColorImage::new([samples.len(), range.len()], pixels);
+    let image = ImageData::Color(Arc::clone(&inspection.band));
     let texture = ui.ctx().load_texture("cost band", image, TextureOptions::NEAREST);
     ui.data_mut(|data| data.insert_temp(id, (inspection.number, texture.clone())));
     texture

@@ -2,7 +2,7 @@
 
 use egui::{Stroke, vec2};
 
-use super::{Canvas, Overlay};
+use super::{Canvas, Overlay, Visibility};
 use crate::app::document::Side;
 use crate::app::theme;
 use crate::geometry::finite_point;
@@ -12,6 +12,8 @@ pub const OVERLAY: Overlay = Overlay {
     name: "Epipoles",
     tooltip: "Where this image sees the other camera; all epipolar lines meet there.",
     color: theme::ESTIMATED,
+    visibility: Visibility::AtFirst,
+    magnified: false,
     draw,
 };
 

@@ -1,13 +1,15 @@
 //! The pair of epipolar lines of the cursor, both ways, whenever there is a fundamental matrix.
 
-use super::{Canvas, Overlay};
+use super::{Canvas, Overlay, Visibility};
 use crate::app::theme;
 
 /// Registered in [`super::OVERLAYS`].
 pub const OVERLAY: Overlay = Overlay {
-    name: "Epipolar line of the cursor",
+    name: "Cursor line",
     tooltip: "The line in the other image on which the match of the point under the cursor lies.",
     color: theme::HOVER,
+    visibility: Visibility::AtFirst,
+    magnified: true,
     draw,
 };
 

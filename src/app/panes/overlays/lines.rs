@@ -1,13 +1,15 @@
 //! The epipolar lines of the clicked points: each point's line in the other image.
 
-use super::{Canvas, Overlay};
+use super::{Canvas, Overlay, Visibility};
 use crate::app::theme;
 
 /// Registered in [`super::OVERLAYS`].
 pub const OVERLAY: Overlay = Overlay {
-    name: "Epipolar lines of the points",
+    name: "Epipolar lines",
     tooltip: "Each clicked point's line in the other image. Its match must lie on it.",
     color: theme::ESTIMATED,
+    visibility: Visibility::AtFirst,
+    magnified: true,
     draw,
 };
 

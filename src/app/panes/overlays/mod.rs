@@ -1,18 +1,31 @@
 //! What is drawn over the images: one file each, registered in [`OVERLAYS`].
 
+mod bisectors;
+mod candidates;
+mod chosen;
 mod epipoles;
 mod hover;
+mod hypotheses;
 mod lines;
+mod matches;
+mod pinned;
+mod pointed;
 mod points;
+mod residuals;
+mod round_trip;
+mod samples;
+mod suggestion;
+mod uncertainty;
 
-use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Stroke, vec2};
+use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Shape, Stroke, vec2};
 
 use super::Transform;
 use crate::app::computation::Freshness;
 use crate::app::document::Side;
+use crate::app::focus::Target;
 use crate::app::scene::{Scene, Shown};
 use crate::app::theme;
-use crate::geometry::{Frame, FundamentalMatrix, Line, Point};
+use crate::geometry::{Frame, FundamentalMatrix, Line, LinePair, Point};
 
 /// A layer over the images.
 pub struct Overlay {
@@ -22,12 +35,73 @@ pub struct Overlay {
     pub tooltip: &'static str,
     /// Its colour in the legend.
     pub color: Color32,
+    /// When it is shown.
+    pub visibility: Visibility,
+    /// Whether it helps to place a point, so that the loupe shows it too.
+    pub magnified: bool,
     /// Draws it over one image.
     pub draw: fn(&Canvas),
 }
 
+/// When an overlay is shown.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Visibility {
+    /// Whenever it has something to show.
+    Always,
+    /// Until somebody hides it.
+    AtFirst,
+    /// When somebody asks for it.
+    OnRequest,
+}
+
 /// All overlays, from the lowest to the topmost. A new one is a new file and a line here.
-pub const OVERLAYS: [Overlay; 4] = [lines::OVERLAY, hover::OVERLAY, epipoles::OVERLAY, points::OVERLAY];
+pub const OVERLAYS: [Overlay; 16] = [
+    candidates::OVERLAY,
+    round_trip::OVERLAY,
+    uncertainty::OVERLAY,
+    lines::OVERLAY,
+    chosen::OVERLAY,
+    bisectors::OVERLAY,
+    hover::OVERLAY,
+    pinned::OVERLAY,
+    samples::OVERLAY,
+    matches::OVERLAY,
+    residuals::OVERLAY,
+    hypotheses::OVERLAY,
+    epipoles::OVERLAY,
+    pointed::OVERLAY,
+    suggestion::OVERLAY,
+    points::OVERLAY,
+];
+
+/// Something drawn that the cursor is at.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Pointing {
+    /// What it is.
+    pub target: Target,
+    /// How far from the cursor, screen points.
+    distance: f32,
+}
+
+/// Says what of an overlay is at a place of the screen.
+type Finder = fn(&Canvas, Pos2) -> Option<Pointing>;
+
+/// What the cursor points at among what is shown: the nearest thing within reach.
+pub fn pointed_at(canvas: &Canvas, position: Pos2) -> Option<Target> {
+    let finders: [(&Overlay, Finder); 3] = [
+        (&points::OVERLAY, points::at),
+        (&hypotheses::OVERLAY, hypotheses::at),
+        (&matches::OVERLAY, matches::at),
+    ];
+    let shown = |name: &str| {
+        OVERLAYS.iter().zip(canvas.scene.overlays).any(|(overlay, shown)| *shown && overlay.name == name)
+    };
+    let found = finders.iter().filter(|(overlay, _)| shown(overlay.name));
+    let found = found.filter_map(|(_, at)| at(canvas, position));
+    // The plot marks the sample under the cursor whether or not there are dots in the images.
+    let found = found.chain(samples::at(canvas, position));
+    found.min_by(|a, b| a.distance.total_cmp(&b.distance)).map(|pointing| pointing.target)
+}
 
 /// An image on the screen, to be drawn over.
 pub struct Canvas<'a> {
@@ -72,6 +146,37 @@ impl Canvas<'_> {
     fn line(&self, line: &Line, width: f32, color: Color32) {
         if let Some(segment) = self.frame.clip(line) {
             self.segment(segment.start, segment.end, width, color);
+        }
+    }
+
+    /// A line as far as it lies on the image, without an edge: for the many lines of a pencil.
+    fn thin_line(&self, line: &Line, width: f32, color: Color32) {
+        if let Some(segment) = self.frame.clip(line) {
+            let ends = [segment.start, segment.end].map(|point| self.transform.screen_from_image(point));
+            self.painter.line_segment(ends, Stroke::new(width, color));
+        }
+    }
+
+    /// A dashed line as far as it lies on the visible part of the image, with a dark edge.
+    fn dashed_line(&self, line: &Line, width: f32, color: Color32) {
+        let Some(segment) = self.frame.clip(line) else { return };
+        let ends = [segment.start, segment.end].map(|point| self.transform.screen_from_image(point));
+        // Dashes out of sight would be drawn one by one too: many thousands when magnified.
+        let reach = self.painter.clip_rect().size().length();
+        let along = (ends[1] - ends[0]).normalized();
+        let middle = (self.painter.clip_rect().center() - ends[0]).dot(along);
+        let length = (ends[1] - ends[0]).length();
+        let (from, to) = ((middle - reach).clamp(0.0, length), (middle + reach).clamp(0.0, length));
+        let ends = [ends[0] + along * from, ends[0] + along * to];
+        self.painter.line_segment(ends, Stroke::new(width + 1.5, theme::HALO.gamma_multiply(0.5)));
+        self.painter.extend(Shape::dashed_line(&ends, Stroke::new(width, color), 7.0, 5.0));
+    }
+
+    /// The line of a pair that lies in this image.
+    fn own(&self, lines: &LinePair) -> Line {
+        match self.side {
+            Side::Left => lines.line1,
+            Side::Right => lines.line2,
         }
     }
 

@@ -1,9 +1,10 @@
 //! The clicked points: rings, so that the pixel they mark stays in sight.
 
-use egui::Stroke;
+use egui::{Pos2, Stroke};
 
-use super::{Canvas, Overlay};
+use super::{Canvas, Overlay, Pointing, Visibility};
 use crate::app::document::pair_name;
+use crate::app::focus::Target;
 use crate::app::theme;
 
 /// Registered in [`super::OVERLAYS`].
@@ -11,6 +12,8 @@ pub const OVERLAY: Overlay = Overlay {
     name: "Points",
     tooltip: "The clicked points: p orange, q pink, r blue, check points grey.",
     color: theme::PAIRS[0],
+    visibility: Visibility::AtFirst,
+    magnified: false,
     draw,
 };
 
@@ -30,4 +33,15 @@ fn draw(canvas: &Canvas) {
         painter.circle_filled(centre, 1.3, color);
         canvas.label(centre, &pair_name(at.pair), color);
     }
+}
+
+/// The pair whose handle is at a place of the screen.
+pub fn at(canvas: &Canvas, position: Pos2) -> Option<Pointing> {
+    let distances = canvas
+        .scene
+        .document
+        .points(canvas.side)
+        .map(|(at, point)| (at.pair, canvas.transform.screen_from_image(point).distance(position)));
+    let (pair, distance) = distances.min_by(|a, b| a.1.total_cmp(&b.1))?;
+    (distance <= theme::GRAB_RADIUS).then_some(Pointing { target: Target::Pair(pair), distance })
 }

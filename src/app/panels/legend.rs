@@ -1,0 +1,39 @@
+//! The legend of the overlays under the images; a click on an entry shows or hides it.
+
+use egui::{Button, RichText, Ui, vec2};
+
+use crate::app::command::Command;
+use crate::app::panes::overlays::{OVERLAYS, Visibility};
+use crate::app::scene::Scene;
+
+/// Shows the strip.
+pub fn show(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
+    ui.horizontal_wrapped(|ui| {
+        ui.spacing_mut().item_spacing = vec2(3.0, 0.0);
+        ui.spacing_mut().button_padding = vec2(5.0, 1.0);
+        ui.spacing_mut().interact_size.y = 20.0;
+        for (number, (overlay, shown)) in OVERLAYS.iter().zip(scene.overlays).enumerate() {
+            if overlay.visibility == Visibility::Always {
+                continue;
+            }
+            let text = RichText::new(format!("     {}", overlay.name)).size(13.0);
+            let text = if *shown { text } else { text.weak() };
+            let entry = ui.add(Button::selectable(false, text));
+            let swatch = egui::Rect::from_center_size(
+                egui::pos2(entry.rect.min.x + 13.0, entry.rect.center().y),
+                vec2(11.0, 11.0),
+            );
+            if *shown {
+                ui.painter().rect_filled(swatch, 3.0, overlay.color);
+            } else {
+                let stroke = egui::Stroke::new(1.2, ui.visuals().weak_text_color());
+                ui.painter().rect_stroke(swatch, 3.0, stroke, egui::StrokeKind::Inside);
+            }
+            let name = format!("Show {}", overlay.name);
+            entry.widget_info(|| egui::WidgetInfo::selected(egui::Role::CheckBox, true, *shown, &name));
+            if entry.on_hover_text(overlay.tooltip).clicked() {
+                commands.push(Command::ToggleOverlay(number));
+            }
+        }
+    });
+}

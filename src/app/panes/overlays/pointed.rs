@@ -1,0 +1,69 @@
+//! What is pointed at elsewhere in the window: its place in the images lights up.
+
+use egui::Stroke;
+
+use super::{Canvas, Overlay, Visibility, samples};
+use crate::app::document::{PointRef, Side};
+use crate::app::focus::Target;
+use crate::app::theme;
+use crate::geometry::Point;
+
+/// Registered in [`super::OVERLAYS`].
+pub const OVERLAY: Overlay = Overlay {
+    name: "Pointed at",
+    tooltip: "What the cursor points at in a table, a matrix or a plot, here in the images.",
+    color: theme::SELECTED,
+    visibility: Visibility::Always,
+    magnified: false,
+    draw,
+};
+
+fn draw(canvas: &Canvas) {
+    let scene = canvas.scene;
+    match scene.focus.hovered() {
+        Some(Target::Cell { pair, row, column }) => {
+            let lines = scene.computation.pencils().and_then(|pencils| pencils.get(pair)?.lines(row, column));
+            if let Some(lines) = lines {
+                canvas.line(&lines[canvas.side.index()].line(), theme::STRONG_LINE_WIDTH, theme::SELECTED);
+            }
+        }
+        Some(Target::Hypothesis(number)) => {
+            let Some((shown, _)) = canvas.shown() else { return };
+            let Some(hypothesis) = shown.estimate.hypotheses.get(number) else { return };
+            for (_, other) in scene.document.points(canvas.side.other()) {
+                if let Some(line) = canvas.line_from_other(&hypothesis.fundamental, other) {
+                    canvas.line(&line, theme::LINE_WIDTH, theme::HYPOTHESIS);
+                }
+            }
+        }
+        Some(Target::Pair(pair)) => {
+            if let Some(point) = scene.document.point(PointRef { pair, side: canvas.side }) {
+                ring(canvas, point);
+            }
+        }
+        Some(Target::Match(number)) => {
+            let matched = canvas.shown().and_then(|(shown, _)| shown.estimate.matches.get(number).copied());
+            if let Some(matched) = matched {
+                ring(
+                    canvas,
+                    match canvas.side {
+                        Side::Left => matched.pair.point1,
+                        Side::Right => matched.pair.point2,
+                    },
+                );
+            }
+        }
+        Some(Target::Sample(index)) => {
+            if let Some(point) = samples::place(canvas, index) {
+                ring(canvas, point);
+            }
+        }
+        None => {}
+    }
+}
+
+fn ring(canvas: &Canvas, point: Point) {
+    let at = canvas.transform.screen_from_image(point);
+    canvas.painter.circle_stroke(at, theme::HANDLE_RADIUS + 5.0, Stroke::new(4.0, theme::HALO));
+    canvas.painter.circle_stroke(at, theme::HANDLE_RADIUS + 5.0, Stroke::new(2.0, theme::SELECTED));
+}

@@ -1,0 +1,32 @@
+//! Geometries that follow moved clicks without a search.
+
+use epiline::estimate::{Estimate, Parameters, follow};
+use epiline::geometry::{FundamentalMatrix, Vector};
+use nalgebra::Matrix3;
+
+use crate::support::{both, mean_distance, paper};
+
+#[test]
+fn a_followed_geometry_stays_with_the_images_and_leaves_wrong_starts() {
+    for known in both() {
+        let parameters = Parameters::default();
+        let found = known.estimate(&known.show_me, &parameters).unwrap();
+        let rows = Matrix3::new(0.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 1.0, 9.0);
+        let wrong = Estimate::of(FundamentalMatrix::from_rank_two(rows).unwrap(), &parameters);
+        let mut moved = known.show_me.to_vec();
+        for step in [Vector::new(0.4, -0.3), Vector::new(6.0, 4.0)] {
+            moved[0].point1 = known.show_me[0].point1 + step;
+            let followed = follow(&known.prepared, [&found, &wrong], &moved, &parameters).unwrap();
+            let error = mean_distance(&followed.fundamental, &known.scene.matches);
+            // Patches matched to a pixel at 768 px; the search's own refinement is finer.
+            assert!(error < 1.5, "{}: {error} px after {step}", known.name);
+            assert!(followed.trust.is_none() && !followed.refined, "it claims nothing");
+        }
+        assert!(
+            follow(&known.prepared, [&found], &moved, &paper()).is_none(),
+            "lines alone are not followed"
+        );
+        assert!(follow(&known.prepared, [&found], &moved[..1], &parameters).is_none());
+        assert!(follow(&known.prepared, [], &moved, &parameters).is_none());
+    }
+}

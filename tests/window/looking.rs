@@ -1,0 +1,320 @@
+//! Looking at the geometry: overlays, the inspect tool, the loupe, the map, linked views, suggestions, the palette.
+
+use crate::support::*;
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use egui::{Color32, Key, Modifiers, PointerButton, Pos2, Shape, vec2};
+use egui_kittest::kittest::Queryable;
+use epiline::app::document::Side;
+use epiline::app::focus::LineSource;
+use epiline::app::look::Look;
+use epiline::app::{Services, Start};
+use epiline::geometry::{Point, symmetric_epipolar_distance};
+use epiline::suggest::{Suggestion, Suggestions, Verdict};
+
+const CURSOR_LINE: Color32 = Color32::from_rgb(240, 228, 66);
+const FIRST_PIN: Color32 = Color32::from_rgb(230, 110, 40);
+
+fn press(window: &mut Window, key: Key) {
+    window.key_press(key);
+    settle(window);
+}
+
+/// Where in a fitting image a place of the screen is.
+fn image_position(window: &Window, side: Side, at: Pos2) -> Point {
+    let offset = (at - pane(window, side).center()) / fitting_scale(window, side);
+    window.state().document().frame(side).unwrap().centre()
+        + epiline::geometry::Vector::new(f64::from(offset.x), f64::from(offset.y))
+}
+
+fn scroll(window: &mut Window, at: Pos2) {
+    window.hover_at(at);
+    window.event(egui::Event::MouseWheel {
+        unit: egui::MouseWheelUnit::Point,
+        delta: vec2(0.0, 150.0),
+        phase: egui::TouchPhase::Move,
+        source: egui::MouseWheelSource::Wheel,
+        modifiers: Modifiers::NONE,
+    });
+    for _ in 0..10 {
+        window.step();
+    }
+    settle(window);
+}
+
+/// The square frame of the loupe, if it is drawn.
+fn loupe(window: &Window) -> Option<egui::Rect> {
+    window.output().shapes.iter().find_map(|clipped| match &clipped.shape {
+        Shape::Rect(rect) if (rect.rect.size() - vec2(132.0, 132.0)).length() < 0.1 => Some(rect.rect),
+        _ => None,
+    })
+}
+
+fn suggesting(verdict: Verdict) -> Services {
+    Services {
+        suggest: Box::new(move |question| {
+            let position = question.half.point + epiline::geometry::Vector::new(12.5, -3.0);
+            let candidate = Suggestion { position, correlation: 0.93, rotation: 0.0, scale: 1.0 };
+            let rival = Suggestion { position: Point::new(10.0, 20.0), correlation: 0.71, ..candidate };
+            Ok(Suggestions {
+                candidates: vec![candidate, rival],
+                ambiguity: 0.2,
+                return_distance: Some(0.1),
+                verdict,
+            })
+        }),
+        ..services()
+    }
+}
+
+#[test]
+fn the_cursor_line_is_the_epipolar_line_of_the_place_under_the_cursor() {
+    let mut window = sample();
+    click_two_pairs(&mut window);
+    let f = window.state().estimate().unwrap().fundamental;
+    for side in Side::BOTH {
+        let cursor = at(&window, side, 0.11, -0.07);
+        window.hover_at(cursor);
+        settle(&mut window);
+        let under = image_position(&window, side, cursor);
+        let expected = match side {
+            Side::Left => f.line2_from_point1(under),
+            Side::Right => f.line1_from_point2(under),
+        };
+        let drawn = lines(&window, side.other(), CURSOR_LINE);
+        assert!(!drawn.is_empty(), "from the {} image", side.name());
+        for end in drawn.into_iter().flatten() {
+            let distance = expected.unwrap().distance(image_position(&window, side.other(), end));
+            assert!(distance < 0.1, "{distance} px off, from the {} image", side.name());
+        }
+    }
+}
+
+#[test]
+fn the_inspect_tool_pins_line_pairs_and_escape_leaves_it() {
+    let mut window = sample();
+    click_two_pairs(&mut window);
+    press(&mut window, Key::I);
+    window.get_by_label_contains("Inspect: click in an image to pin");
+    let place = at(&window, Side::Right, 0.1, 0.1);
+    click(&mut window, place);
+    let pins = window.state().focus().pins().to_vec();
+    assert!(matches!(pins[..], [pin] if matches!(pin.source, LineSource::Through { side: Side::Right, .. })));
+    for side in Side::BOTH {
+        assert_eq!(lines(&window, side, FIRST_PIN).len(), 1, "in the {} image", side.name());
+    }
+    // A click on a point pins the lines of its pair.
+    let handle = screen(&window, P_LEFT);
+    click(&mut window, handle);
+    assert_eq!(window.state().focus().inspected().unwrap().source, LineSource::Pair(0));
+    assert!(window.state().document().half.is_none(), "no point was placed");
+    press(&mut window, Key::Delete);
+    assert_eq!(window.state().focus().pins(), pins, "the pair that was looked at is unpinned");
+    assert_eq!(window.state().document().pairs.len(), 2);
+    press(&mut window, Key::Escape);
+    click(&mut window, place);
+    assert!(window.state().document().half.is_some());
+    assert_eq!(window.state().focus().pins().len(), 1);
+}
+
+#[test]
+fn enter_accepts_a_clear_suggestion_only() {
+    for (verdict, accepted) in [(Verdict::Clear, true), (Verdict::Ambiguous, false)] {
+        let mut window = window(Start::default(), suggesting(verdict));
+        let left = at(&window, Side::Left, -0.1, 0.1);
+        click(&mut window, left);
+        let first = window.state().document().half.unwrap().point;
+        press(&mut window, Key::Enter);
+        let pairs = &window.state().document().pairs;
+        assert_eq!(pairs.len(), usize::from(accepted), "{verdict:?}");
+        if accepted {
+            let moved = pairs[0].point2 - first;
+            assert!((moved.x - 12.5).abs() < 1e-9 && (moved.y + 3.0).abs() < 1e-9, "{moved:?}");
+            window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+            settle(&mut window);
+            assert!(window.state().document().pairs.is_empty(), "one step to undo");
+        } else {
+            window.get_by_label_contains("No suggestion is clear enough");
+        }
+    }
+}
+
+#[test]
+fn the_palette_finds_and_runs_commands_by_key_and_by_mouse() {
+    let mut window = sample();
+    let theme = window.ctx.theme();
+    window.key_press_modifiers(Modifiers::COMMAND, Key::K);
+    settle(&mut window);
+    window.event(egui::Event::Text("dark".into()));
+    settle(&mut window);
+    press(&mut window, Key::Enter);
+    assert_ne!(window.ctx.theme(), theme);
+    assert!(window.query_by_label("Search commands").is_none(), "it closes when a command runs");
+
+    window.key_press_modifiers(Modifiers::COMMAND, Key::P);
+    settle(&mut window);
+    window.event(egui::Event::Text("show me".into()));
+    settle(&mut window);
+    window.get_by_label("Show me: place two pairs on the sample").click();
+    settle(&mut window);
+    assert_eq!(window.state().document().pairs.len(), 2);
+
+    window.key_press_modifiers(Modifiers::COMMAND, Key::K);
+    settle(&mut window);
+    press(&mut window, Key::ArrowDown);
+    press(&mut window, Key::Delete);
+    press(&mut window, Key::Escape);
+    assert!(window.query_by_label("Search commands").is_none());
+    assert_eq!(window.state().document().pairs.len(), 2, "its keys are its own");
+}
+
+#[test]
+fn linked_views_zoom_and_move_together() {
+    let mut window = sample();
+    let (left, right) = (at(&window, Side::Left, 0.2, 0.1), at(&window, Side::Right, 0.2, 0.1));
+    let place = |window: &mut Window| {
+        click(window, right);
+        let point = window.state().document().half.unwrap().point;
+        press(window, Key::Escape);
+        point
+    };
+    let before = place(&mut window);
+    scroll(&mut window, left);
+    let alone = place(&mut window);
+    assert!((alone - before).norm() < 1e-6, "not linked: {alone}");
+    press(&mut window, Key::L);
+    let beside = right + vec2(-90.0, -60.0);
+    click(&mut window, beside);
+    let zoomed = window.state().document().half.unwrap().point;
+    press(&mut window, Key::Escape);
+    let unzoomed = image_position(&window, Side::Right, beside);
+    assert!(
+        (zoomed - before).norm() < 0.8 * (unzoomed - before).norm(),
+        "{zoomed} is not nearer than {unzoomed}"
+    );
+    let empty = left + vec2(-40.0, 0.0);
+    drag(&mut window, empty, empty + vec2(50.0, 0.0), PointerButton::Middle);
+    let moved = place(&mut window);
+    assert!(moved.x < before.x - 10.0, "{moved}");
+}
+
+#[test]
+fn the_loupe_shows_while_a_point_is_placed_or_dragged() {
+    let mut window = sample();
+    let cursor = at(&window, Side::Left, 0.0, 0.1);
+    window.hover_at(cursor);
+    settle(&mut window);
+    let frame = loupe(&window).expect("a loupe while the first points are placed");
+    assert!(!frame.contains(cursor) && pane(&window, Side::Left).contains_rect(frame));
+    click_two_pairs(&mut window);
+    window.hover_at(cursor);
+    settle(&mut window);
+    assert!(loupe(&window).is_none(), "nothing is being placed");
+    let handle = screen(&window, P_LEFT);
+    window.hover_at(handle);
+    button(&window, handle, PointerButton::Primary, true);
+    window.hover_at(handle + vec2(15.0, 5.0));
+    window.hover_at(handle + vec2(20.0, 5.0));
+    window.step();
+    window.step();
+    assert!(loupe(&window).is_some(), "while dragging");
+    button(&window, handle + vec2(20.0, 5.0), PointerButton::Primary, false);
+    settle(&mut window);
+}
+
+#[test]
+fn a_click_in_the_map_chooses_a_hypothesis() {
+    let mut window = window(Start::default(), rich_services());
+    assert!(window.query_by_label("epipole map of the left image").is_none(), "there is nothing to show yet");
+    click_two_pairs(&mut window);
+    let map = window.get_by_label("epipole map of the right image").rect();
+    // Dots of hypotheses are smaller than everything else in the map.
+    let dots: Vec<Pos2> = window
+        .output()
+        .shapes
+        .iter()
+        .filter_map(|clipped| match &clipped.shape {
+            Shape::Circle(circle) if map.expand(5.0).contains(circle.center) && circle.radius < 3.0 => {
+                Some(circle.center)
+            }
+            _ => None,
+        })
+        .collect();
+    assert!(dots.len() >= 3, "{dots:?}");
+    click(&mut window, dots[0]);
+    assert!(window.state().focus().hypothesis().is_some());
+    press(&mut window, Key::M);
+    assert!(window.query_by_label("epipole map of the left image").is_none());
+}
+
+#[test]
+fn overlays_are_shown_and_hidden_and_the_choice_is_kept() {
+    let mut window = window(Start::default(), rich_services());
+    click_two_pairs(&mut window);
+    let corner = pane(&window, Side::Left).left_top() - vec2(5.0, 30.0);
+    for name in
+        ["Candidates", "Chosen lines", "Bisectors", "Round trip", "Epipolar lines", "Points", "Hypotheses"]
+    {
+        let drawn = |window: &mut Window| {
+            window.hover_at(corner);
+            settle(window);
+            window.output().shapes.len()
+        };
+        let before = drawn(&mut window);
+        window.get_by_label(&format!("Show {name}")).click();
+        settle(&mut window);
+        assert_ne!(drawn(&mut window), before, "{name}");
+    }
+    let look = window.state().look().clone();
+    let mut again = sample();
+    again.state_mut().set_look(look.clone());
+    settle(&mut again);
+    assert_eq!(*again.state().look(), look);
+    assert_ne!(look, Look::default());
+}
+
+#[test]
+fn the_geometry_follows_a_dragged_point_while_the_search_is_held_up() {
+    let held_up = Arc::new(AtomicBool::new(false));
+    let mut services = services();
+    services.estimate = Box::new({
+        let held_up = Arc::clone(&held_up);
+        move |request, _| {
+            while held_up.load(Ordering::Relaxed) {
+                std::thread::sleep(std::time::Duration::from_millis(1));
+            }
+            fake_estimate(&request.pairs, &request.parameters)
+        }
+    });
+    services.follow = Box::new(|request, starts| {
+        assert!(!starts.is_empty());
+        fake_estimate(&request.pairs, &request.parameters).ok()
+    });
+    let mut window = window(Start::default(), services);
+    click_two_pairs(&mut window);
+    held_up.store(true, Ordering::Relaxed);
+    let from = screen(&window, P_LEFT);
+    window.hover_at(from);
+    button(&window, from, PointerButton::Primary, true);
+    for step in 1..=5 {
+        window.hover_at(from + vec2(8.0 * step as f32, 0.0));
+        window.step();
+    }
+    let begun = std::time::Instant::now();
+    let fits = |window: &Window| {
+        let inspector = window.state();
+        let f = inspector.estimate().unwrap().fundamental;
+        inspector.document().pairs.iter().all(|pair| symmetric_epipolar_distance(&f, pair) < 1e-6)
+    };
+    while !fits(&window) {
+        assert!(begun.elapsed() < PATIENCE, "the geometry does not follow");
+        std::thread::sleep(std::time::Duration::from_millis(1));
+        window.step();
+    }
+    assert!(window.state().is_busy(), "the search still goes on");
+    held_up.store(false, Ordering::Relaxed);
+    button(&window, from + vec2(40.0, 0.0), PointerButton::Primary, false);
+    settle(&mut window);
+}
