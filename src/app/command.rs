@@ -209,7 +209,9 @@ impl Command {
             Self::ShowMe => "Place two point pairs on the sample and see the geometry they give.",
             Self::Undo => "Take the last step back; a drag is one step.",
             Self::Redo => "Make the step again that was taken back.",
-            Self::DeleteSelected => "Remove the pair of the selected point from both images.",
+            Self::DeleteSelected => {
+                "Remove the pair of the selected point from both images; with the inspect tool, the pinned line pair."
+            }
             Self::DeletePair(_) => "Remove this pair from both images.",
             Self::IncludePair(..) => {
                 "A pair left out counts neither for the estimate nor for the summary; the next one takes its place."

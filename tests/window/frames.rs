@@ -11,18 +11,19 @@ use std::cell::RefCell;
 use std::rc::Rc;
 use std::time::{Duration, Instant};
 
-use egui::{PointerButton, vec2};
+use egui::{Modifiers, PointerButton, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
-use epiline::app::{Inspector, Services, Start, install_theme};
+use epiline::app::document::Side;
+use epiline::app::look::Look;
+use epiline::app::{Inspector, Opening, Services, Start, install_theme};
 
 /// Frames of a drag, at 60 a second.
 const FRAMES: u32 = 180;
 const FRAME: Duration = Duration::from_micros(16_667);
 
-#[test]
-#[ignore = "it measures and asserts nothing"]
-fn frames_while_dragging() {
+/// A window with the real services, and how long each of its frames took.
+fn timed(start: Start) -> (Window, Rc<RefCell<Vec<Duration>>>) {
     let times: Rc<RefCell<Vec<Duration>>> = Rc::default();
     let noted = Rc::clone(&times);
     let mut window: Window = Harness::builder()
@@ -35,27 +36,45 @@ fn frames_while_dragging() {
                 inspector.show(ui);
                 noted.borrow_mut().push(begun.elapsed());
             },
-            Inspector::new(Start::default(), Services::default()),
+            Inspector::new(start, Services::default()),
         );
     settle(&mut window);
-    window.get_by_label("Show me").click();
-    settle(&mut window);
-    let from = screen(&window, P_LEFT);
+    (window, times)
+}
+
+#[test]
+#[ignore = "it measures and asserts nothing"]
+fn frames_while_dragging() {
+    for everything in [false, true] {
+        let (mut window, times) = timed(Start::default());
+        window.get_by_label("Show me").click();
+        settle(&mut window);
+        if everything {
+            let look = Look { overlays: window.state().look().overlays.map(|_| true), ..Look::default() };
+            window.state_mut().set_look(look);
+        }
+        println!("every overlay: {everything}");
+        drag_in_circles(&mut window, &times);
+    }
+}
+
+fn drag_in_circles(window: &mut Window, times: &RefCell<Vec<Duration>>) {
+    let from = screen(window, P_LEFT);
     window.hover_at(from);
-    button(&window, from, PointerButton::Primary, true);
+    button(window, from, PointerButton::Primary, true);
     window.step();
     times.borrow_mut().clear();
     let fundamental = |window: &Window| window.state().estimate().map(|estimate| estimate.fundamental);
     // When a point was moved that the geometry on the screen does not know of yet, and how long such waits were.
     let (mut waiting, mut waits) = (None, Vec::new());
-    let mut shown = fundamental(&window);
+    let mut shown = fundamental(window);
     for frame in 0..FRAMES {
         let begun = Instant::now();
         let turn = f64::from(frame) * 0.05;
         let way = vec2(turn.sin() as f32 * 12.0, turn.cos() as f32 * 12.0 - 12.0);
         window.hover_at(from + way);
         window.step();
-        let now = fundamental(&window);
+        let now = fundamental(window);
         if now != shown {
             shown = now;
             waits.extend(waiting.take().map(|moved: Instant| moved.elapsed()));
@@ -64,13 +83,54 @@ fn frames_while_dragging() {
         waiting.get_or_insert(begun);
         std::thread::sleep(FRAME.saturating_sub(begun.elapsed()));
     }
-    let dragging = times.borrow().clone();
-    button(&window, from, PointerButton::Primary, false);
+    println!("  frames while dragging: {}", summary(times.take()));
+    println!("  from a moved point to new lines: {}", summary(waits));
+    button(window, from, PointerButton::Primary, false);
     let released = Instant::now();
-    settle(&mut window);
-    println!("frames while dragging: {}", summary(dragging));
-    println!("from a moved point to new lines: {}", summary(waits));
-    println!("from the end of the drag to the final geometry: {:.2} s", released.elapsed().as_secs_f64());
+    settle(window);
+    println!("  from the end of the drag to the final geometry: {:.2} s", released.elapsed().as_secs_f64());
+}
+
+/// Uploads to the graphics card are left out: there is none.
+#[test]
+#[ignore = "it measures and asserts nothing"]
+fn frames_while_moving_large_images() {
+    let files = Files::new();
+    let [left, right] = ["a.png", "b.png"].map(|name| files.image(name, 8000, 6000));
+    let (mut window, times) = timed(Start { opening: Opening::Files(left, right), ..Start::default() });
+    let middle = pane(&window, Side::Left).center();
+    window.hover_at(middle);
+    times.borrow_mut().clear();
+    for (what, by) in [("in", 12.0), ("out", -12.0)] {
+        for _ in 0..FRAMES {
+            window.event(egui::Event::MouseWheel {
+                unit: egui::MouseWheelUnit::Point,
+                delta: vec2(0.0, by),
+                phase: egui::TouchPhase::Move,
+                source: egui::MouseWheelSource::Wheel,
+                modifiers: Modifiers::NONE,
+            });
+            window.step();
+        }
+        println!("zooming {what}: {}", summary(times.take()));
+    }
+    for _ in 0..60 {
+        window.event(egui::Event::MouseWheel {
+            unit: egui::MouseWheelUnit::Point,
+            delta: vec2(0.0, 12.0),
+            phase: egui::TouchPhase::Move,
+            source: egui::MouseWheelSource::Wheel,
+            modifiers: Modifiers::NONE,
+        });
+        window.step();
+    }
+    times.borrow_mut().clear();
+    button(&window, middle, PointerButton::Middle, true);
+    for frame in 0..FRAMES {
+        window.hover_at(middle + vec2(-(frame as f32) * 4.0, -(frame as f32) * 3.0));
+        window.step();
+    }
+    println!("moving: {}", summary(times.take()));
 }
 
 fn summary(mut times: Vec<Duration>) -> String {

@@ -110,10 +110,13 @@ fn the_inspect_tool_pins_line_pairs_and_escape_leaves_it() {
     click(&mut window, handle);
     assert_eq!(window.state().focus().inspected().unwrap().source, LineSource::Pair(0));
     assert!(window.state().document().half.is_none(), "no point was placed");
+    press(&mut window, Key::Delete);
+    assert_eq!(window.state().focus().pins(), pins, "the pair that was looked at is unpinned");
+    assert_eq!(window.state().document().pairs.len(), 2);
     press(&mut window, Key::Escape);
     click(&mut window, place);
     assert!(window.state().document().half.is_some());
-    assert_eq!(window.state().focus().pins().len(), 2);
+    assert_eq!(window.state().focus().pins().len(), 1);
 }
 
 #[test]

@@ -31,11 +31,7 @@ impl Inspector {
             }
             Command::Undo => self.travel(true),
             Command::Redo => self.travel(false),
-            Command::DeleteSelected => {
-                if let Some(at) = self.document.selection {
-                    self.edit(Step::Single, |document| document.remove(at.pair));
-                }
-            }
+            Command::DeleteSelected => self.delete_selected(),
             Command::DeletePair(pair) => self.edit(Step::Single, |document| document.remove(pair)),
             Command::IncludePair(pair, included) => {
                 self.edit(Step::Single, |document| document.include(pair, included));
@@ -135,6 +131,18 @@ impl Inspector {
         self.document = travelled.unwrap_or_else(|unchanged| unchanged);
         for pane in &mut self.panes {
             pane.let_go();
+        }
+    }
+
+    /// The tool in hand says whether it is a point pair or a pinned line pair.
+    fn delete_selected(&mut self) {
+        if self.tool == Tool::Inspect {
+            let inspected = self.focus.inspected().copied();
+            if let Some(number) = self.focus.pins().iter().position(|pin| Some(*pin) == inspected) {
+                self.focus.unpin(number);
+            }
+        } else if let Some(at) = self.document.selection {
+            self.edit(Step::Single, |document| document.remove(at.pair));
         }
     }
 

@@ -144,7 +144,7 @@ fn makes_sense(command: &Command, scene: &Scene) -> bool {
         Command::ShowMe => scene.has_sample_points,
         Command::Undo => scene.can_undo_redo[0],
         Command::Redo => scene.can_undo_redo[1],
-        Command::DeleteSelected => document.selection.is_some(),
+        Command::DeleteSelected => document.selection.is_some() || scene.focus.inspected().is_some(),
         Command::ClearPairs => !document.pairs.is_empty() || document.half.is_some(),
         Command::AcceptSuggestion => scene.accepted_suggestion().is_some(),
         Command::Stop => scene.computation.is_running(),

@@ -8,6 +8,7 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
+use ::image::DynamicImage;
 use egui::{Color32, ColorImage, Mesh, Painter, Rect, TextureFilter, TextureHandle, TextureOptions, pos2};
 
 use super::Transform;
@@ -16,11 +17,11 @@ use crate::image::Picture;
 /// Longest side of an overview, px. Every graphics system we can run on allows textures of this size.
 const OVERVIEW_SIDE: u32 = 2048;
 /// Side of a tile, px: small enough to be converted within a frame.
-const TILE_SIDE: usize = 1024;
+const TILE_SIDE: usize = 512;
 /// Tiles uploaded a frame.
-const UPLOADS_A_FRAME: usize = 2;
+const UPLOADS_A_FRAME: usize = 3;
 /// Tiles kept although out of sight.
-const TILES_KEPT: usize = 48;
+const TILES_KEPT: usize = 96;
 /// How many times the overview may be magnified before tiles take its place.
 const OVERVIEW_MAGNIFICATION: f64 = 1.5;
 
@@ -48,18 +49,23 @@ impl Overview {
         let (width, height) = (pixels.width(), pixels.height());
         let longer = width.max(height);
         if longer <= OVERVIEW_SIDE {
-            return Self { image: Arc::new(color_image(&pixels.to_rgba8())), scale: 1.0 };
+            return Self { image: Arc::new(color_image(pixels)), scale: 1.0 };
         }
         let scale = f64::from(OVERVIEW_SIDE) / f64::from(longer);
         let reduced = |v: u32| ((f64::from(v) * scale).round() as u32).clamp(1, OVERVIEW_SIDE);
         let small = pixels.thumbnail_exact(reduced(width), reduced(height));
-        Self { image: Arc::new(color_image(&small.to_rgba8())), scale }
+        Self { image: Arc::new(color_image(&small)), scale }
     }
 }
 
-fn color_image(pixels: &image::RgbaImage) -> ColorImage {
+fn color_image(pixels: &DynamicImage) -> ColorImage {
     let size = [pixels.width() as usize, pixels.height() as usize];
-    ColorImage::from_rgba_unmultiplied(size, pixels.as_raw())
+    if pixels.color().has_alpha() {
+        ColorImage::from_rgba_unmultiplied(size, pixels.to_rgba8().as_raw())
+    } else {
+        // Several times faster, and most photographs are like this.
+        ColorImage::from_rgb(size, pixels.to_rgb8().as_raw())
+    }
 }
 
 struct Tile {
@@ -115,7 +121,7 @@ impl PictureTexture {
                     uploads += 1;
                     let [x, y, w, h] =
                         [first[0], first[1], end[0] - first[0], end[1] - first[1]].map(|v| v as u32);
-                    let pixels = self.picture.pixels.crop_imm(x, y, w, h).to_rgba8();
+                    let pixels = self.picture.pixels.crop_imm(x, y, w, h);
                     let handle = painter.ctx().load_texture("tile", color_image(&pixels), PIXELS);
                     draw(painter, &handle, area);
                     self.tiles.insert([column, row], Tile { handle, seen: self.frame });
@@ -130,7 +136,8 @@ impl PictureTexture {
             hidden.sort_unstable();
             hidden.truncate(self.tiles.len() - TILES_KEPT);
             for (seen, at) in hidden {
-                if seen < self.frame {
+                // A loupe draws after the pane and sees other tiles.
+                if seen + 1 < self.frame {
                     self.tiles.remove(&at);
                 }
             }

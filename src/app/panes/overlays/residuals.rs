@@ -17,10 +17,13 @@ pub const OVERLAY: Overlay = Overlay {
 
 /// How many times longer than it is a residual is drawn.
 const MAGNIFICATION: f64 = 50.0;
+/// Strokes drawn at most, spread over the list, which is in the order of the corners.
+const DRAWN: usize = 300;
 
 fn draw(canvas: &Canvas) {
     let Some((shown, opacity)) = canvas.shown() else { return };
-    for matched in &shown.estimate.matches {
+    let matches = &shown.estimate.matches;
+    for matched in matches.iter().step_by(matches.len().div_ceil(DRAWN).max(1)) {
         let pair = &matched.pair;
         let (point, other) = match canvas.side {
             Side::Left => (pair.point1, pair.point2),
