@@ -36,10 +36,14 @@ fn show(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
         );
         return;
     }
-    for line in summary(scene) {
+    let summary = summary(scene);
+    if !summary.is_empty() {
         ui.horizontal_wrapped(|ui| {
-            ui.weak(line.name).on_hover_text(line.tooltip);
-            ui.label(line.value);
+            for line in summary {
+                ui.weak(line.name).on_hover_text(line.tooltip);
+                ui.label(line.value).on_hover_text(line.tooltip);
+                ui.add_space(theme::GAP);
+            }
         });
     }
     ScrollArea::both().id_salt("points").auto_shrink([false, false]).show(ui, |ui| {

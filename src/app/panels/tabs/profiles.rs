@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use egui::{Color32, Id, ImageData, RichText, TextureHandle, TextureOptions, Ui, UiBuilder, vec2};
-use egui_plot::{Line, Plot, PlotImage, PlotPoint, PlotPoints, PlotUi, VLine};
+use egui_plot::{GridInput, GridMark, Line, Plot, PlotImage, PlotPoint, PlotPoints, PlotUi, VLine};
 
 use super::super::command_button;
 use super::{Tab, empty};
@@ -144,7 +144,9 @@ impl Titled<'_> {
             .link_axis(Id::unique("profile plots"), [true, false])
             .show_axes([self.has_scale, true])
             .y_axis_min_width(40.0)
-            .grid_spacing(24.0..=120.0)
+            .grid_spacing(8.0..=24.0)
+            .x_grid_spacer(|input| marks(input, 6.0))
+            .y_grid_spacer(|input| marks(input, 2.5))
             .grid_color(ui.visuals().widgets.noninteractive.bg_stroke.color)
             .show_x(false)
             .show_y(false)
@@ -168,6 +170,18 @@ impl Titled<'_> {
             });
         response.inner
     }
+}
+
+/// Marks of an axis at round numbers, about so many in sight.
+fn marks(input: GridInput, count: f64) -> Vec<GridMark> {
+    let (low, high) = input.bounds;
+    let wanted = ((high - low) / count).max(f64::MIN_POSITIVE);
+    let power = 10f64.powf(wanted.log10().floor());
+    let step = power * [1.0, 2.0, 5.0].into_iter().find(|round| round * power >= wanted).unwrap_or(10.0);
+    let first = (low / step).ceil();
+    // The plot asks before it has bounds, too.
+    let number = ((high / step).floor() - first).clamp(0.0, 100.0) as usize;
+    (0..=number).map(|k| GridMark { value: (first + k as f64) * step, step_size: step }).collect()
 }
 
 /// Points of a curve over the distance from the anchor, px.
