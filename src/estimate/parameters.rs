@@ -74,6 +74,7 @@ pub enum LineScore {
 /// All parameters of an estimate. [`Parameters::from`] a [`Preset`] gives its defaults; the table in the
 /// documentation of [`crate::estimate`] explains where the presets differ and why.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[expect(clippy::struct_excessive_bools, reason = "each is a switch of its own")]
 pub struct Parameters {
     /// The preset these started from.
     pub preset: Preset,
