@@ -15,7 +15,7 @@ use super::prepared::Witness;
 use super::support::Support;
 use super::voting::{Ballot, Booth, Elected};
 use super::{EstimateError, Monitor};
-use crate::geometry::{FundamentalMatrix, PointPair};
+use crate::geometry::{FundamentalMatrix, PointPair, symmetric_epipolar_distance};
 
 /// A hypothesis at the witness level.
 #[derive(Debug, Clone)]
@@ -110,6 +110,35 @@ fn thinned(elected: &[Elected], count: usize) -> Vec<Elected> {
         }
     }
     kept
+}
+
+/// Matches of a hypothesis that others are compared on.
+const COMPARED: usize = 60;
+/// A hypothesis that passes within this distance of most of them says nothing new, px of the level.
+const NEAR: f64 = 3.0;
+
+/// The best `count` hypotheses of a ranked list that say something new: whoever explains four fifths of the
+/// matches of a better one is left out. Geometries that agree wherever the scene is are the same to the user.
+pub(crate) fn different(support: &Support, ranked: &[Steered], count: usize) -> Vec<Steered> {
+    let compared = |steered: &Steered| -> Vec<PointPair> {
+        let matches = support.matches(&steered.fundamental, BAND);
+        let step = matches.len().div_ceil(COMPARED).max(1);
+        matches.iter().step_by(step).map(|m| m.pair).collect()
+    };
+    let explains = |candidate: &Steered, matches: &[PointPair]| {
+        let far = |m: &&PointPair| symmetric_epipolar_distance(&candidate.fundamental, m) > NEAR;
+        5 * matches.iter().filter(far).count() < matches.len()
+    };
+    let mut kept: Vec<(Steered, Vec<PointPair>)> = Vec::new();
+    for candidate in ranked {
+        if kept.len() == count {
+            break;
+        }
+        if !kept.iter().any(|(_, matches)| explains(candidate, matches)) {
+            kept.push((candidate.clone(), compared(candidate)));
+        }
+    }
+    kept.into_iter().map(|(steered, _)| steered).collect()
 }
 
 /// How the hypotheses of one witness level are polished.

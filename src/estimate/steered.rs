@@ -56,7 +56,9 @@ impl Run<'_> {
         self.enter(Stage::Validation)?;
         let fine = self.prepared.fine_witness();
         let ranked = self.ranked(&proposals, &own, third, witness, fine)?;
-        let hypotheses = self.figures(similarity, level, &ranked, fine);
+        let different = search::different(&fine.support, &ranked, REPORTED);
+        self.monitor.check()?;
+        let hypotheses = self.figures(similarity, level, &different, fine);
         let leader = ranked.first().ok_or(EstimateError::NoGeometry)?;
         let best = hypotheses.first().ok_or(EstimateError::NoGeometry)?.fundamental;
         let supporting: Vec<PointPair> = fine
@@ -69,8 +71,10 @@ impl Run<'_> {
         self.preliminary(&best, &hypotheses, Some(support.clone()));
 
         self.enter(Stage::Refinement)?;
-        let leading = hypotheses.iter().take(parameters.refined).map(|h| h.fundamental);
-        let refined = if parameters.refine { self.refined(leading) } else { None };
+        // Near-copies of the leader, too: refined, one of them may come out better.
+        let [s1, s2] = fine.scales;
+        let leading = ranked.iter().filter_map(|r| r.fundamental.rescaled(1.0 / s1, 1.0 / s2));
+        let refined = if parameters.refine { self.refined(leading.take(parameters.refined)) } else { None };
         self.monitor.check()?;
         if let Some(refined) = refined {
             return self.finish(refined.fundamental, hypotheses, Some(support), &supporting, Some(refined));
@@ -117,14 +121,15 @@ impl Run<'_> {
             self.monitor,
         )?;
         let ratios = [fine.scales[0] / witness.scales[0], fine.scales[1] / witness.scales[1]];
-        let mut starts: Vec<Steered> = coarse
-            .into_par_iter()
-            .filter_map(|c| {
-                let fundamental = c.fundamental.rescaled(ratios[0], ratios[1])?;
-                let support = fine.support.score(&fundamental, search::BAND);
-                Some(Steered { fundamental, support, ..c })
+        let at_fine = |c: &Steered| {
+            let fundamental = c.fundamental.rescaled(ratios[0], ratios[1])?;
+            Some(Steered {
+                fundamental,
+                support: fine.support.score(&fundamental, search::BAND),
+                ..c.clone()
             })
-            .collect();
+        };
+        let mut starts: Vec<Steered> = coarse.par_iter().filter_map(at_fine).collect();
         starts.sort_by(|a, b| b.support.total_cmp(&a.support));
         let observed: Vec<PointPair> =
             self.clicks.iter().chain(self.third.as_ref()).map(|c| resized_pair(c, fine.scales)).collect();
@@ -132,8 +137,10 @@ impl Run<'_> {
             search::polish(&fine.support, starts, &search::FINE, &observed, sigma(fine.scales), self.monitor)
         };
         let mut ranked = polish(&starts)?;
-        // The rest stay in the list as they are: they may be the runners-up.
+        // The rest stay in the list as they are, and so does what was proposed: among them are the runners-up.
         ranked.extend(starts.drain(starts.len().min(search::FINE.count)..));
+        let proposed: Vec<Steered> = proposals.par_iter().filter_map(at_fine).collect();
+        ranked.extend(proposed);
         for round in 0..parameters.resampling as u64 {
             ranked.sort_by(|a, b| b.support.total_cmp(&a.support));
             let before = ranked.first().map_or(0.0, |leader| leader.support);
@@ -155,20 +162,19 @@ impl Run<'_> {
         Ok(ranked)
     }
 
-    /// Line score, round trip and both κ of the best polished hypotheses, full-size pixels; their order stays.
+    /// Line score, round trip and both κ of hypotheses, full-size pixels; their order stays.
     fn figures(
         &self,
         similarity: &StereoSimilarity,
         level: &Level,
-        ranked: &[Steered],
+        hypotheses: &[Steered],
         fine: &FineWitness,
     ) -> Vec<Hypothesis> {
         let own = self.clicks.map(|c| resized_pair(&c, fine.scales));
         let examiner = Examiner { similarity, level, parameters: self.parameters, clicks: self.clicks };
         let [s1, s2] = fine.scales;
-        ranked
+        hypotheses
             .par_iter()
-            .take(REPORTED)
             .filter_map(|steered| {
                 let matches = fine.support.matches(&steered.fundamental, search::BAND);
                 let angles = Angles::nearest(
