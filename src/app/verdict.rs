@@ -205,7 +205,7 @@ pub fn epipole_text(epipole: &HomogeneousPoint, frame: Option<Frame>) -> String 
         return format!("at infinity, {degrees:.1}°");
     };
     // Far away, fractions of a pixel mean nothing.
-    let decimals = if p.coords.amax() < 1000.0 { 1 } else { 0 };
+    let decimals = usize::from(p.coords.amax() < 1000.0);
     let inside = if frame.is_some_and(|frame| frame.contains(p)) { " in the image" } else { "" };
     format!("({:.decimals$}, {:.decimals$}){inside}", p.x, p.y)
 }

@@ -39,6 +39,10 @@ fn tools(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
         ui.painter().rect_filled(area, 1.0, color);
     }
     ui.add_space(theme::GAP);
+    if let Some((inspection, sample)) = scene.inspection.zip(marked(scene)) {
+        ui.label(describe_sample(inspection, sample));
+        return;
+    }
     if let Some(inspection) = scene.inspection {
         let matching = &inspection.warped.matching;
         let cost = matching.cost as f64 / matching.sample_costs.len().max(1) as f64;
@@ -66,6 +70,33 @@ fn describe(inspected: &Inspected) -> String {
     }
 }
 
+/// The sample under the cursor: in a plot, or in an image near the line.
+fn marked(scene: &Scene) -> Option<i32> {
+    match (scene.focus.hovered(), scene.hover) {
+        (Some(Target::Sample(sample)), _) => Some(sample),
+        (_, Some(hover)) => scene.inspection?.sample_near(hover.side, hover.point, REACH),
+        _ => None,
+    }
+}
+
+/// The figures of one sample.
+fn describe_sample(inspection: &Inspection, sample: i32) -> String {
+    let warped = &inspection.warped;
+    let place = f64::from(sample) * inspection.step;
+    let number = (sample - warped.profile1.first) as usize;
+    let (Some(left), Some(disparity), Some(cost)) = (
+        warped.profile1.get(sample),
+        warped.matching.disparities.get(number),
+        warped.matching.sample_costs.get(number),
+    ) else {
+        return String::new();
+    };
+    let right = warped.warped2.get(number).copied().flatten();
+    let right = right.map_or("outside".to_owned(), |value| value.to_string());
+    let shift = f64::from(*disparity) * inspection.step;
+    format!("At {place:.0} px: left {left}, right {right}, shift {shift:+.0} px, cost {cost}")
+}
+
 fn show(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
     let Some(inspection) = scene.inspection.filter(|inspection| !inspection.samples().is_empty()) else {
         let text = if scene.inspection.is_some() {
@@ -79,12 +110,7 @@ fn show(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
         empty(ui, text);
         return;
     };
-    // The sample under the cursor: in a plot, or in an image near the line.
-    let marked = match (scene.focus.hovered(), scene.hover) {
-        (Some(Target::Sample(sample)), _) => Some(sample),
-        (_, Some(hover)) => inspection.sample_near(hover.side, hover.point, REACH),
-        _ => None,
-    };
+    let marked = marked(scene);
     let plots: [(&str, &str, Content); 4] = [
         ("Before warping", "Intensities of both lines at the same distance from the click.", before),
         (
@@ -145,8 +171,8 @@ impl Titled<'_> {
             .show_axes([self.has_scale, true])
             .y_axis_min_width(40.0)
             .grid_spacing(8.0..=24.0)
-            .x_grid_spacer(|input| marks(input, 6.0))
-            .y_grid_spacer(|input| marks(input, 2.5))
+            .x_grid_spacer(|input| marks(&input, 6.0))
+            .y_grid_spacer(|input| marks(&input, 2.5))
             .grid_color(ui.visuals().widgets.noninteractive.bg_stroke.color)
             .show_x(false)
             .show_y(false)
@@ -173,7 +199,7 @@ impl Titled<'_> {
 }
 
 /// Marks of an axis at round numbers, about so many in sight.
-fn marks(input: GridInput, count: f64) -> Vec<GridMark> {
+fn marks(input: &GridInput, count: f64) -> Vec<GridMark> {
     let (low, high) = input.bounds;
     let wanted = ((high - low) / count).max(f64::MIN_POSITIVE);
     let power = 10f64.powf(wanted.log10().floor());
