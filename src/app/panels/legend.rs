@@ -16,7 +16,7 @@ pub fn show(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
             if overlay.visibility == Visibility::Always {
                 continue;
             }
-            let text = RichText::new(format!("     {}", overlay.name)).size(13.0);
+            let text = RichText::new(format!("      {}", overlay.name)).size(13.0);
             let text = if *shown { text } else { text.weak() };
             let entry = ui.add(Button::selectable(false, text));
             let swatch = egui::Rect::from_center_size(
