@@ -1,10 +1,11 @@
-//! How a person looks at the images: which overlays are shown, whether the views are linked. None of it changes
-//! what is edited; it is remembered from one run to the next.
+//! How a person looks at the images: which overlays are shown, whether the views are linked, which tab is open. None
+//! of it changes what is edited; it is remembered from one run to the next.
 
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+use super::panels::tabs::TABS;
 use super::panes::overlays::{OVERLAYS, Visibility};
 
 /// What a click in an image does.
@@ -29,6 +30,8 @@ pub struct Look {
     pub map: bool,
     /// Whether a loupe follows the cursor while a point is placed.
     pub loupe: bool,
+    /// The tab of the bottom panel, by its number; none when the panel is folded away.
+    pub tab: Option<usize>,
 }
 
 impl Default for Look {
@@ -38,6 +41,7 @@ impl Default for Look {
             linked: false,
             map: true,
             loupe: true,
+            tab: Some(0),
         }
     }
 }
@@ -50,6 +54,7 @@ struct Saved {
     linked: bool,
     map: bool,
     loupe: bool,
+    tab: Option<usize>,
 }
 
 impl Default for Saved {
@@ -60,16 +65,18 @@ impl Default for Saved {
 
 impl From<Look> for Saved {
     fn from(look: Look) -> Self {
-        let Look { overlays, linked, map, loupe } = look;
+        let Look { overlays, linked, map, loupe, tab } = look;
         let overlays = OVERLAYS.iter().map(|overlay| overlay.name.to_owned()).zip(overlays).collect();
-        Self { overlays, linked, map, loupe }
+        Self { overlays, linked, map, loupe, tab }
     }
 }
 
 impl From<Saved> for Look {
     fn from(saved: Saved) -> Self {
-        let Saved { overlays, linked, map, loupe } = saved;
-        let mut look = Self { linked, map, loupe, ..Self::default() };
+        let Saved { overlays, linked, map, loupe, tab } = saved;
+        // Another version may have had more of them.
+        let tab = tab.map(|tab| tab.min(TABS.len() - 1));
+        let mut look = Self { linked, map, loupe, tab, ..Self::default() };
         for (overlay, shown) in OVERLAYS.iter().zip(&mut look.overlays) {
             if let Some(saved) =
                 overlays.get(overlay.name).filter(|_| overlay.visibility != Visibility::Always)
@@ -96,5 +103,6 @@ mod tests {
             r#"{"overlays": {"Points": false, "Of another version": true}, "map": false, "linked": true}"#;
         assert_eq!(serde_json::from_str::<Look>(partial).unwrap(), look);
         assert_eq!(serde_json::from_str::<Look>("{}").unwrap(), Look::default());
+        assert_eq!(serde_json::from_str::<Look>(r#"{"tab": 99}"#).unwrap().tab, Some(TABS.len() - 1));
     }
 }

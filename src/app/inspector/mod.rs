@@ -73,10 +73,9 @@ pub struct Inspector {
     inspected: Option<[AnchoredLine; 2]>,
     /// The result that the chosen hypothesis belongs to.
     revision: u64,
-    /// The tab of the bottom panel, and whether the panel is unfolded.
-    tab: usize,
-    tabs_open: bool,
     look: Look,
+    /// The tab that was open when the bottom panel was folded away.
+    folded_tab: usize,
     tool: Tool,
     suggesting: Suggesting,
     palette: CommandPalette,
@@ -117,9 +116,8 @@ impl Inspector {
             matcher: Matcher::new(waker.clone()),
             inspected: None,
             revision: 0,
-            tab: 0,
-            tabs_open: true,
             look: Look::default(),
+            folded_tab: 0,
             tool: Tool::default(),
             suggesting: Suggesting::new(services.suggest, waker),
             palette: CommandPalette::default(),
@@ -249,7 +247,7 @@ impl Inspector {
             hover: self.hover,
             focus: &self.focus,
             inspection: self.matcher.latest(),
-            tab: self.tabs_open.then_some(self.tab),
+            tab: self.look.tab,
             overlays: &self.look.overlays,
             look: &self.look,
             tool: self.tool,
