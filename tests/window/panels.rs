@@ -110,11 +110,14 @@ fn a_cell_of_the_pencils_is_pointed_at_and_a_click_inspects_its_lines() {
     click(&mut window, matrix.center() + vec2(2.0, 2.0));
     let pin = *window.state().focus().inspected().expect("a pinned pair");
     assert_eq!(pin.source, LineSource::Pencil { pair: 0, angles });
+    window.hover_at(egui::pos2(4.0, 796.0));
     press(&mut window, Key::Num2);
     window.get_by_label_contains("Lines through p at 90.0° and 90.0°");
     window.get_by_label("Unpin all lines").click();
     settle(&mut window);
     assert!(window.state().focus().pins().is_empty());
+    window.hover_at(egui::pos2(4.0, 796.0));
+    settle(&mut window);
     window.get_by_label_contains("Epipolar lines of p");
 }
 
@@ -127,6 +130,7 @@ fn a_place_in_the_profiles_is_a_sample_of_the_line() {
     settle(&mut window);
     let hovered = window.state().focus().hovered();
     assert!(matches!(hovered, Some(Target::Sample(_))), "{hovered:?}");
+    window.get_by_label_contains("px: left ");
 }
 
 #[test]
