@@ -1,5 +1,5 @@
-//! How a person looks at the images: which overlays and which tab are shown, whether the views are linked. None of it changes
-//! what is edited; it is remembered from one run to the next.
+//! How a person looks at the images: which overlays and which tab are shown, whether the views are linked. None
+//! of it changes what is edited; it is remembered from one run to the next.
 
 use std::collections::BTreeMap;
 
