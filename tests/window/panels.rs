@@ -115,13 +115,24 @@ fn a_cell_of_the_pencils_is_pointed_at_and_a_click_inspects_its_lines() {
     assert_eq!(pin.source, LineSource::Pencil { pair: 0, angles });
     window.hover_at(egui::pos2(4.0, 796.0));
     press(&mut window, Key::Num2);
-    window.get_by_label_contains("Lines through p at 90.0° and 90.0°");
+    window.get_by_label("Lines through p at 90.0° and 90.0°");
+    // Another one; the first is chosen again by its colour, and taken away.
+    press(&mut window, Key::Num1);
+    window.get_by_label("Inspect pair q").click();
+    press(&mut window, Key::Num2);
+    window.get_by_label_contains("Inspect: Epipolar lines of q");
+    window.get_by_label_contains("Inspect: Lines through p at 90.0° and 90.0°").click();
+    settle(&mut window);
+    assert_eq!(window.state().focus().inspected(), Some(&pin));
+    window.get_by_label("Unpin").click();
+    settle(&mut window);
+    assert_eq!(window.state().focus().inspected().map(|pin| pin.source), Some(LineSource::Pair(1)));
     window.get_by_label("Unpin all lines").click();
     settle(&mut window);
     assert!(window.state().focus().pins().is_empty());
     window.hover_at(egui::pos2(4.0, 796.0));
     settle(&mut window);
-    window.get_by_label_contains("Epipolar lines of p");
+    window.get_by_label("Epipolar lines of p");
 }
 
 #[test]
@@ -146,10 +157,16 @@ fn a_parameter_recomputes_and_undo_takes_it_back() {
     settle(&mut window);
     let expected = Parameters { patch_support: !before.patch_support, ..before.clone() };
     assert_eq!(window.state().document().parameters, expected);
+    // There and back again with the same switch are two steps.
+    for wanted in [&before, &expected] {
+        window.get_by_role_and_label(Role::CheckBox, "Patch support").click();
+        settle(&mut window);
+        assert_eq!(window.state().document().parameters, *wanted);
+    }
     window.get_by_label("Reset Patch support").click();
     settle(&mut window);
     assert_eq!(window.state().document().parameters, before);
-    for parameters in [&expected, &before] {
+    for parameters in [&expected, &before, &expected, &before] {
         window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
         settle(&mut window);
         assert_eq!(window.state().document().parameters, *parameters);

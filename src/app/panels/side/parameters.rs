@@ -26,9 +26,7 @@ pub fn show(ui: &mut Ui, stage: Stage, parameters: &Parameters, commands: &mut V
         for setting in of(stage) {
             let tooltip = format!("{} {}", setting.tooltip, setting.range_text(parameters));
             let label = ui.label(setting.name).on_hover_text(tooltip.as_str());
-            if let Some(changed) = edit(ui, setting, parameters, label.id, &tooltip, commands) {
-                commands.push(Command::SetParameters { setting: setting.name, to: Box::new(changed) });
-            }
+            edit(ui, setting, parameters, label.id, &tooltip, commands);
             reset(ui, setting, parameters, commands);
             ui.end_row();
         }
@@ -39,7 +37,7 @@ pub fn show(ui: &mut Ui, stage: Stage, parameters: &Parameters, commands: &mut V
     }
 }
 
-/// The field of a parameter; the parameters with the new value when it was changed.
+/// The field of a parameter. All of a drag is one step of the history, anything else is a step of its own.
 fn edit(
     ui: &mut Ui,
     setting: &Setting,
@@ -47,7 +45,7 @@ fn edit(
     label: egui::Id,
     tooltip: &str,
     commands: &mut Vec<Command>,
-) -> Option<Parameters> {
+) {
     let mut changed = parameters.clone();
     let (response, is_changed) = match setting.value {
         Value::Number { unit, range: [least, most], decimals, get, set } => {
@@ -64,9 +62,6 @@ fn edit(
             if response.dragged() {
                 // A drag stops at the ends; what is typed is taken as it is, and told when it is wrong.
                 value = value.clamp(least, most);
-            }
-            if response.drag_stopped() {
-                commands.push(Command::EndDrag);
             }
             set(&mut changed, value);
             (response, value.to_bits() != before.to_bits())
@@ -90,8 +85,20 @@ fn edit(
             (response, chosen != before)
         }
     };
+    if is_changed && changed != *parameters {
+        set_parameters(setting, changed, commands);
+        if !response.dragged() {
+            commands.push(Command::EndDrag);
+        }
+    }
+    if response.drag_stopped() {
+        commands.push(Command::EndDrag);
+    }
     response.labelled_by(label).on_hover_text(tooltip);
-    (is_changed && changed != *parameters).then_some(changed)
+}
+
+fn set_parameters(setting: &Setting, to: Parameters, commands: &mut Vec<Command>) {
+    commands.push(Command::SetParameters { setting: setting.name, to: Box::new(to) });
 }
 
 /// Takes one parameter back to its default.
@@ -109,8 +116,7 @@ fn reset(ui: &mut Ui, setting: &Setting, parameters: &Parameters, commands: &mut
     if response.on_hover_text(tooltip).clicked() {
         let mut changed = parameters.clone();
         setting.copy(&defaults, &mut changed);
-        commands.push(Command::EndDrag);
-        commands.push(Command::SetParameters { setting: setting.name, to: Box::new(changed) });
+        set_parameters(setting, changed, commands);
         commands.push(Command::EndDrag);
     }
 }
