@@ -3,7 +3,7 @@
 use crate::support::*;
 
 use egui::accesskit::Role;
-use egui::{Key, Modifiers, vec2};
+use egui::{Color32, Key, Modifiers, vec2};
 use egui_kittest::kittest::Queryable;
 use epiline::app::Start;
 use epiline::app::document::Side;
@@ -98,6 +98,8 @@ fn a_cell_of_the_pencils_is_pointed_at_and_a_click_inspects_its_lines() {
     // Two matrices: p and q.
     window.get_by_label("pencil matrix of q");
     let matrix = window.get_by_label("pencil matrix of p").rect();
+    let white = |window: &Window| Side::BOTH.map(|side| lines(window, side, Color32::WHITE).len());
+    let before = white(&window);
     // The middle of the matrix: a right angle, unturned. It is a candidate.
     window.hover_at(matrix.center() + vec2(2.0, 2.0));
     settle(&mut window);
@@ -107,6 +109,7 @@ fn a_cell_of_the_pencils_is_pointed_at_and_a_click_inspects_its_lines() {
     let angles = estimate.pencils.as_ref().unwrap()[0].angles(row, column).unwrap();
     let right_angle = std::f64::consts::FRAC_PI_2;
     assert!(angles.iter().all(|angle| (angle - right_angle).abs() < 1e-9), "{angles:?}");
+    assert!(white(&window).iter().zip(before).all(|(now, before)| *now > before), "lines in both images");
     click(&mut window, matrix.center() + vec2(2.0, 2.0));
     let pin = *window.state().focus().inspected().expect("a pinned pair");
     assert_eq!(pin.source, LineSource::Pencil { pair: 0, angles });
@@ -186,6 +189,8 @@ fn a_pair_left_out_is_replaced_by_the_next_one() {
     let used = window.state().document().used_pairs().unwrap();
     assert_eq!(used[1], third);
     window.get_by_label_contains("found from pairs q and r");
+    let f = window.state().estimate().unwrap().fundamental;
+    assert!(!shows(&window, &f), "no line of the pair that is left out");
     window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
     settle(&mut window);
     window.get_by_label_contains("found from pairs p and q");

@@ -100,14 +100,10 @@ impl Inspector {
                 self.edit(Step::Merged(EditKey::Parameter(setting)), |document| document.parameters = *to);
             }
             Command::ResetParameters => self.set_preset(self.document.parameters.preset),
-            Command::ShowTab(number) => self.look.tab = Some(number),
-            Command::FoldTabs => {
-                let open = self.look.tab.take();
-                if open.is_none() {
-                    self.look.tab = Some(self.folded_tab);
-                }
-                self.folded_tab = open.unwrap_or(self.folded_tab);
+            Command::ShowTab(number) => {
+                (self.look.tab, self.look.tabs_folded) = (number, false);
             }
+            Command::FoldTabs => self.look.tabs_folded = !self.look.tabs_folded,
             Command::ToggleOverlay(number) => {
                 if let Some(shown) = self.look.overlays.get_mut(number) {
                     *shown = !*shown;

@@ -74,8 +74,6 @@ pub struct Inspector {
     /// The result that the chosen hypothesis belongs to.
     revision: u64,
     look: Look,
-    /// The tab that was open when the bottom panel was folded away.
-    folded_tab: usize,
     tool: Tool,
     suggesting: Suggesting,
     palette: CommandPalette,
@@ -117,7 +115,6 @@ impl Inspector {
             inspected: None,
             revision: 0,
             look: Look::default(),
-            folded_tab: 0,
             tool: Tool::default(),
             suggesting: Suggesting::new(services.suggest, waker),
             palette: CommandPalette::default(),
@@ -247,7 +244,7 @@ impl Inspector {
             hover: self.hover,
             focus: &self.focus,
             inspection: self.matcher.latest(),
-            tab: self.look.tab,
+            tab: (!self.look.tabs_folded).then_some(self.look.tab),
             overlays: &self.look.overlays,
             look: &self.look,
             tool: self.tool,

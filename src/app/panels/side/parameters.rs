@@ -1,11 +1,14 @@
 //! The parameters of a step, each with its unit, its default, and what is wrong with it.
 
-use egui::{Button, ComboBox, DragValue, Grid, Label, RichText, Ui};
+use egui::{Button, ComboBox, DragValue, Grid, Label, RichText, Ui, Vec2, vec2};
 
 use crate::app::command::Command;
 use crate::app::settings::{SETTINGS, Setting, Value};
 use crate::app::theme;
 use crate::estimate::{Parameters, Stage};
+
+/// Size of the field of a number.
+const FIELD: Vec2 = vec2(112.0, 22.0);
 
 /// Whether a parameter of a step differs from the preset.
 pub fn is_any_changed(stage: Stage, parameters: &Parameters) -> bool {
@@ -21,7 +24,7 @@ fn of(stage: Stage) -> impl Iterator<Item = &'static Setting> {
 pub fn show(ui: &mut Ui, stage: Stage, parameters: &Parameters, commands: &mut Vec<Command>) {
     Grid::new(("parameters", stage.label())).num_columns(3).spacing([8.0, 3.0]).show(ui, |ui| {
         for setting in of(stage) {
-            let tooltip = format!("{} Default: {}.", setting.tooltip, setting.default_text(parameters));
+            let tooltip = format!("{} {}", setting.tooltip, setting.range_text(parameters));
             let label = ui.label(setting.name).on_hover_text(tooltip.as_str());
             if let Some(changed) = edit(ui, setting, parameters, label.id, &tooltip, commands) {
                 commands.push(Command::SetParameters { setting: setting.name, to: Box::new(changed) });
@@ -55,6 +58,7 @@ fn edit(
                 .suffix(unit)
                 .speed(speed)
                 .fixed_decimals(decimals)
+                .min_size(FIELD)
                 .update_while_editing(false);
             let response = ui.add(field);
             if response.dragged() {
@@ -76,7 +80,7 @@ fn edit(
         Value::Choice { names, get, set } => {
             let before = get(parameters);
             let mut chosen = before;
-            let response = ComboBox::from_id_salt(setting.name).width(96.0).show_index(
+            let response = ComboBox::from_id_salt(setting.name).width(FIELD.x).show_index(
                 ui,
                 &mut chosen,
                 names.len(),
