@@ -95,6 +95,11 @@ impl Focus {
         self.pins.get(self.inspected?)
     }
 
+    /// The place in the list of the pinned line pair that is looked at closely.
+    pub fn inspected_number(&self) -> Option<usize> {
+        self.inspected
+    }
+
     /// Says what is under the cursor; returns whether that is news.
     pub(super) fn point_at(&mut self, target: Option<Target>) -> bool {
         std::mem::replace(&mut self.hovered, target) != target

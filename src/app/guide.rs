@@ -26,7 +26,7 @@ pub fn guide(scene: &Scene) -> String {
         let other = half.side.other().name();
         let offer = match scene.suggestion {
             Some(Ok(found)) if found.clear().is_some() => "Enter accepts the suggested match.".to_owned(),
-            Some(Ok(_)) => "No suggestion is clear enough to accept.".to_owned(),
+            Some(Ok(found)) => format!("{}.", found.verdict),
             Some(Err(_)) => "There is no suggestion for it.".to_owned(),
             None => "Escape gives it up.".to_owned(),
         };

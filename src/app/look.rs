@@ -1,10 +1,11 @@
-//! How a person looks at the images: which overlays are shown, whether the views are linked. None of it changes
-//! what is edited; it is remembered from one run to the next.
+//! How a person looks at the images: which overlays and which tab are shown, whether the views are linked. None
+//! of it changes what is edited; it is remembered from one run to the next.
 
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+use super::panels::tabs::TABS;
 use super::panes::overlays::{OVERLAYS, Visibility};
 
 /// What a click in an image does.
@@ -29,6 +30,10 @@ pub struct Look {
     pub map: bool,
     /// Whether a loupe follows the cursor while a point is placed.
     pub loupe: bool,
+    /// The tab of the bottom panel.
+    pub tab: usize,
+    /// Whether the bottom panel is folded away.
+    pub tabs_folded: bool,
 }
 
 impl Default for Look {
@@ -38,11 +43,13 @@ impl Default for Look {
             linked: false,
             map: true,
             loupe: true,
+            tab: 0,
+            tabs_folded: false,
         }
     }
 }
 
-/// [`Look`] as it is saved: overlays by name, so that another list of them finds its own.
+/// [`Look`] as it is saved: overlays and the tab by name, so that another list of them finds its own.
 #[derive(Clone, Serialize, Deserialize)]
 #[serde(default)]
 struct Saved {
@@ -50,6 +57,8 @@ struct Saved {
     linked: bool,
     map: bool,
     loupe: bool,
+    tab: String,
+    tabs_folded: bool,
 }
 
 impl Default for Saved {
@@ -60,16 +69,18 @@ impl Default for Saved {
 
 impl From<Look> for Saved {
     fn from(look: Look) -> Self {
-        let Look { overlays, linked, map, loupe } = look;
+        let Look { overlays, linked, map, loupe, tab, tabs_folded } = look;
         let overlays = OVERLAYS.iter().map(|overlay| overlay.name.to_owned()).zip(overlays).collect();
-        Self { overlays, linked, map, loupe }
+        let tab = TABS.get(tab).map_or(String::new(), |tab| tab.title.to_owned());
+        Self { overlays, linked, map, loupe, tab, tabs_folded }
     }
 }
 
 impl From<Saved> for Look {
     fn from(saved: Saved) -> Self {
-        let Saved { overlays, linked, map, loupe } = saved;
-        let mut look = Self { linked, map, loupe, ..Self::default() };
+        let Saved { overlays, linked, map, loupe, tab, tabs_folded } = saved;
+        let tab = TABS.iter().position(|other| other.title == tab).unwrap_or(0);
+        let mut look = Self { linked, map, loupe, tab, tabs_folded, ..Self::default() };
         for (overlay, shown) in OVERLAYS.iter().zip(&mut look.overlays) {
             if let Some(saved) =
                 overlays.get(overlay.name).filter(|_| overlay.visibility != Visibility::Always)
@@ -87,14 +98,16 @@ mod tests {
 
     #[test]
     fn a_look_survives_saving_and_unknown_or_missing_things_do_no_harm() {
-        let mut look = Look { linked: true, map: false, ..Look::default() };
+        let mut look = Look { linked: true, map: false, tab: 2, tabs_folded: true, ..Look::default() };
         let points = OVERLAYS.iter().position(|overlay| overlay.name == "Points").unwrap();
         look.overlays[points] = false;
         let text = serde_json::to_string(&look).unwrap();
         assert_eq!(serde_json::from_str::<Look>(&text).unwrap(), look);
-        let partial =
-            r#"{"overlays": {"Points": false, "Of another version": true}, "map": false, "linked": true}"#;
+        let partial = r#"{"overlays": {"Points": false, "Of another version": true}, "map": false, "linked": true,
+                "tab": "Pencils", "tabs_folded": true}"#;
         assert_eq!(serde_json::from_str::<Look>(partial).unwrap(), look);
+        let unknown = serde_json::from_str::<Look>(r#"{"tab": "Of another version"}"#);
+        assert_eq!(unknown.unwrap(), Look::default());
         assert_eq!(serde_json::from_str::<Look>("{}").unwrap(), Look::default());
     }
 }

@@ -331,6 +331,17 @@ impl Setting {
         })
     }
 
+    /// What it may be and what it is when nobody changed it, as the user reads it.
+    pub fn range_text(&self, parameters: &Parameters) -> String {
+        let default = self.default_text(parameters);
+        match self.value {
+            Value::Number { unit, range: [least, most], .. } => {
+                format!("From {least} to {most}{unit}, by default {default}.")
+            }
+            Value::Switch { .. } | Value::Choice { .. } => format!("By default {default}."),
+        }
+    }
+
     /// What it is when nobody changed it, as the user reads it.
     pub fn default_text(&self, parameters: &Parameters) -> String {
         let defaults = Parameters::from(parameters.preset);

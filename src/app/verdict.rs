@@ -56,7 +56,9 @@ pub fn verdict(document: &Document, computation: &Computation) -> Verdict {
             return bare(Tone::Busy, format!("Estimating{stage}"));
         }
         return match computation.failure() {
-            Some(Failure::Estimate(error)) => bare(Tone::Bad, format!("No result: {error}.")),
+            Some(Failure::Estimate(error)) => {
+                bare(Tone::Bad, format!("No result: {}.", in_names(&error.to_string(), document)))
+            }
             Some(Failure::Panic(text)) => bare(
                 Tone::Bad,
                 format!(
@@ -71,7 +73,7 @@ pub fn verdict(document: &Document, computation: &Computation) -> Verdict {
     let reasons = estimate.trust.iter().flat_map(|trust| trust.reasons.iter().map(ToString::to_string));
     let warnings: Vec<_> = reasons
         .chain(estimate.warnings.iter().map(ToString::to_string))
-        .map(|sentence| format!("{}.", capitalised(&sentence)))
+        .map(|sentence| format!("{}.", capitalised(&in_names(&sentence, document))))
         .collect();
     let wrong = estimate.trust.as_ref().is_some_and(|trust| trust.verdict == estimate::Verdict::Wrong);
     let (tone, headline) = match freshness {
@@ -143,7 +145,7 @@ fn facts(document: &Document, estimate: &Estimate) -> Vec<Fact> {
     if estimate.seconds > 0.0 {
         facts.push(Fact {
             name: "Time",
-            value: format!("{:.2} s, first result after {:.2} s", estimate.seconds, estimate.first_seconds),
+            value: format!("{:.2} s, the first after {:.2} s", estimate.seconds, estimate.first_seconds),
             tooltip: "How long the computation took.",
         });
     }
@@ -205,9 +207,17 @@ pub fn epipole_text(epipole: &HomogeneousPoint, frame: Option<Frame>) -> String 
         return format!("at infinity, {degrees:.1}°");
     };
     // Far away, fractions of a pixel mean nothing.
-    let decimals = if p.coords.amax() < 1000.0 { 1 } else { 0 };
+    let decimals = usize::from(p.coords.amax() < 1000.0);
     let inside = if frame.is_some_and(|frame| frame.contains(p)) { " in the image" } else { "" };
     format!("({:.decimals$}, {:.decimals$}){inside}", p.x, p.y)
+}
+
+/// A sentence of the estimator, which counts the pairs it was given, with the names they have in the window.
+fn in_names(sentence: &str, document: &Document) -> String {
+    let used = document.used().enumerate();
+    used.fold(sentence.to_owned(), |sentence, (k, pair)| {
+        sentence.replace(&format!("pair {}", k + 1), &format!("pair {}", pair_name(pair)))
+    })
 }
 
 /// The text with a capital first letter.
@@ -266,7 +276,7 @@ mod tests {
         let bad = verdict(&document, &computation);
         assert_eq!(bad.tone, Tone::Bad);
         assert!(bad.headline.ends_with("is probably wrong:"));
-        assert!(bad.warnings[0].starts_with("Point pair 2 is 40.0 px off"));
+        assert!(bad.warnings[0].starts_with("Point pair q is 40.0 px off"));
     }
 
     #[test]

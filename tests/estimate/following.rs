@@ -1,7 +1,7 @@
 //! Geometries that follow moved clicks without a search.
 
 use epiline::estimate::{Estimate, Parameters, follow};
-use epiline::geometry::{FundamentalMatrix, Vector};
+use epiline::geometry::{FundamentalMatrix, Vector, symmetric_epipolar_distance};
 use nalgebra::Matrix3;
 
 use crate::support::{both, mean_distance, paper};
@@ -22,10 +22,14 @@ fn a_followed_geometry_stays_with_the_images_and_leaves_wrong_starts() {
             assert!(error < 1.5, "{}: {error} px after {step}", known.name);
             assert!(followed.trust.is_none() && !followed.refined, "it claims nothing");
         }
-        assert!(
-            follow(&known.prepared, [&found], &moved, &paper()).is_none(),
-            "lines alone are not followed"
-        );
+        let lines_alone = follow(&known.prepared, [&wrong, &found], &moved, &paper()).unwrap();
+        for click in &moved {
+            let distance = symmetric_epipolar_distance(&lines_alone.fundamental, click);
+            assert!(distance < 1e-6, "{}: a click {distance} px off", known.name);
+        }
+        let still = follow(&known.prepared, [&found], &known.show_me, &paper()).unwrap();
+        let error = mean_distance(&still.fundamental, &known.scene.matches);
+        assert!(error < 2.0, "{}: {error} px although nothing moved", known.name);
         assert!(follow(&known.prepared, [&found], &moved[..1], &parameters).is_none());
         assert!(follow(&known.prepared, [], &moved, &parameters).is_none());
     }

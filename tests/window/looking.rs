@@ -136,7 +136,7 @@ fn enter_accepts_a_clear_suggestion_only() {
             settle(&mut window);
             assert!(window.state().document().pairs.is_empty(), "one step to undo");
         } else {
-            window.get_by_label_contains("No suggestion is clear enough");
+            window.get_by_label_contains("Unclear: other places look nearly as good");
         }
     }
 }

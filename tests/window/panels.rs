@@ -3,7 +3,7 @@
 use crate::support::*;
 
 use egui::accesskit::Role;
-use egui::{Key, Modifiers, vec2};
+use egui::{Color32, Key, Modifiers, vec2};
 use egui_kittest::kittest::Queryable;
 use epiline::app::Start;
 use epiline::app::document::Side;
@@ -98,6 +98,8 @@ fn a_cell_of_the_pencils_is_pointed_at_and_a_click_inspects_its_lines() {
     // Two matrices: p and q.
     window.get_by_label("pencil matrix of q");
     let matrix = window.get_by_label("pencil matrix of p").rect();
+    let white = |window: &Window| Side::BOTH.map(|side| lines(window, side, Color32::WHITE).len());
+    let before = white(&window);
     // The middle of the matrix: a right angle, unturned. It is a candidate.
     window.hover_at(matrix.center() + vec2(2.0, 2.0));
     settle(&mut window);
@@ -107,15 +109,30 @@ fn a_cell_of_the_pencils_is_pointed_at_and_a_click_inspects_its_lines() {
     let angles = estimate.pencils.as_ref().unwrap()[0].angles(row, column).unwrap();
     let right_angle = std::f64::consts::FRAC_PI_2;
     assert!(angles.iter().all(|angle| (angle - right_angle).abs() < 1e-9), "{angles:?}");
+    assert!(white(&window).iter().zip(before).all(|(now, before)| *now > before), "lines in both images");
     click(&mut window, matrix.center() + vec2(2.0, 2.0));
     let pin = *window.state().focus().inspected().expect("a pinned pair");
     assert_eq!(pin.source, LineSource::Pencil { pair: 0, angles });
+    window.hover_at(egui::pos2(4.0, 796.0));
     press(&mut window, Key::Num2);
-    window.get_by_label_contains("Lines through p at 90.0° and 90.0°");
+    window.get_by_label("Lines through p at 90.0° and 90.0°");
+    // Another one; the first is chosen again by its colour, and taken away.
+    press(&mut window, Key::Num1);
+    window.get_by_label("Inspect pair q").click();
+    press(&mut window, Key::Num2);
+    window.get_by_label_contains("Inspect: Epipolar lines of q");
+    window.get_by_label_contains("Inspect: Lines through p at 90.0° and 90.0°").click();
+    settle(&mut window);
+    assert_eq!(window.state().focus().inspected(), Some(&pin));
+    window.get_by_label("Unpin").click();
+    settle(&mut window);
+    assert_eq!(window.state().focus().inspected().map(|pin| pin.source), Some(LineSource::Pair(1)));
     window.get_by_label("Unpin all lines").click();
     settle(&mut window);
     assert!(window.state().focus().pins().is_empty());
-    window.get_by_label_contains("Epipolar lines of p");
+    window.hover_at(egui::pos2(4.0, 796.0));
+    settle(&mut window);
+    window.get_by_label("Epipolar lines of p");
 }
 
 #[test]
@@ -127,6 +144,7 @@ fn a_place_in_the_profiles_is_a_sample_of_the_line() {
     settle(&mut window);
     let hovered = window.state().focus().hovered();
     assert!(matches!(hovered, Some(Target::Sample(_))), "{hovered:?}");
+    window.get_by_label_contains("px: left ");
 }
 
 #[test]
@@ -139,10 +157,16 @@ fn a_parameter_recomputes_and_undo_takes_it_back() {
     settle(&mut window);
     let expected = Parameters { patch_support: !before.patch_support, ..before.clone() };
     assert_eq!(window.state().document().parameters, expected);
+    // There and back again with the same switch are two steps.
+    for wanted in [&before, &expected] {
+        window.get_by_role_and_label(Role::CheckBox, "Patch support").click();
+        settle(&mut window);
+        assert_eq!(window.state().document().parameters, *wanted);
+    }
     window.get_by_label("Reset Patch support").click();
     settle(&mut window);
     assert_eq!(window.state().document().parameters, before);
-    for parameters in [&expected, &before] {
+    for parameters in [&expected, &before, &expected, &before] {
         window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
         settle(&mut window);
         assert_eq!(window.state().document().parameters, *parameters);
@@ -182,6 +206,8 @@ fn a_pair_left_out_is_replaced_by_the_next_one() {
     let used = window.state().document().used_pairs().unwrap();
     assert_eq!(used[1], third);
     window.get_by_label_contains("found from pairs q and r");
+    let f = window.state().estimate().unwrap().fundamental;
+    assert!(!shows(&window, &f), "no line of the pair that is left out");
     window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
     settle(&mut window);
     window.get_by_label_contains("found from pairs p and q");

@@ -100,8 +100,10 @@ impl Inspector {
                 self.edit(Step::Merged(EditKey::Parameter(setting)), |document| document.parameters = *to);
             }
             Command::ResetParameters => self.set_preset(self.document.parameters.preset),
-            Command::ShowTab(number) => (self.tab, self.tabs_open) = (number, true),
-            Command::FoldTabs => self.tabs_open = !self.tabs_open,
+            Command::ShowTab(number) => {
+                (self.look.tab, self.look.tabs_folded) = (number, false);
+            }
+            Command::FoldTabs => self.look.tabs_folded = !self.look.tabs_folded,
             Command::ToggleOverlay(number) => {
                 if let Some(shown) = self.look.overlays.get_mut(number) {
                     *shown = !*shown;

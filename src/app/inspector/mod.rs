@@ -73,9 +73,6 @@ pub struct Inspector {
     inspected: Option<[AnchoredLine; 2]>,
     /// The result that the chosen hypothesis belongs to.
     revision: u64,
-    /// The tab of the bottom panel, and whether the panel is unfolded.
-    tab: usize,
-    tabs_open: bool,
     look: Look,
     tool: Tool,
     suggesting: Suggesting,
@@ -117,8 +114,6 @@ impl Inspector {
             matcher: Matcher::new(waker.clone()),
             inspected: None,
             revision: 0,
-            tab: 0,
-            tabs_open: true,
             look: Look::default(),
             tool: Tool::default(),
             suggesting: Suggesting::new(services.suggest, waker),
@@ -249,7 +244,7 @@ impl Inspector {
             hover: self.hover,
             focus: &self.focus,
             inspection: self.matcher.latest(),
-            tab: self.tabs_open.then_some(self.tab),
+            tab: (!self.look.tabs_folded).then_some(self.look.tab),
             overlays: &self.look.overlays,
             look: &self.look,
             tool: self.tool,

@@ -16,7 +16,7 @@ pub fn show(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
             if overlay.visibility == Visibility::Always {
                 continue;
             }
-            let text = RichText::new(format!("     {}", overlay.name)).size(13.0);
+            let text = RichText::new(format!("      {}", overlay.name)).size(13.0);
             let text = if *shown { text } else { text.weak() };
             let entry = ui.add(Button::selectable(false, text));
             let swatch = egui::Rect::from_center_size(
@@ -25,10 +25,10 @@ pub fn show(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
             );
             if *shown {
                 ui.painter().rect_filled(swatch, 3.0, overlay.color);
-            } else {
-                let stroke = egui::Stroke::new(1.2, ui.visuals().weak_text_color());
-                ui.painter().rect_stroke(swatch, 3.0, stroke, egui::StrokeKind::Inside);
             }
+            // White shows on a light panel too.
+            let stroke = egui::Stroke::new(1.0, ui.visuals().weak_text_color());
+            ui.painter().rect_stroke(swatch, 3.0, stroke, egui::StrokeKind::Inside);
             let name = format!("Show {}", overlay.name);
             entry.widget_info(|| egui::WidgetInfo::selected(egui::Role::CheckBox, true, *shown, &name));
             if entry.on_hover_text(overlay.tooltip).clicked() {

@@ -8,8 +8,8 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use ::image::DynamicImage;
 use egui::{Color32, ColorImage, Mesh, Painter, Rect, TextureFilter, TextureHandle, TextureOptions, pos2};
+use image::DynamicImage;
 
 use super::Transform;
 use crate::image::Picture;

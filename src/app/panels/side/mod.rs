@@ -4,7 +4,7 @@ mod parameters;
 mod result;
 mod steps;
 
-use egui::{ScrollArea, Ui};
+use egui::{Frame, Margin, ScrollArea, Ui};
 
 use super::finish_button;
 use crate::app::command::Command;
@@ -14,12 +14,16 @@ use crate::estimate::{Method, Parameters, Preset};
 /// Shows the panel.
 pub fn show(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
     ScrollArea::vertical().id_salt("side").auto_shrink([false, false]).show(ui, |ui| {
-        result::show(ui, scene, commands);
-        ui.add_space(2.0);
-        ui.separator();
-        choices(ui, scene, commands);
-        ui.add_space(4.0);
-        steps::show(ui, scene, commands);
+        // Room for the bar when it scrolls, and as much when it does not, so that nothing jumps.
+        let room = Margin { right: 10, ..Margin::ZERO };
+        Frame::new().inner_margin(room).show(ui, |ui| {
+            result::show(ui, scene, commands);
+            ui.add_space(2.0);
+            ui.separator();
+            choices(ui, scene, commands);
+            ui.add_space(4.0);
+            steps::show(ui, scene, commands);
+        });
     });
 }
 

@@ -1,11 +1,14 @@
 //! The parameters of a step, each with its unit, its default, and what is wrong with it.
 
-use egui::{Button, ComboBox, DragValue, Grid, Label, RichText, Ui};
+use egui::{Button, ComboBox, DragValue, Grid, Label, RichText, Ui, Vec2, vec2};
 
 use crate::app::command::Command;
 use crate::app::settings::{SETTINGS, Setting, Value};
 use crate::app::theme;
 use crate::estimate::{Parameters, Stage};
+
+/// Size of the field of a number.
+const FIELD: Vec2 = vec2(112.0, 22.0);
 
 /// Whether a parameter of a step differs from the preset.
 pub fn is_any_changed(stage: Stage, parameters: &Parameters) -> bool {
@@ -21,11 +24,9 @@ fn of(stage: Stage) -> impl Iterator<Item = &'static Setting> {
 pub fn show(ui: &mut Ui, stage: Stage, parameters: &Parameters, commands: &mut Vec<Command>) {
     Grid::new(("parameters", stage.label())).num_columns(3).spacing([8.0, 3.0]).show(ui, |ui| {
         for setting in of(stage) {
-            let tooltip = format!("{} Default: {}.", setting.tooltip, setting.default_text(parameters));
+            let tooltip = format!("{} {}", setting.tooltip, setting.range_text(parameters));
             let label = ui.label(setting.name).on_hover_text(tooltip.as_str());
-            if let Some(changed) = edit(ui, setting, parameters, label.id, &tooltip, commands) {
-                commands.push(Command::SetParameters { setting: setting.name, to: Box::new(changed) });
-            }
+            edit(ui, setting, parameters, label.id, &tooltip, commands);
             reset(ui, setting, parameters, commands);
             ui.end_row();
         }
@@ -36,7 +37,7 @@ pub fn show(ui: &mut Ui, stage: Stage, parameters: &Parameters, commands: &mut V
     }
 }
 
-/// The field of a parameter; the parameters with the new value when it was changed.
+/// The field of a parameter. All of a drag is one step of the history, anything else is a step of its own.
 fn edit(
     ui: &mut Ui,
     setting: &Setting,
@@ -44,7 +45,7 @@ fn edit(
     label: egui::Id,
     tooltip: &str,
     commands: &mut Vec<Command>,
-) -> Option<Parameters> {
+) {
     let mut changed = parameters.clone();
     let (response, is_changed) = match setting.value {
         Value::Number { unit, range: [least, most], decimals, get, set } => {
@@ -55,14 +56,12 @@ fn edit(
                 .suffix(unit)
                 .speed(speed)
                 .fixed_decimals(decimals)
+                .min_size(FIELD)
                 .update_while_editing(false);
             let response = ui.add(field);
             if response.dragged() {
                 // A drag stops at the ends; what is typed is taken as it is, and told when it is wrong.
                 value = value.clamp(least, most);
-            }
-            if response.drag_stopped() {
-                commands.push(Command::EndDrag);
             }
             set(&mut changed, value);
             (response, value.to_bits() != before.to_bits())
@@ -76,7 +75,7 @@ fn edit(
         Value::Choice { names, get, set } => {
             let before = get(parameters);
             let mut chosen = before;
-            let response = ComboBox::from_id_salt(setting.name).width(96.0).show_index(
+            let response = ComboBox::from_id_salt(setting.name).width(FIELD.x).show_index(
                 ui,
                 &mut chosen,
                 names.len(),
@@ -86,8 +85,20 @@ fn edit(
             (response, chosen != before)
         }
     };
+    if is_changed && changed != *parameters {
+        set_parameters(setting, changed, commands);
+        if !response.dragged() {
+            commands.push(Command::EndDrag);
+        }
+    }
+    if response.drag_stopped() {
+        commands.push(Command::EndDrag);
+    }
     response.labelled_by(label).on_hover_text(tooltip);
-    (is_changed && changed != *parameters).then_some(changed)
+}
+
+fn set_parameters(setting: &Setting, to: Parameters, commands: &mut Vec<Command>) {
+    commands.push(Command::SetParameters { setting: setting.name, to: Box::new(to) });
 }
 
 /// Takes one parameter back to its default.
@@ -105,8 +116,7 @@ fn reset(ui: &mut Ui, setting: &Setting, parameters: &Parameters, commands: &mut
     if response.on_hover_text(tooltip).clicked() {
         let mut changed = parameters.clone();
         setting.copy(&defaults, &mut changed);
-        commands.push(Command::EndDrag);
-        commands.push(Command::SetParameters { setting: setting.name, to: Box::new(changed) });
+        set_parameters(setting, changed, commands);
         commands.push(Command::EndDrag);
     }
 }

@@ -1,6 +1,7 @@
 //! The bottom panel: one tab a file, registered in [`TABS`].
 
 mod hypotheses;
+mod inspected;
 mod matrix;
 mod pencils;
 mod points;

@@ -73,7 +73,7 @@ fn show(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
 fn one(ui: &mut Ui, scene: &Scene, number: usize, pencils: &ComparedPencils, commands: &mut Vec<Command>) {
     let matrix = Matrix::new(ui, number, pencils, scene.computation.pencils_revision());
     let area = ui.available_rect_before_wrap();
-    let plot = Rect::from_min_max(area.min + vec2(44.0, 20.0), area.max - vec2(6.0, 20.0));
+    let plot = Rect::from_min_max(area.min + vec2(44.0, 23.0), area.max - vec2(6.0, 20.0));
     if plot.width() < 40.0 || plot.height() < 30.0 {
         return;
     }

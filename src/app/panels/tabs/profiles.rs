@@ -5,13 +5,12 @@ use std::sync::Arc;
 use egui::{Color32, Id, ImageData, RichText, TextureHandle, TextureOptions, Ui, UiBuilder, vec2};
 use egui_plot::{GridInput, GridMark, Line, Plot, PlotImage, PlotPoint, PlotPoints, PlotUi, VLine};
 
-use super::super::command_button;
+use super::inspected::{LEFT, RIGHT, marked, tools};
 use super::{Tab, empty};
 use crate::app::command::Command;
-use crate::app::document::pair_name;
-use crate::app::focus::{LineSource, Target};
+use crate::app::focus::Target;
 use crate::app::inspection::Inspection;
-use crate::app::scene::{Inspected, Scene};
+use crate::app::scene::Scene;
 use crate::app::theme;
 
 /// Registered in [`super::TABS`].
@@ -22,49 +21,6 @@ pub const TAB: Tab = Tab {
     tools,
     show,
 };
-
-/// How near to an inspected line the cursor must be in an image to mark its sample in the plots, px.
-const REACH: f64 = 12.0;
-
-/// The curves of the left and the right line.
-const LEFT: Color32 = theme::PAIRS[2];
-const RIGHT: Color32 = theme::PAIRS[0];
-
-fn tools(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
-    command_button(ui, Command::UnpinAll, !scene.focus.pins().is_empty(), commands);
-    let Some(inspected) = scene.inspected() else { return };
-    for (color, text) in [(RIGHT, "right line"), (LEFT, "left line")] {
-        ui.weak(text);
-        let (area, _) = ui.allocate_exact_size(vec2(14.0, 3.0), egui::Sense::hover());
-        ui.painter().rect_filled(area, 1.0, color);
-    }
-    ui.add_space(theme::GAP);
-    if let Some(inspection) = scene.inspection {
-        let matching = &inspection.warped.matching;
-        let cost = matching.cost as f64 / matching.sample_costs.len().max(1) as f64;
-        ui.weak(format!("{cost:.0} grey² a sample"))
-            .on_hover_text("Mean cost of the best matching of the two lines; lower is more alike.");
-    }
-    ui.weak(describe(&inspected)).on_hover_text(
-        "Pin another pair by a click in the matrix of the pencils, or with the inspect tool in an image.",
-    );
-}
-
-/// Which lines they are.
-fn describe(inspected: &Inspected) -> String {
-    match inspected.source {
-        LineSource::Pair(pair) => format!("Epipolar lines of {}", pair_name(pair)),
-        LineSource::Through { side, point } => {
-            format!("Epipolar lines of ({:.0}, {:.0}) in the {} image", point.x, point.y, side.name())
-        }
-        LineSource::Pencil { pair, angles: [angle1, angle2] } => format!(
-            "Lines through {} at {:.1}° and {:.1}°",
-            pair_name(pair),
-            angle1.to_degrees(),
-            angle2.to_degrees()
-        ),
-    }
-}
 
 fn show(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
     let Some(inspection) = scene.inspection.filter(|inspection| !inspection.samples().is_empty()) else {
@@ -79,12 +35,7 @@ fn show(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
         empty(ui, text);
         return;
     };
-    // The sample under the cursor: in a plot, or in an image near the line.
-    let marked = match (scene.focus.hovered(), scene.hover) {
-        (Some(Target::Sample(sample)), _) => Some(sample),
-        (_, Some(hover)) => inspection.sample_near(hover.side, hover.point, REACH),
-        _ => None,
-    };
+    let marked = marked(scene);
     let plots: [(&str, &str, Content); 4] = [
         ("Before warping", "Intensities of both lines at the same distance from the click.", before),
         (
@@ -145,8 +96,8 @@ impl Titled<'_> {
             .show_axes([self.has_scale, true])
             .y_axis_min_width(40.0)
             .grid_spacing(8.0..=24.0)
-            .x_grid_spacer(|input| marks(input, 6.0))
-            .y_grid_spacer(|input| marks(input, 2.5))
+            .x_grid_spacer(|input| marks(&input, 6.0))
+            .y_grid_spacer(|input| marks(&input, 2.5))
             .grid_color(ui.visuals().widgets.noninteractive.bg_stroke.color)
             .show_x(false)
             .show_y(false)
@@ -173,7 +124,7 @@ impl Titled<'_> {
 }
 
 /// Marks of an axis at round numbers, about so many in sight.
-fn marks(input: GridInput, count: f64) -> Vec<GridMark> {
+fn marks(input: &GridInput, count: f64) -> Vec<GridMark> {
     let (low, high) = input.bounds;
     let wanted = ((high - low) / count).max(f64::MIN_POSITIVE);
     let power = 10f64.powf(wanted.log10().floor());

@@ -3,7 +3,7 @@
 use egui::{Pos2, Stroke};
 
 use super::{Canvas, Overlay, Pointing, Visibility};
-use crate::app::document::pair_name;
+use crate::app::document::{Role, pair_name};
 use crate::app::focus::Target;
 use crate::app::theme;
 
@@ -21,7 +21,9 @@ fn draw(canvas: &Canvas) {
     let document = canvas.scene.document;
     for (at, point) in document.points(canvas.side) {
         let centre = canvas.transform.screen_from_image(point);
-        let color = theme::pair_color(at.pair);
+        let left_out = document.role(at.pair) == Role::Excluded;
+        let color =
+            theme::pair_color(at.pair).gamma_multiply(if left_out { theme::STALE_OPACITY } else { 1.0 });
         let painter = canvas.painter;
         if document.selection == Some(at) {
             painter.circle_stroke(centre, theme::HANDLE_RADIUS + 3.5, Stroke::new(4.0, theme::HALO));

@@ -18,6 +18,8 @@ pub const OVERLAY: Overlay = Overlay {
 
 /// Rivals drawn beside the best place.
 const RIVALS: usize = 4;
+/// Nearer to a better place than this a rival has no label: it would cover the other one. Screen points.
+const LABEL_ROOM: f32 = 70.0;
 
 fn draw(canvas: &Canvas) {
     let scene = canvas.scene;
@@ -27,22 +29,23 @@ fn draw(canvas: &Canvas) {
     let Some(Ok(found)) = scene.suggestion else { return };
     let color = theme::pair_color(scene.document.pairs.len());
     let clear = found.clear().is_some();
-    for (rank, candidate) in found.candidates.iter().take(1 + RIVALS).enumerate().rev() {
-        let at = canvas.transform.screen_from_image(candidate.position);
-        let best = rank == 0;
-        let (radius, width) = if best { (11.0, 2.0) } else { (7.0, 1.3) };
-        let shade = if best { 1.0 } else { 0.6 };
+    let places = found
+        .candidates
+        .iter()
+        .take(1 + RIVALS)
+        .map(|candidate| (candidate.correlation, canvas.transform.screen_from_image(candidate.position)));
+    let places: Vec<_> = places.collect();
+    for (rank, (correlation, at)) in places.iter().enumerate().rev() {
+        let (radius, width, shade) = if rank == 0 { (11.0, 2.0, 1.0) } else { (7.0, 1.3, 0.6) };
         for (color, width) in [(theme::HALO, width + 2.5), (theme::SUGGESTED.gamma_multiply(shade), width)] {
-            canvas.painter.circle_stroke(at, radius, Stroke::new(width, color));
+            canvas.painter.circle_stroke(*at, radius, Stroke::new(width, color));
         }
-        if best {
-            canvas.painter.circle_filled(at, 2.0, color);
-            let score = candidate.correlation;
-            let text =
-                if clear { format!("match? {score:.2}, Enter") } else { format!("{score:.2}, not clear") };
-            canvas.label(at, &text, color);
-        } else {
-            canvas.label(at, &format!("{:.2}", candidate.correlation), theme::SUGGESTED.gamma_multiply(0.8));
+        if rank == 0 {
+            canvas.painter.circle_filled(*at, 2.0, color);
+            let text = if clear { "match? Enter accepts" } else { "not clear" };
+            canvas.label(*at, &format!("{correlation:.2}, {text}"), color);
+        } else if places[..rank].iter().all(|(_, better)| better.distance(*at) > LABEL_ROOM) {
+            canvas.label(*at, &format!("{correlation:.2}"), theme::SUGGESTED.gamma_multiply(0.8));
         }
     }
 }

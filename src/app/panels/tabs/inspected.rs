@@ -1,0 +1,116 @@
+//! Which line pair is inspected: the pinned ones to choose from, and the figures of the sample under the cursor.
+
+use egui::{Color32, Role, Sense, Stroke, StrokeKind, Ui, WidgetInfo, vec2};
+
+use super::super::command_button;
+use crate::app::command::Command;
+use crate::app::document::pair_name;
+use crate::app::focus::{LineSource, Target};
+use crate::app::inspection::Inspection;
+use crate::app::scene::Scene;
+use crate::app::theme;
+
+/// The curves of the left line.
+pub const LEFT: Color32 = theme::PAIRS[2];
+/// The curves of the right line.
+pub const RIGHT: Color32 = theme::PAIRS[0];
+/// How near to an inspected line the cursor must be in an image to mark its sample in the plots, px.
+const REACH: f64 = 12.0;
+/// With less room than this for the rest of the line, it is left away, screen points.
+const ROOM: f32 = 170.0;
+
+/// Shows it from right to left.
+pub fn tools(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
+    command_button(ui, Command::UnpinAll, !scene.focus.pins().is_empty(), commands);
+    if let Some(number) = scene.focus.inspected_number() {
+        command_button(ui, Command::Unpin(number), true, commands);
+    }
+    for (number, pin) in scene.focus.pins().iter().enumerate().rev() {
+        let chosen = scene.focus.inspected_number() == Some(number);
+        if swatch(ui, pin.color, chosen, &describe(pin.source)) {
+            commands.push(Command::Inspect(number));
+        }
+    }
+    let Some(inspected) = scene.inspected() else { return };
+    if let Some((inspection, sample)) = scene.inspection.zip(marked(scene)) {
+        if ui.available_width() > 2.0 * ROOM {
+            ui.label(describe_sample(inspection, sample));
+        }
+        return;
+    }
+    if ui.available_width() > 3.0 * ROOM {
+        for (color, text) in [(RIGHT, "right line"), (LEFT, "left line")] {
+            ui.weak(text);
+            let (area, _) = ui.allocate_exact_size(vec2(14.0, 3.0), Sense::hover());
+            ui.painter().rect_filled(area, 1.0, color);
+        }
+        ui.add_space(theme::GAP);
+    }
+    if let Some(inspection) = scene.inspection.filter(|_| ui.available_width() > 2.0 * ROOM) {
+        let matching = &inspection.warped.matching;
+        let cost = matching.cost as f64 / matching.sample_costs.len().max(1) as f64;
+        ui.weak(format!("{cost:.0} grey² a sample"))
+            .on_hover_text("Mean cost of the best matching of the two lines; lower is more alike.");
+    }
+    if ui.available_width() > ROOM {
+        ui.weak(describe(inspected.source)).on_hover_text(
+            "Pin another pair by a click in the matrix of the pencils, or with the inspect tool in an image.",
+        );
+    }
+}
+
+/// A pinned pair to choose; says whether it was chosen.
+fn swatch(ui: &mut Ui, color: Color32, chosen: bool, text: &str) -> bool {
+    let (area, response) = ui.allocate_exact_size(vec2(18.0, 18.0), Sense::click());
+    let name = format!("Inspect: {text}");
+    response.widget_info(|| WidgetInfo::selected(Role::Button, true, chosen, &name));
+    ui.painter().rect_filled(area.shrink(3.0), 3.0, color);
+    if chosen || response.hovered() || response.has_focus() {
+        let stroke = Stroke::new(1.5, ui.visuals().strong_text_color());
+        ui.painter().rect_stroke(area, 4.0, stroke, StrokeKind::Inside);
+    }
+    response.on_hover_text(text).clicked()
+}
+
+/// Which lines they are.
+fn describe(source: LineSource) -> String {
+    match source {
+        LineSource::Pair(pair) => format!("Epipolar lines of {}", pair_name(pair)),
+        LineSource::Through { side, point } => {
+            format!("Epipolar lines of ({:.0}, {:.0}) in the {} image", point.x, point.y, side.name())
+        }
+        LineSource::Pencil { pair, angles: [angle1, angle2] } => format!(
+            "Lines through {} at {:.1}° and {:.1}°",
+            pair_name(pair),
+            angle1.to_degrees(),
+            angle2.to_degrees()
+        ),
+    }
+}
+
+/// The sample under the cursor: in a plot, or in an image near the line.
+pub fn marked(scene: &Scene) -> Option<i32> {
+    match (scene.focus.hovered(), scene.hover) {
+        (Some(Target::Sample(sample)), _) => Some(sample),
+        (_, Some(hover)) => scene.inspection?.sample_near(hover.side, hover.point, REACH),
+        _ => None,
+    }
+}
+
+/// The figures of one sample.
+fn describe_sample(inspection: &Inspection, sample: i32) -> String {
+    let warped = &inspection.warped;
+    let place = f64::from(sample) * inspection.step;
+    let number = (sample - warped.profile1.first) as usize;
+    let (Some(left), Some(disparity), Some(cost)) = (
+        warped.profile1.get(sample),
+        warped.matching.disparities.get(number),
+        warped.matching.sample_costs.get(number),
+    ) else {
+        return String::new();
+    };
+    let right = warped.warped2.get(number).copied().flatten();
+    let right = right.map_or("outside".to_owned(), |value| value.to_string());
+    let shift = f64::from(*disparity) * inspection.step;
+    format!("At {place:.0} px: left {left}, right {right}, shift {shift:+.0} px, cost {cost}")
+}
