@@ -63,7 +63,7 @@ const fn number(
 }
 
 /// All of them, in the order of the steps.
-pub const SETTINGS: [Setting; 20] = [
+pub const SETTINGS: [Setting; 23] = [
     number(
         (Stage::Pyramid, "Coarse size", " px", "Longer side of the images that the pencils are compared on."),
         [32.0, 1024.0],
@@ -250,12 +250,42 @@ pub const SETTINGS: [Setting; 20] = [
             set: |p, k| p.line_score = LINE_SCORES[k],
         },
     },
+    number(
+        (
+            Stage::Validation,
+            "Resampling",
+            " rounds",
+            "Most rounds in which new hypotheses are drawn from the matches of the best ones; it stops earlier when they bring nothing.",
+        ),
+        [0.0, 20.0],
+        0,
+        |p| p.resampling as f64,
+        |p, v| p.resampling = v as usize,
+    ),
+    Setting {
+        stage: Stage::Validation,
+        name: "Plane and parallax",
+        tooltip: "When resampling, also draw epipoles from what lies off the largest planes of the scene.",
+        value: Value::Switch { get: |p| p.parallax, set: |p, v| p.parallax = v },
+    },
     Setting {
         stage: Stage::Refinement,
         name: "Refine",
         tooltip: "Fit all seven degrees of freedom to patches matched along the epipolar lines at full resolution.",
         value: Value::Switch { get: |p| p.refine, set: |p, v| p.refine = v },
     },
+    number(
+        (
+            Stage::Refinement,
+            "Refined",
+            " best",
+            "How many of the best hypotheses are refined; the one that comes out best is the result.",
+        ),
+        [1.0, 60.0],
+        0,
+        |p| p.refined as f64,
+        |p, v| p.refined = v as usize,
+    ),
     number(
         (
             Stage::Refinement,

@@ -107,13 +107,14 @@ impl ValueEnum for Method {
 
 impl ValueEnum for Protocol {
     fn value_variants<'a>() -> &'a [Self] {
-        &[Self::Paper, Self::WellPosed]
+        &[Self::Paper, Self::WellPosed, Self::WrongClick]
     }
 
     fn to_possible_value(&self) -> Option<PossibleValue> {
         let help = match self {
             Self::Paper => "points at least 30 px apart in both images",
             Self::WellPosed => "also 12 % of the image off each other's true epipolar line",
+            Self::WrongClick => "well-posed, but the second pair joins points of two matches",
         };
         Some(PossibleValue::new(self.name()).help(help))
     }

@@ -15,8 +15,8 @@ use super::output::Output;
 use super::overrides::Overrides;
 use crate::estimate::{Parameters, Preset};
 use crate::evaluate::{
-    Plan, Protocol, Report, Scene, TrialDone, contenders, method_names, pair_scenes, run as run_plan, table,
-    vgg_scenes,
+    Plan, Protocol, Report, Scene, TrialDone, contenders, method_names, pair_scenes, run as run_plan,
+    search_table, table, verdict_sentences, vgg_scenes,
 };
 
 /// Measure estimators on image pairs with known geometry
@@ -79,6 +79,9 @@ struct Options {
     /// Only these pairs, separated by commas
     #[arg(long, value_name = "NAME", value_delimiter = ',')]
     only: Vec<String>,
+    /// Also show where the best hypothesis and the true geometry rank
+    #[arg(long)]
+    ranks: bool,
     /// Write every trial as JSON, to standard output when it is -
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
@@ -132,7 +135,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
         version: env!("CARGO_PKG_VERSION"),
         report: &report,
     };
-    output.write(&file, &text(&report))
+    output.write(&file, &text(&report, options.ranks))
 }
 
 /// The parameters of every preset asked for, each once.
@@ -149,18 +152,29 @@ fn parameters(options: &Options) -> Result<Vec<Parameters>, CliError> {
         .collect()
 }
 
-/// The table with a sentence on what it shows.
-fn text(report: &Report) -> String {
+/// The tables with a sentence on what they show.
+fn text(report: &Report, ranks: bool) -> String {
     let plan = &report.parameters.plan;
+    let search = search_table(report);
+    let search = match (ranks, search.is_empty()) {
+        (false, _) => String::new(),
+        (true, true) => "\nNo method here chooses among hypotheses.\n".to_owned(),
+        (true, false) => {
+            format!(
+                "\nBest hypothesis generated, its rank, and that of the true geometry; medians.\n\n{search}"
+            )
+        }
+    };
     format!(
         "Mean symmetric epipolar distance of all true matches, px; protocol {}, click noise {} px, seed {}; \
-         seconds of a trial on {} thread(s), {} at once.\n\n{}",
+         seconds of a trial on {} thread(s), {} at once.\n\n{}{}{search}",
         plan.protocol.name(),
         plan.noise,
         plan.seed,
         plan.threads_per_trial,
         plan.trials_at_once,
-        table(report)
+        table(report),
+        verdict_sentences(report),
     )
 }
 

@@ -74,6 +74,7 @@ pub enum LineScore {
 /// All parameters of an estimate. [`Parameters::from`] a [`Preset`] gives its defaults; the table in the
 /// documentation of [`crate::estimate`] explains where the presets differ and why.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[expect(clippy::struct_excessive_bools, reason = "each is a switch of its own")]
 pub struct Parameters {
     /// The preset these started from.
     pub preset: Preset,
@@ -108,8 +109,15 @@ pub struct Parameters {
     /// Let patch support choose among combinations of candidates, instead of the round trip and the lines
     /// alone.
     pub patch_support: bool,
+    /// Most rounds in which new hypotheses are drawn from the matches of the best ones; fewer when they stop
+    /// bringing more support. Needs patch support, like the next two.
+    pub resampling: usize,
+    /// In these rounds, also draw epipoles from what lies off the largest planes.
+    pub parallax: bool,
     /// Refine all seven degrees of freedom at full resolution on patches matched along the epipolar lines.
     pub refine: bool,
+    /// Best hypotheses that are refined; the one that comes out best is the result.
+    pub refined: usize,
     /// Standard deviation of a click, px.
     pub click_sigma: f64,
 }
@@ -133,7 +141,10 @@ impl From<Preset> for Parameters {
             validation_lines: 24,
             line_score: LineScore::Cost,
             patch_support: false,
+            resampling: 5,
+            parallax: true,
             refine: false,
+            refined: 8,
             click_sigma: 1.0,
         };
         match preset {
@@ -184,6 +195,8 @@ impl Parameters {
         in_range("hypotheses", self.hypotheses as f64, 1.0, 1e6, "between 1 and 1,000,000")?;
         in_range("validated", self.validated, 0.0, 1.0, "between 0 and 1")?;
         in_range("validation lines", self.validation_lines as f64, 4.0, 1000.0, "between 4 and 1,000")?;
+        in_range("resampling", self.resampling as f64, 0.0, 20.0, "between 0 and 20")?;
+        in_range("refined", self.refined as f64, 1.0, 60.0, "between 1 and 60")?;
         in_range("click standard deviation", self.click_sigma, 0.01, 20.0, "between 0.01 and 20 px")
     }
 }

@@ -96,7 +96,9 @@ impl Run<'_> {
         if !parameters.refine {
             return self.finish(fundamental, hypotheses, None, &[], None);
         }
-        let starts = std::iter::once(fundamental).chain(hypotheses.iter().take(2).map(|h| h.fundamental));
+        let starts = std::iter::once(fundamental)
+            .chain(hypotheses.iter().map(|h| h.fundamental))
+            .take(parameters.refined);
         let refined = self.refined(starts);
         self.monitor.check()?;
         let result = refined.as_ref().map_or(fundamental, |r| r.fundamental);

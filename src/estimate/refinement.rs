@@ -4,7 +4,8 @@
 //! epipolar line. Mutual best matches are moved to sub-pixel positions, `F` is refitted to them with a robust
 //! cost, and the same again with a narrower band. The clicks take part with their own uncertainty.
 
-use std::sync::OnceLock;
+use std::collections::HashMap;
+use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 
 use rayon::prelude::*;
 use serde::Serialize;
@@ -13,6 +14,7 @@ use super::Monitor;
 use super::level::{Level, resized_pair};
 use super::patches::{HALF, Patch, Warp, align, correlate_all, patch, warps};
 use super::polish::{Observation, fit};
+use super::support::FLOOR;
 use super::uncertainty::Uncertainty;
 use crate::geometry::{FundamentalMatrix, Point, PointPair, sampson_distance};
 use crate::image::find_corners;
@@ -30,6 +32,17 @@ pub struct RefinedMatch {
 #[derive(Debug, Default)]
 pub(crate) struct RefinementLevel {
     features: OnceLock<[Vec<Feature>; 2]>,
+    /// Where in image 2 the surroundings of a corner of image 1 fit best, starting at a corner of image 2 under a
+    /// warp: the same whatever `F`, and most matches of one refinement are those of the next.
+    aligned: Mutex<HashMap<Alike, Option<Point>>>,
+}
+
+/// Two features, by their numbers, and the warp under which they look alike.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+struct Alike {
+    feature1: u32,
+    feature2: u32,
+    warp: u8,
 }
 
 /// A corner with its patch under each warp: one in image 1, all of them in image 2.
@@ -57,14 +70,10 @@ pub(crate) struct Refined {
     pub fundamental: FundamentalMatrix,
     pub uncertainty: Option<Uncertainty>,
     pub matches: Vec<RefinedMatch>,
-}
-
-impl Refined {
-    /// Correlation excess summed over the matches: the geometry with most of it is the right one, on every pair
-    /// measured.
-    pub fn weight(&self) -> f64 {
-        self.matches.iter().map(|m| f64::from(m.correlation) - 0.6).sum()
-    }
+    /// How much speaks for it: summed over the matches, correlation excess times how well the match fits
+    /// (1 on the epipolar line, ½ at the deviation of a match, falling with the square of the distance). Of
+    /// several refinements the one with most of it is the right one, on nearly every pair measured.
+    pub weight: f64,
 }
 
 impl RefinementLevel {
@@ -123,6 +132,9 @@ impl RefinementLevel {
             (current, covariance) = (fitted.fundamental, fitted.covariance);
         }
         matches.retain(|m| sampson_distance(&current, &m.pair) < BANDS[BANDS.len() - 1]);
+        let fits =
+            |m: &RefinedMatch| 1.0 / (1.0 + (sampson_distance(&current, &m.pair) / MATCH_SIGMA).powi(2));
+        let weight = matches.iter().map(|m| f64::from(m.correlation - FLOOR) * fits(m)).sum();
         for m in &mut matches {
             m.pair = resized_pair(&m.pair, [1.0 / s1, 1.0 / s2]);
         }
@@ -130,6 +142,7 @@ impl RefinementLevel {
             fundamental: current.rescaled(1.0 / s1, 1.0 / s2)?,
             uncertainty: covariance.map(|c| Uncertainty::new(&current, &c, level.scales)),
             matches,
+            weight,
         })
     }
 
@@ -168,16 +181,49 @@ impl RefinementLevel {
                 best2[*j] = Some((i, *warp, *correlation));
             }
         }
-        best2
-            .par_iter()
+        let mutual: Vec<(Alike, f32)> = best2
+            .iter()
             .enumerate()
             .filter_map(|(j, best)| {
                 let (i, warp, correlation) = (*best)?;
-                let point1 = features1[i].point;
-                let b = &features2[j];
-                let (point2, _) = align(level.planes, point1, b.point, &b.warps[warp])?;
-                Some(RefinedMatch { pair: PointPair { point1, point2 }, correlation })
+                Some((Alike { feature1: i as u32, feature2: j as u32, warp: warp as u8 }, correlation))
+            })
+            .collect();
+        let positions = self.positions(level, &mutual);
+        mutual
+            .iter()
+            .zip(positions)
+            .filter_map(|((alike, correlation), point2)| {
+                let point1 = features1[alike.feature1 as usize].point;
+                Some(RefinedMatch { pair: PointPair { point1, point2: point2? }, correlation: *correlation })
             })
             .collect()
+    }
+
+    /// Sub-pixel positions in image 2, those not known yet computed in parallel; `None` where the surroundings do
+    /// not fit after all.
+    fn positions(&self, level: &Level, mutual: &[(Alike, f32)]) -> Vec<Option<Point>> {
+        let [features1, features2] = self.features(level);
+        let known = |alike: &Alike| self.known().get(alike).copied();
+        let fresh: Vec<(Alike, Option<Point>)> = mutual
+            .iter()
+            .filter(|(alike, _)| known(alike).is_none())
+            .collect::<Vec<_>>()
+            .into_par_iter()
+            .map(|(alike, _)| {
+                let a = &features1[alike.feature1 as usize];
+                let b = &features2[alike.feature2 as usize];
+                let found = align(level.planes, a.point, b.point, &b.warps[alike.warp as usize]);
+                (*alike, found.map(|(point2, _)| point2))
+            })
+            .collect();
+        let mut known = self.known();
+        known.extend(fresh);
+        mutual.iter().map(|(alike, _)| known.get(alike).copied().flatten()).collect()
+    }
+
+    fn known(&self) -> MutexGuard<'_, HashMap<Alike, Option<Point>>> {
+        // Entries are whole whatever happened to a thread that held the lock.
+        self.aligned.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }

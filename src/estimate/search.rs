@@ -2,11 +2,10 @@
 //!
 //! 1. Many combinations of candidate line pairs are scored by the κ votes of look-alike corners.
 //! 2. The best, thinned so that no two are near-copies, are scored by exact patch support.
-//! 3. Those with most support are refitted to their own supporting matches with a shrinking band, and the one
-//!    with most support after that is the result.
+//! 3. Those with most support are refitted to their own supporting matches with a shrinking band.
+//!
+//! What their matches lead to is looked for by [`super::resampling`].
 
-use rand::{RngExt, SeedableRng};
-use rand_pcg::Pcg64Mcg;
 use rayon::prelude::*;
 
 use super::bundle::{Angles, Bundle};
@@ -16,7 +15,7 @@ use super::prepared::Witness;
 use super::support::Support;
 use super::voting::{Ballot, Booth, Elected};
 use super::{EstimateError, Monitor};
-use crate::geometry::{FundamentalMatrix, PointPair, eight_point};
+use crate::geometry::{FundamentalMatrix, PointPair};
 
 /// A hypothesis at the witness level.
 #[derive(Debug, Clone)]
@@ -180,66 +179,3 @@ fn climb(
     }
     f
 }
-
-/// Hypotheses resampled from the matches that support the best ones so far.
-///
-/// A geometry that fits a dominant plane and a few chance matches has almost as much support as the right one;
-/// the matches off the plane that it half fits, drawn into small samples together with the clicks, lead out of
-/// that trap. Each sample is six matches of the pool and the clicks, solved by the eight-point algorithm.
-pub(crate) fn resample(
-    support: &Support,
-    best: &[Steered],
-    clicks: &[PointPair],
-    seed: u64,
-    monitor: &Monitor,
-) -> Result<Vec<Steered>, EstimateError> {
-    let Some(leader) = best.first() else { return Ok(Vec::new()) };
-    let mut pool: Vec<PointPair> = Vec::new();
-    for hypothesis in best.iter().take(POOLED) {
-        for m in support.matches(&hypothesis.fundamental, POOL_BAND) {
-            if !pool.contains(&m.pair) {
-                pool.push(m.pair);
-            }
-        }
-    }
-    if pool.len() < 2 * DRAWN {
-        return Ok(Vec::new());
-    }
-    let found: Vec<Steered> = (0..SAMPLES as u64)
-        .into_par_iter()
-        .filter_map(|k| {
-            if monitor.is_cancelled() {
-                return None;
-            }
-            let mut rng = Pcg64Mcg::seed_from_u64(seed.wrapping_mul(SAMPLES as u64).wrapping_add(k));
-            let mut sample: Vec<PointPair> = clicks.to_vec();
-            while sample.len() < DRAWN + 2 {
-                let pair = pool[rng.random_range(0..pool.len())];
-                if !sample.contains(&pair) {
-                    sample.push(pair);
-                }
-            }
-            let fundamental = eight_point(&sample).ok()?;
-            let score = support.score(&fundamental, BAND);
-            // Half the leader's support is what a geometry near the right one has before it is polished.
-            (score > 0.4 * leader.support).then_some(Steered {
-                fundamental,
-                support: score,
-                angles: leader.angles,
-            })
-        })
-        .collect();
-    monitor.check()?;
-    let mut found = found;
-    found.sort_by(|a, b| b.support.total_cmp(&a.support));
-    Ok(found)
-}
-
-/// Hypotheses whose matches are pooled.
-const POOLED: usize = 6;
-/// Width of the band the pool is taken from, px.
-const POOL_BAND: f64 = 8.0;
-/// Matches drawn from the pool into a sample.
-const DRAWN: usize = 6;
-/// Samples drawn.
-const SAMPLES: usize = 1500;

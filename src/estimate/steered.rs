@@ -3,22 +3,23 @@
 
 use rayon::prelude::*;
 
-use super::bundle::{Angles, Bundle};
+use super::bundle::Angles;
 use super::candidates::PencilComparison;
-use super::hypotheses::{bisector_kappas, draw_pairs, round_trip_area};
+use super::examination::Examiner;
+use super::hypotheses::draw_pairs;
 use super::level::{Level, resized_pair};
 use super::prepared::{FineWitness, Witness};
+use super::resampling::{Drawing, resample};
 use super::search::{self, Steered};
 use super::two_point::{REPORTED, Run};
-use super::validation::line_score;
 use super::{Construction, Estimate, EstimateError, Hypothesis, PatchSupport, Stage};
 use crate::geometry::PointPair;
 use crate::similarity::StereoSimilarity;
 
 /// Combinations tried for the first picture.
 const QUICK: usize = 1500;
-/// Hypotheses refined at full resolution.
-const REFINED: usize = 3;
+/// Growth of the best support in a round of resampling below which it is the last one.
+const SETTLED: f64 = 1.01;
 
 impl Run<'_> {
     /// Line similarity proposes, patch support disposes (see [`search`]).
@@ -26,7 +27,6 @@ impl Run<'_> {
         mut self,
         similarity: &StereoSimilarity,
         level: &Level,
-        clicks: &[PointPair; 2],
         pencils: &[PencilComparison; 2],
         witness: &Witness,
     ) -> Result<Estimate, EstimateError> {
@@ -56,7 +56,7 @@ impl Run<'_> {
         self.enter(Stage::Validation)?;
         let fine = self.prepared.fine_witness();
         let ranked = self.ranked(&proposals, &own, third, witness, fine)?;
-        let hypotheses = self.figures(similarity, level, clicks, &ranked, fine);
+        let hypotheses = self.figures(similarity, level, &ranked, fine);
         let leader = ranked.first().ok_or(EstimateError::NoGeometry)?;
         let best = hypotheses.first().ok_or(EstimateError::NoGeometry)?.fundamental;
         let supporting: Vec<PointPair> = fine
@@ -69,7 +69,7 @@ impl Run<'_> {
         self.preliminary(&best, &hypotheses, Some(support.clone()));
 
         self.enter(Stage::Refinement)?;
-        let leading = hypotheses.iter().take(REFINED).map(|h| h.fundamental);
+        let leading = hypotheses.iter().take(parameters.refined).map(|h| h.fundamental);
         let refined = if parameters.refine { self.refined(leading) } else { None };
         self.monitor.check()?;
         if let Some(refined) = refined {
@@ -105,7 +105,8 @@ impl Run<'_> {
         fine: &FineWitness,
     ) -> Result<Vec<Steered>, EstimateError> {
         // Clicks more precise than a level can show would pin what its corners cannot.
-        let sigma = |scales: [f64; 2]| (self.parameters.click_sigma * scales[0]).max(0.5);
+        let parameters = self.parameters;
+        let sigma = |scales: [f64; 2]| (parameters.click_sigma * scales[0]).max(0.5);
         let observed: Vec<PointPair> = own.iter().copied().chain(third).collect();
         let coarse = search::polish(
             &witness.support,
@@ -133,9 +134,23 @@ impl Run<'_> {
         let mut ranked = polish(&starts)?;
         // The rest stay in the list as they are: they may be the runners-up.
         ranked.extend(starts.drain(starts.len().min(search::FINE.count)..));
-        let seed = self.parameters.seed;
-        let resampled = search::resample(&fine.support, &ranked, &observed, seed, self.monitor)?;
-        ranked.extend(polish(&resampled)?);
+        for round in 0..parameters.resampling as u64 {
+            ranked.sort_by(|a, b| b.support.total_cmp(&a.support));
+            let before = ranked.first().map_or(0.0, |leader| leader.support);
+            let drawing = Drawing {
+                clicks: &observed,
+                parallax: parameters.parallax,
+                // Rounds must not repeat each other, with any seed.
+                seed: parameters.seed.wrapping_mul(64).wrapping_add(round),
+            };
+            let resampled = resample(&fine.support, &ranked, &drawing, self.monitor)?;
+            let polished = polish(&resampled)?;
+            let after = polished.first().map_or(0.0, |best| best.support);
+            ranked.extend(polished);
+            if after < SETTLED * before {
+                break;
+            }
+        }
         ranked.sort_by(|a, b| b.support.total_cmp(&a.support));
         Ok(ranked)
     }
@@ -145,13 +160,12 @@ impl Run<'_> {
         &self,
         similarity: &StereoSimilarity,
         level: &Level,
-        clicks: &[PointPair; 2],
         ranked: &[Steered],
         fine: &FineWitness,
     ) -> Vec<Hypothesis> {
         let own = self.clicks.map(|c| resized_pair(&c, fine.scales));
-        let frames = level.frames();
-        let parameters = self.parameters;
+        let examiner = Examiner { similarity, level, parameters: self.parameters, clicks: self.clicks };
+        let [s1, s2] = fine.scales;
         ranked
             .par_iter()
             .take(REPORTED)
@@ -164,28 +178,8 @@ impl Run<'_> {
                     matches.iter().map(|m| m.pair),
                 )
                 .unwrap_or(steered.angles);
-                let bundle = Bundle::new(&angles, *clicks)?;
-                let score = line_score(
-                    similarity,
-                    &bundle,
-                    frames,
-                    parameters.validation_lines,
-                    parameters.line_score,
-                );
-                let (forward, backward) =
-                    bisector_kappas(similarity, &bundle, clicks).unwrap_or((angles.kappa, angles.kappa));
-                let area = round_trip_area(&bundle, forward / backward, frames[0]);
-                let [s1, s2] = fine.scales;
-                let angles = Angles { kappa: forward, ..angles };
-                Some(Hypothesis {
-                    fundamental: steered.fundamental.rescaled(1.0 / s1, 1.0 / s2)?,
-                    score,
-                    support: steered.support,
-                    round_trip_area: area / level.scales[0],
-                    kappa_line2_from_line1: forward,
-                    kappa_line1_from_line2: backward,
-                    construction: Construction::new(&angles, self.clicks, Some(backward))?,
-                })
+                let fundamental = steered.fundamental.rescaled(1.0 / s1, 1.0 / s2)?;
+                examiner.hypothesis(fundamental, &angles, steered.support)
             })
             .collect()
     }

@@ -91,6 +91,11 @@ impl Support {
         &self.pairs
     }
 
+    /// Where the two corners of a putative match are.
+    pub fn pair(&self, m: &Putative) -> PointPair {
+        PointPair { point1: self.corners[0][m.corner1 as usize], point2: self.corners[1][m.corner2 as usize] }
+    }
+
     pub fn corners(&self, image: usize) -> &[Point] {
         &self.corners[image]
     }

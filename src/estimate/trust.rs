@@ -92,7 +92,8 @@ pub struct Trust {
 /// Fewer matches than this do not call a result right, and far fewer call it wrong.
 const ENOUGH_MATCHES: usize = 60;
 const FAR_TOO_FEW: usize = 25;
-/// A click farther off its line than this many standard deviations is a mistake, or the result is.
+/// A click farther off its line than the first many standard deviations is a mistake, or the result is; far more,
+/// and the result is wrong unless everything else speaks for it.
 const CLICK_DEVIATIONS: f64 = 4.0;
 const CLICK_DEVIATIONS_WRONG: f64 = 12.0;
 /// Smallest advantage over a clearly different geometry.
@@ -138,10 +139,11 @@ impl Trust {
             }
             _ => {}
         }
+        let mut far_off = false;
         for (k, distance) in evidence.clicks.iter().enumerate() {
             let deviations = distance / evidence.click_sigma;
             if deviations > CLICK_DEVIATIONS {
-                wrong |= deviations > CLICK_DEVIATIONS_WRONG;
+                far_off |= deviations > CLICK_DEVIATIONS_WRONG;
                 reasons.push(Reason::ClickOff { pair: k + 1, distance: *distance });
             }
         }
@@ -154,6 +156,10 @@ impl Trust {
         if evidence.on_one_plane > ONE_PLANE {
             reasons.push(Reason::OnePlane { percent: (100.0 * evidence.on_one_plane) as u32 });
         }
+        // A mistaken click beside a geometry that everything else speaks for is no more than that: patches have
+        // outvoted it. With anything else against it, the result is wrong.
+        let but_clicks = reasons.iter().any(|r| !matches!(r, Reason::ClickOff { .. }));
+        wrong |= far_off && but_clicks;
         let verdict = match (reasons.is_empty(), wrong) {
             (true, _) => Verdict::Right,
             (false, false) => Verdict::Doubtful,
@@ -198,7 +204,9 @@ mod tests {
             assert_eq!(verdict(worse), Verdict::Doubtful);
         }
         assert_eq!(verdict(Evidence { matches: Some(12), ..GOOD }), Verdict::Wrong);
-        assert_eq!(verdict(Evidence { clicks: &[40.0, 0.1], ..GOOD }), Verdict::Wrong);
+        assert_eq!(verdict(Evidence { clicks: &[40.0, 0.1], ..GOOD }), Verdict::Doubtful, "outvoted");
+        assert_eq!(verdict(Evidence { clicks: &[40.0, 0.1], margin: Some(0.1), ..GOOD }), Verdict::Wrong);
+        assert_eq!(verdict(Evidence { clicks: &[40.0, 0.1], matches: None, ..GOOD }), Verdict::Wrong);
     }
 
     #[test]

@@ -92,7 +92,7 @@ impl Run<'_> {
         let pencils = self.pencils(&similarity, &level, &clicks)?;
         self.enter(Stage::Hypotheses)?;
         match witness {
-            Some(witness) => self.steered(&similarity, &level, &clicks, &pencils, witness),
+            Some(witness) => self.steered(&similarity, &level, &pencils, witness),
             None => self.published(&similarity, &level, &clicks, &pencils),
         }
     }
@@ -137,7 +137,7 @@ impl Run<'_> {
         starts
             .take_while(|_| !self.monitor.is_cancelled())
             .filter_map(|f| self.prepared.refine(&f, &observed, self.parameters.click_sigma, self.monitor))
-            .max_by(|a, b| a.weight().total_cmp(&b.weight()))
+            .max_by(|a, b| a.weight.total_cmp(&b.weight))
     }
 
     pub(super) fn preliminary(

@@ -2,10 +2,15 @@
 //!
 //! A new method is one [`Contender`] and one row of [`METHODS`].
 
+use std::time::Instant;
+
 use serde_json::Value;
 
 use super::{EvaluateError, Scene};
-use crate::estimate::{Method, Monitor, Parameters, Preset, Verdict, estimate};
+use crate::estimate::{
+    Estimate, Hypothesis, Method, Monitor, Parameters, PreparedPair, Preset, Verdict, estimate_prepared,
+    examine,
+};
 use crate::geometry::{FundamentalMatrix, PointPair};
 
 /// What a contender found in one trial.
@@ -25,6 +30,17 @@ pub struct Outcome {
     pub verdict: Option<Verdict>,
     /// What a user would be told: warnings and what speaks against the result.
     pub warnings: Vec<String>,
+    /// What it chose among, if it chooses.
+    pub choice: Option<Choice>,
+}
+
+/// Hypotheses of one trial.
+#[derive(Debug, Clone)]
+pub struct Choice {
+    /// Those generated.
+    pub generated: Vec<Hypothesis>,
+    /// The true geometry with the same figures; `None` where it has none.
+    pub truth: Option<Hypothesis>,
 }
 
 /// A method with its parameters.
@@ -115,6 +131,20 @@ struct Clicked {
     parameters: Parameters,
 }
 
+impl Clicked {
+    fn choice(
+        &self,
+        scene: &Scene,
+        clicks: &[PointPair],
+        prepared: &PreparedPair,
+        found: &Estimate,
+    ) -> Choice {
+        let turn = found.hypotheses.first().map_or(0.0, |h| h.construction.turn());
+        let truth = examine(prepared, [clicks[0], clicks[1]], &scene.truth, turn, &self.parameters);
+        Choice { generated: found.hypotheses.clone(), truth }
+    }
+}
+
 impl Contender for Clicked {
     fn method(&self) -> &'static str {
         match self.parameters.method {
@@ -140,12 +170,16 @@ impl Contender for Clicked {
 
     fn estimate(&self, scene: &Scene, clicks: &[PointPair]) -> Result<Outcome, String> {
         let [image1, image2] = &scene.images;
-        let found = estimate(image1, image2, clicks, &self.parameters, &Monitor::silent())
+        let begun = Instant::now();
+        let prepared = PreparedPair::new(image1, image2);
+        let preparation = begun.elapsed().as_secs_f64();
+        let found = estimate_prepared(&prepared, clicks, &self.parameters, &Monitor::silent())
             .map_err(|e| e.to_string())?;
         Ok(Outcome {
+            choice: Some(self.choice(scene, clicks, &prepared, &found)),
             fundamental: found.fundamental,
-            seconds: found.seconds,
-            first_seconds: found.first_seconds,
+            seconds: preparation + found.seconds,
+            first_seconds: preparation + found.first_seconds,
             score: Some(found.score),
             margin: found.margin,
             verdict: found.trust.as_ref().map(|t| t.verdict),

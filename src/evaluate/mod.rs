@@ -19,16 +19,18 @@
 
 mod contender;
 mod protocol;
+mod ranking;
 mod report;
 mod run;
 mod scene;
 mod statistics;
 mod table;
 
-pub use contender::{Contender, METHODS, MethodEntry, Outcome, contenders, method_names};
+pub use contender::{Choice, Contender, METHODS, MethodEntry, Outcome, contenders, method_names};
 pub use protocol::{Draws, Protocol};
-pub use report::{Overall, Record, Report, Settings, Shares, TrialRecord};
+pub use ranking::SearchRecord;
+pub use report::{Overall, Record, Report, Settings, Shares, TrialRecord, Verdicts};
 pub use run::{Plan, TrialDone, run};
 pub use scene::{EvaluateError, Scene, pair_scenes, vgg_scenes};
 pub use statistics::{mean, median, share_below};
-pub use table::table;
+pub use table::{search_table, table, verdict_sentences};

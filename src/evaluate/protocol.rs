@@ -29,6 +29,9 @@ pub enum Protocol {
     /// These, and each point at least 12 % of the longer side away from the other's true epipolar line, in
     /// both images: nearer ones leave the epipoles (nearly) undetermined.
     WellPosed,
+    /// Well-posed, but the second pair is a mistake: its point in image 2 is that of another match. No geometry
+    /// fits such clicks, so this measures what verdicts are worth.
+    WrongClick,
 }
 
 impl Protocol {
@@ -37,6 +40,7 @@ impl Protocol {
         match self {
             Self::Paper => "paper",
             Self::WellPosed => "well-posed",
+            Self::WrongClick => "wrong-click",
         }
     }
 
@@ -64,6 +68,7 @@ fn off_lines(scene: &Scene, p: &PointPair, q: &PointPair) -> bool {
 #[derive(Debug)]
 pub struct Draws<'a> {
     scene: &'a Scene,
+    protocol: Protocol,
     seed: u64,
     /// Standard deviation of the click noise, px.
     noise: f64,
@@ -89,7 +94,7 @@ impl<'a> Draws<'a> {
             firsts.swap(k, other);
         }
         firsts.truncate(count);
-        Self { scene, seed, noise, firsts }
+        Self { scene, protocol, seed, noise, firsts }
     }
 
     /// How many trials there are.
@@ -117,14 +122,17 @@ impl<'a> Draws<'a> {
         Some(chosen)
     }
 
-    /// The clicks on the given matches: with noise, kept inside the images.
+    /// The clicks on the given matches: with noise, kept inside the images, and with the mistake of the protocol.
     pub fn clicks(&self, trial: usize, matches: &[usize]) -> Vec<PointPair> {
         let mut random = generator(self.seed, &self.scene.name, Purpose::Noise, trial);
         let [frame1, frame2] = [0, 1].map(|k| self.scene.images[k].frame());
-        matches
-            .iter()
-            .map(|k| {
-                let exact = self.scene.matches[*k];
+        let mut meant: Vec<PointPair> = matches.iter().map(|k| self.scene.matches[*k]).collect();
+        if let (Protocol::WrongClick, Some(second)) = (self.protocol, meant.get_mut(1)) {
+            second.point2 = self.mistake(trial, second.point2);
+        }
+        meant
+            .into_iter()
+            .map(|exact| {
                 if self.noise <= 0.0 {
                     return exact;
                 }
@@ -134,6 +142,20 @@ impl<'a> Draws<'a> {
                 }
             })
             .collect()
+    }
+
+    /// A point of another match in image 2, not near the right one.
+    fn mistake(&self, trial: usize, right: Point) -> Point {
+        let mut random = generator(self.seed, &self.scene.name, Purpose::Mistake, trial);
+        let others: Vec<Point> = self
+            .scene
+            .matches
+            .iter()
+            .filter(|m| inside(self.scene, m) && (m.point2 - right).norm() >= SPACING)
+            .map(|m| m.point2)
+            .collect();
+        // The other clicked match is among them.
+        others[random.random_range(0..others.len())]
     }
 }
 
@@ -158,6 +180,7 @@ enum Purpose {
     Combinations,
     Further,
     Noise,
+    Mistake,
 }
 
 /// A generator for one purpose of one trial on one pair. The hash (FNV-1a) is spelled out because the one of
@@ -241,6 +264,22 @@ mod tests {
         assert_eq!(draws.matches(1, 2), None);
         scene.matches.truncate(1);
         assert_eq!(Draws::new(&scene, Protocol::Paper, 10, 0.0, 0).trials(), 0);
+    }
+
+    #[test]
+    fn a_wrong_click_is_on_another_match_and_nothing_else_changes() {
+        let scene = example_scene("scene", 60);
+        let right = Draws::new(&scene, Protocol::WellPosed, 40, 0.0, 5);
+        let wrong = Draws::new(&scene, Protocol::WrongClick, 40, 0.0, 5);
+        assert!(right.trials() >= 20 && right.trials() == wrong.trials());
+        for trial in 0..right.trials() {
+            let matches = right.matches(trial, 3).unwrap();
+            let (meant, clicked) = (right.clicks(trial, &matches), wrong.clicks(trial, &matches));
+            assert_eq!([meant[0], meant[2]], [clicked[0], clicked[2]]);
+            assert_eq!(meant[1].point1, clicked[1].point1);
+            assert!((meant[1].point2 - clicked[1].point2).norm() >= SPACING);
+            assert!(scene.matches.iter().any(|m| m.point2 == clicked[1].point2));
+        }
     }
 
     #[test]

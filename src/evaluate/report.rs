@@ -3,6 +3,7 @@
 use serde::Serialize;
 use serde_json::Value;
 
+use super::ranking::SearchRecord;
 use super::statistics::{mean, median, share_below};
 use super::{Contender, Plan, Scene};
 use crate::estimate::Verdict;
@@ -35,8 +36,52 @@ pub struct TrialRecord {
     pub verdict: Option<Verdict>,
     /// What a user would have been told.
     pub warnings: Vec<String>,
+    /// What it chose from, if it chooses.
+    pub search: Option<SearchRecord>,
     /// Why there is no F.
     pub failure: Option<String>,
+}
+
+/// How often verdicts were true. A result is good when its error is below 1 % of the longer image side.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
+pub struct Verdicts {
+    /// Results with a verdict.
+    pub results: usize,
+    /// Results called right.
+    pub called_right: usize,
+    /// Of these, good ones.
+    pub called_right_and_good: usize,
+    /// Results that are not good.
+    pub bad: usize,
+    /// Of these, those not called right.
+    pub bad_and_not_called_right: usize,
+}
+
+impl Verdicts {
+    fn of(trials: &[TrialRecord], limit: f64) -> Self {
+        let judged: Vec<_> = trials.iter().filter_map(|t| Some((t.verdict?, t.mean < limit))).collect();
+        let count = |called_right: bool, good: bool| {
+            judged.iter().filter(|(v, g)| (*v == Verdict::Right) == called_right && *g == good).count()
+        };
+        let (right_good, right_bad, bad_seen) = (count(true, true), count(true, false), count(false, false));
+        Self {
+            results: judged.len(),
+            called_right: right_good + right_bad,
+            called_right_and_good: right_good,
+            bad: right_bad + bad_seen,
+            bad_and_not_called_right: bad_seen,
+        }
+    }
+
+    fn sum(all: impl Iterator<Item = Self>) -> Self {
+        all.fold(Self::default(), |sum, v| Self {
+            results: sum.results + v.results,
+            called_right: sum.called_right + v.called_right,
+            called_right_and_good: sum.called_right_and_good + v.called_right_and_good,
+            bad: sum.bad + v.bad,
+            bad_and_not_called_right: sum.bad_and_not_called_right + v.bad_and_not_called_right,
+        })
+    }
 }
 
 /// Which part of the trials, 0 to 1, is better than a limit; failures are not.
@@ -75,6 +120,8 @@ pub struct Record {
     pub mean: f64,
     /// Trials within limits.
     pub shares: Shares,
+    /// How often its verdicts were true.
+    pub verdicts: Verdicts,
     /// Median seconds of a trial.
     pub median_seconds: f64,
     /// Median seconds until the first F, of the trials that found one.
@@ -110,6 +157,7 @@ impl Record {
                 below_3_px: share_below(&errors, 3.0),
                 below_1_percent: share_below(&errors, 0.01 * scene.longer_side()),
             },
+            verdicts: Verdicts::of(&trials, 0.01 * scene.longer_side()),
             median_seconds: median(&seconds),
             median_first_seconds: median(&first),
             trials,
@@ -136,6 +184,8 @@ pub struct Overall {
     pub mean: f64,
     /// All trials within limits.
     pub shares: Shares,
+    /// How often its verdicts were true.
+    pub verdicts: Verdicts,
     /// Median seconds of all trials.
     pub median_seconds: f64,
     /// Median seconds until the first F, of the trials that found one.
@@ -168,6 +218,7 @@ impl Overall {
                 below_3_px: share(|s| s.below_3_px),
                 below_1_percent: share(|s| s.below_1_percent),
             },
+            verdicts: Verdicts::sum(made.iter().map(|r| r.verdicts)),
             median_seconds: median(&trials().map(|t| t.seconds).collect::<Vec<_>>()),
             median_first_seconds: median(&trials().filter_map(|t| t.first_seconds).collect::<Vec<_>>()),
         })

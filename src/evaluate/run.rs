@@ -7,6 +7,7 @@ use std::time::Instant;
 use serde::Serialize;
 use serde_json::json;
 
+use super::ranking::SearchRecord;
 use super::report::{Overall, Record, Report, Settings, TrialRecord};
 use super::statistics::{mean, median};
 use super::{Contender, Draws, EvaluateError, Outcome, Protocol, Scene};
@@ -185,11 +186,12 @@ fn run_trial(scene: &Scene, contender: &dyn Contender, draws: &Draws, job: &Job)
         margin: None,
         verdict: None,
         warnings: Vec::new(),
+        search: None,
         failure: None,
     };
     match outcome {
         Err(failure) => TrialRecord { failure: Some(failure), ..failed },
-        Ok(Outcome { fundamental, seconds, first_seconds, score, margin, verdict, warnings }) => {
+        Ok(Outcome { fundamental, seconds, first_seconds, score, margin, verdict, warnings, choice }) => {
             let distances = scene.distances(&fundamental);
             TrialRecord {
                 fundamental: Some(fundamental),
@@ -201,6 +203,7 @@ fn run_trial(scene: &Scene, contender: &dyn Contender, draws: &Draws, job: &Job)
                 margin,
                 verdict,
                 warnings,
+                search: choice.and_then(|choice| SearchRecord::new(scene, &choice)),
                 ..failed
             }
         }
@@ -241,6 +244,7 @@ mod tests {
                 margin: None,
                 verdict: None,
                 warnings: vec!["a word".into()],
+                choice: None,
             })
         }
     }

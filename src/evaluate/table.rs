@@ -3,6 +3,7 @@
 use std::fmt::Write;
 
 use super::report::{Overall, Record, Report, Shares};
+use super::statistics::median;
 
 const HEADINGS: [&str; 12] = [
     "pair", "method", "matches", "trials", "median", "mean", "<1 px", "<3 px", "<1 %", "failed", "time",
@@ -21,11 +22,80 @@ pub fn table(report: &Report) -> String {
     let body_end = rows.len();
     rows.extend(report.overall.iter().enumerate().map(|(k, o)| overall_row(k, o)));
 
+    let mut text = layout(&rows, &[1, body_end]);
+    for note in &report.notes {
+        let _ = writeln!(text, "Note: {note}");
+    }
+    text
+}
+
+/// Where the search and its rankings stand, one row a pair and contender that chooses: medians of the trials.
+/// Empty when none does.
+pub fn search_table(report: &Report) -> String {
+    let headings = [
+        "pair",
+        "method",
+        "hypotheses",
+        "best, px",
+        "its rank: lines",
+        "patches",
+        "rank of truth: lines",
+        "patches",
+    ];
+    let mut rows = vec![headings.map(str::to_owned)];
+    for record in &report.records {
+        let searches: Vec<_> = record.trials.iter().filter_map(|t| t.search).collect();
+        if searches.is_empty() {
+            continue;
+        }
+        let middle = |values: Vec<f64>| median(&values);
+        let rank = |of: &dyn Fn(&super::SearchRecord) -> Option<usize>| {
+            let value = middle(searches.iter().filter_map(|s| of(s).map(|r| r as f64)).collect());
+            if value.is_nan() { "-".to_owned() } else { format!("{value:.0}") }
+        };
+        rows.push([
+            record.pair.clone(),
+            label(&record.method, record.preset.as_deref()),
+            rank(&|s| Some(s.hypotheses)),
+            pixels(middle(searches.iter().map(|s| s.best_error).collect())),
+            rank(&|s| Some(s.best_rank_by_lines)),
+            rank(&|s| s.best_rank_by_patches),
+            rank(&|s| s.true_rank_by_lines),
+            rank(&|s| s.true_rank_by_patches),
+        ]);
+    }
+    if rows.len() == 1 { String::new() } else { layout(&rows, &[1]) }
+}
+
+/// How often the verdicts were true, one sentence a contender that gives any.
+pub fn verdict_sentences(report: &Report) -> String {
+    let mut text = String::new();
+    for overall in &report.overall {
+        let v = &overall.verdicts;
+        if v.results == 0 {
+            continue;
+        }
+        let _ = writeln!(
+            text,
+            "{}: {} of {} results called right had an error below 1 % of the longer side; {} of {} other results \
+             were not called right.",
+            label(&overall.method, overall.preset.as_deref()),
+            v.called_right_and_good,
+            v.called_right,
+            v.bad_and_not_called_right,
+            v.bad
+        );
+    }
+    text
+}
+
+/// Columns side by side, with rules above the rows of the given numbers.
+fn layout<const N: usize>(rows: &[[String; N]], ruled: &[usize]) -> String {
     let widths: Vec<usize> =
-        (0..HEADINGS.len()).map(|c| rows.iter().map(|r| r[c].chars().count()).max().unwrap_or(0)).collect();
+        (0..N).map(|c| rows.iter().map(|r| r[c].chars().count()).max().unwrap_or(0)).collect();
     let mut text = String::new();
     for (k, row) in rows.iter().enumerate() {
-        if k == 1 || k == body_end {
+        if ruled.contains(&k) {
             let _ = writeln!(text, "{}", "-".repeat(widths.iter().sum::<usize>() + 2 * (widths.len() - 1)));
         }
         let cells = row.iter().zip(&widths).enumerate().map(|(c, (cell, width))| {
@@ -33,9 +103,6 @@ pub fn table(report: &Report) -> String {
             if c < 2 { format!("{cell:<width$}") } else { format!("{cell:>width$}") }
         });
         let _ = writeln!(text, "{}", cells.collect::<Vec<_>>().join("  ").trim_end());
-    }
-    for note in &report.notes {
-        let _ = writeln!(text, "Note: {note}");
     }
     text
 }

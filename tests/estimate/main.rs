@@ -1,5 +1,6 @@
 //! The estimator as a caller uses it: accuracy where truth is known, repeatability, stopping, and bad input.
 
+mod changed;
 mod degenerate;
 mod following;
 mod real;

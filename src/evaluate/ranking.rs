@@ -1,0 +1,86 @@
+//! How good the search was: is a hypothesis near the truth among those it chose from, and what ranked it where?
+
+use serde::Serialize;
+
+use super::statistics::mean;
+use super::{Choice, Scene};
+use crate::estimate::Hypothesis;
+
+/// The search of one trial. Ranks count from 1.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct SearchRecord {
+    /// Hypotheses chosen from.
+    pub hypotheses: usize,
+    /// Error of the best one, px.
+    pub best_error: f64,
+    /// Its rank by line validation.
+    pub best_rank_by_lines: usize,
+    /// Its rank by patch support; `None` when patches were not looked at.
+    pub best_rank_by_patches: Option<usize>,
+    /// Where the true geometry would rank by line validation; `None` when its lines degenerate at the clicks.
+    pub true_rank_by_lines: Option<usize>,
+    /// The same by patch support.
+    pub true_rank_by_patches: Option<usize>,
+}
+
+impl SearchRecord {
+    /// `None` without hypotheses.
+    pub(super) fn new(scene: &Scene, choice: &Choice) -> Option<Self> {
+        let all = &choice.generated;
+        let error = |h: &Hypothesis| mean(&scene.distances(&h.fundamental));
+        let (best, best_error) = all.iter().map(|h| (h, error(h))).min_by(|(_, a), (_, b)| a.total_cmp(b))?;
+        let by_lines = |h: &Hypothesis| 1 + all.iter().filter(|other| other.score < h.score).count();
+        let patches = all.iter().any(|h| h.support > 0.0);
+        let by_patches =
+            |h: &Hypothesis| patches.then(|| 1 + all.iter().filter(|o| o.support > h.support).count());
+        Some(Self {
+            hypotheses: all.len(),
+            best_error,
+            best_rank_by_lines: by_lines(best),
+            best_rank_by_patches: by_patches(best),
+            true_rank_by_lines: choice.truth.as_ref().map(by_lines),
+            true_rank_by_patches: choice.truth.as_ref().and_then(by_patches),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::estimate::Construction;
+    use crate::evaluate::scene::tests::example_scene;
+    use crate::geometry::FundamentalMatrix;
+    use nalgebra::Matrix3;
+
+    #[test]
+    fn ranks_count_who_is_better() {
+        let scene = example_scene("scene", 40);
+        let clicks = [scene.matches[3], scene.matches[17]];
+        let hypothesis = |shift: f64, score: f64, support: f64| {
+            // The truth with image 2 moved along its rows.
+            let moved = Matrix3::new(1.0, 0.0, -shift, 0.0, 1.0, 0.3 * shift, 0.0, 0.0, 1.0);
+            let fundamental =
+                FundamentalMatrix::from_rank_two(moved.transpose() * scene.truth.matrix()).unwrap();
+            Hypothesis {
+                fundamental,
+                score,
+                support,
+                round_trip_area: 0.0,
+                kappa_line2_from_line1: 1.0,
+                kappa_line1_from_line2: 1.0,
+                construction: Construction::of(&fundamental, clicks, 0.0).unwrap(),
+            }
+        };
+        let generated =
+            vec![hypothesis(40.0, 0.2, 30.0), hypothesis(-5.0, 0.4, 20.0), hypothesis(90.0, 0.3, 10.0)];
+        let choice = Choice { generated, truth: Some(hypothesis(0.0, 0.35, 50.0)) };
+        let record = SearchRecord::new(&scene, &choice).unwrap();
+        assert!(record.best_error > 0.1 && record.best_error < 6.0, "{}", record.best_error);
+        assert_eq!(
+            (record.hypotheses, record.best_rank_by_lines, record.best_rank_by_patches),
+            (3, 3, Some(2))
+        );
+        assert_eq!((record.true_rank_by_lines, record.true_rank_by_patches), (Some(3), Some(1)));
+        assert!(SearchRecord::new(&scene, &Choice { generated: Vec::new(), truth: None }).is_none());
+    }
+}
