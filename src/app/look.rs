@@ -21,6 +21,7 @@ pub enum Tool {
 /// Choices about what is drawn.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(from = "Saved", into = "Saved")]
+#[expect(clippy::struct_excessive_bools, reason = "each is a switch of its own")]
 pub struct Look {
     /// Which overlays are shown, in the order of their list.
     pub overlays: [bool; OVERLAYS.len()],
@@ -52,6 +53,7 @@ impl Default for Look {
 /// [`Look`] as it is saved: overlays and the tab by name, so that another list of them finds its own.
 #[derive(Clone, Serialize, Deserialize)]
 #[serde(default)]
+#[expect(clippy::struct_excessive_bools, reason = "each is a switch of its own")]
 struct Saved {
     overlays: BTreeMap<String, bool>,
     linked: bool,

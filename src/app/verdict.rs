@@ -100,7 +100,7 @@ pub fn verdict(document: &Document, computation: &Computation) -> Verdict {
             (Tone::Caution, format!("Epipolar geometry found from {}, with doubts:", used(document)))
         }
     };
-    Verdict { tone, headline, facts: facts(document, estimate), warnings }
+    Verdict { tone, headline, facts: facts(document, estimate, freshness), warnings }
 }
 
 fn waiting(document: &Document) -> String {
@@ -123,9 +123,10 @@ fn used(document: &Document) -> String {
     }
 }
 
-fn facts(document: &Document, estimate: &Estimate) -> Vec<Fact> {
+fn facts(document: &Document, estimate: &Estimate, freshness: Freshness) -> Vec<Fact> {
     let mut facts = epipoles(document, &estimate.fundamental);
-    facts.push(Fact {
+    // Before the end, near-copies of the result are not told from other geometries.
+    let margin = (freshness == Freshness::Final).then(|| Fact {
         name: "Margin",
         value: match estimate.margin {
             Some(margin) => format!("{:.0} %", margin * 100.0),
@@ -134,6 +135,7 @@ fn facts(document: &Document, estimate: &Estimate) -> Vec<Fact> {
         tooltip: "Advantage over the best clearly different geometry; \
                   a few percent means that the result is a guess.",
     });
+    facts.extend(margin);
     facts.extend(line_figures(estimate.score, estimate.round_trip_area));
     if let Some(support) = &estimate.support {
         facts.push(Fact {

@@ -13,8 +13,10 @@ use crate::app::scene::Scene;
 use crate::app::theme;
 use crate::geometry::{Frame, HomogeneousPoint, Vector};
 
-/// Radius of the disc, screen points.
-const RADIUS: f32 = 38.0;
+/// Radius of the disc, screen points: smaller in a small pane, never too small to read.
+const RADIUS: std::ops::RangeInclusive<f32> = 26.0..=40.0;
+/// Its share of the pane's shorter side.
+const SHARE: f32 = 0.12;
 /// From the corner of the pane, screen points.
 const MARGIN: f32 = 6.0;
 /// Hypotheses drawn, by rank.
@@ -25,6 +27,7 @@ const REACH: f32 = 8.0;
 /// The whole plane of an image on a disc.
 struct Disc {
     centre: Pos2,
+    radius: f32,
     frame: Frame,
 }
 
@@ -37,9 +40,9 @@ impl Disc {
         let away = Vector::new(point.x - middle.x * point.z, point.y - middle.y * point.z) / unit;
         let (length, weight) = (away.norm(), point.z.abs());
         let sense = if point.z < 0.0 { -1.0 } else { 1.0 };
-        let radius = if length > 0.0 { length / (length + weight) } else { 0.0 };
-        let along = away.try_normalize(1e-300).unwrap_or_else(Vector::zeros) * (sense * radius);
-        (self.centre + vec2(along.x as f32, along.y as f32) * RADIUS, radius > 0.995)
+        let share = if length > 0.0 { length / (length + weight) } else { 0.0 };
+        let along = away.try_normalize(1e-300).unwrap_or_else(Vector::zeros) * (sense * share);
+        (self.centre + vec2(along.x as f32, along.y as f32) * self.radius, share > 0.995)
     }
 
     fn opposite(&self, at: Pos2) -> Pos2 {
@@ -63,18 +66,20 @@ impl Disc {
 /// on it chooses the hypothesis.
 pub fn show(ui: &mut Ui, pane: Rect, side: Side, frame: Frame, scene: &Scene, commands: &mut Vec<Command>) {
     let Some(shown) = scene.shown() else { return };
-    let centre = pane.max - vec2(RADIUS + MARGIN, RADIUS + MARGIN);
-    if pane.width().min(pane.height()) < 4.0 * RADIUS {
+    let side_length = pane.width().min(pane.height());
+    let radius = (side_length * SHARE).clamp(*RADIUS.start(), *RADIUS.end());
+    let centre = pane.max - vec2(radius + MARGIN, radius + MARGIN);
+    if side_length < 4.0 * radius {
         return;
     }
-    let disc = Disc { centre, frame };
-    let area = Rect::from_center_size(centre, vec2(RADIUS, RADIUS) * 2.0);
+    let disc = Disc { centre, radius, frame };
+    let area = Rect::from_center_size(centre, vec2(radius, radius) * 2.0);
     let response = ui.interact(area, ui.scope_id().with("epipole map"), Sense::click());
     let name = format!("epipole map of the {} image", side.name());
     response.widget_info(|| WidgetInfo::labeled(egui::Role::Image, true, &name));
     let painter = ui.painter_at(area.expand(4.0));
-    painter.circle_filled(centre, RADIUS, Color32::from_black_alpha(190));
-    painter.circle_stroke(centre, RADIUS, Stroke::new(1.0, Color32::from_gray(150)));
+    painter.circle_filled(centre, radius, Color32::from_black_alpha(190));
+    painter.circle_stroke(centre, radius, Stroke::new(1.0, Color32::from_gray(150)));
     painter.add(Shape::closed_line(disc.outline(), Stroke::new(1.2, Color32::from_gray(215))));
 
     let epipole = |f: &crate::geometry::FundamentalMatrix| match side {
@@ -132,9 +137,9 @@ mod tests {
     #[test]
     fn the_image_is_in_the_middle_and_infinity_at_the_rim() {
         let frame = Frame::new(101, 61);
-        let disc = Disc { centre: Pos2::new(200.0, 100.0), frame };
+        let disc = Disc { centre: Pos2::new(200.0, 100.0), radius: 40.0, frame };
         let radius =
-            |x, y, z| (disc.place(&HomogeneousPoint::new(x, y, z)).0 - disc.centre).length() / RADIUS;
+            |x, y, z| (disc.place(&HomogeneousPoint::new(x, y, z)).0 - disc.centre).length() / disc.radius;
         assert!(radius(50.0, 30.0, 1.0) < 1e-6);
         assert!((radius(101.0, 61.0, 1.0) - 0.5).abs() < 0.02, "a corner is half way out");
         assert!((radius(1.0, 2.0, 0.0) - 1.0).abs() < 1e-6);

@@ -8,12 +8,7 @@ use crate::app::document::pair_name;
 use crate::app::focus::{LineSource, Target};
 use crate::app::inspection::Inspection;
 use crate::app::scene::Scene;
-use crate::app::theme;
 
-/// The curves of the left line.
-pub const LEFT: Color32 = theme::PAIRS[2];
-/// The curves of the right line.
-pub const RIGHT: Color32 = theme::PAIRS[0];
 /// How near to an inspected line the cursor must be in an image to mark its sample in the plots, px.
 const REACH: f64 = 12.0;
 /// With less room than this for the rest of the line, it is left away, screen points.
@@ -37,14 +32,6 @@ pub fn tools(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
             ui.label(describe_sample(inspection, sample));
         }
         return;
-    }
-    if ui.available_width() > 3.0 * ROOM {
-        for (color, text) in [(RIGHT, "right line"), (LEFT, "left line")] {
-            ui.weak(text);
-            let (area, _) = ui.allocate_exact_size(vec2(14.0, 3.0), Sense::hover());
-            ui.painter().rect_filled(area, 1.0, color);
-        }
-        ui.add_space(theme::GAP);
     }
     if let Some(inspection) = scene.inspection.filter(|_| ui.available_width() > 2.0 * ROOM) {
         let matching = &inspection.warped.matching;

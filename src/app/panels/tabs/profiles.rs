@@ -5,7 +5,7 @@ use std::sync::Arc;
 use egui::{Color32, Id, ImageData, RichText, TextureHandle, TextureOptions, Ui, UiBuilder, vec2};
 use egui_plot::{GridInput, GridMark, Line, Plot, PlotImage, PlotPoint, PlotPoints, PlotUi, VLine};
 
-use super::inspected::{LEFT, RIGHT, marked, tools};
+use super::inspected::{marked, tools};
 use super::{Tab, empty};
 use crate::app::command::Command;
 use crate::app::focus::Target;
@@ -21,6 +21,10 @@ pub const TAB: Tab = Tab {
     tools,
     show,
 };
+
+/// The curves of the left and the right line.
+const LEFT: Color32 = theme::PAIRS[2];
+const RIGHT: Color32 = theme::PAIRS[0];
 
 fn show(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
     let Some(inspection) = scene.inspection.filter(|inspection| !inspection.samples().is_empty()) else {
@@ -64,7 +68,18 @@ fn show(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
         let rect = [top, bottom][row].shrink2(vec2(4.0, 1.0));
         let mut child = ui.new_child(UiBuilder::new().max_rect(rect).id_salt(title));
         child.spacing_mut().item_spacing.y = 0.0;
-        child.label(RichText::new(title).size(12.0).weak()).on_hover_text(tooltip);
+        child.horizontal(|ui| {
+            ui.spacing_mut().interact_size.y = 0.0;
+            let small = |text: &str| RichText::new(text).size(12.0).weak();
+            ui.label(small(title)).on_hover_text(tooltip);
+            for (color, text) in [(LEFT, "left line"), (RIGHT, "right line")] {
+                if column == 0 {
+                    let (area, _) = ui.allocate_exact_size(vec2(14.0, 3.0), egui::Sense::hover());
+                    ui.painter().rect_filled(area, 1.0, color);
+                    ui.label(small(text));
+                }
+            }
+        });
         let plot = Titled { title, has_scale: row == 1, content };
         hovered = plot.show(&mut child, inspection, marked).or(hovered);
     }
