@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use super::document::Side;
-use super::suggesting::{Question, Suggested};
+use super::suggesting::SuggestFn;
 use super::worker::{EstimateFn, Request};
 use crate::estimate::{Estimate, PreparedPair, estimate_prepared, follow};
 use crate::image::Picture;
@@ -12,9 +12,6 @@ use crate::suggest::{ClickedImage, SuggestParameters, suggest};
 
 /// Refits the most supported of some earlier geometries of the same pictures to moved points, in milliseconds.
 pub type FollowFn = dyn FnMut(&Request, &[&Estimate]) -> Option<Estimate> + Send;
-
-/// Suggests the match of a first click, in some hundredths of a second.
-pub type SuggestFn = dyn FnMut(&Question) -> Suggested + Send;
 
 /// The computations and the system's dialogs.
 pub struct Services {

@@ -4,7 +4,6 @@ use std::sync::Arc;
 
 use super::background::Latest;
 use super::document::HalfPair;
-use super::services::SuggestFn;
 use super::waker::Waker;
 use crate::geometry::FundamentalMatrix;
 use crate::image::Picture;
@@ -30,6 +29,9 @@ impl PartialEq for Question {
 
 /// Places that look like the first click, or why there are none.
 pub type Suggested = Result<Suggestions, SuggestError>;
+
+/// Suggests the match of a first click, in some hundredths of a second.
+pub type SuggestFn = dyn FnMut(&Question) -> Suggested + Send;
 
 /// The suggestion and the thread that makes it.
 pub struct Suggesting {

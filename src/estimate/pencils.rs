@@ -1,5 +1,7 @@
 //! The compared pencils of an estimate, as lines in full-size pixels.
 
+use std::sync::Arc;
+
 use super::candidates::{Candidate, PencilComparison};
 use crate::geometry::{AnchoredLine, PointPair};
 use crate::similarity::CostMatrix;
@@ -10,13 +12,13 @@ use crate::similarity::CostMatrix;
 #[derive(Debug, Clone)]
 pub struct ComparedPencils {
     click: PointPair,
-    comparison: PencilComparison,
+    comparison: Arc<PencilComparison>,
 }
 
 impl ComparedPencils {
     /// Pencils through a click in full-size pixels.
-    pub fn new(click: PointPair, comparison: PencilComparison) -> Self {
-        Self { click, comparison }
+    pub fn new(click: PointPair, comparison: impl Into<Arc<PencilComparison>>) -> Self {
+        Self { click, comparison: comparison.into() }
     }
 
     /// The click they pass through, full-size pixels.

@@ -1,13 +1,15 @@
 //! What is computed once per image pair, whatever the clicks: pyramids, corners and patch correlations.
 
-use std::sync::OnceLock;
+use std::collections::VecDeque;
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
-use super::Monitor;
+use super::candidates::PencilComparison;
 use super::level::Level;
 use super::patches::warps;
 use super::refinement::{Refined, RefinementLevel};
 use super::support::Support;
 use super::voting::Electorate;
+use super::{EstimateError, Monitor, Parameters};
 use crate::geometry::{Frame, FundamentalMatrix, PointPair};
 use crate::image::{GrayPlane, Pyramid};
 
@@ -19,6 +21,15 @@ pub struct PreparedPair {
     witness: OnceLock<Witness>,
     fine_witness: OnceLock<FineWitness>,
     refinement: [RefinementLevel; REFINEMENT_SIDES.len()],
+    /// The latest compared pencils, newest first: while one click is dragged, those of the other stay.
+    compared: Mutex<VecDeque<Compared>>,
+}
+
+#[derive(Debug)]
+struct Compared {
+    click: PointPair,
+    parameters: Parameters,
+    comparison: Arc<PencilComparison>,
 }
 
 /// Patch support at its level, with the corner pairs that vote.
@@ -47,6 +58,8 @@ const FINE_CORNERS: usize = 1500;
 const VOTES_PER_CORNER: usize = 3;
 /// Longer sides of the levels `F` is refined at, px; the last one is full size.
 const REFINEMENT_SIDES: [f64; 2] = [800.0, f64::INFINITY];
+/// Compared pencils kept: some hundred kilobytes each.
+const COMPARISONS_KEPT: usize = 4;
 /// Levels smaller than this are never used, px.
 const SMALLEST_SIDE: f64 = 48.0;
 
@@ -60,7 +73,30 @@ impl PreparedPair {
             witness: OnceLock::new(),
             fine_witness: OnceLock::new(),
             refinement: Default::default(),
+            compared: Mutex::default(),
         }
+    }
+
+    /// The pencils through a click (full-size pixels): those compared before with the same parameters, or
+    /// what `compare` finds.
+    pub(crate) fn pencils(
+        &self,
+        click: &PointPair,
+        parameters: &Parameters,
+        compare: impl FnOnce() -> Result<PencilComparison, EstimateError>,
+    ) -> Result<Arc<PencilComparison>, EstimateError> {
+        // Entries are whole whatever happened to a thread that held the lock.
+        let kept = || self.compared.lock().unwrap_or_else(PoisonError::into_inner);
+        let same = |c: &&Compared| c.click == *click && c.parameters == *parameters;
+        if let Some(found) = kept().iter().find(same) {
+            return Ok(Arc::clone(&found.comparison));
+        }
+        let comparison = Arc::new(compare()?);
+        let mut kept = kept();
+        kept.truncate(COMPARISONS_KEPT - 1);
+        let (click, parameters) = (*click, parameters.clone());
+        kept.push_front(Compared { click, parameters, comparison: Arc::clone(&comparison) });
+        Ok(comparison)
     }
 
     /// Sizes of the two images.
@@ -124,5 +160,44 @@ impl PreparedPair {
             let electorate = Electorate::new(&support, VOTES_PER_CORNER);
             Witness { scales: level.scales, support, electorate }
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::similarity::CostMatrix;
+
+    #[test]
+    fn pencils_are_compared_once_for_a_click_and_parameters() {
+        let plane = GrayPlane::from_fn(Frame::new(64, 64), |x, y| ((x * y) % 251) as f32);
+        let prepared = PreparedPair::new(&plane, &plane);
+        let comparison = || PencilComparison {
+            angles1: Vec::new(),
+            angles2: Vec::new(),
+            lines: [0, 0],
+            costs: CostMatrix::new(0, 0, Vec::new()),
+            candidates: Vec::new(),
+        };
+        let mut compared = 0;
+        let mut ask = |x: f64, parameters: &Parameters| {
+            let found = prepared.pencils(&PointPair::new(x, 1.0, 2.0, 3.0), parameters, || {
+                compared += 1;
+                Ok(comparison())
+            });
+            found.unwrap();
+            compared
+        };
+        let (usual, coarser) =
+            (Parameters::default(), Parameters { coarse_side: 96.0, ..Parameters::default() });
+        assert_eq!([ask(0.0, &usual), ask(0.0, &usual), ask(0.0, &coarser), ask(0.0, &usual)], [1, 1, 2, 2]);
+        // Others push the first one out.
+        for x in 1..5 {
+            ask(f64::from(x), &usual);
+        }
+        assert_eq!(ask(0.0, &usual), 7);
+        let stopped =
+            prepared.pencils(&PointPair::new(9.0, 9.0, 9.0, 9.0), &usual, || Err(EstimateError::Cancelled));
+        assert_eq!(stopped.unwrap_err(), EstimateError::Cancelled);
     }
 }

@@ -1,6 +1,8 @@
 //! The search as published (paper, section 5.1): bisectors, round trip, full validation; then the five numbers
 //! are refined on lines.
 
+use std::sync::Arc;
+
 use rayon::prelude::*;
 
 use super::bundle::Bundle;
@@ -24,7 +26,7 @@ impl Run<'_> {
         similarity: &StereoSimilarity,
         level: &Level,
         clicks: &[PointPair; 2],
-        pencils: &[PencilComparison; 2],
+        pencils: &[Arc<PencilComparison>; 2],
     ) -> Result<Estimate, EstimateError> {
         let parameters = self.parameters;
         let drawn = draw_pairs(

@@ -1,6 +1,8 @@
 //! The search that patch support steers: line similarity proposes, patch support disposes, local optimisation
 //! polishes (see [`super::search`] for the steps).
 
+use std::sync::Arc;
+
 use rayon::prelude::*;
 
 use super::bundle::Angles;
@@ -27,7 +29,7 @@ impl Run<'_> {
         mut self,
         similarity: &StereoSimilarity,
         level: &Level,
-        pencils: &[PencilComparison; 2],
+        pencils: &[Arc<PencilComparison>; 2],
         witness: &Witness,
     ) -> Result<Estimate, EstimateError> {
         let parameters = self.parameters;

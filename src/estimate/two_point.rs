@@ -102,10 +102,13 @@ impl Run<'_> {
         similarity: &StereoSimilarity,
         level: &Level,
         clicks: &[PointPair; 2],
-    ) -> Result<[PencilComparison; 2], EstimateError> {
-        let compare =
-            |click| compare_pencils(similarity, click, level.frames(), self.parameters, self.monitor);
-        let (p, q) = rayon::join(|| compare(&clicks[0]), || compare(&clicks[1]));
+    ) -> Result<[Arc<PencilComparison>; 2], EstimateError> {
+        let compare = |k: usize| {
+            self.prepared.pencils(&self.clicks[k], self.parameters, || {
+                compare_pencils(similarity, &clicks[k], level.frames(), self.parameters, self.monitor)
+            })
+        };
+        let (p, q) = rayon::join(|| compare(0), || compare(1));
         let pencils = [p?, q?];
         for (k, pencil) in pencils.iter().enumerate() {
             let (lines1, lines2) = (pencil.angles1.len(), pencil.angles2.len() / 2);

@@ -125,7 +125,7 @@ impl Aligner<'_> {
             return 0.0;
         }
         let variances = [aa - a * a / n, bb - b * b / n];
-        let least = f64::from(super::correlation::LEAST_CONTRAST).powi(2) * n;
+        let least = f64::from(super::template::LEAST_CONTRAST).powi(2) * n;
         if variances.iter().any(|v| *v < least) {
             return 0.0;
         }

@@ -13,14 +13,12 @@ use std::ops::Range;
 use multiversion::multiversion;
 use rayon::prelude::*;
 
-use super::template::{HALF, SIDE, Template};
+use super::template::{HALF, LEAST_CONTRAST, SIDE, Template};
 use crate::geometry::{Frame, Line};
 use crate::image::GrayPlane;
 
 /// Positions computed at once.
 const BLOCK: usize = 32;
-/// Windows with a smaller standard deviation hold nothing but noise, grey levels.
-pub(super) const LEAST_CONTRAST: f32 = 1.5;
 
 /// An image continued beyond its border by its last pixels, so that a window fits around every pixel.
 pub(super) struct Windows {

@@ -5,6 +5,8 @@ use nalgebra::Matrix2;
 use crate::geometry::{Point, Vector};
 use crate::image::GrayPlane;
 
+/// Windows with a smaller standard deviation hold nothing but noise, grey levels.
+pub(super) const LEAST_CONTRAST: f32 = 1.5;
 /// Half width of a template: 11×11 pixels, whatever the level.
 pub(super) const HALF: usize = 5;
 pub(super) const SIDE: usize = 2 * HALF + 1;
@@ -74,7 +76,7 @@ impl Template {
             *value -= mean;
         }
         let norm = values.iter().map(|v| v * v).sum::<f32>().sqrt();
-        if norm < super::correlation::LEAST_CONTRAST * SIDE as f32 {
+        if norm < LEAST_CONTRAST * SIDE as f32 {
             return None;
         }
         for value in &mut values {
