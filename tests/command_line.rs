@@ -51,7 +51,9 @@ impl Pictures {
         let whole = std::fs::read(folder.path("left.png")).unwrap();
         std::fs::write(folder.path("cut.png"), &whole[..whole.len() / 2]).unwrap();
         std::fs::write(folder.path("zero.png"), "").unwrap();
-        std::fs::write(folder.path("words.txt"), "This is not a picture.\n").unwrap();
+        for name in ["words.txt", "words.png"] {
+            std::fs::write(folder.path(name), "This is not a picture.\n").unwrap();
+        }
         std::fs::write(folder.path("none.pgm"), "P5\n0 0\n255\n").unwrap();
         folder
     }
@@ -123,6 +125,7 @@ mod pictures {
             ("zero.png", "zero.png"),
             ("cut.png", "cut.png is damaged or incomplete"),
             ("words.txt", "words.txt is not an image"),
+            ("words.png", "words.png is not an image"),
             ("none.pgm", "none.pgm"),
             ("", "it is a folder"),
         ] {

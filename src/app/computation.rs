@@ -182,6 +182,7 @@ impl Computation {
         }
         let Some(request) = request else {
             self.pencils = None;
+            self.begun.clear();
             self.set_shown(None);
             return;
         };

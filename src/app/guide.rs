@@ -11,7 +11,8 @@ pub fn guide(scene: &Scene) -> String {
         return if loading {
             "Opening the images.".into()
         } else {
-            "Drop two images of the same scene on this window, or press Open.".into()
+            "Drop two images of the same scene on this window, or press Open. Sample shows a built-in pair."
+                .into()
         };
     }
     if scene.tool == Tool::Inspect {
@@ -26,7 +27,12 @@ pub fn guide(scene: &Scene) -> String {
         let other = half.side.other().name();
         let offer = match scene.suggestion {
             Some(Ok(found)) if found.clear().is_some() => "Enter accepts the suggested match.".to_owned(),
-            Some(Ok(found)) => format!("{}.", found.verdict),
+            Some(Ok(found)) => {
+                format!(
+                    "{}: click the right place yourself, or press Escape to give the point up.",
+                    found.verdict
+                )
+            }
             Some(Err(_)) => "There is no suggestion for it.".to_owned(),
             None => "Escape gives it up.".to_owned(),
         };

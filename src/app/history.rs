@@ -87,6 +87,12 @@ impl<T: PartialEq, K: PartialEq + Copy> History<T, K> {
         self.undo.pop_back()
     }
 
+    /// The same with the run of merged edits that is under way; nothing happens when the latest edit was of
+    /// another kind.
+    pub fn revert_run(&mut self, is_under_way: impl FnOnce(&K) -> bool) -> Option<T> {
+        self.open.take().filter(is_under_way).and_then(|_| self.revert())
+    }
+
     /// Whether there is something to undo.
     pub fn can_undo(&self) -> bool {
         !self.undo.is_empty()
@@ -152,8 +158,19 @@ mod tests {
     #[test]
     fn reverting_leaves_nothing_to_redo() {
         let (mut history, mut state) = (History::default(), 0);
-        edit(&mut history, &mut state, 5, Step::Single);
-        assert_eq!(history.revert(), Some(0));
+        edit(&mut history, &mut state, 5, Step::Merged(7));
+        edit(&mut history, &mut state, 6, Step::Merged(7));
+        assert_eq!(history.revert_run(|key| *key == 7), Some(0));
         assert!(!history.can_redo() && !history.can_undo());
+    }
+
+    #[test]
+    fn reverting_leaves_edits_of_another_kind_alone() {
+        let (mut history, mut state) = (History::default(), 0);
+        edit(&mut history, &mut state, 5, Step::Single);
+        assert_eq!(history.revert_run(|_| true), None);
+        edit(&mut history, &mut state, 6, Step::Merged(7));
+        assert_eq!(history.revert_run(|key| *key == 8), None);
+        assert_eq!(history.undo(state), Ok(5));
     }
 }

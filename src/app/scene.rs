@@ -89,11 +89,12 @@ impl<'a> Scene<'a> {
     }
 
     /// The lines that the geometry shown is built from: those of the hypothesis that was chosen, or else of the
-    /// best one.
+    /// result, or of the best hypothesis while there is none.
     pub fn construction(&self) -> Option<&'a Construction> {
         let shown = self.shown()?;
         let hypothesis = shown.hypothesis.map(|(_, hypothesis)| hypothesis);
-        hypothesis.or(shown.estimate.hypotheses.first()).map(|hypothesis| &hypothesis.construction)
+        let result = || shown.estimate.examined.as_ref().or(shown.estimate.hypotheses.first());
+        hypothesis.or_else(result).map(|hypothesis| &hypothesis.construction)
     }
 
     /// The lines of a source under the geometry shown; `None` while there are none.

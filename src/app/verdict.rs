@@ -78,9 +78,10 @@ pub fn verdict(document: &Document, computation: &Computation) -> Verdict {
     let wrong = estimate.trust.as_ref().is_some_and(|trust| trust.verdict == estimate::Verdict::Wrong);
     let (tone, headline) = match freshness {
         Freshness::Stale => (Tone::Busy, "Updating; the lines still belong to the points before.".to_owned()),
-        Freshness::Followed => {
-            (Tone::Busy, "The geometry follows the points; the search for the best one goes on.".into())
-        }
+        Freshness::Followed => (
+            Tone::Busy,
+            "The latest geometry, adjusted to the points; the search for the best one goes on.".into(),
+        ),
         Freshness::Preliminary => (
             Tone::Busy,
             format!(
@@ -125,6 +126,10 @@ fn used(document: &Document) -> String {
 
 fn facts(document: &Document, estimate: &Estimate, freshness: Freshness) -> Vec<Fact> {
     let mut facts = epipoles(document, &estimate.fundamental);
+    if matches!(freshness, Freshness::Followed | Freshness::Stale) {
+        // The other figures belong to earlier points.
+        return facts;
+    }
     // Before the end, near-copies of the result are not told from other geometries.
     let margin = (freshness == Freshness::Final).then(|| Fact {
         name: "Margin",
@@ -132,7 +137,7 @@ fn facts(document: &Document, estimate: &Estimate, freshness: Freshness) -> Vec<
             Some(margin) => format!("{:.0} %", margin * 100.0),
             None => "no other geometry came near".into(),
         },
-        tooltip: "Advantage over the best clearly different geometry; \
+        tooltip: "How much less support the best clearly different hypothesis has; \
                   a few percent means that the result is a guess.",
     });
     facts.extend(margin);
@@ -140,8 +145,9 @@ fn facts(document: &Document, estimate: &Estimate, freshness: Freshness) -> Vec<
     if let Some(support) = &estimate.support {
         facts.push(Fact {
             name: "Support",
-            value: format!("{} patches", support.matches),
-            tooltip: "Image patches that find their match along their epipolar line; more is better.",
+            value: format!("{:.1} from {} patches", support.score, support.matches),
+            tooltip: "Image patches that find their match along their epipolar line, weighted by how alike they are; \
+                      more is better.",
         });
     }
     if estimate.seconds > 0.0 {

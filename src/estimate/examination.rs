@@ -7,7 +7,7 @@ use super::line_refinement::stereo;
 use super::prepared::PreparedPair;
 use super::search::BAND;
 use super::validation::line_score;
-use super::{Construction, Hypothesis, Parameters};
+use super::{Construction, Hypothesis, Parameters, PatchSupport};
 use crate::geometry::{FundamentalMatrix, PointPair};
 use crate::similarity::StereoSimilarity;
 
@@ -48,6 +48,14 @@ impl Examiner<'_> {
             construction: Construction::new(&angles, self.clicks, Some(backward))?,
         })
     }
+}
+
+/// The patches that agree with `f` (full size).
+pub(super) fn patch_support(prepared: &PreparedPair, f: &FundamentalMatrix) -> Option<PatchSupport> {
+    let fine = prepared.fine_witness();
+    let at_fine = f.rescaled(fine.scales[0], fine.scales[1])?;
+    let matches = fine.support.matches(&at_fine, BAND).len();
+    Some(PatchSupport { matches, score: fine.support.score(&at_fine, BAND) })
 }
 
 /// What the estimator would say of `f` (full size), had it been among its hypotheses: to rank a matrix from

@@ -121,7 +121,10 @@ pub struct Estimate {
     /// The pencils through the first and the second click, as they were compared.
     #[serde(skip)]
     pub pencils: Option<Arc<[ComparedPencils; 2]>>,
-    /// The best hypotheses, best first.
+    /// The result with the figures and the lines of a hypothesis; `None` while it is preliminary.
+    #[serde(skip)]
+    pub examined: Option<Hypothesis>,
+    /// The best hypotheses that differ from each other, best first, as they were before refinement.
     #[serde(skip)]
     pub hypotheses: Vec<Hypothesis>,
     /// The matches the refinement rests on.
@@ -152,6 +155,7 @@ impl Estimate {
             uncertainty: None,
             refined: false,
             pencils: None,
+            examined: None,
             hypotheses: Vec::new(),
             matches: Vec::new(),
         }

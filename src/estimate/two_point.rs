@@ -5,6 +5,7 @@ use std::time::Instant;
 
 use super::candidates::{PencilComparison, compare_pencils};
 use super::degeneracy::{check_images, check_points, click_warnings};
+use super::examination::{examine, patch_support};
 use super::level::Level;
 use super::line_refinement::stereo;
 use super::plane::share_on_one_plane;
@@ -167,6 +168,15 @@ impl Run<'_> {
         self.timings.push(StageTiming { stage: self.stage, seconds });
         self.monitor.check()?;
         let mut estimate = self.assemble(fundamental, hypotheses, support, supporting, refined);
+        // The figures of the result itself, not of the hypothesis it was refined from.
+        let turn = estimate.hypotheses.first().map_or(0.0, |h| h.construction.turn());
+        estimate.examined = examine(self.prepared, self.clicks, &estimate.fundamental, turn, self.parameters);
+        if let Some(own) = &estimate.examined {
+            (estimate.score, estimate.round_trip_area) = (own.score, own.round_trip_area);
+        }
+        if self.parameters.patch_support {
+            estimate.support = patch_support(self.prepared, &estimate.fundamental);
+        }
         estimate.trust = Some(self.trust(&estimate));
         Ok(estimate)
     }
@@ -237,6 +247,7 @@ impl Run<'_> {
             seconds,
             refined: refined.is_some(),
             pencils: self.compared.clone(),
+            examined: None,
             hypotheses,
             uncertainty: refined.as_ref().and_then(|r| r.uncertainty.clone()),
             matches: refined.map(|r| r.matches).unwrap_or_default(),

@@ -1,5 +1,7 @@
 //! Reading picture files.
 
+use std::fs::File;
+use std::io::BufReader;
 use std::path::{Path, PathBuf};
 
 use image::{DynamicImage, ImageDecoder, ImageReader, metadata::Orientation};
@@ -62,15 +64,19 @@ impl Picture {
         if path.is_dir() {
             return Err(LoadError::Open { path: shown, reason: "it is a folder".into() });
         }
-        let reader =
-            ImageReader::open(path).and_then(ImageReader::with_guessed_format).map_err(|e| open(&e))?;
+        // By the content alone: a name that promises another format is no reason to call a file damaged.
+        let file = File::open(path).map_err(|e| open(&e))?;
+        let reader = ImageReader::new(BufReader::new(file)).with_guessed_format().map_err(|e| open(&e))?;
         if reader.format().is_none() {
             return Err(LoadError::Format { path: shown });
         }
         let failed = |e: image::ImageError| match e {
             image::ImageError::IoError(e) if e.kind() == std::io::ErrorKind::NotFound => open(&e),
             image::ImageError::Unsupported(_) => LoadError::Format { path: shown.clone() },
-            other => LoadError::Damaged { path: shown.clone(), reason: other.to_string() },
+            other => LoadError::Damaged {
+                path: shown.clone(),
+                reason: other.to_string().trim_end_matches('.').to_owned(),
+            },
         };
         let mut decoder = reader.into_decoder().map_err(failed)?;
         let orientation = decoder.orientation().unwrap_or(Orientation::NoTransforms);

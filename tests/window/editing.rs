@@ -124,6 +124,26 @@ fn arrow_keys_nudge_the_selected_point() {
     assert_eq!(point(&window, P_LEFT), before, "a run of nudges is one step");
 }
 
+/// A press held long enough counts as the beginning of a drag, though nothing has moved.
+#[test]
+fn escape_during_a_press_takes_no_earlier_edit_back() {
+    let mut window = sample();
+    click_two_pairs(&mut window);
+    let from = screen(&window, P_LEFT);
+    click(&mut window, from);
+    window.key_press(Key::ArrowRight);
+    settle(&mut window);
+    let (nudged, from) = (point(&window, P_LEFT), screen(&window, P_LEFT));
+    window.hover_at(from);
+    button(&window, from, PointerButton::Primary, true);
+    for _ in 0..200 {
+        window.step();
+    }
+    window.key_press(Key::Escape);
+    settle(&mut window);
+    assert_eq!(point(&window, P_LEFT), nudged);
+}
+
 #[test]
 fn pairs_are_deleted_by_key_and_in_the_list() {
     let mut window = sample();

@@ -152,7 +152,8 @@ impl Inspector {
     fn cancel(&mut self) {
         let dragging = self.panes.iter_mut().any(super::ImagePane::let_go);
         if dragging {
-            if let Some(before) = self.history.revert() {
+            // A point that was pressed but not moved has nothing to take back.
+            if let Some(before) = self.history.revert_run(|key| matches!(key, EditKey::Drag(_))) {
                 self.document = before;
             }
         } else if self.palette.open {

@@ -25,8 +25,11 @@ pub fn show(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
             );
             if *shown {
                 ui.painter().rect_filled(swatch, 3.0, overlay.color);
+                // The colour alone would not tell on from off: white on a light panel, dark on a dark one.
+                let tick = [vec2(0.22, 0.52), vec2(0.42, 0.72), vec2(0.78, 0.28)];
+                let tick = tick.map(|at| swatch.min + at * swatch.width());
+                ui.painter().line(tick.to_vec(), egui::Stroke::new(1.5, egui::Color32::BLACK));
             }
-            // White shows on a light panel too.
             let stroke = egui::Stroke::new(1.0, ui.visuals().weak_text_color());
             ui.painter().rect_stroke(swatch, 3.0, stroke, egui::StrokeKind::Inside);
             let name = format!("Show {}", overlay.name);

@@ -21,7 +21,7 @@ pub fn show(ctx: &egui::Context, area: Rect, scene: &Scene, commands: &mut Vec<C
         return;
     }
     Area::new(Id::unique("messages"))
-        .order(Order::Foreground)
+        .order(Order::Middle)
         .pivot(Align2::CENTER_TOP)
         .fixed_pos(area.center_top() + vec2(0.0, 32.0))
         .show(ctx, |ui| {

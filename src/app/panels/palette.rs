@@ -92,7 +92,11 @@ impl CommandPalette {
                     }
                     if let Some(key) = key_text(ui.ctx(), &entry.command) {
                         let right = egui::Layout::right_to_left(egui::Align::Center);
-                        ui.with_layout(right, |ui| ui.label(RichText::new(key).weak()));
+                        ui.with_layout(right, |ui| {
+                            // Clear of the scroll bar.
+                            ui.add_space(14.0);
+                            ui.label(RichText::new(key).weak());
+                        });
                     }
                 });
             }

@@ -24,7 +24,7 @@ pub fn show(ctx: &egui::Context, open: &mut bool) {
         .anchor(Align2::CENTER_CENTER, vec2(0.0, 0.0))
         .show(ctx, |ui| {
             let room = (ctx.content_rect().height() - 140.0).max(120.0);
-            ScrollArea::vertical().max_height(room).show(ui, |ui| {
+            ScrollArea::vertical().max_height(room).min_scrolled_height(room).show(ui, |ui| {
                 Grid::new("keys")
                     .num_columns(2)
                     .striped(true)

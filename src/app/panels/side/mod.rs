@@ -11,13 +11,20 @@ use crate::app::command::Command;
 use crate::app::scene::Scene;
 use crate::estimate::{Method, Parameters, Preset};
 
+/// A result with all its figures and nothing against it, screen points.
+const RESULT_HEIGHT: f32 = 212.0;
+
 /// Shows the panel.
 pub fn show(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
     ScrollArea::vertical().id_salt("side").auto_shrink([false, false]).show(ui, |ui| {
         // Room for the bar when it scrolls, and as much when it does not, so that nothing jumps.
         let room = Margin { right: 10, ..Margin::ZERO };
         Frame::new().inner_margin(room).show(ui, |ui| {
-            result::show(ui, scene, commands);
+            // With as much room as a result needs, so that the choices below stay where they are.
+            ui.vertical(|ui| {
+                ui.set_min_height(RESULT_HEIGHT);
+                result::show(ui, scene, commands);
+            });
             ui.add_space(2.0);
             ui.separator();
             choices(ui, scene, commands);

@@ -22,7 +22,11 @@ pub const TAB: Tab = Tab {
 };
 
 const COLUMNS: [Column; 7] = [
-    Column { title: "Rank", tooltip: "Place in the list of the estimate, best first.", width: 64.0 },
+    Column {
+        title: "Rank",
+        tooltip: "Place in the list, best first, before refinement; the result is what refinement made of the best.",
+        width: 64.0,
+    },
     Column {
         title: "Support",
         tooltip: "How strongly matching image patches agree with it; higher is better. Empty where patches were \
@@ -65,8 +69,8 @@ fn tools(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
 }
 
 fn show(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
-    let hypotheses = scene.computation.result().map_or(&[][..], |(estimate, _)| &estimate.hypotheses);
-    if hypotheses.is_empty() {
+    let listed = Listed::new(scene);
+    if listed.rows() == 0 {
         empty(
             ui,
             "The geometries that the estimate considered appear here, once there are enough point pairs. Click one to \
@@ -80,21 +84,61 @@ fn show(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
         Some(Target::Hypothesis(number)) => Some(number),
         _ => None,
     };
+    let number = |row: usize| listed.number(row);
     let touched = Table {
         name: "hypotheses",
         columns: &COLUMNS,
-        rows: hypotheses.len(),
-        row_name: &|row| format!("Hypothesis {}", row + 1),
-        key: &|row, column| key(&hypotheses[row], row, column, frames),
-        text: &|row, column| text(&hypotheses[row], row, column),
-        look: &|row| Look { chosen: chosen == Some(row), lit: lit == Some(row) },
+        rows: listed.rows(),
+        row_name: &|row| {
+            number(row).map_or("Result".to_owned(), |number| format!("Hypothesis {}", number + 1))
+        },
+        key: &|row, column| key(listed.hypothesis(row), row, column, frames),
+        text: &|row, column| match (column, number(row)) {
+            (0, None) => "Result".to_owned(),
+            (0, Some(number)) => (number + 1).to_string(),
+            _ => text(listed.hypothesis(row), column),
+        },
+        look: &|row| Look { chosen: chosen == number(row), lit: number(row).is_some() && lit == number(row) },
     }
     .show(ui);
-    if let Some(row) = touched.hovered {
-        commands.push(Command::PointAt(Target::Hypothesis(row)));
+    if let Some(number) = touched.hovered.and_then(number) {
+        commands.push(Command::PointAt(Target::Hypothesis(number)));
     }
     if let Some(row) = touched.clicked {
-        commands.push(Command::ChooseHypothesis((chosen != Some(row)).then_some(row)));
+        let clicked = number(row);
+        commands.push(Command::ChooseHypothesis(clicked.filter(|_| clicked != chosen)));
+    }
+}
+
+/// The rows: the result, once it is final, then the hypotheses by rank.
+struct Listed<'a> {
+    result: Option<&'a Hypothesis>,
+    hypotheses: &'a [Hypothesis],
+}
+
+impl<'a> Listed<'a> {
+    fn new(scene: &Scene<'a>) -> Self {
+        let estimate = scene.computation.result().map(|(estimate, _)| estimate);
+        Self {
+            result: estimate.and_then(|estimate| estimate.examined.as_ref()),
+            hypotheses: estimate.map_or(&[], |estimate| &estimate.hypotheses),
+        }
+    }
+
+    fn rows(&self) -> usize {
+        self.hypotheses.len() + usize::from(self.result.is_some())
+    }
+
+    /// The number of the hypothesis of a row; `None` for the result.
+    fn number(&self, row: usize) -> Option<usize> {
+        row.checked_sub(usize::from(self.result.is_some()))
+    }
+
+    fn hypothesis(&self, row: usize) -> &'a Hypothesis {
+        match (self.number(row), self.result) {
+            (None, Some(result)) => result,
+            (number, _) => &self.hypotheses[number.unwrap_or(0)],
+        }
     }
 }
 
@@ -118,12 +162,11 @@ fn ratio(hypothesis: &Hypothesis) -> f64 {
     hypothesis.kappa_line2_from_line1 / hypothesis.kappa_line1_from_line2
 }
 
-fn text(hypothesis: &Hypothesis, row: usize, column: usize) -> String {
+fn text(hypothesis: &Hypothesis, column: usize) -> String {
     let figure = |value: f64, decimals: usize| {
         if value.is_finite() { format!("{value:.decimals$}") } else { String::new() }
     };
     match column {
-        0 => (row + 1).to_string(),
         1 if hypothesis.support > 0.0 => figure(hypothesis.support, 1),
         1 => String::new(),
         2 => figure(hypothesis.score, 3),

@@ -21,7 +21,7 @@ pub const OVERLAY: Overlay = Overlay {
 };
 
 /// Hypotheses drawn, by rank.
-const DRAWN: usize = 40;
+const DRAWN: usize = 20;
 
 fn draw(canvas: &Canvas) {
     let Some((shown, opacity)) = canvas.shown() else { return };
