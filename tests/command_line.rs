@@ -510,6 +510,37 @@ mod geometry {
     }
 
     #[test]
+    fn of_the_house_from_seven_and_eight_points_stands_beside_what_is_printed() {
+        let Some(folder) = real_data("house") else { return };
+        let folder = folder.to_str().unwrap();
+        let ask = |rest: &[&str]| {
+            let baselines = ["--methods", "seven-point,eight-point", "--protocol", "paper", "--json", "-"];
+            let output = run(&[&["evaluate", "vgg", folder][..], &baselines, rest].concat());
+            assert!(output.status.success(), "{}", text(&output.stderr));
+            let report: Value = serde_json::from_slice(&output.stdout).unwrap();
+            (report, text(&output.stderr))
+        };
+        let (report, table) = ask(&["--trials", "8"]);
+        let [seven, eight] = &report["overall"].as_array().unwrap()[..] else { panic!("two methods") };
+        assert_eq!((&seven["pairs"], &seven["trials"]), (&9.into(), &72.into()));
+        assert_eq!((&seven["printed"], &eight["printed"]), (&25.8.into(), &2.77.into()));
+        for overall in [seven, eight] {
+            let median = overall["median_of_medians"].as_f64().unwrap();
+            let end = |name: &str| overall["median_of_medians_interval"][name].as_f64().unwrap();
+            // Exact corners of a tenth of a pixel or so, few of them: some pixels, as others found.
+            assert!((0.5..10.0).contains(&median), "{median}");
+            assert!(end("low") <= median && median <= end("high"));
+        }
+        assert_eq!(report["records"][0]["printed"], 27.11);
+        assert_eq!(report["records"][0]["trials"][0]["clicks"].as_array().unwrap().len(), 7);
+        assert!(table.contains("printed") && table.contains("Fig. 8"), "{table}");
+
+        let (wide, table) = ask(&["--trials", "2", "--step", "2", "--only", "0-2"]);
+        assert!(wide["records"][0]["printed"].is_null() && !table.contains("printed"), "{table}");
+        assert!(wide["records"][0]["median_interval"].is_null(), "two trials say nothing about firmness");
+    }
+
+    #[test]
     fn of_the_built_in_sample_needs_no_files() {
         let output = run(&["estimate", "--sample", "--json", "-"]);
         assert!(output.status.success(), "{}", text(&output.stderr));

@@ -4,14 +4,15 @@
 
 use std::time::Instant;
 
-use serde_json::Value;
+use serde_json::{Value, json};
 
+use super::statistics::mean;
 use super::{EvaluateError, Scene};
 use crate::estimate::{
     Estimate, Hypothesis, Method, Monitor, Parameters, PreparedPair, Preset, Verdict, estimate_prepared,
     examine,
 };
-use crate::geometry::{FundamentalMatrix, PointPair};
+use crate::geometry::{FundamentalMatrix, PointPair, eight_point, seven_point};
 
 /// What a contender found in one trial.
 #[derive(Debug, Clone)]
@@ -84,7 +85,7 @@ pub struct MethodEntry {
 }
 
 /// All methods.
-pub const METHODS: [MethodEntry; 2] = [
+pub const METHODS: [MethodEntry; 4] = [
     MethodEntry {
         name: "two-point",
         has_presets: true,
@@ -99,6 +100,8 @@ pub const METHODS: [MethodEntry; 2] = [
             Box::new(Clicked { parameters: Parameters { method: Method::ThreePoint, ..parameters } })
         },
     },
+    MethodEntry { name: "seven-point", has_presets: false, build: |_| Box::new(SevenPoint) },
+    MethodEntry { name: "eight-point", has_presets: false, build: |_| Box::new(EightPoint) },
 ];
 
 /// The names of all methods.
@@ -193,18 +196,95 @@ impl Contender for Clicked {
     }
 }
 
+/// The seven-point algorithm on seven clicks. Of its solutions the one nearest to all true matches counts, as in
+/// the published experiment: a choice that only who knows the truth can make.
+struct SevenPoint;
+
+impl Contender for SevenPoint {
+    fn method(&self) -> &'static str {
+        "seven-point"
+    }
+
+    fn clicks_needed(&self) -> usize {
+        7
+    }
+
+    fn parameters(&self) -> Value {
+        json!({ "solution": "the one with the least mean distance of all true matches (given the truth)" })
+    }
+
+    fn estimate(&self, scene: &Scene, clicks: &[PointPair]) -> Result<Outcome, String> {
+        let begun = Instant::now();
+        let solutions = seven_point(clicks).map_err(|e| e.to_string())?;
+        let seconds = begun.elapsed().as_secs_f64();
+        let error = |f: &FundamentalMatrix| mean(&scene.distances(f));
+        solutions
+            .into_iter()
+            .map(|f| (error(&f), f))
+            .min_by(|a, b| a.0.total_cmp(&b.0))
+            .map(|(_, f)| from_points(f, seconds))
+            .ok_or_else(|| "the seven-point algorithm found no solution".to_owned())
+    }
+}
+
+/// The normalised eight-point algorithm on eight clicks.
+struct EightPoint;
+
+impl Contender for EightPoint {
+    fn method(&self) -> &'static str {
+        "eight-point"
+    }
+
+    fn clicks_needed(&self) -> usize {
+        8
+    }
+
+    fn estimate(&self, _: &Scene, clicks: &[PointPair]) -> Result<Outcome, String> {
+        let begun = Instant::now();
+        let fundamental = eight_point(clicks).map_err(|e| e.to_string())?;
+        Ok(from_points(fundamental, begun.elapsed().as_secs_f64()))
+    }
+}
+
+/// The outcome of a method that looks at points alone and has no opinion of its result.
+fn from_points(fundamental: FundamentalMatrix, seconds: f64) -> Outcome {
+    Outcome {
+        fundamental,
+        seconds,
+        first_seconds: seconds,
+        score: None,
+        margin: None,
+        verdict: None,
+        warnings: Vec::new(),
+        choice: None,
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::evaluate::scene::tests::example_scene;
+
+    fn only(name: &str) -> Box<dyn Contender> {
+        contenders(&[name.to_owned()], &[Parameters::default()]).unwrap().remove(0)
+    }
 
     #[test]
     fn every_method_takes_part_once_with_every_preset() {
         let presets = [Preset::Paper, Preset::Robust].map(Parameters::from);
-        let names = ["three-point", "two-point", "three-point"].map(str::to_owned);
+        let names =
+            ["three-point", "two-point", "eight-point", "three-point", "seven-point"].map(str::to_owned);
         let labels: Vec<_> = contenders(&names, &presets).unwrap().iter().map(|c| c.label()).collect();
         assert_eq!(
             labels,
-            ["three-point paper", "three-point robust", "two-point paper", "two-point robust"]
+            [
+                "three-point paper",
+                "three-point robust",
+                "two-point paper",
+                "two-point robust",
+                "eight-point",
+                "seven-point"
+            ]
         );
     }
 
@@ -213,6 +293,37 @@ mod tests {
         let Err(error) = contenders(&["magic".into()], &[Parameters::default()]) else {
             panic!("there is no such method")
         };
-        assert_eq!(error.to_string(), "there is no method called magic; there are two-point, three-point");
+        assert_eq!(
+            error.to_string(),
+            "there is no method called magic; there are two-point, three-point, seven-point, eight-point"
+        );
+    }
+
+    #[test]
+    fn the_baselines_find_exact_geometry_and_say_why_they_cannot() {
+        let scene = example_scene("scene", 40);
+        for (name, clicks) in [("seven-point", 7), ("eight-point", 8)] {
+            let who = only(name);
+            assert_eq!((who.clicks_needed(), who.label().as_str()), (clicks, name));
+            let outcome = who.estimate(&scene, &scene.matches[3..3 + clicks]).unwrap();
+            assert!(mean(&scene.distances(&outcome.fundamental)) < 1e-3, "{name}");
+            let failure = who.estimate(&scene, &vec![scene.matches[0]; clicks]).unwrap_err();
+            assert!(failure.contains("spread them over the images"), "{failure}");
+        }
+    }
+
+    #[test]
+    fn of_three_solutions_the_one_nearest_to_all_true_matches_counts() {
+        let scene = example_scene("scene", 60);
+        let mut several = 0;
+        for start in 0..50 {
+            let clicks = &scene.matches[start..start + 7];
+            let solutions = seven_point(clicks).unwrap();
+            several += usize::from(solutions.len() == 3);
+            let outcome = only("seven-point").estimate(&scene, clicks).unwrap();
+            let chosen = mean(&scene.distances(&outcome.fundamental));
+            assert!(solutions.iter().all(|f| chosen <= mean(&scene.distances(f))));
+        }
+        assert!(several > 5, "{several}");
     }
 }

@@ -12,13 +12,26 @@
 //! trials, the order of the work, the threads, or the contenders. All contenders therefore see the same clicks
 //! and can be compared trial by trial.
 //!
+//! # Baselines
+//! The seven-point and the eight-point method get the clicks of the others and the further ones they need. Seven
+//! pairs have up to three solutions; as in the published experiment the one nearest to **all** true matches
+//! counts. That choice is given the truth, so the figures of the seven-point method are better than anybody could
+//! reach with seven pairs alone.
+//!
 //! # Pitfalls
 //! - A trial without an F stays in the statistics with an infinite error; dropping it would flatter a
 //!   contender that gives up on hard trials.
+//! - An interval of a median (see [`Interval`]) says what other clicks on the same pairs might have given. It says
+//!   nothing about other image pairs.
+//! - The published experiment prints one number a pair without saying whether it is a mean or a median of its
+//!   ten trials.
 //! - Times are those of one trial on [`Plan::threads_per_trial`] threads while other trials run beside it.
 
+mod bootstrap;
 mod contender;
+mod printed;
 mod protocol;
+mod random;
 mod ranking;
 mod report;
 mod run;
@@ -26,7 +39,9 @@ mod scene;
 mod statistics;
 mod table;
 
+pub use bootstrap::Interval;
 pub use contender::{Choice, Contender, METHODS, MethodEntry, Outcome, contenders, method_names};
+pub use printed::PrintedErrors;
 pub use protocol::{Draws, Protocol};
 pub use ranking::SearchRecord;
 pub use report::{Overall, Record, Report, Settings, Shares, TrialRecord, Verdicts};

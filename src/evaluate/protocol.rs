@@ -7,11 +7,11 @@
 
 use std::f64::consts::TAU;
 
-use rand::{Rng, RngExt, SeedableRng};
-use rand_pcg::Pcg64Mcg;
+use rand::{Rng, RngExt};
 use serde::Serialize;
 
 use super::Scene;
+use super::random::{Purpose, generator};
 use crate::geometry::{Frame, Point, PointPair};
 
 /// Clicked points are at least this far apart in both images, px, as in the published experiment.
@@ -172,26 +172,6 @@ fn disturbed(point: Point, sigma: f64, frame: Frame, random: &mut impl Rng) -> P
         (point.x + radius * angle.cos()).clamp(0.0, frame.right().max(0.0)),
         (point.y + radius * angle.sin()).clamp(0.0, frame.bottom().max(0.0)),
     )
-}
-
-/// What random numbers are for: each purpose has its own sequence.
-#[derive(Clone, Copy)]
-enum Purpose {
-    Combinations,
-    Further,
-    Noise,
-    Mistake,
-}
-
-/// A generator for one purpose of one trial on one pair. The hash (FNV-1a) is spelled out because the one of
-/// the standard library may change between releases.
-fn generator(seed: u64, name: &str, purpose: Purpose, trial: usize) -> Pcg64Mcg {
-    let trial = (trial as u64).to_le_bytes();
-    let bytes = seed.to_le_bytes().into_iter().chain(name.bytes()).chain([purpose as u8]).chain(trial);
-    let hash = bytes.fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| {
-        (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3)
-    });
-    Pcg64Mcg::seed_from_u64(hash)
 }
 
 #[cfg(test)]

@@ -3,6 +3,7 @@
 use serde::Serialize;
 use serde_json::Value;
 
+use super::bootstrap::{self, Interval, Sample};
 use super::ranking::SearchRecord;
 use super::statistics::{mean, median, share_below};
 use super::{Contender, Plan, Scene};
@@ -116,6 +117,10 @@ pub struct Record {
     pub failures: usize,
     /// Median of the trials' mean distances, px.
     pub median: f64,
+    /// 95 % interval of this median; `None` with fewer than six trials.
+    pub median_interval: Option<Interval>,
+    /// What the published experiment prints for this pair and method, px.
+    pub printed: Option<f64>,
     /// Mean of the trials' mean distances, px.
     pub mean: f64,
     /// Trials within limits.
@@ -134,10 +139,11 @@ impl Record {
     pub(super) fn new(
         scene: &Scene,
         contender: &dyn Contender,
-        trials_asked: usize,
+        plan: &Plan,
         trials: Vec<TrialRecord>,
     ) -> Self {
-        let errors: Vec<f64> = trials.iter().map(|t| t.mean).collect();
+        let errors = errors(&trials);
+        let sample = Sample { pair: &scene.name, errors: errors.clone() };
         let seconds: Vec<f64> = trials.iter().map(|t| t.seconds).collect();
         let first: Vec<f64> = trials.iter().filter_map(|t| t.first_seconds).collect();
         let size = |k: usize| [scene.images[k].frame().width, scene.images[k].frame().height];
@@ -148,9 +154,11 @@ impl Record {
             image_sizes: [size(0), size(1)],
             matches: scene.matches.len(),
             truth_error: scene.truth_error(),
-            trials_asked,
+            trials_asked: plan.trials,
             failures: trials.iter().filter(|t| t.fundamental.is_none()).count(),
             median: median(&errors),
+            median_interval: bootstrap::interval(&[sample], plan.seed),
+            printed: scene.printed.and_then(|p| p.of_method(contender.method())),
             mean: mean(&errors),
             shares: Shares {
                 below_1_px: share_below(&errors, 1.0),
@@ -163,6 +171,11 @@ impl Record {
             trials,
         }
     }
+}
+
+/// The error of each trial, px.
+fn errors(trials: &[TrialRecord]) -> Vec<f64> {
+    trials.iter().map(|t| t.mean).collect()
 }
 
 /// One contender over all pairs.
@@ -180,6 +193,11 @@ pub struct Overall {
     pub failures: usize,
     /// Median of the pairs' medians, px.
     pub median_of_medians: f64,
+    /// 95 % interval of it over the draws of clicks, the pairs being what they are; `None` where a pair has fewer
+    /// than six trials.
+    pub median_of_medians_interval: Option<Interval>,
+    /// Median of what the published experiment prints for the same pairs, px; `None` unless it prints all.
+    pub printed: Option<f64>,
     /// Mean of all trials' errors, px.
     pub mean: f64,
     /// All trials within limits.
@@ -194,10 +212,13 @@ pub struct Overall {
 
 impl Overall {
     /// Sums up the records of one contender.
-    pub(super) fn new(records: &[&Record]) -> Option<Self> {
+    pub(super) fn new(records: &[&Record], seed: u64) -> Option<Self> {
         let first = records.first()?;
         let made: Vec<_> = records.iter().filter(|r| !r.trials.is_empty()).collect();
         let trials = || made.iter().flat_map(|r| r.trials.iter());
+        let samples: Vec<_> =
+            made.iter().map(|r| Sample { pair: &r.pair, errors: errors(&r.trials) }).collect();
+        let printed: Option<Vec<f64>> = made.iter().map(|r| r.printed).collect();
         let errors: Vec<f64> = trials().map(|t| t.mean).collect();
         let medians: Vec<f64> = made.iter().map(|r| r.median).collect();
         let count = errors.len() as f64;
@@ -212,6 +233,8 @@ impl Overall {
             trials: errors.len(),
             failures: made.iter().map(|r| r.failures).sum(),
             median_of_medians: median(&medians),
+            median_of_medians_interval: bootstrap::interval(&samples, seed),
+            printed: printed.filter(|p| !p.is_empty()).map(|p| median(&p)),
             mean: mean(&errors),
             shares: Shares {
                 below_1_px: share(|s| s.below_1_px),

@@ -74,11 +74,14 @@ pub fn run(
     for scene in scenes {
         for contender in contenders {
             let trials = trials.next().unwrap_or_default();
-            records.push(Record::new(scene, contender.as_ref(), plan.trials, trials));
+            records.push(Record::new(scene, contender.as_ref(), plan, trials));
         }
     }
     let overall = (0..contenders.len())
-        .filter_map(|c| Overall::new(&records.iter().skip(c).step_by(contenders.len()).collect::<Vec<_>>()))
+        .filter_map(|c| {
+            let own: Vec<_> = records.iter().skip(c).step_by(contenders.len()).collect();
+            Overall::new(&own, plan.seed)
+        })
         .collect();
     let contenders = contenders
         .iter()

@@ -6,6 +6,8 @@ use std::sync::Arc;
 
 use thiserror::Error;
 
+use super::PrintedErrors;
+use super::printed::printed_errors;
 use super::statistics::mean;
 use crate::geometry::{
     Camera, EightPointError, FundamentalMatrix, PointPair, eight_point, symmetric_epipolar_distance,
@@ -81,6 +83,8 @@ pub struct Scene {
     pub matches: Vec<PointPair>,
     /// The true F.
     pub truth: FundamentalMatrix,
+    /// What the published experiment prints for it, if it is one of its pairs.
+    pub printed: Option<PrintedErrors>,
 }
 
 impl Scene {
@@ -125,7 +129,10 @@ pub fn vgg_scenes(folder: &Path, step: usize, only: &[String]) -> Result<Vec<Sce
             let truth = Camera::fundamental(&set.cameras[view1], &set.cameras[view2])
                 .ok_or_else(|| EvaluateError::SameCentre { name: name.clone() })?;
             let images = [load(view1)?, load(view2)?];
-            Ok(Scene { name, images, matches: set.matches(view1, view2), truth })
+            let frame = images[0].frame();
+            let size = [frame.width, frame.height];
+            let printed = printed_errors(&set.prefix, views, size, [view1, view2]);
+            Ok(Scene { name, images, matches: set.matches(view1, view2), truth, printed })
         })
         .collect()
 }
@@ -142,7 +149,7 @@ pub fn pair_scenes(folder: &Path, only: &[String]) -> Result<Vec<Scene>, Evaluat
                 .map_err(|source| EvaluateError::Truth { name: name.clone(), source })?;
             let [a, b] = files.images;
             let images = [Arc::new(Picture::open(&a)?.gray), Arc::new(Picture::open(&b)?.gray)];
-            Ok(Scene { name, images, matches, truth })
+            Ok(Scene { name, images, matches, truth, printed: None })
         })
         .collect()
 }
@@ -180,7 +187,7 @@ pub(super) mod tests {
             .take(matches)
             .collect();
         let truth = Camera::fundamental(&camera1, &camera2).unwrap();
-        Scene { name: name.to_owned(), images: [plane.clone(), plane], matches, truth }
+        Scene { name: name.to_owned(), images: [plane.clone(), plane], matches, truth, printed: None }
     }
 
     #[test]

@@ -2,32 +2,51 @@
 
 use std::fmt::Write;
 
+use super::bootstrap::Interval;
 use super::report::{Overall, Record, Report, Shares};
 use super::statistics::median;
 
-const HEADINGS: [&str; 12] = [
-    "pair", "method", "matches", "trials", "median", "mean", "<1 px", "<3 px", "<1 %", "failed", "time",
-    "first",
-];
-
-/// One row a pair and contender, then one a contender over all pairs. Errors in px, times in seconds.
+/// One row a pair and contender, then one a contender over all pairs. Errors in px, times in seconds. Where the
+/// published experiment prints an error for the same pair and method, it stands beside the median.
 pub fn table(report: &Report) -> String {
-    let mut rows = vec![HEADINGS.map(str::to_owned)];
+    let printed = report.records.iter().any(|r| r.printed.is_some());
+    let mut rows = vec![headings(printed)];
     let mut last = "";
     for record in &report.records {
         let name = if record.pair == last { "" } else { &record.pair };
         last = &record.pair;
-        rows.push(pair_row(name, record));
+        rows.push(pair_row(name, record, printed));
     }
     let body_end = rows.len();
-    rows.extend(report.overall.iter().enumerate().map(|(k, o)| overall_row(k, o)));
+    rows.extend(report.overall.iter().enumerate().map(|(k, o)| overall_row(k, o, printed)));
 
     let mut text = layout(&rows, &[1, body_end]);
+    if printed {
+        text.push_str(
+            "Printed: Fig. 8 of the paper, best of three solutions for seven-point as here; its protocol is paper.\n",
+        );
+    }
+    if report.records.iter().any(|r| r.method == "seven-point") {
+        text.push_str("Of the solutions of seven-point the one nearest to all true matches counts.\n");
+    }
     for note in &report.notes {
         let _ = writeln!(text, "Note: {note}");
     }
     text
 }
+
+fn headings(printed: bool) -> Vec<String> {
+    let mut all =
+        vec!["pair", "method", "matches", "trials", "median", "95 %", "mean", "<1 px", "<3 px", "<1 %"];
+    all.extend(["failed", "time", "first"]);
+    if printed {
+        all.insert(AFTER_INTERVAL, "printed");
+    }
+    all.into_iter().map(str::to_owned).collect()
+}
+
+/// The column of what is printed, right of the median and its interval.
+const AFTER_INTERVAL: usize = 6;
 
 /// Where the search and its rankings stand, one row a pair and contender that chooses: medians of the trials.
 /// Empty when none does.
@@ -42,7 +61,7 @@ pub fn search_table(report: &Report) -> String {
         "rank of truth: lines",
         "patches",
     ];
-    let mut rows = vec![headings.map(str::to_owned)];
+    let mut rows = vec![headings.map(str::to_owned).to_vec()];
     for record in &report.records {
         let searches: Vec<_> = record.trials.iter().filter_map(|t| t.search).collect();
         if searches.is_empty() {
@@ -53,7 +72,7 @@ pub fn search_table(report: &Report) -> String {
             let value = middle(searches.iter().filter_map(|s| of(s).map(|r| r as f64)).collect());
             if value.is_nan() { "-".to_owned() } else { format!("{value:.0}") }
         };
-        rows.push([
+        rows.push(vec![
             record.pair.clone(),
             label(&record.method, record.preset.as_deref()),
             rank(&|s| Some(s.hypotheses)),
@@ -90,9 +109,10 @@ pub fn verdict_sentences(report: &Report) -> String {
 }
 
 /// Columns side by side, with rules above the rows of the given numbers.
-fn layout<const N: usize>(rows: &[[String; N]], ruled: &[usize]) -> String {
+fn layout(rows: &[Vec<String>], ruled: &[usize]) -> String {
+    let columns = rows.first().map_or(0, Vec::len);
     let widths: Vec<usize> =
-        (0..N).map(|c| rows.iter().map(|r| r[c].chars().count()).max().unwrap_or(0)).collect();
+        (0..columns).map(|c| rows.iter().map(|r| r[c].chars().count()).max().unwrap_or(0)).collect();
     let mut text = String::new();
     for (k, row) in rows.iter().enumerate() {
         if ruled.contains(&k) {
@@ -111,14 +131,15 @@ fn label(method: &str, preset: Option<&str>) -> String {
     preset.map_or_else(|| method.to_owned(), |preset| format!("{method} {preset}"))
 }
 
-fn pair_row(name: &str, record: &Record) -> [String; 12] {
+fn pair_row(name: &str, record: &Record, printed: bool) -> Vec<String> {
     let [one, three, percent] = shares(&record.shares);
-    [
+    let mut row = vec![
         name.to_owned(),
         label(&record.method, record.preset.as_deref()),
         record.matches.to_string(),
         record.trials.len().to_string(),
         pixels(record.median),
+        range(record.median_interval),
         pixels(record.mean),
         one,
         three,
@@ -126,17 +147,22 @@ fn pair_row(name: &str, record: &Record) -> [String; 12] {
         record.failures.to_string(),
         seconds(record.median_seconds),
         seconds(record.median_first_seconds),
-    ]
+    ];
+    if printed {
+        row.insert(AFTER_INTERVAL, pixels(record.printed.unwrap_or(f64::NAN)));
+    }
+    row
 }
 
-fn overall_row(index: usize, overall: &Overall) -> [String; 12] {
+fn overall_row(index: usize, overall: &Overall, printed: bool) -> Vec<String> {
     let [one, three, percent] = shares(&overall.shares);
-    [
+    let mut row = vec![
         if index == 0 { format!("all {}", overall.pairs) } else { String::new() },
         label(&overall.method, overall.preset.as_deref()),
         String::new(),
         overall.trials.to_string(),
         pixels(overall.median_of_medians),
+        range(overall.median_of_medians_interval),
         pixels(overall.mean),
         one,
         three,
@@ -144,7 +170,16 @@ fn overall_row(index: usize, overall: &Overall) -> [String; 12] {
         overall.failures.to_string(),
         seconds(overall.median_seconds),
         seconds(overall.median_first_seconds),
-    ]
+    ];
+    if printed {
+        row.insert(AFTER_INTERVAL, pixels(overall.printed.unwrap_or(f64::NAN)));
+    }
+    row
+}
+
+/// The ends of an interval.
+fn range(interval: Option<Interval>) -> String {
+    interval.map_or_else(|| "-".to_owned(), |i| format!("{}–{}", pixels(i.low), pixels(i.high)))
 }
 
 fn shares(shares: &Shares) -> [String; 3] {
@@ -162,8 +197,13 @@ fn pixels(value: f64) -> String {
     }
 }
 
+/// Two decimals, and five for methods that take less than a hundredth of a second.
 fn seconds(value: f64) -> String {
-    if value.is_nan() { "-".to_owned() } else { format!("{value:.2}") }
+    match value {
+        v if v.is_nan() => "-".to_owned(),
+        v if v < 0.01 => format!("{v:.5}"),
+        v => format!("{v:.2}"),
+    }
 }
 
 #[cfg(test)]
@@ -176,6 +216,12 @@ mod tests {
             [0.123, 12.0, 1234.5, f64::INFINITY, f64::NAN].map(pixels),
             ["0.12", "12.00", "1234", "inf", "-"]
         );
-        assert_eq!(seconds(1.234), "1.23");
+        assert_eq!([1.234, 0.000_031, f64::NAN].map(seconds), ["1.23", "0.00003", "-"]);
+    }
+
+    #[test]
+    fn intervals_show_where_failures_reach() {
+        assert_eq!(range(Some(Interval { low: 0.123, high: f64::INFINITY })), "0.12–inf");
+        assert_eq!(range(None), "-");
     }
 }

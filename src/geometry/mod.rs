@@ -12,6 +12,7 @@
 mod anchored;
 mod area;
 mod camera;
+mod conditioning;
 mod difference;
 mod eight_point;
 mod frame;
@@ -19,7 +20,10 @@ mod fundamental;
 mod line;
 mod pencil;
 mod point;
+#[cfg(test)]
+mod random_scene;
 mod residual;
+mod seven_point;
 
 pub use anchored::AnchoredLine;
 pub use area::{area_between_lines, regions_between_lines};
@@ -32,6 +36,7 @@ pub use line::Line;
 pub use pencil::{LinePair, PencilMap, fit_pencil_map, pencil_angles};
 pub use point::{HomogeneousPoint, PointPair, finite_point};
 pub use residual::{algebraic_residual, sampson_distance, symmetric_epipolar_distance};
+pub use seven_point::{SevenPointError, seven_point};
 
 /// A point in pixel coordinates.
 pub type Point = nalgebra::Point2<f64>;

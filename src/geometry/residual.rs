@@ -27,6 +27,7 @@ pub fn algebraic_residual(f: &FundamentalMatrix, pair: &PointPair) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::random_scene::RandomScene;
     use nalgebra::Matrix3;
 
     /// Pure sideways motion: epipolar lines are rows.
@@ -42,5 +43,25 @@ mod tests {
         // Both points move half way each: 3/√2.
         assert!((sampson_distance(&f, &pair) - 3.0 / 2f64.sqrt()).abs() < 1e-12);
         assert!((algebraic_residual(&f, &pair).abs() - 3.0 / 2f64.sqrt()).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_sampson_distance_of_noisy_points_is_the_noise() {
+        let mut scene = RandomScene::new(3);
+        let f = scene.fundamental();
+        let exact = scene.pairs(2000);
+        let noisy = scene.disturbed(&exact, 0.5);
+        let rms = |of: fn(&FundamentalMatrix, &PointPair) -> f64, pairs: &[PointPair]| {
+            (pairs.iter().map(|p| of(&f, p).powi(2)).sum::<f64>() / pairs.len() as f64).sqrt()
+        };
+        // One of the four dimensions of a pair is across the manifold; 2000 values give σ to 1.6 %.
+        let sampson = rms(sampson_distance, &noisy);
+        assert!((sampson - 0.5).abs() < 0.025, "{sampson}");
+        // Each distance to a line holds the noise of both points.
+        let symmetric = rms(symmetric_epipolar_distance, &noisy);
+        assert!(symmetric > 1.2 * sampson && symmetric < 2.0 * sampson, "{symmetric}");
+        for measure in [sampson_distance, symmetric_epipolar_distance, algebraic_residual] {
+            assert!(rms(measure, &exact) < 1e-8 && rms(measure, &noisy) > 1e-5);
+        }
     }
 }

@@ -40,6 +40,7 @@ impl Known {
                 images: [image1, image2],
                 matches: pair.matches,
                 truth: pair.fundamental,
+                printed: None,
             },
             show_me: pair.show_me,
             third: pair.third,

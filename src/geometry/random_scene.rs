@@ -1,0 +1,68 @@
+//! Two cameras in random general position and points they both see, for tests of what turns points into an F.
+
+use nalgebra::{Point3, Vector3};
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+
+use super::{Camera, Frame, FundamentalMatrix, Point, PointPair};
+
+/// Images of 768×576 px, focal length 800 px, a baseline of about a fifth of the depth, points 4 to 9 away.
+pub(super) struct RandomScene {
+    cameras: [Camera; 2],
+    random: Pcg64Mcg,
+}
+
+impl RandomScene {
+    pub(super) fn new(seed: u64) -> Self {
+        let mut random = Pcg64Mcg::seed_from_u64(seed);
+        let mut camera = |x: f64| {
+            let mut near = |v: f64| v + random.random_range(-0.3..0.3);
+            let (position, target) =
+                (Point3::new(near(x), near(0.0), near(0.0)), Point3::new(near(0.0), near(0.0), 6.0));
+            let up = Vector3::new(near(0.0), -1.0, 0.0);
+            Camera::looking_at(position, target, up, 800.0, Point::new(383.5, 287.5)).unwrap()
+        };
+        Self { cameras: [camera(-0.6), camera(0.6)], random }
+    }
+
+    pub(super) fn fundamental(&self) -> FundamentalMatrix {
+        Camera::fundamental(&self.cameras[0], &self.cameras[1]).unwrap()
+    }
+
+    /// Exact images of `count` points all over the common field of view.
+    pub(super) fn pairs(&mut self, count: usize) -> Vec<PointPair> {
+        self.seen(count, |_, _, depth| depth)
+    }
+
+    /// The same of points on one slanted plane.
+    pub(super) fn planar_pairs(&mut self, count: usize) -> Vec<PointPair> {
+        self.seen(count, |x, y, _| 6.0 + 0.4 * x - 0.3 * y)
+    }
+
+    fn seen(&mut self, count: usize, depth: impl Fn(f64, f64, f64) -> f64) -> Vec<PointPair> {
+        let frame = Frame::new(768, 576);
+        let mut pairs = Vec::new();
+        while pairs.len() < count {
+            let (x, y) = (self.random.random_range(-3.0..3.0), self.random.random_range(-2.5..2.5));
+            let z = depth(x, y, self.random.random_range(4.0..9.0));
+            let [a, b] = self.cameras.map(|c| c.project(&Point3::new(x, y, z)));
+            if let (Some(point1), Some(point2)) = (a, b)
+                && frame.contains(point1)
+                && frame.contains(point2)
+            {
+                pairs.push(PointPair { point1, point2 });
+            }
+        }
+        pairs
+    }
+
+    /// The pairs with Gaussian noise of standard deviation `sigma` px on every coordinate (Box and Muller).
+    pub(super) fn disturbed(&mut self, pairs: &[PointPair], sigma: f64) -> Vec<PointPair> {
+        let mut moved = |p: Point| {
+            let radius = sigma * (-2.0 * (1.0 - self.random.random::<f64>()).ln()).sqrt();
+            let angle = std::f64::consts::TAU * self.random.random::<f64>();
+            Point::new(p.x + radius * angle.cos(), p.y + radius * angle.sin())
+        };
+        pairs.iter().map(|p| PointPair { point1: moved(p.point1), point2: moved(p.point2) }).collect()
+    }
+}
