@@ -11,9 +11,10 @@ use serde::Serialize;
 use super::CliError;
 use super::arguments::{count, pixels, threads};
 use super::console::{is_watched, tell, tell_in_place};
+use super::error::INTERRUPTED;
 use super::output::Output;
 use super::overrides::Overrides;
-use crate::estimate::{Parameters, Preset};
+use crate::estimate::{CancelFlag, Parameters, Preset};
 use crate::evaluate::{
     Plan, Protocol, Report, Scene, TrialDone, contenders, method_names, pair_scenes, run as run_plan,
     search_table, table, verdict_sentences, vgg_scenes,
@@ -126,7 +127,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
         threads_per_trial: options.threads_per_trial,
     };
     let progress = ProgressLine::new();
-    let report = run_plan(&scenes, &contenders, &plan, &|news| progress.hear(news))?;
+    let stop = stop_on_interrupt();
+    let report = run_plan(&scenes, &contenders, &plan, &|news| progress.hear(news), &stop)?;
     progress.finish();
     let file = ReportFile {
         layout,
@@ -135,7 +137,26 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
         version: env!("CARGO_PKG_VERSION"),
         report: &report,
     };
-    output.write(&file, &text(&report, options.ranks))
+    output.write(&file, &text(&report, options.ranks))?;
+    let (made, planned) = (report.trials_made, report.trials_planned);
+    if made < planned { Err(CliError::Stopped { made, planned }) } else { Ok(()) }
+}
+
+/// A flag that Ctrl-C raises. The second Ctrl-C ends the program at once.
+fn stop_on_interrupt() -> CancelFlag {
+    let stop = CancelFlag::default();
+    let raised = stop.clone();
+    let handler = move || {
+        if raised.is_cancelled() {
+            std::process::exit(i32::from(INTERRUPTED));
+        }
+        raised.cancel();
+        tell("\nFinishing the trials under way, then the report; Ctrl-C again ends at once");
+    };
+    if let Err(error) = ctrlc::set_handler(handler) {
+        tell(format_args!("Ctrl-C will end without a report: {error}"));
+    }
+    stop
 }
 
 /// The parameters of every preset asked for, each once.

@@ -263,6 +263,10 @@ pub struct Settings {
 pub struct Report {
     /// What was asked for.
     pub parameters: Settings,
+    /// Trials that were to be made.
+    pub trials_planned: usize,
+    /// Trials that were made; fewer when the run was stopped.
+    pub trials_made: usize,
     /// What the reader should know, one sentence each.
     pub notes: Vec<String>,
     /// One per contender, over all pairs.
