@@ -396,6 +396,25 @@ mod evaluate {
     }
 
     #[test]
+    fn takes_presets_with_and_without_refinement_when_asked() {
+        let pictures = Pictures::new();
+        small_pairs(&pictures);
+        let folder = pictures.0.path().to_str().unwrap();
+        let ask = ["evaluate", "pairs", folder, "--trials", "1", "--protocol", "paper", "--json", "-"];
+        let both = ["--preset", "paper,robust", "--methods", "two-point,eight-point", "--compare-refinement"];
+        let output = run(&[&ask[..], &both].concat());
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        let report: Value = serde_json::from_slice(&output.stdout).unwrap();
+        let presets: Vec<_> = report["records"].as_array().unwrap().iter().map(|r| &r["preset"]).collect();
+        assert_eq!(presets[..4], ["paper", "paper refined", "robust unrefined", "robust"]);
+        assert!(presets.len() == 5 && presets[4].is_null(), "the baseline takes part once");
+        let contenders = &report["parameters"]["contenders"];
+        assert_eq!(contenders[1]["parameters"]["refine"], true);
+        assert_eq!(contenders[2]["parameters"]["refine"], false);
+        fails(&[&ask[..], &["--compare-refinement", "--refine"]].concat(), 2, "cannot be used with");
+    }
+
+    #[test]
     fn names_unknown_pairs_and_bad_numbers() {
         let pictures = Pictures::new();
         small_pairs(&pictures);

@@ -80,6 +80,9 @@ struct Options {
     /// Only these pairs, separated by commas
     #[arg(long, value_name = "NAME", value_delimiter = ',')]
     only: Vec<String>,
+    /// Take every preset with and without refinement
+    #[arg(long, conflicts_with = "refine")]
+    compare_refinement: bool,
     /// Also show where the best hypothesis and the true geometry rank
     #[arg(long)]
     ranks: bool,
@@ -159,7 +162,7 @@ fn stop_on_interrupt() -> CancelFlag {
     stop
 }
 
-/// The parameters of every preset asked for, each once.
+/// The parameters of every preset asked for, each once, or once unrefined and once refined.
 fn parameters(options: &Options) -> Result<Vec<Parameters>, CliError> {
     let mut presets: Vec<Preset> = Vec::new();
     for preset in &options.presets {
@@ -167,10 +170,16 @@ fn parameters(options: &Options) -> Result<Vec<Parameters>, CliError> {
             presets.push(*preset);
         }
     }
-    presets
-        .into_iter()
-        .map(|preset| Ok(Parameters { seed: options.seed, ..options.overrides.parameters(preset)? }))
-        .collect()
+    let mut all = Vec::new();
+    for preset in presets {
+        let parameters = Parameters { seed: options.seed, ..options.overrides.parameters(preset)? };
+        if options.compare_refinement {
+            all.extend([false, true].map(|refine| Parameters { refine, ..parameters.clone() }));
+        } else {
+            all.push(parameters);
+        }
+    }
+    Ok(all)
 }
 
 /// The tables with a sentence on what they show.
