@@ -328,6 +328,44 @@ mod evaluate {
         assert_eq!(report["parameters"]["noise"], 0.5);
     }
 
+    #[cfg(unix)]
+    #[test]
+    fn leaves_a_report_of_what_was_made_when_it_is_interrupted() {
+        use std::io::{BufRead, BufReader, Read};
+
+        let pictures = Pictures::new();
+        small_pairs(&pictures);
+        let (folder, json) = (pictures.0.path().to_str().unwrap(), pictures.text("report.json"));
+        // The protocol allows dozens of trials, of which one takes tenths of a second on one thread.
+        let mut child = epiline(&["evaluate", "pairs", folder, "--trials", "100", "--protocol", "paper"])
+            .args(["--methods", "two-point,seven-point", "--threads", "1", "--json", &json])
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        // The first line of progress tells that a trial is done.
+        let mut said = BufReader::new(child.stderr.take().unwrap());
+        let mut line = String::new();
+        said.read_line(&mut line).unwrap();
+        assert!(line.contains(" left; "), "{line}");
+        let interrupted = Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+        assert!(interrupted.success());
+        let mut rest = String::new();
+        said.read_to_string(&mut rest).unwrap();
+        let output = child.wait_with_output().unwrap();
+        assert_eq!(output.status.code(), Some(130), "{rest}");
+        assert!(rest.contains("error: stopped after ") && !rest.contains("panic"), "{rest}");
+
+        let report: Value = serde_json::from_slice(&std::fs::read(&json).unwrap()).unwrap();
+        let number = |name: &str| report[name].as_u64().unwrap();
+        assert!((1..number("trials_planned")).contains(&number("trials_made")), "{rest}");
+        let made =
+            report["records"].as_array().unwrap().iter().map(|r| r["trials"].as_array().unwrap().len());
+        assert_eq!(made.sum::<usize>() as u64, number("trials_made"));
+        let table = text(&output.stdout);
+        assert!(table.contains("two-point robust") && table.contains("Note: Stopped: "), "{table}");
+    }
+
     #[test]
     fn refuses_folders_that_are_not_what_they_should_be() {
         let pictures = Pictures::new();
@@ -358,6 +396,25 @@ mod evaluate {
             pictures.write("p.txt", &content);
             fails(&["evaluate", "pairs", folder], 2, words);
         }
+    }
+
+    #[test]
+    fn takes_presets_with_and_without_refinement_when_asked() {
+        let pictures = Pictures::new();
+        small_pairs(&pictures);
+        let folder = pictures.0.path().to_str().unwrap();
+        let ask = ["evaluate", "pairs", folder, "--trials", "1", "--protocol", "paper", "--json", "-"];
+        let both = ["--preset", "paper,robust", "--methods", "two-point,eight-point", "--compare-refinement"];
+        let output = run(&[&ask[..], &both].concat());
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        let report: Value = serde_json::from_slice(&output.stdout).unwrap();
+        let presets: Vec<_> = report["records"].as_array().unwrap().iter().map(|r| &r["preset"]).collect();
+        assert_eq!(presets[..4], ["paper", "paper refined", "robust unrefined", "robust"]);
+        assert!(presets.len() == 5 && presets[4].is_null(), "the baseline takes part once");
+        let contenders = &report["parameters"]["contenders"];
+        assert_eq!(contenders[1]["parameters"]["refine"], true);
+        assert_eq!(contenders[2]["parameters"]["refine"], false);
+        fails(&[&ask[..], &["--compare-refinement", "--refine"]].concat(), 2, "cannot be used with");
     }
 
     #[test]

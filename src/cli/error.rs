@@ -11,6 +11,9 @@ use crate::suggest::SuggestError;
 /// Exit status of an error in the program itself (`EX_SOFTWARE` of `sysexits.h`).
 pub const INTERNAL_ERROR: u8 = 70;
 
+/// Exit status after Ctrl-C: 128 and the number of the signal, as shells have it.
+pub(super) const INTERRUPTED: u8 = 130;
+
 /// Why a command did not succeed. Each message is one sentence for the user.
 #[derive(Debug, Error)]
 pub enum CliError {
@@ -38,6 +41,14 @@ pub enum CliError {
     /// Arguments that do not go together.
     #[error("{0}")]
     Arguments(String),
+    /// The user stopped the work; what was finished by then has been written.
+    #[error("stopped after {made} of {planned} trials, which are in the report")]
+    Stopped {
+        /// Trials finished.
+        made: usize,
+        /// Trials asked for.
+        planned: usize,
+    },
     /// The window could not be opened.
     #[error("{0}")]
     Window(String),
@@ -49,6 +60,7 @@ impl CliError {
         match self {
             Self::Estimate(error) if !error.is_bad_input() => 1,
             Self::Suggest(error) if !error.is_bad_input() => 1,
+            Self::Stopped { .. } => INTERRUPTED,
             _ => 2,
         }
     }

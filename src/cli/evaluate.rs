@@ -11,9 +11,10 @@ use serde::Serialize;
 use super::CliError;
 use super::arguments::{count, pixels, threads};
 use super::console::{is_watched, tell, tell_in_place};
+use super::error::INTERRUPTED;
 use super::output::Output;
 use super::overrides::Overrides;
-use crate::estimate::{Parameters, Preset};
+use crate::estimate::{CancelFlag, Parameters, Preset};
 use crate::evaluate::{
     Plan, Protocol, Report, Scene, TrialDone, contenders, method_names, pair_scenes, run as run_plan,
     search_table, table, verdict_sentences, vgg_scenes,
@@ -79,6 +80,9 @@ struct Options {
     /// Only these pairs, separated by commas
     #[arg(long, value_name = "NAME", value_delimiter = ',')]
     only: Vec<String>,
+    /// Take every preset with and without refinement
+    #[arg(long, conflicts_with = "refine")]
+    compare_refinement: bool,
     /// Also show where the best hypothesis and the true geometry rank
     #[arg(long)]
     ranks: bool,
@@ -126,7 +130,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
         threads_per_trial: options.threads_per_trial,
     };
     let progress = ProgressLine::new();
-    let report = run_plan(&scenes, &contenders, &plan, &|news| progress.hear(news))?;
+    let stop = stop_on_interrupt();
+    let report = run_plan(&scenes, &contenders, &plan, &|news| progress.hear(news), &stop)?;
     progress.finish();
     let file = ReportFile {
         layout,
@@ -135,10 +140,29 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
         version: env!("CARGO_PKG_VERSION"),
         report: &report,
     };
-    output.write(&file, &text(&report, options.ranks))
+    output.write(&file, &text(&report, options.ranks))?;
+    let (made, planned) = (report.trials_made, report.trials_planned);
+    if made < planned { Err(CliError::Stopped { made, planned }) } else { Ok(()) }
 }
 
-/// The parameters of every preset asked for, each once.
+/// A flag that Ctrl-C raises. The second Ctrl-C ends the program at once.
+fn stop_on_interrupt() -> CancelFlag {
+    let stop = CancelFlag::default();
+    let raised = stop.clone();
+    let handler = move || {
+        if raised.is_cancelled() {
+            std::process::exit(i32::from(INTERRUPTED));
+        }
+        raised.cancel();
+        tell("\nFinishing the trials under way, then the report; Ctrl-C again ends at once");
+    };
+    if let Err(error) = ctrlc::set_handler(handler) {
+        tell(format_args!("Ctrl-C will end without a report: {error}"));
+    }
+    stop
+}
+
+/// The parameters of every preset asked for, each once, or once unrefined and once refined.
 fn parameters(options: &Options) -> Result<Vec<Parameters>, CliError> {
     let mut presets: Vec<Preset> = Vec::new();
     for preset in &options.presets {
@@ -146,10 +170,16 @@ fn parameters(options: &Options) -> Result<Vec<Parameters>, CliError> {
             presets.push(*preset);
         }
     }
-    presets
-        .into_iter()
-        .map(|preset| Ok(Parameters { seed: options.seed, ..options.overrides.parameters(preset)? }))
-        .collect()
+    let mut all = Vec::new();
+    for preset in presets {
+        let parameters = Parameters { seed: options.seed, ..options.overrides.parameters(preset)? };
+        if options.compare_refinement {
+            all.extend([false, true].map(|refine| Parameters { refine, ..parameters.clone() }));
+        } else {
+            all.push(parameters);
+        }
+    }
+    Ok(all)
 }
 
 /// The tables with a sentence on what they show.

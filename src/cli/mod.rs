@@ -1,7 +1,7 @@
 //! The command line: the same library as the window, for tests, benchmarks and scripts.
 //!
 //! Human text goes to standard output, progress and errors to standard error. Exit status: 0 success, 1 a
-//! computation that found nothing, 2 bad input, 70 an error in the program itself.
+//! computation that found nothing, 2 bad input, 130 stopped by Ctrl-C, 70 an error in the program itself.
 
 mod arguments;
 mod console;

@@ -49,7 +49,8 @@ pub trait Contender: Sync {
     /// The name of the method.
     fn method(&self) -> &'static str;
 
-    /// The preset, if the method has presets.
+    /// The preset, if the method has presets, and whether refinement is on where that is not the preset's own
+    /// choice.
     fn preset(&self) -> Option<&'static str> {
         None
     }
@@ -157,9 +158,11 @@ impl Contender for Clicked {
     }
 
     fn preset(&self) -> Option<&'static str> {
-        Some(match self.parameters.preset {
-            Preset::Paper => "paper",
-            Preset::Robust => "robust",
+        Some(match (self.parameters.preset, self.parameters.refine) {
+            (Preset::Paper, false) => "paper",
+            (Preset::Paper, true) => "paper refined",
+            (Preset::Robust, true) => "robust",
+            (Preset::Robust, false) => "robust unrefined",
         })
     }
 
@@ -286,6 +289,18 @@ mod tests {
                 "seven-point"
             ]
         );
+    }
+
+    #[test]
+    fn the_label_tells_refinement_where_it_is_not_that_of_the_preset() {
+        for preset in [Preset::Paper, Preset::Robust] {
+            let own = Parameters::from(preset);
+            let other = Parameters { refine: !own.refine, ..own.clone() };
+            let label = |p: Parameters| contenders(&["two-point".into()], &[p]).unwrap().remove(0).label();
+            let plain = label(own);
+            assert!(plain == "two-point paper" || plain == "two-point robust");
+            assert!(label(other).starts_with(&format!("{plain} ")));
+        }
     }
 
     #[test]

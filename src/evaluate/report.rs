@@ -103,7 +103,7 @@ pub struct Record {
     pub pair: String,
     /// The method.
     pub method: String,
-    /// The preset, if the method has presets.
+    /// The preset, if the method has presets, and refinement where it is not that of the preset.
     pub preset: Option<String>,
     /// Width and height of both images, px.
     pub image_sizes: [[usize; 2]; 2],
@@ -183,7 +183,7 @@ fn errors(trials: &[TrialRecord]) -> Vec<f64> {
 pub struct Overall {
     /// The method.
     pub method: String,
-    /// The preset, if the method has presets.
+    /// The preset, if the method has presets, and refinement where it is not that of the preset.
     pub preset: Option<String>,
     /// Pairs with at least one trial.
     pub pairs: usize,
@@ -263,6 +263,10 @@ pub struct Settings {
 pub struct Report {
     /// What was asked for.
     pub parameters: Settings,
+    /// Trials that were to be made.
+    pub trials_planned: usize,
+    /// Trials that were made; fewer when the run was stopped.
+    pub trials_made: usize,
     /// What the reader should know, one sentence each.
     pub notes: Vec<String>,
     /// One per contender, over all pairs.

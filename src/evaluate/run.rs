@@ -11,6 +11,7 @@ use super::ranking::SearchRecord;
 use super::report::{Overall, Record, Report, Settings, TrialRecord};
 use super::statistics::{mean, median};
 use super::{Contender, Draws, EvaluateError, Outcome, Protocol, Scene};
+use crate::estimate::CancelFlag;
 
 /// How trials are drawn and run.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -54,19 +55,28 @@ struct Job {
 }
 
 /// Runs everything; `progress` hears of every finished trial, from whichever thread made it.
+///
+/// The first trial of every pair and contender comes before the second of any. Once `stop` is raised no trial
+/// begins; those under way are finished, and the report holds about as many trials of each.
 pub fn run(
     scenes: &[Scene],
     contenders: &[Box<dyn Contender>],
     plan: &Plan,
     progress: &(dyn Fn(&TrialDone) + Sync),
+    stop: &CancelFlag,
 ) -> Result<Report, EvaluateError> {
     let draws: Vec<_> =
         scenes.iter().map(|s| Draws::new(s, plan.protocol, plan.trials, plan.noise, plan.seed)).collect();
-    let (jobs, notes) = plan_jobs(scenes, contenders, plan, &draws);
-    let finished = run_jobs(scenes, contenders, plan, &draws, &jobs, progress)?;
+    let (jobs, mut notes) = plan_jobs(scenes, contenders, plan, &draws);
+    let finished = run_jobs(scenes, contenders, plan, &draws, &jobs, progress, stop)?;
+    let trials_made = finished.len();
+    if trials_made < jobs.len() {
+        notes.push(format!("Stopped: {trials_made} of {} trials were made.", jobs.len()));
+    }
 
     let mut trials: Vec<Vec<TrialRecord>> = vec![Vec::new(); scenes.len() * contenders.len()];
-    for (job, record) in jobs.iter().zip(finished) {
+    for (index, record) in finished {
+        let job = &jobs[index];
         trials[job.scene * contenders.len() + job.contender].push(record);
     }
     let mut trials = trials.into_iter();
@@ -87,10 +97,11 @@ pub fn run(
         .iter()
         .map(|c| json!({ "method": c.method(), "preset": c.preset(), "parameters": c.parameters() }))
         .collect();
-    Ok(Report { parameters: Settings { plan: *plan, contenders }, notes, overall, records })
+    let parameters = Settings { plan: *plan, contenders };
+    Ok(Report { parameters, trials_planned: jobs.len(), trials_made, notes, overall, records })
 }
 
-/// The trials to make, pairs outermost, and what cannot be made as asked.
+/// The trials to make, trial by trial, and what cannot be made as asked.
 fn plan_jobs(
     scenes: &[Scene],
     contenders: &[Box<dyn Contender>],
@@ -125,10 +136,11 @@ fn plan_jobs(
             }
         }
     }
+    jobs.sort_by_key(|job| (job.trial, job.scene, job.contender));
     (jobs, notes)
 }
 
-/// The records of all jobs in their order.
+/// The records of all jobs begun before the stop, with the number of the job and in that order.
 fn run_jobs(
     scenes: &[Scene],
     contenders: &[Box<dyn Contender>],
@@ -136,7 +148,8 @@ fn run_jobs(
     draws: &[Draws],
     jobs: &[Job],
     progress: &(dyn Fn(&TrialDone) + Sync),
-) -> Result<Vec<TrialRecord>, EvaluateError> {
+    stop: &CancelFlag,
+) -> Result<Vec<(usize, TrialRecord)>, EvaluateError> {
     let workers = plan.trials_at_once.clamp(1, jobs.len().max(1));
     let threads = plan.threads_per_trial.max(1);
     let pools = (0..workers)
@@ -147,6 +160,9 @@ fn run_jobs(
     let work = |pool: &rayon::ThreadPool| {
         let mut made = Vec::new();
         loop {
+            if stop.is_cancelled() {
+                return made;
+            }
             let index = next.fetch_add(1, Ordering::Relaxed);
             let Some(job) = jobs.get(index) else { return made };
             let (scene, contender) = (&scenes[job.scene], &contenders[job.contender]);
@@ -166,7 +182,7 @@ fn run_jobs(
         handles.into_iter().flat_map(|h| h.join().unwrap_or_else(|panic| resume_unwind(panic))).collect()
     });
     made.sort_by_key(|(index, _)| *index);
-    Ok(made.into_iter().map(|(_, record)| record).collect())
+    Ok(made)
 }
 
 /// One trial. A panic of the contender is a failed trial, not the end of an hour's work.
@@ -271,8 +287,8 @@ mod tests {
     fn contenders_see_the_same_clicks_whatever_the_threads() {
         let scenes = [example_scene("one", 30), example_scene("two", 30)];
         let all = [oracle(2, |_| false), oracle(3, |_| false)];
-        let report = run(&scenes, &all, &plan(3), &|_| ()).unwrap();
-        let again = run(&scenes, &all, &plan(1), &|_| ()).unwrap();
+        let report = run(&scenes, &all, &plan(3), &|_| (), &CancelFlag::default()).unwrap();
+        let again = run(&scenes, &all, &plan(1), &|_| (), &CancelFlag::default()).unwrap();
         assert_eq!(report.records.len(), 4);
         for (record, other) in report.records.iter().zip(&again.records) {
             let clicks = |r: &Record| r.trials.iter().map(|t| t.clicks.clone()).collect::<Vec<_>>();
@@ -282,7 +298,7 @@ mod tests {
         for (two, three) in report.records[0].trials.iter().zip(&report.records[1].trials) {
             assert_eq!((two.trial, &two.clicks[..]), (three.trial, &three.clicks[..2]));
         }
-        let one_alone = run(&scenes[1..], &all[..1], &plan(2), &|_| ()).unwrap();
+        let one_alone = run(&scenes[1..], &all[..1], &plan(2), &|_| (), &CancelFlag::default()).unwrap();
         assert_eq!(one_alone.records[0].trials[7].clicks, report.records[2].trials[7].clicks);
     }
 
@@ -296,7 +312,7 @@ mod tests {
                 false
             }),
         ];
-        let report = run(&scenes, &all, &plan(2), &|_| ()).unwrap();
+        let report = run(&scenes, &all, &plan(2), &|_| (), &CancelFlag::default()).unwrap();
         let [failing, panicking] = &report.records[..] else { panic!("two records") };
         assert!(failing.failures > 0 && failing.failures < 12);
         assert_eq!(failing.failures, panicking.failures);
@@ -315,11 +331,9 @@ mod tests {
         let mut scene = example_scene("small", 30);
         scene.matches.truncate(3);
         let heard = std::sync::Mutex::new(Vec::new());
-        let report =
-            run(&[scene], &[oracle(2, |_| false), oracle(4, |_| false)], &plan(2), &|news: &TrialDone| {
-                heard.lock().unwrap().push(news.done);
-            })
-            .unwrap();
+        let hear = |news: &TrialDone| heard.lock().unwrap().push(news.done);
+        let all = [oracle(2, |_| false), oracle(4, |_| false)];
+        let report = run(&[scene], &all, &plan(2), &hear, &CancelFlag::default()).unwrap();
         let made = report.records[0].trials.len();
         assert!((1..=3).contains(&made));
         let mut heard = heard.into_inner().unwrap();
@@ -330,5 +344,35 @@ mod tests {
         assert_eq!(report.overall[0].trials, made);
         assert_eq!((report.overall[1].pairs, report.overall[1].trials), (0, 0));
         assert!(report.overall[1].median_of_medians.is_nan());
+    }
+
+    #[test]
+    fn a_stopped_run_reports_what_was_made_evenly_over_pairs_and_contenders() {
+        let scenes = [example_scene("one", 30), example_scene("two", 30)];
+        let all = [oracle(2, |_| false), oracle(3, |_| true)];
+        let stop = CancelFlag::default();
+        let after_ten = |news: &TrialDone| {
+            if news.done == 10 {
+                stop.cancel();
+            }
+        };
+        let partial = run(&scenes, &all, &plan(1), &after_ten, &stop).unwrap();
+        let whole = run(&scenes, &all, &plan(2), &|_| (), &CancelFlag::default()).unwrap();
+        assert_eq!((partial.trials_made, partial.trials_planned), (10, 48));
+        assert_eq!((whole.trials_made, whole.trials_planned), (48, 48));
+        let counts: Vec<_> = partial.records.iter().map(|r| r.trials.len()).collect();
+        assert_eq!(counts, [3, 3, 2, 2]);
+        for (part, all) in partial.records.iter().zip(&whole.records) {
+            let clicks = |r: &Record| r.trials.iter().map(|t| t.clicks.clone()).collect::<Vec<_>>();
+            assert_eq!(clicks(part), clicks(all)[..part.trials.len()]);
+        }
+        assert_eq!(partial.overall[1].failures, 5);
+        assert_eq!(partial.notes, ["Stopped: 10 of 48 trials were made."]);
+        assert!(whole.notes.is_empty());
+
+        let before_the_first = run(&scenes, &all, &plan(2), &|_| (), &stop).unwrap();
+        assert_eq!(before_the_first.trials_made, 0);
+        let text = crate::evaluate::table(&before_the_first);
+        assert!(text.contains("0 of 48") && !text.contains("NaN"), "{text}");
     }
 }
