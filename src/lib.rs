@@ -60,12 +60,14 @@
 
 #[cfg(feature = "inspector")]
 pub mod app;
+mod cancel;
 pub mod cli;
 pub mod estimate;
 pub mod evaluate;
 pub mod geometry;
 pub mod image;
 pub mod io;
+pub mod rectify;
 pub mod similarity;
 pub mod suggest;
 pub mod synthetic;

@@ -4,13 +4,17 @@ mod fundamental_file;
 mod number;
 mod output;
 mod pair_folder;
+mod picture_file;
 mod point_pairs;
 mod read;
+mod rectified;
 mod vgg;
 
 pub use fundamental_file::read_fundamental;
 pub use output::{OutputFile, WriteError};
 pub use pair_folder::{PairFiles, pair_folder};
+pub use picture_file::{PictureError, PictureFormat, encode_picture};
 pub use point_pairs::{PairProblem, parse_point_pairs, read_point_pairs};
 pub use read::ReadError;
+pub use rectified::{RectifiedError, RectifiedFiles, RectifiedOptions};
 pub use vgg::VggFolder;
