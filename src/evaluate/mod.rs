@@ -42,7 +42,7 @@ mod table;
 pub use bootstrap::Interval;
 pub use contender::{Choice, Contender, METHODS, MethodEntry, Outcome, contenders, method_names};
 pub use printed::PrintedErrors;
-pub use protocol::{Draws, Protocol};
+pub use protocol::{Draws, KnownPair, Protocol};
 pub use ranking::SearchRecord;
 pub use report::{Overall, Record, Report, Settings, Shares, TrialRecord, Verdicts};
 pub use run::{Plan, TrialDone, run};
