@@ -7,8 +7,8 @@ use thiserror::Error;
 
 use super::statistics::{mean, median, share_below};
 use crate::geometry::{
-    EightPointError, FundamentalMatrix, PointPair, SevenPointError, eight_point, sampson_distance, seven_point,
-    symmetric_epipolar_distance,
+    EightPointError, FundamentalMatrix, PointPair, SevenPointError, eight_point, sampson_distance,
+    seven_point, symmetric_epipolar_distance,
 };
 
 /// An F fitted to point pairs.

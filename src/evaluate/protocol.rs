@@ -8,7 +8,7 @@
 use std::f64::consts::TAU;
 
 use rand::{Rng, RngExt};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::Scene;
 use super::random::{Purpose, generator};
@@ -41,7 +41,13 @@ impl KnownPair<'_> {
     /// Adds true matches to clicked ones until there are `count`, each drawn at random among those at least 30 px
     /// from all before it in both images; the numbers of the matches added, or `None` when there are not enough.
     /// A `seed` and a `trial` always give the same ones.
-    pub fn further(&self, clicked: &[PointPair], count: usize, seed: u64, trial: usize) -> Option<Vec<usize>> {
+    pub fn further(
+        &self,
+        clicked: &[PointPair],
+        count: usize,
+        seed: u64,
+        trial: usize,
+    ) -> Option<Vec<usize>> {
         let mut random = generator(seed, self.name, Purpose::Further, trial);
         let mut all = clicked.to_vec();
         let mut added = Vec::new();
@@ -62,7 +68,7 @@ impl KnownPair<'_> {
 }
 
 /// How clicks are chosen among the true matches.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Protocol {
     /// Any matches at least 30 px apart in both images.
@@ -314,7 +320,9 @@ mod tests {
 
         let wild = Draws::new(&scene, Protocol::Paper, 50, 5000.0, 11);
         for trial in 0..wild.trials() {
-            assert!(wild.clicks(trial, &wild.matches(trial, 2).unwrap()).iter().all(|c| scene.known().shows(c)));
+            assert!(
+                wild.clicks(trial, &wild.matches(trial, 2).unwrap()).iter().all(|c| scene.known().shows(c))
+            );
         }
     }
 }

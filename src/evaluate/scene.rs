@@ -6,9 +6,9 @@ use std::sync::Arc;
 
 use thiserror::Error;
 
-use super::{KnownPair, PrintedErrors};
 use super::printed::printed_errors;
 use super::statistics::mean;
+use super::{KnownPair, PrintedErrors};
 use crate::geometry::{FundamentalMatrix, PointPair, symmetric_epipolar_distance};
 use crate::image::{GrayPlane, LoadError, Picture};
 use crate::io::{GroundTruth, ReadError, TruthError, VggFolder, pair_folder};

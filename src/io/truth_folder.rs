@@ -78,8 +78,7 @@ impl TruthFolder {
     /// The pair behind another, or the one before it: of a sequence of views the next two as far apart.
     pub fn neighbour(&self, [view1, view2]: [usize; 2], forward: bool) -> Option<[usize; 2]> {
         let step = if self.pairs_freely() { 1 } else { 2 };
-        let moved =
-            |view: usize| if forward { view.checked_add(step) } else { view.checked_sub(step) };
+        let moved = |view: usize| if forward { view.checked_add(step) } else { view.checked_sub(step) };
         Some([moved(view1)?, moved(view2)?]).filter(|pair| self.is_pair(*pair))
     }
 

@@ -2,6 +2,8 @@
 //!
 //! Painted row by row, and only the rows in sight, so that a long list costs no more than a short one.
 
+use std::sync::Arc;
+
 use egui::{
     Align2, Color32, FontId, Id, Rect, Role, ScrollArea, Sense, Stroke, TextStyle, Ui, WidgetInfo, pos2, vec2,
 };
@@ -43,6 +45,8 @@ pub struct Touched {
     pub hovered: Option<usize>,
     /// The row that was clicked.
     pub clicked: Option<usize>,
+    /// The row whose switch was turned, and whether it is on now.
+    pub toggled: Option<(usize, bool)>,
 }
 
 /// A table to show.
@@ -53,6 +57,8 @@ pub struct Table<'a> {
     pub columns: &'a [Column],
     /// How many rows there are.
     pub rows: usize,
+    /// Another number when the figures are others: then they are sorted anew.
+    pub revision: u64,
     /// What a row is called.
     pub row_name: &'a dyn Fn(usize) -> String,
     /// The figure a row is sorted by in a column; NaN comes last.
@@ -61,6 +67,17 @@ pub struct Table<'a> {
     pub text: &'a dyn Fn(usize, usize) -> String,
     /// How a row looks.
     pub look: &'a dyn Fn(usize) -> Look,
+    /// The switch in front of a row, if it has one: whether it is on, and its name.
+    pub toggle: &'a dyn Fn(usize) -> Option<(bool, String)>,
+}
+
+/// The order of the rows, kept from frame to frame.
+#[derive(Clone)]
+struct Ordered {
+    sort: Sort,
+    revision: u64,
+    rows: usize,
+    order: Arc<[usize]>,
 }
 
 const ROW: f32 = 22.0;
@@ -78,7 +95,7 @@ impl Table<'_> {
             sort = Sort { column: clicked, descending };
             ui.data_mut(|data| data.insert_temp(id, sort));
         }
-        let order = self.order(sort);
+        let order = self.remembered_order(ui, id.with("order"), sort);
         let mut touched = Touched::default();
         ui.spacing_mut().item_spacing.y = 0.0;
         ScrollArea::vertical().id_salt(self.name).auto_shrink([false, false]).show_rows(
@@ -87,8 +104,9 @@ impl Table<'_> {
             order.len(),
             |ui, visible| {
                 for place in visible {
-                    let response = self.row(ui, order[place], place, &edges, id, &font);
-                    if response.hovered() {
+                    let (response, toggled) = self.row(ui, order[place], place, &edges, id, &font);
+                    touched.toggled = touched.toggled.or(toggled);
+                    if response.contains_pointer() {
                         touched.hovered = Some(order[place]);
                     }
                     if response.clicked() {
@@ -110,6 +128,19 @@ impl Table<'_> {
             Some(*sum)
         };
         self.columns.iter().scan(0.0, right).collect()
+    }
+
+    /// The order of the rows, sorted only when something has changed.
+    fn remembered_order(&self, ui: &Ui, id: Id, sort: Sort) -> Arc<[usize]> {
+        let (revision, rows) = (self.revision, self.rows);
+        let kept = ui.data(|data| data.get_temp::<Ordered>(id));
+        if let Some(kept) = kept.filter(|k| k.sort == sort && k.revision == revision && k.rows == rows) {
+            return kept.order;
+        }
+        let order: Arc<[usize]> = self.order(sort).into();
+        let kept = Ordered { sort, revision, rows, order: Arc::clone(&order) };
+        ui.data_mut(|data| data.insert_temp(id, kept));
+        order
     }
 
     fn order(&self, sort: Sort) -> Vec<usize> {
@@ -162,7 +193,7 @@ impl Table<'_> {
         edges: &[f32],
         id: Id,
         font: &FontId,
-    ) -> egui::Response {
+    ) -> (egui::Response, Option<(usize, bool)>) {
         let (area, _) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::hover());
         let response = ui.interact(area, id.with(("row", row)), Sense::click());
         let Look { chosen, lit } = (self.look)(row);
@@ -188,7 +219,13 @@ impl Table<'_> {
             let end = pos2(area.min.x + right - 14.0, area.center().y);
             ui.painter().text(end, Align2::RIGHT_CENTER, (self.text)(row, number), font.clone(), color);
         }
-        response
+        let toggled = (self.toggle)(row).and_then(|(mut on, name)| {
+            let place = Rect::from_center_size(pos2(area.min.x + 12.0, area.center().y), vec2(20.0, ROW));
+            let switch = ui.place(place, egui::Checkbox::without_text(&mut on));
+            switch.widget_info(|| WidgetInfo::selected(Role::CheckBox, true, on, &name));
+            switch.changed().then_some((row, on))
+        });
+        (response, toggled)
     }
 }
 
@@ -214,6 +251,8 @@ mod tests {
             key: &|row, _| figures[row],
             text: &|_, _| String::new(),
             look: &|_| Look::default(),
+            toggle: &|_| None,
+            revision: 0,
         };
         assert_eq!(table.order(Sort { column: 0, descending: false }), [2, 3, 0, 1]);
         assert_eq!(table.order(Sort { column: 0, descending: true }), [0, 3, 2, 1]);

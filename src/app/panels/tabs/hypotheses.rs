@@ -17,6 +17,7 @@ pub const TAB: Tab = Tab {
     title: "Hypotheses",
     tooltip: "The geometries that came nearest, with the figures they were judged by.",
     inspects: false,
+    compares: false,
     tools,
     show,
 };
@@ -64,7 +65,7 @@ const COLUMNS: [Column; 7] = [
 ];
 
 fn tools(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
-    let chosen = scene.focus.hypothesis().is_some();
+    let chosen = scene.shows_another();
     command_button(ui, Command::ChooseHypothesis(None), chosen, commands);
 }
 
@@ -89,6 +90,7 @@ fn show(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
         name: "hypotheses",
         columns: &COLUMNS,
         rows: listed.rows(),
+        revision: scene.computation.revision(),
         row_name: &|row| {
             number(row).map_or("Result".to_owned(), |number| format!("Hypothesis {}", number + 1))
         },
@@ -99,6 +101,7 @@ fn show(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
             _ => text(listed.hypothesis(row), column),
         },
         look: &|row| Look { chosen: chosen == number(row), lit: number(row).is_some() && lit == number(row) },
+        toggle: &|_| None,
     }
     .show(ui);
     if let Some(number) = touched.hovered.and_then(number) {
