@@ -12,7 +12,7 @@ use super::theme;
 use super::truth::{Known, NO_TRUTH};
 use crate::estimate::{Construction, Estimate, Hypothesis, lines_at};
 use crate::geometry::{AnchoredLine, FundamentalMatrix, Line, Point, PointPair};
-use crate::io::GroundTruth;
+use crate::io::{GroundTruth, TruthFolder};
 
 /// A position under the cursor.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -102,6 +102,11 @@ impl<'a> Scene<'a> {
         };
         let contestant = compared.map(|(contestant, _)| contestant);
         Some(Shown { fundamental, hypothesis, contestant, estimate, freshness })
+    }
+
+    /// The folder whose pairs are offered, and which of them is open.
+    pub fn folder(&self) -> Option<(&'a TruthFolder, [usize; 2])> {
+        self.known?.folder.as_ref().map(|(folder, pair)| (folder.as_ref(), *pair))
     }
 
     /// Why no random trial can be drawn, if that is so.

@@ -167,9 +167,8 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         // Rows of a sideways motion, not of one plane.
         let depth = |k: usize| 5 + (k * k) % 7;
-        let rows: String = (0..9)
-            .map(|k| format!("{} {} {} {}\n", 13 * k, (29 * k) % 50, 13 * k + depth(k), (29 * k) % 50))
-            .collect();
+        let row = |k: usize| format!("{} {} {} {}", 13 * k, (29 * k) % 50, 13 * k + depth(k), (29 * k) % 50);
+        let rows = (0..9).map(row).collect::<Vec<_>>().join("\n");
         write(&folder, &[("b.txt", &rows), ("bA.png", ""), ("bB.png", ""), ("c.txt", "1 2 3 4\n")]);
         write(&folder, &[("cA.png", ""), ("cB.png", "")]);
         let set = TruthFolder::open(folder.path()).unwrap();

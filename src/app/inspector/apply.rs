@@ -14,6 +14,7 @@ use crate::app::history::Step;
 use crate::app::loader::Source;
 use crate::app::look::Tool;
 use crate::estimate::{Parameters, Preset};
+use crate::geometry::Vector;
 
 impl Inspector {
     /// Does what a command says.
@@ -26,13 +27,13 @@ impl Inspector {
                 self.wanted = None;
             }
             Command::OpenFiles(paths) => self.open_files(paths),
-            Command::OpenFolder(path) => self.open_folder(path),
             Command::Browse(side) => self.browse(Some(side)),
-            Command::BrowseFolder => self.browse(None),
-            Command::OpenViews(views) => self.open_views(views),
-            Command::StepPair { forward } => self.step_pair(forward),
-            Command::ToggleTruth => self.toggle_truth(),
-            Command::RandomTrial(protocol) => self.random_trial(protocol),
+            Command::OpenFolder(_)
+            | Command::BrowseFolder
+            | Command::OpenViews(_)
+            | Command::StepPair { .. }
+            | Command::ToggleTruth
+            | Command::RandomTrial(_) => self.apply_to_known(command),
             Command::ShowMe => {
                 if let Some(pairs) = self.show_me {
                     self.edit(Step::Single, |document| document.set_pairs(pairs.to_vec()));
@@ -65,13 +66,7 @@ impl Inspector {
                 self.edit(Step::Merged(EditKey::Drag(at)), |document| document.move_to(at, point));
             }
             Command::EndDrag => self.history.close_step(),
-            Command::Nudge(by) => {
-                if let Some(at) = self.document.selection
-                    && let Some(point) = self.document.point(at)
-                {
-                    self.edit(Step::Merged(EditKey::Nudge(at)), |document| document.move_to(at, point + by));
-                }
-            }
+            Command::Nudge(by) => self.nudge(by),
             Command::Select(at) => self.select(at),
             Command::SetMethod(method) => {
                 self.edit(Step::Single, |document| document.parameters.method = method);
@@ -130,6 +125,15 @@ impl Inspector {
         let before = self.document.clone();
         change(&mut self.document);
         self.history.record(before, &self.document, step);
+    }
+
+    /// Moves the selected point; a run of moves is one step.
+    fn nudge(&mut self, by: Vector) {
+        if let Some(at) = self.document.selection
+            && let Some(point) = self.document.point(at)
+        {
+            self.edit(Step::Merged(EditKey::Nudge(at)), |document| document.move_to(at, point + by));
+        }
     }
 
     /// Choosing a point is no step of its own, but ends a run of moves.
@@ -240,7 +244,7 @@ impl Inspector {
     }
 
     /// Shows the system's dialog in a thread of its own, since it returns only when it is closed.
-    fn browse(&mut self, side: Option<Side>) {
+    pub(super) fn browse(&mut self, side: Option<Side>) {
         if self.picking.is_some() {
             self.tell("A file dialog is open already. Finish it first, or type a path.".into());
             return;

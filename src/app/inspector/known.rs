@@ -4,12 +4,26 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use super::Inspector;
+use crate::app::command::Command;
 use crate::app::document::Trial;
 use crate::app::history::Step;
 use crate::app::truth::NO_TRUTH;
 use crate::evaluate::Protocol;
 
 impl Inspector {
+    /// Does what a command about ground truth says; others are not meant here.
+    pub(super) fn apply_to_known(&mut self, command: Command) {
+        match command {
+            Command::OpenFolder(path) => self.open_folder(path),
+            Command::BrowseFolder => self.browse(None),
+            Command::OpenViews(views) => self.open_views(views),
+            Command::StepPair { forward } => self.step_pair(forward),
+            Command::ToggleTruth => self.toggle_truth(),
+            Command::RandomTrial(protocol) => self.random_trial(protocol),
+            _ => {}
+        }
+    }
+
     /// Opens the first pair of a folder.
     pub(super) fn open_folder(&mut self, path: PathBuf) {
         self.loader.open_folder(path);
@@ -18,7 +32,7 @@ impl Inspector {
     }
 
     /// Opens two views of the folder that is open.
-    pub(super) fn open_views(&mut self, views: [usize; 2]) {
+    fn open_views(&mut self, views: [usize; 2]) {
         let Some((folder, _)) = self.known.as_ref().and_then(|known| known.folder.as_ref()) else { return };
         if folder.is_pair(views) {
             let open = self.pictures.iter().flatten().cloned().collect();
@@ -28,7 +42,7 @@ impl Inspector {
     }
 
     /// Opens the pair behind the one that is open, or being opened, or the one before it.
-    pub(super) fn step_pair(&mut self, forward: bool) {
+    fn step_pair(&mut self, forward: bool) {
         let Some((folder, shown)) = self.known.as_ref().and_then(|known| known.folder.as_ref()) else {
             return;
         };
@@ -38,7 +52,7 @@ impl Inspector {
     }
 
     /// Takes the ground truth into use, or out of it.
-    pub(super) fn toggle_truth(&mut self) {
+    fn toggle_truth(&mut self) {
         let Some(known) = &self.known else {
             self.tell(NO_TRUTH.into());
             return;
@@ -50,7 +64,7 @@ impl Inspector {
     }
 
     /// Puts true matches in place of the pairs that the geometry is estimated from.
-    pub(super) fn random_trial(&mut self, protocol: Protocol) {
+    fn random_trial(&mut self, protocol: Protocol) {
         if let Some(reason) = self.scene().no_trial() {
             self.tell(reason.into());
             return;

@@ -62,11 +62,6 @@ impl Inspector {
             ui.set_min_height(28.0);
             panels::guide_bar(ui, &scene, commands);
         });
-        if let Some((folder, pair)) = self.known.as_ref().and_then(|known| known.folder.as_ref()) {
-            Panel::top("pair")
-                .frame(bar(ui))
-                .show(ui, |ui| panels::pair_bar(ui, &scene, folder, *pair, commands));
-        }
         Panel::bottom("status").frame(bar(ui)).show(ui, |ui| {
             let pictures = self.pictures.as_ref();
             panels::status(ui, &scene, pictures.map(|p| p.each_ref().map(|opened| opened.picture.as_ref())));

@@ -4,7 +4,7 @@ use egui::{Align2, Key, Modifiers, RichText, ScrollArea, TextEdit, Ui, Window, v
 
 use super::finish_button;
 use crate::app::command::{Command, key_text};
-use crate::app::panes::overlays::{OVERLAYS, Visibility};
+use crate::app::panes::overlays::OVERLAYS;
 use crate::app::scene::Scene;
 use crate::estimate::{Method, Preset};
 use crate::evaluate::Protocol;
@@ -121,7 +121,7 @@ fn entries(scene: &Scene) -> Vec<Entry> {
     ]
     .map(|(command, title)| Entry { title: title.to_owned(), command });
     let overlays = OVERLAYS.iter().zip(scene.overlays).enumerate();
-    let overlays = overlays.filter(|(_, (overlay, _))| overlay.visibility != Visibility::Always).map(
+    let overlays = overlays.filter(|(_, (overlay, _))| overlay.visibility.is_a_choice(scene)).map(
         |(number, (overlay, shown))| Entry {
             title: format!("{} {}", if *shown { "Hide" } else { "Show" }, overlay.name.to_lowercase()),
             command: Command::ToggleOverlay(number),
@@ -162,8 +162,7 @@ fn makes_sense(command: &Command, scene: &Scene) -> bool {
         Command::Recompute => document.used_pairs().is_some(),
         Command::UnpinAll => !scene.focus.pins().is_empty(),
         Command::StepPair { forward } => {
-            let open = scene.known.and_then(|known| known.folder.as_ref());
-            open.is_some_and(|(folder, pair)| folder.neighbour(*pair, *forward).is_some())
+            scene.folder().is_some_and(|(folder, pair)| folder.neighbour(pair, *forward).is_some())
         }
         Command::ToggleTruth => scene.known.is_some(),
         Command::RandomTrial(_) => scene.no_trial().is_none(),

@@ -18,6 +18,9 @@ pub struct Column {
     pub tooltip: &'static str,
     /// Its share of the width, in points of a table as wide as all its columns.
     pub width: f32,
+    /// Whether it holds words rather than figures: they begin at the left, and where they are long and no figures
+    /// follow they go on over the columns behind.
+    pub is_text: bool,
 }
 
 /// Which column the rows are sorted by.
@@ -81,6 +84,8 @@ struct Ordered {
 }
 
 const ROW: f32 = 22.0;
+/// From the edge of a column to its words, screen points.
+const INSET: f32 = 6.0;
 
 impl Table<'_> {
     /// Shows it in all the space there is.
@@ -172,10 +177,13 @@ impl Table<'_> {
             } else {
                 ui.visuals().weak_text_color()
             };
-            let end = cell.right_center() - vec2(14.0, 0.0);
-            ui.painter().text(end, Align2::RIGHT_CENTER, column.title, font.clone(), color);
+            let (start, end) = (cell.left_center() + vec2(INSET, 0.0), cell.right_center() - vec2(14.0, 0.0));
+            let (at, align) =
+                if column.is_text { (start, Align2::LEFT_CENTER) } else { (end, Align2::RIGHT_CENTER) };
+            let title = ui.painter().text(at, align, column.title, font.clone(), color);
             if sort.column == number {
-                sort_mark(ui, cell.right_center() - vec2(6.0, 0.0), sort.descending, color);
+                let mark = title.right_center() + vec2(8.0, 0.0);
+                sort_mark(ui, mark, sort.descending, color);
             }
             if response.on_hover_text(format!("{} Click to sort.", column.tooltip)).clicked() {
                 clicked = Some(number);
@@ -215,9 +223,18 @@ impl Table<'_> {
             let stroke = Stroke::new(1.0, theme::palette(visuals).accent);
             ui.painter().rect_stroke(area, 2.0, stroke, egui::StrokeKind::Inside);
         }
-        for (number, right) in edges.iter().enumerate() {
-            let end = pos2(area.min.x + right - 14.0, area.center().y);
-            ui.painter().text(end, Align2::RIGHT_CENTER, (self.text)(row, number), font.clone(), color);
+        let painter = ui.painter().with_clip_rect(area.intersect(ui.clip_rect()));
+        let mut left = 0.0;
+        for ((number, right), column) in edges.iter().enumerate().zip(self.columns) {
+            let (start, end) = (area.min.x + left + INSET, area.min.x + right - 14.0);
+            let text = (self.text)(row, number);
+            if column.is_text {
+                let at = pos2(start, area.center().y);
+                painter.text(at, Align2::LEFT_CENTER, text, font.clone(), color);
+            } else {
+                painter.text(pos2(end, area.center().y), Align2::RIGHT_CENTER, text, font.clone(), color);
+            }
+            left = *right;
         }
         let toggled = (self.toggle)(row).and_then(|(mut on, name)| {
             let place = Rect::from_center_size(pos2(area.min.x + 12.0, area.center().y), vec2(20.0, ROW));

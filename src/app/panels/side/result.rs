@@ -56,11 +56,11 @@ pub fn show(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
 /// How far the geometry that is shown really is from the truth, where that is known and in use.
 fn true_error(scene: &Scene) -> impl Iterator<Item = Fact> + use<> {
     let known = scene.truth().zip(scene.comparison).filter(|_| scene.shown().is_some());
-    let fact = known.and_then(|(truth, comparison)| {
+    let fact = known.and_then(|(_, comparison)| {
         let (error, least) = (comparison.true_error?, comparison.truth_error?);
         Some(Fact {
             name: "True error",
-            value: format!("{error:.2} px at {} true matches; the truth itself {least:.2} px", truth.matches.len()),
+            value: format!("{error:.2} px (the truth: {least:.2} px)"),
             tooltip: "Mean symmetric epipolar distance of all true matches from the geometry shown. That of the true \
                       geometry says how exact the matches are: nothing can be expected to do much better.",
         })

@@ -18,9 +18,16 @@ pub const TAB: Tab = Tab {
     tooltip: "How far points are from the result, from 7-point and 8-point, and from the ground truth.",
     inspects: false,
     compares: true,
-    tools: truth_buttons,
+    tools,
     show,
 };
+
+/// Where no folder is open, whose pairs have these buttons beside them.
+fn tools(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
+    if scene.folder().is_none() {
+        truth_buttons(ui, scene, commands);
+    }
+}
 
 /// A method and the spread of its distances.
 const SUMMARY: [Column; 6] = [
@@ -28,12 +35,28 @@ const SUMMARY: [Column; 6] = [
         title: "Geometry",
         tooltip: "Whose it is. Click a row, and the whole window shows that geometry.",
         width: 92.0,
+        is_text: true,
     },
-    Column { title: "From", tooltip: "What it was made from, or what is missing for it.", width: 176.0 },
-    Column { title: "Median, px", tooltip: "Half of the points are nearer than this.", width: 76.0 },
-    Column { title: "Mean, px", tooltip: "Mean distance over all points.", width: 70.0 },
-    Column { title: "Max, px", tooltip: "Distance of the worst point.", width: 70.0 },
-    Column { title: "< 1 px", tooltip: "Which part of the points is nearer than 1 px.", width: 56.0 },
+    Column {
+        title: "From",
+        tooltip: "What it was made from, or what is missing for it.",
+        width: 176.0,
+        is_text: true,
+    },
+    Column {
+        title: "Median, px",
+        tooltip: "Half of the points are nearer than this.",
+        width: 76.0,
+        is_text: false,
+    },
+    Column { title: "Mean, px", tooltip: "Mean distance over all points.", width: 70.0, is_text: false },
+    Column { title: "Max, px", tooltip: "Distance of the worst point.", width: 70.0, is_text: false },
+    Column {
+        title: "< 1 px",
+        tooltip: "Which part of the points is nearer than 1 px.",
+        width: 56.0,
+        is_text: false,
+    },
 ];
 
 /// A point and its distance to each geometry.
@@ -43,11 +66,22 @@ const POINTS: [Column; 5] = [
         tooltip: "The pair, or the number of the true match. Point at a row to find it in both images; click a pair to \
                   select it, a true match to inspect its lines.",
         width: 84.0,
+        is_text: false,
     },
-    Column { title: "Result", tooltip: "Distance from the result, px.", width: 72.0 },
-    Column { title: "7-point", tooltip: "Distance from the seven-point geometry, px.", width: 72.0 },
-    Column { title: "8-point", tooltip: "Distance from the eight-point geometry, px.", width: 72.0 },
-    Column { title: "Truth", tooltip: "Distance from the true geometry, px.", width: 72.0 },
+    Column { title: "Result", tooltip: "Distance from the result, px.", width: 72.0, is_text: false },
+    Column {
+        title: "7-point",
+        tooltip: "Distance from the seven-point geometry, px.",
+        width: 72.0,
+        is_text: false,
+    },
+    Column {
+        title: "8-point",
+        tooltip: "Distance from the eight-point geometry, px.",
+        width: 72.0,
+        is_text: false,
+    },
+    Column { title: "Truth", tooltip: "Distance from the true geometry, px.", width: 72.0, is_text: false },
 ];
 
 /// Share of the width that the summary takes.
@@ -89,7 +123,7 @@ fn choices(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
     };
     let sets = [(PointSet::Pairs, "Point pairs"), (PointSet::TrueMatches, "True matches")];
     let in_use = |set| if has_truth { set } else { PointSet::Pairs };
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing.x = 4.0;
         ui.weak("At");
         for (set, name) in sets {

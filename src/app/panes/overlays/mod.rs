@@ -54,6 +54,19 @@ pub enum Visibility {
     AtFirst,
     /// When somebody asks for it.
     OnRequest,
+    /// Until somebody hides it, where ground truth is in use; elsewhere it has nothing to show.
+    WithTruth,
+}
+
+impl Visibility {
+    /// Whether the user is offered to show or hide it.
+    pub fn is_a_choice(self, scene: &Scene) -> bool {
+        match self {
+            Self::Always => false,
+            Self::AtFirst | Self::OnRequest => true,
+            Self::WithTruth => scene.truth().is_some(),
+        }
+    }
 }
 
 /// All overlays, from the lowest to the topmost. A new one is a new file and a line here.

@@ -10,7 +10,7 @@ pub const OVERLAY: Overlay = Overlay {
     tooltip: "Where the ground truth has the epipolar line of each clicked point, and of the cursor. Dashed, so that \
               an estimated line shows through where the two agree.",
     color: theme::TRUE,
-    visibility: Visibility::AtFirst,
+    visibility: Visibility::WithTruth,
     magnified: true,
     draw,
 };

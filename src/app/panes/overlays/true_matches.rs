@@ -14,7 +14,7 @@ pub const OVERLAY: Overlay = Overlay {
     tooltip: "Points whose match in the other image is known. Point at one to see the other; of more than 300 only \
               some are drawn.",
     color: theme::TRUE,
-    visibility: Visibility::AtFirst,
+    visibility: Visibility::WithTruth,
     magnified: false,
     draw,
 };
@@ -22,7 +22,7 @@ pub const OVERLAY: Overlay = Overlay {
 /// Marks drawn at most, spread over the list.
 const DRAWN: usize = 300;
 /// Half the width of a mark, screen points.
-const SIZE: f32 = 3.0;
+const SIZE: f32 = 2.2;
 
 /// Those that are drawn, with their places in the list.
 fn drawn<'a>(canvas: &Canvas<'a>) -> impl Iterator<Item = (usize, &'a PointPair)> + use<'a> {
@@ -38,15 +38,15 @@ fn draw(canvas: &Canvas) {
             continue;
         }
         let lit = canvas.scene.focus.hovered() == Some(Target::TrueMatch(number));
-        let (size, color) = if lit { (SIZE + 2.0, theme::SELECTED) } else { (SIZE, theme::TRUE) };
+        let (size, color) = if lit { (SIZE + 3.0, theme::SELECTED) } else { (SIZE, theme::TRUE) };
         // Crosses, so that they are not taken for the dots of what the program found.
         for (x, y) in [(1.0, 1.0), (1.0, -1.0)] {
             let arm = egui::vec2(x, y) * size;
-            canvas.painter.line_segment([at - arm * 1.2, at + arm * 1.2], Stroke::new(3.2, theme::HALO));
+            canvas.painter.line_segment([at - arm, at + arm], Stroke::new(2.6, theme::HALO));
         }
         for (x, y) in [(1.0, 1.0), (1.0, -1.0)] {
             let arm = egui::vec2(x, y) * size;
-            canvas.painter.line_segment([at - arm, at + arm], Stroke::new(1.6, color));
+            canvas.painter.line_segment([at - arm, at + arm], Stroke::new(1.2, color));
         }
     }
 }

@@ -1,6 +1,6 @@
 //! The pairs of the folder that is open, and what can be done with its ground truth.
 
-use egui::{Align, Button, ComboBox, Layout, Ui};
+use egui::{Button, ComboBox, Ui};
 
 use super::{command_button, finish_button};
 use crate::app::command::Command;
@@ -9,25 +9,20 @@ use crate::app::scene::Scene;
 use crate::evaluate::Protocol;
 use crate::io::TruthFolder;
 
-/// Shows the bar, if a folder is open.
+/// Shows them from the right.
 pub fn show(ui: &mut Ui, scene: &Scene, folder: &TruthFolder, pair: [usize; 2], commands: &mut Vec<Command>) {
-    ui.horizontal(|ui| {
-        step(ui, folder, pair, false, commands);
-        if folder.pairs_freely() {
-            for side in Side::BOTH {
-                view_chooser(ui, folder, pair, side, commands);
-            }
-        } else {
-            pair_chooser(ui, folder, pair, commands);
+    truth_buttons(ui, scene, commands);
+    ui.separator();
+    ui.spacing_mut().item_spacing.x = 4.0;
+    step(ui, folder, pair, true, commands);
+    if folder.pairs_freely() {
+        for side in [Side::Right, Side::Left] {
+            view_chooser(ui, folder, pair, side, commands);
         }
-        step(ui, folder, pair, true, commands);
-        ui.separator();
-        if let Some(known) = scene.known {
-            let count = known.truth.matches.len();
-            ui.weak(format!("{count} true matches"));
-        }
-        ui.with_layout(Layout::right_to_left(Align::Center), |ui| truth_buttons(ui, scene, commands));
-    });
+    } else {
+        pair_chooser(ui, folder, pair, commands);
+    }
+    step(ui, folder, pair, false, commands);
 }
 
 /// The switch of the ground truth and the random trial, from the right.
@@ -46,7 +41,11 @@ pub fn truth_buttons(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
 
 fn step(ui: &mut Ui, folder: &TruthFolder, pair: [usize; 2], forward: bool, commands: &mut Vec<Command>) {
     let enabled = folder.neighbour(pair, forward).is_some();
-    command_button(ui, Command::StepPair { forward }, enabled, commands);
+    let command = Command::StepPair { forward };
+    let button = ui.add_enabled(enabled, Button::new(if forward { "▶" } else { "◀" }));
+    let name = command.name();
+    button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, enabled, name));
+    finish_button(ui, button, command, commands);
 }
 
 /// One of the two views.
