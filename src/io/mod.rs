@@ -9,6 +9,7 @@ mod picture_file;
 mod point_pairs;
 mod read;
 mod rectified;
+mod session;
 mod truth_folder;
 mod vgg;
 
@@ -20,5 +21,9 @@ pub use picture_file::{PictureError, PictureFormat, encode_picture};
 pub use point_pairs::{PairProblem, parse_point_pairs, read_point_pairs};
 pub use read::ReadError;
 pub use rectified::{RectifiedError, RectifiedFiles, RectifiedOptions};
+pub use session::{
+    ImageReference, ImageSource, Located, SESSION_VERSION, SessionError, SessionFile, relative, resolve,
+    sha256_of,
+};
 pub use truth_folder::TruthFolder;
 pub use vgg::VggFolder;

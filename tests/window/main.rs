@@ -7,5 +7,6 @@ mod frames;
 mod looking;
 mod opening;
 mod panels;
+mod sessions;
 mod support;
 mod truth;

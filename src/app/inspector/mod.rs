@@ -6,6 +6,7 @@
 mod apply;
 mod known;
 mod layout;
+mod session;
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -22,19 +23,21 @@ use super::document::{Document, PictureIdentity, PointRef, Side};
 use super::focus::Focus;
 use super::history::History;
 use super::inspection::{InspectionRequest, Matcher};
-use super::loader::{Loader, Opened, Opening, Pair, Source};
+use super::loader::{Failure, Loader, Opened, Opening, Pair, Source};
 use super::look::{Look, Tool};
 use super::panels::tabs::TABS;
-use super::panels::{CommandPalette, Message, OpenDialog};
+use super::panels::{CommandPalette, Message, MessageAction, OpenDialog, RelocateDialog, SaveDialog};
 use super::panes::ImagePane;
 use super::scene::{Hover, Scene};
 use super::services::{PickFn, Services};
+use super::session::OpenSession;
 use super::suggesting::{Question, Suggesting};
 use super::truth::Known;
 use super::waker::Waker;
 use super::worker::Request;
 use crate::estimate::Estimate;
 use crate::geometry::{AnchoredLine, PointPair};
+use session::SessionState;
 
 /// A system dialog that returns sooner than this cannot have been seen by anybody.
 const DIALOG_UNSEEN: Duration = Duration::from_millis(150);
@@ -49,10 +52,22 @@ enum EditKey {
     Parameter(&'static str),
 }
 
+/// What a file dialog is open for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum PickPurpose {
+    /// An image to open.
+    Image(Side),
+    /// A folder with ground truth.
+    Folder,
+    /// Where to save the session.
+    Session,
+    /// An image that a session cannot find.
+    Lost(Side),
+}
+
 /// A file dialog that is open.
 struct Picking {
-    /// Of which image; none when it is a folder.
-    side: Option<Side>,
+    purpose: PickPurpose,
     /// What was chosen and how long the dialog was open.
     answer: Receiver<(Option<PathBuf>, Duration)>,
 }
@@ -90,11 +105,17 @@ pub struct Inspector {
     suggesting: Suggesting,
     palette: CommandPalette,
     open_dialog: OpenDialog,
+    save_dialog: Option<SaveDialog>,
+    relocate_dialog: Option<RelocateDialog>,
     shortcuts_open: bool,
+    session: SessionState,
+    /// What was done last, for the status bar.
+    done: Option<String>,
     messages: Vec<Message>,
     messages_shown: u64,
     pick_file: Arc<PickFn>,
     pick_folder: Arc<PickFn>,
+    pick_save: Arc<PickFn>,
     picking: Option<Picking>,
     /// The document right after a click placed a point, for a second click to take it back.
     placed: Option<Document>,
@@ -110,8 +131,12 @@ impl Inspector {
             Opening::Sample => loader.open_sample(),
             Opening::Files(left, right) => loader.open([Source::File(left), Source::File(right)]),
             Opening::Folder(path) => loader.open_folder(path),
+            Opening::Session(path) => {
+                loader.open_session(OpenSession { path, ..OpenSession::default() });
+            }
         }
-        Self {
+        let session = SessionState::new(waker.clone(), services.copies.as_deref());
+        let mut inspector = Self {
             document: Document::default(),
             history: History::default(),
             computation: Computation::new(services.estimate, waker.clone())
@@ -137,15 +162,22 @@ impl Inspector {
             suggesting: Suggesting::new(services.suggest, waker),
             palette: CommandPalette::default(),
             open_dialog: OpenDialog::default(),
+            save_dialog: None,
+            relocate_dialog: None,
             shortcuts_open: false,
+            session,
+            done: None,
             messages: Vec::new(),
             messages_shown: 0,
             pick_file: services.pick_file,
             pick_folder: services.pick_folder,
+            pick_save: services.pick_save,
             picking: None,
             placed: None,
             title: String::new(),
-        }
+        };
+        inspector.offer_left_behind();
+        inspector
     }
 
     /// What is edited.
@@ -181,6 +213,7 @@ impl Inspector {
             || self.matcher.is_busy()
             || self.comparing.is_busy()
             || self.picking.is_some()
+            || self.session.is_busy()
     }
 
     /// What the user was told and has not dismissed.
@@ -195,7 +228,10 @@ impl Inspector {
         self.take_news(&ctx);
         // Keys first: Escape ends a drag before the panes can carry it on.
         let keyboard = command::Keyboard {
-            dialog_open: self.open_dialog.open || self.palette.open,
+            dialog_open: self.open_dialog.open
+                || self.palette.open
+                || self.save_dialog.is_some()
+                || self.relocate_dialog.is_some(),
             suggestion: self.scene().accepted_suggestion().is_some(),
         };
         let mut commands = command::pressed(&ctx, keyboard);
@@ -217,6 +253,7 @@ impl Inspector {
         self.suggesting.follow(self.question());
         self.matcher.follow(self.inspection_request());
         self.comparing.follow(self.comparand());
+        self.keep_copy(&ctx);
         self.name_window(&ctx);
     }
 
@@ -297,6 +334,7 @@ impl Inspector {
             loading: self.loader.is_busy(),
             has_sample_points: self.show_me.is_some(),
             can_undo_redo: [self.history.can_undo(), self.history.can_redo()],
+            done: self.done.as_deref(),
             messages: &self.messages,
         }
     }
@@ -312,20 +350,32 @@ impl Inspector {
         }
         match self.loader.poll() {
             Some(Ok(pair)) => self.show_pictures(ctx, pair),
-            Some(Err(text)) => {
+            Some(Err(failure)) => {
                 self.start_pairs.clear();
                 self.wanted = None;
-                self.tell(text);
+                match failure {
+                    Failure::Text(text) => self.tell(text),
+                    Failure::Relocate(relocation) => self.ask_for_images(*relocation),
+                }
             }
             None => {}
         }
-        let picked = self.picking.as_ref().map(|picking| (picking.side, picking.answer.try_recv()));
+        self.take_session_news();
+        let picked = self.picking.as_ref().map(|picking| (picking.purpose, picking.answer.try_recv()));
         match picked {
             None | Some((_, Err(TryRecvError::Empty))) => return,
-            Some((Some(side), Ok((Some(path), _)))) => {
-                self.open_dialog.offer(&path, Some(side));
-            }
-            Some((None, Ok((Some(path), _)))) => self.open_dialog.offer_folder(&path),
+            Some((purpose, Ok((Some(path), _)))) => match purpose {
+                PickPurpose::Image(side) => {
+                    self.open_dialog.offer(&path, Some(side));
+                }
+                PickPurpose::Folder => self.open_dialog.offer_folder(&path),
+                PickPurpose::Session => {
+                    if let Some(dialog) = &mut self.save_dialog {
+                        dialog.offer(&path);
+                    }
+                }
+                PickPurpose::Lost(side) => self.offer_lost(side, &path),
+            },
             Some((_, Ok((None, elapsed)))) if elapsed > DIALOG_UNSEEN => {}
             Some(_) => self.tell(
                 "The file dialog could not be opened here. Type a path, or drop the files on this window."
@@ -369,21 +419,30 @@ impl Inspector {
             ));
         }
         self.document.set_pairs(inside);
+        self.begin_session(pair.restored);
     }
 
     fn tell(&mut self, text: String) {
+        self.tell_with(text, Vec::new());
+    }
+
+    /// The same with buttons.
+    fn tell_with(&mut self, text: String, actions: Vec<MessageAction>) {
         self.messages.retain(|message| message.text != text);
         self.messages_shown += 1;
-        self.messages.push(Message { number: self.messages_shown, text });
+        self.messages.push(Message { number: self.messages_shown, text, actions });
         if self.messages.len() > MESSAGES {
             self.messages.remove(0);
         }
     }
 
     fn name_window(&mut self, ctx: &egui::Context) {
-        let title = match &self.document.pictures {
-            Some([left, right]) => format!("{} and {} - Epiline", left.name, right.name),
-            None => "Epiline".to_owned(),
+        let title = match (&self.document.pictures, self.session_title()) {
+            (Some([left, right]), Some(session)) => {
+                format!("{session} - {} and {} - Epiline", left.name, right.name)
+            }
+            (Some([left, right]), None) => format!("{} and {} - Epiline", left.name, right.name),
+            (None, _) => "Epiline".to_owned(),
         };
         if title != self.title {
             ctx.send_viewport_cmd(egui::ViewportCommand::Title(title.clone()));

@@ -77,7 +77,7 @@ impl OpenDialog {
             .anchor(Align2::CENTER_CENTER, vec2(0.0, -40.0))
             .show(ctx, |ui| {
                 ui.set_width(520.0);
-                ui.weak("Type or paste the paths, browse for the files, or drop them on the window.");
+                ui.weak("Type or paste the paths of two images or of a session, browse for the files, or drop them on the window.");
                 ui.add_space(6.0);
                 for side in Side::BOTH {
                     ui.horizontal(|ui| self.field(ui, scene, side, commands));
@@ -143,7 +143,7 @@ impl OpenDialog {
 }
 
 /// What was typed, as a path.
-fn path_of(text: &str) -> Option<PathBuf> {
+pub(super) fn path_of(text: &str) -> Option<PathBuf> {
     // Paths are often pasted with quotes or as an address.
     let text = text.trim().trim_matches(['"', '\'']);
     let text = text.strip_prefix("file://").unwrap_or(text);

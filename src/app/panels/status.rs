@@ -27,6 +27,10 @@ pub fn show(ui: &mut Ui, scene: &Scene, pictures: Option<[&Picture; 2]>) {
         };
         let text = RichText::new(text);
         ui.label(if scene.hover.is_some() { text.monospace() } else { text.weak() });
+        if let Some(done) = scene.done {
+            ui.separator();
+            ui.add(egui::Label::new(done).truncate());
+        }
         if let Some(trial) = scene.document.trial {
             let protocol = match trial.protocol {
                 Protocol::Paper => "as in the paper",

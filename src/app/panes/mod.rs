@@ -9,4 +9,4 @@ mod view;
 
 pub use image_pane::{ImagePane, halves};
 pub use texture::Overview;
-pub use view::Transform;
+pub use view::{Transform, View};
