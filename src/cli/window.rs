@@ -39,6 +39,7 @@ pub(super) fn run(arguments: Arguments) -> Result<(), CliError> {
 }
 
 /// What the window opens with.
+#[cfg_attr(not(feature = "inspector"), expect(dead_code, reason = "there is no window to tell"))]
 enum Shown {
     Sample,
     Images(PathBuf, PathBuf),

@@ -58,6 +58,10 @@ impl Inspector {
             return;
         };
         let source = known.source.clone();
+        if self.focus.contestant().is_some() {
+            // What was compared changes; a choice among it must not come back later by itself.
+            self.focus.choose_hypothesis(None);
+        }
         self.edit(Step::Single, |document| {
             document.truth = if document.truth.is_some() { None } else { Some(source) };
         });

@@ -6,6 +6,9 @@ use crate::app::scene::Scene;
 use crate::evaluate::Protocol;
 use crate::image::Picture;
 
+/// The mouse actions take about as much, screen points.
+const ROOM_FOR_HINTS: f32 = 360.0;
+
 /// Shows the bar.
 pub fn show(ui: &mut Ui, scene: &Scene, pictures: Option<[&Picture; 2]>) {
     ui.horizontal(|ui| {
@@ -42,7 +45,9 @@ pub fn show(ui: &mut Ui, scene: &Scene, pictures: Option<[&Picture; 2]>) {
             );
         }
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            ui.weak("Scroll: zoom     Drag: move     Double click: fit     ?: all keys");
+            if ui.available_width() > ROOM_FOR_HINTS {
+                ui.weak("Scroll: zoom     Drag: move     Double click: fit     ?: all keys");
+            }
         });
     });
 }
