@@ -1,6 +1,7 @@
-//! Files: point pairs, fundamental matrices, folders of pairs, the VGG layout, and output that is never half written.
+//! Files: geometry in the formats of other programs, point pairs, folders of pairs, the VGG layout, and output that is
+//! never half written.
 
-mod fundamental_file;
+mod geometry_file;
 mod number;
 mod output;
 mod pair_folder;
@@ -8,9 +9,9 @@ mod point_pairs;
 mod read;
 mod vgg;
 
-pub use fundamental_file::read_fundamental;
+pub use geometry_file::{Format, GeometryFile, ImageNote, Problem, read_fundamental, read_point_pairs};
 pub use output::{OutputFile, WriteError};
 pub use pair_folder::{PairFiles, pair_folder};
-pub use point_pairs::{PairProblem, parse_point_pairs, read_point_pairs};
+pub use point_pairs::{PairProblem, parse_point_pairs};
 pub use read::ReadError;
 pub use vgg::VggFolder;
