@@ -61,6 +61,7 @@
 #[cfg(feature = "inspector")]
 pub mod app;
 pub mod cli;
+pub mod convention;
 pub mod estimate;
 pub mod evaluate;
 pub mod geometry;

@@ -6,6 +6,8 @@ use std::process::{Command, Output, Stdio};
 use serde_json::Value;
 
 // Beside this file it would be a test program of its own.
+#[path = "command_line/files.rs"]
+mod files;
 #[path = "command_line/suggest.rs"]
 mod suggest;
 

@@ -7,6 +7,7 @@ use super::CliError;
 use crate::estimate::{Method, Preset};
 use crate::evaluate::Protocol;
 use crate::geometry::{Point, PointPair};
+use crate::io::Format;
 use crate::synthetic::Sample;
 
 /// Four numbers separated by commas.
@@ -102,6 +103,16 @@ impl ValueEnum for Method {
             Self::TwoPoint => PossibleValue::new("two-point").help("two point pairs"),
             Self::ThreePoint => PossibleValue::new("three-point").help("three point pairs, faster"),
         })
+    }
+}
+
+impl ValueEnum for Format {
+    fn value_variants<'a>() -> &'a [Self] {
+        &Self::ALL
+    }
+
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        Some(PossibleValue::new(self.name()).help(format!("{}, .{}", self.label(), self.extension())))
     }
 }
 

@@ -55,11 +55,12 @@ impl FundamentalMatrix {
             return None;
         }
         // Rounding leaves the norm and the third singular value within a few units of the last place.
-        let is_rank_two = matrix.singular_values().min() <= 1e-15;
-        match Self::from_rank_two(matrix) {
-            Some(f) if is_rank_two && (f.0 - matrix).norm() <= 1e-15 => Some(Self(matrix)),
-            _ => Self::nearest_rank_two(matrix),
+        if matrix.singular_values().min() > 1e-15 * matrix.norm() {
+            return Self::nearest_rank_two(matrix);
         }
+        let f = Self::from_rank_two(matrix)?;
+        let as_written = [matrix, -matrix].into_iter().find(|m| (f.0 - m).norm() <= 1e-15);
+        Some(as_written.map_or(f, Self))
     }
 
     /// The epipolar line in image 2 of a point of image 1; `None` at the epipole.

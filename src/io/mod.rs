@@ -14,4 +14,4 @@ pub use output::{OutputFile, WriteError};
 pub use pair_folder::{PairFiles, pair_folder};
 pub use point_pairs::{PairProblem, parse_point_pairs};
 pub use read::ReadError;
-pub use vgg::VggFolder;
+pub use vgg::{VggFolder, read_camera};

@@ -86,11 +86,15 @@ fn without_comments(text: &str) -> String {
         let mut quoted = false;
         let mut previous = ' ';
         for c in line.chars() {
+            // After a value the mark means transposed; that is a value again.
+            let is_value = previous.is_alphanumeric() || "_])}".contains(previous);
             match c {
-                // After a value the mark means transposed.
-                '\'' if quoted || !(previous.is_alphanumeric() || "_])}'".contains(previous)) => {
-                    quoted = !quoted
+                '\'' if !quoted && is_value => {
+                    code.push(c);
+                    previous = ']';
+                    continue;
                 }
+                '\'' => quoted = !quoted,
                 '%' | '#' if !quoted => break,
                 _ => {}
             }
@@ -170,7 +174,7 @@ fn image(statement: &str) -> Option<ImageNote> {
         .trim_start()
         .strip_prefix('\'')?
         .split_once("', 'width',")?;
-    let (width, rest) = rest.split_once(",")?;
+    let (width, rest) = rest.split_once(',')?;
     let height = rest.trim_start().strip_prefix("'height',")?.split_once(')')?.0;
     let frame = Frame::new(width.trim().parse().ok()?, height.trim().parse().ok()?);
     Some(ImageNote { name: name.replace("''", "'").replace(QUOTED_EQUALS, "="), frame })

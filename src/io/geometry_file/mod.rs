@@ -53,7 +53,7 @@ pub struct ImageNote {
 }
 
 /// What such a file holds, in the convention of this program: `x2ᵀ F x1 = 0`, the centre of the upper left pixel
-/// is (0, 0). Every part may be missing.
+/// is (0, 0). Every part may be missing; all numbers are finite.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct GeometryFile {
     /// `F`.

@@ -1,5 +1,7 @@
 //! OpenCV `FileStorage` as XML.
 
+use std::fmt::Write;
+
 use roxmltree::{Document, Node, ParsingOptions};
 use serde_json::{Map, Value};
 
@@ -16,7 +18,7 @@ pub(super) fn write(written: &Written) -> String {
     debug_assert_eq!(written.format, Format::OpencvXml);
     let mut text = String::from("<?xml version=\"1.0\"?>\n<opencv_storage>\n");
     for line in written.preamble() {
-        text.push_str(&format!("<!-- {line} -->\n"));
+        let _ = writeln!(text, "<!-- {line} -->");
     }
     for (k, image) in written.images.iter().flat_map(|i| i.iter()).enumerate() {
         text.push_str(&image_element(k + 1, image));
@@ -26,10 +28,11 @@ pub(super) fn write(written: &Written) -> String {
     }
     if let Some(check) = written.check {
         let distances = numbers(&[check.mean, check.max], "</mean_distance>\n  <max_distance>");
-        text.push_str(&format!(
+        let _ = write!(
+            text,
             "<self_check>\n  <pairs>{}</pairs>\n  <mean_distance>{distances}</max_distance></self_check>\n",
             check.pairs
-        ));
+        );
     }
     text.push_str("</opencv_storage>\n");
     text

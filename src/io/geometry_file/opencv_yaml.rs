@@ -3,6 +3,8 @@
 //! The first line `%YAML:1.0` is what OpenCV writes up to version 4 and all versions read; it is not YAML, and
 //! is taken off before parsing. Other YAML with the same names (nested rows, say) is read as well.
 
+use std::fmt::Write;
+
 use saphyr_parser::{Event, Parser, ScalarStyle};
 use serde_json::{Map, Value};
 
@@ -17,7 +19,7 @@ pub(super) fn write(written: &Written) -> String {
     debug_assert_eq!(written.format, Format::OpencvYaml);
     let mut text = String::from("%YAML:1.0\n---\n");
     for line in written.preamble() {
-        text.push_str(&format!("# {line}\n"));
+        let _ = writeln!(text, "# {line}");
     }
     for (k, image) in written.images.iter().flat_map(|i| i.iter()).enumerate() {
         text.push_str(&image_map(k + 1, image));
@@ -27,7 +29,7 @@ pub(super) fn write(written: &Written) -> String {
     }
     if let Some(check) = written.check {
         let distances = numbers(&[check.mean, check.max], "\n   max_distance: ");
-        text.push_str(&format!("self_check:\n   pairs: {}\n   mean_distance: {distances}\n", check.pairs));
+        let _ = write!(text, "self_check:\n   pairs: {}\n   mean_distance: {distances}\n", check.pairs);
     }
     text
 }
