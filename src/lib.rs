@@ -60,6 +60,7 @@
 
 #[cfg(feature = "inspector")]
 pub mod app;
+mod cancel;
 pub mod cli;
 pub mod convention;
 pub mod estimate;
@@ -67,6 +68,7 @@ pub mod evaluate;
 pub mod geometry;
 pub mod image;
 pub mod io;
+pub mod rectify;
 pub mod similarity;
 pub mod suggest;
 pub mod synthetic;

@@ -13,6 +13,7 @@ mod evaluate;
 mod geometry_file;
 mod output;
 mod overrides;
+mod rectify;
 mod suggest;
 mod summary;
 mod window;
@@ -41,6 +42,7 @@ enum Command {
     Convert(convert::Arguments),
     Estimate(Box<estimate::Arguments>),
     Evaluate(evaluate::Arguments),
+    Rectify(rectify::Arguments),
     Suggest(suggest::Arguments),
 }
 
@@ -53,6 +55,7 @@ impl CommandLine {
             Some(Command::Convert(arguments)) => convert::run(&arguments),
             Some(Command::Estimate(arguments)) => estimate::run(&arguments),
             Some(Command::Evaluate(arguments)) => evaluate::run(&arguments),
+            Some(Command::Rectify(arguments)) => rectify::run(&arguments),
             Some(Command::Suggest(arguments)) => suggest::run(&arguments),
         }
     }
