@@ -91,7 +91,7 @@ fn opencv_reads_what_we_write() {
             assert_eq!(matrices[name], points);
         }
         let number = |name: &str| found[name].as_f64().unwrap();
-        assert_eq!(number("stated_pairs"), 40.0);
+        assert_eq!(found["stated_pairs"], 40.0);
         assert!(number("mean") > 0.05 && number("max") > number("mean"));
         // Lines of OpenCV come in double precision, with rounding of its own.
         assert!((number("mean") - number("stated_mean")).abs() < 1e-9, "{found}");

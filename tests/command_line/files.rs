@@ -1,5 +1,7 @@
 //! `epiline convert`, `epiline check` and `epiline estimate --export`.
 
+use std::fmt::Write;
+
 use super::*;
 
 const FORMATS: [(&str, &str); 6] = [
@@ -29,11 +31,11 @@ fn scene() -> Pictures {
         let k = f64::from(k);
         let x = [(k * 0.7).sin() * 2.0, (k * 1.3).cos() * 1.5, 5.0 + 2.0 * (k * 0.31).sin(), 1.0];
         let (a, b) = (project(&first, x), project(&second, x));
-        matches += &format!("{},{},{},{}\n", a[0], a[1], b[0], b[1]);
+        writeln!(matches, "{},{},{},{}", a[0], a[1], b[0], b[1]).unwrap();
     }
     pictures.write("matches.csv", &matches);
     let text = |p: &[[f64; 4]; 3]| {
-        p.iter().map(|r| format!("{} {} {} {}\n", r[0], r[1], r[2], r[3])).collect::<String>()
+        p.iter().map(|r| format!("{} {} {} {}", r[0], r[1], r[2], r[3])).collect::<Vec<_>>().join("\n")
     };
     pictures.write("p1.P", &text(&first));
     pictures.write("p2.P", &text(&second));
@@ -162,17 +164,8 @@ fn check_has_a_status_for_nothing_fits_and_sentences_for_bad_input() {
     let (p1, p2) = (scene.text("p1.P"), scene.text("p2.P"));
     let rows = |count: u64| {
         let number = |k: u64| (k.wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 40) % 600;
-        (0..count)
-            .map(|k| {
-                format!(
-                    "{} {} {} {}\n",
-                    number(4 * k),
-                    number(4 * k + 1),
-                    number(4 * k + 2),
-                    number(4 * k + 3)
-                )
-            })
-            .collect::<String>()
+        let row = |k: u64| (4 * k..4 * k + 4).map(|k| number(k).to_string()).collect::<Vec<_>>().join(" ");
+        (0..count).map(row).collect::<Vec<_>>().join("\n")
     };
     scene.write("wrong.txt", &rows(50));
     scene.write("few.txt", &rows(7));
