@@ -62,6 +62,7 @@
 pub mod app;
 mod cancel;
 pub mod cli;
+pub mod convention;
 pub mod estimate;
 pub mod evaluate;
 pub mod geometry;
