@@ -66,6 +66,7 @@ pub mod evaluate;
 pub mod geometry;
 pub mod image;
 pub mod io;
+pub mod publish;
 pub mod similarity;
 pub mod suggest;
 pub mod synthetic;
