@@ -12,13 +12,13 @@ use serde::Serialize;
 
 use super::Scene;
 use super::random::{Purpose, generator};
-use crate::geometry::{Frame, Point, PointPair};
+use crate::geometry::{Frame, FundamentalMatrix, Point, PointPair};
 
 /// Clicked points are at least this far apart in both images, px, as in the published experiment.
 const SPACING: f64 = 30.0;
 
 /// Well-posed clicks lie at least this fraction of the image's longer side off each other's epipolar line.
-const OFF_LINE: f64 = 0.12;
+pub(super) const OFF_LINE: f64 = 0.12;
 
 /// How clicks are chosen among the true matches.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -57,11 +57,23 @@ fn apart(p: &PointPair, q: &PointPair) -> bool {
 
 /// Each point far enough from the other's true epipolar line, in both images.
 fn off_lines(scene: &Scene, p: &PointPair, q: &PointPair) -> bool {
-    let [limit1, limit2] = [0, 1].map(|k| OFF_LINE * scene.images[k].frame().longer_side());
-    [(p, q), (q, p)].into_iter().all(|(a, b)| {
-        scene.truth.line1_from_point2(a.point2).is_some_and(|l| l.distance(b.point1) >= limit1)
-            && scene.truth.line2_from_point1(a.point1).is_some_and(|l| l.distance(b.point2) >= limit2)
-    })
+    let limits = [0, 1].map(|k| OFF_LINE * scene.images[k].frame().longer_side());
+    let far = |distance: Option<f64>, limit: f64| distance.is_some_and(|d| d >= limit);
+    distances_off_lines(&scene.truth, p, q).chunks(2).all(|d| far(d[0], limits[0]) && far(d[1], limits[1]))
+}
+
+/// How far `q` is from the true epipolar line of `p` in image 1 and in image 2, and `p` from that of `q`, px;
+/// `None` where a point is at the epipole and has no line.
+pub(super) fn distances_off_lines(
+    truth: &FundamentalMatrix,
+    p: &PointPair,
+    q: &PointPair,
+) -> [Option<f64>; 4] {
+    let line1 =
+        |of: &PointPair, to: &PointPair| Some(truth.line1_from_point2(of.point2)?.distance(to.point1));
+    let line2 =
+        |of: &PointPair, to: &PointPair| Some(truth.line2_from_point1(of.point1)?.distance(to.point2));
+    [line1(p, q), line2(p, q), line1(q, p), line2(q, p)]
 }
 
 /// The clicks of all trials on one scene.

@@ -28,9 +28,9 @@ pub fn markdown(document: &Document, folder: &str) -> MarkdownFiles {
             Block::Paragraph(words) => writeln!(text, "{}", escaped(words)),
             Block::Command(words) => writeln!(text, "    {}", words.replace(['\n', '\r'], " ")),
             Block::List(items) => items.iter().try_for_each(|item| writeln!(text, "- {}", escaped(item))),
-            Block::Facts(facts) => {
-                facts.iter().try_for_each(|(name, value)| writeln!(text, "- {}: {}", escaped(name), escaped(value)))
-            }
+            Block::Facts(facts) => facts
+                .iter()
+                .try_for_each(|(name, value)| writeln!(text, "- {}: {}", escaped(name), escaped(value))),
             Block::Table(table) => write_table(&mut text, number, table),
             Block::Figure(figure) => {
                 let caption = escaped(&figure.caption);

@@ -70,7 +70,10 @@ impl Scale {
             return Vec::new();
         }
         let decades = (self.high / self.low).log10().round() as i32;
-        (0..decades).flat_map(|d| (2..10).map(move |k| f64::from(k) * 10_f64.powi(d))).map(|v| v * self.low).collect()
+        (0..decades)
+            .flat_map(|d| (2..10).map(move |k| f64::from(k) * 10_f64.powi(d)))
+            .map(|v| v * self.low)
+            .collect()
     }
 }
 

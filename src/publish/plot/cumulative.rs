@@ -69,7 +69,8 @@ mod tests {
 
     #[test]
     fn nothing_to_draw_is_still_a_drawing() {
-        let empty = Distribution { name: "none".into(), stroke: Stroke::solid("#000", 1.0), values: Vec::new() };
+        let empty =
+            Distribution { name: "none".into(), stroke: Stroke::solid("#000", 1.0), values: Vec::new() };
         let text = cumulative(&[empty], "error", "trials", &[1.0]).file("");
         assert!(!text.contains("NaN") && !text.contains("inf"), "{text}");
     }

@@ -9,12 +9,12 @@ use super::{INK, Stroke, TEXT, n, text_width};
 pub enum Sign {
     /// A line.
     Line(Stroke),
-    /// A line drawn upon a wider one.
-    LineUpon(Stroke, Stroke),
     /// A filled dot of a colour.
     Dot(&'static str),
     /// An open one.
     Ring(&'static str),
+    /// An open square of a colour.
+    Square(&'static str),
     /// An open diamond.
     Diamond,
     /// An upright stroke.
@@ -53,19 +53,19 @@ fn entry_at((sign, text): &(Sign, String), x: f64, y: f64) -> Markup {
 
 impl Sign {
     fn markup(self, x: f64, y: f64) -> Markup {
-        let line = |stroke: Stroke| {
-            markup! {
+        match self {
+            Self::Line(stroke) => markup! {
                 line x1=(n(x)) x2=(n(x + SIGN)) y1=(n(y)) y2=(n(y)) stroke=(stroke.color) stroke-width=(n(stroke.width))
                     stroke-dasharray=[stroke.dashes()] {}
-            }
-        };
-        match self {
-            Self::Line(stroke) => line(stroke),
-            Self::LineUpon(above, below) => markup! { (line(below)) (line(above)) },
+            },
             Self::Dot(color) => markup! { circle cx=(n(x + 0.5 * SIGN)) cy=(n(y)) r="3.5" fill=(color) {} },
             Self::Ring(color) => {
                 markup! { circle cx=(n(x + 0.5 * SIGN)) cy=(n(y)) r="3.2" fill="none" stroke=(color) stroke-width="1.4" {} }
             }
+            Self::Square(color) => markup! {
+                rect x=(n(x + 0.5 * SIGN - 5.0)) y=(n(y - 5.0)) width="10" height="10" fill="none" stroke=(color)
+                    stroke-width="2" {}
+            },
             Self::Diamond => diamond(x + 0.5 * SIGN, y),
             Self::Upright => upright(x + 0.5 * SIGN, y, 5.0),
         }

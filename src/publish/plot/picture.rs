@@ -153,10 +153,7 @@ pub fn pictures(all: &[MarkedPicture], legend: &[(Sign, String)]) -> Drawing {
     let count = all.len().max(1) as f64;
     let width = (WIDTH - GAP * (count - 1.0)) / count;
     let top = 8.0 + TEXT;
-    let height = all
-        .iter()
-        .map(|p| width / p.frame.width as f64 * p.frame.height as f64)
-        .fold(0.0, f64::max);
+    let height = all.iter().map(|p| width / p.frame.width as f64 * p.frame.height as f64).fold(0.0, f64::max);
     let content = markup! {
         @for (k, picture) in all.iter().enumerate() { (picture.markup(k as f64 * (width + GAP), top, width)) }
         (row(legend, 0.0, top + height + 16.0))

@@ -38,7 +38,13 @@ const STRIP: f64 = 9.5;
 const GAP: f64 = 9.0;
 
 /// All groups from top to bottom; `middle` and `reference` are what the legend says of these signs.
-pub fn strips(groups: &[StripGroup], quantity: &str, middle: &str, reference: &str, limits: &[f64]) -> Drawing {
+pub fn strips(
+    groups: &[StripGroup],
+    quantity: &str,
+    middle: &str,
+    reference: &str,
+    limits: &[f64],
+) -> Drawing {
     let all = || groups.iter().flat_map(|g| g.strips.iter());
     let scale = Scale::decades(all().flat_map(|s| s.values.iter().copied().chain(s.reference)));
     let rows = groups.first().map_or(&[][..], |g| &g.strips);

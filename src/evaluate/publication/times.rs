@@ -1,0 +1,39 @@
+//! How long a trial takes.
+
+use super::Subject;
+use crate::evaluate::table::seconds;
+use crate::evaluate::{median, quantile};
+use crate::publish::{Document, Table};
+
+pub(super) fn write(subject: &Subject, document: &mut Document) {
+    let plan = &subject.report.parameters.plan;
+    let rows = (0..subject.contenders.len()).map(|c| {
+        let trials = || (0..subject.scenes.len()).flat_map(move |s| &subject.record(s, c).trials);
+        let all: Vec<f64> = trials().map(|t| t.seconds).collect();
+        let first: Vec<f64> = trials().filter_map(|t| t.first_seconds).collect();
+        vec![
+            subject.contenders[c].label(),
+            all.len().to_string(),
+            seconds(median(&all)),
+            seconds(quantile(&all, 0.9)),
+            seconds(quantile(&all, 1.0)),
+            seconds(median(&first)),
+        ]
+    });
+    document.section("Time");
+    document.table(Table {
+        caption: format!(
+            "Seconds of a trial on {} thread{}, {} trial{} at once, preparation of the images included.",
+            plan.threads_per_trial,
+            if plan.threads_per_trial == 1 { "" } else { "s" },
+            plan.trials_at_once,
+            if plan.trials_at_once == 1 { "" } else { "s" },
+        ),
+        headings: ["method", "trials", "median", "90 %", "longest", "first geometry, median"]
+            .map(str::to_owned)
+            .to_vec(),
+        rows: rows.collect(),
+        words: 1,
+        ruled: Vec::new(),
+    });
+}
