@@ -134,8 +134,8 @@ pub fn verdict_sentences(report: &Report) -> Vec<String> {
         .map(|overall| {
             let v = &overall.verdicts;
             format!(
-                "{}: {} of {} results called right had an error below 1 % of the longer side; {} of {} other results \
-                 were not called right.",
+                "{}: {} of {} results called right had an error below 1 % of the longer side; {} of {} with a larger \
+                 one were not called right.",
                 label(&overall.method, overall.preset.as_deref()),
                 v.called_right_and_good,
                 v.called_right,

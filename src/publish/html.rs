@@ -55,8 +55,8 @@ fn table_markup(number: usize, table: &Table) -> Markup {
     let class = |column: usize| if column < table.words { "word" } else { "number" };
     markup! {
         div.table {
-            table {
-                caption { b { "Table " (number) ". " } (table.caption) }
+            p.caption { b { "Table " (number) ". " } (table.caption) }
+            table aria-label={ "Table " (number) } {
                 thead { tr {
                     @for (column, heading) in table.headings.iter().enumerate() {
                         th scope="col" class=(class(column)) { (heading) }

@@ -271,7 +271,7 @@ fn text(report: &Report, ranks: bool) -> String {
         plan.threads_per_trial,
         plan.trials_at_once,
         table(report),
-        verdict_sentences(report).iter().map(|sentence| format!("{sentence}\n")).collect::<String>(),
+        [verdict_sentences(report), vec![String::new()]].concat().join("\n"),
     )
 }
 

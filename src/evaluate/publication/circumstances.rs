@@ -2,13 +2,13 @@
 
 use std::f64::consts::PI;
 
-use super::sight::Sight;
+use super::sight::{Sight, angle_between, side};
 use super::style::click_name;
 use crate::estimate::ComparedPencils;
 use crate::evaluate::SearchRecord;
 use crate::evaluate::protocol::{OFF_LINE, distances_off_lines};
 use crate::evaluate::statistics::median;
-use crate::geometry::{AnchoredLine, Line, Point, PointPair, finite_point};
+use crate::geometry::{AnchoredLine, Line, PointPair, finite_point};
 use crate::image::Profile;
 
 /// Clicks nearer than this fraction of the longer side are close together.
@@ -17,6 +17,8 @@ const CLOSE: f64 = 0.1;
 const NEAR_EPIPOLE: f64 = 0.15;
 /// Lines at a smaller angle than this, radians, meet at a place that a small turn moves far.
 const FLAT_ANGLE: f64 = 4.0 * PI / 180.0;
+/// Lines turned by more than this, radians, belong to another motion of the camera.
+const TURNED: f64 = 15.0 * PI / 180.0;
 /// A line with less than this part of the median contrast of the lines through the same click crosses little.
 const LITTLE_CONTRAST: f64 = 0.5;
 /// Candidates and hypotheses within this fraction of the longer side are near the truth.
@@ -48,6 +50,8 @@ pub(super) struct Circumstances {
     /// What the search had.
     search: Option<SearchRecord>,
     error: f64,
+    /// Median angle between estimated and true lines, radians.
+    turned: f64,
 }
 
 impl Circumstances {
@@ -61,7 +65,7 @@ impl Circumstances {
             .flatten()
             .fold(f64::INFINITY, f64::min);
         let angle = [0, 1].map(|image| match (lines[0][image], lines[1][image]) {
-            (Some(a), Some(b)) => between(&a, &b),
+            (Some(a), Some(b)) => angle_between(&a, &b),
             _ => 0.0,
         });
         let epipoles = [scene.truth.epipole1(), scene.truth.epipole2()];
@@ -69,7 +73,7 @@ impl Circumstances {
             .flat_map(|click| (0..2).map(move |image| (click, image)))
             .filter_map(|(click, image)| {
                 let place = finite_point(&epipoles[image])?;
-                Some((click, image, (place - point(&clicks[click], image)).norm()))
+                Some((click, image, (place - side(&clicks[click], image)).norm()))
             })
             .min_by(|a, b| a.2.total_cmp(&b.2));
         let contrast = |click: usize| {
@@ -95,13 +99,13 @@ impl Circumstances {
             mistakes: mistakes.collect(),
             search: sight.trial.search,
             error: sight.trial.mean,
+            turned: sight.turned(),
         }
     }
 
     /// Every figure with its name.
     pub(super) fn facts(&self) -> Vec<(String, String)> {
         let percent = |length: f64| format!("{:.1} %", 100.0 * length / self.side);
-        let list = |values: Vec<String>| values.join(", ");
         let mut facts = vec![
             (
                 "Clicks apart".to_owned(),
@@ -127,7 +131,7 @@ impl Circumstances {
                 "Contrast".to_owned(),
                 format!(
                     "{} of that of the median line through the same click",
-                    list(self.named(&self.contrast, |c| format!("{:.0} %", 100.0 * c)))
+                    named(&self.contrast, |c| format!("{:.0} %", 100.0 * c))
                 ),
             ),
         ];
@@ -137,7 +141,7 @@ impl Circumstances {
             facts.push(("True epipole".to_owned(), text));
         }
         if !self.candidates.is_empty() {
-            let text = list(self.named(&self.candidates, |d| format!("{d:.0} px")));
+            let text = named(&self.candidates, |d| format!("{d:.0} px"));
             facts.push((
                 "Nearest candidates".to_owned(),
                 format!("{text} from the true line pair at the image border"),
@@ -147,10 +151,6 @@ impl Circumstances {
             facts.push(("Search".to_owned(), search_in_words(search)));
         }
         facts
-    }
-
-    fn named(&self, values: &[f64], text: impl Fn(f64) -> String) -> Vec<String> {
-        values.iter().enumerate().map(|(k, v)| format!("{} {}", click_name(k), text(*v))).collect()
     }
 
     /// What is out of the ordinary, a sentence each.
@@ -205,6 +205,13 @@ impl Circumstances {
             ));
         }
         told.extend(self.search.as_ref().and_then(|search| self.search_failure(search)));
+        if self.turned > TURNED {
+            told.push(format!(
+                "The estimated lines are turned by {:.0}° against the true ones (median): for matches that move little \
+                 between the images the distance in px says less than the picture.",
+                self.turned.to_degrees()
+            ));
+        }
         if told.is_empty() {
             told.push("Nothing about the clicks or the search is unusual.".to_owned());
         }
@@ -230,6 +237,12 @@ impl Circumstances {
     }
 }
 
+/// The value of each click in words.
+fn named(values: &[f64], text: impl Fn(f64) -> String) -> String {
+    let all = values.iter().enumerate().map(|(k, v)| format!("{} {}", click_name(k), text(*v)));
+    all.collect::<Vec<_>>().join(", ")
+}
+
 fn search_in_words(search: &SearchRecord) -> String {
     format!(
         "{} hypotheses kept, the best {:.1} px; {}",
@@ -241,19 +254,15 @@ fn search_in_words(search: &SearchRecord) -> String {
 
 fn ranks_in_words(search: &SearchRecord) -> String {
     let rank = |rank: Option<usize>| rank.map_or_else(|| "nowhere".to_owned(), |r| r.to_string());
-    let mut text = format!(
+    let by_lines = format!(
         "by lines it ranks {} and the truth would rank {}",
         search.best_rank_by_lines,
         rank(search.true_rank_by_lines)
     );
-    if let Some(best) = search.best_rank_by_patches {
-        text += &format!(", by patches {best} and {}", rank(search.true_rank_by_patches));
+    match search.best_rank_by_patches {
+        Some(best) => format!("{by_lines}, by patches {best} and {}", rank(search.true_rank_by_patches)),
+        None => by_lines,
     }
-    text
-}
-
-fn point(pair: &PointPair, image: usize) -> Point {
-    if image == 0 { pair.point1 } else { pair.point2 }
 }
 
 /// The true epipolar lines at a click, in image 1 and in image 2.
@@ -262,14 +271,9 @@ fn true_lines(sight: &Sight, click: &PointPair) -> [Option<Line>; 2] {
     [truth.line1_from_point2(click.point2), truth.line2_from_point1(click.point1)]
 }
 
-/// The angle between two lines, radians, at most a right angle.
-fn between(a: &Line, b: &Line) -> f64 {
-    a.direction().perp(&b.direction()).abs().min(1.0).asin()
-}
-
 /// Contrast along the parallel to a line through a click, over the median of all directions; 1 where there is none.
 fn relative_contrast(sight: &Sight, click: &PointPair, image: usize, line: &Line) -> f64 {
-    let (plane, at) = (&sight.scene.images[image], point(click, image));
+    let (plane, at) = (&sight.scene.images[image], side(click, image));
     let along = |angle: f64| Profile::sample(plane, &AnchoredLine::at_angle(at, angle), 1.0).texture();
     let all: Vec<f64> = (0..DIRECTIONS).map(|k| along(k as f64 * PI / DIRECTIONS as f64)).collect();
     let direction = line.direction();
@@ -282,7 +286,7 @@ fn relative_contrast(sight: &Sight, click: &PointPair, image: usize, line: &Line
 fn candidate_distance(sight: &Sight, pencils: &ComparedPencils, lines: &[Option<Line>; 2]) -> Option<f64> {
     let [Some(line1), Some(line2)] = lines else { return None };
     let reach =
-        [0, 1].map(|image| sight.scene.images[image].frame().farthest_corner(point(pencils.click(), image)));
+        [0, 1].map(|image| sight.scene.images[image].frame().farthest_corner(side(pencils.click(), image)));
     let off = |angle: f64, line: &Line, reach: f64| {
         let direction = line.direction();
         reach * (angle.cos() * direction.y - angle.sin() * direction.x).abs()

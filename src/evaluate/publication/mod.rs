@@ -117,3 +117,79 @@ fn introduction(subject: &Subject, document: &mut Document) {
     ));
     document.list(subject.report.notes.clone());
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::estimate::{CancelFlag, Parameters};
+    use crate::evaluate::scene::tests::example_scene;
+    use crate::evaluate::{Outcome, Plan, contenders, run};
+    use crate::geometry::PointPair;
+    use crate::publish::{html, markdown};
+
+    /// Never finds anything.
+    struct Hopeless;
+
+    impl Contender for Hopeless {
+        fn method(&self) -> &'static str {
+            TWO_POINT
+        }
+
+        fn clicks_needed(&self) -> usize {
+            2
+        }
+
+        fn estimate(&self, _: &Scene, _: &[PointPair]) -> Result<Outcome, String> {
+            Err("the clicks say <nothing>".to_owned())
+        }
+    }
+
+    fn document(scenes: &[Scene], contenders: &[Box<dyn Contender>], stop: &CancelFlag) -> Document {
+        let plan = Plan {
+            protocol: Protocol::Paper,
+            trials: 3,
+            noise: 0.5,
+            seed: 2,
+            trials_at_once: 1,
+            threads_per_trial: 1,
+        };
+        let report = run(scenes, contenders, &plan, &|_| (), stop).unwrap();
+        let subject =
+            Subject { report: &report, scenes, contenders, name: "set", command: "epiline evaluate" };
+        publication(&subject, &|_, _| ())
+    }
+
+    #[test]
+    fn failures_are_shown_with_their_reason_and_the_pairs_without_pictures() {
+        let scenes = [example_scene("one", 30), example_scene("two", 30)];
+        let mut all: Vec<Box<dyn Contender>> = vec![Box::new(Hopeless)];
+        all.extend(contenders(&["eight-point".to_owned()], &[Parameters::default()]).unwrap());
+        let page = html(&document(&scenes, &all, &CancelFlag::default()));
+        assert!(page.contains("the clicks say &lt;nothing&gt;"));
+        assert!(page.contains("one trial 1, one trial 2, one trial 3, two trial 1"));
+        assert!(page.contains("No trial gave a fundamental matrix") && !page.contains("NaN"));
+        assert!(page.contains("\u{d7} 3"), "failures are counted in the plot");
+    }
+
+    #[test]
+    fn baselines_alone_are_shown_with_lines_and_without_profiles() {
+        let scenes = [example_scene("one", 40)];
+        let all = contenders(&["eight-point".to_owned()], &[Parameters::default()]).unwrap();
+        let files = markdown(&document(&scenes, &all, &CancelFlag::default()), "figures");
+        let names: Vec<_> = files.figures.iter().map(|(name, _)| name.as_str()).collect();
+        assert_eq!(names, ["errors-cumulative.svg", "errors-by-pair.svg", "pair-01-lines.svg"]);
+        // Eight true lines and eight estimated ones in each image, each with its edge.
+        assert_eq!(files.figures[2].1.matches("stroke-opacity=\"0.45\"").count(), 32);
+        assert!(!files.text.contains("Worst trials"), "they are those of two-point");
+    }
+
+    #[test]
+    fn a_run_stopped_before_its_first_trial_is_still_a_document() {
+        let stop = CancelFlag::default();
+        stop.cancel();
+        let all: Vec<Box<dyn Contender>> = vec![Box::new(Hopeless)];
+        let page = html(&document(&[example_scene("one", 30)], &all, &stop));
+        assert!(page.contains("Stopped: 0 of 3 trials were made.") && page.contains("No trial was made."));
+        assert!(!page.contains("NaN") && !page.contains("inf<"), "{page}");
+    }
+}

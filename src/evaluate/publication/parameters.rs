@@ -74,10 +74,10 @@ mod tests {
         let mut leaves = Vec::new();
         flatten(
             "",
-            &json!({ "stereo": { "lambda": 400 }, "rotation": 0.785_398_163, "preset": "a" }),
+            &json!({ "stereo": { "lambda": 400 }, "rotation": 0.123_456_7, "preset": "a" }),
             &mut leaves,
         );
         let told: Vec<_> = leaves.iter().map(|(n, v)| format!("{n}={v}")).collect();
-        assert_eq!(told, ["preset=a", "rotation=0.7854", "stereo.lambda=400"]);
+        assert_eq!(told, ["preset=a", "rotation=0.1235", "stereo.lambda=400"]);
     }
 }

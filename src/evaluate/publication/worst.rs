@@ -115,5 +115,5 @@ fn show(subject: &Subject, sight: &Sight, place: Place, number: usize, document:
             pixels(sight.trial.mean)
         ),
     );
-    document.facts(circumstances.facts().into_iter().chain(sight.facts()).collect());
+    document.facts(sight.facts().into_iter().chain(circumstances.facts()).collect());
 }

@@ -84,11 +84,11 @@ fn round_step(step: f64) -> f64 {
     factor * decade
 }
 
-/// The number as a label: without needless zeros.
+/// The number as a label: without needless zeros, with a true minus sign.
 fn label(value: f64) -> String {
     // Thousandths are the finest that a scale begins with.
     let text = format!("{value:.4}");
-    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+    text.trim_end_matches('0').trim_end_matches('.').replace('-', "\u{2212}")
 }
 
 /// The rectangle of a plot with its two scales.
@@ -111,26 +111,35 @@ impl Area {
         self.bottom - scale.place(value) * (self.bottom - self.top)
     }
 
-    /// Grid, ticks and labels below, with the name of the quantity and its unit.
-    pub(super) fn horizontal(&self, scale: &Scale, name: &str) -> Markup {
+    /// Grid and ticks below.
+    pub(super) fn ticks(&self, scale: &Scale) -> Markup {
         let at = |value: f64| n(self.x(scale, value));
         markup! {
             @for value in scale.labelled() {
                 line x1=(at(value)) x2=(at(value)) y1=(n(self.top)) y2=(n(self.bottom)) stroke=(GRID) {}
                 line x1=(at(value)) x2=(at(value)) y1=(n(self.bottom)) y2=(n(self.bottom + 6.0)) stroke=(INK) {}
-                text x=(at(value)) y=(n(self.bottom + 8.0 + TEXT)) text-anchor="middle" { (label(value)) }
             }
             @for value in scale.minor() {
                 line x1=(at(value)) x2=(at(value)) y1=(n(self.bottom)) y2=(n(self.bottom + 3.0)) stroke=(INK) {}
             }
             line x1=(n(self.left)) x2=(n(self.right)) y1=(n(self.bottom)) y2=(n(self.bottom)) stroke=(INK) {}
+        }
+    }
+
+    /// These with labels and the name of the quantity with its unit.
+    pub(super) fn horizontal(&self, scale: &Scale, name: &str) -> Markup {
+        markup! {
+            (self.ticks(scale))
+            @for value in scale.labelled() {
+                text x=(n(self.x(scale, value))) y=(n(self.bottom + 8.0 + TEXT)) text-anchor="middle" { (label(value)) }
+            }
             text x=(n(f64::midpoint(self.left, self.right))) y=(n(self.bottom + 14.0 + 2.0 * TEXT)) text-anchor="middle" {
                 (name)
             }
         }
     }
 
-    /// The same at the left; `unit` follows every label.
+    /// Grid, ticks, labels and name at the left; `unit` follows every label.
     pub(super) fn vertical(&self, scale: &Scale, name: &str, unit: &str) -> Markup {
         let at = |value: f64| self.y(scale, value);
         let middle = f64::midpoint(self.top, self.bottom);

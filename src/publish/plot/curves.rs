@@ -51,7 +51,7 @@ pub fn curves(panels: &[Panel], across: &str, up: &str, range: [f64; 2]) -> Draw
         @for (k, panel) in panels.iter().enumerate() {
             text x=(n(area(k).left)) y=(n(area(k).top - 7.0)) fill=(FAINT) { (panel.title) }
             (area(k).vertical(&values, up, ""))
-            (area(k).horizontal(&scale, if k == last { across } else { "" }))
+            @if k == last { (area(k).horizontal(&scale, across)) } @else { (area(k).ticks(&scale)) }
             @for curve in &panel.curves {
                 @for run in runs(&curve.points) {
                     polyline points=(path(run.into_iter().map(|[x, y]| [area(k).x(&scale, x), area(k).y(&values, y)])))

@@ -35,13 +35,13 @@ pub(super) fn column(entries: &[(Sign, String)], left: f64, top: f64) -> Markup 
 
 /// Entries beside each other.
 pub(super) fn row(entries: &[(Sign, String)], left: f64, middle: f64) -> Markup {
-    let mut x = left;
-    markup! {
-        @for entry in entries {
-            (entry_at(entry, x, middle))
-            @let _ = { x += SIGN + 26.0 + text_width(&entry.1) };
-        }
-    }
+    let widths = entries.iter().map(|(_, text)| SIGN + 26.0 + text_width(text));
+    let places = widths.scan(left, |next, width| {
+        let own = *next;
+        *next += width;
+        Some(own)
+    });
+    markup! { @for (entry, x) in entries.iter().zip(places) { (entry_at(entry, x, middle)) } }
 }
 
 fn entry_at((sign, text): &(Sign, String), x: f64, y: f64) -> Markup {

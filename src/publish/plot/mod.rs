@@ -103,7 +103,7 @@ pub(super) fn n(value: f64) -> String {
 
 /// About how wide a text is.
 pub(super) fn text_width(text: &str) -> f64 {
-    0.55 * TEXT * text.chars().count() as f64
+    0.5 * TEXT * text.chars().count() as f64
 }
 
 /// The `points` of a polyline.

@@ -32,8 +32,11 @@ pub struct Strip {
     pub reference: Option<f64>,
 }
 
-/// Height of a row.
-const STRIP: f64 = 9.5;
+/// Height of a row, where there are few and where there are many.
+const ROOMY: f64 = 15.0;
+const NARROW: f64 = 9.5;
+/// Rows that fill a page when they are narrow.
+const MANY: usize = 45;
 /// Between two groups.
 const GAP: f64 = 9.0;
 
@@ -55,20 +58,24 @@ pub fn strips(
     }
     let names = legend.iter().map(|(_, name)| text_width(name)).fold(0.0, f64::max);
     let left = 24.0 + groups.iter().map(|g| text_width(&g.name)).fold(0.0, f64::max).min(0.3 * WIDTH);
-    let heights: Vec<f64> = groups.iter().map(|g| STRIP * g.strips.len() as f64 + GAP).collect();
+    let strip = if all().count() > MANY { NARROW } else { ROOMY };
+    let heights: Vec<f64> = groups.iter().map(|g| strip * g.strips.len() as f64 + GAP).collect();
     let (top, body) = (26.0, heights.iter().sum::<f64>().max(ROW * legend.len() as f64));
     let area = Area { left, right: WIDTH - 92.0 - names, top, bottom: top + body };
-    let mut y = top;
+    let tops = heights.iter().scan(top, |next, height| {
+        let own = *next;
+        *next += height;
+        Some((own, height))
+    });
     let content = markup! {
         (area.horizontal(&scale, quantity))
         (area.limits(&scale, limits))
-        @for (group, height) in groups.iter().zip(&heights) {
+        @for (group, (y, height)) in groups.iter().zip(tops) {
             text x=(n(area.left - 10.0)) y=(n(y + 0.5 * height + 0.35 * TEXT)) text-anchor="end" { (group.name) }
             line x1=(n(area.left)) x2=(n(area.right)) y1=(n(y)) y2=(n(y)) stroke=(GRID) {}
-            @for (k, strip) in group.strips.iter().enumerate() {
-                (row(strip, &area, &scale, y + 0.5 * GAP + (k as f64 + 0.5) * STRIP))
+            @for (k, content) in group.strips.iter().enumerate() {
+                (row(content, &area, &scale, y + 0.5 * GAP + (k as f64 + 0.5) * strip, strip))
             }
-            @let _ = { y += height };
         }
         (column(&legend, area.right + 42.0, area.top + 8.0))
     };
@@ -79,14 +86,14 @@ fn dot_sign(strip: &Strip) -> Sign {
     if strip.stroke.dashed { Sign::Ring(strip.stroke.color) } else { Sign::Dot(strip.stroke.color) }
 }
 
-fn row(strip: &Strip, area: &Area, scale: &Scale, y: f64) -> Markup {
+fn row(strip: &Strip, area: &Area, scale: &Scale, y: f64, height: f64) -> Markup {
     let x = |value: f64| area.x(scale, value);
     let failed = strip.values.iter().filter(|v| !v.is_finite()).count();
     let color = strip.stroke.color;
     markup! {
         @if let Some([low, high]) = strip.interval {
-            rect x=(n(x(low))) y=(n(y - 0.5 * STRIP + 1.0)) width=(n((x(high) - x(low)).max(0.5)))
-                height=(n(STRIP - 2.0)) fill=(color) fill-opacity="0.16" {}
+            rect x=(n(x(low))) y=(n(y - 0.5 * height + 1.0)) width=(n((x(high) - x(low)).max(0.5)))
+                height=(n(height - 2.0)) fill=(color) fill-opacity="0.16" {}
         }
         @for value in strip.values.iter().filter(|v| v.is_finite()) {
             @if strip.stroke.dashed {
@@ -95,7 +102,7 @@ fn row(strip: &Strip, area: &Area, scale: &Scale, y: f64) -> Markup {
                 circle cx=(n(x(*value))) cy=(n(y)) r="2.4" fill=(color) fill-opacity="0.6" {}
             }
         }
-        @if strip.middle.is_finite() { (upright(x(strip.middle), y, 0.5 * STRIP - 0.5)) }
+        @if strip.middle.is_finite() { (upright(x(strip.middle), y, 0.5 * height - 0.5)) }
         @if let Some(value) = strip.reference { (diamond(x(value), y)) }
         @if failed > 0 {
             text x=(n(area.right + 4.0)) y=(n(y + 3.5)) font-size="10" fill=(FAINT) { "× " (failed) }
