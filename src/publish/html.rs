@@ -6,6 +6,9 @@ use super::{Block, Document, Figure, Table};
 
 const STYLE: &str = include_str!("style.css");
 
+/// Columns that fit on a page in the usual size.
+const NARROW: usize = 9;
+
 /// The whole page.
 pub fn html(document: &Document) -> String {
     let page = markup! {
@@ -54,7 +57,7 @@ fn block_markup(number: usize, block: &Block) -> Markup {
 fn table_markup(number: usize, table: &Table) -> Markup {
     let class = |column: usize| if column < table.words { "word" } else { "number" };
     markup! {
-        div.table {
+        div.table.wide[table.headings.len() > NARROW] {
             p.caption { b { "Table " (number) ". " } (table.caption) }
             table aria-label={ "Table " (number) } {
                 thead { tr {

@@ -15,8 +15,6 @@ use crate::image::Profile;
 const CLOSE: f64 = 0.1;
 /// A click nearer than this fraction of the longer side to the epipole sees its line turn with every pixel.
 const NEAR_EPIPOLE: f64 = 0.15;
-/// Lines at a smaller angle than this, radians, meet at a place that a small turn moves far.
-const FLAT_ANGLE: f64 = 4.0 * PI / 180.0;
 /// Lines turned by more than this, radians, belong to another motion of the camera.
 const TURNED: f64 = 15.0 * PI / 180.0;
 /// A line with less than this part of the median contrast of the lines through the same click crosses little.
@@ -171,13 +169,6 @@ impl Circumstances {
                 100.0 * OFF_LINE
             ));
         }
-        let flat = self.angle[0].min(self.angle[1]);
-        if flat < FLAT_ANGLE {
-            told.push(format!(
-                "The true lines of the clicks meet at {:.1}° only, so a small turn of one moves the epipole far.",
-                flat.to_degrees()
-            ));
-        }
         let apart = self.apart[0].min(self.apart[1]);
         if apart < CLOSE * self.side {
             told.push(format!("The clicks are close together, {apart:.0} px."));
@@ -296,4 +287,71 @@ fn candidate_distance(sight: &Sight, pencils: &ComparedPencils, lines: &[Option<
         .iter()
         .map(|c| f64::max(off(c.angles[0], line1, reach[0]), off(c.angles[1], line2, reach[1])));
     distances.min_by(f64::total_cmp)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const ORDINARY: Circumstances = Circumstances {
+        side: 1000.0,
+        apart: [400.0, 420.0],
+        off_line: 300.0,
+        angle: [0.3, 0.4],
+        epipole: Some((0, 1, 700.0)),
+        contrast: Vec::new(),
+        candidates: Vec::new(),
+        mistakes: Vec::new(),
+        search: None,
+        error: 0.4,
+        turned: 0.01,
+    };
+
+    fn search(best_error: f64) -> SearchRecord {
+        SearchRecord {
+            hypotheses: 60,
+            best_error,
+            best_rank_by_lines: 7,
+            best_rank_by_patches: None,
+            true_rank_by_lines: Some(3),
+            true_rank_by_patches: None,
+        }
+    }
+
+    #[test]
+    fn each_of_them_is_told_when_it_is_unusual_and_only_then() {
+        assert_eq!(ORDINARY.sentences(), ["Nothing about the clicks or the search is unusual."]);
+        for (unusual, words) in [
+            (Circumstances { off_line: 20.0, ..ORDINARY }, "only 20.0 px from the line of the other (2.0 %"),
+            (Circumstances { apart: [35.0, 400.0], ..ORDINARY }, "close together, 35 px"),
+            (
+                Circumstances { epipole: Some((1, 0, 30.0)), ..ORDINARY },
+                "Click q is 30 px from the epipole of image 1",
+            ),
+            (
+                Circumstances { contrast: vec![0.9, 0.2], ..ORDINARY },
+                "line of q crosses little texture: 20 %",
+            ),
+            (
+                Circumstances { candidates: vec![44.0, 3.0], ..ORDINARY },
+                "line pair of p was not among the candidates",
+            ),
+            (Circumstances { mistakes: vec![0.8, 80.0], ..ORDINARY }, "Click q is 80 px from the place"),
+            (
+                Circumstances { search: Some(search(35.0)), error: 40.0, ..ORDINARY },
+                "None of the 60 hypotheses",
+            ),
+            (
+                Circumstances { search: Some(search(2.0)), error: 40.0, ..ORDINARY },
+                "did not choose it: by lines it ranks 7 and the truth would rank 3",
+            ),
+            (Circumstances { turned: 1.0, ..ORDINARY }, "turned by 57°"),
+        ] {
+            let told = unusual.sentences();
+            assert!(told.len() == 1 && told[0].contains(words), "{words}: {told:?}");
+        }
+        // The best that there was has been chosen.
+        let chosen = Circumstances { search: Some(search(2.0)), error: 2.2, ..ORDINARY };
+        assert!(chosen.sentences()[0].starts_with("Nothing"));
+    }
 }
