@@ -62,7 +62,10 @@ fn table_markup(number: usize, table: &Table) -> Markup {
             table aria-label={ "Table " (number) } {
                 thead { tr {
                     @for (column, heading) in table.headings.iter().enumerate() {
-                        th scope="col" class=(class(column)) { (heading) }
+                        th scope="col" class=(class(column)) {
+                            // Broken between words and not at hyphens.
+                            @for word in heading.split_whitespace() { span { (word) } " " }
+                        }
                     }
                 } }
                 tbody {

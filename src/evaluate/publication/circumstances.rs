@@ -198,8 +198,8 @@ impl Circumstances {
         told.extend(self.search.as_ref().and_then(|search| self.search_failure(search)));
         if self.turned > TURNED {
             told.push(format!(
-                "The estimated lines are turned by {:.0}° against the true ones (median): for matches that move little \
-                 between the images the distance in px says less than the picture.",
+                "The estimated lines are turned by {:.0}° against the true ones (median), which a distance in px hides \
+                 where matches move little between the images.",
                 self.turned.to_degrees()
             ));
         }

@@ -63,11 +63,10 @@ pub fn publication(subject: &Subject, progress: &dyn Fn(usize, usize)) -> Docume
     let mut document = Document::new(
         format!("Epipolar geometry from clicked points: {}", subject.name),
         format!(
-            "Epiline {} · {} pair{}, {} trials each · protocol {} · click noise {} px · seed {}",
+            "Epiline {} · {}, {} each · protocol {} · click noise {} px · seed {}",
             env!("CARGO_PKG_VERSION"),
-            subject.scenes.len(),
-            if subject.scenes.len() == 1 { "" } else { "s" },
-            plan.trials,
+            counted(subject.scenes.len(), "pair"),
+            counted(plan.trials, "trial"),
             plan.protocol.name(),
             plan.noise,
             plan.seed
@@ -86,6 +85,11 @@ pub fn publication(subject: &Subject, progress: &dyn Fn(usize, usize)) -> Docume
     failures::write(subject, &mut document);
     parameters::write(subject, &mut document);
     document
+}
+
+/// A number of things.
+fn counted(number: usize, thing: &str) -> String {
+    format!("{number} {thing}{}", if number == 1 { "" } else { "s" })
 }
 
 /// What was run and what is measured.

@@ -1,6 +1,6 @@
 //! How long a trial takes.
 
-use super::Subject;
+use super::{Subject, counted};
 use crate::evaluate::table::seconds;
 use crate::evaluate::{median, quantile};
 use crate::publish::{Document, Table};
@@ -23,11 +23,9 @@ pub(super) fn write(subject: &Subject, document: &mut Document) {
     document.section("Time");
     document.table(Table {
         caption: format!(
-            "Seconds of a trial on {} thread{}, {} trial{} at once, preparation of the images included.",
-            plan.threads_per_trial,
-            if plan.threads_per_trial == 1 { "" } else { "s" },
-            plan.trials_at_once,
-            if plan.trials_at_once == 1 { "" } else { "s" },
+            "Seconds of a trial on {}, {} at once, preparation of the images included.",
+            counted(plan.threads_per_trial, "thread"),
+            counted(plan.trials_at_once, "trial"),
         ),
         headings: ["method", "trials", "median", "90 %", "longest", "first geometry, median"]
             .map(str::to_owned)
