@@ -60,6 +60,7 @@
 
 #[cfg(feature = "inspector")]
 pub mod app;
+mod cancel;
 pub mod cli;
 pub mod estimate;
 pub mod evaluate;
@@ -67,6 +68,7 @@ pub mod geometry;
 pub mod image;
 pub mod io;
 pub mod publish;
+pub mod rectify;
 pub mod similarity;
 pub mod suggest;
 pub mod synthetic;

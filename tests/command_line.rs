@@ -5,7 +5,9 @@ use std::process::{Command, Output, Stdio};
 
 use serde_json::Value;
 
-// Beside this file it would be a test program of its own.
+// Beside this file they would be test programs of their own.
+#[path = "command_line/rectify.rs"]
+mod rectify;
 #[path = "command_line/report.rs"]
 mod report;
 #[path = "command_line/suggest.rs"]

@@ -7,6 +7,8 @@ use super::CliError;
 use crate::estimate::{Method, Preset};
 use crate::evaluate::Protocol;
 use crate::geometry::{Point, PointPair};
+use crate::io::PictureFormat;
+use crate::rectify;
 use crate::synthetic::Sample;
 
 /// Four numbers separated by commas.
@@ -58,6 +60,14 @@ pub(super) fn count(text: &str) -> Result<usize, String> {
     }
 }
 
+/// A size of a picture in millions of pixels, as pixels.
+pub(super) fn megapixels(text: &str) -> Result<usize, String> {
+    match text.parse::<f64>() {
+        Ok(value) if (0.0001..=4000.0).contains(&value) => Ok((value * 1e6) as usize),
+        _ => Err("expected millions of pixels, from 0.0001 to 4000".into()),
+    }
+}
+
 /// A number of threads.
 pub(super) fn threads(text: &str) -> Result<usize, String> {
     match text.parse::<usize>() {
@@ -102,6 +112,31 @@ impl ValueEnum for Method {
             Self::TwoPoint => PossibleValue::new("two-point").help("two point pairs"),
             Self::ThreePoint => PossibleValue::new("three-point").help("three point pairs, faster"),
         })
+    }
+}
+
+impl ValueEnum for rectify::Method {
+    fn value_variants<'a>() -> &'a [Self] {
+        &Self::ALL
+    }
+
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        let help = match self {
+            Self::Auto => "planar where it bends the images little, else polar",
+            Self::Planar => "one homography an image; epipoles outside both",
+            Self::Polar => "a row for each pair of half epipolar lines; epipoles anywhere",
+        };
+        Some(PossibleValue::new(self.name()).help(help))
+    }
+}
+
+impl ValueEnum for PictureFormat {
+    fn value_variants<'a>() -> &'a [Self] {
+        &Self::ALL
+    }
+
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        Some(PossibleValue::new(self.extension()))
     }
 }
 

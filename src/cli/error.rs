@@ -5,7 +5,8 @@ use thiserror::Error;
 use crate::estimate::EstimateError;
 use crate::evaluate::EvaluateError;
 use crate::image::LoadError;
-use crate::io::{ReadError, WriteError};
+use crate::io::{ReadError, RectifiedError, WriteError};
+use crate::rectify::RectifyError;
 use crate::suggest::SuggestError;
 
 /// Exit status of an error in the program itself (`EX_SOFTWARE` of `sysexits.h`).
@@ -29,6 +30,12 @@ pub enum CliError {
     /// There is no suggestion.
     #[error(transparent)]
     Suggest(#[from] SuggestError),
+    /// The pair cannot be rectified.
+    #[error(transparent)]
+    Rectify(#[from] RectifyError),
+    /// A rectified pair could not be written.
+    #[error(transparent)]
+    Export(#[from] RectifiedError),
     /// A file other than an image could not be read.
     #[error(transparent)]
     Read(#[from] ReadError),
@@ -68,6 +75,7 @@ impl CliError {
         match self {
             Self::Estimate(error) if !error.is_bad_input() => 1,
             Self::Suggest(error) if !error.is_bad_input() => 1,
+            Self::Rectify(error) if !error.is_bad_input() => 1,
             Self::Stopped { .. } => INTERRUPTED,
             _ => 2,
         }

@@ -10,6 +10,7 @@ mod estimate;
 mod evaluate;
 mod output;
 mod overrides;
+mod rectify;
 mod suggest;
 mod summary;
 mod window;
@@ -36,6 +37,7 @@ pub struct CommandLine {
 enum Command {
     Estimate(Box<estimate::Arguments>),
     Evaluate(evaluate::Arguments),
+    Rectify(rectify::Arguments),
     Suggest(suggest::Arguments),
 }
 
@@ -46,6 +48,7 @@ impl CommandLine {
             None => window::run(self.window),
             Some(Command::Estimate(arguments)) => estimate::run(&arguments),
             Some(Command::Evaluate(arguments)) => evaluate::run(&arguments),
+            Some(Command::Rectify(arguments)) => rectify::run(&arguments),
             Some(Command::Suggest(arguments)) => suggest::run(&arguments),
         }
     }

@@ -30,13 +30,14 @@ mod uncertainty;
 mod validation;
 mod voting;
 
+pub use crate::cancel::CancelFlag;
 pub use candidates::{Candidate, PencilComparison};
 pub use construction::{Construction, RoundTrip};
 pub use degeneracy::SMALLEST_SIDE;
 pub use error::{EstimateError, Warning};
 pub use examination::examine;
 pub use follow::follow;
-pub use monitor::{CancelFlag, Monitor, Progress, Stage};
+pub use monitor::{Monitor, Progress, Stage};
 pub use parameters::{LineScore, Method, Parameters, Preset};
 pub use pencils::{ComparedPencils, lines_at};
 pub use prepared::PreparedPair;

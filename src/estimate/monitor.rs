@@ -1,28 +1,11 @@
 //! Watching and stopping a computation.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 use serde::Serialize;
 
 use super::{ComparedPencils, Estimate, EstimateError};
-
-/// A flag that stops a computation from another thread. Clones share the flag.
-#[derive(Debug, Clone, Default)]
-pub struct CancelFlag(Arc<AtomicBool>);
-
-impl CancelFlag {
-    /// Asks the computation to stop; it returns [`EstimateError::Cancelled`] at the end of the
-    /// step it is in, mostly within some hundredths of a second.
-    pub fn cancel(&self) {
-        self.0.store(true, Ordering::Relaxed);
-    }
-
-    /// Whether a stop was asked for.
-    pub fn is_cancelled(&self) -> bool {
-        self.0.load(Ordering::Relaxed)
-    }
-}
+use crate::cancel::CancelFlag;
 
 /// The steps of the algorithm in their order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize)]

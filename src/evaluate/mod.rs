@@ -29,6 +29,7 @@
 //! - Times are those of one trial on [`Plan::threads_per_trial`] threads while other trials run beside it.
 
 mod bootstrap;
+mod comparison;
 mod contender;
 mod printed;
 mod protocol;
@@ -42,9 +43,10 @@ mod statistics;
 mod table;
 
 pub use bootstrap::Interval;
+pub use comparison::{Distances, Fit, FitError, Spread, fit_eight, fit_seven};
 pub use contender::{Choice, Contender, Detail, METHODS, MethodEntry, Outcome, contenders, method_names};
 pub use printed::PrintedErrors;
-pub use protocol::{Draws, Protocol};
+pub use protocol::{Draws, KnownPair, Protocol};
 pub use publication::{Subject, publication};
 pub use ranking::SearchRecord;
 pub use report::{Overall, Record, Report, Settings, Shares, TrialRecord, Verdicts};

@@ -4,6 +4,7 @@ mod changed;
 mod degenerate;
 mod following;
 mod real;
+mod rectified;
 mod repeatable;
 mod samples;
 mod support;

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use epiline::estimate::{Monitor, Parameters, PreparedPair, estimate_prepared};
 use epiline::evaluate::{Draws, Protocol, Scene, mean, median, pair_scenes, vgg_scenes};
 
-fn real_data(folder: &str) -> Option<PathBuf> {
+pub(crate) fn real_data(folder: &str) -> Option<PathBuf> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data").join(folder);
     if path.is_dir() {
         return Some(path);

@@ -1,0 +1,133 @@
+//! `epiline rectify`: both images redrawn so that corresponding points are in the same row.
+
+use std::fmt::Write;
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::CliError;
+use super::arguments::{built_in, megapixels, on_threads, threads};
+use super::console::print;
+use crate::cancel::CancelFlag;
+use crate::geometry::PointPair;
+use crate::image::Picture;
+use crate::io::{PictureFormat, RectifiedFiles, RectifiedOptions, read_fundamental, read_point_pairs};
+use crate::rectify::{Distortion, Limits, Method, Rectification, rectify};
+
+/// Redraw both images so that corresponding points are in the same row
+#[derive(Debug, Args)]
+pub(super) struct Arguments {
+    /// Left image
+    #[arg(required_unless_present = "sample", requires = "right")]
+    left: Option<PathBuf>,
+    /// Right image
+    right: Option<PathBuf>,
+    /// The fundamental matrix: a result of estimate or any other file that holds one
+    #[arg(long, value_name = "FILE")]
+    fundamental: PathBuf,
+    /// Folder for the pictures and rectification.json; made if missing
+    #[arg(long, value_name = "DIR")]
+    output: PathBuf,
+    /// How to rectify
+    #[arg(long, value_enum, default_value_t)]
+    method: Method,
+    /// Matches to measure the rows on: a file of rows x1 y1 x2 y2
+    #[arg(long, value_name = "FILE")]
+    matches: Option<PathBuf>,
+    /// Kind of the picture files
+    #[arg(long, value_enum, default_value_t = PictureFormat::default())]
+    format: PictureFormat,
+    /// Rows between the guide lines of the stacked picture, 0 for none
+    #[arg(long, value_name = "ROWS", default_value_t = 40)]
+    guide_lines: usize,
+    /// Also write where each rectified pixel is in the original, as npy arrays for cv2.remap
+    #[arg(long)]
+    maps: bool,
+    /// Largest rectified picture, millions of pixels; larger ones are drawn smaller
+    #[arg(long, value_name = "MP", value_parser = megapixels)]
+    max_megapixels: Option<usize>,
+    /// Threads to use, all cores by default
+    #[arg(long, value_parser = threads)]
+    threads: Option<usize>,
+    /// Use a built-in pair instead of two files, with its true matches
+    #[arg(long, value_name = "NAME", conflicts_with = "left", num_args = 0..=1, default_missing_value = "")]
+    sample: Option<String>,
+}
+
+/// Rectifies, writes the folder, prints what came out.
+pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
+    let options = RectifiedOptions {
+        format: arguments.format,
+        guide_spacing: arguments.guide_lines,
+        maps: arguments.maps,
+    };
+    let fundamental = read_fundamental(&arguments.fundamental)?;
+    let (pictures, matches) = input(arguments)?;
+    let limits = arguments.max_megapixels.map_or_else(Limits::default, |pixels| Limits { pixels });
+    let frames = [pictures[0].frame(), pictures[1].frame()];
+    let rectification = rectify(&fundamental, frames, &matches, arguments.method, &limits)?;
+    let files = RectifiedFiles::prepare(&arguments.output, options)?;
+    let drawn = on_threads(arguments.threads, || {
+        let never = CancelFlag::default();
+        [0, 1].map(|k| rectification.warp(k, &pictures[k].pixels, &never))
+    })?;
+    if let [Some(left), Some(right)] = &drawn {
+        files.write(&rectification, &fundamental, [&pictures[0], &pictures[1]], [left, right])?;
+    }
+    print(&summary(&rectification, &files))
+}
+
+/// The images and the matches that are known.
+fn input(arguments: &Arguments) -> Result<([Picture; 2], Vec<PointPair>), CliError> {
+    let given = arguments.matches.as_deref().map(read_point_pairs).transpose()?;
+    match (&arguments.sample, &arguments.left, &arguments.right) {
+        (Some(name), ..) => {
+            let sample = built_in(name)?.load();
+            Ok((sample.pictures, given.unwrap_or(sample.matches)))
+        }
+        (None, Some(left), Some(right)) => {
+            Ok(([Picture::open(left)?, Picture::open(right)?], given.unwrap_or_default()))
+        }
+        _ => Err(CliError::Arguments("two images are needed, LEFT and RIGHT".into())),
+    }
+}
+
+/// What came out, for people.
+fn summary(r: &Rectification, files: &RectifiedFiles) -> String {
+    let mut text = format!("Method: {}, because {}\n", r.method.name(), r.reason);
+    let _ = writeln!(text, "Pictures: {} x {} px", r.size.width, r.size.height);
+    if let Some(rows) = r.measures.rows {
+        let _ = writeln!(
+            text,
+            "Rows: {} matches differ by {:.3} px on average, {:.3} px at most; disparity {:.0} to {:.0} px",
+            rows.matches, rows.mean, rows.max, rows.disparity[0], rows.disparity[1]
+        );
+    }
+    for (name, distortion) in ["Left", "Right"].iter().zip(&r.measures.distortion) {
+        let _ = writeln!(text, "{name}: {}", shape(distortion));
+    }
+    for warning in &r.warnings {
+        let _ = writeln!(text, "Beware: {warning}");
+    }
+    for path in files.paths() {
+        let _ = writeln!(text, "Wrote {}", path.display());
+    }
+    text
+}
+
+/// How a picture differs from its image.
+fn shape(d: &Distortion) -> String {
+    let mut parts = Vec::new();
+    if let Some(angle) = d.orthogonality {
+        parts.push(format!("middle lines at {angle:.1} degrees"));
+    }
+    if let Some(ratio) = d.aspect_ratio {
+        parts.push(format!("diagonals 1 : {ratio:.3}"));
+    }
+    for (share, what) in
+        [(d.cut, "left out"), (d.shrunk, "below half size"), (d.stretched, "above twice size")]
+    {
+        parts.push(format!("{:.1} % of the area {what}", 100.0 * share));
+    }
+    parts.join(", ")
+}

@@ -1,0 +1,91 @@
+//! Pictures as files.
+
+use std::io::Cursor;
+
+use image::{ColorType, DynamicImage, ImageFormat};
+use thiserror::Error;
+
+/// A kind of picture file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum PictureFormat {
+    /// 8 and 16 bits, with alpha.
+    #[default]
+    Png,
+    /// The same, and floating-point pixels.
+    Tiff,
+}
+
+impl PictureFormat {
+    /// All of them.
+    pub const ALL: [Self; 2] = [Self::Png, Self::Tiff];
+
+    /// The extension of its files, without a dot.
+    pub fn extension(self) -> &'static str {
+        match self {
+            Self::Png => "png",
+            Self::Tiff => "tiff",
+        }
+    }
+}
+
+/// A picture that cannot be encoded.
+#[derive(Debug, Error)]
+#[error("the picture cannot be written as {format}: {reason}")]
+pub struct PictureError {
+    format: &'static str,
+    reason: String,
+}
+
+/// The bytes of a picture file. Depth and channels are kept where the format has them: PNG has no floating-point
+/// pixels (they become 16 bits), TIFF files with grey and alpha are written as colour and alpha.
+pub fn encode_picture(picture: &DynamicImage, format: PictureFormat) -> Result<Vec<u8>, PictureError> {
+    let converted = match (format, picture.color()) {
+        (PictureFormat::Png, ColorType::Rgb32F) => Some(picture.to_rgb16().into()),
+        (PictureFormat::Tiff, ColorType::La8) => Some(DynamicImage::from(picture.to_rgba8())),
+        (PictureFormat::Png, ColorType::Rgba32F) | (PictureFormat::Tiff, ColorType::La16) => {
+            Some(picture.to_rgba16().into())
+        }
+        _ => None,
+    };
+    let mut content = Cursor::new(Vec::new());
+    let (known, name) = match format {
+        PictureFormat::Png => (ImageFormat::Png, "PNG"),
+        PictureFormat::Tiff => (ImageFormat::Tiff, "TIFF"),
+    };
+    converted
+        .as_ref()
+        .unwrap_or(picture)
+        .write_to(&mut content, known)
+        .map_err(|e| PictureError { format: name, reason: e.to_string() })?;
+    Ok(content.into_inner())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn depth_and_alpha_come_back() {
+        let gray = image::GrayImage::from_fn(5, 4, |x, y| image::Luma([(40 * x + y) as u8]));
+        let gray = DynamicImage::from(gray);
+        let kinds: [DynamicImage; 6] = [
+            gray.to_luma_alpha8().into(),
+            gray.to_luma_alpha16().into(),
+            gray.to_rgba8().into(),
+            gray.to_rgba16().into(),
+            gray.to_rgba32f().into(),
+            gray.to_rgb32f().into(),
+        ];
+        for picture in kinds {
+            for format in PictureFormat::ALL {
+                let bytes = encode_picture(&picture, format).unwrap();
+                let back = image::load_from_memory(&bytes).unwrap();
+                assert_eq!(back.to_rgba16(), picture.to_rgba16(), "{format:?} {:?}", picture.color());
+                let (deep, was) =
+                    (back.color().bytes_per_pixel() / back.color().channel_count(), picture.color());
+                let expected = was.bytes_per_pixel() / was.channel_count();
+                assert_eq!(deep, if format == PictureFormat::Png { expected.min(2) } else { expected });
+            }
+        }
+    }
+}

@@ -1,0 +1,133 @@
+//! A rectified pair as files in a folder.
+
+use std::path::{Path, PathBuf};
+
+use image::DynamicImage;
+use npyz::WriterBuilder;
+use thiserror::Error;
+
+use super::output::{OutputFile, WriteError};
+use super::picture_file::{PictureError, PictureFormat, encode_picture};
+use super::read::reason;
+use crate::geometry::FundamentalMatrix;
+use crate::image::Picture;
+use crate::rectify::{ImageMap, Rectification, stacked};
+
+/// What is written beside the two pictures.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct RectifiedOptions {
+    /// The kind of the picture files.
+    pub format: PictureFormat,
+    /// Rows between the guide lines of the stacked picture; 0 draws none.
+    pub guide_spacing: usize,
+    /// Also write where each rectified pixel is in the original, as `npy` arrays.
+    pub maps: bool,
+}
+
+/// Why a rectified pair was not written. Each message is one sentence for the user.
+#[derive(Debug, Error)]
+pub enum RectifiedError {
+    /// The folder cannot be made.
+    #[error("cannot make the folder {path}: {reason}")]
+    Folder {
+        /// The folder.
+        path: String,
+        /// The system's reason.
+        reason: String,
+    },
+    /// A file cannot be written.
+    #[error(transparent)]
+    Write(#[from] WriteError),
+    /// A picture cannot be encoded.
+    #[error(transparent)]
+    Picture(#[from] PictureError),
+    /// A table cannot be encoded.
+    #[error("the maps cannot be encoded: {0}")]
+    Encode(String),
+}
+
+/// The files of a rectified pair, found writable.
+#[derive(Debug)]
+pub struct RectifiedFiles {
+    pictures: [OutputFile; 2],
+    stacked: OutputFile,
+    description: OutputFile,
+    maps: Option<[OutputFile; 2]>,
+    options: RectifiedOptions,
+}
+
+impl RectifiedFiles {
+    /// Makes the folder if need be and checks, before the work, that all files can be written into it:
+    /// `left`, `right` and `stacked` with the extension of the format, `rectification.json`, and with
+    /// [`RectifiedOptions::maps`] `left-map.npy` and `right-map.npy`.
+    pub fn prepare(folder: &Path, options: RectifiedOptions) -> Result<Self, RectifiedError> {
+        std::fs::create_dir_all(folder).map_err(|e| {
+            let reason = if folder.exists() { "there is a file of that name".into() } else { reason(&e) };
+            RectifiedError::Folder { path: folder.display().to_string(), reason }
+        })?;
+        let file = |name: &str| OutputFile::prepare(&folder.join(name));
+        let picture = |name: &str| file(&format!("{name}.{}", options.format.extension()));
+        Ok(Self {
+            pictures: [picture("left")?, picture("right")?],
+            stacked: picture("stacked")?,
+            description: file("rectification.json")?,
+            maps: if options.maps { Some([file("left-map.npy")?, file("right-map.npy")?]) } else { None },
+            options,
+        })
+    }
+
+    /// Writes everything; `rectified` are the drawn pictures.
+    pub fn write(
+        &self,
+        rectification: &Rectification,
+        fundamental: &FundamentalMatrix,
+        originals: [&Picture; 2],
+        rectified: [&DynamicImage; 2],
+    ) -> Result<(), RectifiedError> {
+        for (file, picture) in self.pictures.iter().zip(rectified) {
+            file.write(&encode_picture(picture, self.options.format)?)?;
+        }
+        let both = stacked(rectified, self.options.guide_spacing).into();
+        self.stacked.write(&encode_picture(&both, self.options.format)?)?;
+        for (file, map) in self.maps.iter().flatten().zip(&rectification.maps) {
+            file.write(&map_array(map, rectification).map_err(|e| RectifiedError::Encode(e.to_string()))?)?;
+        }
+        let description = rectification.description(fundamental, originals.map(Picture::frame));
+        let mut text =
+            serde_json::to_string_pretty(&description).map_err(|e| RectifiedError::Encode(e.to_string()))?;
+        text.push('\n');
+        self.description.write(text.as_bytes())?;
+        Ok(())
+    }
+
+    /// Where everything is, in the order of writing.
+    pub fn paths(&self) -> Vec<PathBuf> {
+        let maps = self.maps.iter().flatten();
+        self.pictures
+            .iter()
+            .chain([&self.stacked])
+            .chain(maps)
+            .chain([&self.description])
+            .map(|f| f.path().to_owned())
+            .collect()
+    }
+}
+
+/// Rows × columns × (x, y) of `f32`, as `cv2.remap` takes it: where each rectified pixel is in the original, px;
+/// (−1, −1) where nowhere.
+fn map_array(map: &ImageMap, rectification: &Rectification) -> std::io::Result<Vec<u8>> {
+    let size = rectification.size;
+    let mut content = Vec::with_capacity(size.width * size.height * 8 + 128);
+    let shape = [size.height as u64, size.width as u64, 2];
+    let mut writer =
+        npyz::WriteOptions::new().default_dtype().shape(&shape).writer(&mut content).begin_nd()?;
+    for y in 0..size.height {
+        let row = map.row(y as f64);
+        for x in 0..size.width {
+            let position = row.at(x as f64).map_or([-1.0, -1.0], |p| [p.x as f32, p.y as f32]);
+            writer.extend(position)?;
+        }
+    }
+    writer.finish()?;
+    Ok(content)
+}

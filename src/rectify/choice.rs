@@ -1,0 +1,81 @@
+//! Making a rectification, and choosing its method.
+
+use super::extent::Extent;
+use super::map::{ImageMap, Kind};
+use super::measures::Measures;
+use super::{Limits, Method, Rectification, RectifyError, advice, planar, polar};
+use crate::geometry::{Frame, FundamentalMatrix, PointPair};
+
+/// Rectifies a pair of images of the given sizes.
+///
+/// `matches` are used for measuring how well rows agree, and with an epipole in an image for telling which halves of
+/// epipolar lines correspond; they change nothing else and may be empty.
+pub fn rectify(
+    fundamental: &FundamentalMatrix,
+    frames: [Frame; 2],
+    matches: &[PointPair],
+    method: Method,
+    limits: &Limits,
+) -> Result<Rectification, RectifyError> {
+    if let Some(small) = frames.iter().position(|f| f.width < 2 || f.height < 2) {
+        return Err(RectifyError::TooSmall { image: small + 1 });
+    }
+    // Says whether there is room for anything, before the work.
+    Extent { width: 1.0, height: 1.0 }.limited(limits.pixels)?;
+    let task = Task { fundamental, frames, matches, limits };
+    match method {
+        Method::Planar => task.planar("it was asked for".into()),
+        Method::Polar => task.polar("it was asked for".into()),
+        Method::Auto => {
+            let planar = match task.planar("the epipoles lie well outside both images".into()) {
+                Ok(planar) => planar,
+                Err(error @ (RectifyError::EpipoleInside { .. } | RectifyError::NoCommonPlane)) => {
+                    return task.polar(advice::instead_of_planar(&error));
+                }
+                Err(other) => return Err(other),
+            };
+            match advice::against_planar(&planar) {
+                None => Ok(planar),
+                // Where polar fails too, a bent picture is better than none; its warnings say what is wrong.
+                Some(reason) => task.polar(reason).or(Ok(planar)),
+            }
+        }
+    }
+}
+
+/// What is to be rectified.
+struct Task<'a> {
+    fundamental: &'a FundamentalMatrix,
+    frames: [Frame; 2],
+    matches: &'a [PointPair],
+    limits: &'a Limits,
+}
+
+impl Task<'_> {
+    fn planar(&self, reason: String) -> Result<Rectification, RectifyError> {
+        let (maps, size, scale) = planar::planar(self.fundamental, self.frames, self.limits.pixels)?;
+        let maps = maps.map(|m| ImageMap(Kind::Planar(m)));
+        Ok(self.rectification(Method::Planar, reason, maps, size, scale, false))
+    }
+
+    fn polar(&self, reason: String) -> Result<Rectification, RectifyError> {
+        let found = polar::polar(self.fundamental, self.frames, self.matches, self.limits.pixels)?;
+        let maps = found.maps.map(|m| ImageMap(Kind::Polar(m)));
+        let assumed = found.orientation_assumed;
+        Ok(self.rectification(Method::Polar, reason, maps, found.frame, found.scale, assumed))
+    }
+
+    fn rectification(
+        &self,
+        method: Method,
+        reason: String,
+        maps: [ImageMap; 2],
+        size: Frame,
+        scale: f64,
+        orientation_assumed: bool,
+    ) -> Rectification {
+        let measures = Measures::of(&maps, self.frames, size, scale, self.matches);
+        let warnings = advice::warnings(method, &measures, scale, orientation_assumed);
+        Rectification { method, reason, maps, size, scale, measures, warnings }
+    }
+}

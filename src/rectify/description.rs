@@ -1,0 +1,64 @@
+//! A rectification as written to files: what was done, the maps, how good it is, in which convention.
+
+use serde::Serialize;
+
+use super::{Measures, Method, PolarTable, Rectification};
+use crate::geometry::{Frame, FundamentalMatrix};
+
+/// What stands in a description's `convention`.
+const PLANAR: &str = "Pixels are (x, y), x right, y down, the centre of the top-left pixel is (0, 0). homography1 and \
+    homography2 are nested rows: rectified ~ H original, homogeneous. Corresponding points have the same rectified y.";
+const POLAR: &str = "Pixels are (x, y), x right, y down, the centre of the top-left pixel is (0, 0). Rectified pixel \
+    (column, row) of an image is at epipole + (radius + column * radius_step) * (cos a, sin a) of the original, a = \
+    angles[row] in radians. Corresponding points are in the same row.";
+
+/// The content of a description file. Lengths in px.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Description<'a> {
+    method: Method,
+    reason: &'a str,
+    convention: &'static str,
+    /// The rectified pictures' width and height.
+    size: Frame,
+    /// By which factor they are smaller than they should be.
+    scale: f64,
+    original_sizes: [Frame; 2],
+    fundamental: FundamentalMatrix,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    homography1: Option<[[f64; 3]; 3]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    homography2: Option<[[f64; 3]; 3]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    polar1: Option<PolarTable<'a>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    polar2: Option<PolarTable<'a>>,
+    measures: &'a Measures,
+    warnings: &'a [String],
+    version: &'static str,
+}
+
+impl Rectification {
+    /// This rectification for a file.
+    pub fn description(&self, fundamental: &FundamentalMatrix, originals: [Frame; 2]) -> Description<'_> {
+        let homography = |k: usize| {
+            let h = self.maps[k].homography()?;
+            Some(std::array::from_fn(|r| std::array::from_fn(|c| h[(r, c)])))
+        };
+        Description {
+            method: self.method,
+            reason: &self.reason,
+            convention: if self.method == Method::Polar { POLAR } else { PLANAR },
+            size: self.size,
+            scale: self.scale,
+            original_sizes: originals,
+            fundamental: *fundamental,
+            homography1: homography(0),
+            homography2: homography(1),
+            polar1: self.maps[0].polar_table(),
+            polar2: self.maps[1].polar_table(),
+            measures: &self.measures,
+            warnings: &self.warnings,
+            version: env!("CARGO_PKG_VERSION"),
+        }
+    }
+}

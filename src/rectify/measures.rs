@@ -1,0 +1,159 @@
+//! How good a rectified pair is: rows that agree, and how the pictures were bent.
+
+use nalgebra::Matrix2;
+use serde::Serialize;
+
+use super::map::ImageMap;
+use crate::geometry::{Frame, Point, PointPair, Vector};
+
+/// Points a side of the grid on which areas are compared.
+const GRID: usize = 48;
+
+/// Everything measured on a rectified pair.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Measures {
+    /// Vertical distance of matches; `None` without a match in both pictures.
+    pub rows: Option<RowErrors>,
+    /// How each picture differs from its image.
+    pub distortion: [Distortion; 2],
+}
+
+/// How well matches come to lie in the same row. Pixels of the rectified pictures.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct RowErrors {
+    /// Matches that are in both pictures.
+    pub matches: usize,
+    /// Matches that are outside one of them.
+    pub outside: usize,
+    /// Mean of `|y1 − y2|`.
+    pub mean: f64,
+    /// Largest `|y1 − y2|`.
+    pub max: f64,
+    /// Smallest and largest disparity `x1 − x2`.
+    pub disparity: [f64; 2],
+}
+
+/// How a picture differs from its image.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Distortion {
+    /// Angle between the images of the two middle lines, degrees; 90 keeps right angles. `None` where the epipole is
+    /// in the image or the middle lines are not all in the picture.
+    pub orthogonality: Option<f64>,
+    /// Ratio of the two diagonals (Mallon & Whelan 2005); 1 keeps proportions.
+    pub aspect_ratio: Option<f64>,
+    /// Part of the image, 0 to 1, that is outside the picture.
+    pub cut: f64,
+    /// Part of the image, 0 to 1, drawn on less than half its area (a limit of pixels apart).
+    pub shrunk: f64,
+    /// Part of the image, 0 to 1, drawn on more than twice its area.
+    pub stretched: f64,
+}
+
+impl Measures {
+    /// `scale` is by how much the limit makes both pictures smaller; that is no distortion.
+    pub(super) fn of(
+        maps: &[ImageMap; 2],
+        frames: [Frame; 2],
+        size: Frame,
+        scale: f64,
+        matches: &[PointPair],
+    ) -> Self {
+        Self {
+            rows: RowErrors::of(maps, matches),
+            distortion: [
+                Distortion::of(&maps[0], frames[0], size, scale),
+                Distortion::of(&maps[1], frames[1], size, scale),
+            ],
+        }
+    }
+}
+
+impl RowErrors {
+    fn of(maps: &[ImageMap; 2], matches: &[PointPair]) -> Option<Self> {
+        let placed: Vec<Vector> = matches
+            .iter()
+            .filter_map(|m| {
+                let a = maps[0].rectified_from_original(m.point1)?;
+                Some(a - maps[1].rectified_from_original(m.point2)?)
+            })
+            .collect();
+        if placed.is_empty() {
+            return None;
+        }
+        let errors = placed.iter().map(|d| d.y.abs());
+        let disparity = placed
+            .iter()
+            .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], d| [low.min(d.x), high.max(d.x)]);
+        Some(Self {
+            matches: placed.len(),
+            outside: matches.len() - placed.len(),
+            mean: errors.clone().sum::<f64>() / placed.len() as f64,
+            max: errors.fold(0.0, f64::max),
+            disparity,
+        })
+    }
+}
+
+impl Distortion {
+    fn of(map: &ImageMap, frame: Frame, size: Frame, scale: f64) -> Self {
+        let forward = |p: Point| map.rectified_from_original(p);
+        let across = !map.has_epipole_in(frame);
+        let orthogonality = across
+            .then(|| middle_lines(frame, forward))
+            .flatten()
+            .map(|[x, y]| (x.dot(&y) / (x.norm() * y.norm())).clamp(-1.0, 1.0).acos().to_degrees());
+        let aspect_ratio =
+            across.then(|| diagonals(frame, forward)).flatten().map(|[a, b]| a.norm() / b.norm());
+        let [mut cut, mut shrunk, mut stretched] = [0usize; 3];
+        for j in 0..GRID {
+            for i in 0..GRID {
+                let p = Point::new(
+                    frame.right() * (i as f64 + 0.5) / GRID as f64,
+                    frame.bottom() * (j as f64 + 0.5) / GRID as f64,
+                );
+                let shown = forward(p).filter(|q| size.contains(*q));
+                match shown.and_then(|q| area_factor(map, q)).map(|f| f / (scale * scale)) {
+                    None => cut += 1,
+                    Some(factor) if factor < 0.5 => shrunk += 1,
+                    Some(factor) if factor > 2.0 => stretched += 1,
+                    Some(_) => {}
+                }
+            }
+        }
+        let share = |count: usize| count as f64 / (GRID * GRID) as f64;
+        Self {
+            orthogonality,
+            aspect_ratio,
+            cut: share(cut),
+            shrunk: share(shrunk),
+            stretched: share(stretched),
+        }
+    }
+}
+
+/// Rectified area over original area at a rectified pixel.
+fn area_factor(map: &ImageMap, q: Point) -> Option<f64> {
+    let half = 0.25;
+    let at = |x: f64, y: f64| map.row(y).at(x);
+    let dx = (at(q.x + half, q.y)? - at(q.x - half, q.y)?) / (2.0 * half);
+    let dy = (at(q.x, q.y + half)? - at(q.x, q.y - half)?) / (2.0 * half);
+    let original_per_rectified = Matrix2::from_columns(&[dx, dy]).determinant();
+    Some(1.0 / original_per_rectified.abs())
+}
+
+/// From the middle of the left side to that of the right one, and from the middle of the upper side to that of the
+/// lower one, where a map takes them.
+pub(super) fn middle_lines(frame: Frame, map: impl Fn(Point) -> Option<Point>) -> Option<[Vector; 2]> {
+    let c = frame.centre();
+    let left = map(Point::new(0.0, c.y))?;
+    let right = map(Point::new(frame.right(), c.y))?;
+    let top = map(Point::new(c.x, 0.0))?;
+    let bottom = map(Point::new(c.x, frame.bottom()))?;
+    Some([right - left, bottom - top])
+}
+
+/// The diagonals from the top left and from the top right corner, where a map takes them.
+fn diagonals(frame: Frame, map: impl Fn(Point) -> Option<Point>) -> Option<[Vector; 2]> {
+    let [a, b, c, d] = frame.corners().map(map);
+    Some([c? - a?, d? - b?])
+}

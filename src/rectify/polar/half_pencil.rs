@@ -1,0 +1,111 @@
+//! The half lines that leave an epipole and cross the image.
+
+use std::f64::consts::{PI, TAU};
+
+use crate::geometry::{Frame, HomogeneousPoint, Line, Point, Vector, finite_point};
+
+/// Where an epipole at infinity is put, px from the image: directions in the image then differ by less than 10⁻⁵
+/// radians from parallel, and 10⁻⁷ px are still told apart.
+const FAR: f64 = 1e9;
+
+/// Half lines from an epipole, by the angle of their direction (radians from x towards y).
+#[derive(Debug, Clone)]
+pub(super) struct HalfPencil {
+    epipole: Point,
+    frame: Frame,
+    inside: bool,
+    /// Angle towards the image centre; angles outside are near it.
+    middle: f64,
+}
+
+impl HalfPencil {
+    pub(super) fn new(epipole: &HomogeneousPoint, frame: Frame) -> Self {
+        let centre = frame.centre();
+        let position = finite_point(epipole).filter(|p| (p - centre).norm() < FAR);
+        let epipole = position.unwrap_or_else(|| {
+            let towards = epipole.xy().try_normalize(0.0).unwrap_or_else(Vector::x);
+            // A far but finite epipole keeps its side.
+            let side = if epipole.z < 0.0 { -1.0 } else { 1.0 };
+            centre + towards * side * FAR
+        });
+        let to_centre = centre - epipole;
+        Self { epipole, frame, inside: frame.contains(epipole), middle: to_centre.y.atan2(to_centre.x) }
+    }
+
+    pub(super) fn epipole(&self) -> Point {
+        self.epipole
+    }
+
+    pub(super) fn is_inside(&self) -> bool {
+        self.inside
+    }
+
+    /// Angle towards the image centre.
+    pub(super) fn middle(&self) -> f64 {
+        self.middle
+    }
+
+    /// All angles under which the image is seen: a full turn from inside.
+    pub(super) fn range(&self) -> [f64; 2] {
+        if self.inside {
+            // Cut on the left, where a picture in reading order begins.
+            return [-PI, PI];
+        }
+        let mut range = [f64::INFINITY, f64::NEG_INFINITY];
+        for corner in self.frame.corners() {
+            let angle = self.angle_of(corner);
+            range = [range[0].min(angle), range[1].max(angle)];
+        }
+        range
+    }
+
+    /// The angle of a point, within half a turn of that of the image centre.
+    pub(super) fn angle_of(&self, p: Point) -> f64 {
+        let from = p - self.epipole;
+        near(from.y.atan2(from.x), self.middle)
+    }
+
+    /// Distances from the epipole at which the half line enters and leaves the image, px; `None` if it misses it.
+    pub(super) fn reach(&self, angle: f64) -> Option<[f64; 2]> {
+        let (from, to) = self.frame.clip_ray(self.epipole, direction(angle))?;
+        (to > 0.0).then(|| [from.max(0.0), to])
+    }
+
+    /// Distance to the far end of the half line in the image, px; never less than 1.
+    pub(super) fn far_end(&self, angle: f64) -> f64 {
+        // At the ends of the range the half line touches a corner, and rounding may put it beside the image.
+        self.reach(angle).map_or_else(|| (self.frame.centre() - self.epipole).norm(), |r| r[1]).max(1.0)
+    }
+
+    /// A point of the half line in the middle of the image, or as near as it comes.
+    pub(super) fn point(&self, angle: f64) -> Point {
+        let along = direction(angle);
+        let reach = self.reach(angle).map_or_else(
+            || (self.frame.centre() - self.epipole).dot(&along).max(1.0),
+            |[from, to]| f64::midpoint(from, to),
+        );
+        self.epipole + along * reach
+    }
+
+    /// The angle of an oriented line through the epipole, whose direction tells which half is meant.
+    pub(super) fn angle_of_line(&self, line: &Line) -> f64 {
+        let centre = self.frame.centre();
+        if (centre - self.epipole).norm() > 2.0 * self.frame.diagonal() {
+            // From afar only the half that faces the image counts, and the place where the line passes the image
+            // tells its angle more exactly than its direction does.
+            return self.angle_of(line.foot(centre));
+        }
+        let along = line.direction();
+        near(along.y.atan2(along.x), self.middle)
+    }
+}
+
+/// Unit vector of an angle.
+pub(super) fn direction(angle: f64) -> Vector {
+    Vector::new(angle.cos(), angle.sin())
+}
+
+/// The same angle, as near to another as full turns allow.
+pub(super) fn near(angle: f64, to: f64) -> f64 {
+    to + (angle - to + PI).rem_euclid(TAU) - PI
+}

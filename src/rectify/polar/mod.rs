@@ -1,0 +1,138 @@
+//! Polar rectification (Pollefeys, Koch & Van Gool, *A simple and efficient rectification method for general
+//! motion*, ICCV 1999): a row for each pair of corresponding half epipolar lines, columns by the distance from the
+//! epipole.
+//!
+//! It works wherever the epipoles are. Neighbouring rows are at most one pixel apart at the far end of either image,
+//! so nothing is shrunk; near the epipole the picture is stretched, and it can have up to as many rows as the image
+//! has pixels along its border. Epipoles at infinity are moved to 10⁹ px, which bends a row of a 4000 px image by
+//! less than 0.01 px; there the result is that of the planar method, up to a shift along each row.
+//!
+//! Pitfall: a pencil maps *lines*; which half of a line corresponds to which is decided by where matches are
+//! (oriented epipolar geometry). Without matches and with an epipole inside an image it has to be assumed that both
+//! cameras are held alike.
+
+mod half_pencil;
+mod orientation;
+
+use half_pencil::HalfPencil;
+use nalgebra::Vector3;
+use orientation::Orientation;
+
+use super::RectifyError;
+use super::extent::{Extent, Range};
+use super::row::RowTrace;
+use crate::geometry::{Frame, FundamentalMatrix, Point, PointPair};
+
+/// One image's rows: half lines from its epipole.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct PolarMap {
+    /// The epipole, px; one at infinity stands at 10⁹ px.
+    pub(super) epipole: Point,
+    /// Direction of each row away from the epipole, radians from x towards y, rising or falling all the way.
+    pub(super) angles: Vec<f64>,
+    /// Distance from the epipole in column 0, px.
+    pub(super) radius: f64,
+    /// How the distance changes from a column to the next, px; negative where the picture lies to the left.
+    pub(super) radius_step: f64,
+    columns: usize,
+}
+
+impl PolarMap {
+    pub(super) fn row(&self, y: f64) -> RowTrace {
+        // Beyond the first and the last row by the step beside it: half a pixel is still part of the picture.
+        let k = (y.max(0.0) as usize).min(self.angles.len() - 2);
+        let angle = self.angles[k] + (self.angles[k + 1] - self.angles[k]) * (y - k as f64);
+        let (sin, cos) = angle.sin_cos();
+        let direction = Vector3::new(cos, sin, 0.0);
+        let start = self.epipole.to_homogeneous() + direction * self.radius;
+        RowTrace { start, step: direction * self.radius_step }
+    }
+
+    pub(super) fn rectified_from_original(&self, p: Point) -> Option<Point> {
+        let from = p - self.epipole;
+        let (first, last) = (self.angles[0], self.angles[self.angles.len() - 1]);
+        let (low, high) = (first.min(last), first.max(last));
+        let turn = std::f64::consts::TAU;
+        // Half a row of tolerance at either end, where rounding may leave a point.
+        let slack = (high - low) / self.angles.len() as f64;
+        let angle = low - slack + (from.y.atan2(from.x) - (low - slack)).rem_euclid(turn);
+        if angle > high + slack {
+            return None;
+        }
+        let rising = last > first;
+        let after = self.angles.partition_point(|a| if rising { *a < angle } else { *a > angle });
+        let k = after.clamp(1, self.angles.len() - 1) - 1;
+        let y = k as f64 + (angle - self.angles[k]) / (self.angles[k + 1] - self.angles[k]);
+        let x = (from.norm() - self.radius) / self.radius_step;
+        (x >= -0.5 && x <= self.columns as f64 - 0.5).then(|| Point::new(x, y))
+    }
+}
+
+/// Both maps with their common size, and what the caller has to know.
+pub(super) struct Polar {
+    pub(super) maps: [PolarMap; 2],
+    pub(super) frame: Frame,
+    /// By which factor the picture is smaller than it should be.
+    pub(super) scale: f64,
+    /// Nothing told which halves of the lines correspond.
+    pub(super) orientation_assumed: bool,
+}
+
+/// Rectifies by half lines.
+pub(super) fn polar(
+    fundamental: &FundamentalMatrix,
+    frames: [Frame; 2],
+    matches: &[PointPair],
+    limit: usize,
+) -> Result<Polar, RectifyError> {
+    let pencil1 = HalfPencil::new(&fundamental.epipole1(), frames[0]);
+    let pencil2 = HalfPencil::new(&fundamental.epipole2(), frames[1]);
+    let orientation = Orientation::find(fundamental, [&pencil1, &pencil2], matches);
+    let lines = orientation.lines(fundamental, &pencil1, &pencil2);
+    let range = lines.common_range().ok_or(RectifyError::NoCommonLines)?;
+    let full_size = lines.rows(range, 1.0);
+    let columns = |rows: &[[f64; 2]], k: usize| {
+        let pencil = [&pencil1, &pencil2][k];
+        Range::of(rows.iter().filter_map(|r| pencil.reach(r[k])).flatten())
+    };
+    let radii = [columns(&full_size, 0), columns(&full_size, 1)];
+    let wanted = Extent {
+        width: radii[0].length().max(radii[1].length()),
+        height: full_size.len().saturating_sub(1) as f64,
+    };
+    let (frame, scale) = wanted.limited(limit)?;
+    let rows = if scale < 1.0 { lines.rows(range, 1.0 / scale) } else { full_size };
+    if rows.len() < 2 {
+        return Err(RectifyError::NoCommonLines);
+    }
+    let rows = upright(rows, [&pencil1, &pencil2]);
+    let frame = Frame::new(frame.width, rows.len().min(frame.height.max(2)));
+    let map = |k: usize| {
+        let angles: Vec<f64> = rows.iter().take(frame.height).map(|r| r[k]).collect();
+        // The map keeps its sense of rotation: where angles fall, distances do too.
+        let rising = angles[angles.len() - 1] > angles[0];
+        PolarMap {
+            epipole: [&pencil1, &pencil2][k].epipole(),
+            angles,
+            radius: if rising { radii[k].low } else { radii[k].high },
+            radius_step: if rising { 1.0 } else { -1.0 } / scale,
+            columns: frame.width,
+        }
+    };
+    Ok(Polar { maps: [map(0), map(1)], frame, scale, orientation_assumed: orientation.is_assumed() })
+}
+
+/// Turns the picture by 180° where that puts more of it upright.
+fn upright(mut rows: Vec<[f64; 2]>, pencils: [&HalfPencil; 2]) -> Vec<[f64; 2]> {
+    let rightwards: f64 = (0..2)
+        .filter(|k| !pencils[*k].is_inside())
+        .map(|k| {
+            let rising = if rows[rows.len() - 1][k] > rows[0][k] { 1.0 } else { -1.0 };
+            rising * rows[rows.len() / 2][k].cos()
+        })
+        .sum();
+    if rightwards < 0.0 {
+        rows.reverse();
+    }
+    rows
+}

@@ -1,0 +1,308 @@
+use image::{DynamicImage, GenericImageView, GrayImage, Luma, LumaA, Rgb, Rgba};
+use nalgebra::Point3;
+use proptest::prelude::*;
+
+use super::*;
+use crate::geometry::{Camera, FundamentalMatrix, Point, PointPair};
+use crate::synthetic::Motion;
+
+/// F and exact matches spread over the part of a scene that both cameras see.
+fn exact_pair(motion: Motion, frame: Frame) -> (FundamentalMatrix, Vec<PointPair>) {
+    let cameras = motion.cameras(frame).unwrap();
+    let f = Camera::fundamental(&cameras[0], &cameras[1]).unwrap();
+    let mut matches = Vec::new();
+    for k in 0..2000 {
+        let t = f64::from(k);
+        let x =
+            Point3::new((t * 0.91).sin() * 5.0, 7.0 + (t * 0.37).cos() * 4.0, 1.5 + (t * 1.71).sin() * 3.0);
+        let (Some(point1), Some(point2)) = (cameras[0].project(&x), cameras[1].project(&x)) else { continue };
+        if frame.contains(point1) && frame.contains(point2) {
+            matches.push(PointPair { point1, point2 });
+        }
+    }
+    assert!(matches.len() > 100, "{motion:?}: {} matches", matches.len());
+    (f, matches)
+}
+
+const FRAME: Frame = Frame { width: 640, height: 480 };
+
+fn rectified(motion: Motion, method: Method) -> Result<(Rectification, Vec<PointPair>), RectifyError> {
+    let (f, matches) = exact_pair(motion, FRAME);
+    rectify(&f, [FRAME; 2], &matches, method, &Limits::default()).map(|r| (r, matches))
+}
+
+#[test]
+fn exact_matches_come_into_the_same_row() {
+    for motion in Motion::ALL {
+        for method in [Method::Planar, Method::Polar] {
+            let (r, matches) = match rectified(motion, method) {
+                Err(RectifyError::EpipoleInside { .. }) if motion == Motion::Forward => continue,
+                other => other.unwrap(),
+            };
+            let rows = r.measures.rows.unwrap();
+            // Planar rows are exact; polar ones are straight between rows a pixel apart.
+            let tolerance = if method == Method::Planar { 1e-6 } else { 0.02 };
+            assert!(rows.max < tolerance, "{motion:?} {method:?}: {rows:?}");
+            assert!(rows.outside * 50 <= matches.len(), "{motion:?} {method:?}: {rows:?}");
+        }
+    }
+}
+
+#[test]
+fn maps_undo_each_other() {
+    for motion in Motion::ALL {
+        let (r, matches) = rectified(motion, Method::Auto).unwrap();
+        for m in matches {
+            for (map, p) in r.maps.iter().zip([m.point1, m.point2]) {
+                let Some(q) = map.rectified_from_original(p) else { continue };
+                let back = map.original_from_rectified(q).unwrap();
+                assert!((back - p).norm() < 1e-3, "{motion:?}: {p} {q} {back}");
+            }
+        }
+    }
+}
+
+#[test]
+fn nothing_is_mirrored_and_pictures_stand_upright() {
+    for motion in Motion::ALL {
+        for method in [Method::Planar, Method::Polar] {
+            let Ok((r, _)) = rectified(motion, method) else { continue };
+            for map in &r.maps {
+                let c = FRAME.centre();
+                let at = |x: f64, y: f64| map.rectified_from_original(Point::new(c.x + x, c.y + y)).unwrap();
+                // Half way between centre and corner, away from an epipole inside.
+                let (o, x, y) = (at(150.0, 110.0), at(151.0, 110.0), at(150.0, 111.0));
+                let area = (x - o).perp(&(y - o));
+                assert!(area > 0.0, "{motion:?} {method:?}: mirrored");
+                if motion != Motion::Forward {
+                    assert!((x - o).x > 0.5 && (y - o).y > 0.5, "{motion:?} {method:?}: {o} {x} {y}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_sideways_pair_stays_as_it_is() {
+    let (r, _) = rectified(Motion::Sideways, Method::Auto).unwrap();
+    assert_eq!((r.method, r.size), (Method::Planar, FRAME));
+    assert!(r.warnings.is_empty(), "{:?}", r.warnings);
+    for (map, distortion) in r.maps.iter().zip(r.measures.distortion) {
+        let h = map.homography().unwrap();
+        assert!((h - nalgebra::Matrix3::identity()).norm() < 1e-6, "{h}");
+        assert!((distortion.orthogonality.unwrap() - 90.0).abs() < 1e-6);
+        assert!((distortion.aspect_ratio.unwrap() - 1.0).abs() < 1e-9);
+        assert!(distortion.cut + distortion.shrunk + distortion.stretched == 0.0, "{distortion:?}");
+    }
+    // The polar picture of it is the same, too.
+    let (polar, _) = rectified(Motion::Sideways, Method::Polar).unwrap();
+
+    assert!(polar.size.width.abs_diff(FRAME.width) <= 1 && polar.size.height.abs_diff(FRAME.height) <= 1);
+}
+
+#[test]
+fn planar_keeps_angles_and_proportions_where_it_can() {
+    for motion in [Motion::Converging, Motion::Roll, Motion::Scale] {
+        let (r, _) = rectified(motion, Method::Planar).unwrap();
+        for d in r.measures.distortion {
+            assert!((d.orthogonality.unwrap() - 90.0).abs() < 2.0, "{motion:?}: {d:?}");
+            assert!((d.aspect_ratio.unwrap() - 1.0).abs() < 0.2, "{motion:?}: {d:?}");
+            assert!(d.stretched + d.shrunk < 0.05, "{motion:?}: {d:?}");
+        }
+    }
+}
+
+#[test]
+fn an_epipole_inside_takes_polar_and_is_named() {
+    let (r, _) = rectified(Motion::Forward, Method::Auto).unwrap();
+    assert_eq!(r.method, Method::Polar);
+    assert!(r.reason.contains("epipole lies inside image 1"), "{}", r.reason);
+    // Every row of a full turn, and all of both images.
+    assert!(r.size.height > 2 * FRAME.height);
+    assert!(r.measures.distortion.iter().all(|d| d.orthogonality.is_none() && d.cut < 0.05));
+    let error = rectified(Motion::Forward, Method::Planar).unwrap_err();
+    assert_eq!(error, RectifyError::EpipoleInside { image: 1 });
+    assert!(error.to_string().contains("use the polar method"));
+}
+
+#[test]
+fn half_lines_follow_the_matches() {
+    let (f, matches) = exact_pair(Motion::Forward, FRAME);
+    // A camera turned upside down: the right half of image 1 is on the left of image 2.
+    let turned = |p: Point| Point::new(FRAME.right() - p.x, FRAME.bottom() - p.y);
+    let half_turn =
+        nalgebra::Matrix3::new(-1.0, 0.0, FRAME.right(), 0.0, -1.0, FRAME.bottom(), 0.0, 0.0, 1.0);
+    let f = FundamentalMatrix::from_rank_two(half_turn.transpose() * f.matrix()).unwrap();
+    let matches: Vec<_> =
+        matches.iter().map(|m| PointPair { point1: m.point1, point2: turned(m.point2) }).collect();
+    let told = rectify(&f, [FRAME; 2], &matches, Method::Polar, &Limits::default()).unwrap();
+    assert!(told.measures.rows.unwrap().max < 0.02);
+    assert!(told.warnings.is_empty(), "{:?}", told.warnings);
+    // Without a match it is assumed that the camera was not turned, which is said.
+    let untold = rectify(&f, [FRAME; 2], &[], Method::Polar, &Limits::default()).unwrap();
+    assert!(untold.warnings.iter().any(|w| w.contains("give a match")), "{:?}", untold.warnings);
+    assert_eq!(untold.measures.rows, None);
+}
+
+#[test]
+fn the_limit_makes_pictures_smaller_and_says_so() {
+    for motion in [Motion::Forward, Motion::Converging] {
+        let (f, matches) = exact_pair(motion, FRAME);
+        let full = rectify(&f, [FRAME; 2], &matches, Method::Auto, &Limits::default()).unwrap();
+        let limits = Limits { pixels: 60_000 };
+        let small = rectify(&f, [FRAME; 2], &matches, Method::Auto, &limits).unwrap();
+        let pixels = small.size.width * small.size.height;
+        assert!(pixels <= limits.pixels && pixels > limits.pixels * 9 / 10, "{motion:?}: {pixels}");
+        assert!(small.scale < 1.0 && small.warnings.iter().any(|w| w.contains("limit")), "{small:?}");
+        assert!(small.measures.rows.unwrap().max < 0.02);
+        // The same picture, smaller.
+        let ratio = |r: &Rectification| r.size.width as f64 / r.size.height as f64;
+        assert!(
+            (ratio(&small) / ratio(&full) - 1.0).abs() < 0.02,
+            "{motion:?}: {:?} {:?}",
+            small.size,
+            full.size
+        );
+        let error = rectify(&f, [FRAME; 2], &[], Method::Auto, &Limits { pixels: 3 }).unwrap_err();
+        assert_eq!(error, RectifyError::Limit { limit: 3 });
+    }
+    // An epipole a pixel off the border: the planar picture would be huge.
+    let near =
+        FundamentalMatrix::from_rank_two(nalgebra::Vector3::new(640.5, 240.0, 1.0).cross_matrix()).unwrap();
+    if let Ok(r) = rectify(&near, [FRAME; 2], &[], Method::Planar, &Limits::default()) {
+        assert!(r.size.width * r.size.height <= Limits::default().pixels);
+        assert!(r.warnings.iter().any(|w| w.contains("polar")), "{:?}", r.warnings);
+    }
+}
+
+#[test]
+fn tiny_images_and_foreign_geometry_are_refused() {
+    let (f, _) = exact_pair(Motion::Sideways, FRAME);
+    let tiny = [FRAME, Frame::new(1, 480)];
+    let refused = rectify(&f, tiny, &[], Method::Auto, &Limits::default()).unwrap_err();
+    assert_eq!(refused, RectifyError::TooSmall { image: 2 });
+    // Image 2 lies beyond everything that image 1 sees.
+    let shift = nalgebra::Matrix3::new(1.0, 0.0, 0.0, 0.0, 1.0, -5000.0, 0.0, 0.0, 1.0);
+    let beyond = FundamentalMatrix::from_rank_two(shift.transpose() * f.matrix()).unwrap();
+    for method in Method::ALL {
+        let refused = rectify(&beyond, [FRAME; 2], &[], method, &Limits::default()).unwrap_err();
+        assert_eq!(refused, RectifyError::NoCommonLines, "{method:?}");
+    }
+}
+
+/// A picture whose value tells the place: a ramp in x.
+fn ramp(frame: Frame) -> GrayImage {
+    GrayImage::from_fn(frame.width as u32, frame.height as u32, |x, _| Luma([(x / 4) as u8]))
+}
+
+#[test]
+fn every_kind_of_picture_keeps_its_depth_and_colours() {
+    let (r, _) = rectified(Motion::Sideways, Method::Planar).unwrap();
+    let gray = ramp(FRAME);
+    let never = CancelFlag::default();
+    let drawn = |original: DynamicImage| r.warp(0, &original, &never).unwrap();
+    let kinds = [
+        (DynamicImage::ImageLuma8(gray.clone()), image::ColorType::La8),
+        (DynamicImage::ImageRgb8(DynamicImage::from(gray.clone()).to_rgb8()), image::ColorType::Rgba8),
+        (DynamicImage::ImageRgba8(DynamicImage::from(gray.clone()).to_rgba8()), image::ColorType::Rgba8),
+        (DynamicImage::ImageLuma16(DynamicImage::from(gray.clone()).to_luma16()), image::ColorType::La16),
+        (DynamicImage::ImageRgb16(DynamicImage::from(gray.clone()).to_rgb16()), image::ColorType::Rgba16),
+        (DynamicImage::ImageRgb32F(DynamicImage::from(gray.clone()).to_rgb32f()), image::ColorType::Rgba32F),
+    ];
+    for (original, colour) in kinds {
+        let picture = drawn(original.clone());
+        assert_eq!((picture.color(), picture.dimensions()), (colour, original.dimensions()));
+        // The map is the identity here, up to rounding far below a grey level.
+        let (a, b) = (original.to_luma16(), picture.to_luma16());
+        let worst = a.pixels().zip(b.pixels()).map(|(p, q)| p.0[0].abs_diff(q.0[0])).max().unwrap();
+        assert!(worst <= 2, "{colour:?}: {worst}");
+    }
+}
+
+#[test]
+fn what_the_image_does_not_reach_is_transparent() {
+    let (r, matches) = rectified(Motion::Forward, Method::Polar).unwrap();
+    let gray = ramp(FRAME);
+    let picture = r.warp(0, &gray.clone().into(), &CancelFlag::default()).unwrap().to_luma_alpha8();
+    let transparent = picture.pixels().filter(|p| p.0[1] == 0).count();
+    assert!(transparent > 1000, "the half lines are of different lengths");
+    for m in matches {
+        let q = r.maps[0].rectified_from_original(m.point1).unwrap();
+        let LumaA([value, alpha]) = *picture.get_pixel(q.x.round() as u32, q.y.round() as u32);
+        assert_eq!(alpha, 255);
+        // A pixel further is at most half a grey level, rounding another.
+        assert!((f64::from(value) - m.point1.x / 4.0).abs() < 1.6, "{q} {value} {}", m.point1);
+    }
+}
+
+#[test]
+fn invisible_colours_do_not_leak() {
+    let (r, _) = rectified(Motion::Roll, Method::Planar).unwrap();
+    // Green that nobody sees beside red that everybody sees.
+    let original = image::RgbaImage::from_fn(640, 480, |x, _| {
+        if x % 2 == 0 { Rgba([200, 0, 0, 255]) } else { Rgba([0, 255, 0, 0]) }
+    });
+    let drawn = r.warp(1, &original.into(), &CancelFlag::default()).unwrap().to_rgba8();
+    assert!(drawn.pixels().all(|p| p.0[1] == 0));
+    assert!(drawn.pixels().any(|p| p.0[3] > 0 && p.0[3] < 255));
+}
+
+#[test]
+fn a_cancelled_picture_is_none() {
+    let (r, _) = rectified(Motion::Roll, Method::Planar).unwrap();
+    let cancel = CancelFlag::default();
+    cancel.cancel();
+    assert!(r.warp(0, &ramp(FRAME).into(), &cancel).is_none());
+}
+
+#[test]
+fn pictures_side_by_side_and_in_one() {
+    let left = DynamicImage::from(image::RgbImage::from_pixel(4, 6, Rgb([200, 200, 200])));
+    let right = DynamicImage::from(image::RgbImage::from_pixel(4, 6, Rgb([100, 100, 100])));
+    let both = stacked([&left, &right], 4);
+    assert_eq!(both.dimensions(), (8, 6));
+    assert_eq!(
+        (both.get_pixel(3, 0).0, both.get_pixel(4, 0).0),
+        ([200, 200, 200, 255], [100, 100, 100, 255])
+    );
+    assert!((0..8).all(|x| both.get_pixel(x, 2) == both.get_pixel(0, 2)));
+    assert_eq!(anaglyph([&left, &right]).get_pixel(1, 1).0, [200, 100, 100, 255]);
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(200))]
+
+    /// Whatever the matrix, there is a picture within the limit or a sentence; never a panic.
+    #[test]
+    fn any_matrix_is_answered(
+        entries in proptest::array::uniform9(-1.0f64..1.0),
+        scales in proptest::array::uniform3(-8i32..3),
+        width in 2usize..900,
+        height in 2usize..900,
+    ) {
+        let scaled = |k: usize| entries[k] * 10f64.powi(scales[k % 3]);
+        let Some(f) = FundamentalMatrix::from_rows([0, 3, 6].map(|r| [scaled(r), scaled(r + 1), scaled(r + 2)]))
+        else { return Ok(()) };
+        let frames = [Frame::new(width, height), FRAME];
+        let limits = Limits { pixels: 4_000_000 };
+        for method in Method::ALL {
+            match rectify(&f, frames, &[], method, &limits) {
+                Ok(r) => {
+                    prop_assert!(r.size.width * r.size.height <= limits.pixels);
+                    prop_assert!(r.size.width >= 2 && r.size.height >= 2);
+                    // Both maps give the same row to points on corresponding lines.
+                    let q = Point::new(r.size.width as f64 / 2.0, r.size.height as f64 / 2.0);
+                    let (Some(a), Some(b)) =
+                        (r.maps[0].original_from_rectified(q), r.maps[1].original_from_rectified(q))
+                    else { continue };
+                    prop_assert!(a.x.is_finite() && b.y.is_finite());
+                    if frames[0].contains(a) && frames[1].contains(b) {
+                        let line = f.line2_from_point1(a);
+                        prop_assert!(line.is_none_or(|l| l.distance(b) < 0.5), "{method:?} {a} {b}");
+                    }
+                }
+                Err(error) => prop_assert!(!error.to_string().is_empty()),
+            }
+        }
+    }
+}
