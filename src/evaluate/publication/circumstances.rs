@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use super::sight::{Sight, angle_between, side};
+use super::sight::{Sight, side};
 use super::style::click_name;
 use crate::estimate::ComparedPencils;
 use crate::evaluate::SearchRecord;
@@ -63,7 +63,7 @@ impl Circumstances {
             .flatten()
             .fold(f64::INFINITY, f64::min);
         let angle = [0, 1].map(|image| match (lines[0][image], lines[1][image]) {
-            (Some(a), Some(b)) => angle_between(&a, &b),
+            (Some(a), Some(b)) => a.angle_to(&b),
             _ => 0.0,
         });
         let epipoles = [scene.truth.epipole1(), scene.truth.epipole2()];
@@ -97,7 +97,7 @@ impl Circumstances {
             mistakes: mistakes.collect(),
             search: sight.trial.search,
             error: sight.trial.mean,
-            turned: sight.turned(),
+            turned: sight.scene.turned(&sight.fundamental),
         }
     }
 

@@ -1,6 +1,7 @@
 //! All trials of all methods: tables and plots of the errors.
 
 use super::{Subject, style};
+use crate::evaluate::median;
 use crate::evaluate::report::Record;
 use crate::evaluate::table::{Summary, has_printed, label, pixels, range, share};
 use crate::publish::plot::{Distribution, Strip, StripGroup, cumulative, strips};
@@ -84,10 +85,20 @@ fn medians(subject: &Subject) -> Table {
     {
         rows.push(row(name, &|c| cell(overall(c).map(|o| share(of(&o.shares)))), &nothing));
     }
+    let turned = |c: usize| {
+        let trials = (0..subject.scenes.len()).flat_map(|s| {
+            let found = subject.record(s, c).trials.iter().filter_map(|t| t.fundamental);
+            found.map(move |f| subject.scenes[s].turned(&f).to_degrees())
+        });
+        let middle = median(&trials.collect::<Vec<_>>());
+        if middle.is_nan() { "-".to_owned() } else { format!("{middle:.1}°") }
+    };
+    rows.push(row("turned by", &turned, &nothing));
     rows.push(row("no result", &|c| cell(overall(c).map(|o| o.failures.to_string())), &nothing));
     Table {
         caption: "Median error of the trials of each pair, px; below, the median over pairs with its 95 % bootstrap \
-                  interval over the draws of clicks, the share of trials below 1 and 3 px, and the trials without a result."
+                  interval over the draws of clicks, the share of trials below 1 and 3 px, the median angle by which the \
+                  epipolar lines of the true matches are turned against the true ones, and the trials without a result."
             .to_owned(),
         headings,
         rows,

@@ -7,8 +7,8 @@ use super::{Subject, style};
 use crate::estimate::{Estimate, Hypothesis};
 use crate::evaluate::contender::Detail;
 use crate::evaluate::report::TrialRecord;
-use crate::evaluate::{Record, Scene, median};
-use crate::geometry::{FundamentalMatrix, Line, Point, PointPair, finite_point, place_in_words};
+use crate::evaluate::{Record, Scene};
+use crate::geometry::{FundamentalMatrix, Point, PointPair, finite_point, place_in_words};
 use crate::publish::plot::{Curve, Drawing, Mark, MarkedPicture, Panel, Sign, Stroke, curves, pictures};
 use crate::similarity::{WarpedProfile, inspect_lines, inspection_scale};
 
@@ -173,7 +173,7 @@ impl<'a> Sight<'a> {
                 "Direction".to_owned(),
                 format!(
                     "the estimated lines of the true matches are turned by {:.1}° against the true ones (median)",
-                    self.turned().to_degrees()
+                    self.scene.turned(&self.fundamental).to_degrees()
                 ),
             ),
             ("Clicks".to_owned(), self.clicks_in_words()),
@@ -232,20 +232,6 @@ impl<'a> Sight<'a> {
         facts
     }
 
-    /// Median angle, over the true matches and both images, between the estimated and the true epipolar line,
-    /// radians. Where matches move little from image 1 to image 2, lines through them may be turned by any angle
-    /// and still pass within a few px of them: there it tells more than the error.
-    pub(super) fn turned(&self) -> f64 {
-        let (f, truth) = (&self.fundamental, &self.scene.truth);
-        let angles = self.scene.matches.iter().flat_map(|m| {
-            let lines1 = [f, truth].map(|f| f.line1_from_point2(m.point2));
-            let lines2 = [f, truth].map(|f| f.line2_from_point1(m.point1));
-            [lines1, lines2]
-        });
-        let angles: Vec<f64> = angles.filter_map(|[a, b]| Some(angle_between(&a?, &b?))).collect();
-        median(&angles)
-    }
-
     fn clicks_in_words(&self) -> String {
         let words = self.clicks.iter().enumerate().map(|(k, PointPair { point1, point2 })| {
             format!(
@@ -269,11 +255,6 @@ const INK: &str = style::PROFILES[0];
 /// The point of a pair in image 1 (0) or image 2 (1).
 pub(super) fn side(pair: &PointPair, image: usize) -> Point {
     if image == 0 { pair.point1 } else { pair.point2 }
-}
-
-/// The angle between two lines, radians, at most a right angle.
-pub(super) fn angle_between(a: &Line, b: &Line) -> f64 {
-    a.direction().perp(&b.direction()).abs().min(1.0).asin()
 }
 
 fn profile_plot(warped: &WarpedProfile, step: f64) -> Drawing {
