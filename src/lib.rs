@@ -68,6 +68,7 @@ pub mod evaluate;
 pub mod geometry;
 pub mod image;
 pub mod io;
+pub mod publish;
 pub mod rectify;
 pub mod similarity;
 pub mod suggest;

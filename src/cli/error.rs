@@ -49,6 +49,14 @@ pub enum CliError {
     /// A result could not be written.
     #[error(transparent)]
     Write(#[from] WriteError),
+    /// A folder for results could not be made.
+    #[error("cannot make the folder {path}: {reason}")]
+    Folder {
+        /// The folder.
+        path: String,
+        /// Why.
+        reason: String,
+    },
     /// Standard output is full or broken (a closed one is no error).
     #[error("cannot write to standard output: {0}")]
     StandardOutput(String),
