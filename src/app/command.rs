@@ -6,10 +6,12 @@ use std::path::PathBuf;
 
 use egui::{Key, KeyboardShortcut, Modifiers};
 
+use super::comparison::{Contestant, Subject};
 use super::document::{PointRef, Side};
 use super::focus::{LineSource, Target};
 use super::panels::tabs::TABS;
 use crate::estimate::{Method, Parameters, Preset};
+use crate::evaluate::Protocol;
 use crate::geometry::{Point, Vector};
 
 /// Something to do.
@@ -23,8 +25,23 @@ pub enum Command {
     OpenSample,
     /// Open files; `None` keeps the picture that is open.
     OpenFiles([Option<PathBuf>; 2]),
+    /// Open the first pair of a folder whose geometry is known.
+    OpenFolder(PathBuf),
     /// Choose a file for one side with the system's dialog.
     Browse(Side),
+    /// Choose a folder with the system's dialog.
+    BrowseFolder,
+    /// Open two views of the folder that is open, by their numbers.
+    OpenViews([usize; 2]),
+    /// Open the next pair of the folder that is open, or the one before.
+    StepPair {
+        /// The next one.
+        forward: bool,
+    },
+    /// Compare with the ground truth, or not.
+    ToggleTruth,
+    /// Put true matches drawn at random in place of the pairs that the geometry is estimated from.
+    RandomTrial(Protocol),
     /// Place two point pairs on the built-in pair.
     ShowMe,
     /// Take the last step back.
@@ -71,6 +88,10 @@ pub enum Command {
     PointAt(Target),
     /// Show a hypothesis in the whole window, by its place in the list, or the result again.
     ChooseHypothesis(Option<usize>),
+    /// Show the geometry of another method, or the true one, in the whole window.
+    ChooseContestant(Contestant),
+    /// Choose what the residuals compare.
+    Compare(Subject),
     /// Keep a line pair on the images and look at it closely.
     Pin(LineSource),
     /// Look closely at a pinned line pair, by its place in the list.
@@ -121,7 +142,7 @@ const fn key(modifiers: Modifiers, key: Key) -> KeyboardShortcut {
 impl Command {
     /// The actions that have keys, in the order of the list of keys. Where one key is another one's with
     /// Shift, the one with Shift comes first, or it would never be seen.
-    pub fn with_keys() -> [Self; 22] {
+    pub fn with_keys() -> [Self; 28] {
         [
             Self::TogglePalette,
             Self::AcceptSuggestion,
@@ -130,6 +151,11 @@ impl Command {
             Self::ToggleMap,
             Self::ShowOpenDialog,
             Self::ShowMe,
+            Self::StepPair { forward: false },
+            Self::StepPair { forward: true },
+            Self::ToggleTruth,
+            Self::RandomTrial(Protocol::Paper),
+            Self::RandomTrial(Protocol::WellPosed),
             Self::Redo,
             Self::Undo,
             Self::DeleteSelected,
@@ -141,6 +167,7 @@ impl Command {
             Self::ShowTab(1),
             Self::ShowTab(2),
             Self::ShowTab(3),
+            Self::ShowTab(4),
             Self::ChooseHypothesis(None),
             Self::ToggleTheme,
             Self::ToggleShortcuts,
@@ -154,7 +181,14 @@ impl Command {
             Self::ShowOpenDialog | Self::OfferFile(_) => "Open images",
             Self::OpenSample => "Sample",
             Self::OpenFiles(_) => "Open",
-            Self::Browse(_) => "Browse",
+            Self::OpenFolder(_) => "Open folder",
+            Self::Browse(_) | Self::BrowseFolder => "Browse",
+            Self::OpenViews(_) => "Open these views",
+            Self::StepPair { forward: true } => "Next pair",
+            Self::StepPair { forward: false } => "Previous pair",
+            Self::ToggleTruth => "Ground truth",
+            Self::RandomTrial(Protocol::Paper) => "Random trial of the paper",
+            Self::RandomTrial(_) => "Random trial",
             Self::ShowMe => "Show me",
             Self::Undo => "Undo",
             Self::Redo => "Redo",
@@ -177,6 +211,8 @@ impl Command {
             Self::PointAt(_) => "Point at something",
             Self::ChooseHypothesis(None) => "Back to the result",
             Self::ChooseHypothesis(Some(_)) => "Show a hypothesis",
+            Self::ChooseContestant(_) => "Show this geometry",
+            Self::Compare(_) => "Choose what is compared",
             Self::Pin(_) => "Pin a line pair",
             Self::Inspect(_) => "Inspect a pinned line pair",
             Self::Unpin(_) => "Unpin",
@@ -205,7 +241,28 @@ impl Command {
             }
             Self::OpenSample => "Open the built-in image pair.",
             Self::OpenFiles(_) => "Open these files. Point pairs of the images before are removed.",
+            Self::OpenFolder(_) => {
+                "Open a folder whose geometry is known, in the VGG layout or one of pairs with true matches."
+            }
             Self::Browse(_) => "Choose the file in the system's file dialog.",
+            Self::BrowseFolder => "Choose the folder in the system's dialog.",
+            Self::OpenViews(_) => {
+                "Open these two views of the folder. Point pairs of the images before are removed."
+            }
+            Self::StepPair { forward: true } => {
+                "Open the next pair of the folder; of a sequence of views, the next two as far apart."
+            }
+            Self::StepPair { forward: false } => "Open the pair of the folder before this one.",
+            Self::ToggleTruth => {
+                "Compare with the true geometry: its lines and matches in blue, and the error of the result."
+            }
+            Self::RandomTrial(Protocol::Paper) => {
+                "Estimate from true matches drawn as the paper does: at least 30 px apart, even if that leaves the epipoles open."
+            }
+            Self::RandomTrial(_) => {
+                "Estimate from true matches drawn at random, far apart and off each other's epipolar lines; others each \
+                 time. With Shift as the paper draws them."
+            }
             Self::ShowMe => "Place two point pairs on the sample and see the geometry they give.",
             Self::Undo => "Take the last step back; a drag is one step.",
             Self::Redo => "Make the step again that was taken back.",
@@ -239,6 +296,8 @@ impl Command {
             Self::ChooseHypothesis(Some(_)) => {
                 "Show this hypothesis in the whole window instead of the result."
             }
+            Self::ChooseContestant(_) => "Show this geometry in the whole window instead of the result.",
+            Self::Compare(_) => "Choose the points, the distance, and what the other methods are fitted to.",
             Self::Pin(_) => "Keep these two lines on the images and compare their intensities.",
             Self::Inspect(_) => "Compare the intensities of this line pair.",
             Self::Unpin(_) => "Remove this line pair from the images.",
@@ -271,6 +330,11 @@ impl Command {
             Self::DeleteSelected => {
                 const { &[key(Modifiers::NONE, Key::Delete), key(Modifiers::NONE, Key::Backspace)] }
             }
+            Self::StepPair { forward: true } => const { &[key(Modifiers::NONE, Key::PageDown)] },
+            Self::StepPair { forward: false } => const { &[key(Modifiers::NONE, Key::PageUp)] },
+            Self::ToggleTruth => const { &[key(Modifiers::NONE, Key::G)] },
+            Self::RandomTrial(Protocol::WellPosed) => const { &[key(Modifiers::NONE, Key::N)] },
+            Self::RandomTrial(Protocol::Paper) => const { &[key(Modifiers::SHIFT, Key::N)] },
             Self::Quit => const { &[key(Modifiers::COMMAND, Key::Q)] },
             Self::Cancel => const { &[key(Modifiers::NONE, Key::Escape)] },
             Self::FitAll => const { &[key(Modifiers::NONE, Key::F)] },
@@ -287,6 +351,7 @@ impl Command {
             Self::ShowTab(1) => const { &[key(Modifiers::NONE, Key::Num2)] },
             Self::ShowTab(2) => const { &[key(Modifiers::NONE, Key::Num3)] },
             Self::ShowTab(3) => const { &[key(Modifiers::NONE, Key::Num4)] },
+            Self::ShowTab(4) => const { &[key(Modifiers::NONE, Key::Num5)] },
             Self::ChooseHypothesis(None) => const { &[key(Modifiers::NONE, Key::R)] },
             Self::ToggleTheme => const { &[key(Modifiers::NONE, Key::T)] },
             Self::ToggleShortcuts => {

@@ -9,6 +9,7 @@ use std::path::PathBuf;
 use serde::{Deserialize, Serialize};
 
 use crate::estimate::Parameters;
+use crate::evaluate::Protocol;
 use crate::geometry::{Frame, Point, PointPair};
 use crate::image::Picture;
 
@@ -69,6 +70,30 @@ impl From<&Picture> for PictureIdentity {
     }
 }
 
+/// Where the ground truth in use comes from.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum TruthSource {
+    /// A built-in sample, by its name.
+    Sample(String),
+    /// Two views of a folder.
+    Folder {
+        /// The folder, in the VGG layout or one of pairs.
+        folder: PathBuf,
+        /// The names of the left and the right view: those of their images without the ending.
+        views: [String; 2],
+    },
+}
+
+/// How the pairs that the geometry is estimated from were drawn among the true matches.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Trial {
+    /// Which matches may be drawn together.
+    pub protocol: Protocol,
+    /// The seed of the draw.
+    pub seed: u64,
+}
+
 /// The first click of a pair whose second click is due.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct HalfPair {
@@ -113,6 +138,12 @@ pub struct Document {
     pub half: Option<HalfPair>,
     /// Parameters of the estimate.
     pub parameters: Parameters,
+    /// The ground truth that the result is compared with, if any.
+    #[serde(default)]
+    pub truth: Option<TruthSource>,
+    /// Which random trial the first pairs are, as long as they are as they were drawn.
+    #[serde(default)]
+    pub trial: Option<Trial>,
     /// The point that keys act on.
     pub selection: Option<PointRef>,
 }
@@ -173,6 +204,7 @@ impl Document {
                 half.point = point;
             }
         } else if let Some(pair) = self.pairs.get_mut(at.pair) {
+            self.trial = self.trial.filter(|_| at.pair >= self.parameters.method.pairs_needed());
             match at.side {
                 Side::Left => pair.point1 = point,
                 Side::Right => pair.point2 = point,
@@ -186,6 +218,7 @@ impl Document {
             self.half = None;
         } else if pair < self.pairs.len() {
             self.pairs.remove(pair);
+            self.trial = self.trial.filter(|_| pair >= self.parameters.method.pairs_needed());
             // The pairs behind it move up.
             let moved = |number: &usize| if *number > pair { number - 1 } else { *number };
             self.excluded.remove(&pair);
@@ -197,7 +230,20 @@ impl Document {
     /// Replaces all pairs.
     pub fn set_pairs(&mut self, pairs: Vec<PointPair>) {
         self.pairs = pairs;
+        self.trial = None;
         self.excluded.clear();
+        self.half = None;
+        self.selection = None;
+    }
+
+    /// Puts the pairs of a random trial in place of the first ones; those behind them stay.
+    pub fn set_trial(&mut self, trial: Trial, drawn: Vec<PointPair>) {
+        let count = drawn.len();
+        self.excluded.retain(|pair| *pair >= count);
+        let behind = self.pairs.split_off(count.min(self.pairs.len()));
+        self.pairs = drawn;
+        self.pairs.extend(behind);
+        self.trial = Some(trial);
         self.half = None;
         self.selection = None;
     }
@@ -319,6 +365,25 @@ mod tests {
         document.parameters.method = Method::ThreePoint;
         assert_eq!(document.role(2), Role::Used);
         assert_eq!(document.used_pairs().map(|pairs| pairs.len()), Some(3));
+    }
+
+    #[test]
+    fn a_trial_replaces_the_first_pairs_until_one_of_them_is_touched() {
+        let mut document = document();
+        let pair = |x: f64| PointPair::new(x, 1.0, x, 1.0);
+        let trial = Trial { protocol: Protocol::WellPosed, seed: 3 };
+        document.set_trial(trial, vec![pair(1.0), pair(2.0)]);
+        assert_eq!((document.pairs.len(), document.trial), (2, Some(trial)));
+        document.pairs.push(pair(9.0));
+        document.include(0, false);
+        document.include(2, false);
+        document.set_trial(trial, vec![pair(3.0), pair(4.0)]);
+        assert_eq!(document.pairs, [pair(3.0), pair(4.0), pair(9.0)]);
+        assert_eq!(document.excluded, BTreeSet::from([2]), "what was left out further behind stays so");
+        document.move_to(PointRef { pair: 2, side: Side::Left }, Point::new(5.0, 5.0));
+        assert_eq!(document.trial, Some(trial));
+        document.move_to(PointRef { pair: 1, side: Side::Left }, Point::new(5.0, 5.0));
+        assert_eq!(document.trial, None);
     }
 
     #[test]

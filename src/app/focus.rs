@@ -6,6 +6,7 @@
 
 use egui::Color32;
 
+use super::comparison::Contestant;
 use super::document::Side;
 use super::theme;
 use crate::geometry::Point;
@@ -28,6 +29,8 @@ pub enum Target {
     Pair(usize),
     /// A match that the refinement found, by its place in the list of the result.
     Match(usize),
+    /// A true match, by its place in the list.
+    TrueMatch(usize),
     /// A sample of the inspected line of image 1, by its index (0 is the anchor).
     Sample(i32),
 }
@@ -70,6 +73,7 @@ const PINS: usize = theme::PINNED.len();
 pub struct Focus {
     hovered: Option<Target>,
     hypothesis: Option<usize>,
+    contestant: Option<Contestant>,
     pins: Vec<Pin>,
     inspected: Option<usize>,
 }
@@ -83,6 +87,11 @@ impl Focus {
     /// The hypothesis that was chosen, by its place in the list of the result.
     pub fn hypothesis(&self) -> Option<usize> {
         self.hypothesis
+    }
+
+    /// The geometry of the comparison that was chosen in place of the result.
+    pub fn contestant(&self) -> Option<Contestant> {
+        self.contestant
     }
 
     /// The pinned line pairs, the oldest first.
@@ -108,6 +117,18 @@ impl Focus {
     /// Chooses a hypothesis, or the result again.
     pub(super) fn choose_hypothesis(&mut self, number: Option<usize>) {
         self.hypothesis = number;
+        self.contestant = None;
+    }
+
+    /// Chooses a geometry of the comparison; the result is what is shown when nothing is chosen.
+    pub(super) fn choose_contestant(&mut self, contestant: Contestant) {
+        self.hypothesis = None;
+        self.contestant = Some(contestant).filter(|contestant| *contestant != Contestant::Result);
+    }
+
+    /// Forgets the hypothesis that was chosen, since its result is gone.
+    pub(super) fn forget_hypothesis(&mut self) {
+        self.hypothesis = None;
     }
 
     /// Pins a line pair and looks at it closely.

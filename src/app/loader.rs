@@ -4,17 +4,19 @@
 //! one makes the window forget the older.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 
-use super::document::Side;
+use super::document::{Side, TruthSource};
 use super::panes::Overview;
 use super::sample::sample_pair;
+use super::truth::Known;
 use super::waker::Waker;
 use super::worker::panic_text;
 use crate::geometry::PointPair;
 use crate::image::{LoadError, Picture};
+use crate::io::TruthFolder;
 
 /// What to open.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -24,6 +26,8 @@ pub enum Opening {
     Sample,
     /// Two files, left and right.
     Files(PathBuf, PathBuf),
+    /// The first pair of a folder whose geometry is known.
+    Folder(PathBuf),
 }
 
 /// One picture ready to be shown.
@@ -57,6 +61,10 @@ pub struct Pair {
     pub pictures: [Opened; 2],
     /// Point pairs for "Show me", when there are any.
     pub show_me: Option<[PointPair; 2]>,
+    /// What is known about them, if anything.
+    pub known: Option<Known>,
+    /// Whether what is known is to be used from the start.
+    pub uses_truth: bool,
 }
 
 /// The opening under way, if any.
@@ -80,7 +88,14 @@ impl Loader {
     pub fn open_sample(&mut self) {
         self.start(|| {
             let sample = sample_pair();
-            Ok(Pair { pictures: sample.pictures.map(Opened::new), show_me: Some(sample.show_me) })
+            let source = TruthSource::Sample(sample.truth.name.clone());
+            Ok(Pair {
+                pictures: sample.pictures.map(Opened::new),
+                show_me: Some(sample.show_me),
+                known: Some(Known { truth: Arc::new(sample.truth), source, folder: None }),
+                // Who learns the program is not shown the answer before the question.
+                uses_truth: false,
+            })
         });
     }
 
@@ -98,8 +113,21 @@ impl Loader {
                 });
             }
             let pictures = opened.try_into().map_err(|_| "two pictures are needed".to_owned())?;
-            Ok(Pair { pictures, show_me: None })
+            Ok(Pair { pictures, show_me: None, known: None, uses_truth: false })
         });
+    }
+
+    /// Opens the first pair of a folder whose geometry is known.
+    pub fn open_folder(&mut self, path: PathBuf) {
+        self.start(move || {
+            let folder = TruthFolder::open(&path).map_err(|error| unchanged(&error.to_string()))?;
+            open_pair(&Arc::new(folder), [0, 1], &[])
+        });
+    }
+
+    /// Opens a pair of a folder; what of it is `open` already is not read again.
+    pub fn open_pair(&mut self, folder: Arc<TruthFolder>, pair: [usize; 2], open: Vec<Opened>) {
+        self.start(move || open_pair(&folder, pair, &open));
     }
 
     /// The end of the opening under way, once it is there.
@@ -133,4 +161,26 @@ impl Loader {
 /// What happened and what to do.
 fn failure(side: Side, error: &LoadError) -> String {
     format!("The {} image: {error}. Nothing was changed; check the file, or open another one.", side.name())
+}
+
+/// What happened with a folder and what to do.
+fn unchanged(error: &str) -> String {
+    format!("The folder could not be opened: {error}. Nothing was changed; correct it, or open another one.")
+}
+
+fn open_pair(folder: &Arc<TruthFolder>, pair: [usize; 2], open: &[Opened]) -> Result<Pair, String> {
+    let truth = folder.truth(pair).map_err(|error| unchanged(&error.to_string()))?;
+    let picture = |view: usize, side: Side| {
+        let path: &Path = folder.image(view);
+        let same = open.iter().find(|opened| opened.picture.path.as_deref() == Some(path));
+        same.map_or_else(
+            || Picture::open(path).map(Opened::new).map_err(|error| failure(side, &error)),
+            |opened| Ok(opened.clone()),
+        )
+    };
+    let pictures = [picture(pair[0], Side::Left)?, picture(pair[1], Side::Right)?];
+    let views = pair.map(|view| folder.names()[view].clone());
+    let source = TruthSource::Folder { folder: folder.path().to_owned(), views };
+    let known = Known { truth: Arc::new(truth), source, folder: Some((Arc::clone(folder), pair)) };
+    Ok(Pair { pictures, show_me: None, known: Some(known), uses_truth: true })
 }

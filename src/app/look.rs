@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+use super::comparison::Subject;
 use super::panels::tabs::TABS;
 use super::panes::overlays::{OVERLAYS, Visibility};
 
@@ -35,6 +36,8 @@ pub struct Look {
     pub tab: usize,
     /// Whether the bottom panel is folded away.
     pub tabs_folded: bool,
+    /// What the residuals compare.
+    pub compared: Subject,
 }
 
 impl Default for Look {
@@ -46,6 +49,7 @@ impl Default for Look {
             loupe: true,
             tab: 0,
             tabs_folded: false,
+            compared: Subject::default(),
         }
     }
 }
@@ -61,6 +65,7 @@ struct Saved {
     loupe: bool,
     tab: String,
     tabs_folded: bool,
+    compared: Subject,
 }
 
 impl Default for Saved {
@@ -71,18 +76,18 @@ impl Default for Saved {
 
 impl From<Look> for Saved {
     fn from(look: Look) -> Self {
-        let Look { overlays, linked, map, loupe, tab, tabs_folded } = look;
+        let Look { overlays, linked, map, loupe, tab, tabs_folded, compared } = look;
         let overlays = OVERLAYS.iter().map(|overlay| overlay.name.to_owned()).zip(overlays).collect();
         let tab = TABS.get(tab).map_or(String::new(), |tab| tab.title.to_owned());
-        Self { overlays, linked, map, loupe, tab, tabs_folded }
+        Self { overlays, linked, map, loupe, tab, tabs_folded, compared }
     }
 }
 
 impl From<Saved> for Look {
     fn from(saved: Saved) -> Self {
-        let Saved { overlays, linked, map, loupe, tab, tabs_folded } = saved;
+        let Saved { overlays, linked, map, loupe, tab, tabs_folded, compared } = saved;
         let tab = TABS.iter().position(|other| other.title == tab).unwrap_or(0);
-        let mut look = Self { linked, map, loupe, tab, tabs_folded, ..Self::default() };
+        let mut look = Self { linked, map, loupe, tab, tabs_folded, compared, ..Self::default() };
         for (overlay, shown) in OVERLAYS.iter().zip(&mut look.overlays) {
             if let Some(saved) =
                 overlays.get(overlay.name).filter(|_| overlay.visibility != Visibility::Always)

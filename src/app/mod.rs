@@ -9,6 +9,8 @@
 //! | `computation`, [`worker`] | the estimate and the thread that computes it |
 //! | `background` | a thread that answers the newest of many questions |
 //! | `services` | what threads and the system do for the window; tests put something else in their place |
+//! | [`comparison`] | the result beside other methods and the truth, measured in a thread |
+//! | `truth` | what is known about the pictures that are open |
 //! | `suggesting` | the suggested match of a first click |
 //! | [`look`] | what is drawn, remembered between runs |
 //! | `inspection` | the intensities of the inspected line pair, matched in a third thread |
@@ -27,6 +29,7 @@
 
 mod background;
 pub mod command;
+pub mod comparison;
 mod computation;
 pub mod document;
 #[cfg(test)]
@@ -50,6 +53,7 @@ mod shell;
 mod step;
 mod suggesting;
 mod theme;
+mod truth;
 mod verdict;
 mod waker;
 pub mod worker;

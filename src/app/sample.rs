@@ -2,6 +2,7 @@
 
 use crate::geometry::PointPair;
 use crate::image::Picture;
+use crate::io::{GroundTruth, TruthOrigin};
 use crate::synthetic::Sample;
 
 /// Two pictures and two point pairs that "Show me" places.
@@ -10,10 +11,15 @@ pub struct SamplePair {
     pub pictures: [Picture; 2],
     /// Pairs known to give a good result.
     pub show_me: [PointPair; 2],
+    /// Its exact geometry, named as the sample is.
+    pub truth: GroundTruth,
 }
 
 /// The default one of the samples.
 pub fn sample_pair() -> SamplePair {
+    let name = Sample::default().name().to_owned();
     let sample = Sample::default().load();
-    SamplePair { pictures: sample.pictures, show_me: sample.show_me }
+    let (fundamental, matches) = (sample.fundamental, sample.matches);
+    let truth = GroundTruth { name, fundamental, matches, origin: TruthOrigin::Cameras };
+    SamplePair { pictures: sample.pictures, show_me: sample.show_me, truth }
 }

@@ -1,5 +1,6 @@
 //! What panes and panels may look at: the whole state, read-only.
 
+use super::comparison::{Comparison, Contestant};
 use super::computation::{Computation, Freshness};
 use super::document::{Document, Side};
 use super::focus::{Focus, LineSource, Pin};
@@ -8,8 +9,10 @@ use super::look::{Look, Tool};
 use super::panels::Message;
 use super::suggesting::Suggested;
 use super::theme;
+use super::truth::{Known, NO_TRUTH};
 use crate::estimate::{Construction, Estimate, Hypothesis, lines_at};
 use crate::geometry::{AnchoredLine, FundamentalMatrix, Line, Point, PointPair};
+use crate::io::{GroundTruth, TruthFolder};
 
 /// A position under the cursor.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -35,6 +38,10 @@ pub struct Scene<'a> {
     pub hover: Option<Hover>,
     /// The intensities along the inspected line pair; while others are being matched, of the lines before.
     pub inspection: Option<&'a Inspection>,
+    /// What is known about the pictures, whether or not it is in use.
+    pub known: Option<&'a Known>,
+    /// The result beside other methods and the truth; while another is awaited, the comparison before.
+    pub comparison: Option<&'a Comparison>,
     /// Which overlays are shown, in the order of their list.
     pub overlays: &'a [bool],
     /// The other choices about what is drawn.
@@ -55,13 +62,15 @@ pub struct Scene<'a> {
     pub messages: &'a [Message],
 }
 
-/// The geometry that the whole window shows: the hypothesis that was chosen, or else the result.
+/// The geometry that the whole window shows: the hypothesis or the other method's that was chosen, or else the result.
 #[derive(Clone, Copy)]
 pub struct Shown<'a> {
     /// Its matrix.
     pub fundamental: &'a FundamentalMatrix,
     /// The hypothesis, with its place in the list, if one was chosen.
     pub hypothesis: Option<(usize, &'a Hypothesis)>,
+    /// Whose it is, if one of another method or the true one was chosen.
+    pub contestant: Option<Contestant>,
     /// The result it belongs to.
     pub estimate: &'a Estimate,
     /// How that relates to the points as they are now.
@@ -84,13 +93,53 @@ impl<'a> Scene<'a> {
     pub fn shown(&self) -> Option<Shown<'a>> {
         let (estimate, freshness) = self.computation.result()?;
         let hypothesis = self.focus.hypothesis().and_then(|k| Some((k, estimate.hypotheses.get(k)?)));
-        let fundamental = hypothesis.map_or(&estimate.fundamental, |(_, hypothesis)| &hypothesis.fundamental);
-        Some(Shown { fundamental, hypothesis, estimate, freshness })
+        let compared = self.focus.contestant().zip(self.comparison);
+        let compared = compared.and_then(|(contestant, c)| Some((contestant, c.fundamental(contestant)?)));
+        let fundamental = match (hypothesis, compared) {
+            (Some((_, hypothesis)), _) => &hypothesis.fundamental,
+            (None, Some((_, fundamental))) => fundamental,
+            (None, None) => &estimate.fundamental,
+        };
+        let contestant = compared.map(|(contestant, _)| contestant);
+        Some(Shown { fundamental, hypothesis, contestant, estimate, freshness })
+    }
+
+    /// The folder whose pairs are offered, and which of them is open.
+    pub fn folder(&self) -> Option<(&'a TruthFolder, [usize; 2])> {
+        self.known?.folder.as_ref().map(|(folder, pair)| (folder.as_ref(), *pair))
+    }
+
+    /// Why no random trial can be drawn, if that is so.
+    pub fn no_trial(&self) -> Option<&'static str> {
+        match (self.known, &self.document.truth) {
+            (None, _) => Some(NO_TRUTH),
+            (Some(_), None) => {
+                Some("A random trial clicks true matches: switch the ground truth on first (G).")
+            }
+            (Some(_), Some(_)) => None,
+        }
+    }
+
+    /// Whether something else than the result was chosen to be shown.
+    pub fn shows_another(&self) -> bool {
+        self.focus.hypothesis().is_some() || self.focus.contestant().is_some()
+    }
+
+    /// The ground truth in use.
+    pub fn truth(&self) -> Option<&'a GroundTruth> {
+        self.document.truth.as_ref()?;
+        self.known.map(|known| known.truth.as_ref())
     }
 
     /// The lines that the geometry shown is built from: those of the hypothesis that was chosen, or else of the
-    /// result, or of the best hypothesis while there is none.
+    /// result, or of the best hypothesis while there is none. Other methods build from points.
     pub fn construction(&self) -> Option<&'a Construction> {
+        self.shown().filter(|shown| shown.contestant.is_none())?;
+        self.own_construction()
+    }
+
+    /// [`Scene::construction`] of the estimate, also while the geometry of another method is shown.
+    fn own_construction(&self) -> Option<&'a Construction> {
         let shown = self.shown()?;
         let hypothesis = shown.hypothesis.map(|(_, hypothesis)| hypothesis);
         let result = || shown.estimate.examined.as_ref().or(shown.estimate.hypotheses.first());
@@ -123,7 +172,7 @@ impl<'a> Scene<'a> {
 
     /// Two epipolar lines of the geometry shown, directed alike.
     fn corresponding(&self, line1: &Line, line2: &Line) -> Option<[AnchoredLine; 2]> {
-        let turn = self.construction().map_or(0.0, Construction::turn);
+        let turn = self.own_construction().map_or(0.0, Construction::turn);
         let clicks = *self.document.used_pairs()?.first_chunk::<2>()?;
         let own = Construction::of(self.shown()?.fundamental, clicks, turn)?;
         own.corresponding(line1, line2).map(|(line1, line2)| [line1, line2])

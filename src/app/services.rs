@@ -13,6 +13,9 @@ use crate::suggest::{ClickedImage, SuggestParameters, suggest};
 /// Refits the most supported of some earlier geometries of the same pictures to moved points, in milliseconds.
 pub type FollowFn = dyn FnMut(&Request, &[&Estimate]) -> Option<Estimate> + Send;
 
+/// Asks for a path with a dialog of the system, and returns when that is closed.
+pub type PickFn = dyn Fn() -> Option<PathBuf> + Send + Sync;
+
 /// The computations and the system's dialogs.
 pub struct Services {
     /// The search for a geometry.
@@ -22,7 +25,9 @@ pub struct Services {
     /// What is offered for the second click of a pair.
     pub suggest: Box<SuggestFn>,
     /// The system's dialog for choosing a file; `None` when it was cancelled or could not open.
-    pub pick_file: Arc<dyn Fn() -> Option<PathBuf> + Send + Sync>,
+    pub pick_file: Arc<PickFn>,
+    /// The system's dialog for choosing a folder; `None` as for a file.
+    pub pick_folder: Arc<PickFn>,
 }
 
 impl Default for Services {
@@ -48,6 +53,7 @@ impl Default for Services {
                 suggest(&prepared, point, clicked, f, &SuggestParameters::default())
             }),
             pick_file: Arc::new(pick_file),
+            pick_folder: Arc::new(pick_folder),
         }
     }
 }
@@ -81,4 +87,8 @@ impl PreparedCache {
 fn pick_file() -> Option<PathBuf> {
     let extensions = ["png", "jpg", "jpeg", "tif", "tiff", "bmp", "pgm", "ppm", "pnm", "pbm", "webp"];
     rfd::FileDialog::new().set_title("Open an image").add_filter("Images", &extensions).pick_file()
+}
+
+fn pick_folder() -> Option<PathBuf> {
+    rfd::FileDialog::new().set_title("Open a folder with ground truth").pick_folder()
 }

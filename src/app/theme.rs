@@ -1,7 +1,7 @@
 //! Design tokens: every colour, width and size of the window.
 //!
 //! Colours over the images follow the palette of Okabe and Ito, which people with any common colour
-//! vision tell apart: estimated lines green (true lines will be blue), pairs orange, pink and sky blue.
+//! vision tell apart: estimated lines green, true ones blue, pairs orange, pink and sky blue.
 //! They are the same in both themes, since the images are; a dark halo keeps them legible on bright and
 //! dark pictures alike.
 
@@ -14,6 +14,8 @@ use egui::{
 pub const ESTIMATED: Color32 = Color32::from_rgb(26, 204, 140);
 /// Bands around them.
 pub const BAND: Color32 = Color32::from_rgb(30, 130, 96);
+/// Lines and matches of the true geometry.
+pub const TRUE: Color32 = Color32::from_rgb(64, 132, 255);
 /// The line pair of the cursor.
 pub const HOVER: Color32 = Color32::from_rgb(240, 228, 66);
 /// Dark edge around everything drawn over an image.
@@ -29,7 +31,7 @@ pub const INSPECTED: Color32 = Color32::WHITE;
 /// Pinned line pairs, the same in both images and in the plots; another after each, then from the start.
 pub const PINNED: [Color32; 4] = [
     Color32::from_rgb(230, 110, 40),
-    Color32::from_rgb(90, 150, 255),
+    Color32::from_rgb(205, 170, 115),
     Color32::from_rgb(214, 120, 255),
     Color32::from_rgb(80, 220, 230),
 ];

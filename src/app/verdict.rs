@@ -174,7 +174,8 @@ pub fn hypothesis_facts(document: &Document, hypothesis: &Hypothesis) -> Vec<Fac
     facts
 }
 
-fn epipoles(document: &Document, f: &FundamentalMatrix) -> Vec<Fact> {
+/// Where the epipoles of a geometry are.
+pub fn epipoles(document: &Document, f: &FundamentalMatrix) -> Vec<Fact> {
     let frame = |k: usize| document.pictures.as_ref().map(|pictures| pictures[k].frame);
     vec![
         Fact {

@@ -1,4 +1,4 @@
-//! `epiline [LEFT RIGHT]`: the window.
+//! `epiline [LEFT RIGHT | DIR]`: the window.
 
 use std::path::PathBuf;
 
@@ -11,7 +11,8 @@ use crate::geometry::PointPair;
 /// What the window opens with.
 #[derive(Debug, Args)]
 pub(super) struct Arguments {
-    /// Two images to open; without them the built-in sample opens
+    /// Two images to open, or one folder with ground truth (VGG layout, or pairs NAMEA.*, NAMEB.* with NAME.txt);
+    /// without them the built-in sample opens
     #[arg(value_names = ["LEFT", "RIGHT"], num_args = 0..=2)]
     images: Vec<PathBuf>,
     /// Point pair to place, pixels in the left and in the right image; repeatable
@@ -21,27 +22,41 @@ pub(super) struct Arguments {
 
 /// Opens the window and returns when it is closed.
 pub(super) fn run(arguments: Arguments) -> Result<(), CliError> {
-    let images = match <[PathBuf; 2]>::try_from(arguments.images) {
-        Ok(images) => Some(images),
-        Err(none) if none.is_empty() => None,
-        Err(_) => {
-            return Err(CliError::Arguments("two images are needed, LEFT and RIGHT, one was given".into()));
+    let what = match &arguments.images[..] {
+        [] => Shown::Sample,
+        [left, right] => Shown::Images(left.clone(), right.clone()),
+        [folder] if folder.is_dir() => Shown::Folder(folder.clone()),
+        _ => {
+            let problem =
+                "two images are needed, LEFT and RIGHT, or one folder with ground truth; one file was given";
+            return Err(CliError::Arguments(problem.into()));
         }
     };
-    open(images, arguments.pairs)
+    open(what, arguments.pairs)
+}
+
+/// What the window opens with.
+enum Shown {
+    Sample,
+    Images(PathBuf, PathBuf),
+    Folder(PathBuf),
 }
 
 /// Hands over to the window.
 #[cfg(feature = "inspector")]
-fn open(images: Option<[PathBuf; 2]>, pairs: Vec<PointPair>) -> Result<(), CliError> {
+fn open(what: Shown, pairs: Vec<PointPair>) -> Result<(), CliError> {
     use crate::app::{Opening, Start, run};
-    let opening = images.map_or(Opening::Sample, |[left, right]| Opening::Files(left, right));
+    let opening = match what {
+        Shown::Sample => Opening::Sample,
+        Shown::Images(left, right) => Opening::Files(left, right),
+        Shown::Folder(folder) => Opening::Folder(folder),
+    };
     run(Start { opening, pairs }).map_err(|error| CliError::Window(error.to_string()))
 }
 
 /// Without the window there is only the command line.
 #[cfg(not(feature = "inspector"))]
-fn open(_images: Option<[PathBuf; 2]>, _pairs: Vec<PointPair>) -> Result<(), CliError> {
+fn open(_what: Shown, _pairs: Vec<PointPair>) -> Result<(), CliError> {
     Err(CliError::Window(
         "this build has no window; use the commands estimate and evaluate, or build with the feature inspector"
             .into(),

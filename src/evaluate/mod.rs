@@ -28,6 +28,7 @@
 //! - Times are those of one trial on [`Plan::threads_per_trial`] threads while other trials run beside it.
 
 mod bootstrap;
+mod comparison;
 mod contender;
 mod printed;
 mod protocol;
@@ -40,9 +41,10 @@ mod statistics;
 mod table;
 
 pub use bootstrap::Interval;
+pub use comparison::{Distances, Fit, FitError, Spread, fit_eight, fit_seven};
 pub use contender::{Choice, Contender, METHODS, MethodEntry, Outcome, contenders, method_names};
 pub use printed::PrintedErrors;
-pub use protocol::{Draws, Protocol};
+pub use protocol::{Draws, KnownPair, Protocol};
 pub use ranking::SearchRecord;
 pub use report::{Overall, Record, Report, Settings, Shares, TrialRecord, Verdicts};
 pub use run::{Plan, TrialDone, run};

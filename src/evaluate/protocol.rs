@@ -8,11 +8,11 @@
 use std::f64::consts::TAU;
 
 use rand::{Rng, RngExt};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::Scene;
 use super::random::{Purpose, generator};
-use crate::geometry::{Frame, Point, PointPair};
+use crate::geometry::{Frame, FundamentalMatrix, Point, PointPair};
 
 /// Clicked points are at least this far apart in both images, px, as in the published experiment.
 const SPACING: f64 = 30.0;
@@ -20,8 +20,55 @@ const SPACING: f64 = 30.0;
 /// Well-posed clicks lie at least this fraction of the image's longer side off each other's epipolar line.
 const OFF_LINE: f64 = 0.12;
 
+/// What the choice of clicks depends on: all that is known about an image pair, but not its pixels.
+#[derive(Debug, Clone, Copy)]
+pub struct KnownPair<'a> {
+    /// Its name.
+    pub name: &'a str,
+    /// The sizes of the images.
+    pub frames: [Frame; 2],
+    /// The true F.
+    pub truth: &'a FundamentalMatrix,
+    /// All true matches.
+    pub matches: &'a [PointPair],
+}
+
+impl KnownPair<'_> {
+    fn shows(&self, pair: &PointPair) -> bool {
+        self.frames[0].contains(pair.point1) && self.frames[1].contains(pair.point2)
+    }
+
+    /// Adds true matches to clicked ones until there are `count`, each drawn at random among those at least 30 px
+    /// from all before it in both images; the numbers of the matches added, or `None` when there are not enough.
+    /// A `seed` and a `trial` always give the same ones.
+    pub fn further(
+        &self,
+        clicked: &[PointPair],
+        count: usize,
+        seed: u64,
+        trial: usize,
+    ) -> Option<Vec<usize>> {
+        let mut random = generator(seed, self.name, Purpose::Further, trial);
+        let mut all = clicked.to_vec();
+        let mut added = Vec::new();
+        while all.len() < count {
+            let free: Vec<_> = (0..self.matches.len())
+                .filter(|k| self.shows(&self.matches[*k]))
+                .filter(|k| all.iter().all(|other| apart(other, &self.matches[*k])))
+                .collect();
+            if free.is_empty() {
+                return None;
+            }
+            let chosen = free[random.random_range(0..free.len())];
+            added.push(chosen);
+            all.push(self.matches[chosen]);
+        }
+        Some(added)
+    }
+}
+
 /// How clicks are chosen among the true matches.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Protocol {
     /// Any matches at least 30 px apart in both images.
@@ -45,8 +92,8 @@ impl Protocol {
     }
 
     /// Whether two true matches may be clicked together.
-    pub fn allows(self, scene: &Scene, p: &PointPair, q: &PointPair) -> bool {
-        apart(p, q) && (self == Self::Paper || off_lines(scene, p, q))
+    pub fn allows(self, known: &KnownPair, p: &PointPair, q: &PointPair) -> bool {
+        apart(p, q) && (self == Self::Paper || off_lines(known, p, q))
     }
 }
 
@@ -56,18 +103,18 @@ fn apart(p: &PointPair, q: &PointPair) -> bool {
 }
 
 /// Each point far enough from the other's true epipolar line, in both images.
-fn off_lines(scene: &Scene, p: &PointPair, q: &PointPair) -> bool {
-    let [limit1, limit2] = [0, 1].map(|k| OFF_LINE * scene.images[k].frame().longer_side());
+fn off_lines(known: &KnownPair, p: &PointPair, q: &PointPair) -> bool {
+    let [limit1, limit2] = known.frames.map(|frame| OFF_LINE * frame.longer_side());
     [(p, q), (q, p)].into_iter().all(|(a, b)| {
-        scene.truth.line1_from_point2(a.point2).is_some_and(|l| l.distance(b.point1) >= limit1)
-            && scene.truth.line2_from_point1(a.point1).is_some_and(|l| l.distance(b.point2) >= limit2)
+        known.truth.line1_from_point2(a.point2).is_some_and(|l| l.distance(b.point1) >= limit1)
+            && known.truth.line2_from_point1(a.point1).is_some_and(|l| l.distance(b.point2) >= limit2)
     })
 }
 
-/// The clicks of all trials on one scene.
+/// The clicks of all trials on one image pair.
 #[derive(Debug)]
 pub struct Draws<'a> {
-    scene: &'a Scene,
+    known: KnownPair<'a>,
     protocol: Protocol,
     seed: u64,
     /// Standard deviation of the click noise, px.
@@ -79,22 +126,27 @@ pub struct Draws<'a> {
 impl<'a> Draws<'a> {
     /// Chooses the matches of up to `trials` trials; fewer when there are not enough combinations.
     pub fn new(scene: &'a Scene, protocol: Protocol, trials: usize, noise: f64, seed: u64) -> Self {
-        let matches = &scene.matches;
-        let visible: Vec<_> = (0..matches.len()).filter(|k| inside(scene, &matches[*k])).collect();
+        Self::among(scene.known(), protocol, trials, noise, seed)
+    }
+
+    /// [`Draws::new`] where there is no scene. Takes time and memory in the square of the number of matches.
+    pub fn among(known: KnownPair<'a>, protocol: Protocol, trials: usize, noise: f64, seed: u64) -> Self {
+        let matches = known.matches;
+        let visible: Vec<_> = (0..matches.len()).filter(|k| known.shows(&matches[*k])).collect();
         let mut firsts: Vec<[usize; 2]> = visible
             .iter()
             .enumerate()
             .flat_map(|(n, i)| visible[n + 1..].iter().map(move |j| [*i, *j]))
-            .filter(|[i, j]| protocol.allows(scene, &matches[*i], &matches[*j]))
+            .filter(|[i, j]| protocol.allows(&known, &matches[*i], &matches[*j]))
             .collect();
-        let mut random = generator(seed, &scene.name, Purpose::Combinations, 0);
+        let mut random = generator(seed, known.name, Purpose::Combinations, 0);
         let count = trials.min(firsts.len());
         for k in 0..count {
             let other = random.random_range(k..firsts.len());
             firsts.swap(k, other);
         }
         firsts.truncate(count);
-        Self { scene, protocol, seed, noise, firsts }
+        Self { known, protocol, seed, noise, firsts }
     }
 
     /// How many trials there are.
@@ -105,28 +157,18 @@ impl<'a> Draws<'a> {
     /// The indices of the first `count` matches clicked in a trial; `None` when no further match is far enough
     /// from those before it.
     pub fn matches(&self, trial: usize, count: usize) -> Option<Vec<usize>> {
-        let all = &self.scene.matches;
         let mut chosen = self.firsts.get(trial)?.to_vec();
-        let mut random = generator(self.seed, &self.scene.name, Purpose::Further, trial);
-        while chosen.len() < count {
-            let free: Vec<_> = (0..all.len())
-                .filter(|k| inside(self.scene, &all[*k]))
-                .filter(|k| chosen.iter().all(|c| apart(&all[*c], &all[*k])))
-                .collect();
-            if free.is_empty() {
-                return None;
-            }
-            chosen.push(free[random.random_range(0..free.len())]);
-        }
         chosen.truncate(count);
+        let first: Vec<PointPair> = chosen.iter().map(|k| self.known.matches[*k]).collect();
+        chosen.extend(self.known.further(&first, count, self.seed, trial)?);
         Some(chosen)
     }
 
     /// The clicks on the given matches: with noise, kept inside the images, and with the mistake of the protocol.
     pub fn clicks(&self, trial: usize, matches: &[usize]) -> Vec<PointPair> {
-        let mut random = generator(self.seed, &self.scene.name, Purpose::Noise, trial);
-        let [frame1, frame2] = [0, 1].map(|k| self.scene.images[k].frame());
-        let mut meant: Vec<PointPair> = matches.iter().map(|k| self.scene.matches[*k]).collect();
+        let mut random = generator(self.seed, self.known.name, Purpose::Noise, trial);
+        let [frame1, frame2] = self.known.frames;
+        let mut meant: Vec<PointPair> = matches.iter().map(|k| self.known.matches[*k]).collect();
         if let (Protocol::WrongClick, Some(second)) = (self.protocol, meant.get_mut(1)) {
             second.point2 = self.mistake(trial, second.point2);
         }
@@ -146,21 +188,17 @@ impl<'a> Draws<'a> {
 
     /// A point of another match in image 2, not near the right one.
     fn mistake(&self, trial: usize, right: Point) -> Point {
-        let mut random = generator(self.seed, &self.scene.name, Purpose::Mistake, trial);
+        let mut random = generator(self.seed, self.known.name, Purpose::Mistake, trial);
         let others: Vec<Point> = self
-            .scene
+            .known
             .matches
             .iter()
-            .filter(|m| inside(self.scene, m) && (m.point2 - right).norm() >= SPACING)
+            .filter(|m| self.known.shows(m) && (m.point2 - right).norm() >= SPACING)
             .map(|m| m.point2)
             .collect();
         // The other clicked match is among them.
         others[random.random_range(0..others.len())]
     }
-}
-
-fn inside(scene: &Scene, pair: &PointPair) -> bool {
-    scene.images[0].frame().contains(pair.point1) && scene.images[1].frame().contains(pair.point2)
 }
 
 /// The point with Gaussian noise in both coordinates (Box and Muller), kept on pixel centres.
@@ -270,7 +308,7 @@ mod tests {
         for trial in 0..draws.trials() {
             let matches = draws.matches(trial, 2).unwrap();
             for (k, click) in matches.iter().zip(draws.clicks(trial, &matches)) {
-                assert!(inside(&scene, &click));
+                assert!(scene.known().shows(&click));
                 let exact = scene.matches[*k];
                 squares.push((click.point1 - exact.point1).norm_squared() / 2.0);
                 squares.push((click.point2 - exact.point2).norm_squared() / 2.0);
@@ -282,7 +320,9 @@ mod tests {
 
         let wild = Draws::new(&scene, Protocol::Paper, 50, 5000.0, 11);
         for trial in 0..wild.trials() {
-            assert!(wild.clicks(trial, &wild.matches(trial, 2).unwrap()).iter().all(|c| inside(&scene, c)));
+            assert!(
+                wild.clicks(trial, &wild.matches(trial, 2).unwrap()).iter().all(|c| scene.known().shows(c))
+            );
         }
     }
 }

@@ -6,14 +6,12 @@ use std::sync::Arc;
 
 use thiserror::Error;
 
-use super::PrintedErrors;
 use super::printed::printed_errors;
 use super::statistics::mean;
-use crate::geometry::{
-    Camera, EightPointError, FundamentalMatrix, PointPair, eight_point, symmetric_epipolar_distance,
-};
+use super::{KnownPair, PrintedErrors};
+use crate::geometry::{FundamentalMatrix, PointPair, symmetric_epipolar_distance};
 use crate::image::{GrayPlane, LoadError, Picture};
-use crate::io::{ReadError, VggFolder, pair_folder, read_point_pairs};
+use crate::io::{GroundTruth, ReadError, TruthError, VggFolder, pair_folder};
 
 /// Why nothing could be evaluated. Each message is one sentence for the user.
 #[derive(Debug, Error)]
@@ -24,20 +22,9 @@ pub enum EvaluateError {
     /// An image could not be read.
     #[error(transparent)]
     Load(#[from] LoadError),
-    /// The matches of a pair determine no true F.
-    #[error("{name}: no true geometry, because {source}")]
-    Truth {
-        /// The pair.
-        name: String,
-        /// Why.
-        source: EightPointError,
-    },
-    /// Two cameras have no F.
-    #[error("{name}: the two cameras have the same centre, so there is no true geometry")]
-    SameCentre {
-        /// The pair.
-        name: String,
-    },
+    /// A pair has no ground truth.
+    #[error(transparent)]
+    Truth(#[from] TruthError),
     /// No pair has the asked name.
     #[error("there is no pair called {name}; there are {known}")]
     UnknownPair {
@@ -88,6 +75,17 @@ pub struct Scene {
 }
 
 impl Scene {
+    fn new(known: GroundTruth, images: [Arc<GrayPlane>; 2], printed: Option<PrintedErrors>) -> Self {
+        let GroundTruth { name, fundamental: truth, matches, .. } = known;
+        Self { name, images, matches, truth, printed }
+    }
+
+    /// What the choice of clicks depends on.
+    pub fn known(&self) -> KnownPair<'_> {
+        let frames = self.images.each_ref().map(|image| image.frame());
+        KnownPair { name: &self.name, frames, truth: &self.truth, matches: &self.matches }
+    }
+
     /// The longer side of the larger image, px.
     pub fn longer_side(&self) -> f64 {
         self.images.iter().map(|i| i.frame().longer_side()).fold(0.0, f64::max)
@@ -125,14 +123,13 @@ pub fn vgg_scenes(folder: &Path, step: usize, only: &[String]) -> Result<Vec<Sce
     };
     chosen(named, only, |(name, ..)| name)?
         .into_iter()
-        .map(|(name, view1, view2)| {
-            let truth = Camera::fundamental(&set.cameras[view1], &set.cameras[view2])
-                .ok_or_else(|| EvaluateError::SameCentre { name: name.clone() })?;
+        .map(|(_, view1, view2)| {
+            let truth = GroundTruth::of_views(&set, [view1, view2])?;
             let images = [load(view1)?, load(view2)?];
             let frame = images[0].frame();
             let size = [frame.width, frame.height];
             let printed = printed_errors(&set.prefix, views, size, [view1, view2]);
-            Ok(Scene { name, images, matches: set.matches(view1, view2), truth, printed })
+            Ok(Scene::new(truth, images, printed))
         })
         .collect()
 }
@@ -143,13 +140,10 @@ pub fn pair_scenes(folder: &Path, only: &[String]) -> Result<Vec<Scene>, Evaluat
     chosen(pair_folder(folder)?, only, |files| &files.name)?
         .into_iter()
         .map(|files| {
-            let matches = read_point_pairs(&files.matches)?;
-            let name = files.name;
-            let truth = eight_point(&matches)
-                .map_err(|source| EvaluateError::Truth { name: name.clone(), source })?;
+            let truth = GroundTruth::of_pair(&files)?;
             let [a, b] = files.images;
             let images = [Arc::new(Picture::open(&a)?.gray), Arc::new(Picture::open(&b)?.gray)];
-            Ok(Scene { name, images, matches, truth, printed: None })
+            Ok(Scene::new(truth, images, None))
         })
         .collect()
 }
@@ -166,7 +160,7 @@ fn chosen<T>(all: Vec<T>, only: &[String], name: impl Fn(&T) -> &String) -> Resu
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
-    use crate::geometry::Frame;
+    use crate::geometry::{Camera, Frame};
 
     /// A scene of exact matches under two general cameras, images grey.
     pub(in crate::evaluate) fn example_scene(name: &str, matches: usize) -> Scene {

@@ -17,6 +17,16 @@ pub struct PairFiles {
 
 /// All pairs of a folder by name; at least one. Text files without any image (notes) are passed over.
 pub fn pair_folder(folder: &Path) -> Result<Vec<PairFiles>, ReadError> {
+    let pairs = find_pairs(folder)?;
+    if pairs.is_empty() {
+        let problem = "no pairs found, expected images NAMEA.*, NAMEB.* and matches NAME.txt";
+        return Err(ReadError::content(folder, problem));
+    }
+    Ok(pairs)
+}
+
+/// [`pair_folder`], maybe none.
+pub(super) fn find_pairs(folder: &Path) -> Result<Vec<PairFiles>, ReadError> {
     let entries = read_folder(folder)?;
     let mut pairs = Vec::new();
     for matches in &entries {
@@ -42,10 +52,6 @@ pub fn pair_folder(folder: &Path) -> Result<Vec<PairFiles>, ReadError> {
                 return Err(ReadError::content(folder, problem));
             }
         }
-    }
-    if pairs.is_empty() {
-        let problem = "no pairs found, expected images NAMEA.*, NAMEB.* and matches NAME.txt";
-        return Err(ReadError::content(folder, problem));
     }
     Ok(pairs)
 }

@@ -116,6 +116,7 @@ pub fn services() -> Services {
         follow: Box::new(|_, _| None),
         suggest: Box::new(|_| Err(SuggestError::Flat)),
         pick_file: Arc::new(|| None),
+        pick_folder: Arc::new(|| None),
     }
 }
 

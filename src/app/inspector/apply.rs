@@ -14,6 +14,7 @@ use crate::app::history::Step;
 use crate::app::loader::Source;
 use crate::app::look::Tool;
 use crate::estimate::{Parameters, Preset};
+use crate::geometry::Vector;
 
 impl Inspector {
     /// Does what a command says.
@@ -21,9 +22,18 @@ impl Inspector {
         match command {
             Command::ShowOpenDialog => self.open_dialog.show_empty(),
             Command::OfferFile(path) => self.offer(&path),
-            Command::OpenSample => self.loader.open_sample(),
+            Command::OpenSample => {
+                self.loader.open_sample();
+                self.wanted = None;
+            }
             Command::OpenFiles(paths) => self.open_files(paths),
-            Command::Browse(side) => self.browse(side),
+            Command::Browse(side) => self.browse(Some(side)),
+            Command::OpenFolder(_)
+            | Command::BrowseFolder
+            | Command::OpenViews(_)
+            | Command::StepPair { .. }
+            | Command::ToggleTruth
+            | Command::RandomTrial(_) => self.apply_to_known(command),
             Command::ShowMe => {
                 if let Some(pairs) = self.show_me {
                     self.edit(Step::Single, |document| document.set_pairs(pairs.to_vec()));
@@ -56,13 +66,7 @@ impl Inspector {
                 self.edit(Step::Merged(EditKey::Drag(at)), |document| document.move_to(at, point));
             }
             Command::EndDrag => self.history.close_step(),
-            Command::Nudge(by) => {
-                if let Some(at) = self.document.selection
-                    && let Some(point) = self.document.point(at)
-                {
-                    self.edit(Step::Merged(EditKey::Nudge(at)), |document| document.move_to(at, point + by));
-                }
-            }
+            Command::Nudge(by) => self.nudge(by),
             Command::Select(at) => self.select(at),
             Command::SetMethod(method) => {
                 self.edit(Step::Single, |document| document.parameters.method = method);
@@ -71,6 +75,8 @@ impl Inspector {
             // Collected by `Inspector::show`, since only what is pointed at in this frame counts.
             Command::PointAt(_) => {}
             Command::ChooseHypothesis(number) => self.focus.choose_hypothesis(number),
+            Command::ChooseContestant(contestant) => self.focus.choose_contestant(contestant),
+            Command::Compare(subject) => self.look.compared = subject,
             Command::Pin(source) => self.focus.pin(source),
             Command::Inspect(number) => self.focus.inspect(number),
             Command::Unpin(number) => self.focus.unpin(number),
@@ -115,10 +121,19 @@ impl Inspector {
     }
 
     /// Changes the document and notes it in the history.
-    fn edit(&mut self, step: Step<EditKey>, change: impl FnOnce(&mut Document)) {
+    pub(super) fn edit(&mut self, step: Step<EditKey>, change: impl FnOnce(&mut Document)) {
         let before = self.document.clone();
         change(&mut self.document);
         self.history.record(before, &self.document, step);
+    }
+
+    /// Moves the selected point; a run of moves is one step.
+    fn nudge(&mut self, by: Vector) {
+        if let Some(at) = self.document.selection
+            && let Some(point) = self.document.point(at)
+        {
+            self.edit(Step::Merged(EditKey::Nudge(at)), |document| document.move_to(at, point + by));
+        }
     }
 
     /// Choosing a point is no step of its own, but ends a run of moves.
@@ -199,20 +214,29 @@ impl Inspector {
         });
     }
 
-    /// A dropped or chosen file: two of them open, the first one waits in the dialog.
+    /// A dropped or chosen file: two of them open, the first one waits in the dialog. A folder opens at once.
     fn offer(&mut self, path: &std::path::Path) {
+        if path.is_dir() {
+            self.open_folder(path.to_owned());
+            return;
+        }
         if let Some([left, right]) = self.open_dialog.offer(path, None) {
             self.open_files([Some(left), Some(right)]);
         }
     }
 
     fn open_files(&mut self, paths: [Option<PathBuf>; 2]) {
+        if let Some(folder) = paths.iter().flatten().find(|path| path.is_dir()) {
+            self.open_folder(folder.clone());
+            return;
+        }
         let [left, right] = paths;
         let kept = |side: Side| self.pictures.as_ref().map(|pictures| pictures[side.index()].clone());
         let source =
             |path: Option<PathBuf>, side| path.map(Source::File).or_else(|| kept(side).map(Source::Keep));
         if let (Some(left), Some(right)) = (source(left, Side::Left), source(right, Side::Right)) {
             self.loader.open([left, right]);
+            self.wanted = None;
             self.open_dialog.open = false;
         } else {
             self.tell("Two images are needed: name a left and a right one.".into());
@@ -220,16 +244,17 @@ impl Inspector {
     }
 
     /// Shows the system's dialog in a thread of its own, since it returns only when it is closed.
-    fn browse(&mut self, side: Side) {
+    pub(super) fn browse(&mut self, side: Option<Side>) {
         if self.picking.is_some() {
             self.tell("A file dialog is open already. Finish it first, or type a path.".into());
             return;
         }
         let (sender, answer) = channel();
-        let (pick_file, waker) = (Arc::clone(&self.pick_file), self.waker.clone());
+        let pick = if side.is_some() { &self.pick_file } else { &self.pick_folder };
+        let (pick, waker) = (Arc::clone(pick), self.waker.clone());
         let thread = std::thread::Builder::new().name("file dialog".into()).spawn(move || {
             let start = Instant::now();
-            let picked = pick_file();
+            let picked = pick();
             // Nobody waits for it any more when the window has closed.
             let _ = sender.send((picked, start.elapsed()));
             waker.wake();

@@ -4,6 +4,7 @@
 //! and panels return commands), apply these, bring the computation in line with the document.
 
 mod apply;
+mod known;
 mod layout;
 
 use std::path::PathBuf;
@@ -15,6 +16,7 @@ use egui::Ui;
 
 use super::Start;
 use super::command::{self, Command};
+use super::comparison::{Comparing, Question as Comparand};
 use super::computation::{Computation, Freshness};
 use super::document::{Document, PictureIdentity, PointRef, Side};
 use super::focus::Focus;
@@ -22,11 +24,13 @@ use super::history::History;
 use super::inspection::{InspectionRequest, Matcher};
 use super::loader::{Loader, Opened, Opening, Pair, Source};
 use super::look::{Look, Tool};
+use super::panels::tabs::TABS;
 use super::panels::{CommandPalette, Message, OpenDialog};
 use super::panes::ImagePane;
 use super::scene::{Hover, Scene};
-use super::services::Services;
+use super::services::{PickFn, Services};
 use super::suggesting::{Question, Suggesting};
+use super::truth::Known;
 use super::waker::Waker;
 use super::worker::Request;
 use crate::estimate::Estimate;
@@ -47,7 +51,8 @@ enum EditKey {
 
 /// A file dialog that is open.
 struct Picking {
-    side: Side,
+    /// Of which image; none when it is a folder.
+    side: Option<Side>,
     /// What was chosen and how long the dialog was open.
     answer: Receiver<(Option<PathBuf>, Duration)>,
 }
@@ -65,6 +70,13 @@ pub struct Inspector {
     /// Point pairs to place once the pictures of the start are there.
     start_pairs: Vec<PointPair>,
     show_me: Option<[PointPair; 2]>,
+    /// What is known about the pictures.
+    known: Option<Known>,
+    /// The views of the folder that are being opened.
+    wanted: Option<[usize; 2]>,
+    /// The seed of the next random trial.
+    next_seed: u64,
+    comparing: Comparing,
     panes: [ImagePane; 2],
     hover: Option<Hover>,
     focus: Focus,
@@ -81,7 +93,8 @@ pub struct Inspector {
     shortcuts_open: bool,
     messages: Vec<Message>,
     messages_shown: u64,
-    pick_file: Arc<dyn Fn() -> Option<PathBuf> + Send + Sync>,
+    pick_file: Arc<PickFn>,
+    pick_folder: Arc<PickFn>,
     picking: Option<Picking>,
     /// The document right after a click placed a point, for a second click to take it back.
     placed: Option<Document>,
@@ -96,6 +109,7 @@ impl Inspector {
         match start.opening {
             Opening::Sample => loader.open_sample(),
             Opening::Files(left, right) => loader.open([Source::File(left), Source::File(right)]),
+            Opening::Folder(path) => loader.open_folder(path),
         }
         Self {
             document: Document::default(),
@@ -108,6 +122,10 @@ impl Inspector {
             opening: 0,
             start_pairs: start.pairs,
             show_me: None,
+            known: None,
+            wanted: None,
+            next_seed: 0,
+            comparing: Comparing::new(waker.clone()),
             panes: Side::BOTH.map(ImagePane::new),
             hover: None,
             focus: Focus::default(),
@@ -123,6 +141,7 @@ impl Inspector {
             messages: Vec::new(),
             messages_shown: 0,
             pick_file: services.pick_file,
+            pick_folder: services.pick_folder,
             picking: None,
             placed: None,
             title: String::new(),
@@ -154,12 +173,13 @@ impl Inspector {
         self.look = look;
     }
 
-    /// Whether pictures are being opened, an estimate computed, or a match searched for.
+    /// Whether pictures are being opened, an estimate computed or compared, or a match searched for.
     pub fn is_busy(&self) -> bool {
         self.loader.is_busy()
             || self.computation.is_running()
             || self.suggesting.is_busy()
             || self.matcher.is_busy()
+            || self.comparing.is_busy()
             || self.picking.is_some()
     }
 
@@ -196,6 +216,7 @@ impl Inspector {
         self.computation.follow(self.opening, self.request());
         self.suggesting.follow(self.question());
         self.matcher.follow(self.inspection_request());
+        self.comparing.follow(self.comparand());
         self.name_window(&ctx);
     }
 
@@ -225,6 +246,28 @@ impl Inspector {
         Some(InspectionRequest::new(pictures, self.inspected?, &self.document.parameters))
     }
 
+    /// What is to be compared, while something shows it.
+    fn comparand(&self) -> Option<Comparand> {
+        let scene = self.scene();
+        let tab = scene.tab.is_some_and(|tab| TABS[tab].compares);
+        if !(tab || scene.truth().is_some() || self.focus.contestant().is_some()) {
+            return None;
+        }
+        let pictures = self.document.pictures.as_ref()?;
+        let used = self.document.used().map(|pair| self.document.pairs[pair]).collect();
+        Some(Comparand {
+            result: self.computation.result().map(|(estimate, _)| estimate.fundamental),
+            shown: scene.shown().map(|shown| *shown.fundamental),
+            pairs: self.document.pairs.clone(),
+            excluded: self.document.excluded.iter().copied().collect(),
+            used,
+            frames: pictures.each_ref().map(|picture| picture.frame),
+            truth: scene.truth().and(self.known.as_ref()).map(|known| Arc::clone(&known.truth)),
+            seed: self.document.trial.map_or(0, |trial| trial.seed),
+            subject: self.look.compared,
+        })
+    }
+
     /// What a match is to be suggested for.
     fn question(&self) -> Option<Question> {
         let pictures = self.pictures.as_ref()?;
@@ -244,6 +287,8 @@ impl Inspector {
             hover: self.hover,
             focus: &self.focus,
             inspection: self.matcher.latest(),
+            known: self.known.as_ref(),
+            comparison: self.comparing.latest(),
             tab: (!self.look.tabs_folded).then_some(self.look.tab),
             overlays: &self.look.overlays,
             look: &self.look,
@@ -259,15 +304,17 @@ impl Inspector {
     fn take_news(&mut self, ctx: &egui::Context) {
         self.computation.take_news();
         self.matcher.take_news();
+        self.comparing.take_news();
         if self.revision != self.computation.revision() {
             // Numbers of hypotheses belong to one result.
             self.revision = self.computation.revision();
-            self.focus.choose_hypothesis(None);
+            self.focus.forget_hypothesis();
         }
         match self.loader.poll() {
             Some(Ok(pair)) => self.show_pictures(ctx, pair),
             Some(Err(text)) => {
                 self.start_pairs.clear();
+                self.wanted = None;
                 self.tell(text);
             }
             None => {}
@@ -275,9 +322,10 @@ impl Inspector {
         let picked = self.picking.as_ref().map(|picking| (picking.side, picking.answer.try_recv()));
         match picked {
             None | Some((_, Err(TryRecvError::Empty))) => return,
-            Some((side, Ok((Some(path), _)))) => {
+            Some((Some(side), Ok((Some(path), _)))) => {
                 self.open_dialog.offer(&path, Some(side));
             }
+            Some((None, Ok((Some(path), _)))) => self.open_dialog.offer_folder(&path),
             Some((_, Ok((None, elapsed)))) if elapsed > DIALOG_UNSEEN => {}
             Some(_) => self.tell(
                 "The file dialog could not be opened here. Type a path, or drop the files on this window."
@@ -295,6 +343,11 @@ impl Inspector {
         let identities =
             pair.pictures.each_ref().map(|opened| PictureIdentity::from(opened.picture.as_ref()));
         self.document = Document::new(identities, self.document.parameters.clone());
+        self.document.truth =
+            pair.known.as_ref().filter(|_| pair.uses_truth).map(|known| known.source.clone());
+        self.known = pair.known;
+        self.wanted = None;
+        self.comparing.forget();
         self.history = History::default();
         self.pictures = Some(pair.pictures);
         self.show_me = pair.show_me;

@@ -3,7 +3,7 @@
 use egui::{Button, RichText, Ui, vec2};
 
 use crate::app::command::Command;
-use crate::app::panes::overlays::{OVERLAYS, Visibility};
+use crate::app::panes::overlays::OVERLAYS;
 use crate::app::scene::Scene;
 
 /// Shows the strip.
@@ -13,7 +13,7 @@ pub fn show(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
         ui.spacing_mut().button_padding = vec2(5.0, 1.0);
         ui.spacing_mut().interact_size.y = 20.0;
         for (number, (overlay, shown)) in OVERLAYS.iter().zip(scene.overlays).enumerate() {
-            if overlay.visibility == Visibility::Always {
+            if !overlay.visibility.is_a_choice(scene) {
                 continue;
             }
             let text = RichText::new(format!("      {}", overlay.name)).size(13.0);

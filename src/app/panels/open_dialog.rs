@@ -15,6 +15,7 @@ pub struct OpenDialog {
     /// Whether it is shown.
     pub open: bool,
     paths: [String; 2],
+    folder: String,
     just_opened: bool,
 }
 
@@ -38,13 +39,29 @@ impl OpenDialog {
         }
     }
 
+    /// Fills in a folder, and shows the window.
+    pub fn offer_folder(&mut self, path: &Path) {
+        if !self.open {
+            self.show_empty();
+        }
+        self.folder = path.display().to_string();
+    }
+
     fn typed(&self) -> [Option<PathBuf>; 2] {
-        self.paths.each_ref().map(|text| {
-            // Paths are often pasted with quotes or as an address.
-            let text = text.trim().trim_matches(['"', '\'']);
-            let text = text.strip_prefix("file://").unwrap_or(text);
-            (!text.is_empty()).then(|| PathBuf::from(text))
-        })
+        self.paths.each_ref().map(|text| path_of(text))
+    }
+
+    /// What pressing Enter or the button does, if enough has been typed.
+    fn command(&self, scene: &Scene) -> Option<Command> {
+        if let Some(folder) = path_of(&self.folder) {
+            return Some(Command::OpenFolder(folder));
+        }
+        let typed = self.typed();
+        let enough = match &scene.document.pictures {
+            Some(_) => typed.iter().any(Option::is_some),
+            None => typed.iter().all(Option::is_some),
+        };
+        enough.then_some(Command::OpenFiles(typed))
     }
 
     /// Shows the window.
@@ -66,24 +83,37 @@ impl OpenDialog {
                     ui.horizontal(|ui| self.field(ui, scene, side, commands));
                 }
                 ui.add_space(6.0);
-                let typed = self.typed();
-                let enough = match &scene.document.pictures {
-                    Some(_) => typed.iter().any(Option::is_some),
-                    None => typed.iter().all(Option::is_some),
-                };
+                ui.weak(
+                    "Or a folder whose geometry is known: in the VGG layout, or pairs NAMEA.*, NAMEB.* with NAME.txt.",
+                );
+                ui.add_space(2.0);
+                ui.horizontal(|ui| self.folder_field(ui, commands));
+                ui.add_space(6.0);
+                let command = self.command(scene);
                 ui.horizontal(|ui| {
-                    let open = ui.add_enabled(enough, Button::new("Open these"));
-                    finish_button(ui, open, Command::OpenFiles(typed.clone()), commands);
+                    let open = ui.add_enabled(command.is_some(), Button::new("Open these"));
+                    let described = command.clone().unwrap_or(Command::OpenFiles([None, None]));
+                    finish_button(ui, open, described, commands);
                     command_button(ui, Command::Cancel, true, commands);
                 });
-                if enough && ui.input(|input| input.key_pressed(Key::Enter)) {
-                    commands.push(Command::OpenFiles(typed));
+                if ui.input(|input| input.key_pressed(Key::Enter)) {
+                    commands.extend(command);
                 }
             });
         self.just_opened = false;
         if !open {
             self.open = false;
         }
+    }
+
+    fn folder_field(&mut self, ui: &mut egui::Ui, commands: &mut Vec<Command>) {
+        let label = ui.add_sized([84.0, 26.0], Label::new("Folder"));
+        let edit =
+            TextEdit::singleline(&mut self.folder).hint_text("path of the folder").desired_width(330.0);
+        ui.add(edit).labelled_by(label.id);
+        let browse = ui.button("Browse");
+        browse.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, "Browse for the folder"));
+        finish_button(ui, browse, Command::BrowseFolder, commands);
     }
 
     fn field(&mut self, ui: &mut egui::Ui, scene: &Scene, side: Side, commands: &mut Vec<Command>) {
@@ -110,6 +140,14 @@ impl OpenDialog {
         });
         finish_button(ui, browse, Command::Browse(side), commands);
     }
+}
+
+/// What was typed, as a path.
+fn path_of(text: &str) -> Option<PathBuf> {
+    // Paths are often pasted with quotes or as an address.
+    let text = text.trim().trim_matches(['"', '\'']);
+    let text = text.strip_prefix("file://").unwrap_or(text);
+    (!text.is_empty()).then(|| PathBuf::from(text))
 }
 
 #[cfg(test)]

@@ -4,9 +4,10 @@ use egui::{Align2, Key, Modifiers, RichText, ScrollArea, TextEdit, Ui, Window, v
 
 use super::finish_button;
 use crate::app::command::{Command, key_text};
-use crate::app::panes::overlays::{OVERLAYS, Visibility};
+use crate::app::panes::overlays::OVERLAYS;
 use crate::app::scene::Scene;
 use crate::estimate::{Method, Preset};
+use crate::evaluate::Protocol;
 
 /// What has been typed and which entry is marked.
 #[derive(Debug, Clone, Default)]
@@ -120,7 +121,7 @@ fn entries(scene: &Scene) -> Vec<Entry> {
     ]
     .map(|(command, title)| Entry { title: title.to_owned(), command });
     let overlays = OVERLAYS.iter().zip(scene.overlays).enumerate();
-    let overlays = overlays.filter(|(_, (overlay, _))| overlay.visibility != Visibility::Always).map(
+    let overlays = overlays.filter(|(_, (overlay, _))| overlay.visibility.is_a_choice(scene)).map(
         |(number, (overlay, shown))| Entry {
             title: format!("{} {}", if *shown { "Hide" } else { "Show" }, overlay.name.to_lowercase()),
             command: Command::ToggleOverlay(number),
@@ -128,6 +129,12 @@ fn entries(scene: &Scene) -> Vec<Entry> {
     );
     let with_keys = Command::with_keys().into_iter().map(|command| Entry {
         title: match command {
+            Command::ToggleTruth if scene.truth().is_some() => "Hide the ground truth".to_owned(),
+            Command::ToggleTruth => "Compare with the ground truth".to_owned(),
+            Command::RandomTrial(Protocol::WellPosed) => {
+                "Random trial: two true matches, well-posed".to_owned()
+            }
+            Command::RandomTrial(_) => "Random trial: two true matches, as in the paper".to_owned(),
             Command::ShowMe => "Show me: place two pairs on the sample".to_owned(),
             Command::ToggleInspectTool => "Inspect: pin line pairs".to_owned(),
             Command::FitAll => "Fit both images".to_owned(),
@@ -154,7 +161,12 @@ fn makes_sense(command: &Command, scene: &Scene) -> bool {
         Command::Stop => scene.computation.is_running(),
         Command::Recompute => document.used_pairs().is_some(),
         Command::UnpinAll => !scene.focus.pins().is_empty(),
-        Command::ChooseHypothesis(None) => scene.focus.hypothesis().is_some(),
+        Command::StepPair { forward } => {
+            scene.folder().is_some_and(|(folder, pair)| folder.neighbour(pair, *forward).is_some())
+        }
+        Command::ToggleTruth => scene.known.is_some(),
+        Command::RandomTrial(_) => scene.no_trial().is_none(),
+        Command::ChooseHypothesis(None) => scene.shows_another(),
         _ => true,
     }
 }

@@ -3,6 +3,7 @@
 use egui::{Align, Layout, RichText, Ui};
 
 use crate::app::scene::Scene;
+use crate::evaluate::Protocol;
 use crate::image::Picture;
 
 /// Shows the bar.
@@ -26,6 +27,16 @@ pub fn show(ui: &mut Ui, scene: &Scene, pictures: Option<[&Picture; 2]>) {
         };
         let text = RichText::new(text);
         ui.label(if scene.hover.is_some() { text.monospace() } else { text.weak() });
+        if let Some(trial) = scene.document.trial {
+            let protocol = match trial.protocol {
+                Protocol::Paper => "as in the paper",
+                _ => "well-posed",
+            };
+            ui.separator();
+            ui.label(format!("Random trial, {protocol}, seed {}", trial.seed)).on_hover_text(
+                "The pairs of the estimate are true matches: those of the first trial of epiline evaluate with this seed.",
+            );
+        }
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             ui.weak("Scroll: zoom     Drag: move     Double click: fit     ?: all keys");
         });

@@ -2,6 +2,8 @@
 //!
 //! Painted row by row, and only the rows in sight, so that a long list costs no more than a short one.
 
+use std::sync::Arc;
+
 use egui::{
     Align2, Color32, FontId, Id, Rect, Role, ScrollArea, Sense, Stroke, TextStyle, Ui, WidgetInfo, pos2, vec2,
 };
@@ -16,6 +18,9 @@ pub struct Column {
     pub tooltip: &'static str,
     /// Its share of the width, in points of a table as wide as all its columns.
     pub width: f32,
+    /// Whether it holds words rather than figures: they begin at the left, and where they are long and no figures
+    /// follow they go on over the columns behind.
+    pub is_text: bool,
 }
 
 /// Which column the rows are sorted by.
@@ -43,6 +48,8 @@ pub struct Touched {
     pub hovered: Option<usize>,
     /// The row that was clicked.
     pub clicked: Option<usize>,
+    /// The row whose switch was turned, and whether it is on now.
+    pub toggled: Option<(usize, bool)>,
 }
 
 /// A table to show.
@@ -53,6 +60,8 @@ pub struct Table<'a> {
     pub columns: &'a [Column],
     /// How many rows there are.
     pub rows: usize,
+    /// Another number when the figures are others: then they are sorted anew.
+    pub revision: u64,
     /// What a row is called.
     pub row_name: &'a dyn Fn(usize) -> String,
     /// The figure a row is sorted by in a column; NaN comes last.
@@ -61,9 +70,22 @@ pub struct Table<'a> {
     pub text: &'a dyn Fn(usize, usize) -> String,
     /// How a row looks.
     pub look: &'a dyn Fn(usize) -> Look,
+    /// The switch in front of a row, if it has one: whether it is on, and its name.
+    pub toggle: &'a dyn Fn(usize) -> Option<(bool, String)>,
+}
+
+/// The order of the rows, kept from frame to frame.
+#[derive(Clone)]
+struct Ordered {
+    sort: Sort,
+    revision: u64,
+    rows: usize,
+    order: Arc<[usize]>,
 }
 
 const ROW: f32 = 22.0;
+/// From the edge of a column to its words, screen points.
+const INSET: f32 = 6.0;
 
 impl Table<'_> {
     /// Shows it in all the space there is.
@@ -78,7 +100,7 @@ impl Table<'_> {
             sort = Sort { column: clicked, descending };
             ui.data_mut(|data| data.insert_temp(id, sort));
         }
-        let order = self.order(sort);
+        let order = self.remembered_order(ui, id.with("order"), sort);
         let mut touched = Touched::default();
         ui.spacing_mut().item_spacing.y = 0.0;
         ScrollArea::vertical().id_salt(self.name).auto_shrink([false, false]).show_rows(
@@ -87,8 +109,9 @@ impl Table<'_> {
             order.len(),
             |ui, visible| {
                 for place in visible {
-                    let response = self.row(ui, order[place], place, &edges, id, &font);
-                    if response.hovered() {
+                    let (response, toggled) = self.row(ui, order[place], place, &edges, id, &font);
+                    touched.toggled = touched.toggled.or(toggled);
+                    if response.contains_pointer() {
                         touched.hovered = Some(order[place]);
                     }
                     if response.clicked() {
@@ -110,6 +133,19 @@ impl Table<'_> {
             Some(*sum)
         };
         self.columns.iter().scan(0.0, right).collect()
+    }
+
+    /// The order of the rows, sorted only when something has changed.
+    fn remembered_order(&self, ui: &Ui, id: Id, sort: Sort) -> Arc<[usize]> {
+        let (revision, rows) = (self.revision, self.rows);
+        let kept = ui.data(|data| data.get_temp::<Ordered>(id));
+        if let Some(kept) = kept.filter(|k| k.sort == sort && k.revision == revision && k.rows == rows) {
+            return kept.order;
+        }
+        let order: Arc<[usize]> = self.order(sort).into();
+        let kept = Ordered { sort, revision, rows, order: Arc::clone(&order) };
+        ui.data_mut(|data| data.insert_temp(id, kept));
+        order
     }
 
     fn order(&self, sort: Sort) -> Vec<usize> {
@@ -141,10 +177,13 @@ impl Table<'_> {
             } else {
                 ui.visuals().weak_text_color()
             };
-            let end = cell.right_center() - vec2(14.0, 0.0);
-            ui.painter().text(end, Align2::RIGHT_CENTER, column.title, font.clone(), color);
+            let (start, end) = (cell.left_center() + vec2(INSET, 0.0), cell.right_center() - vec2(14.0, 0.0));
+            let (at, align) =
+                if column.is_text { (start, Align2::LEFT_CENTER) } else { (end, Align2::RIGHT_CENTER) };
+            let title = ui.painter().text(at, align, column.title, font.clone(), color);
             if sort.column == number {
-                sort_mark(ui, cell.right_center() - vec2(6.0, 0.0), sort.descending, color);
+                let mark = title.right_center() + vec2(8.0, 0.0);
+                sort_mark(ui, mark, sort.descending, color);
             }
             if response.on_hover_text(format!("{} Click to sort.", column.tooltip)).clicked() {
                 clicked = Some(number);
@@ -162,7 +201,7 @@ impl Table<'_> {
         edges: &[f32],
         id: Id,
         font: &FontId,
-    ) -> egui::Response {
+    ) -> (egui::Response, Option<(usize, bool)>) {
         let (area, _) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::hover());
         let response = ui.interact(area, id.with(("row", row)), Sense::click());
         let Look { chosen, lit } = (self.look)(row);
@@ -184,11 +223,26 @@ impl Table<'_> {
             let stroke = Stroke::new(1.0, theme::palette(visuals).accent);
             ui.painter().rect_stroke(area, 2.0, stroke, egui::StrokeKind::Inside);
         }
-        for (number, right) in edges.iter().enumerate() {
-            let end = pos2(area.min.x + right - 14.0, area.center().y);
-            ui.painter().text(end, Align2::RIGHT_CENTER, (self.text)(row, number), font.clone(), color);
+        let painter = ui.painter().with_clip_rect(area.intersect(ui.clip_rect()));
+        let mut left = 0.0;
+        for ((number, right), column) in edges.iter().enumerate().zip(self.columns) {
+            let (start, end) = (area.min.x + left + INSET, area.min.x + right - 14.0);
+            let text = (self.text)(row, number);
+            if column.is_text {
+                let at = pos2(start, area.center().y);
+                painter.text(at, Align2::LEFT_CENTER, text, font.clone(), color);
+            } else {
+                painter.text(pos2(end, area.center().y), Align2::RIGHT_CENTER, text, font.clone(), color);
+            }
+            left = *right;
         }
-        response
+        let toggled = (self.toggle)(row).and_then(|(mut on, name)| {
+            let place = Rect::from_center_size(pos2(area.min.x + 12.0, area.center().y), vec2(20.0, ROW));
+            let switch = ui.place(place, egui::Checkbox::without_text(&mut on));
+            switch.widget_info(|| WidgetInfo::selected(Role::CheckBox, true, on, &name));
+            switch.changed().then_some((row, on))
+        });
+        (response, toggled)
     }
 }
 
@@ -214,6 +268,8 @@ mod tests {
             key: &|row, _| figures[row],
             text: &|_, _| String::new(),
             look: &|_| Look::default(),
+            toggle: &|_| None,
+            revision: 0,
         };
         assert_eq!(table.order(Sort { column: 0, descending: false }), [2, 3, 0, 1]);
         assert_eq!(table.order(Sort { column: 0, descending: true }), [0, 3, 2, 1]);

@@ -4,9 +4,10 @@ use egui::{Color32, Grid, Label, RichText, Ui, vec2};
 
 use super::super::{busy, command_button};
 use crate::app::command::Command;
+use crate::app::comparison::Contestant;
 use crate::app::scene::Scene;
 use crate::app::theme;
-use crate::app::verdict::{Fact, Tone, Verdict, hypothesis_facts, verdict};
+use crate::app::verdict::{Fact, Tone, Verdict, epipoles, hypothesis_facts, verdict};
 
 /// Shows it.
 pub fn show(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
@@ -18,10 +19,21 @@ pub fn show(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
             });
         }
     });
-    if let Some((number, hypothesis)) = scene.shown().and_then(|shown| shown.hypothesis) {
-        hypothesis_shown(ui, number, commands);
-        list(ui, hypothesis_facts(scene.document, hypothesis));
-        return;
+    if let Some(shown) = scene.shown() {
+        if let Some((number, hypothesis)) = shown.hypothesis {
+            another_shown(ui, &format!("hypothesis {}", number + 1), commands);
+            list(ui, true_error(scene).chain(hypothesis_facts(scene.document, hypothesis)));
+            return;
+        }
+        if let Some(contestant) = shown.contestant {
+            let name = match contestant {
+                Contestant::Truth => "the true geometry".to_owned(),
+                other => format!("the {} geometry", other.name()),
+            };
+            another_shown(ui, &name, commands);
+            list(ui, true_error(scene).chain(epipoles(scene.document, shown.fundamental)));
+            return;
+        }
     }
     let Verdict { tone, headline, facts, warnings } = verdict(scene.document, scene.computation);
     ui.horizontal_top(|ui| {
@@ -38,11 +50,26 @@ pub fn show(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
         let color = tone_color(ui, Tone::Caution);
         ui.add(Label::new(RichText::new(warning).color(color)).wrap());
     }
-    list(ui, facts);
+    list(ui, true_error(scene).chain(facts));
+}
+
+/// How far the geometry that is shown really is from the truth, where that is known and in use.
+fn true_error(scene: &Scene) -> impl Iterator<Item = Fact> + use<> {
+    let known = scene.truth().zip(scene.comparison).filter(|_| scene.shown().is_some());
+    let fact = known.and_then(|(_, comparison)| {
+        let (error, least) = (comparison.true_error?, comparison.truth_error?);
+        Some(Fact {
+            name: "True error",
+            value: format!("{error:.2} px (the truth: {least:.2} px)"),
+            tooltip: "Mean symmetric epipolar distance of all true matches from the geometry shown. That of the true \
+                      geometry says how exact the matches are: nothing can be expected to do much better.",
+        })
+    });
+    fact.into_iter()
 }
 
 /// Figures with their names.
-fn list(ui: &mut Ui, facts: Vec<Fact>) {
+fn list(ui: &mut Ui, facts: impl Iterator<Item = Fact>) {
     Grid::new("facts").num_columns(2).min_row_height(18.0).spacing([10.0, 3.0]).show(ui, |ui| {
         for fact in facts {
             ui.weak(fact.name).on_hover_text(fact.tooltip);
@@ -53,14 +80,14 @@ fn list(ui: &mut Ui, facts: Vec<Fact>) {
 }
 
 /// Says that the window does not show the result, and leads back to it.
-fn hypothesis_shown(ui: &mut Ui, number: usize, commands: &mut Vec<Command>) {
+fn another_shown(ui: &mut Ui, name: &str, commands: &mut Vec<Command>) {
     let palette = theme::palette(ui.visuals());
     egui::Frame::new()
         .stroke(egui::Stroke::new(1.0, palette.accent))
         .corner_radius(6.0)
         .inner_margin(egui::Margin::symmetric(8, 6))
         .show(ui, |ui| {
-            let text = format!("The images show hypothesis {}, not the result.", number + 1);
+            let text = format!("The images show {name}, not the result.");
             ui.add(Label::new(RichText::new(text).color(palette.accent)).wrap());
             command_button(ui, Command::ChooseHypothesis(None), true, commands);
         });

@@ -17,6 +17,7 @@ pub const TAB: Tab = Tab {
     title: "Hypotheses",
     tooltip: "The geometries that came nearest, with the figures they were judged by.",
     inspects: false,
+    compares: false,
     tools,
     show,
 };
@@ -26,45 +27,52 @@ const COLUMNS: [Column; 7] = [
         title: "Rank",
         tooltip: "Place in the list, best first, before refinement; the result is what refinement made of the best.",
         width: 64.0,
+        is_text: false,
     },
     Column {
         title: "Support",
         tooltip: "How strongly matching image patches agree with it; higher is better. Empty where patches were \
                   not compared.",
         width: 88.0,
+        is_text: false,
     },
     Column {
         title: "Line score",
         tooltip: "How unlike its corresponding lines are over both images; lower is better.",
         width: 100.0,
+        is_text: false,
     },
     Column {
         title: "Round trip, px",
         tooltip: "Mean area between a line and where H and G bring it, over the image width; small means that both \
                   directions agree.",
         width: 126.0,
+        is_text: false,
     },
     Column {
         title: "κ of H / κ of G",
         tooltip: "Ratio of the maps found in the two directions; 1 means that they agree.",
         width: 126.0,
+        is_text: false,
     },
     Column {
         title: "Left epipole",
         tooltip: "Where the left image sees the other camera, px, or the direction if it is far away. Sorted by the \
                   distance from the middle.",
         width: 200.0,
+        is_text: false,
     },
     Column {
         title: "Right epipole",
         tooltip: "Where the right image sees the other camera, px, or the direction if it is far away. Sorted by the \
                   distance from the middle.",
         width: 200.0,
+        is_text: false,
     },
 ];
 
 fn tools(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
-    let chosen = scene.focus.hypothesis().is_some();
+    let chosen = scene.shows_another();
     command_button(ui, Command::ChooseHypothesis(None), chosen, commands);
 }
 
@@ -89,6 +97,7 @@ fn show(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
         name: "hypotheses",
         columns: &COLUMNS,
         rows: listed.rows(),
+        revision: scene.computation.revision(),
         row_name: &|row| {
             number(row).map_or("Result".to_owned(), |number| format!("Hypothesis {}", number + 1))
         },
@@ -99,6 +108,7 @@ fn show(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
             _ => text(listed.hypothesis(row), column),
         },
         look: &|row| Look { chosen: chosen == number(row), lit: number(row).is_some() && lit == number(row) },
+        toggle: &|_| None,
     }
     .show(ui);
     if let Some(number) = touched.hovered.and_then(number) {

@@ -6,6 +6,7 @@ mod matrix;
 mod pencils;
 mod points;
 mod profiles;
+mod residuals;
 
 use egui::{RichText, Ui};
 
@@ -21,6 +22,8 @@ pub struct Tab {
     pub tooltip: &'static str,
     /// Whether it shows the inspected line pair, which is matched only while something shows it.
     pub inspects: bool,
+    /// Whether it shows the comparison with other methods, which is made only while something shows it.
+    pub compares: bool,
     /// Shows what belongs in the line of the headings, from the right.
     pub tools: fn(&mut Ui, &Scene, &mut Vec<Command>),
     /// Shows the rest.
@@ -28,7 +31,7 @@ pub struct Tab {
 }
 
 /// The tabs from left to right. A new one is a new file and a line here.
-pub const TABS: [Tab; 4] = [points::TAB, profiles::TAB, pencils::TAB, hypotheses::TAB];
+pub const TABS: [Tab; 5] = [points::TAB, profiles::TAB, pencils::TAB, hypotheses::TAB, residuals::TAB];
 
 /// The line of the headings.
 pub fn headings(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {

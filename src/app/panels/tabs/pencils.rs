@@ -18,6 +18,7 @@ pub const TAB: Tab = Tab {
     title: "Pencils",
     tooltip: "How alike the lines through a click in one image are to those through it in the other.",
     inspects: false,
+    compares: false,
     tools,
     show,
 };

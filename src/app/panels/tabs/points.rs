@@ -17,6 +17,7 @@ pub const TAB: Tab = Tab {
     title: "Point pairs",
     tooltip: "The clicked pairs, what each is for, and how far each is from the geometry.",
     inspects: false,
+    compares: false,
     tools,
     show,
 };

@@ -18,6 +18,7 @@ pub const TAB: Tab = Tab {
     title: "Profiles",
     tooltip: "Intensities along one line pair, and how its samples were matched.",
     inspects: true,
+    compares: false,
     tools,
     show,
 };

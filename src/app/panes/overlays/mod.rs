@@ -15,6 +15,8 @@ mod residuals;
 mod round_trip;
 mod samples;
 mod suggestion;
+mod true_lines;
+mod true_matches;
 mod uncertainty;
 
 use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Shape, Stroke, vec2};
@@ -52,19 +54,34 @@ pub enum Visibility {
     AtFirst,
     /// When somebody asks for it.
     OnRequest,
+    /// Until somebody hides it, where ground truth is in use; elsewhere it has nothing to show.
+    WithTruth,
+}
+
+impl Visibility {
+    /// Whether the user is offered to show or hide it.
+    pub fn is_a_choice(self, scene: &Scene) -> bool {
+        match self {
+            Self::Always => false,
+            Self::AtFirst | Self::OnRequest => true,
+            Self::WithTruth => scene.truth().is_some(),
+        }
+    }
 }
 
 /// All overlays, from the lowest to the topmost. A new one is a new file and a line here.
-pub const OVERLAYS: [Overlay; 16] = [
+pub const OVERLAYS: [Overlay; 18] = [
     candidates::OVERLAY,
     round_trip::OVERLAY,
     uncertainty::OVERLAY,
     lines::OVERLAY,
+    true_lines::OVERLAY,
     chosen::OVERLAY,
     bisectors::OVERLAY,
     hover::OVERLAY,
     pinned::OVERLAY,
     samples::OVERLAY,
+    true_matches::OVERLAY,
     matches::OVERLAY,
     residuals::OVERLAY,
     hypotheses::OVERLAY,
@@ -88,10 +105,11 @@ type Finder = fn(&Canvas, Pos2) -> Option<Pointing>;
 
 /// What the cursor points at among what is shown: the nearest thing within reach.
 pub fn pointed_at(canvas: &Canvas, position: Pos2) -> Option<Target> {
-    let finders: [(&Overlay, Finder); 3] = [
+    let finders: [(&Overlay, Finder); 4] = [
         (&points::OVERLAY, points::at),
         (&hypotheses::OVERLAY, hypotheses::at),
         (&matches::OVERLAY, matches::at),
+        (&true_matches::OVERLAY, true_matches::at),
     ];
     let shown = |name: &str| {
         OVERLAYS.iter().zip(canvas.scene.overlays).any(|(overlay, shown)| *shown && overlay.name == name)

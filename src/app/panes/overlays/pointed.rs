@@ -2,7 +2,7 @@
 
 use egui::Stroke;
 
-use super::{Canvas, Overlay, Visibility, samples};
+use super::{Canvas, Overlay, Visibility, samples, true_matches};
 use crate::app::document::{PointRef, Side};
 use crate::app::focus::Target;
 use crate::app::theme;
@@ -51,6 +51,11 @@ fn draw(canvas: &Canvas) {
                         Side::Right => matched.pair.point2,
                     },
                 );
+            }
+        }
+        Some(Target::TrueMatch(number)) => {
+            if let Some(pair) = scene.truth().and_then(|truth| truth.matches.get(number)) {
+                ring(canvas, true_matches::own(canvas.side, pair));
             }
         }
         Some(Target::Sample(index)) => {

@@ -29,7 +29,10 @@ const LEAST: f32 = 1.2;
 fn draw(canvas: &Canvas) {
     let Some((shown, opacity)) = canvas.shown() else { return };
     // The covariance belongs to the result.
-    let (None, Some(uncertainty)) = (shown.hypothesis, &shown.estimate.uncertainty) else { return };
+    let (None, None, Some(uncertainty)) = (shown.hypothesis, shown.contestant, &shown.estimate.uncertainty)
+    else {
+        return;
+    };
     let document = canvas.scene.document;
     let hovered = canvas.scene.hover.filter(|hover| hover.side != canvas.side).map(|hover| hover.point);
     let points = document.points(canvas.side.other()).map(|(_, point)| point);

@@ -1,0 +1,69 @@
+//! The true matches, the same ones in both images.
+
+use egui::{Pos2, Stroke};
+
+use super::{Canvas, Overlay, Pointing, Visibility};
+use crate::app::document::Side;
+use crate::app::focus::Target;
+use crate::app::theme;
+use crate::geometry::{Point, PointPair};
+
+/// Registered in [`super::OVERLAYS`].
+pub const OVERLAY: Overlay = Overlay {
+    name: "True matches",
+    tooltip: "Points whose match in the other image is known. Point at one to see the other; of more than 300 only \
+              some are drawn.",
+    color: theme::TRUE,
+    visibility: Visibility::WithTruth,
+    magnified: false,
+    draw,
+};
+
+/// Marks drawn at most, spread over the list.
+const DRAWN: usize = 300;
+/// Half the width of a mark, screen points.
+const SIZE: f32 = 2.2;
+
+/// Those that are drawn, with their places in the list.
+fn drawn<'a>(canvas: &Canvas<'a>) -> impl Iterator<Item = (usize, &'a PointPair)> + use<'a> {
+    let matches: &[PointPair] = canvas.scene.truth().map_or(&[], |truth| &truth.matches);
+    matches.iter().enumerate().step_by(matches.len().div_ceil(DRAWN).max(1))
+}
+
+fn draw(canvas: &Canvas) {
+    let visible = canvas.painter.clip_rect();
+    for (number, pair) in drawn(canvas) {
+        let at = canvas.transform.screen_from_image(own(canvas.side, pair));
+        if !visible.contains(at) {
+            continue;
+        }
+        let lit = canvas.scene.focus.hovered() == Some(Target::TrueMatch(number));
+        let (size, color) = if lit { (SIZE + 3.0, theme::SELECTED) } else { (SIZE, theme::TRUE) };
+        // Crosses, so that they are not taken for the dots of what the program found.
+        for (x, y) in [(1.0, 1.0), (1.0, -1.0)] {
+            let arm = egui::vec2(x, y) * size;
+            canvas.painter.line_segment([at - arm, at + arm], Stroke::new(2.6, theme::HALO));
+        }
+        for (x, y) in [(1.0, 1.0), (1.0, -1.0)] {
+            let arm = egui::vec2(x, y) * size;
+            canvas.painter.line_segment([at - arm, at + arm], Stroke::new(1.2, color));
+        }
+    }
+}
+
+/// The match at a place of the screen.
+pub fn at(canvas: &Canvas, position: Pos2) -> Option<Pointing> {
+    let distances = drawn(canvas).map(|(number, pair)| {
+        (number, canvas.transform.screen_from_image(own(canvas.side, pair)).distance(position))
+    });
+    let (number, distance) = distances.min_by(|a, b| a.1.total_cmp(&b.1))?;
+    (distance < 6.0).then_some(Pointing { target: Target::TrueMatch(number), distance })
+}
+
+/// The point of a match in an image.
+pub fn own(side: Side, pair: &PointPair) -> Point {
+    match side {
+        Side::Left => pair.point1,
+        Side::Right => pair.point2,
+    }
+}

@@ -1,0 +1,167 @@
+//! Geometries of one image pair by different methods, measured on the same points.
+//!
+//! Seven pairs have up to three solutions, and seven pairs cannot tell which is right: [`fit_seven`] takes the one
+//! that fits further points best. On true matches that is a choice given the truth, as in the published experiment.
+
+use thiserror::Error;
+
+use super::statistics::{mean, median, share_below};
+use crate::geometry::{
+    EightPointError, FundamentalMatrix, PointPair, SevenPointError, eight_point, sampson_distance,
+    seven_point, symmetric_epipolar_distance,
+};
+
+/// An F fitted to point pairs.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Fit {
+    /// The matrix.
+    pub fundamental: FundamentalMatrix,
+    /// How many pairs it was fitted to.
+    pub pairs: usize,
+    /// How many solutions there were to choose from.
+    pub solutions: usize,
+}
+
+/// Why there is none. Each message is a sentence without its end.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
+pub enum FitError {
+    /// There are too few pairs.
+    #[error("needs {missing} more pair{}", if *.missing == 1 { "" } else { "s" })]
+    TooFew {
+        /// How many are missing.
+        missing: usize,
+    },
+    /// Seven pairs gave nothing.
+    #[error(transparent)]
+    Seven(#[from] SevenPointError),
+    /// Eight or more gave nothing.
+    #[error(transparent)]
+    Eight(#[from] EightPointError),
+}
+
+/// The seven-point algorithm on the first seven of the pairs; of its real solutions the one with the least mean
+/// symmetric epipolar distance of the points it is `judged` by.
+pub fn fit_seven(pairs: &[PointPair], judged: &[PointPair]) -> Result<Fit, FitError> {
+    let Some(seven) = pairs.first_chunk::<7>() else {
+        return Err(FitError::TooFew { missing: 7 - pairs.len() });
+    };
+    let solutions = seven_point(seven)?;
+    let error = |f: &FundamentalMatrix| mean(&Distances::of(f, judged).symmetric);
+    let count = solutions.len();
+    let best = solutions.into_iter().map(|f| (error(&f), f)).min_by(|a, b| a.0.total_cmp(&b.0));
+    let (_, fundamental) = best.ok_or(SevenPointError::Degenerate)?;
+    Ok(Fit { fundamental, pairs: 7, solutions: count })
+}
+
+/// The normalised eight-point algorithm on all of the pairs, eight or more.
+pub fn fit_eight(pairs: &[PointPair]) -> Result<Fit, FitError> {
+    if pairs.len() < 8 {
+        return Err(FitError::TooFew { missing: 8 - pairs.len() });
+    }
+    Ok(Fit { fundamental: eight_point(pairs)?, pairs: pairs.len(), solutions: 1 })
+}
+
+/// How far points are from a geometry, in their order, px. Infinite where no distance is defined.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Distances {
+    /// Mean of the two distances from a point to the epipolar line of its partner.
+    pub symmetric: Vec<f64>,
+    /// First-order distance of the pair from fitting exactly.
+    pub sampson: Vec<f64>,
+}
+
+impl Distances {
+    /// Those of all the points.
+    pub fn of(f: &FundamentalMatrix, points: &[PointPair]) -> Self {
+        // At both epipoles 0/0 would vanish from means and maxima.
+        let defined = |distance: f64| if distance.is_nan() { f64::INFINITY } else { distance };
+        Self {
+            symmetric: points.iter().map(|pair| defined(symmetric_epipolar_distance(f, pair))).collect(),
+            sampson: points.iter().map(|pair| defined(sampson_distance(f, pair))).collect(),
+        }
+    }
+}
+
+/// Many distances in four figures.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Spread {
+    /// How many there are.
+    pub count: usize,
+    /// The middle one, px.
+    pub median: f64,
+    /// Their mean, px.
+    pub mean: f64,
+    /// The largest, px.
+    pub max: f64,
+    /// Which part is below 1 px, 0 to 1.
+    pub below_one: f64,
+}
+
+impl Spread {
+    /// That of some distances; `None` when there are none.
+    pub fn of(distances: &[f64]) -> Option<Self> {
+        let max = distances.iter().copied().max_by(f64::total_cmp)?;
+        Some(Self {
+            count: distances.len(),
+            median: median(distances),
+            mean: mean(distances),
+            max,
+            below_one: share_below(distances, 1.0),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::evaluate::scene::tests::example_scene;
+
+    #[test]
+    fn exact_points_give_the_true_geometry_by_both_methods() {
+        let scene = example_scene("scene", 30);
+        let seven = fit_seven(&scene.matches[..9], &scene.matches).unwrap();
+        let eight = fit_eight(&scene.matches).unwrap();
+        assert_eq!((seven.pairs, eight.pairs, eight.solutions), (7, 30, 1));
+        assert!([1, 3].contains(&seven.solutions));
+        for fit in [seven, eight] {
+            let spread = Spread::of(&Distances::of(&fit.fundamental, &scene.matches).symmetric).unwrap();
+            assert!(spread.max < 1e-3 && spread.count == 30, "{spread:?}");
+        }
+    }
+
+    #[test]
+    fn of_three_solutions_the_one_that_fits_the_other_points_counts() {
+        // Other seven points of the scene each time: some of them have three solutions.
+        let scene = example_scene("scene", 60);
+        let several = (0..50).filter(|k| {
+            let fit = fit_seven(&scene.matches[*k..], &scene.matches);
+            fit.is_ok_and(|fit| {
+                let error = mean(&Distances::of(&fit.fundamental, &scene.matches).symmetric);
+                assert!(error < 0.1, "{error}");
+                fit.solutions > 1
+            })
+        });
+        assert!(several.count() > 5);
+    }
+
+    #[test]
+    fn says_how_many_pairs_are_missing() {
+        let scene = example_scene("scene", 7);
+        let words = |result: Result<Fit, FitError>| result.unwrap_err().to_string();
+        assert_eq!(words(fit_seven(&scene.matches[..2], &[])), "needs 5 more pairs");
+        assert_eq!(words(fit_eight(&scene.matches)), "needs 1 more pair");
+        assert!(words(fit_seven(&[scene.matches[0]; 7], &[])).contains("infinitely many"));
+    }
+
+    #[test]
+    fn a_distance_that_is_not_defined_is_infinite_and_stays_in_the_figures() {
+        // Both epipoles at (64, 32), powers of two, so that scaling the matrix leaves them exact.
+        let epipole = nalgebra::Vector3::new(64.0, 32.0, 1.0);
+        let f = FundamentalMatrix::from_rank_two(epipole.cross_matrix()).unwrap();
+        let distances = Distances::of(&f, &[PointPair::new(64.0, 32.0, 64.0, 32.0)]);
+        assert_eq!((distances.symmetric, distances.sampson), (vec![f64::INFINITY], vec![f64::INFINITY]));
+        assert_eq!(Spread::of(&[]), None);
+        let spread = Spread::of(&[0.5, f64::INFINITY]).unwrap();
+        assert!(spread.max.is_infinite() && (spread.below_one - 0.5).abs() < 1e-12);
+    }
+}

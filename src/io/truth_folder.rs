@@ -1,0 +1,200 @@
+//! A folder of images whose geometry is known, whichever its layout: which views it has, which of them make a
+//! pair, and what is known about each pair.
+
+use std::path::{Path, PathBuf};
+
+use super::ground_truth::{GroundTruth, TruthError};
+use super::pair_folder::{PairFiles, find_pairs};
+use super::read::{ReadError, read_folder};
+use super::vgg::VggFolder;
+
+/// A folder in the VGG layout, or one of pairs; images not loaded.
+///
+/// Views are counted from 0. In a VGG folder any two of them are a pair, in a folder of pairs 0 and 1, 2 and 3, and
+/// so on.
+#[derive(Debug, Clone)]
+pub struct TruthFolder {
+    path: PathBuf,
+    names: Vec<String>,
+    layout: Layout,
+}
+
+#[derive(Debug, Clone)]
+enum Layout {
+    Views(VggFolder),
+    Pairs(Vec<PairFiles>),
+}
+
+impl TruthFolder {
+    /// Reads all there is to know but the images (and, in a folder of pairs, the matches).
+    pub fn open(path: &Path) -> Result<Self, ReadError> {
+        let entries = read_folder(path)?;
+        let is_vgg = entries.iter().any(|entry| entry.extension().is_some_and(|e| e == "nview-corners"));
+        let layout =
+            if is_vgg { Layout::Views(VggFolder::open(path)?) } else { Layout::Pairs(find_pairs(path)?) };
+        let images: Vec<&PathBuf> = match &layout {
+            Layout::Views(set) => set.images.iter().collect(),
+            Layout::Pairs(pairs) => pairs.iter().flat_map(|files| &files.images).collect(),
+        };
+        if images.is_empty() {
+            let problem = "no image pairs with ground truth found, expected a VGG folder (PREFIX.NNN.P, \
+                           PREFIX.NNN.corners and PREFIX.nview-corners beside the images) or pairs (NAMEA.*, NAMEB.* \
+                           and NAME.txt)";
+            return Err(ReadError::content(path, problem));
+        }
+        let name = |image: &&PathBuf| image.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        let names = images.iter().map(name).collect();
+        Ok(Self { path: path.to_owned(), names, layout })
+    }
+
+    /// Where it is.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// What the views are called: the names of their images without the ending.
+    pub fn names(&self) -> &[String] {
+        &self.names
+    }
+
+    /// Whether any two views are a pair.
+    pub fn pairs_freely(&self) -> bool {
+        matches!(self.layout, Layout::Views(_))
+    }
+
+    /// Whether two views are a pair.
+    pub fn is_pair(&self, [view1, view2]: [usize; 2]) -> bool {
+        let exist = view1.max(view2) < self.names.len();
+        exist && if self.pairs_freely() { view1 != view2 } else { view1 % 2 == 0 && view2 == view1 + 1 }
+    }
+
+    /// The pair of two views by their names, if they are one.
+    pub fn pair_of(&self, names: &[String; 2]) -> Option<[usize; 2]> {
+        let number = |name: &String| self.names.iter().position(|other| other == name);
+        let pair = [number(&names[0])?, number(&names[1])?];
+        self.is_pair(pair).then_some(pair)
+    }
+
+    /// The pair behind another, or the one before it: of a sequence of views the next two as far apart.
+    pub fn neighbour(&self, [view1, view2]: [usize; 2], forward: bool) -> Option<[usize; 2]> {
+        let step = if self.pairs_freely() { 1 } else { 2 };
+        let moved = |view: usize| if forward { view.checked_add(step) } else { view.checked_sub(step) };
+        Some([moved(view1)?, moved(view2)?]).filter(|pair| self.is_pair(*pair))
+    }
+
+    /// What a pair is called.
+    pub fn pair_name(&self, [view1, view2]: [usize; 2]) -> String {
+        match &self.layout {
+            Layout::Views(_) => format!("{} and {}", self.names[view1], self.names[view2]),
+            Layout::Pairs(pairs) => pairs[view1 / 2].name.clone(),
+        }
+    }
+
+    /// Where the image of a view is.
+    ///
+    /// # Panics
+    /// When there is no such view.
+    pub fn image(&self, view: usize) -> &Path {
+        match &self.layout {
+            Layout::Views(set) => &set.images[view],
+            Layout::Pairs(pairs) => &pairs[view / 2].images[view % 2],
+        }
+    }
+
+    /// What is known about a pair.
+    ///
+    /// # Panics
+    /// When the views do not exist.
+    pub fn truth(&self, pair: [usize; 2]) -> Result<GroundTruth, TruthError> {
+        match &self.layout {
+            Layout::Views(set) => GroundTruth::of_views(set, pair),
+            Layout::Pairs(pairs) => GroundTruth::of_pair(&pairs[pair[0] / 2]),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::ground_truth::TruthOrigin;
+    use super::*;
+    use crate::geometry::{PointPair, symmetric_epipolar_distance};
+
+    fn write(folder: &tempfile::TempDir, files: &[(&str, &str)]) {
+        for (name, text) in files {
+            std::fs::write(folder.path().join(name), text).unwrap();
+        }
+    }
+
+    /// Three views, each a step to the right of the one before.
+    fn views() -> tempfile::TempDir {
+        let folder = tempfile::tempdir().unwrap();
+        write(&folder, &[("set.nview-corners", "0 0 0\n1 * 1\n")]);
+        for view in 0..3 {
+            let camera = format!("1 0 0 -{view}\n0 1 0 0\n0 0 1 0\n");
+            let corners = format!("{} 20\n{} 40\n", 10 - view, 30 - 2 * view);
+            for (end, text) in [("P", &camera[..]), ("corners", &corners), ("pgm", "")] {
+                write(&folder, &[(&format!("set.{view:03}.{end}"), text)]);
+            }
+        }
+        folder
+    }
+
+    #[test]
+    fn any_two_views_of_a_sequence_are_a_pair() {
+        let folder = views();
+        let set = TruthFolder::open(folder.path()).unwrap();
+        assert_eq!(set.names(), ["set.000", "set.001", "set.002"]);
+        assert_eq!(set.neighbour([0, 1], true), Some([1, 2]));
+        assert_eq!(set.neighbour([1, 2], true), None);
+        assert_eq!(set.neighbour([0, 1], false), None);
+        assert_eq!(set.neighbour([1, 0], true), Some([2, 1]));
+        assert_eq!(set.pair_of(&["set.002", "set.000"].map(str::to_owned)), Some([2, 0]));
+        assert_eq!(set.pair_of(&["set.002", "set.002"].map(str::to_owned)), None);
+        let truth = set.truth([0, 2]).unwrap();
+        assert_eq!((&truth.name[..], truth.origin), ("0-2", TruthOrigin::Cameras));
+        assert_eq!(
+            truth.matches,
+            [PointPair::new(10.0, 20.0, 8.0, 20.0), PointPair::new(30.0, 40.0, 26.0, 40.0)]
+        );
+        for pair in &truth.matches {
+            assert!(symmetric_epipolar_distance(&truth.fundamental, pair) < 1e-9);
+        }
+        assert!(set.image(2).ends_with("set.002.pgm"));
+    }
+
+    #[test]
+    fn in_a_folder_of_pairs_each_image_has_its_partner() {
+        let folder = tempfile::tempdir().unwrap();
+        // Rows of a sideways motion, not of one plane.
+        let depth = |k: usize| 5 + (k * k) % 7;
+        let row = |k: usize| format!("{} {} {} {}", 13 * k, (29 * k) % 50, 13 * k + depth(k), (29 * k) % 50);
+        let rows = (0..9).map(row).collect::<Vec<_>>().join("\n");
+        write(&folder, &[("b.txt", &rows), ("bA.png", ""), ("bB.png", ""), ("c.txt", "1 2 3 4\n")]);
+        write(&folder, &[("cA.png", ""), ("cB.png", "")]);
+        let set = TruthFolder::open(folder.path()).unwrap();
+        assert_eq!(set.names(), ["bA", "bB", "cA", "cB"]);
+        assert!(set.is_pair([0, 1]) && !set.is_pair([1, 2]) && !set.is_pair([0, 2]) && !set.is_pair([4, 5]));
+        assert_eq!(set.neighbour([0, 1], true), Some([2, 3]));
+        assert_eq!(set.neighbour([2, 3], false), Some([0, 1]));
+        assert_eq!(set.pair_name([2, 3]), "c");
+        let truth = set.truth([0, 1]).unwrap();
+        assert_eq!((truth.matches.len(), truth.origin), (9, TruthOrigin::Matches));
+        let error = set.truth([2, 3]).unwrap_err().to_string();
+        assert!(error.contains("c: no true geometry, because the eight-point algorithm needs"), "{error}");
+    }
+
+    #[test]
+    fn other_folders_are_refused_with_what_was_expected() {
+        let folder = tempfile::tempdir().unwrap();
+        let problem = |folder: &tempfile::TempDir| TruthFolder::open(folder.path()).unwrap_err().to_string();
+        assert!(problem(&folder).contains("no image pairs with ground truth"));
+        write(&folder, &[("a.txt", ""), ("aA.png", "")]);
+        assert!(problem(&folder).contains("the image aB is missing"));
+        let folder = views();
+        std::fs::remove_file(folder.path().join("set.001.P")).unwrap();
+        assert!(problem(&folder).contains("set.001.P: there is no such file"));
+        std::fs::write(folder.path().join("set.nview-corners"), "0\n1\n").unwrap();
+        assert!(problem(&folder).contains("no tracks over two or more views"));
+        assert!(TruthFolder::open(Path::new("no/such")).unwrap_err().to_string().contains("no such"));
+    }
+}
