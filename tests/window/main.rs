@@ -8,3 +8,4 @@ mod looking;
 mod opening;
 mod panels;
 mod support;
+mod truth;

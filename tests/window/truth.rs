@@ -1,0 +1,476 @@
+//! Ground truth in the window: folders of pairs, true lines and matches, random trials, the residuals.
+
+use crate::support::*;
+
+use std::path::Path;
+
+use egui::{Color32, Key, Modifiers, Shape, vec2};
+use egui_kittest::kittest::{NodeT, Queryable};
+use epiline::app::document::{Document, Side, Trial, TruthSource};
+use epiline::app::focus::{LineSource, Target};
+use epiline::app::{Opening, Services, Start};
+use epiline::evaluate::Protocol;
+use epiline::geometry::{Camera, FundamentalMatrix, PointPair};
+use epiline::io::TruthFolder;
+use nalgebra::{Matrix3, Matrix3x4, Point3, Rotation3, Vector3};
+
+const TRUE: Color32 = Color32::from_rgb(64, 132, 255);
+
+/// A camera that walks to the right and turns a little, for images of 240 × 180 px.
+fn camera(view: usize) -> Camera {
+    let step = view as f64;
+    let inner = Matrix3::new(200.0, 0.0, 120.0, 0.0, 200.0, 90.0, 0.0, 0.0, 1.0);
+    let turn = Rotation3::from_euler_angles(0.01 * step, 0.04 * step, 0.02 * step);
+    let outer = Matrix3x4::from_columns(&[
+        turn.matrix().column(0).into(),
+        turn.matrix().column(1).into(),
+        turn.matrix().column(2).into(),
+        Vector3::new(-0.3 * step, 0.02 * step, 0.05 * step),
+    ]);
+    Camera::from_matrix(inner * outer).unwrap()
+}
+
+/// A scene point, not on one plane with the others.
+fn scene_point(k: usize) -> Point3<f64> {
+    let t = k as f64;
+    Point3::new((t * 0.9).sin() * 1.6, (t * 1.7).cos() * 1.2, 5.0 + (t * 2.3).sin() * 1.5)
+}
+
+/// Scene points of every folder.
+const POINTS: usize = 60;
+
+/// A VGG folder of so many views.
+fn vgg(views: usize) -> Files {
+    let files = Files::new();
+    let write = |name: String, text: String| std::fs::write(files.0.path().join(name), text).unwrap();
+    for view in 0..views {
+        // All images but the first few are the same small file.
+        files.image(&format!("set.{view:03}.png"), 240, 180);
+        let matrix = camera(view % 7);
+        let rows = matrix
+            .matrix()
+            .row_iter()
+            .map(|row| row.iter().map(f64::to_string).collect::<Vec<_>>().join(" "));
+        write(format!("set.{view:03}.P"), rows.collect::<Vec<_>>().join("\n"));
+        let corners = (0..POINTS).map(|k| matrix.project(&scene_point(k)).unwrap());
+        let corners: Vec<_> = corners.map(|corner| format!("{} {}", corner.x, corner.y)).collect();
+        write(format!("set.{view:03}.corners"), corners.join("\n"));
+    }
+    let tracks: Vec<_> = (0..POINTS).map(|k| vec![k.to_string(); views].join(" ")).collect();
+    write("set.nview-corners".into(), tracks.join("\n"));
+    files
+}
+
+/// A folder of two pairs.
+fn pairs() -> Files {
+    let files = Files::new();
+    for name in ["first", "second"] {
+        for side in ["A", "B"] {
+            files.image(&format!("{name}{side}.png"), 240, 180);
+        }
+        let rows = (0..POINTS).map(|k| {
+            let [a, b] = [0, 1].map(|view| camera(view).project(&scene_point(k)).unwrap());
+            format!("{} {} {} {}", a.x, a.y, b.x, b.y)
+        });
+        let rows = rows.collect::<Vec<_>>().join("\n");
+        std::fs::write(files.0.path().join(format!("{name}.txt")), rows).unwrap();
+    }
+    files
+}
+
+fn open_folder(path: &Path) -> Window {
+    window(Start { opening: Opening::Folder(path.to_owned()), ..Start::default() }, services())
+}
+
+fn names(window: &Window) -> [String; 2] {
+    window.state().document().pictures.clone().unwrap().map(|picture| picture.name)
+}
+
+fn press(window: &mut Window, key: Key) {
+    window.key_press(key);
+    settle(window);
+}
+
+fn document(window: &Window) -> Document {
+    window.state().document().clone()
+}
+
+/// Whether a text is painted anywhere.
+fn painted(window: &Window, text: &str) -> bool {
+    window.output().shapes.iter().any(|clipped| match &clipped.shape {
+        Shape::Text(shape) => shape.galley.text().contains(text),
+        _ => false,
+    })
+}
+
+/// The truth that a folder has about a pair.
+fn truth(files: &Files, pair: [usize; 2]) -> epiline::io::GroundTruth {
+    TruthFolder::open(files.0.path()).unwrap().truth(pair).unwrap()
+}
+
+/// Whether lines of a colour in the right image lie on the line of p under `f`.
+fn drawn(window: &Window, color: Color32, f: &FundamentalMatrix) -> bool {
+    let p = window.state().document().pairs[0];
+    let line = f.line2_from_point1(p.point1).unwrap();
+    let segment = window.state().document().frame(Side::Right).unwrap().clip(&line).unwrap();
+    let [start, end] = [segment.start, segment.end].map(|point| screen_of(window, Side::Right, point));
+    let along = (end - start).normalized();
+    let off = |at: egui::Pos2| (at - start).dot(along.rot90()).abs();
+    // Not one of the arms of a mark, nor a stretch from a point to its line.
+    let on =
+        |ends: &[egui::Pos2; 2]| off(ends[0]) < 0.6 && off(ends[1]) < 0.6 && ends[0].distance(ends[1]) > 5.5;
+    let pieces: f32 = lines(window, Side::Right, color)
+        .iter()
+        .filter(|ends| on(ends))
+        .map(|ends| ends[0].distance(ends[1]))
+        .sum();
+    pieces > 0.4 * start.distance(end)
+}
+
+#[test]
+fn a_vgg_folder_opens_its_first_pair_and_steps_to_the_others() {
+    let files = vgg(4);
+    let mut window = open_folder(files.0.path());
+    assert_eq!(names(&window), ["set.000.png", "set.001.png"]);
+    let views = ["set.000", "set.001"].map(str::to_owned);
+    let source = TruthSource::Folder { folder: files.0.path().to_owned(), views };
+    assert_eq!(document(&window).truth, Some(source));
+    assert!(window.query_by_label("Show me").is_none());
+    assert!(window.get_by_label("Previous pair").accesskit_node().is_disabled());
+    press(&mut window, Key::PageDown);
+    assert_eq!(names(&window), ["set.001.png", "set.002.png"]);
+    press(&mut window, Key::PageUp);
+    assert_eq!(names(&window), ["set.000.png", "set.001.png"]);
+    // Pressed again before the images are there: from the pair on its way, not from the one shown.
+    window.key_press(Key::PageDown);
+    window.key_press(Key::PageDown);
+    settle(&mut window);
+    assert_eq!(names(&window), ["set.002.png", "set.003.png"]);
+    assert!(window.get_by_label("Next pair").accesskit_node().is_disabled());
+    press(&mut window, Key::PageDown);
+    assert_eq!(names(&window), ["set.002.png", "set.003.png"]);
+    assert_eq!(window.state().messages().count(), 0);
+}
+
+#[test]
+fn any_two_views_can_be_chosen() {
+    let files = vgg(4);
+    let mut window = open_folder(files.0.path());
+    window.get_by_label("The right view").click();
+    settle(&mut window);
+    window.get_by_label("set.003").click();
+    settle(&mut window);
+    assert_eq!(names(&window), ["set.000.png", "set.003.png"]);
+    // As far apart as these.
+    assert!(window.get_by_label("Next pair").accesskit_node().is_disabled());
+    window.get_by_label("The left view").click();
+    settle(&mut window);
+    window.get_by_label("set.002").click();
+    settle(&mut window);
+    assert_eq!(names(&window), ["set.002.png", "set.003.png"]);
+}
+
+#[test]
+fn a_folder_of_pairs_opens_by_dropping_typing_and_browsing() {
+    let (folder, views) = (pairs(), vgg(2));
+    let mut window = sample();
+    drop_files(&mut window, &[folder.0.path().to_owned()]);
+    assert_eq!(names(&window), ["firstA.png", "firstB.png"]);
+    press(&mut window, Key::PageDown);
+    assert_eq!(names(&window), ["secondA.png", "secondB.png"]);
+    window.get_by_label("The pair").click();
+    settle(&mut window);
+    window.get_by_label("first").click();
+    settle(&mut window);
+    assert_eq!(names(&window), ["firstA.png", "firstB.png"]);
+
+    let typed = |window: &mut Window, label: &str, path: &Path| {
+        window.key_press_modifiers(Modifiers::COMMAND, Key::O);
+        settle(window);
+        window.get_by_role_and_label(egui::accesskit::Role::TextInput, label).focus();
+        window.step();
+        let field = window.get_by_role_and_label(egui::accesskit::Role::TextInput, label);
+        field.type_text(&path.display().to_string());
+        window.step();
+        window.get_by_label("Open these").click();
+        settle(window);
+    };
+    typed(&mut window, "Folder", views.0.path());
+    assert_eq!(names(&window), ["set.000.png", "set.001.png"]);
+    typed(&mut window, "Left image", folder.0.path());
+    assert_eq!(names(&window), ["firstA.png", "firstB.png"]);
+
+    let picked = views.0.path().to_owned();
+    let services = Services { pick_folder: std::sync::Arc::new(move || Some(picked.clone())), ..services() };
+    let mut window = crate::support::window(Start::default(), services);
+    window.get_by_label("Open").click();
+    settle(&mut window);
+    window.get_by_label("Browse for the folder").click();
+    settle(&mut window);
+    window.get_by_label("Open these").click();
+    settle(&mut window);
+    assert_eq!(names(&window), ["set.000.png", "set.001.png"]);
+}
+
+#[test]
+fn hostile_folders_are_answered_by_a_sentence_and_change_nothing() {
+    let broken = |break_it: &dyn Fn(&Path)| {
+        let files = vgg(3);
+        break_it(files.0.path());
+        files
+    };
+    let empty = Files::new();
+    let cases = [
+        (
+            broken(&|folder| std::fs::remove_file(folder.join("set.002.P")).unwrap()),
+            "set.002.P: there is no such file",
+        ),
+        (
+            broken(&|folder| std::fs::write(folder.join("set.nview-corners"), "0\n1\n").unwrap()),
+            "no tracks over two or more views",
+        ),
+        (
+            broken(&|folder| std::fs::write(folder.join("set.001.png"), "not an image").unwrap()),
+            "not an image in a known format",
+        ),
+        (
+            broken(&|folder| {
+                std::fs::write(folder.join("set.001.P"), "1 0 0 0\n0 1 0 0\n0 0 0 0\n").unwrap()
+            }),
+            "not a camera",
+        ),
+        (
+            broken(&|folder| {
+                std::fs::copy(folder.join("set.000.P"), folder.join("set.001.P")).unwrap();
+            }),
+            "same centre",
+        ),
+        (empty, "no image pairs with ground truth found"),
+    ];
+    let mut window = sample();
+    click_two_pairs(&mut window);
+    let before = document(&window);
+    for (files, expected) in &cases {
+        drop_files(&mut window, &[files.0.path().to_owned()]);
+        let told: Vec<_> = window.state().messages().map(str::to_owned).collect();
+        assert!(told.last().is_some_and(|text| text.contains(expected)), "{expected}: {told:?}");
+        assert_eq!(document(&window), before, "{expected}");
+        assert!(window.state().estimate().is_some());
+    }
+    // An image further behind is missed only when it is asked for, and then the pair before it stays.
+    let files = broken(&|folder| std::fs::write(folder.join("set.002.png"), "not an image").unwrap());
+    drop_files(&mut window, &[files.0.path().to_owned()]);
+    press(&mut window, Key::PageDown);
+    assert!(
+        window
+            .state()
+            .messages()
+            .any(|text| text.contains("The right image") && text.contains("set.002.png"))
+    );
+    assert_eq!(names(&window), ["set.000.png", "set.001.png"]);
+    press(&mut window, Key::N);
+    assert_eq!(document(&window).pairs.len(), 2);
+    let mut window = open_folder(Path::new("no/such/folder"));
+    assert!(window.state().messages().any(|text| text.contains("there is no such file or folder")));
+    press(&mut window, Key::PageDown);
+    window.get_by_label_contains("Drop two images of the same scene");
+}
+
+#[test]
+fn a_thousand_views_can_be_stepped_through() {
+    let files = vgg(1000);
+    let mut window = open_folder(files.0.path());
+    press(&mut window, Key::PageDown);
+    window.get_by_label("The right view").click();
+    settle(&mut window);
+    window.get_by_label("set.004").click();
+    settle(&mut window);
+    assert_eq!(names(&window), ["set.001.png", "set.004.png"]);
+}
+
+#[test]
+fn a_random_trial_clicks_two_true_matches_and_is_one_step() {
+    let files = vgg(2);
+    let mut window = open_folder(files.0.path());
+    let known = truth(&files, [0, 1]);
+    press(&mut window, Key::N);
+    let first = document(&window);
+    assert_eq!(first.trial, Some(Trial { protocol: Protocol::WellPosed, seed: 0 }));
+    assert_eq!(first.pairs.len(), 2);
+    assert!(first.pairs.iter().all(|pair| known.matches.contains(pair)));
+    window.get_by_label("Random trial, well-posed, seed 0");
+    assert!(window.state().estimate().is_some());
+    window.get_by_label("Random trial").click();
+    settle(&mut window);
+    assert_ne!(document(&window).pairs, first.pairs);
+    window.get_by_label("Random trial, well-posed, seed 1");
+    window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    settle(&mut window);
+    assert_eq!(document(&window).pairs, first.pairs);
+    window.get_by_label("Random trial, well-posed, seed 0");
+    window.key_press_modifiers(Modifiers::SHIFT, Key::N);
+    settle(&mut window);
+    window.get_by_label("Random trial, as in the paper, seed 2");
+    // A point that was moved is no true match any more.
+    let from = screen(&window, P_LEFT);
+    drag(&mut window, from, from + vec2(15.0, 0.0), egui::PointerButton::Primary);
+    assert!(window.query_by_label_contains("Random trial, as in").is_none());
+}
+
+#[test]
+fn without_ground_truth_a_trial_is_greyed_and_says_why() {
+    let files = Files::new();
+    let mut window = open([files.image("a.png", 64, 48), files.image("b.png", 64, 48)]);
+    press(&mut window, Key::Num5);
+    window.get_by_label_contains("How far your pairs are from the epipolar lines appears here");
+    for name in ["Random trial", "Ground truth"] {
+        assert!(window.get_by_label(name).accesskit_node().is_disabled(), "{name}");
+    }
+    press(&mut window, Key::N);
+    assert!(window.state().messages().any(|text| text.contains("open a VGG folder")));
+    assert!(document(&window).pairs.is_empty());
+    press(&mut window, Key::G);
+    assert_eq!(document(&window).truth, None);
+}
+
+#[test]
+fn the_sample_offers_its_truth_and_undo_takes_it_out_of_use() {
+    let mut window = sample();
+    click_two_pairs(&mut window);
+    assert!(lines(&window, Side::Right, TRUE).is_empty());
+    assert!(window.query_by_label("Show True lines").is_none());
+    press(&mut window, Key::N);
+    assert!(window.state().messages().any(|text| text.contains("switch the ground truth on first")));
+    press(&mut window, Key::G);
+    assert_eq!(document(&window).truth, Some(TruthSource::Sample("courtyard".into())));
+    window.get_by_label("Show True lines");
+    assert!(!lines(&window, Side::Right, TRUE).is_empty());
+    press(&mut window, Key::N);
+    assert!(document(&window).trial.is_some());
+    for _ in 0..2 {
+        window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+        settle(&mut window);
+    }
+    assert_eq!(document(&window).truth, None);
+    assert!(lines(&window, Side::Right, TRUE).is_empty());
+}
+
+#[test]
+fn true_lines_and_matches_are_blue_and_can_be_hidden() {
+    let files = vgg(2);
+    let mut window = open_folder(files.0.path());
+    let known = truth(&files, [0, 1]);
+    // Two arms a mark.
+    assert_eq!(lines(&window, Side::Left, TRUE).len(), 2 * POINTS);
+    press(&mut window, Key::N);
+    assert!(drawn(&window, TRUE, &known.fundamental));
+    for name in ["Show True lines", "Show True matches"] {
+        window.get_by_label(name).click();
+        settle(&mut window);
+    }
+    assert!(lines(&window, Side::Right, TRUE).is_empty());
+}
+
+#[test]
+fn a_true_match_under_the_cursor_lights_up_in_both_images() {
+    let files = vgg(2);
+    let mut window = open_folder(files.0.path());
+    let known = truth(&files, [0, 1]);
+    window.hover_at(screen_of(&window, Side::Left, known.matches[7].point1));
+    settle(&mut window);
+    let Some(Target::TrueMatch(number)) = window.state().focus().hovered() else { panic!("nothing hovered") };
+    let near = screen_of(&window, Side::Right, known.matches[number].point2);
+    let ringed =
+        window.output().shapes.iter().any(
+            |clipped| matches!(&clipped.shape, Shape::Circle(circle) if circle.center.distance(near) < 1.0),
+        );
+    assert!(ringed, "no ring in the right image");
+}
+
+#[test]
+fn the_side_panel_states_the_real_error() {
+    let files = vgg(2);
+    let mut window = open_folder(files.0.path());
+    press(&mut window, Key::N);
+    let known = truth(&files, [0, 1]);
+    let f = window.state().estimate().unwrap().fundamental;
+    let distances = known.matches.iter().map(|pair| epiline::geometry::symmetric_epipolar_distance(&f, pair));
+    let error = distances.sum::<f64>() / POINTS as f64;
+    window.get_by_label("True error");
+    window.get_by_label(&format!("{error:.2} px (the truth: 0.00 px)"));
+    press(&mut window, Key::G);
+    assert!(window.query_by_label("True error").is_none());
+}
+
+#[test]
+fn choosing_another_geometry_shows_it_in_the_whole_window() {
+    let files = vgg(2);
+    let mut window = open_folder(files.0.path());
+    press(&mut window, Key::N);
+    press(&mut window, Key::Num5);
+    let known = truth(&files, [0, 1]);
+    let result = window.state().estimate().unwrap().fundamental;
+    assert!(drawn(&window, ESTIMATED, &result) && !drawn(&window, ESTIMATED, &known.fundamental));
+    window.get_by_label("Geometry: 8-point").click();
+    settle(&mut window);
+    // Fitted to exact matches it is the true one.
+    assert!(drawn(&window, ESTIMATED, &known.fundamental));
+    window.get_by_label_contains("The images show the 8-point geometry, not the result");
+    window.get_by_label("0.00 px (the truth: 0.00 px)");
+    window.get_by_label("Geometry: Result").click();
+    settle(&mut window);
+    assert!(drawn(&window, ESTIMATED, &result));
+    window.get_by_label("Geometry: Ground truth").click();
+    settle(&mut window);
+    window.get_by_label_contains("The images show the true geometry, not the result");
+    press(&mut window, Key::R);
+    assert!(drawn(&window, ESTIMATED, &result));
+}
+
+#[test]
+fn the_residuals_say_how_many_pairs_are_missing_and_count_those_included() {
+    let files = vgg(2);
+    let known = truth(&files, [0, 1]);
+    let mut pairs = known.matches[..9].to_vec();
+    pairs[8] = PointPair {
+        point1: pairs[8].point1,
+        point2: pairs[8].point2 + epiline::geometry::Vector::new(0.0, 30.0),
+    };
+    let path = |view: usize| files.0.path().join(format!("set.00{view}.png"));
+    let opening = || Opening::Files(path(0), path(1));
+    let mut window =
+        crate::support::window(Start { opening: opening(), pairs: pairs[..2].to_vec() }, services());
+    press(&mut window, Key::Num5);
+    assert!(painted(&window, "needs 5 more pairs") && painted(&window, "needs 6 more pairs"));
+    assert!(painted(&window, "not known for these images"));
+    let mut window = crate::support::window(Start { opening: opening(), pairs }, services());
+    press(&mut window, Key::Num5);
+    assert!(painted(&window, "9 pairs") && !painted(&window, "needs"));
+    // The last pair, which is far off, on top: without it 8-point fits exactly.
+    window.get_by_label("Sort by Point").click();
+    settle(&mut window);
+    assert!(painted(&window, "9, check"));
+    window.get_by_label("Count pair 9").click();
+    settle(&mut window);
+    assert!(document(&window).excluded.contains(&8));
+    assert!(painted(&window, "8 pairs") && painted(&window, "9, out"));
+    window.get_by_label("Residuals of pair 9").click();
+    settle(&mut window);
+    assert_eq!(document(&window).selection.map(|at| at.pair), Some(8));
+}
+
+#[test]
+fn rows_of_true_matches_are_linked_with_the_images() {
+    let files = vgg(2);
+    let mut window = open_folder(files.0.path());
+    press(&mut window, Key::N);
+    press(&mut window, Key::Num5);
+    window.hover_at(window.get_by_label("True match 2").rect().center());
+    settle(&mut window);
+    assert_eq!(window.state().focus().hovered(), Some(Target::TrueMatch(1)));
+    window.get_by_label("True match 2").click();
+    settle(&mut window);
+    let point = truth(&files, [0, 1]).matches[1].point1;
+    let pins: Vec<_> = window.state().focus().pins().iter().map(|pin| pin.source).collect();
+    assert_eq!(pins, [LineSource::Through { side: Side::Left, point }]);
+}
