@@ -40,7 +40,8 @@ pub struct Opened {
 }
 
 impl Opened {
-    fn new(picture: Picture) -> Self {
+    /// A picture with its reduced copy.
+    pub fn new(picture: Picture) -> Self {
         let overview = Arc::new(Overview::new(&picture));
         Self { picture: Arc::new(picture), overview }
     }

@@ -7,7 +7,7 @@ use std::time::Instant;
 
 use egui::{Theme, ThemePreference};
 
-use super::{EditKey, Inspector, Picking};
+use super::{EditKey, Inspector, Picked, Picking};
 use crate::app::command::Command;
 use crate::app::document::{Document, PointRef, Side};
 use crate::app::history::Step;
@@ -27,7 +27,7 @@ impl Inspector {
                 self.wanted = None;
             }
             Command::OpenFiles(paths) => self.open_files(paths),
-            Command::Browse(side) => self.browse(Some(side)),
+            Command::Browse(side) => self.browse(Picked::Image(side)),
             Command::OpenFolder(_)
             | Command::BrowseFolder
             | Command::OpenViews(_)
@@ -48,7 +48,10 @@ impl Inspector {
             }
             Command::ClearPairs => self.edit(Step::Single, |document| document.set_pairs(Vec::new())),
             Command::Cancel => self.cancel(),
-            Command::FitAll => self.panes.iter_mut().for_each(super::ImagePane::fit),
+            Command::FitAll => {
+                self.panes.iter_mut().for_each(super::ImagePane::fit);
+                self.viewing.view = None;
+            }
             Command::FitAfterDoubleClick(side) => self.fit_after_double_click(side),
             Command::ToggleTheme => {
                 let dark = ctx.theme() == Theme::Dark;
@@ -106,10 +109,23 @@ impl Inspector {
                 self.edit(Step::Merged(EditKey::Parameter(setting)), |document| document.parameters = *to);
             }
             Command::ResetParameters => self.set_preset(self.document.parameters.preset),
+            Command::SetRectification(_)
+            | Command::LayOutRectified(_)
+            | Command::SetGuides(_)
+            | Command::ViewRectified(_)
+            | Command::SwapRectified
+            | Command::RunBlink
+            | Command::ShowExport
+            | Command::BrowseExport
+            | Command::ExportRectified { .. }
+            | Command::StopExport => self.apply_to_rectified(ctx, command),
             Command::ShowTab(number) => {
                 (self.look.tab, self.look.tabs_folded) = (number, false);
             }
             Command::FoldTabs => self.look.tabs_folded = !self.look.tabs_folded,
+            Command::EnlargeTabs => {
+                (self.look.tabs_enlarged, self.look.tabs_folded) = (!self.look.tabs_enlarged, false);
+            }
             Command::ToggleOverlay(number) => {
                 if let Some(shown) = self.look.overlays.get_mut(number) {
                     *shown = !*shown;
@@ -175,6 +191,8 @@ impl Inspector {
             self.palette.open = false;
         } else if self.open_dialog.open {
             self.open_dialog.open = false;
+        } else if self.export_dialog.open {
+            self.export_dialog.open = false;
         } else if self.shortcuts_open {
             self.shortcuts_open = false;
         } else if self.document.half.is_some() {
@@ -244,13 +262,13 @@ impl Inspector {
     }
 
     /// Shows the system's dialog in a thread of its own, since it returns only when it is closed.
-    pub(super) fn browse(&mut self, side: Option<Side>) {
+    pub(super) fn browse(&mut self, what: Picked) {
         if self.picking.is_some() {
             self.tell("A file dialog is open already. Finish it first, or type a path.".into());
             return;
         }
         let (sender, answer) = channel();
-        let pick = if side.is_some() { &self.pick_file } else { &self.pick_folder };
+        let pick = if matches!(what, Picked::Image(_)) { &self.pick_file } else { &self.pick_folder };
         let (pick, waker) = (Arc::clone(pick), self.waker.clone());
         let thread = std::thread::Builder::new().name("file dialog".into()).spawn(move || {
             let start = Instant::now();
@@ -261,7 +279,7 @@ impl Inspector {
         });
         // Without a thread the sender is gone, which is reported like a dialog that could not open.
         drop(thread);
-        self.picking = Some(Picking { side, answer });
+        self.picking = Some(Picking { what, answer });
     }
 
     /// Files dropped on the window since the last frame.

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use super::Inspector;
+use super::{Inspector, Picked};
 use crate::app::command::Command;
 use crate::app::document::Trial;
 use crate::app::history::Step;
@@ -15,7 +15,7 @@ impl Inspector {
     pub(super) fn apply_to_known(&mut self, command: Command) {
         match command {
             Command::OpenFolder(path) => self.open_folder(path),
-            Command::BrowseFolder => self.browse(None),
+            Command::BrowseFolder => self.browse(Picked::Folder),
             Command::OpenViews(views) => self.open_views(views),
             Command::StepPair { forward } => self.step_pair(forward),
             Command::ToggleTruth => self.toggle_truth(),

@@ -6,7 +6,7 @@ use super::Inspector;
 use crate::app::command::Command;
 use crate::app::document::Side;
 use crate::app::panels::tabs::TABS;
-use crate::app::panels::{self, CommandPalette, OpenDialog};
+use crate::app::panels::{self, CommandPalette, ExportDialog, OpenDialog};
 use crate::app::panes::{ImagePane, halves};
 use crate::app::scene::Hover;
 
@@ -17,6 +17,7 @@ const ROOM_FOR_LEGEND: f32 = 620.0;
 struct Drawing {
     panes: [ImagePane; 2],
     open_dialog: OpenDialog,
+    export_dialog: ExportDialog,
     palette: CommandPalette,
     shortcuts_open: bool,
 }
@@ -27,6 +28,7 @@ impl Inspector {
         let mut drawing = Drawing {
             panes: std::mem::replace(&mut self.panes, Side::BOTH.map(ImagePane::new)),
             open_dialog: std::mem::take(&mut self.open_dialog),
+            export_dialog: std::mem::take(&mut self.export_dialog),
             palette: std::mem::take(&mut self.palette),
             shortcuts_open: self.shortcuts_open,
         };
@@ -38,6 +40,7 @@ impl Inspector {
         self.inspected = scene.inspected().filter(|_| wanted).map(|inspected| inspected.lines);
         self.panes = drawing.panes;
         self.open_dialog = drawing.open_dialog;
+        self.export_dialog = drawing.export_dialog;
         self.palette = drawing.palette;
         self.shortcuts_open = drawing.shortcuts_open;
         for side in Side::BOTH {
@@ -64,7 +67,8 @@ impl Inspector {
         });
         Panel::bottom("status").frame(bar(ui)).show(ui, |ui| {
             let pictures = self.pictures.as_ref();
-            panels::status(ui, &scene, pictures.map(|p| p.each_ref().map(|opened| opened.picture.as_ref())));
+            let pictures = pictures.map(|p| p.each_ref().map(|opened| opened.picture.as_ref()));
+            panels::status(ui, &scene, pictures, commands);
         });
         Panel::right("side")
             .frame(bar(ui))
@@ -73,11 +77,17 @@ impl Inspector {
             .size_range(240.0..=480.0)
             .show(ui, |ui| panels::side::show(ui, &scene, commands));
         if scene.tab.is_some() {
-            Panel::bottom("tabs")
+            // Each of the two heights is remembered by itself.
+            let (name, size, largest) = if scene.look.tabs_enlarged {
+                ("enlarged tabs", height * 0.64, height * 0.75)
+            } else {
+                ("tabs", (height * 0.29).clamp(130.0, 320.0), height * 0.6)
+            };
+            Panel::bottom(name)
                 .frame(bar(ui))
                 .resizable(true)
-                .default_size((height * 0.29).clamp(130.0, 320.0))
-                .size_range(130.0..=(height * 0.6).max(131.0))
+                .default_size(size)
+                .size_range(130.0..=largest.max(131.0))
                 .show(ui, |ui| {
                     // The panel keeps its height, however little a tab has to show.
                     ui.set_min_height(ui.available_height());
@@ -109,6 +119,7 @@ impl Inspector {
             .inner;
         panels::messages(&ctx, area, &scene, commands);
         drawing.open_dialog.show(&ctx, &scene, commands);
+        drawing.export_dialog.show(&ctx, commands);
         drawing.palette.show(&ctx, &scene, commands);
         if drawing.shortcuts_open {
             panels::shortcuts(&ctx, &mut drawing.shortcuts_open);

@@ -6,6 +6,7 @@
 mod apply;
 mod known;
 mod layout;
+mod rectified;
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -25,8 +26,9 @@ use super::inspection::{InspectionRequest, Matcher};
 use super::loader::{Loader, Opened, Opening, Pair, Source};
 use super::look::{Look, Tool};
 use super::panels::tabs::TABS;
-use super::panels::{CommandPalette, Message, OpenDialog};
+use super::panels::{CommandPalette, ExportDialog, Message, OpenDialog};
 use super::panes::ImagePane;
+use super::rectified::{Rectifying, Viewing, Writing};
 use super::scene::{Hover, Scene};
 use super::services::{PickFn, Services};
 use super::suggesting::{Question, Suggesting};
@@ -49,10 +51,21 @@ enum EditKey {
     Parameter(&'static str),
 }
 
+/// What a file dialog of the system is for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Picked {
+    /// An image.
+    Image(Side),
+    /// A folder with ground truth.
+    Folder,
+    /// The folder that a rectified pair is written to.
+    Export,
+}
+
 /// A file dialog that is open.
 struct Picking {
-    /// Of which image; none when it is a folder.
-    side: Option<Side>,
+    /// What it is for.
+    what: Picked,
     /// What was chosen and how long the dialog was open.
     answer: Receiver<(Option<PathBuf>, Duration)>,
 }
@@ -88,8 +101,12 @@ pub struct Inspector {
     look: Look,
     tool: Tool,
     suggesting: Suggesting,
+    rectifying: Rectifying,
+    viewing: Viewing,
+    writing: Writing,
     palette: CommandPalette,
     open_dialog: OpenDialog,
+    export_dialog: ExportDialog,
     shortcuts_open: bool,
     messages: Vec<Message>,
     messages_shown: u64,
@@ -134,9 +151,13 @@ impl Inspector {
             revision: 0,
             look: Look::default(),
             tool: Tool::default(),
-            suggesting: Suggesting::new(services.suggest, waker),
+            suggesting: Suggesting::new(services.suggest, waker.clone()),
+            rectifying: Rectifying::new(waker.clone()),
+            viewing: Viewing::default(),
+            writing: Writing::new(waker),
             palette: CommandPalette::default(),
             open_dialog: OpenDialog::default(),
+            export_dialog: ExportDialog::default(),
             shortcuts_open: false,
             messages: Vec::new(),
             messages_shown: 0,
@@ -173,13 +194,16 @@ impl Inspector {
         self.look = look;
     }
 
-    /// Whether pictures are being opened, an estimate computed or compared, or a match searched for.
+    /// Whether pictures are being opened, an estimate computed or compared, a match searched for, or a rectified
+    /// pair made or written.
     pub fn is_busy(&self) -> bool {
         self.loader.is_busy()
             || self.computation.is_running()
             || self.suggesting.is_busy()
             || self.matcher.is_busy()
             || self.comparing.is_busy()
+            || self.rectifying.is_busy()
+            || self.writing.progress().is_some()
             || self.picking.is_some()
     }
 
@@ -195,7 +219,7 @@ impl Inspector {
         self.take_news(&ctx);
         // Keys first: Escape ends a drag before the panes can carry it on.
         let keyboard = command::Keyboard {
-            dialog_open: self.open_dialog.open || self.palette.open,
+            dialog_open: self.open_dialog.open || self.export_dialog.open || self.palette.open,
             suggestion: self.scene().accepted_suggestion().is_some(),
         };
         let mut commands = command::pressed(&ctx, keyboard);
@@ -217,6 +241,7 @@ impl Inspector {
         self.suggesting.follow(self.question());
         self.matcher.follow(self.inspection_request());
         self.comparing.follow(self.comparand());
+        self.rectifying.follow(self.to_rectify().filter(|_| self.wants_rectified()));
         self.name_window(&ctx);
     }
 
@@ -290,6 +315,10 @@ impl Inspector {
             known: self.known.as_ref(),
             comparison: self.comparing.latest(),
             tab: (!self.look.tabs_folded).then_some(self.look.tab),
+            rectified: self.rectifying.latest(),
+            rectifying: self.rectifying.is_busy(),
+            viewing: self.viewing,
+            writing: self.writing.progress(),
             overlays: &self.look.overlays,
             look: &self.look,
             tool: self.tool,
@@ -305,6 +334,13 @@ impl Inspector {
         self.computation.take_news();
         self.matcher.take_news();
         self.comparing.take_news();
+        self.rectifying.take_news();
+        if let Some(ending) = self.writing.poll() {
+            match ending {
+                Ok(text) => self.say(text, true),
+                Err(text) => self.tell(text),
+            }
+        }
         if self.revision != self.computation.revision() {
             // Numbers of hypotheses belong to one result.
             self.revision = self.computation.revision();
@@ -319,13 +355,14 @@ impl Inspector {
             }
             None => {}
         }
-        let picked = self.picking.as_ref().map(|picking| (picking.side, picking.answer.try_recv()));
+        let picked = self.picking.as_ref().map(|picking| (picking.what, picking.answer.try_recv()));
         match picked {
             None | Some((_, Err(TryRecvError::Empty))) => return,
-            Some((Some(side), Ok((Some(path), _)))) => {
+            Some((Picked::Image(side), Ok((Some(path), _)))) => {
                 self.open_dialog.offer(&path, Some(side));
             }
-            Some((None, Ok((Some(path), _)))) => self.open_dialog.offer_folder(&path),
+            Some((Picked::Folder, Ok((Some(path), _)))) => self.open_dialog.offer_folder(&path),
+            Some((Picked::Export, Ok((Some(path), _)))) => self.export_dialog.offer(&path),
             Some((_, Ok((None, elapsed)))) if elapsed > DIALOG_UNSEEN => {}
             Some(_) => self.tell(
                 "The file dialog could not be opened here. Type a path, or drop the files on this window."
@@ -348,6 +385,8 @@ impl Inspector {
         self.known = pair.known;
         self.wanted = None;
         self.comparing.forget();
+        self.rectifying.forget();
+        self.viewing = Viewing::default();
         self.history = History::default();
         self.pictures = Some(pair.pictures);
         self.show_me = pair.show_me;
@@ -371,10 +410,15 @@ impl Inspector {
         self.document.set_pairs(inside);
     }
 
+    /// Tells that something went wrong.
     fn tell(&mut self, text: String) {
+        self.say(text, false);
+    }
+
+    fn say(&mut self, text: String, good: bool) {
         self.messages.retain(|message| message.text != text);
         self.messages_shown += 1;
-        self.messages.push(Message { number: self.messages_shown, text });
+        self.messages.push(Message { number: self.messages_shown, text, good });
         if self.messages.len() > MESSAGES {
             self.messages.remove(0);
         }

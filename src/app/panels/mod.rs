@@ -2,6 +2,7 @@
 //! commands.
 
 mod busy;
+mod export_dialog;
 mod guide_bar;
 mod legend;
 mod messages;
@@ -19,6 +20,7 @@ use egui::{Button, Response, Ui};
 
 use super::command::{Command, key_text};
 
+pub use export_dialog::ExportDialog;
 pub use messages::Message;
 pub use open_dialog::OpenDialog;
 pub use palette::CommandPalette;

@@ -143,7 +143,7 @@ impl OpenDialog {
 }
 
 /// What was typed, as a path.
-fn path_of(text: &str) -> Option<PathBuf> {
+pub(super) fn path_of(text: &str) -> Option<PathBuf> {
     // Paths are often pasted with quotes or as an address.
     let text = text.trim().trim_matches(['"', '\'']);
     let text = text.strip_prefix("file://").unwrap_or(text);
