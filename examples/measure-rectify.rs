@@ -2,7 +2,7 @@
 //!
 //! `cargo run --release --example measure-rectify [VGG-FOLDER] [PAIRS-FOLDER] [PICTURE-FOLDER]`: vertical distance of
 //! all true matches, shape, size and time of each pair, and the time of a pair of 4000×3000 px. With a third folder
-//! the pictures with guide lines are written there.
+//! the pictures with guide lines are written there, and what `compare-rectify.py` compares with OpenCV.
 
 use std::error::Error;
 use std::path::Path;
@@ -17,6 +17,7 @@ use epiline::io::{PictureFormat, encode_picture};
 use epiline::rectify::{Distortion, Limits, Method, rectify, stacked};
 use epiline::synthetic::{Motion, Sample};
 use image::{DynamicImage, GrayImage, RgbImage};
+use serde_json::json;
 
 fn picture(plane: &GrayPlane) -> DynamicImage {
     let values = plane.values().iter().map(|v| v.round() as u8).collect();
@@ -49,6 +50,35 @@ fn shape(d: &Distortion) -> String {
     )
 }
 
+/// The images, F, the matches and the planar homographies of a pair, for `compare-rectify.py`.
+fn write_pair(folder: &Path, scene: &Scene) -> Result<(), Box<dyn Error>> {
+    let frames = [scene.images[0].frame(), scene.images[1].frame()];
+    let mut pair = json!({
+        "fundamental": scene.truth,
+        "sizes": frames.map(|f| [f.width, f.height]),
+        "matches": scene.matches.iter().map(|m| [m.point1.x, m.point1.y, m.point2.x, m.point2.y]).collect::<Vec<_>>(),
+    });
+    match rectify(&scene.truth, frames, &scene.matches, Method::Planar, &Limits::default()) {
+        Ok(found) => {
+            let homographies = found.maps.each_ref().map(|map| {
+                let h = map.homography().copied().unwrap_or_default();
+                [0, 1, 2].map(|r| [0, 1, 2].map(|c| h[(r, c)]))
+            });
+            pair["homographies"] = json!(homographies);
+            pair["size"] = json!([found.size.width, found.size.height]);
+            let [left, right] = found.measures.distortion;
+            pair["cut"] = json!(f64::midpoint(left.cut, right.cut));
+        }
+        Err(error) => pair["reason"] = json!(error.to_string()),
+    }
+    std::fs::write(folder.join(format!("{}.json", scene.name)), pair.to_string())?;
+    for (k, image) in scene.images.iter().enumerate() {
+        let file = folder.join(format!("{}-{}.png", scene.name, k + 1));
+        std::fs::write(file, encode_picture(&picture(image), PictureFormat::Png)?)?;
+    }
+    Ok(())
+}
+
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let argument = |k: usize, default: &'static str| arguments.get(k).map_or(default, String::as_str);
@@ -65,6 +95,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     for scene in &scenes {
         let frames = [scene.images[0].frame(), scene.images[1].frame()];
         let pictures = [picture(&scene.images[0]), picture(&scene.images[1])];
+        if let Some(folder) = arguments.get(2) {
+            write_pair(Path::new(folder), scene)?;
+        }
         let auto = rectify(&scene.truth, frames, &scene.matches, Method::Auto, &Limits::default())?;
         for method in [Method::Planar, Method::Polar] {
             let begun = Instant::now();

@@ -12,6 +12,7 @@ use crate::estimate::Parameters;
 use crate::evaluate::Protocol;
 use crate::geometry::{Frame, Point, PointPair};
 use crate::image::Picture;
+use crate::rectify;
 
 /// One of the two images.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
@@ -139,6 +140,9 @@ pub struct Document {
     pub half: Option<HalfPair>,
     /// Parameters of the estimate.
     pub parameters: Parameters,
+    /// How the images are rectified.
+    #[serde(default)]
+    pub rectification: rectify::Method,
     /// The ground truth that the result is compared with, if any.
     #[serde(default)]
     pub truth: Option<TruthSource>,

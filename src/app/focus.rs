@@ -34,6 +34,13 @@ pub enum Target {
     TrueMatch(usize),
     /// A sample of the inspected line of image 1, by its index (0 is the anchor).
     Sample(i32),
+    /// A place in the rectified pictures.
+    Rectified {
+        /// Whose picture; `None` where both are drawn in one.
+        side: Option<Side>,
+        /// Where, px of the pictures as they are drawn.
+        at: Point,
+    },
 }
 
 /// Where a pair of lines comes from. Lines that come from a point follow the geometry when it changes.

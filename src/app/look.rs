@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::comparison::Subject;
 use super::panels::tabs::TABS;
 use super::panes::overlays::{OVERLAYS, Visibility};
+use super::rectified::RectifiedLook;
 
 /// What a click in an image does.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -36,8 +37,12 @@ pub struct Look {
     pub tab: usize,
     /// Whether the bottom panel is folded away.
     pub tabs_folded: bool,
+    /// Whether the bottom panel takes most of the window.
+    pub tabs_enlarged: bool,
     /// What the residuals compare.
     pub compared: Subject,
+    /// How the rectified pair is shown.
+    pub rectified: RectifiedLook,
 }
 
 impl Default for Look {
@@ -49,7 +54,9 @@ impl Default for Look {
             loupe: true,
             tab: 0,
             tabs_folded: false,
+            tabs_enlarged: false,
             compared: Subject::default(),
+            rectified: RectifiedLook::default(),
         }
     }
 }
@@ -65,7 +72,9 @@ struct Saved {
     loupe: bool,
     tab: String,
     tabs_folded: bool,
+    tabs_enlarged: bool,
     compared: Subject,
+    rectified: RectifiedLook,
 }
 
 impl Default for Saved {
@@ -76,18 +85,30 @@ impl Default for Saved {
 
 impl From<Look> for Saved {
     fn from(look: Look) -> Self {
-        let Look { overlays, linked, map, loupe, tab, tabs_folded, compared } = look;
+        let Look { overlays, linked, map, loupe, tab, tabs_folded, tabs_enlarged, compared, rectified } =
+            look;
         let overlays = OVERLAYS.iter().map(|overlay| overlay.name.to_owned()).zip(overlays).collect();
         let tab = TABS.get(tab).map_or(String::new(), |tab| tab.title.to_owned());
-        Self { overlays, linked, map, loupe, tab, tabs_folded, compared }
+        Self { overlays, linked, map, loupe, tab, tabs_folded, tabs_enlarged, compared, rectified }
     }
 }
 
 impl From<Saved> for Look {
     fn from(saved: Saved) -> Self {
-        let Saved { overlays, linked, map, loupe, tab, tabs_folded, compared } = saved;
+        let Saved { overlays, linked, map, loupe, tab, tabs_folded, tabs_enlarged, compared, rectified } =
+            saved;
         let tab = TABS.iter().position(|other| other.title == tab).unwrap_or(0);
-        let mut look = Self { linked, map, loupe, tab, tabs_folded, compared, ..Self::default() };
+        let mut look = Self {
+            linked,
+            map,
+            loupe,
+            tab,
+            tabs_folded,
+            tabs_enlarged,
+            compared,
+            rectified,
+            ..Self::default()
+        };
         for (overlay, shown) in OVERLAYS.iter().zip(&mut look.overlays) {
             if let Some(saved) =
                 overlays.get(overlay.name).filter(|_| overlay.visibility != Visibility::Always)

@@ -11,6 +11,7 @@
 //! | `services` | what threads and the system do for the window; tests put something else in their place |
 //! | [`comparison`] | the result beside other methods and the truth, measured in a thread |
 //! | `truth` | what is known about the pictures that are open |
+//! | [`rectified`] | the rectified pair: made in a thread, looked at, written |
 //! | `suggesting` | the suggested match of a first click |
 //! | [`look`] | what is drawn, remembered between runs |
 //! | `inspection` | the intensities of the inspected line pair, matched in a third thread |
@@ -45,6 +46,7 @@ mod loader;
 pub mod look;
 mod panels;
 mod panes;
+pub mod rectified;
 mod residuals;
 mod sample;
 mod scene;

@@ -7,6 +7,7 @@ use super::focus::{Focus, LineSource, Pin};
 use super::inspection::Inspection;
 use super::look::{Look, Tool};
 use super::panels::Message;
+use super::rectified::{self, Rectified, Viewing};
 use super::suggesting::Suggested;
 use super::theme;
 use super::truth::{Known, NO_TRUTH};
@@ -42,6 +43,14 @@ pub struct Scene<'a> {
     pub known: Option<&'a Known>,
     /// The result beside other methods and the truth; while another is awaited, the comparison before.
     pub comparison: Option<&'a Comparison>,
+    /// The rectified pair, while something shows it; while another is being made, the one before.
+    pub rectified: Option<&'a Rectified>,
+    /// Whether another rectified pair is being made.
+    pub rectifying: bool,
+    /// What part of the rectified pair is shown.
+    pub viewing: Viewing,
+    /// How far the writing of a rectified pair is, while it goes on.
+    pub writing: Option<rectified::Progress>,
     /// Which overlays are shown, in the order of their list.
     pub overlays: &'a [bool],
     /// The other choices about what is drawn.

@@ -96,7 +96,7 @@ fn pick_file() -> Option<PathBuf> {
 }
 
 fn pick_folder() -> Option<PathBuf> {
-    rfd::FileDialog::new().set_title("Open a folder with ground truth").pick_folder()
+    rfd::FileDialog::new().set_title("Choose a folder").pick_folder()
 }
 
 fn pick_save() -> Option<PathBuf> {

@@ -47,6 +47,9 @@ pub const MATCH: Color32 = Color32::from_rgb(190, 255, 150);
 /// Places that a patch comparison suggests.
 pub const SUGGESTED: Color32 = Color32::from_rgb(255, 255, 255);
 
+/// Guide lines over rectified pictures.
+pub const GUIDE: Color32 = Color32::from_rgba_premultiplied(118, 82, 0, 131);
+
 /// How near to a handle a press takes hold of it, screen points.
 pub const GRAB_RADIUS: f32 = 11.0;
 /// Width of an ordinary line, screen points.

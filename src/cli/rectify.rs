@@ -72,7 +72,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
         [0, 1].map(|k| rectification.warp(k, &pictures[k].pixels, &never))
     })?;
     if let [Some(left), Some(right)] = &drawn {
-        files.write(&rectification, &fundamental, [&pictures[0], &pictures[1]], [left, right])?;
+        let originals = [&pictures[0], &pictures[1]];
+        files.write(&rectification, &fundamental, originals, [left, right], &mut |_| true)?;
     }
     print(&summary(&rectification, &files))
 }

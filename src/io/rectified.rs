@@ -41,6 +41,9 @@ pub enum RectifiedError {
     /// A picture cannot be encoded.
     #[error(transparent)]
     Picture(#[from] PictureError),
+    /// It was stopped.
+    #[error("stopped; files that were written before stay")]
+    Cancelled,
     /// A table cannot be encoded.
     #[error("the maps cannot be encoded: {0}")]
     Encode(String),
@@ -76,22 +79,33 @@ impl RectifiedFiles {
         })
     }
 
-    /// Writes everything; `rectified` are the drawn pictures.
+    /// Writes everything; `rectified` are the drawn pictures. `go_on` is asked before each file, by its place in
+    /// [`RectifiedFiles::paths`], and stops the writing with `false`.
     pub fn write(
         &self,
         rectification: &Rectification,
         fundamental: &FundamentalMatrix,
         originals: [&Picture; 2],
         rectified: [&DynamicImage; 2],
+        go_on: &mut dyn FnMut(usize) -> bool,
     ) -> Result<(), RectifiedError> {
+        let mut number = 0;
+        let mut next = || {
+            number += 1;
+            if go_on(number - 1) { Ok(()) } else { Err(RectifiedError::Cancelled) }
+        };
         for (file, picture) in self.pictures.iter().zip(rectified) {
+            next()?;
             file.write(&encode_picture(picture, self.options.format)?)?;
         }
+        next()?;
         let both = stacked(rectified, self.options.guide_spacing).into();
         self.stacked.write(&encode_picture(&both, self.options.format)?)?;
         for (file, map) in self.maps.iter().flatten().zip(&rectification.maps) {
+            next()?;
             file.write(&map_array(map, rectification).map_err(|e| RectifiedError::Encode(e.to_string()))?)?;
         }
+        next()?;
         let description = rectification.description(fundamental, originals.map(Picture::frame));
         let mut text =
             serde_json::to_string_pretty(&description).map_err(|e| RectifiedError::Encode(e.to_string()))?;

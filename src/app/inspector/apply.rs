@@ -50,7 +50,10 @@ impl Inspector {
             }
             Command::ClearPairs => self.edit(Step::Single, |document| document.set_pairs(Vec::new())),
             Command::Cancel => self.cancel(),
-            Command::FitAll => self.panes.iter_mut().for_each(super::ImagePane::fit),
+            Command::FitAll => {
+                self.panes.iter_mut().for_each(super::ImagePane::fit);
+                self.viewing.view = None;
+            }
             Command::FitAfterDoubleClick(side) => self.fit_after_double_click(side),
             Command::ToggleTheme => {
                 let dark = ctx.theme() == Theme::Dark;
@@ -108,10 +111,23 @@ impl Inspector {
                 self.edit(Step::Merged(EditKey::Parameter(setting)), |document| document.parameters = *to);
             }
             Command::ResetParameters => self.set_preset(self.document.parameters.preset),
+            Command::SetRectification(_)
+            | Command::LayOutRectified(_)
+            | Command::SetGuides(_)
+            | Command::ViewRectified(_)
+            | Command::SwapRectified
+            | Command::RunBlink
+            | Command::ShowExport
+            | Command::BrowseExport
+            | Command::ExportRectified { .. }
+            | Command::StopExport => self.apply_to_rectified(ctx, command),
             Command::ShowTab(number) => {
                 (self.look.tab, self.look.tabs_folded) = (number, false);
             }
             Command::FoldTabs => self.look.tabs_folded = !self.look.tabs_folded,
+            Command::EnlargeTabs => {
+                (self.look.tabs_enlarged, self.look.tabs_folded) = (!self.look.tabs_enlarged, false);
+            }
             Command::ToggleOverlay(number) => {
                 if let Some(shown) = self.look.overlays.get_mut(number) {
                     *shown = !*shown;
@@ -179,6 +195,8 @@ impl Inspector {
             // Closing one of them is all there is to do.
         } else if self.open_dialog.open {
             self.open_dialog.open = false;
+        } else if self.export_dialog.open {
+            self.export_dialog.open = false;
         } else if self.shortcuts_open {
             self.shortcuts_open = false;
         } else if self.document.half.is_some() {
@@ -272,7 +290,7 @@ impl Inspector {
         let (sender, answer) = channel();
         let pick = match purpose {
             PickPurpose::Image(_) | PickPurpose::Lost(_) => &self.pick_file,
-            PickPurpose::Folder => &self.pick_folder,
+            PickPurpose::Folder | PickPurpose::Export => &self.pick_folder,
             PickPurpose::Session => &self.pick_save,
         };
         let (pick, waker) = (Arc::clone(pick), self.waker.clone());

@@ -6,7 +6,7 @@ use super::Inspector;
 use crate::app::command::Command;
 use crate::app::document::Side;
 use crate::app::panels::tabs::TABS;
-use crate::app::panels::{self, CommandPalette, OpenDialog, RelocateDialog, SaveDialog};
+use crate::app::panels::{self, CommandPalette, ExportDialog, OpenDialog, RelocateDialog, SaveDialog};
 use crate::app::panes::{ImagePane, halves};
 use crate::app::scene::Hover;
 
@@ -19,6 +19,7 @@ struct Drawing {
     open_dialog: OpenDialog,
     save_dialog: Option<SaveDialog>,
     relocate_dialog: Option<RelocateDialog>,
+    export_dialog: ExportDialog,
     palette: CommandPalette,
     shortcuts_open: bool,
 }
@@ -31,6 +32,7 @@ impl Inspector {
             open_dialog: std::mem::take(&mut self.open_dialog),
             save_dialog: self.save_dialog.take(),
             relocate_dialog: self.relocate_dialog.take(),
+            export_dialog: std::mem::take(&mut self.export_dialog),
             palette: std::mem::take(&mut self.palette),
             shortcuts_open: self.shortcuts_open,
         };
@@ -44,6 +46,7 @@ impl Inspector {
         self.open_dialog = drawing.open_dialog;
         self.save_dialog = drawing.save_dialog;
         self.relocate_dialog = drawing.relocate_dialog;
+        self.export_dialog = drawing.export_dialog;
         self.palette = drawing.palette;
         self.shortcuts_open = drawing.shortcuts_open;
         for side in Side::BOTH {
@@ -70,7 +73,8 @@ impl Inspector {
         });
         Panel::bottom("status").frame(bar(ui)).show(ui, |ui| {
             let pictures = self.pictures.as_ref();
-            panels::status(ui, &scene, pictures.map(|p| p.each_ref().map(|opened| opened.picture.as_ref())));
+            let pictures = pictures.map(|p| p.each_ref().map(|opened| opened.picture.as_ref()));
+            panels::status(ui, &scene, pictures, commands);
         });
         Panel::right("side")
             .frame(bar(ui))
@@ -79,11 +83,17 @@ impl Inspector {
             .size_range(240.0..=480.0)
             .show(ui, |ui| panels::side::show(ui, &scene, commands));
         if scene.tab.is_some() {
-            Panel::bottom("tabs")
+            // Each of the two heights is remembered by itself.
+            let (name, size, largest) = if scene.look.tabs_enlarged {
+                ("enlarged tabs", height * 0.64, height * 0.75)
+            } else {
+                ("tabs", (height * 0.29).clamp(130.0, 320.0), height * 0.6)
+            };
+            Panel::bottom(name)
                 .frame(bar(ui))
                 .resizable(true)
-                .default_size((height * 0.29).clamp(130.0, 320.0))
-                .size_range(130.0..=(height * 0.6).max(131.0))
+                .default_size(size)
+                .size_range(130.0..=largest.max(131.0))
                 .show(ui, |ui| {
                     // The panel keeps its height, however little a tab has to show.
                     ui.set_min_height(ui.available_height());
@@ -121,6 +131,7 @@ impl Inspector {
         if drawing.relocate_dialog.as_mut().is_some_and(|dialog| !dialog.show(&ctx, commands)) {
             drawing.relocate_dialog = None;
         }
+        drawing.export_dialog.show(&ctx, commands);
         drawing.palette.show(&ctx, &scene, commands);
         if drawing.shortcuts_open {
             panels::shortcuts(&ctx, &mut drawing.shortcuts_open);

@@ -6,6 +6,7 @@
 mod apply;
 mod known;
 mod layout;
+mod rectified;
 mod session;
 
 use std::path::PathBuf;
@@ -26,8 +27,11 @@ use super::inspection::{InspectionRequest, Matcher};
 use super::loader::{Failure, Loader, Opened, Opening, Pair, Source};
 use super::look::{Look, Tool};
 use super::panels::tabs::TABS;
-use super::panels::{CommandPalette, Message, MessageAction, OpenDialog, RelocateDialog, SaveDialog};
+use super::panels::{
+    CommandPalette, ExportDialog, Message, MessageAction, OpenDialog, RelocateDialog, SaveDialog,
+};
 use super::panes::ImagePane;
+use super::rectified::{Rectifying, Viewing, Writing};
 use super::scene::{Hover, Scene};
 use super::services::{PickFn, Services};
 use super::session::OpenSession;
@@ -59,6 +63,8 @@ enum PickPurpose {
     Image(Side),
     /// A folder with ground truth.
     Folder,
+    /// The folder that a rectified pair is written to.
+    Export,
     /// Where to save the session.
     Session,
     /// An image that a session cannot find.
@@ -103,10 +109,14 @@ pub struct Inspector {
     look: Look,
     tool: Tool,
     suggesting: Suggesting,
+    rectifying: Rectifying,
+    viewing: Viewing,
+    writing: Writing,
     palette: CommandPalette,
     open_dialog: OpenDialog,
     save_dialog: Option<SaveDialog>,
     relocate_dialog: Option<RelocateDialog>,
+    export_dialog: ExportDialog,
     shortcuts_open: bool,
     session: SessionState,
     /// What was done last, for the status bar.
@@ -159,11 +169,15 @@ impl Inspector {
             revision: 0,
             look: Look::default(),
             tool: Tool::default(),
-            suggesting: Suggesting::new(services.suggest, waker),
+            suggesting: Suggesting::new(services.suggest, waker.clone()),
+            rectifying: Rectifying::new(waker.clone()),
+            viewing: Viewing::default(),
+            writing: Writing::new(waker),
             palette: CommandPalette::default(),
             open_dialog: OpenDialog::default(),
             save_dialog: None,
             relocate_dialog: None,
+            export_dialog: ExportDialog::default(),
             shortcuts_open: false,
             session,
             done: None,
@@ -205,13 +219,16 @@ impl Inspector {
         self.look = look;
     }
 
-    /// Whether pictures are being opened, an estimate computed or compared, or a match searched for.
+    /// Whether pictures are being opened, an estimate computed or compared, a match searched for, or a rectified
+    /// pair made or written.
     pub fn is_busy(&self) -> bool {
         self.loader.is_busy()
             || self.computation.is_running()
             || self.suggesting.is_busy()
             || self.matcher.is_busy()
             || self.comparing.is_busy()
+            || self.rectifying.is_busy()
+            || self.writing.progress().is_some()
             || self.picking.is_some()
             || self.session.is_busy()
     }
@@ -229,6 +246,7 @@ impl Inspector {
         // Keys first: Escape ends a drag before the panes can carry it on.
         let keyboard = command::Keyboard {
             dialog_open: self.open_dialog.open
+                || self.export_dialog.open
                 || self.palette.open
                 || self.save_dialog.is_some()
                 || self.relocate_dialog.is_some(),
@@ -253,6 +271,7 @@ impl Inspector {
         self.suggesting.follow(self.question());
         self.matcher.follow(self.inspection_request());
         self.comparing.follow(self.comparand());
+        self.rectifying.follow(self.to_rectify().filter(|_| self.wants_rectified()));
         self.keep_copy(&ctx);
         self.name_window(&ctx);
     }
@@ -327,6 +346,10 @@ impl Inspector {
             known: self.known.as_ref(),
             comparison: self.comparing.latest(),
             tab: (!self.look.tabs_folded).then_some(self.look.tab),
+            rectified: self.rectifying.latest(),
+            rectifying: self.rectifying.is_busy(),
+            viewing: self.viewing,
+            writing: self.writing.progress(),
             overlays: &self.look.overlays,
             look: &self.look,
             tool: self.tool,
@@ -343,6 +366,13 @@ impl Inspector {
         self.computation.take_news();
         self.matcher.take_news();
         self.comparing.take_news();
+        self.rectifying.take_news();
+        if let Some(ending) = self.writing.poll() {
+            match ending {
+                Ok(text) => self.say(text, true, Vec::new()),
+                Err(text) => self.tell(text),
+            }
+        }
         if self.revision != self.computation.revision() {
             // Numbers of hypotheses belong to one result.
             self.revision = self.computation.revision();
@@ -369,6 +399,7 @@ impl Inspector {
                     self.open_dialog.offer(&path, Some(side));
                 }
                 PickPurpose::Folder => self.open_dialog.offer_folder(&path),
+                PickPurpose::Export => self.export_dialog.offer(&path),
                 PickPurpose::Session => {
                     if let Some(dialog) = &mut self.save_dialog {
                         dialog.offer(&path);
@@ -398,6 +429,8 @@ impl Inspector {
         self.known = pair.known;
         self.wanted = None;
         self.comparing.forget();
+        self.rectifying.forget();
+        self.viewing = Viewing::default();
         self.history = History::default();
         self.pictures = Some(pair.pictures);
         self.show_me = pair.show_me;
@@ -422,15 +455,20 @@ impl Inspector {
         self.begin_session(pair.restored);
     }
 
+    /// Tells that something went wrong.
     fn tell(&mut self, text: String) {
-        self.tell_with(text, Vec::new());
+        self.say(text, false, Vec::new());
     }
 
     /// The same with buttons.
     fn tell_with(&mut self, text: String, actions: Vec<MessageAction>) {
+        self.say(text, false, actions);
+    }
+
+    fn say(&mut self, text: String, good: bool, actions: Vec<MessageAction>) {
         self.messages.retain(|message| message.text != text);
         self.messages_shown += 1;
-        self.messages.push(Message { number: self.messages_shown, text, actions });
+        self.messages.push(Message { number: self.messages_shown, text, good, actions });
         if self.messages.len() > MESSAGES {
             self.messages.remove(0);
         }

@@ -1,4 +1,4 @@
-//! What went wrong, a sentence each, until it is dismissed.
+//! What went wrong, or is done, a sentence each, until it is dismissed.
 
 use egui::{Align2, Area, Frame, Id, Label, Margin, Order, Rect, RichText, Stroke, vec2};
 
@@ -13,6 +13,8 @@ pub struct Message {
     pub number: u64,
     /// What happened and what to do.
     pub text: String,
+    /// Whether something was done that took its time, and nothing went wrong.
+    pub good: bool,
     /// What can be done about it at once.
     pub actions: Vec<MessageAction>,
 }
@@ -39,9 +41,14 @@ pub fn show(ctx: &egui::Context, area: Rect, scene: &Scene, commands: &mut Vec<C
             let palette = theme::palette(ui.visuals());
             let width = (area.width() - 64.0).clamp(200.0, 720.0);
             for message in scene.messages {
+                let (fill, edge) = if message.good {
+                    (ui.visuals().panel_fill, palette.good)
+                } else {
+                    (palette.message_fill, palette.bad)
+                };
                 Frame::new()
-                    .fill(palette.message_fill)
-                    .stroke(Stroke::new(1.0, palette.bad))
+                    .fill(fill)
+                    .stroke(Stroke::new(1.0, edge))
                     .corner_radius(8.0)
                     .shadow(ui.visuals().popup_shadow)
                     .inner_margin(Margin::symmetric(14, 10))

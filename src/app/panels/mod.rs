@@ -2,6 +2,7 @@
 //! commands.
 
 mod busy;
+mod export_dialog;
 mod guide_bar;
 mod legend;
 mod messages;
@@ -21,6 +22,7 @@ use egui::{Button, Response, Ui};
 
 use super::command::{Command, key_text};
 
+pub use export_dialog::ExportDialog;
 pub use messages::{Message, MessageAction};
 pub use open_dialog::OpenDialog;
 pub use palette::CommandPalette;

@@ -5,9 +5,11 @@ use egui::{Align2, Key, Modifiers, RichText, ScrollArea, TextEdit, Ui, Window, v
 use super::finish_button;
 use crate::app::command::{Command, key_text};
 use crate::app::panes::overlays::OVERLAYS;
+use crate::app::rectified::Layout;
 use crate::app::scene::Scene;
 use crate::estimate::{Method, Preset};
 use crate::evaluate::Protocol;
+use crate::rectify;
 
 /// What has been typed and which entry is marked.
 #[derive(Debug, Clone, Default)]
@@ -118,6 +120,14 @@ fn entries(scene: &Scene) -> Vec<Entry> {
         (Command::SetMethod(Method::ThreePoint), "Estimate from three pairs"),
         (Command::SetPreset(Preset::Robust), "Preset: robust"),
         (Command::SetPreset(Preset::Paper), "Preset: paper"),
+        (Command::SetRectification(rectify::Method::Auto), "Rectify: choose the method automatically"),
+        (Command::SetRectification(rectify::Method::Planar), "Rectify: planar method"),
+        (Command::SetRectification(rectify::Method::Polar), "Rectify: polar method"),
+        (Command::LayOutRectified(Layout::SideBySide), "Rectified pair side by side"),
+        (Command::LayOutRectified(Layout::Blink), "Rectified pair by turns (blink)"),
+        (Command::LayOutRectified(Layout::Anaglyph), "Rectified pair as anaglyph, red and cyan"),
+        (Command::ViewRectified(None), "Fit the rectified pair"),
+        (Command::StopExport, "Stop the export of the rectified pair"),
     ]
     .map(|(command, title)| Entry { title: title.to_owned(), command });
     let overlays = OVERLAYS.iter().zip(scene.overlays).enumerate();
@@ -138,6 +148,9 @@ fn entries(scene: &Scene) -> Vec<Entry> {
             Command::ShowMe => "Show me: place two pairs on the sample".to_owned(),
             Command::ToggleInspectTool => "Inspect: pin line pairs".to_owned(),
             Command::FitAll => "Fit both images".to_owned(),
+            Command::EnlargeTabs => "Enlarge or reduce the panel".to_owned(),
+            Command::SwapRectified => "Rectified pair: show the other picture".to_owned(),
+            Command::ShowExport => "Export rectified pair…".to_owned(),
             Command::ToggleShortcuts => "List of keys".to_owned(),
             _ => command.name().to_owned(),
         },
@@ -161,6 +174,11 @@ fn makes_sense(command: &Command, scene: &Scene) -> bool {
         Command::Stop => scene.computation.is_running(),
         Command::Recompute => document.used_pairs().is_some(),
         Command::UnpinAll => !scene.focus.pins().is_empty(),
+        Command::SwapRectified | Command::ViewRectified(_) | Command::LayOutRectified(_) => {
+            scene.rectified.is_some()
+        }
+        Command::ShowExport => scene.shown().is_some() && scene.writing.is_none(),
+        Command::StopExport => scene.writing.is_some(),
         Command::StepPair { forward } => {
             scene.folder().is_some_and(|(folder, pair)| folder.neighbour(pair, *forward).is_some())
         }

@@ -1,7 +1,9 @@
-//! The bar at the bottom: position and intensity under the cursor.
+//! The bar at the bottom: position and intensity under the cursor, and how far an export is.
 
 use egui::{Align, Layout, RichText, Ui};
 
+use super::{busy, command_button};
+use crate::app::command::Command;
 use crate::app::scene::Scene;
 use crate::evaluate::Protocol;
 use crate::image::Picture;
@@ -10,7 +12,7 @@ use crate::image::Picture;
 const ROOM_FOR_HINTS: f32 = 360.0;
 
 /// Shows the bar.
-pub fn show(ui: &mut Ui, scene: &Scene, pictures: Option<[&Picture; 2]>) {
+pub fn show(ui: &mut Ui, scene: &Scene, pictures: Option<[&Picture; 2]>, commands: &mut Vec<Command>) {
     ui.horizontal(|ui| {
         let text = match (scene.hover, pictures) {
             (Some(hover), Some(pictures)) => {
@@ -43,6 +45,12 @@ pub fn show(ui: &mut Ui, scene: &Scene, pictures: Option<[&Picture; 2]>) {
             ui.label(format!("Random trial, {protocol}, seed {}", trial.seed)).on_hover_text(
                 "The pairs of the estimate are true matches: those of the first trial of epiline evaluate with this seed.",
             );
+        }
+        if let Some(progress) = scene.writing {
+            ui.separator();
+            busy::show(ui);
+            ui.label(format!("Export: {}, {} of {}", progress.what, progress.done, progress.all));
+            command_button(ui, Command::StopExport, true, commands);
         }
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             if ui.available_width() > ROOM_FOR_HINTS {

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use egui::{CursorIcon, PointerButton, Pos2, Rect, Response, Sense, StrokeKind, Ui, WidgetInfo};
 
+use super::navigation::zoom_asked;
 use super::overlays::{Canvas, OVERLAYS, pointed_at};
 use super::texture::PictureTexture;
 use super::view::{Transform, View};
@@ -17,9 +18,6 @@ use crate::app::scene::{Hover, Scene};
 use crate::app::theme;
 use crate::geometry::{Frame, Point, Vector};
 use crate::image::Picture;
-
-/// How much a scroll of one point zooms, as an exponent.
-const ZOOM_A_POINT: f32 = 0.005;
 
 /// What the mouse is doing.
 #[derive(Debug, Clone, Copy)]
@@ -292,12 +290,9 @@ fn handle_at(scene: &Scene, side: Side, transform: &Transform, position: Pos2) -
 }
 
 fn zoom(ui: &Ui, response: &Response, shown: &mut Shown, frame: Frame) {
-    let Some(at) = response.hover_pos() else { return };
-    let (scroll, pinch) = ui.input(|input| (input.smooth_scroll_delta().y, input.zoom_delta()));
-    let factor = (scroll * ZOOM_A_POINT).exp() * pinch;
-    if (factor - 1.0).abs() > 1e-6 {
+    if let Some((at, factor)) = zoom_asked(ui, response) {
         let transform = shown.view.transform(frame, response.rect);
-        shown.view.zoom(&transform, frame, at, f64::from(factor));
+        shown.view.zoom(&transform, frame, at, factor);
     }
 }
 

@@ -3,10 +3,11 @@
 mod epipole_map;
 mod image_pane;
 mod loupe;
+pub mod navigation;
 pub mod overlays;
 mod texture;
 mod view;
 
 pub use image_pane::{ImagePane, halves};
-pub use texture::Overview;
+pub use texture::{Overview, PictureTexture};
 pub use view::{Transform, View};

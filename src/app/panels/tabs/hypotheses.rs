@@ -18,6 +18,7 @@ pub const TAB: Tab = Tab {
     tooltip: "The geometries that came nearest, with the figures they were judged by.",
     inspects: false,
     compares: false,
+    rectifies: false,
     tools,
     show,
 };

@@ -6,6 +6,7 @@ mod matrix;
 mod pencils;
 mod points;
 mod profiles;
+mod rectified;
 mod residuals;
 
 use egui::{RichText, Ui};
@@ -24,6 +25,8 @@ pub struct Tab {
     pub inspects: bool,
     /// Whether it shows the comparison with other methods, which is made only while something shows it.
     pub compares: bool,
+    /// Whether it shows the rectified pair, which is made only while something shows it.
+    pub rectifies: bool,
     /// Shows what belongs in the line of the headings, from the right.
     pub tools: fn(&mut Ui, &Scene, &mut Vec<Command>),
     /// Shows the rest.
@@ -31,7 +34,8 @@ pub struct Tab {
 }
 
 /// The tabs from left to right. A new one is a new file and a line here.
-pub const TABS: [Tab; 5] = [points::TAB, profiles::TAB, pencils::TAB, hypotheses::TAB, residuals::TAB];
+pub const TABS: [Tab; 6] =
+    [points::TAB, profiles::TAB, pencils::TAB, hypotheses::TAB, residuals::TAB, rectified::TAB];
 
 /// The line of the headings.
 pub fn headings(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
@@ -45,6 +49,10 @@ pub fn headings(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
         ui.with_layout(right_to_left, |ui| {
             let fold = ui.button(if scene.tab.is_some() { "Hide panel" } else { "Show panel" });
             finish_button(ui, fold, Command::FoldTabs, commands);
+            if scene.tab.is_some() {
+                let enlarge = ui.button(if scene.look.tabs_enlarged { "Reduce" } else { "Enlarge" });
+                finish_button(ui, enlarge, Command::EnlargeTabs, commands);
+            }
             if let Some(tab) = scene.tab.and_then(|number| TABS.get(number)) {
                 (tab.tools)(ui, scene, commands);
             }

@@ -19,6 +19,7 @@ pub const TAB: Tab = Tab {
     tooltip: "How alike the lines through a click in one image are to those through it in the other.",
     inspects: false,
     compares: false,
+    rectifies: false,
     tools,
     show,
 };

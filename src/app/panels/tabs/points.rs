@@ -18,6 +18,7 @@ pub const TAB: Tab = Tab {
     tooltip: "The clicked pairs, what each is for, and how far each is from the geometry.",
     inspects: false,
     compares: false,
+    rectifies: false,
     tools,
     show,
 };

@@ -19,6 +19,7 @@ pub const TAB: Tab = Tab {
     tooltip: "Intensities along one line pair, and how its samples were matched.",
     inspects: true,
     compares: false,
+    rectifies: false,
     tools,
     show,
 };

@@ -18,6 +18,7 @@ pub const TAB: Tab = Tab {
     tooltip: "How far points are from the result, from 7-point and 8-point, and from the ground truth.",
     inspects: false,
     compares: true,
+    rectifies: false,
     tools,
     show,
 };

@@ -27,7 +27,7 @@ use crate::app::document::Side;
 use crate::app::focus::Target;
 use crate::app::scene::{Scene, Shown};
 use crate::app::theme;
-use crate::geometry::{Frame, FundamentalMatrix, Line, LinePair, Point};
+use crate::geometry::{Frame, FundamentalMatrix, Line, LinePair, Point, PointPair};
 
 /// A layer over the images.
 pub struct Overlay {
@@ -111,14 +111,22 @@ pub fn pointed_at(canvas: &Canvas, position: Pos2) -> Option<Target> {
         (&matches::OVERLAY, matches::at),
         (&true_matches::OVERLAY, true_matches::at),
     ];
-    let shown = |name: &str| {
-        OVERLAYS.iter().zip(canvas.scene.overlays).any(|(overlay, shown)| *shown && overlay.name == name)
-    };
-    let found = finders.iter().filter(|(overlay, _)| shown(overlay.name));
+    let found = finders.iter().filter(|(overlay, _)| is_shown(canvas.scene, overlay));
     let found = found.filter_map(|(_, at)| at(canvas, position));
     // The plot marks the sample under the cursor whether or not there are dots in the images.
     let found = found.chain(samples::at(canvas, position));
     found.min_by(|a, b| a.distance.total_cmp(&b.distance)).map(|pointing| pointing.target)
+}
+
+/// Whether somebody wants to see it.
+fn is_shown(scene: &Scene, overlay: &Overlay) -> bool {
+    OVERLAYS.iter().zip(scene.overlays).any(|(other, shown)| *shown && other.name == overlay.name)
+}
+
+/// The true matches that are drawn over the images, with their places in the list.
+pub fn true_matches_shown<'a>(scene: &Scene<'a>) -> impl Iterator<Item = (usize, &'a PointPair)> + use<'a> {
+    let shown = is_shown(scene, &true_matches::OVERLAY);
+    true_matches::drawn(scene).filter(move |_| shown)
 }
 
 /// An image on the screen, to be drawn over.

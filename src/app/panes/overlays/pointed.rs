@@ -63,7 +63,29 @@ fn draw(canvas: &Canvas) {
                 ring(canvas, point);
             }
         }
+        Some(Target::Rectified { side, at }) => rectified(canvas, side, at),
         None => {}
+    }
+}
+
+/// A place in the rectified pictures: its pixel and its epipolar line in both images.
+fn rectified(canvas: &Canvas, side: Option<Side>, at: Point) {
+    let Some(rectified) = canvas.scene.rectified else { return };
+    let Ok(drawn) = &rectified.outcome else { return };
+    let pixel = |side: Side| drawn.shown.maps[side.index()].original_from_rectified(at);
+    let own = side.is_none_or(|side| side == canvas.side);
+    let source = if own { canvas.side } else { canvas.side.other() };
+    let Some(point) = pixel(source) else { return };
+    let line = if own {
+        canvas.line_through(&rectified.fundamental, point)
+    } else {
+        canvas.line_from_other(&rectified.fundamental, point)
+    };
+    if let Some(line) = line {
+        canvas.line(&line, theme::LINE_WIDTH, theme::HOVER);
+    }
+    if own && canvas.frame.contains(point) {
+        ring(canvas, point);
     }
 }
 

@@ -5,6 +5,7 @@ use egui::{Pos2, Stroke};
 use super::{Canvas, Overlay, Pointing, Visibility};
 use crate::app::document::Side;
 use crate::app::focus::Target;
+use crate::app::scene::Scene;
 use crate::app::theme;
 use crate::geometry::{Point, PointPair};
 
@@ -27,16 +28,16 @@ const SIZES: [f32; 2] = [3.4, 2.2];
 const FEW: usize = 80;
 
 /// Those that are drawn, with their places in the list.
-fn drawn<'a>(canvas: &Canvas<'a>) -> impl Iterator<Item = (usize, &'a PointPair)> + use<'a> {
-    let matches: &[PointPair] = canvas.scene.truth().map_or(&[], |truth| &truth.matches);
+pub fn drawn<'a>(scene: &Scene<'a>) -> impl Iterator<Item = (usize, &'a PointPair)> + use<'a> {
+    let matches: &[PointPair] = scene.truth().map_or(&[], |truth| &truth.matches);
     matches.iter().enumerate().step_by(matches.len().div_ceil(DRAWN).max(1))
 }
 
 fn draw(canvas: &Canvas) {
     let visible = canvas.painter.clip_rect();
-    let many = drawn(canvas).nth(FEW).is_some();
+    let many = drawn(canvas.scene).nth(FEW).is_some();
     let usual = SIZES[usize::from(many)];
-    for (number, pair) in drawn(canvas) {
+    for (number, pair) in drawn(canvas.scene) {
         let at = canvas.transform.screen_from_image(own(canvas.side, pair));
         if !visible.contains(at) {
             continue;
@@ -57,7 +58,7 @@ fn draw(canvas: &Canvas) {
 
 /// The match at a place of the screen.
 pub fn at(canvas: &Canvas, position: Pos2) -> Option<Pointing> {
-    let distances = drawn(canvas).map(|(number, pair)| {
+    let distances = drawn(canvas.scene).map(|(number, pair)| {
         (number, canvas.transform.screen_from_image(own(canvas.side, pair)).distance(position))
     });
     let (number, distance) = distances.min_by(|a, b| a.1.total_cmp(&b.1))?;

@@ -1,0 +1,91 @@
+//! The rectified pair: both images redrawn so that corresponding points are in the same row, with the measures of how
+//! well that went.
+
+mod figures;
+mod pictures;
+mod sheet;
+
+use egui::{Rect, RichText, Ui, UiBuilder, vec2};
+
+use super::super::{busy, command_button};
+use super::{Tab, empty};
+use crate::app::command::Command;
+use crate::app::scene::Scene;
+use crate::app::theme;
+use crate::rectify::{Method, RectifyError};
+
+/// Registered in [`super::TABS`].
+pub const TAB: Tab = Tab {
+    title: "Rectified",
+    tooltip: "Both images redrawn so that corresponding points are in the same row.",
+    inspects: false,
+    compares: false,
+    rectifies: true,
+    tools,
+    show,
+};
+
+/// Width of the figures beside the pictures, screen points.
+const FIGURES: f32 = 316.0;
+
+fn tools(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
+    let can_export = scene.shown().is_some() && scene.writing.is_none();
+    command_button(ui, Command::ShowExport, can_export, commands);
+    if scene.rectifying {
+        busy::show(ui);
+    }
+}
+
+fn show(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
+    let Some(rectified) = scene.rectified else {
+        let text = if scene.rectifying {
+            "The images are being rectified."
+        } else if scene.shown().is_some() {
+            "These images could not be rectified. Another method, or other point pairs, may help."
+        } else if scene.document.pictures.is_some() {
+            "Both images, redrawn so that corresponding points are in the same row, appear here once there are enough \
+             point pairs. Stereo matching needs them like this, and a wrong geometry shows at once: things in the two \
+             pictures are not at the same height then."
+        } else {
+            "The rectified pair appears here. Open two images and click point pairs."
+        };
+        empty(ui, text);
+        return;
+    };
+    match &rectified.outcome {
+        Err(error) => failure(ui, scene, error, commands),
+        Ok(drawn) => {
+            let area = ui.available_rect_before_wrap();
+            let split = area.max.x - FIGURES;
+            let left = Rect::from_min_max(area.min, egui::pos2(split - theme::GAP, area.max.y));
+            let right = Rect::from_min_max(egui::pos2(split, area.min.y), area.max);
+            if left.width() > 60.0 {
+                ui.scope_builder(UiBuilder::new().max_rect(left).id_salt("pictures"), |ui| {
+                    pictures::show(ui, scene, drawn, commands);
+                });
+            }
+            ui.scope_builder(UiBuilder::new().max_rect(right).id_salt("figures"), |ui| {
+                figures::show(ui, scene, rectified, drawn, commands);
+            });
+        }
+    }
+}
+
+/// Why there is no rectified pair, and what to do.
+fn failure(ui: &mut Ui, scene: &Scene, error: &RectifyError, commands: &mut Vec<Command>) {
+    ui.add_space(8.0);
+    let color = theme::palette(ui.visuals()).caution;
+    ui.label(RichText::new(format!("{}.", sentence(&error.to_string()))).color(color));
+    if scene.document.rectification == Method::Planar {
+        let polar = ui.button("Use the polar method");
+        super::finish_button(ui, polar, Command::SetRectification(Method::Polar), commands);
+    }
+    ui.add_space(vec2(0.0, 6.0).y);
+    ui.horizontal(|ui| figures::method_chooser(ui, scene, commands));
+}
+
+/// The text with a capital letter.
+fn sentence(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
+}

@@ -1,0 +1,9 @@
+//! The rectified pair in the window: made (`making`), looked at (`viewing`) and written (`writing`).
+
+mod making;
+mod viewing;
+mod writing;
+
+pub use making::{Drawn, Matches, Question, Rectified, Rectifying, Sheet};
+pub use viewing::{Blink, Guides, Layout, RectifiedLook, RectifiedView, Viewing};
+pub use writing::{Order, Progress, Writing};
