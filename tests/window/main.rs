@@ -7,5 +7,6 @@ mod frames;
 mod looking;
 mod opening;
 mod panels;
+mod rectified;
 mod support;
 mod truth;

@@ -1,5 +1,7 @@
 //! What stands beside the rectified pictures: the choices, the method and its reason, warnings, measures.
 
+use std::fmt::Write;
+
 use egui::{Button, ComboBox, Grid, RichText, ScrollArea, Ui};
 
 use super::super::super::finish_button;
@@ -15,25 +17,55 @@ const RANGE_STEP: f64 = 16.0;
 /// What is added to the disparities of the matches on either side, px: other points may lie a little beyond.
 const RANGE_MARGIN: f64 = 4.0;
 
-/// Shows it, with a scroll bar where there is little room.
-pub fn show(ui: &mut Ui, scene: &Scene, rectified: &Rectified, drawn: &Drawn, commands: &mut Vec<Command>) {
+/// Shows it in a column beside the pictures or, where `wide`, in a strip below them; with a scroll bar where there is
+/// little room.
+pub fn show(
+    ui: &mut Ui,
+    wide: bool,
+    scene: &Scene,
+    rectified: &Rectified,
+    drawn: &Drawn,
+    commands: &mut Vec<Command>,
+) {
     ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
         ui.spacing_mut().item_spacing.y = 4.0;
         ui.spacing_mut().button_padding.x = 7.0;
-        ui.horizontal(|ui| method_chooser(ui, scene, commands));
-        ui.horizontal(|ui| layout_chooser(ui, scene, commands));
-        ui.horizontal(|ui| guide_chooser(ui, scene, commands));
-        let full = &drawn.full;
-        for warning in &full.warnings {
-            ui.label(RichText::new(warning).color(theme::palette(ui.visuals()).caution));
+        if wide {
+            ui.columns(2, |columns| {
+                choosers(&mut columns[0], scene, commands);
+                method(&mut columns[0], drawn);
+                measures(&mut columns[1], rectified, drawn);
+            });
+        } else {
+            choosers(ui, scene, commands);
+            method(ui, drawn);
+            measures(ui, rectified, drawn);
         }
-        ui.weak(format!("{}, because {}.", sentence(full.method.name()), full.reason));
-        rows(ui, &full.measures, rectified.measured);
-        shapes(ui, &full.measures.distortion);
-        let size = full.size;
-        ui.weak(format!("{} × {} px", size.width, size.height))
-            .on_hover_text("Size of each picture as it is written; on the screen it may be drawn smaller.");
     });
+}
+
+fn choosers(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
+    ui.horizontal(|ui| method_chooser(ui, scene, commands));
+    ui.horizontal(|ui| layout_chooser(ui, scene, commands));
+    ui.horizontal(|ui| guide_chooser(ui, scene, commands));
+}
+
+/// Which method it is and why, and what to beware of.
+fn method(ui: &mut Ui, drawn: &Drawn) {
+    let full = &drawn.full;
+    for warning in &full.warnings {
+        ui.label(RichText::new(warning).color(theme::palette(ui.visuals()).caution));
+    }
+    ui.weak(format!("{}, because {}.", sentence(full.method.name()), full.reason));
+}
+
+fn measures(ui: &mut Ui, rectified: &Rectified, drawn: &Drawn) {
+    let full = &drawn.full;
+    rows(ui, &full.measures, rectified.measured);
+    shapes(ui, &full.measures.distortion);
+    let size = full.size;
+    ui.weak(format!("{} × {} px", size.width, size.height))
+        .on_hover_text("Size of each picture as it is written; on the screen it may be drawn smaller.");
 }
 
 /// Auto, planar or polar.
@@ -96,7 +128,10 @@ fn rows(ui: &mut Ui, measures: &Measures, measured: &str) {
         rows.mean, rows.max, rows.matches
     ))
     .on_hover_text("Vertical distance of matches in the rectified pictures; well below 1 px is good.");
-    let (text, tooltip) = disparity_hint(rows.disparity);
+    let (mut text, tooltip) = disparity_hint(rows.disparity);
+    if rows.far_off > 0 {
+        let _ = write!(text, " Without {} that are far off all others.", rows.far_off);
+    }
     ui.label(text).on_hover_text(tooltip);
 }
 
@@ -136,22 +171,25 @@ fn shapes(ui: &mut Ui, distortion: &[Distortion; 2]) {
         ("Shrunk", "Part of the image that is drawn on less than half its area: detail is lost there."),
         ("Stretched", "Part of the image that is drawn on more than twice its area."),
     ];
-    Grid::new("shapes").num_columns(6).spacing([9.0, 2.0]).min_col_width(0.0).show(ui, |ui| {
-        ui.label("");
-        for (title, tooltip) in COLUMNS {
-            ui.label(RichText::new(title).size(12.0).weak()).on_hover_text(tooltip);
-        }
-        ui.end_row();
-        for (side, d) in ["Left", "Right"].into_iter().zip(distortion) {
-            ui.weak(side);
-            ui.label(d.orthogonality.map_or("-".into(), |angle| format!("{angle:.1}°")));
-            ui.label(d.aspect_ratio.map_or("-".into(), |ratio| format!("{ratio:.3}")));
-            for share in [d.cut, d.shrunk, d.stretched] {
-                ui.label(format!("{:.0} %", 100.0 * share));
+    Grid::new("shapes").num_columns(6).spacing([9.0, 2.0]).min_col_width(0.0).min_row_height(18.0).show(
+        ui,
+        |ui| {
+            ui.label("");
+            for (title, tooltip) in COLUMNS {
+                ui.label(RichText::new(title).size(12.0).weak()).on_hover_text(tooltip);
             }
             ui.end_row();
-        }
-    });
+            for (side, d) in ["Left", "Right"].into_iter().zip(distortion) {
+                ui.weak(side);
+                ui.label(d.orthogonality.map_or("-".into(), |angle| format!("{angle:.1}°")));
+                ui.label(d.aspect_ratio.map_or("-".into(), |ratio| format!("{ratio:.3}")));
+                for share in [d.cut, d.shrunk, d.stretched] {
+                    ui.label(format!("{:.0} %", 100.0 * share));
+                }
+                ui.end_row();
+            }
+        },
+    );
 }
 
 #[cfg(test)]
