@@ -64,7 +64,11 @@ fn rows(window: &Window, rect: Rect, color: Color32) -> Vec<f32> {
         window.output().shapes.iter().filter(|clipped| rect.expand(1.0).contains_rect(clipped.clip_rect));
     inside
         .filter_map(|clipped| match &clipped.shape {
-            Shape::LineSegment { points: [a, b], stroke } if stroke.color == color && a.y == b.y => Some(a.y),
+            Shape::LineSegment { points: [a, b], stroke }
+                if stroke.color == color && (a.y - b.y).abs() < 1e-6 =>
+            {
+                Some(a.y)
+            }
             _ => None,
         })
         .collect()

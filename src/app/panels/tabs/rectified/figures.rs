@@ -2,12 +2,12 @@
 
 use std::fmt::Write;
 
-use egui::{Button, ComboBox, Grid, RichText, ScrollArea, Ui};
+use egui::{Button, ComboBox, Grid, RichText, ScrollArea, Ui, UiBuilder};
 
 use super::super::super::finish_button;
 use super::sentence;
 use crate::app::command::Command;
-use crate::app::rectified::{Blink, Drawn, Guides, Layout, Rectified};
+use crate::app::rectified::{Blink, Drawn, Guides, Layout, Rectified, RectifiedCommand};
 use crate::app::scene::Scene;
 use crate::app::theme;
 use crate::rectify::{Distortion, Measures, Method};
@@ -31,11 +31,14 @@ pub fn show(
         ui.spacing_mut().item_spacing.y = 4.0;
         ui.spacing_mut().button_padding.x = 7.0;
         if wide {
-            ui.columns(2, |columns| {
-                choosers(&mut columns[0], scene, commands);
-                method(&mut columns[0], drawn);
-                measures(&mut columns[1], rectified, drawn);
+            // Not in columns of egui, which spread the words of a text over their whole width.
+            let area = ui.available_rect_before_wrap();
+            let (left, right) = area.split_left_right_at_fraction(0.44);
+            ui.scope_builder(UiBuilder::new().max_rect(left.with_max_x(left.max.x - theme::GAP)), |ui| {
+                choosers(ui, scene, commands);
+                method(ui, drawn);
             });
+            ui.scope_builder(UiBuilder::new().max_rect(right), |ui| measures(ui, rectified, drawn));
         } else {
             choosers(ui, scene, commands);
             method(ui, drawn);
@@ -73,7 +76,7 @@ pub fn method_chooser(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
     name(ui, "Method");
     for (method, title) in [(Method::Auto, "Auto"), (Method::Planar, "Planar"), (Method::Polar, "Polar")] {
         let choice = ui.add(Button::selectable(scene.document.rectification == method, title));
-        finish_button(ui, choice, Command::SetRectification(method), commands);
+        finish_button(ui, choice, Command::Rectified(RectifiedCommand::SetMethod(method)), commands);
     }
 }
 
@@ -82,7 +85,7 @@ fn layout_chooser(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
     for (layout, title, tooltip) in Layout::ALL {
         let chosen = scene.look.rectified.layout == layout;
         if ui.add(Button::selectable(chosen, title)).on_hover_text(tooltip).clicked() {
-            commands.push(Command::LayOutRectified(layout));
+            commands.push(Command::Rectified(RectifiedCommand::LayOut(layout)));
         }
     }
 }
@@ -95,17 +98,17 @@ fn guide_chooser(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
     let shown = chooser.show_ui(ui, |ui| {
         for guides in Guides::ALL {
             if ui.selectable_label(guides == now, guides.name()).clicked() {
-                commands.push(Command::SetGuides(guides));
+                commands.push(Command::Rectified(RectifiedCommand::SetGuides(guides)));
             }
         }
     });
-    shown.response.on_hover_text(Command::SetGuides(now).tooltip());
+    shown.response.on_hover_text(Command::Rectified(RectifiedCommand::SetGuides(now)).tooltip());
     if scene.look.rectified.layout == Layout::Blink {
         let swap = ui.button("Swap");
-        finish_button(ui, swap, Command::SwapRectified, commands);
+        finish_button(ui, swap, Command::Rectified(RectifiedCommand::Swap), commands);
         let mut running = scene.viewing.blink == Blink::Running;
         let run = ui.checkbox(&mut running, "auto");
-        finish_button(ui, run, Command::RunBlink, commands);
+        finish_button(ui, run, Command::Rectified(RectifiedCommand::RunBlink), commands);
     }
 }
 

@@ -10,6 +10,7 @@ use egui::{RichText, Ui, UiBuilder, Vec2, vec2};
 use super::super::{busy, command_button};
 use super::{Tab, empty};
 use crate::app::command::Command;
+use crate::app::rectified::RectifiedCommand;
 use crate::app::scene::Scene;
 use crate::app::theme;
 use crate::rectify::{Method, RectifyError};
@@ -30,13 +31,13 @@ const FIGURES: f32 = 316.0;
 /// Half of the space between the pictures and the figures.
 const GAP: Vec2 = vec2(theme::GAP / 2.0, 3.0);
 /// Height of the figures below the pictures.
-const FIGURES_BELOW: f32 = 142.0;
+const FIGURES_BELOW: f32 = 156.0;
 /// A panel as high as this has the figures below the pictures, which are wider than high.
 const HIGH: f32 = 340.0;
 
 fn tools(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
     let can_export = scene.shown().is_some() && scene.writing.is_none();
-    command_button(ui, Command::ShowExport, can_export, commands);
+    command_button(ui, Command::Rectified(RectifiedCommand::ShowExport), can_export, commands);
     if scene.rectifying {
         busy::show(ui);
     }
@@ -88,7 +89,12 @@ fn failure(ui: &mut Ui, scene: &Scene, error: &RectifyError, commands: &mut Vec<
     ui.label(RichText::new(format!("{}.", sentence(&error.to_string()))).color(color));
     if scene.document.rectification == Method::Planar {
         let polar = ui.button("Use the polar method");
-        super::finish_button(ui, polar, Command::SetRectification(Method::Polar), commands);
+        super::finish_button(
+            ui,
+            polar,
+            Command::Rectified(RectifiedCommand::SetMethod(Method::Polar)),
+            commands,
+        );
     }
     ui.add_space(6.0);
     ui.horizontal(|ui| figures::method_chooser(ui, scene, commands));
