@@ -62,11 +62,13 @@
 pub mod app;
 mod cancel;
 pub mod cli;
+pub mod convention;
 pub mod estimate;
 pub mod evaluate;
 pub mod geometry;
 pub mod image;
 pub mod io;
+pub mod publish;
 pub mod rectify;
 pub mod similarity;
 pub mod suggest;

@@ -6,8 +6,12 @@ use std::process::{Command, Output, Stdio};
 use serde_json::Value;
 
 // Beside this file they would be test programs of their own.
+#[path = "command_line/files.rs"]
+mod files;
 #[path = "command_line/rectify.rs"]
 mod rectify;
+#[path = "command_line/report.rs"]
+mod report;
 #[path = "command_line/suggest.rs"]
 mod suggest;
 
@@ -338,9 +342,19 @@ mod evaluate {
         let pictures = Pictures::new();
         small_pairs(&pictures);
         let (folder, json) = (pictures.0.path().to_str().unwrap(), pictures.text("report.json"));
+        let drawn = pictures.text("drawn");
         // The protocol allows dozens of trials, of which one takes tenths of a second on one thread.
         let mut child = epiline(&["evaluate", "pairs", folder, "--trials", "100", "--protocol", "paper"])
-            .args(["--methods", "two-point,seven-point", "--threads", "1", "--json", &json])
+            .args([
+                "--methods",
+                "two-point,seven-point",
+                "--threads",
+                "1",
+                "--json",
+                &json,
+                "--report",
+                &drawn,
+            ])
             .stdout(Stdio::piped())
             .stderr(Stdio::piped())
             .spawn()
@@ -366,6 +380,10 @@ mod evaluate {
         assert_eq!(made.sum::<usize>() as u64, number("trials_made"));
         let table = text(&output.stdout);
         assert!(table.contains("two-point robust") && table.contains("Note: Stopped: "), "{table}");
+        for file in ["report.html", "report.md"] {
+            let page = std::fs::read_to_string(Path::new(&drawn).join(file)).unwrap();
+            assert!(page.contains("Stopped: ") && page.contains("Figure 1"), "{file}");
+        }
     }
 
     #[test]

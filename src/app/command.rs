@@ -11,6 +11,7 @@ use super::document::{PointRef, Side};
 use super::focus::{LineSource, Target};
 use super::panels::tabs::TABS;
 use super::rectified::RectifiedCommand;
+use super::session::SessionCommand;
 use crate::estimate::{Method, Parameters, Preset};
 use crate::evaluate::Protocol;
 use crate::geometry::{Point, Vector};
@@ -28,6 +29,8 @@ pub enum Command {
     OpenFiles([Option<PathBuf>; 2]),
     /// Open the first pair of a folder whose geometry is known.
     OpenFolder(PathBuf),
+    /// Something about sessions.
+    Session(SessionCommand),
     /// Choose a file for one side with the system's dialog.
     Browse(Side),
     /// Choose a folder with the system's dialog.
@@ -147,7 +150,7 @@ const fn key(modifiers: Modifiers, key: Key) -> KeyboardShortcut {
 impl Command {
     /// The actions that have keys, in the order of the list of keys. Where one key is another one's with
     /// Shift, the one with Shift comes first, or it would never be seen.
-    pub fn with_keys() -> [Self; 32] {
+    pub fn with_keys() -> [Self; 34] {
         [
             Self::TogglePalette,
             Self::AcceptSuggestion,
@@ -155,6 +158,8 @@ impl Command {
             Self::ToggleLink,
             Self::ToggleMap,
             Self::ShowOpenDialog,
+            Self::Session(SessionCommand::SaveAs),
+            Self::Session(SessionCommand::Save),
             Self::ShowMe,
             Self::StepPair { forward: false },
             Self::StepPair { forward: true },
@@ -191,6 +196,7 @@ impl Command {
             Self::OpenSample => "Sample",
             Self::OpenFiles(_) => "Open",
             Self::OpenFolder(_) => "Open folder",
+            Self::Session(command) => command.name(),
             Self::Browse(_) | Self::BrowseFolder => "Browse",
             Self::OpenViews(_) => "Open these views",
             Self::StepPair { forward: true } => "Next pair",
@@ -255,6 +261,7 @@ impl Command {
             Self::OpenFolder(_) => {
                 "Open a folder whose geometry is known, in the VGG layout or one of pairs with true matches."
             }
+            Self::Session(command) => command.tooltip(),
             Self::Browse(_) => "Choose the file in the system's file dialog.",
             Self::BrowseFolder => "Choose the folder in the system's dialog.",
             Self::OpenViews(_) => {
@@ -339,6 +346,8 @@ impl Command {
     pub fn shortcuts(&self) -> &'static [KeyboardShortcut] {
         match self {
             Self::ShowOpenDialog => const { &[key(Modifiers::COMMAND, Key::O)] },
+            Self::Session(SessionCommand::Save) => const { &[key(Modifiers::COMMAND, Key::S)] },
+            Self::Session(SessionCommand::SaveAs) => const { &[key(COMMAND_SHIFT, Key::S)] },
             Self::ShowMe => const { &[key(Modifiers::NONE, Key::S)] },
             Self::Undo => const { &[key(Modifiers::COMMAND, Key::Z)] },
             Self::Redo => const { &[key(COMMAND_SHIFT, Key::Z), key(Modifiers::COMMAND, Key::Y)] },

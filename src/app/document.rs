@@ -129,6 +129,7 @@ pub enum Role {
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Document {
     /// The two pictures, once they are open.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pictures: Option<[PictureIdentity; 2]>,
     /// Finished point pairs: `p`, `q`, `r`, then check points.
     pub pairs: Vec<PointPair>,
@@ -287,9 +288,7 @@ impl Document {
 
     /// The point nearest to the given one that lies on the pixels of the image.
     fn inside(&self, side: Side, point: Point) -> Point {
-        self.frame(side).map_or(point, |frame| {
-            Point::new(point.x.clamp(-0.5, frame.right() + 0.5), point.y.clamp(-0.5, frame.bottom() + 0.5))
-        })
+        self.frame(side).map_or(point, |frame| frame.nearest(point))
     }
 }
 

@@ -5,6 +5,7 @@
 //! part of the document: it is a way of looking, and no step of the history.
 
 use egui::Color32;
+use serde::{Deserialize, Serialize};
 
 use super::comparison::Contestant;
 use super::document::Side;
@@ -43,7 +44,8 @@ pub enum Target {
 }
 
 /// Where a pair of lines comes from. Lines that come from a point follow the geometry when it changes.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum LineSource {
     /// The epipolar lines of a point pair: each point's line in the other image.
     Pair(usize),

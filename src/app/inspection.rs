@@ -14,10 +14,7 @@ use super::waker::Waker;
 use crate::estimate::Parameters;
 use crate::geometry::{AnchoredLine, Point};
 use crate::image::Picture;
-use crate::similarity::{DisparityRange, StereoParameters, WarpedProfile, inspect_lines};
-
-/// Samples of a line, about: longer lines are sampled in larger steps.
-const SAMPLES: f64 = 1000.0;
+use crate::similarity::{DisparityRange, StereoParameters, WarpedProfile, inspect_lines, inspection_scale};
 
 /// Two lines to match.
 #[derive(Debug, Clone)]
@@ -47,9 +44,7 @@ impl InspectionRequest {
 
     /// Samples and matches the lines.
     pub fn inspect(&self, number: u64) -> Inspection {
-        let side = self.pictures[0].frame().longer_side();
-        let step = (self.pictures[0].frame().diagonal() / SAMPLES).max(1.0);
-        let range = DisparityRange::symmetric((self.reach * side / step).round().max(2.0) as i32);
+        let (step, range) = inspection_scale(self.pictures[0].frame(), self.reach);
         let planes = self.pictures.each_ref().map(|picture| &picture.gray);
         let warped = inspect_lines(planes, self.lines.each_ref(), step, range, &self.stereo);
         let band = Arc::new(band(&warped, range, &self.stereo));

@@ -11,12 +11,13 @@ use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use super::document::{Side, TruthSource};
 use super::panes::Overview;
 use super::sample::sample_pair;
+use super::session::{self, OpenSession, Relocation, Restored};
 use super::truth::Known;
 use super::waker::Waker;
 use super::worker::panic_text;
 use crate::geometry::PointPair;
 use crate::image::{LoadError, Picture};
-use crate::io::TruthFolder;
+use crate::io::{TruthFolder, sha256_of};
 
 /// What to open.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -28,6 +29,8 @@ pub enum Opening {
     Files(PathBuf, PathBuf),
     /// The first pair of a folder whose geometry is known.
     Folder(PathBuf),
+    /// A session.
+    Session(PathBuf),
 }
 
 /// One picture ready to be shown.
@@ -37,13 +40,16 @@ pub struct Opened {
     pub picture: Arc<Picture>,
     /// A reduced copy for the screen.
     pub overview: Arc<Overview>,
+    /// Of the bytes of its file, hexadecimal; `None` without a file.
+    pub sha256: Option<String>,
 }
 
 impl Opened {
-    /// A picture with its reduced copy.
+    /// Prepares a picture for the screen. Takes a while.
     pub fn new(picture: Picture) -> Self {
         let overview = Arc::new(Overview::new(&picture));
-        Self { picture: Arc::new(picture), overview }
+        let sha256 = picture.path.as_deref().and_then(|path| sha256_of(path).ok());
+        Self { picture: Arc::new(picture), overview, sha256 }
     }
 }
 
@@ -66,12 +72,23 @@ pub struct Pair {
     pub known: Option<Known>,
     /// Whether what is known is to be used from the start.
     pub uses_truth: bool,
+    /// What a session brings.
+    pub restored: Option<Box<Restored>>,
+}
+
+/// Why nothing was opened.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Failure {
+    /// What happened and what to do.
+    Text(String),
+    /// The images of a session have to be found first.
+    Relocate(Box<Relocation>),
 }
 
 /// The opening under way, if any.
 pub struct Loader {
     waker: Waker,
-    under_way: Option<Receiver<Result<Pair, String>>>,
+    under_way: Option<Receiver<Result<Pair, Failure>>>,
 }
 
 impl Loader {
@@ -87,17 +104,7 @@ impl Loader {
 
     /// Opens the built-in pair.
     pub fn open_sample(&mut self) {
-        self.start(|| {
-            let sample = sample_pair();
-            let source = TruthSource::Sample(sample.truth.name.clone());
-            Ok(Pair {
-                pictures: sample.pictures.map(Opened::new),
-                show_me: Some(sample.show_me),
-                known: Some(Known { truth: Arc::new(sample.truth), source, folder: None }),
-                // Who learns the program is not shown the answer before the question.
-                uses_truth: false,
-            })
-        });
+        self.start(|| Ok(sample()));
     }
 
     /// Opens two pictures.
@@ -113,8 +120,9 @@ impl Loader {
                     }
                 });
             }
-            let pictures = opened.try_into().map_err(|_| "two pictures are needed".to_owned())?;
-            Ok(Pair { pictures, show_me: None, known: None, uses_truth: false })
+            let pictures =
+                opened.try_into().map_err(|_| Failure::Text("two pictures are needed".to_owned()))?;
+            Ok(Pair { pictures, show_me: None, known: None, uses_truth: false, restored: None })
         });
     }
 
@@ -131,23 +139,31 @@ impl Loader {
         self.start(move || open_pair(&folder, pair, &open));
     }
 
+    /// Opens a session with its pictures.
+    pub fn open_session(&mut self, session: OpenSession) {
+        self.start(move || session::open(session));
+    }
+
     /// The end of the opening under way, once it is there.
-    pub fn poll(&mut self) -> Option<Result<Pair, String>> {
+    pub fn poll(&mut self) -> Option<Result<Pair, Failure>> {
         let result = match self.under_way.as_ref()?.try_recv() {
             Err(TryRecvError::Empty) => return None,
-            Err(TryRecvError::Disconnected) => Err("The images could not be opened.".to_owned()),
+            Err(TryRecvError::Disconnected) => {
+                Err(Failure::Text("The images could not be opened.".to_owned()))
+            }
             Ok(result) => result,
         };
         self.under_way = None;
         Some(result)
     }
 
-    fn start(&mut self, open: impl FnOnce() -> Result<Pair, String> + Send + 'static) {
+    fn start(&mut self, open: impl FnOnce() -> Result<Pair, Failure> + Send + 'static) {
         let (sender, receiver) = channel();
         let waker = self.waker.clone();
         let thread = std::thread::Builder::new().name("open".into()).spawn(move || {
             let result = catch_unwind(AssertUnwindSafe(open)).unwrap_or_else(|payload| {
-                Err(format!("The image could not be opened: {}.", panic_text(payload.as_ref())))
+                let text = panic_text(payload.as_ref());
+                Err(Failure::Text(format!("The image could not be opened: {text}.")))
             });
             // A newer opening has dropped the receiver: then nobody wants this one.
             let _ = sender.send(result);
@@ -160,16 +176,35 @@ impl Loader {
 }
 
 /// What happened and what to do.
-fn failure(side: Side, error: &LoadError) -> String {
-    format!("The {} image: {error}. Nothing was changed; check the file, or open another one.", side.name())
+pub fn failure(side: Side, error: &LoadError) -> Failure {
+    let side = side.name();
+    Failure::Text(format!(
+        "The {side} image: {error}. Nothing was changed; check the file, or open another one."
+    ))
 }
 
 /// What happened with a folder and what to do.
-fn unchanged(error: &str) -> String {
-    format!("The folder could not be opened: {error}. Nothing was changed; correct it, or open another one.")
+fn unchanged(error: &str) -> Failure {
+    Failure::Text(format!(
+        "The folder could not be opened: {error}. Nothing was changed; correct it, or open another one."
+    ))
 }
 
-fn open_pair(folder: &Arc<TruthFolder>, pair: [usize; 2], open: &[Opened]) -> Result<Pair, String> {
+/// The built-in pair.
+pub fn sample() -> Pair {
+    let sample = sample_pair();
+    let source = TruthSource::Sample(sample.truth.name.clone());
+    Pair {
+        pictures: sample.pictures.map(Opened::new),
+        show_me: Some(sample.show_me),
+        known: Some(Known { truth: Arc::new(sample.truth), source, folder: None }),
+        // Who learns the program is not shown the answer before the question.
+        uses_truth: false,
+        restored: None,
+    }
+}
+
+fn open_pair(folder: &Arc<TruthFolder>, pair: [usize; 2], open: &[Opened]) -> Result<Pair, Failure> {
     let truth = folder.truth(pair).map_err(|error| unchanged(&error.to_string()))?;
     let picture = |view: usize, side: Side| {
         let path: &Path = folder.image(view);
@@ -183,5 +218,5 @@ fn open_pair(folder: &Arc<TruthFolder>, pair: [usize; 2], open: &[Opened]) -> Re
     let views = pair.map(|view| folder.names()[view].clone());
     let source = TruthSource::Folder { folder: folder.path().to_owned(), views };
     let known = Known { truth: Arc::new(truth), source, folder: Some((Arc::clone(folder), pair)) };
-    Ok(Pair { pictures, show_me: None, known: Some(known), uses_truth: true })
+    Ok(Pair { pictures, show_me: None, known: Some(known), uses_truth: true, restored: None })
 }

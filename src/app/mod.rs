@@ -15,6 +15,7 @@
 //! | `suggesting` | the suggested match of a first click |
 //! | [`look`] | what is drawn, remembered between runs |
 //! | `inspection` | the intensities of the inspected line pair, matched in a third thread |
+//! | `session` | saving what a person set, opening it again, and keeping it through a crash |
 //! | `loader` | opening pictures off the window's thread |
 //! | `panes` | the images: view transforms, textures, one file an overlay |
 //! | `panels` | everything around them, one file each |
@@ -50,6 +51,7 @@ mod residuals;
 mod sample;
 mod scene;
 mod services;
+mod session;
 mod settings;
 mod shell;
 mod step;

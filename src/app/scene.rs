@@ -67,6 +67,8 @@ pub struct Scene<'a> {
     pub has_sample_points: bool,
     /// Whether there is something to undo, and to redo.
     pub can_undo_redo: [bool; 2],
+    /// What was done last with files, for the status bar.
+    pub done: Option<&'a str>,
     /// What the user was told and has not dismissed.
     pub messages: &'a [Message],
 }

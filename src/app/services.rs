@@ -28,6 +28,10 @@ pub struct Services {
     pub pick_file: Arc<PickFn>,
     /// The system's dialog for choosing a folder; `None` as for a file.
     pub pick_folder: Arc<PickFn>,
+    /// The system's dialog for choosing where to save a session; `None` as for a file.
+    pub pick_save: Arc<PickFn>,
+    /// The folder for the program's own copies of unsaved work; none keeps no copies.
+    pub copies: Option<PathBuf>,
 }
 
 impl Default for Services {
@@ -54,6 +58,8 @@ impl Default for Services {
             }),
             pick_file: Arc::new(pick_file),
             pick_folder: Arc::new(pick_folder),
+            pick_save: Arc::new(pick_save),
+            copies: None,
         }
     }
 }
@@ -91,4 +97,9 @@ fn pick_file() -> Option<PathBuf> {
 
 fn pick_folder() -> Option<PathBuf> {
     rfd::FileDialog::new().set_title("Choose a folder").pick_folder()
+}
+
+fn pick_save() -> Option<PathBuf> {
+    let dialog = rfd::FileDialog::new().set_title("Save the session").set_file_name("session.json");
+    dialog.add_filter("Sessions", &["json"]).save_file()
 }

@@ -69,14 +69,19 @@ impl eframe::App for Shell {
         eframe::set_value(storage, LOOK, self.0.look());
     }
 
+    fn on_exit(&mut self, _graphics: Option<&eframe::glow::Context>) {
+        self.0.close();
+    }
+
     fn clear_color(&self, visuals: &egui::Visuals) -> [f32; 4] {
         visuals.panel_fill.to_normalized_gamma_f32()
     }
 }
 
 /// Opens the window and returns when it is closed.
-pub fn run(start: Start, services: Services) -> Result<(), AppError> {
+pub fn run(start: Start, mut services: Services) -> Result<(), AppError> {
     let display = display()?;
+    services.copies = eframe::storage_dir(APP_ID).map(|folder| folder.join("unsaved"));
     let options = NativeOptions {
         renderer: Renderer::Glow,
         viewport: egui::ViewportBuilder::default()

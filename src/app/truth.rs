@@ -12,7 +12,7 @@ pub const NO_TRUTH: &str = "Nothing is known about these images beforehand: open
                             with true matches, to compare with ground truth.";
 
 /// Matches that a random trial draws from, at most: listing all pairs of them takes the square of their number.
-const DRAWN_FROM: usize = 1000;
+const DRAWN_FROM: usize = 600;
 
 /// What is known about the pictures, whether or not it is in use.
 #[derive(Clone)]
@@ -31,7 +31,7 @@ impl Known {
         KnownPair { name: &self.truth.name, frames, truth: &self.truth.fundamental, matches }
     }
 
-    /// The clicks of a random trial, `count` true matches drawn as the first trial of
+    /// The clicks of a random trial, `count` true matches drawn (up to 600 matches) as the first trial of
     /// `epiline evaluate --seed SEED` draws them; `None` when no matches are far enough apart.
     pub fn draw(
         &self,

@@ -7,7 +7,7 @@ use super::CliError;
 use crate::estimate::{Method, Preset};
 use crate::evaluate::Protocol;
 use crate::geometry::{Point, PointPair};
-use crate::io::PictureFormat;
+use crate::io::{Format, PictureFormat};
 use crate::rectify;
 use crate::synthetic::Sample;
 
@@ -112,6 +112,16 @@ impl ValueEnum for Method {
             Self::TwoPoint => PossibleValue::new("two-point").help("two point pairs"),
             Self::ThreePoint => PossibleValue::new("three-point").help("three point pairs, faster"),
         })
+    }
+}
+
+impl ValueEnum for Format {
+    fn value_variants<'a>() -> &'a [Self] {
+        &Self::ALL
+    }
+
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        Some(PossibleValue::new(self.name()).help(format!("{}, .{}", self.label(), self.extension())))
     }
 }
 

@@ -2,6 +2,7 @@
 
 use thiserror::Error;
 
+use crate::convention::CheckError;
 use crate::estimate::EstimateError;
 use crate::evaluate::EvaluateError;
 use crate::image::LoadError;
@@ -30,6 +31,12 @@ pub enum CliError {
     /// There is no suggestion.
     #[error(transparent)]
     Suggest(#[from] SuggestError),
+    /// The convention of a matrix could not be checked.
+    #[error(transparent)]
+    Check(#[from] CheckError),
+    /// The matrix fits the matches in no convention.
+    #[error("{0}")]
+    NothingFits(String),
     /// The pair cannot be rectified.
     #[error(transparent)]
     Rectify(#[from] RectifyError),
@@ -42,6 +49,14 @@ pub enum CliError {
     /// A result could not be written.
     #[error(transparent)]
     Write(#[from] WriteError),
+    /// A folder for results could not be made.
+    #[error("cannot make the folder {path}: {reason}")]
+    Folder {
+        /// The folder.
+        path: String,
+        /// Why.
+        reason: String,
+    },
     /// Standard output is full or broken (a closed one is no error).
     #[error("cannot write to standard output: {0}")]
     StandardOutput(String),
@@ -67,6 +82,7 @@ impl CliError {
         match self {
             Self::Estimate(error) if !error.is_bad_input() => 1,
             Self::Suggest(error) if !error.is_bad_input() => 1,
+            Self::NothingFits(_) => 1,
             Self::Rectify(error) if !error.is_bad_input() => 1,
             Self::Stopped { .. } => INTERRUPTED,
             _ => 2,

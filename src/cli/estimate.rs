@@ -9,6 +9,7 @@ use serde::Serialize;
 
 use super::arguments::{on_threads, point_pair, threads};
 use super::console::tell;
+use super::geometry_file::{GeometryOutput, image_notes};
 use super::output::Output;
 use super::overrides::Overrides;
 use super::{CliError, summary};
@@ -18,6 +19,7 @@ use crate::estimate::{
 };
 use crate::geometry::{FundamentalMatrix, PointPair, sampson_distance, symmetric_epipolar_distance};
 use crate::image::Picture;
+use crate::io::{Format, GeometryFile};
 use crate::synthetic::Sample;
 
 /// Estimate the fundamental matrix of two images from two or three point pairs
@@ -47,6 +49,12 @@ pub(super) struct Arguments {
     /// Write the result as JSON, to standard output when it is -
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
+    /// Write F, the epipoles, the points and the matched patches for another program
+    #[arg(long, value_name = "FILE")]
+    export: Option<PathBuf>,
+    /// Format of the export, by default the one its extension stands for
+    #[arg(long, value_enum, requires = "export")]
+    format: Option<Format>,
     /// Use a built-in pair instead of two files, by default with its own two points
     #[arg(long, value_name = "NAME", conflicts_with = "left", num_args = 0..=1, default_missing_value = "")]
     sample: Option<String>,
@@ -63,6 +71,7 @@ struct Input {
 /// Estimates, writes the JSON file, prints the summary.
 pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
     let output = Output::prepare(arguments.json.as_deref())?;
+    let export = GeometryOutput::prepare_optional(arguments.export.as_deref(), arguments.format)?;
     let mut parameters = arguments.overrides.parameters(arguments.preset)?;
     parameters.seed = arguments.seed;
     let with_third = arguments.pairs.len() > 2;
@@ -71,6 +80,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
 
     let input = input(arguments, parameters.method.pairs_needed())?;
     let found = on_threads(arguments.threads, || watched(&input, &parameters))??;
+    if let Some(export) = export {
+        export.write(&geometry_file(&found, &input))?;
+    }
     let result = ResultFile::new(&found, &input, &parameters);
     output.write(&result, &summary::summary(&found, &input.pictures))
 }
@@ -120,6 +132,16 @@ fn watched(input: &Input, parameters: &Parameters) -> Result<Estimate, EstimateE
     });
     let [image1, image2] = &input.pictures;
     estimate(&image1.gray, &image2.gray, &input.pairs, parameters, &monitor)
+}
+
+/// What other programs can use of it: the clicks, and behind them the matches that the refinement found.
+fn geometry_file(found: &Estimate, input: &Input) -> GeometryFile {
+    GeometryFile {
+        fundamental: Some(found.fundamental),
+        pairs: input.pairs.iter().copied().chain(found.matches.iter().map(|m| m.pair)).collect(),
+        images: Some(image_notes(&input.pictures)),
+        ..GeometryFile::default()
+    }
 }
 
 /// The content of a result file.

@@ -4,10 +4,13 @@
 //! computation that found nothing, 2 bad input, 130 stopped by Ctrl-C, 70 an error in the program itself.
 
 mod arguments;
+mod check;
 mod console;
+mod convert;
 mod error;
 mod estimate;
 mod evaluate;
+mod geometry_file;
 mod output;
 mod overrides;
 mod rectify;
@@ -35,6 +38,8 @@ pub struct CommandLine {
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    Check(check::Arguments),
+    Convert(convert::Arguments),
     Estimate(Box<estimate::Arguments>),
     Evaluate(evaluate::Arguments),
     Rectify(rectify::Arguments),
@@ -46,6 +51,8 @@ impl CommandLine {
     pub fn run(self) -> Result<(), CliError> {
         match self.command {
             None => window::run(self.window),
+            Some(Command::Check(arguments)) => check::run(&arguments),
+            Some(Command::Convert(arguments)) => convert::run(&arguments),
             Some(Command::Estimate(arguments)) => estimate::run(&arguments),
             Some(Command::Evaluate(arguments)) => evaluate::run(&arguments),
             Some(Command::Rectify(arguments)) => rectify::run(&arguments),

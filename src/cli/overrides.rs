@@ -35,6 +35,13 @@ impl Overrides {
         }
         Ok(parameters)
     }
+
+    /// The same options as words of a command.
+    pub(super) fn words(&self) -> Vec<String> {
+        let refine = self.refine.map(|refine| format!("--refine={refine}"));
+        let set = self.set.iter().flat_map(|assignment| ["--set".to_owned(), assignment.clone()]);
+        refine.into_iter().chain(set).collect()
+    }
 }
 
 fn changed(parameters: &Parameters, assignment: &str) -> Result<Parameters, String> {

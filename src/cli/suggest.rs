@@ -30,7 +30,7 @@ pub(super) struct Arguments {
     /// The image the point is in
     #[arg(long = "in", value_enum, default_value_t = Side::Left, value_name = "IMAGE")]
     side: Side,
-    /// Search along the epipolar line of this fundamental matrix: a result of estimate, or nine numbers
+    /// Search along the epipolar line of this fundamental matrix: a result of estimate, nine numbers, or any other format
     #[arg(long, value_name = "FILE")]
     fundamental: Option<PathBuf>,
     /// Half width of the band searched around the epipolar line, pixels

@@ -1,4 +1,4 @@
-//! `epiline [LEFT RIGHT | DIR]`: the window.
+//! `epiline [LEFT RIGHT | SESSION.json | DIR]`: the window.
 
 use std::path::PathBuf;
 
@@ -11,7 +11,7 @@ use crate::geometry::PointPair;
 /// What the window opens with.
 #[derive(Debug, Args)]
 pub(super) struct Arguments {
-    /// Two images to open, or one folder with ground truth (VGG layout, or pairs NAMEA.*, NAMEB.* with NAME.txt);
+    /// Two images to open, or a session (.json), or one folder with ground truth (VGG layout, or pairs NAMEA.*, NAMEB.* with NAME.txt);
     /// without them the built-in sample opens
     #[arg(value_names = ["LEFT", "RIGHT"], num_args = 0..=2)]
     images: Vec<PathBuf>,
@@ -26,9 +26,12 @@ pub(super) fn run(arguments: Arguments) -> Result<(), CliError> {
         [] => Shown::Sample,
         [left, right] => Shown::Images(left.clone(), right.clone()),
         [folder] if folder.is_dir() => Shown::Folder(folder.clone()),
+        [file] if file.extension().is_some_and(|e| e.eq_ignore_ascii_case("json")) => {
+            Shown::Session(file.clone())
+        }
         _ => {
-            let problem =
-                "two images are needed, LEFT and RIGHT, or one folder with ground truth; one file was given";
+            let problem = "two images are needed, LEFT and RIGHT, or a session (.json), or one folder with ground truth; one \
+                 other file was given";
             return Err(CliError::Arguments(problem.into()));
         }
     };
@@ -36,10 +39,12 @@ pub(super) fn run(arguments: Arguments) -> Result<(), CliError> {
 }
 
 /// What the window opens with.
+#[cfg_attr(not(feature = "inspector"), expect(dead_code, reason = "there is no window to tell"))]
 enum Shown {
     Sample,
     Images(PathBuf, PathBuf),
     Folder(PathBuf),
+    Session(PathBuf),
 }
 
 /// Hands over to the window.
@@ -50,6 +55,7 @@ fn open(what: Shown, pairs: Vec<PointPair>) -> Result<(), CliError> {
         Shown::Sample => Opening::Sample,
         Shown::Images(left, right) => Opening::Files(left, right),
         Shown::Folder(folder) => Opening::Folder(folder),
+        Shown::Session(file) => Opening::Session(file),
     };
     run(Start { opening, pairs }).map_err(|error| CliError::Window(error.to_string()))
 }

@@ -9,8 +9,8 @@ use serde_json::{Value, json};
 use super::statistics::mean;
 use super::{EvaluateError, Scene};
 use crate::estimate::{
-    Estimate, Hypothesis, Method, Monitor, Parameters, PreparedPair, Preset, Verdict, estimate_prepared,
-    examine,
+    Estimate, Hypothesis, Method, Monitor, Parameters, PreparedPair, Preset, Verdict, estimate,
+    estimate_prepared, examine,
 };
 use crate::geometry::{FundamentalMatrix, PointPair, eight_point, seven_point};
 
@@ -44,6 +44,14 @@ pub struct Choice {
     pub truth: Option<Hypothesis>,
 }
 
+/// An estimate with the parameters it was made with.
+pub struct Detail {
+    /// What was found, and what the search saw.
+    pub estimate: Estimate,
+    /// The parameters.
+    pub parameters: Parameters,
+}
+
 /// A method with its parameters.
 pub trait Contender: Sync {
     /// The name of the method.
@@ -65,6 +73,12 @@ pub trait Contender: Sync {
 
     /// The F of one trial, or in one sentence why there is none.
     fn estimate(&self, scene: &Scene, clicks: &[PointPair]) -> Result<Outcome, String>;
+
+    /// The same once more with everything that led to it, for pictures; `None` for a method that finds nothing but
+    /// F, and where there is no F.
+    fn estimate_in_detail(&self, _: &Scene, _: &[PointPair]) -> Option<Detail> {
+        None
+    }
 
     /// Method and preset for tables and progress.
     fn label(&self) -> String {
@@ -196,6 +210,12 @@ impl Contender for Clicked {
                 .chain(found.trust.iter().flat_map(|t| t.reasons.iter().map(ToString::to_string)))
                 .collect(),
         })
+    }
+
+    fn estimate_in_detail(&self, scene: &Scene, clicks: &[PointPair]) -> Option<Detail> {
+        let [image1, image2] = &scene.images;
+        let estimate = estimate(image1, image2, clicks, &self.parameters, &Monitor::silent()).ok()?;
+        Some(Detail { estimate, parameters: self.parameters.clone() })
     }
 }
 

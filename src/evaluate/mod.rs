@@ -2,7 +2,8 @@
 //!
 //! A [`Scene`] is an image pair with true matches and a true F. A [`Protocol`] says which of the true matches
 //! are clicked in a trial; a [`Contender`] turns the clicks into an F; [`run`] lets all contenders make all
-//! trials and [`Report`] holds what came out.
+//! trials and [`Report`] holds what came out. [`table`] shows it as text, [`publication`] as a document with plots and
+//! pictures.
 //!
 //! The error of a trial is the mean symmetric epipolar distance of **all** true matches of the pair to the
 //! estimated F, in pixels, clicked matches included, as the published experiment has it.
@@ -32,6 +33,7 @@ mod comparison;
 mod contender;
 mod printed;
 mod protocol;
+mod publication;
 mod random;
 mod ranking;
 mod report;
@@ -42,12 +44,13 @@ mod table;
 
 pub use bootstrap::Interval;
 pub use comparison::{Distances, Fit, FitError, Spread, fit_eight, fit_seven};
-pub use contender::{Choice, Contender, METHODS, MethodEntry, Outcome, contenders, method_names};
+pub use contender::{Choice, Contender, Detail, METHODS, MethodEntry, Outcome, contenders, method_names};
 pub use printed::PrintedErrors;
 pub use protocol::{Draws, KnownPair, Protocol};
+pub use publication::{Subject, publication};
 pub use ranking::SearchRecord;
 pub use report::{Overall, Record, Report, Settings, Shares, TrialRecord, Verdicts};
 pub use run::{Plan, TrialDone, run};
 pub use scene::{EvaluateError, Scene, pair_scenes, vgg_scenes};
-pub use statistics::{mean, median, share_below};
+pub use statistics::{mean, median, quantile, share_below};
 pub use table::{search_table, table, verdict_sentences};

@@ -18,7 +18,7 @@ use crate::geometry::{Frame, FundamentalMatrix, Point, PointPair};
 const SPACING: f64 = 30.0;
 
 /// Well-posed clicks lie at least this fraction of the image's longer side off each other's epipolar line.
-const OFF_LINE: f64 = 0.12;
+pub(super) const OFF_LINE: f64 = 0.12;
 
 /// What the choice of clicks depends on: all that is known about an image pair, but not its pixels.
 #[derive(Debug, Clone, Copy)]
@@ -104,11 +104,23 @@ fn apart(p: &PointPair, q: &PointPair) -> bool {
 
 /// Each point far enough from the other's true epipolar line, in both images.
 fn off_lines(known: &KnownPair, p: &PointPair, q: &PointPair) -> bool {
-    let [limit1, limit2] = known.frames.map(|frame| OFF_LINE * frame.longer_side());
-    [(p, q), (q, p)].into_iter().all(|(a, b)| {
-        known.truth.line1_from_point2(a.point2).is_some_and(|l| l.distance(b.point1) >= limit1)
-            && known.truth.line2_from_point1(a.point1).is_some_and(|l| l.distance(b.point2) >= limit2)
-    })
+    let limits = known.frames.map(|frame| OFF_LINE * frame.longer_side());
+    let far = |distance: Option<f64>, limit: f64| distance.is_some_and(|d| d >= limit);
+    distances_off_lines(known.truth, p, q).chunks(2).all(|d| far(d[0], limits[0]) && far(d[1], limits[1]))
+}
+
+/// How far `q` is from the true epipolar line of `p` in image 1 and in image 2, and `p` from that of `q`, px;
+/// `None` where a point is at the epipole and has no line.
+pub(super) fn distances_off_lines(
+    truth: &FundamentalMatrix,
+    p: &PointPair,
+    q: &PointPair,
+) -> [Option<f64>; 4] {
+    let line1 =
+        |of: &PointPair, to: &PointPair| Some(truth.line1_from_point2(of.point2)?.distance(to.point1));
+    let line2 =
+        |of: &PointPair, to: &PointPair| Some(truth.line2_from_point1(of.point1)?.distance(to.point2));
+    [line1(p, q), line2(p, q), line1(q, p), line2(q, p)]
 }
 
 /// The clicks of all trials on one image pair.

@@ -11,6 +11,14 @@ pub fn median(values: &[f64]) -> f64 {
     }
 }
 
+/// The least value that a share of the values, 0 to 1, does not exceed (nearest rank); NaN when there are none.
+pub fn quantile(values: &[f64], share: f64) -> f64 {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let rank = (share * sorted.len() as f64).ceil() as usize;
+    sorted.get(rank.clamp(1, sorted.len().max(1)) - 1).copied().unwrap_or(f64::NAN)
+}
+
 /// The arithmetic mean, infinite when one value is; NaN when there are none.
 pub fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
@@ -30,6 +38,16 @@ mod tests {
         assert!((median(&[3.0, 1.0, 2.0]) - 2.0).abs() < 1e-12);
         assert!((median(&[4.0, 1.0, 2.0, 3.0]) - 2.5).abs() < 1e-12);
         assert!(median(&[]).is_nan() && mean(&[]).is_nan() && share_below(&[], 1.0).is_nan());
+    }
+
+    #[test]
+    fn quantiles_are_values_that_occur() {
+        let ten: Vec<f64> = (1..=10).rev().map(f64::from).collect();
+        assert_eq!(
+            [0.0, 0.05, 0.9, 0.91, 1.0].map(|share| quantile(&ten, share) as usize),
+            [1, 1, 9, 10, 10]
+        );
+        assert!(quantile(&[], 0.9).is_nan());
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! The report as a plain text table.
+//! The figures of a report in cells, and as a plain text table.
 
 use std::fmt::Write;
 
@@ -6,28 +6,69 @@ use super::bootstrap::Interval;
 use super::report::{Overall, Record, Report, Shares};
 use super::statistics::median;
 
-/// One row a pair and contender, then one a contender over all pairs. Errors in px, times in seconds. Where the
-/// published experiment prints an error for the same pair and method, it stands beside the median.
-pub fn table(report: &Report) -> String {
-    let printed = report.records.iter().any(|r| r.printed.is_some());
-    let mut rows = vec![headings(printed)];
-    let mut last = "";
-    for record in &report.records {
-        let name = if record.pair == last { "" } else { &record.pair };
-        last = &record.pair;
-        rows.push(pair_row(name, record, printed));
-    }
-    let body_end = rows.len();
-    rows.extend(report.overall.iter().enumerate().map(|(k, o)| overall_row(k, o, printed)));
+/// The summary of a report in cells: one row a pair and contender, then one a contender over all pairs. Errors in
+/// px, times in seconds.
+pub(super) struct Summary {
+    /// Names of the columns.
+    pub(super) headings: Vec<String>,
+    /// The cells, row by row.
+    pub(super) rows: Vec<Vec<String>>,
+    /// Rows that begin a pair, the first one not among them, and the row that begins what is over all pairs.
+    pub(super) groups: Vec<usize>,
+    /// What to know about it, a sentence each.
+    pub(super) remarks: Vec<String>,
+}
 
-    let mut text = layout(&rows, &[1, body_end]);
-    if printed {
-        text.push_str(
-            "Printed: Fig. 8 of the paper, best of three solutions for seven-point as here; its protocol is paper.\n",
-        );
+impl Summary {
+    /// Columns from the left that hold words.
+    pub(super) const WORDS: usize = 2;
+
+    /// Puts the figures of a report into cells. Where the published experiment prints an error for the same pair
+    /// and method, it stands beside the median.
+    pub(super) fn new(report: &Report) -> Self {
+        let printed = has_printed(report);
+        let (mut rows, mut groups) = (Vec::new(), Vec::new());
+        let mut last = None;
+        for record in &report.records {
+            let name = if last == Some(&record.pair) { "" } else { &record.pair };
+            if !name.is_empty() && last.is_some() {
+                groups.push(rows.len());
+            }
+            last = Some(&record.pair);
+            rows.push(pair_row(name, record, printed));
+        }
+        groups.push(rows.len());
+        rows.extend(report.overall.iter().enumerate().map(|(k, o)| overall_row(k, o, printed)));
+        let mut remarks = Vec::new();
+        if printed {
+            remarks.push(
+                "Printed: Fig. 8 of the paper, best of three solutions for seven-point as here; its protocol is paper."
+                    .to_owned(),
+            );
+        }
+        if report.records.iter().any(|r| r.method == "seven-point") {
+            remarks.push(
+                "Of the solutions of seven-point the one nearest to all true matches counts.".to_owned(),
+            );
+        }
+        Self { headings: headings(printed), rows, groups, remarks }
     }
-    if report.records.iter().any(|r| r.method == "seven-point") {
-        text.push_str("Of the solutions of seven-point the one nearest to all true matches counts.\n");
+}
+
+/// Whether the published experiment prints an error for any pair and method.
+pub(super) fn has_printed(report: &Report) -> bool {
+    report.records.iter().any(|r| r.printed.is_some())
+}
+
+/// The [`Summary`] as plain text, with remarks and notes.
+pub fn table(report: &Report) -> String {
+    let summary = Summary::new(report);
+    let body_end = 1 + summary.groups.last().copied().unwrap_or(0);
+    let mut rows = vec![summary.headings];
+    rows.extend(summary.rows);
+    let mut text = layout(&rows, &[1, body_end]);
+    for remark in &summary.remarks {
+        let _ = writeln!(text, "{remark}");
     }
     for note in &report.notes {
         let _ = writeln!(text, "Note: {note}");
@@ -87,25 +128,22 @@ pub fn search_table(report: &Report) -> String {
 }
 
 /// How often the verdicts were true, one sentence a contender that gives any.
-pub fn verdict_sentences(report: &Report) -> String {
-    let mut text = String::new();
-    for overall in &report.overall {
-        let v = &overall.verdicts;
-        if v.results == 0 {
-            continue;
-        }
-        let _ = writeln!(
-            text,
-            "{}: {} of {} results called right had an error below 1 % of the longer side; {} of {} other results \
-             were not called right.",
-            label(&overall.method, overall.preset.as_deref()),
-            v.called_right_and_good,
-            v.called_right,
-            v.bad_and_not_called_right,
-            v.bad
-        );
-    }
-    text
+pub fn verdict_sentences(report: &Report) -> Vec<String> {
+    let judged = report.overall.iter().filter(|overall| overall.verdicts.results > 0);
+    judged
+        .map(|overall| {
+            let v = &overall.verdicts;
+            format!(
+                "{}: {} of {} results called right had an error below 1 % of the longer side; {} of {} with a larger \
+                 one were not called right.",
+                label(&overall.method, overall.preset.as_deref()),
+                v.called_right_and_good,
+                v.called_right,
+                v.bad_and_not_called_right,
+                v.bad
+            )
+        })
+        .collect()
 }
 
 /// Columns side by side, with rules above the rows of the given numbers.
@@ -120,14 +158,15 @@ fn layout(rows: &[Vec<String>], ruled: &[usize]) -> String {
         }
         let cells = row.iter().zip(&widths).enumerate().map(|(c, (cell, width))| {
             // Words to the left, numbers to the right.
-            if c < 2 { format!("{cell:<width$}") } else { format!("{cell:>width$}") }
+            if c < Summary::WORDS { format!("{cell:<width$}") } else { format!("{cell:>width$}") }
         });
         let _ = writeln!(text, "{}", cells.collect::<Vec<_>>().join("  ").trim_end());
     }
     text
 }
 
-fn label(method: &str, preset: Option<&str>) -> String {
+/// What tables call a method with its preset.
+pub(super) fn label(method: &str, preset: Option<&str>) -> String {
     preset.map_or_else(|| method.to_owned(), |preset| format!("{method} {preset}"))
 }
 
@@ -178,17 +217,21 @@ fn overall_row(index: usize, overall: &Overall, printed: bool) -> Vec<String> {
 }
 
 /// The ends of an interval.
-fn range(interval: Option<Interval>) -> String {
+pub(super) fn range(interval: Option<Interval>) -> String {
     interval.map_or_else(|| "-".to_owned(), |i| format!("{}–{}", pixels(i.low), pixels(i.high)))
 }
 
 fn shares(shares: &Shares) -> [String; 3] {
-    [shares.below_1_px, shares.below_3_px, shares.below_1_percent]
-        .map(|share| if share.is_nan() { "-".to_owned() } else { format!("{:.0} %", 100.0 * share) })
+    [shares.below_1_px, shares.below_3_px, shares.below_1_percent].map(share)
+}
+
+/// Part of the trials, 0 to 1.
+pub(super) fn share(part: f64) -> String {
+    if part.is_nan() { "-".to_owned() } else { format!("{:.0} %", 100.0 * part) }
 }
 
 /// Two decimals below 100 px, none above, where they would say nothing.
-fn pixels(value: f64) -> String {
+pub(super) fn pixels(value: f64) -> String {
     match value {
         v if v.is_nan() => "-".to_owned(),
         v if v.is_infinite() => "inf".to_owned(),
@@ -198,7 +241,7 @@ fn pixels(value: f64) -> String {
 }
 
 /// Two decimals, and five for methods that take less than a hundredth of a second.
-fn seconds(value: f64) -> String {
+pub(super) fn seconds(value: f64) -> String {
     match value {
         v if v.is_nan() => "-".to_owned(),
         v if v < 0.01 => format!("{v:.5}"),

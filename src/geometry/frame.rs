@@ -78,6 +78,11 @@ impl Frame {
         p.x >= -0.5 && p.y >= -0.5 && p.x <= self.right() + 0.5 && p.y <= self.bottom() + 0.5
     }
 
+    /// The point on the pixels of the image that is nearest to `p`.
+    pub fn nearest(&self, p: Point) -> Point {
+        Point::new(p.x.clamp(-0.5, self.right() + 0.5), p.y.clamp(-0.5, self.bottom() + 0.5))
+    }
+
     /// Corners of the sampling rectangle, clockwise on the screen from the top left.
     pub fn corners(&self) -> [Point; 4] {
         [

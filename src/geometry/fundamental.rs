@@ -47,9 +47,20 @@ impl FundamentalMatrix {
     }
 
     /// From nested rows; `None` when they are not a matrix of rank 2 or higher. A matrix of rank 3 (rounded
-    /// in a file, say) is brought to rank 2.
+    /// in a file, say) is brought to rank 2; the [`rows`](Self::rows) of a fundamental matrix give that matrix again,
+    /// bit for bit.
     pub fn from_rows(rows: [[f64; 3]; 3]) -> Option<Self> {
-        Self::nearest_rank_two(Matrix3::from_fn(|r, c| rows[r][c]))
+        let matrix = Matrix3::from_fn(|r, c| rows[r][c]);
+        if !matrix.iter().all(|v| v.is_finite()) {
+            return None;
+        }
+        // Rounding leaves the norm and the third singular value within a few units of the last place.
+        if matrix.singular_values().min() > 1e-15 * matrix.norm() {
+            return Self::nearest_rank_two(matrix);
+        }
+        let f = Self::from_rank_two(matrix)?;
+        let as_written = [matrix, -matrix].into_iter().find(|m| (f.0 - m).norm() <= 1e-15);
+        Some(as_written.map_or(f, Self))
     }
 
     /// The epipolar line in image 2 of a point of image 1; `None` at the epipole.
@@ -147,6 +158,17 @@ mod tests {
         assert!(FundamentalMatrix::from_rank_two(Matrix3::repeat(1.0)).is_none());
         assert!(FundamentalMatrix::from_rank_two(Matrix3::zeros()).is_none());
         assert!(FundamentalMatrix::from_rows([[f64::NAN; 3]; 3]).is_none());
+    }
+
+    #[test]
+    fn rows_give_the_same_bits_back() {
+        let f = example();
+        for f in [f, f.swapped(), f.rescaled(0.37, 2.9).unwrap()] {
+            assert_eq!(FundamentalMatrix::from_rows(f.rows()), Some(f));
+        }
+        // Another scale or sign is brought to norm and sign.
+        let other = f.rows().map(|row| row.map(|v| -3.0 * v));
+        assert!((FundamentalMatrix::from_rows(other).unwrap().matrix() - f.matrix()).norm() < 1e-15);
     }
 
     #[test]

@@ -59,6 +59,11 @@ impl Line {
         self.0.cross(&other.0)
     }
 
+    /// The angle between the two lines, radians, at most a right angle.
+    pub fn angle_to(&self, other: &Self) -> f64 {
+        self.direction().perp(&other.direction()).abs().min(1.0).asin()
+    }
+
     /// The point of the line nearest to `point`.
     pub fn foot(&self, point: Point) -> Point {
         point - self.0.xy() * self.signed_distance(point)
@@ -92,6 +97,15 @@ mod tests {
             let d = line.direction();
             assert!((d - Vector::new(angle.cos(), angle.sin())).norm() < 1e-12);
             assert!(line.distance(p + d * 500.0) < 1e-9);
+        }
+    }
+
+    #[test]
+    fn angles_between_lines_have_no_direction() {
+        let at = |angle: f64| Line::through_at_angle(Point::new(3.0, 4.0), angle);
+        for (a, b, expected) in [(0.1, 0.4, 0.3), (0.4, 0.1, 0.3), (0.1, 0.1 + PI, 0.0), (0.0, 2.0, PI - 2.0)]
+        {
+            assert!((at(a).angle_to(&at(b)) - expected).abs() < 1e-9);
         }
     }
 

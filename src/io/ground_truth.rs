@@ -2,8 +2,8 @@
 
 use thiserror::Error;
 
+use super::geometry_file::read_point_pairs;
 use super::pair_folder::PairFiles;
-use super::point_pairs::read_point_pairs;
 use super::read::ReadError;
 use super::vgg::VggFolder;
 use crate::geometry::{Camera, EightPointError, FundamentalMatrix, PointPair, eight_point};

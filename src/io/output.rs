@@ -21,7 +21,7 @@ pub struct WriteError {
 }
 
 impl WriteError {
-    fn new(path: &Path, reason: impl Into<String>) -> Self {
+    pub(super) fn new(path: &Path, reason: impl Into<String>) -> Self {
         Self { path: path.display().to_string(), reason: reason.into() }
     }
 }

@@ -3,22 +3,8 @@
 //! Blank lines and lines that start with `#` are skipped, and so is one heading of words in front, as
 //! spreadsheet programs write it. Pitfall: a decimal comma cannot be told from a separator.
 
-use std::path::Path;
-
 use super::number::{cells, finite_numbers, rows};
-use super::read::{ReadError, read_text};
 use crate::geometry::PointPair;
-
-/// Reads all pairs of a file; at least one.
-pub fn read_point_pairs(path: &Path) -> Result<Vec<PointPair>, ReadError> {
-    let text = read_text(path)?;
-    let pairs = parse_point_pairs(&text)
-        .map_err(|PairProblem { line, problem }| ReadError::line(path, line, problem))?;
-    if pairs.is_empty() {
-        return Err(ReadError::content(path, "no point pairs found, expected rows of x1 y1 x2 y2"));
-    }
-    Ok(pairs)
-}
 
 /// What is wrong with a row of point pairs.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -82,16 +68,5 @@ mod tests {
         assert_eq!(problem("1 2 3 4 5").0, 1);
         // Only words make a heading.
         assert_eq!(problem("nan nan nan nan").0, 1);
-    }
-
-    #[test]
-    fn a_file_without_pairs_is_refused() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("empty.txt");
-        std::fs::write(&path, "# nothing\n").unwrap();
-        assert!(read_point_pairs(&path).unwrap_err().to_string().contains("no point pairs"));
-        std::fs::write(&path, [0xff, 0xfe, 0x00]).unwrap();
-        assert!(read_point_pairs(&path).unwrap_err().to_string().contains("not a text file"));
-        assert!(read_point_pairs(folder.path()).unwrap_err().to_string().contains("it is a folder"));
     }
 }

@@ -1,8 +1,13 @@
 //! Reading text files and folders, with errors that name the file and the line.
 
+use std::fs::File;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use thiserror::Error;
+
+/// The largest text file that is read: a million point pairs with all their digits are some 80 MB.
+const MOST_BYTES: u64 = 256 << 20;
 
 /// Why a file or folder could not be read. Each message is one sentence for the user.
 #[derive(Debug, Error)]
@@ -66,7 +71,13 @@ pub(super) fn reason(error: &std::io::Error) -> String {
 
 /// The whole of a text file.
 pub(super) fn read_text(path: &Path) -> Result<String, ReadError> {
-    let bytes = std::fs::read(path).map_err(|e| ReadError::open(path, &e))?;
+    let mut bytes = Vec::new();
+    // A device has no size to ask for, and no end.
+    let count = File::open(path).and_then(|file| file.take(MOST_BYTES + 1).read_to_end(&mut bytes));
+    if count.map_err(|e| ReadError::open(path, &e))? as u64 > MOST_BYTES {
+        let problem = format!("the file is larger than {} MiB, too large to be read here", MOST_BYTES >> 20);
+        return Err(ReadError::content(path, problem));
+    }
     let text = String::from_utf8(bytes).map_err(|_| ReadError::content(path, "this is not a text file"))?;
     // Spreadsheet programs put a byte order mark in front of the first number.
     Ok(text.strip_prefix('\u{feff}').map(str::to_owned).unwrap_or(text))

@@ -124,8 +124,8 @@ fn read_tracks(path: &Path) -> Result<Vec<TrackRow>, ReadError> {
     Ok(tracks)
 }
 
-/// Three rows of four numbers.
-fn read_camera(path: &Path) -> Result<Camera, ReadError> {
+/// Reads a camera from a `.P` file: three rows of four numbers.
+pub fn read_camera(path: &Path) -> Result<Camera, ReadError> {
     let text = read_text(path)?;
     let mut values = Vec::new();
     for (line, row) in rows(&text) {

@@ -14,5 +14,5 @@ mod stereo;
 pub use kernel::{Kernel, LANES, LaneBlock};
 pub use measure::{CostMatrix, LineSimilarity, StereoSimilarity};
 pub use parameters::{DisparityRange, Ordering, StereoParameters};
-pub use profile::{WarpedProfile, inspect_lines};
+pub use profile::{WarpedProfile, inspect_lines, inspection_scale};
 pub use stereo::{StereoMatch, match_cost, match_profiles};

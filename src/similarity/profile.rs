@@ -1,7 +1,7 @@
 //! One inspected line pair: its intensities, disparities, and the first profile warped onto the second.
 
 use super::{DisparityRange, StereoMatch, StereoParameters, match_profiles};
-use crate::geometry::AnchoredLine;
+use crate::geometry::{AnchoredLine, Frame};
 use crate::image::{GrayPlane, Profile};
 
 /// The profiles of two lines before and after warping (paper, figure 3 c and d).
@@ -16,6 +16,17 @@ pub struct WarpedProfile {
     /// Profile 2 brought onto the samples of profile 1 by the disparities, `I₂(i + dᵢ)`; `None` where the
     /// match falls outside image 2.
     pub warped2: Vec<Option<u8>>,
+}
+
+/// Samples of a line, about: longer lines are sampled in larger steps.
+const SAMPLES: f64 = 1000.0;
+
+/// Distance of neighbouring samples, px, and the disparities to try, samples, for the inspection of lines of
+/// images whose first one has this frame. `reach` is the largest disparity as a fraction of its longer side.
+pub fn inspection_scale(frame1: Frame, reach: f64) -> (f64, DisparityRange) {
+    let step = (frame1.diagonal() / SAMPLES).max(1.0);
+    let most = (reach * frame1.longer_side() / step).round().max(2.0) as i32;
+    (step, DisparityRange::symmetric(most))
 }
 
 /// Samples two lines, matches them and warps the second onto the first.

@@ -3,6 +3,7 @@
 mod changed;
 mod degenerate;
 mod following;
+mod killed;
 mod real;
 mod rectified;
 mod repeatable;

@@ -8,5 +8,6 @@ mod looking;
 mod opening;
 mod panels;
 mod rectified;
+mod sessions;
 mod support;
 mod truth;

@@ -235,7 +235,7 @@ fn hostile_folders_are_answered_by_a_sentence_and_change_nothing() {
         ),
         (
             broken(&|folder| {
-                std::fs::write(folder.join("set.001.P"), "1 0 0 0\n0 1 0 0\n0 0 0 0\n").unwrap()
+                std::fs::write(folder.join("set.001.P"), "1 0 0 0\n0 1 0 0\n0 0 0 0\n").unwrap();
             }),
             "not a camera",
         ),

@@ -7,12 +7,13 @@ use std::time::Instant;
 
 use egui::{Theme, ThemePreference};
 
-use super::{EditKey, Inspector, Picked, Picking};
+use super::{EditKey, Inspector, PickPurpose, Picking};
 use crate::app::command::Command;
 use crate::app::document::{Document, PointRef, Side};
 use crate::app::history::Step;
 use crate::app::loader::Source;
 use crate::app::look::Tool;
+use crate::app::session::{OpenSession, SessionCommand, has_session_extension};
 use crate::estimate::{Parameters, Preset};
 use crate::geometry::Vector;
 
@@ -27,13 +28,14 @@ impl Inspector {
                 self.wanted = None;
             }
             Command::OpenFiles(paths) => self.open_files(paths),
-            Command::Browse(side) => self.browse(Picked::Image(side)),
+            Command::Browse(side) => self.pick(PickPurpose::Image(side)),
             Command::OpenFolder(_)
             | Command::BrowseFolder
             | Command::OpenViews(_)
             | Command::StepPair { .. }
             | Command::ToggleTruth
             | Command::RandomTrial(_) => self.apply_to_known(command),
+            Command::Session(command) => self.apply_to_session(command),
             Command::ShowMe => {
                 if let Some(pairs) = self.show_me {
                     self.edit(Step::Single, |document| document.set_pairs(pairs.to_vec()));
@@ -190,6 +192,8 @@ impl Inspector {
             }
         } else if self.palette.open {
             self.palette.open = false;
+        } else if self.relocate_dialog.take().is_some() || self.save_dialog.take().is_some() {
+            // Closing one of them is all there is to do.
         } else if self.open_dialog.open {
             self.open_dialog.open = false;
         } else if self.export_dialog.open {
@@ -239,6 +243,14 @@ impl Inspector {
             self.open_folder(path.to_owned());
             return;
         }
+        if let Some(dialog) = &mut self.relocate_dialog {
+            dialog.offer_dropped(path);
+            return;
+        }
+        if has_session_extension(path) {
+            self.open_session(path.to_owned());
+            return;
+        }
         if let Some([left, right]) = self.open_dialog.offer(path, None) {
             self.open_files([Some(left), Some(right)]);
         }
@@ -247,6 +259,10 @@ impl Inspector {
     fn open_files(&mut self, paths: [Option<PathBuf>; 2]) {
         if let Some(folder) = paths.iter().flatten().find(|path| path.is_dir()) {
             self.open_folder(folder.clone());
+            return;
+        }
+        if let Some(session) = paths.iter().flatten().find(|path| has_session_extension(path)) {
+            self.open_session(session.clone());
             return;
         }
         let [left, right] = paths;
@@ -262,14 +278,22 @@ impl Inspector {
         }
     }
 
+    fn open_session(&mut self, path: PathBuf) {
+        self.apply_to_session(SessionCommand::Open(OpenSession { path, ..OpenSession::default() }));
+    }
+
     /// Shows the system's dialog in a thread of its own, since it returns only when it is closed.
-    pub(super) fn browse(&mut self, what: Picked) {
+    pub(super) fn pick(&mut self, purpose: PickPurpose) {
         if self.picking.is_some() {
             self.tell("A file dialog is open already. Finish it first, or type a path.".into());
             return;
         }
         let (sender, answer) = channel();
-        let pick = if matches!(what, Picked::Image(_)) { &self.pick_file } else { &self.pick_folder };
+        let pick = match purpose {
+            PickPurpose::Image(_) | PickPurpose::Lost(_) => &self.pick_file,
+            PickPurpose::Folder | PickPurpose::Export => &self.pick_folder,
+            PickPurpose::Session => &self.pick_save,
+        };
         let (pick, waker) = (Arc::clone(pick), self.waker.clone());
         let thread = std::thread::Builder::new().name("file dialog".into()).spawn(move || {
             let start = Instant::now();
@@ -280,7 +304,7 @@ impl Inspector {
         });
         // Without a thread the sender is gone, which is reported like a dialog that could not open.
         drop(thread);
-        self.picking = Some(Picking { what, answer });
+        self.picking = Some(Picking { purpose, answer });
     }
 
     /// Files dropped on the window since the last frame.

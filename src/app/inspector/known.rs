@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use super::{Inspector, Picked};
+use super::{Inspector, PickPurpose};
 use crate::app::command::Command;
 use crate::app::document::Trial;
 use crate::app::history::Step;
@@ -15,7 +15,7 @@ impl Inspector {
     pub(super) fn apply_to_known(&mut self, command: Command) {
         match command {
             Command::OpenFolder(path) => self.open_folder(path),
-            Command::BrowseFolder => self.browse(Picked::Folder),
+            Command::BrowseFolder => self.pick(PickPurpose::Folder),
             Command::OpenViews(views) => self.open_views(views),
             Command::StepPair { forward } => self.step_pair(forward),
             Command::ToggleTruth => self.toggle_truth(),
@@ -58,6 +58,10 @@ impl Inspector {
             return;
         };
         let source = known.source.clone();
+        if self.focus.contestant().is_some() {
+            // What was compared changes; a choice among it must not come back later by itself.
+            self.focus.choose_hypothesis(None);
+        }
         self.edit(Step::Single, |document| {
             document.truth = if document.truth.is_some() { None } else { Some(source) };
         });

@@ -6,7 +6,7 @@ use super::Inspector;
 use crate::app::command::Command;
 use crate::app::document::Side;
 use crate::app::panels::tabs::TABS;
-use crate::app::panels::{self, CommandPalette, ExportDialog, OpenDialog};
+use crate::app::panels::{self, CommandPalette, ExportDialog, OpenDialog, RelocateDialog, SaveDialog};
 use crate::app::panes::{ImagePane, halves};
 use crate::app::scene::Hover;
 
@@ -17,6 +17,8 @@ const ROOM_FOR_LEGEND: f32 = 620.0;
 struct Drawing {
     panes: [ImagePane; 2],
     open_dialog: OpenDialog,
+    save_dialog: Option<SaveDialog>,
+    relocate_dialog: Option<RelocateDialog>,
     export_dialog: ExportDialog,
     palette: CommandPalette,
     shortcuts_open: bool,
@@ -28,6 +30,8 @@ impl Inspector {
         let mut drawing = Drawing {
             panes: std::mem::replace(&mut self.panes, Side::BOTH.map(ImagePane::new)),
             open_dialog: std::mem::take(&mut self.open_dialog),
+            save_dialog: self.save_dialog.take(),
+            relocate_dialog: self.relocate_dialog.take(),
             export_dialog: std::mem::take(&mut self.export_dialog),
             palette: std::mem::take(&mut self.palette),
             shortcuts_open: self.shortcuts_open,
@@ -40,6 +44,8 @@ impl Inspector {
         self.inspected = scene.inspected().filter(|_| wanted).map(|inspected| inspected.lines);
         self.panes = drawing.panes;
         self.open_dialog = drawing.open_dialog;
+        self.save_dialog = drawing.save_dialog;
+        self.relocate_dialog = drawing.relocate_dialog;
         self.export_dialog = drawing.export_dialog;
         self.palette = drawing.palette;
         self.shortcuts_open = drawing.shortcuts_open;
@@ -120,6 +126,12 @@ impl Inspector {
             .inner;
         panels::messages(&ctx, area, &scene, commands);
         drawing.open_dialog.show(&ctx, &scene, commands);
+        if drawing.save_dialog.as_mut().is_some_and(|dialog| !dialog.show(&ctx, commands)) {
+            drawing.save_dialog = None;
+        }
+        if drawing.relocate_dialog.as_mut().is_some_and(|dialog| !dialog.show(&ctx, commands)) {
+            drawing.relocate_dialog = None;
+        }
         drawing.export_dialog.show(&ctx, commands);
         drawing.palette.show(&ctx, &scene, commands);
         if drawing.shortcuts_open {

@@ -7,6 +7,7 @@ mod apply;
 mod known;
 mod layout;
 mod rectified;
+mod session;
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -23,20 +24,24 @@ use super::document::{Document, PictureIdentity, PointRef, Side};
 use super::focus::Focus;
 use super::history::History;
 use super::inspection::{InspectionRequest, Matcher};
-use super::loader::{Loader, Opened, Opening, Pair, Source};
+use super::loader::{Failure, Loader, Opened, Opening, Pair, Source};
 use super::look::{Look, Tool};
 use super::panels::tabs::TABS;
-use super::panels::{CommandPalette, ExportDialog, Message, OpenDialog};
+use super::panels::{
+    CommandPalette, ExportDialog, Message, MessageAction, OpenDialog, RelocateDialog, SaveDialog,
+};
 use super::panes::ImagePane;
 use super::rectified::{Rectifying, Viewing, Writing};
 use super::scene::{Hover, Scene};
 use super::services::{PickFn, Services};
+use super::session::OpenSession;
 use super::suggesting::{Question, Suggesting};
 use super::truth::Known;
 use super::waker::Waker;
 use super::worker::Request;
 use crate::estimate::Estimate;
 use crate::geometry::{AnchoredLine, PointPair};
+use session::SessionState;
 
 /// A system dialog that returns sooner than this cannot have been seen by anybody.
 const DIALOG_UNSEEN: Duration = Duration::from_millis(150);
@@ -51,21 +56,24 @@ enum EditKey {
     Parameter(&'static str),
 }
 
-/// What a file dialog of the system is for.
+/// What a file dialog is open for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Picked {
-    /// An image.
+enum PickPurpose {
+    /// An image to open.
     Image(Side),
     /// A folder with ground truth.
     Folder,
     /// The folder that a rectified pair is written to.
     Export,
+    /// Where to save the session.
+    Session,
+    /// An image that a session cannot find.
+    Lost(Side),
 }
 
 /// A file dialog that is open.
 struct Picking {
-    /// What it is for.
-    what: Picked,
+    purpose: PickPurpose,
     /// What was chosen and how long the dialog was open.
     answer: Receiver<(Option<PathBuf>, Duration)>,
 }
@@ -106,12 +114,18 @@ pub struct Inspector {
     writing: Writing,
     palette: CommandPalette,
     open_dialog: OpenDialog,
+    save_dialog: Option<SaveDialog>,
+    relocate_dialog: Option<RelocateDialog>,
     export_dialog: ExportDialog,
     shortcuts_open: bool,
+    session: SessionState,
+    /// What was done last, for the status bar.
+    done: Option<String>,
     messages: Vec<Message>,
     messages_shown: u64,
     pick_file: Arc<PickFn>,
     pick_folder: Arc<PickFn>,
+    pick_save: Arc<PickFn>,
     picking: Option<Picking>,
     /// The document right after a click placed a point, for a second click to take it back.
     placed: Option<Document>,
@@ -127,8 +141,12 @@ impl Inspector {
             Opening::Sample => loader.open_sample(),
             Opening::Files(left, right) => loader.open([Source::File(left), Source::File(right)]),
             Opening::Folder(path) => loader.open_folder(path),
+            Opening::Session(path) => {
+                loader.open_session(OpenSession { path, ..OpenSession::default() });
+            }
         }
-        Self {
+        let session = SessionState::new(waker.clone(), services.copies.as_deref());
+        let mut inspector = Self {
             document: Document::default(),
             history: History::default(),
             computation: Computation::new(services.estimate, waker.clone())
@@ -157,16 +175,23 @@ impl Inspector {
             writing: Writing::new(waker),
             palette: CommandPalette::default(),
             open_dialog: OpenDialog::default(),
+            save_dialog: None,
+            relocate_dialog: None,
             export_dialog: ExportDialog::default(),
             shortcuts_open: false,
+            session,
+            done: None,
             messages: Vec::new(),
             messages_shown: 0,
             pick_file: services.pick_file,
             pick_folder: services.pick_folder,
+            pick_save: services.pick_save,
             picking: None,
             placed: None,
             title: String::new(),
-        }
+        };
+        inspector.offer_left_behind();
+        inspector
     }
 
     /// What is edited.
@@ -205,6 +230,7 @@ impl Inspector {
             || self.rectifying.is_busy()
             || self.writing.progress().is_some()
             || self.picking.is_some()
+            || self.session.is_busy()
     }
 
     /// What the user was told and has not dismissed.
@@ -219,7 +245,11 @@ impl Inspector {
         self.take_news(&ctx);
         // Keys first: Escape ends a drag before the panes can carry it on.
         let keyboard = command::Keyboard {
-            dialog_open: self.open_dialog.open || self.export_dialog.open || self.palette.open,
+            dialog_open: self.open_dialog.open
+                || self.export_dialog.open
+                || self.palette.open
+                || self.save_dialog.is_some()
+                || self.relocate_dialog.is_some(),
             suggestion: self.scene().accepted_suggestion().is_some(),
         };
         let mut commands = command::pressed(&ctx, keyboard);
@@ -242,6 +272,7 @@ impl Inspector {
         self.matcher.follow(self.inspection_request());
         self.comparing.follow(self.comparand());
         self.rectifying.follow(self.to_rectify().filter(|_| self.wants_rectified()));
+        self.keep_copy(&ctx);
         self.name_window(&ctx);
     }
 
@@ -326,6 +357,7 @@ impl Inspector {
             loading: self.loader.is_busy(),
             has_sample_points: self.show_me.is_some(),
             can_undo_redo: [self.history.can_undo(), self.history.can_redo()],
+            done: self.done.as_deref(),
             messages: &self.messages,
         }
     }
@@ -337,7 +369,7 @@ impl Inspector {
         self.rectifying.take_news();
         if let Some(ending) = self.writing.poll() {
             match ending {
-                Ok(text) => self.say(text, true),
+                Ok(text) => self.say(text, true, Vec::new()),
                 Err(text) => self.tell(text),
             }
         }
@@ -348,21 +380,33 @@ impl Inspector {
         }
         match self.loader.poll() {
             Some(Ok(pair)) => self.show_pictures(ctx, pair),
-            Some(Err(text)) => {
+            Some(Err(failure)) => {
                 self.start_pairs.clear();
                 self.wanted = None;
-                self.tell(text);
+                match failure {
+                    Failure::Text(text) => self.tell(text),
+                    Failure::Relocate(relocation) => self.ask_for_images(*relocation),
+                }
             }
             None => {}
         }
-        let picked = self.picking.as_ref().map(|picking| (picking.what, picking.answer.try_recv()));
+        self.take_session_news();
+        let picked = self.picking.as_ref().map(|picking| (picking.purpose, picking.answer.try_recv()));
         match picked {
             None | Some((_, Err(TryRecvError::Empty))) => return,
-            Some((Picked::Image(side), Ok((Some(path), _)))) => {
-                self.open_dialog.offer(&path, Some(side));
-            }
-            Some((Picked::Folder, Ok((Some(path), _)))) => self.open_dialog.offer_folder(&path),
-            Some((Picked::Export, Ok((Some(path), _)))) => self.export_dialog.offer(&path),
+            Some((purpose, Ok((Some(path), _)))) => match purpose {
+                PickPurpose::Image(side) => {
+                    self.open_dialog.offer(&path, Some(side));
+                }
+                PickPurpose::Folder => self.open_dialog.offer_folder(&path),
+                PickPurpose::Export => self.export_dialog.offer(&path),
+                PickPurpose::Session => {
+                    if let Some(dialog) = &mut self.save_dialog {
+                        dialog.offer(&path);
+                    }
+                }
+                PickPurpose::Lost(side) => self.offer_lost(side, &path),
+            },
             Some((_, Ok((None, elapsed)))) if elapsed > DIALOG_UNSEEN => {}
             Some(_) => self.tell(
                 "The file dialog could not be opened here. Type a path, or drop the files on this window."
@@ -408,26 +452,35 @@ impl Inspector {
             ));
         }
         self.document.set_pairs(inside);
+        self.begin_session(pair.restored);
     }
 
     /// Tells that something went wrong.
     fn tell(&mut self, text: String) {
-        self.say(text, false);
+        self.say(text, false, Vec::new());
     }
 
-    fn say(&mut self, text: String, good: bool) {
+    /// The same with buttons.
+    fn tell_with(&mut self, text: String, actions: Vec<MessageAction>) {
+        self.say(text, false, actions);
+    }
+
+    fn say(&mut self, text: String, good: bool, actions: Vec<MessageAction>) {
         self.messages.retain(|message| message.text != text);
         self.messages_shown += 1;
-        self.messages.push(Message { number: self.messages_shown, text, good });
+        self.messages.push(Message { number: self.messages_shown, text, good, actions });
         if self.messages.len() > MESSAGES {
             self.messages.remove(0);
         }
     }
 
     fn name_window(&mut self, ctx: &egui::Context) {
-        let title = match &self.document.pictures {
-            Some([left, right]) => format!("{} and {} - Epiline", left.name, right.name),
-            None => "Epiline".to_owned(),
+        let title = match (&self.document.pictures, self.session_title()) {
+            (Some([left, right]), Some(session)) => {
+                format!("{session} - {} and {} - Epiline", left.name, right.name)
+            }
+            (Some([left, right]), None) => format!("{} and {} - Epiline", left.name, right.name),
+            (None, _) => "Epiline".to_owned(),
         };
         if title != self.title {
             ctx.send_viewport_cmd(egui::ViewportCommand::Title(title.clone()));

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use super::{Inspector, Picked};
+use super::{Inspector, PickPurpose};
 use crate::app::computation::Freshness;
 use crate::app::document::Side;
 use crate::app::history::Step;
@@ -39,7 +39,7 @@ impl Inspector {
                 };
             }
             RectifiedCommand::ShowExport => self.show_export(),
-            RectifiedCommand::Browse => self.browse(Picked::Export),
+            RectifiedCommand::Browse => self.pick(PickPurpose::Export),
             RectifiedCommand::Export { folder, options } => self.export(folder, options),
             RectifiedCommand::StopExport => self.writing.stop(),
         }

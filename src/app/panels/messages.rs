@@ -7,7 +7,7 @@ use crate::app::scene::Scene;
 use crate::app::theme;
 
 /// Something the user should read.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Message {
     /// Number for [`Command::Dismiss`].
     pub number: u64,
@@ -15,6 +15,17 @@ pub struct Message {
     pub text: String,
     /// Whether something was done that took its time, and nothing went wrong.
     pub good: bool,
+    /// What can be done about it at once.
+    pub actions: Vec<MessageAction>,
+}
+
+/// A button of a message.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MessageAction {
+    /// What the button says.
+    pub label: &'static str,
+    /// What it does.
+    pub command: Command,
 }
 
 /// Shows the messages over the top of the images, so that nothing moves under the cursor.
@@ -47,6 +58,13 @@ pub fn show(ctx: &egui::Context, area: Rect, scene: &Scene, commands: &mut Vec<C
                             let close = ui.button("Dismiss").on_hover_text("Remove this message.");
                             if close.clicked() {
                                 commands.push(Command::Dismiss(message.number));
+                            }
+                            // From the right: the first one is to stand at the left.
+                            for action in message.actions.iter().rev() {
+                                let button = ui.button(action.label);
+                                if button.on_hover_text(action.command.tooltip()).clicked() {
+                                    commands.push(action.command.clone());
+                                }
                             }
                             ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| {
                                 ui.add(Label::new(RichText::new(&message.text)).wrap());

@@ -9,6 +9,8 @@ mod messages;
 pub mod open_dialog;
 mod pair_chooser;
 mod palette;
+mod relocate_dialog;
+mod save_dialog;
 mod shortcuts;
 pub mod side;
 mod status;
@@ -21,9 +23,11 @@ use egui::{Button, Response, Ui};
 use super::command::{Command, key_text};
 
 pub use export_dialog::ExportDialog;
-pub use messages::Message;
+pub use messages::{Message, MessageAction};
 pub use open_dialog::OpenDialog;
 pub use palette::CommandPalette;
+pub use relocate_dialog::RelocateDialog;
+pub use save_dialog::SaveDialog;
 
 pub use guide_bar::show as guide_bar;
 pub use legend::show as legend;

@@ -77,7 +77,7 @@ impl OpenDialog {
             .anchor(Align2::CENTER_CENTER, vec2(0.0, -40.0))
             .show(ctx, |ui| {
                 ui.set_width(520.0);
-                ui.weak("Type or paste the paths, browse for the files, or drop them on the window.");
+                ui.weak("Type or paste the paths of two images or of a session, browse for the files, or drop them on the window.");
                 ui.add_space(6.0);
                 for side in Side::BOTH {
                     ui.horizontal(|ui| self.field(ui, scene, side, commands));

@@ -9,6 +9,9 @@ use crate::app::scene::Scene;
 use crate::evaluate::Protocol;
 use crate::image::Picture;
 
+/// The mouse actions take about as much, screen points.
+const ROOM_FOR_HINTS: f32 = 360.0;
+
 /// Shows the bar.
 pub fn show(ui: &mut Ui, scene: &Scene, pictures: Option<[&Picture; 2]>, commands: &mut Vec<Command>) {
     ui.horizontal(|ui| {
@@ -30,6 +33,10 @@ pub fn show(ui: &mut Ui, scene: &Scene, pictures: Option<[&Picture; 2]>, command
         };
         let text = RichText::new(text);
         ui.label(if scene.hover.is_some() { text.monospace() } else { text.weak() });
+        if let Some(done) = scene.done {
+            ui.separator();
+            ui.add(egui::Label::new(done).truncate());
+        }
         if let Some(trial) = scene.document.trial {
             let protocol = match trial.protocol {
                 Protocol::Paper => "as in the paper",
@@ -47,7 +54,9 @@ pub fn show(ui: &mut Ui, scene: &Scene, pictures: Option<[&Picture; 2]>, command
             command_button(ui, Command::Rectified(RectifiedCommand::StopExport), true, commands);
         }
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            ui.weak("Scroll: zoom     Drag: move     Double click: fit     ?: all keys");
+            if ui.available_width() > ROOM_FOR_HINTS {
+                ui.weak("Scroll: zoom     Drag: move     Double click: fit     ?: all keys");
+            }
         });
     });
 }

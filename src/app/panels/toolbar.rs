@@ -7,6 +7,7 @@ use super::{command_button, finish_button};
 use crate::app::command::Command;
 use crate::app::look::Tool;
 use crate::app::scene::Scene;
+use crate::app::session::SessionCommand;
 
 /// Shows the bar.
 pub fn show(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
@@ -14,6 +15,8 @@ pub fn show(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
         let open = ui.button("Open");
         finish_button(ui, open, Command::ShowOpenDialog, commands);
         command_button(ui, Command::OpenSample, true, commands);
+        let save = ui.add_enabled(scene.document.pictures.is_some(), Button::new("Save"));
+        finish_button(ui, save, Command::Session(SessionCommand::Save), commands);
         ui.separator();
         command_button(ui, Command::Undo, scene.can_undo_redo[0], commands);
         command_button(ui, Command::Redo, scene.can_undo_redo[1], commands);

@@ -111,10 +111,13 @@ pub fn show(ui: &mut Ui, pane: Rect, side: Side, frame: Frame, scene: &Scene, co
             }
         }
     }
-    let (at, infinite) = disc.place(&epipole(shown.fundamental));
-    for at in std::iter::once(at).chain(infinite.then(|| disc.opposite(at))) {
-        painter.circle_stroke(at, 4.5, Stroke::new(3.5, theme::HALO));
-        painter.circle_stroke(at, 4.5, Stroke::new(2.0, theme::ESTIMATED));
+    let truth = scene.truth().map(|truth| (&truth.fundamental, theme::TRUE, 6.5));
+    for (f, color, radius) in truth.into_iter().chain([(shown.fundamental, theme::ESTIMATED, 4.5)]) {
+        let (at, infinite) = disc.place(&epipole(f));
+        for at in std::iter::once(at).chain(infinite.then(|| disc.opposite(at))) {
+            painter.circle_stroke(at, radius, Stroke::new(3.5, theme::HALO));
+            painter.circle_stroke(at, radius, Stroke::new(2.0, color));
+        }
     }
     if let Some((rank, _)) = nearest {
         commands.push(Command::PointAt(Target::Hypothesis(rank)));
@@ -126,7 +129,7 @@ pub fn show(ui: &mut Ui, pane: Rect, side: Side, frame: Frame, scene: &Scene, co
     }
     response.on_hover_text(
         "The whole plane of this image: the image in the middle, infinity at the rim. Green ring: the epipole of the \
-         geometry shown; dots: those of the hypotheses. Click a dot to show that hypothesis.",
+         geometry shown; blue: the true one, where it is known; dots: those of the hypotheses. Click a dot to show that hypothesis.",
     );
 }
 

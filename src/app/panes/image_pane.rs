@@ -78,6 +78,13 @@ impl ImagePane {
         self.shown.as_ref().map(|shown| shown.view)
     }
 
+    /// Shows a part of the image.
+    pub fn set_view(&mut self, view: View) {
+        if let Some(shown) = &mut self.shown {
+            shown.view = view;
+        }
+    }
+
     /// Shows the part of the image that another pane shows of its own.
     pub fn follow(&mut self, leader: &Self) {
         if let (Some(own), Some(other)) = (&mut self.shown, &leader.shown) {

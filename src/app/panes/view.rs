@@ -4,6 +4,7 @@
 //! the picture's edge runs half a pixel outside.
 
 use egui::{Pos2, Rect, pos2, vec2};
+use serde::{Deserialize, Serialize};
 
 use crate::geometry::{Frame, Point, Vector};
 
@@ -11,7 +12,7 @@ use crate::geometry::{Frame, Point, Vector};
 const LARGEST_SCALE: f64 = 64.0;
 
 /// What part of an image is shown.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct View {
     /// The image position in the middle of the pane, px.
     centre: Point,
@@ -65,6 +66,14 @@ impl View {
             ),
             scale: self.scale.map(|scale| scale / fitting_scale(from.0, from.1) * fitting_scale(to.0, to.1)),
         }
+    }
+
+    /// The same view where it makes sense for an image, else the whole image: a file may say anything.
+    #[must_use]
+    pub fn made_valid(mut self, frame: Frame) -> Self {
+        self.keep_in_sight(frame);
+        self.scale = self.scale.filter(|scale| *scale > 0.0).map(|scale| scale.min(LARGEST_SCALE));
+        if self.centre.iter().all(|v| v.is_finite()) { self } else { Self::fitting(frame) }
     }
 
     /// Whether the whole image is shown as large as the pane allows.

@@ -28,8 +28,8 @@ pub fn tools(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
     }
     let Some(inspected) = scene.inspected() else { return };
     if let Some((inspection, sample)) = scene.inspection.zip(marked(scene)) {
-        if ui.available_width() > 2.0 * ROOM {
-            ui.label(describe_sample(inspection, sample));
+        if ui.available_width() > ROOM {
+            ui.add(egui::Label::new(describe_sample(inspection, sample)).truncate());
         }
         return;
     }

@@ -1,6 +1,6 @@
 //! How far points are from the result, from what other methods make of points, and from the truth.
 
-use egui::{Rect, Ui, UiBuilder, vec2};
+use egui::{Rect, ScrollArea, Sense, Ui, UiBuilder, vec2};
 
 use super::super::table::{Column, Look, Table};
 use super::{Tab, empty};
@@ -87,6 +87,8 @@ const POINTS: [Column; 5] = [
 
 /// Share of the width that the summary takes.
 const SUMMARY_SHARE: f32 = 0.575;
+/// Narrower than this, both tables are scrolled sideways, screen points.
+const LEAST_WIDTH: f32 = 900.0;
 
 fn show(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
     if scene.document.pairs.is_empty() && scene.truth().is_none() {
@@ -104,11 +106,15 @@ fn show(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
         empty(ui, "There are no points to measure at: click a point pair, or choose the true matches above.");
         return;
     }
-    let area = ui.available_rect_before_wrap();
-    let (left, right) = area.split_left_right_at_fraction(SUMMARY_SHARE);
-    let right = Rect::from_min_max(right.min + vec2(18.0, 0.0), right.max);
-    ui.scope_builder(UiBuilder::new().max_rect(left), |ui| summary(ui, scene, comparison, commands));
-    ui.scope_builder(UiBuilder::new().max_rect(right), |ui| points(ui, scene, comparison, commands));
+    let room = ui.available_size();
+    ScrollArea::horizontal().id_salt("residual tables").auto_shrink([false, false]).show(ui, |ui| {
+        let size = vec2(room.x.max(LEAST_WIDTH), ui.available_height());
+        let (area, _) = ui.allocate_exact_size(size, Sense::hover());
+        let (left, right) = area.split_left_right_at_fraction(SUMMARY_SHARE);
+        let right = Rect::from_min_max(right.min + vec2(18.0, 0.0), right.max);
+        ui.scope_builder(UiBuilder::new().max_rect(left), |ui| summary(ui, scene, comparison, commands));
+        ui.scope_builder(UiBuilder::new().max_rect(right), |ui| points(ui, scene, comparison, commands));
+    });
 }
 
 /// What is compared.

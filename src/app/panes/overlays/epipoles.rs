@@ -1,16 +1,16 @@
 //! The epipole of an image, where it is in sight: all epipolar lines pass through it.
 
-use egui::{Stroke, vec2};
+use egui::{Color32, Stroke, vec2};
 
 use super::{Canvas, Overlay, Visibility};
 use crate::app::document::Side;
 use crate::app::theme;
-use crate::geometry::finite_point;
+use crate::geometry::{FundamentalMatrix, finite_point};
 
 /// Registered in [`super::OVERLAYS`].
 pub const OVERLAY: Overlay = Overlay {
     name: "Epipoles",
-    tooltip: "Where this image sees the other camera; all epipolar lines meet there.",
+    tooltip: "Where this image sees the other camera; all epipolar lines meet there. Blue: that of the ground truth.",
     color: theme::ESTIMATED,
     visibility: Visibility::AtFirst,
     magnified: false,
@@ -18,10 +18,18 @@ pub const OVERLAY: Overlay = Overlay {
 };
 
 fn draw(canvas: &Canvas) {
-    let Some((shown, opacity)) = canvas.shown() else { return };
+    if let Some(truth) = canvas.scene.truth() {
+        mark(canvas, &truth.fundamental, ("true epipole", 36.0), theme::TRUE, 1.0);
+    }
+    if let Some((shown, opacity)) = canvas.shown() {
+        mark(canvas, shown.fundamental, ("epipole", -2.0), theme::ESTIMATED, opacity);
+    }
+}
+
+fn mark(canvas: &Canvas, f: &FundamentalMatrix, (name, below): (&str, f32), color: Color32, opacity: f32) {
     let epipole = match canvas.side {
-        Side::Left => shown.fundamental.epipole1(),
-        Side::Right => shown.fundamental.epipole2(),
+        Side::Left => f.epipole1(),
+        Side::Right => f.epipole2(),
     };
     let Some(at) = finite_point(&epipole).map(|point| canvas.transform.screen_from_image(point)) else {
         return;
@@ -29,9 +37,8 @@ fn draw(canvas: &Canvas) {
     if !canvas.transform.rect.contains(at) {
         return;
     }
-    let color = theme::ESTIMATED.gamma_multiply(opacity);
     let halo = theme::HALO.gamma_multiply(opacity);
-    for (color, width) in [(halo, 4.0), (color, 2.0)] {
+    for (color, width) in [(halo, 4.0), (color.gamma_multiply(opacity), 2.0)] {
         let stroke = Stroke::new(width, color);
         canvas.painter.circle_stroke(at, 9.0, stroke);
         for arm in [vec2(1.0, 0.0), vec2(0.0, 1.0)] {
@@ -39,5 +46,5 @@ fn draw(canvas: &Canvas) {
             canvas.painter.line_segment([at + arm * 4.0, at + arm * 14.0], stroke);
         }
     }
-    canvas.label(at + vec2(4.0, -2.0), "epipole", theme::ESTIMATED);
+    canvas.label(at + vec2(4.0, below), name, color);
 }

@@ -22,8 +22,10 @@ pub const OVERLAY: Overlay = Overlay {
 
 /// Marks drawn at most, spread over the list.
 const DRAWN: usize = 300;
-/// Half the width of a mark, screen points.
-const SIZE: f32 = 2.2;
+/// Half the width of a mark, screen points: of a few, and of many, which must not hide the image.
+const SIZES: [f32; 2] = [3.4, 2.2];
+/// More than this are many.
+const FEW: usize = 80;
 
 /// Those that are drawn, with their places in the list.
 pub fn drawn<'a>(scene: &Scene<'a>) -> impl Iterator<Item = (usize, &'a PointPair)> + use<'a> {
@@ -33,13 +35,15 @@ pub fn drawn<'a>(scene: &Scene<'a>) -> impl Iterator<Item = (usize, &'a PointPai
 
 fn draw(canvas: &Canvas) {
     let visible = canvas.painter.clip_rect();
+    let many = drawn(canvas.scene).nth(FEW).is_some();
+    let usual = SIZES[usize::from(many)];
     for (number, pair) in drawn(canvas.scene) {
         let at = canvas.transform.screen_from_image(own(canvas.side, pair));
         if !visible.contains(at) {
             continue;
         }
         let lit = canvas.scene.focus.hovered() == Some(Target::TrueMatch(number));
-        let (size, color) = if lit { (SIZE + 3.0, theme::SELECTED) } else { (SIZE, theme::TRUE) };
+        let (size, color) = if lit { (usual + 3.0, theme::SELECTED) } else { (usual, theme::TRUE) };
         // Crosses, so that they are not taken for the dots of what the program found.
         for (x, y) in [(1.0, 1.0), (1.0, -1.0)] {
             let arm = egui::vec2(x, y) * size;

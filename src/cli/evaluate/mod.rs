@@ -1,23 +1,26 @@
 //! `epiline evaluate`: how good the estimators are on pairs whose geometry is known.
 
-use std::path::PathBuf;
-use std::sync::Mutex;
-use std::time::{Duration, Instant};
+mod progress;
+mod report_folder;
+
+use std::path::{Path, PathBuf};
 
 use clap::builder::PossibleValuesParser;
 use clap::{Args, Subcommand};
 use serde::Serialize;
 
+use self::progress::ProgressLine;
+use self::report_folder::ReportFolder;
 use super::CliError;
 use super::arguments::{count, pixels, threads};
-use super::console::{is_watched, tell, tell_in_place};
+use super::console::tell;
 use super::error::INTERRUPTED;
 use super::output::Output;
 use super::overrides::Overrides;
 use crate::estimate::{CancelFlag, Parameters, Preset};
 use crate::evaluate::{
-    Plan, Protocol, Report, Scene, TrialDone, contenders, method_names, pair_scenes, run as run_plan,
-    search_table, table, verdict_sentences, vgg_scenes,
+    Plan, Protocol, Report, Scene, Subject, contenders, method_names, pair_scenes, publication,
+    run as run_plan, search_table, table, verdict_sentences, vgg_scenes,
 };
 
 /// Measure estimators on image pairs with known geometry
@@ -89,6 +92,10 @@ struct Options {
     /// Write every trial as JSON, to standard output when it is -
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
+    /// Write report.html, which needs no other file, and the same as report.md with its figures, into this folder;
+    /// it is made if it is not there
+    #[arg(long, value_name = "DIR")]
+    report: Option<PathBuf>,
     #[command(flatten)]
     overrides: Overrides,
 }
@@ -113,6 +120,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
         Source::Pairs { folder, options } => ("pairs", folder, None, options),
     };
     let output = Output::prepare(options.json.as_deref())?;
+    let report_folder = options.report.as_deref().map(ReportFolder::prepare).transpose()?;
     let presets = parameters(options)?;
     let contenders = contenders(&options.methods, &presets)?;
     let scenes: Vec<Scene> = match step {
@@ -141,6 +149,20 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
         report: &report,
     };
     output.write(&file, &text(&report, options.ranks))?;
+    if let Some(report_folder) = report_folder {
+        let name = last_name(folder);
+        let command = command(&arguments.source);
+        let subject = Subject {
+            report: &report,
+            scenes: &scenes,
+            contenders: &contenders,
+            name: &name,
+            command: &command,
+        };
+        let document = publication(&subject, &|done, total| progress.hear_drawing(done, total));
+        progress.finish();
+        report_folder.write(&document)?;
+    }
     let (made, planned) = (report.trials_made, report.trials_planned);
     if made < planned { Err(CliError::Stopped { made, planned }) } else { Ok(()) }
 }
@@ -182,6 +204,51 @@ fn parameters(options: &Options) -> Result<Vec<Parameters>, CliError> {
     Ok(all)
 }
 
+/// The command that makes the same run anywhere: every option that changes a figure, the folder without what is
+/// above it.
+fn command(source: &Source) -> String {
+    let (kind, folder, step, options) = match source {
+        Source::Vgg { folder, step, options } => ("vgg", folder, Some(*step), options),
+        Source::Pairs { folder, options } => ("pairs", folder, None, options),
+    };
+    let mut words = vec!["epiline evaluate".to_owned(), kind.to_owned(), quoted(&last_name(folder))];
+    let mut option = |name: &str, value: String| words.push(format!("--{name} {value}"));
+    if let Some(step) = step {
+        option("step", step.to_string());
+    }
+    if !options.only.is_empty() {
+        option("only", quoted(&options.only.join(",")));
+    }
+    option("protocol", options.protocol.name().to_owned());
+    option("preset", options.presets.iter().map(|p| p.name()).collect::<Vec<_>>().join(","));
+    option("methods", options.methods.join(","));
+    option("trials", options.trials.to_string());
+    option("noise", options.noise.to_string());
+    option("seed", options.seed.to_string());
+    if options.compare_refinement {
+        words.push("--compare-refinement".to_owned());
+    }
+    words.extend(options.overrides.words().iter().map(|word| quoted(word)));
+    words.join(" ")
+}
+
+/// The last part of a path, behind `.` and links where there is none.
+fn last_name(path: &Path) -> String {
+    let named =
+        if path.file_name().is_some() { path.to_owned() } else { path.canonicalize().unwrap_or_default() };
+    named.file_name().map_or_else(|| "folder".to_owned(), |name| name.to_string_lossy().into_owned())
+}
+
+/// As a shell takes it for one word.
+fn quoted(word: &str) -> String {
+    let plain = |c: char| c.is_alphanumeric() || "-_=.,/+".contains(c);
+    if !word.is_empty() && word.chars().all(plain) {
+        word.to_owned()
+    } else {
+        format!("'{}'", word.replace('\'', "'\\''"))
+    }
+}
+
 /// The tables with a sentence on what they show.
 fn text(report: &Report, ranks: bool) -> String {
     let plan = &report.parameters.plan;
@@ -204,56 +271,8 @@ fn text(report: &Report, ranks: bool) -> String {
         plan.threads_per_trial,
         plan.trials_at_once,
         table(report),
-        verdict_sentences(report),
+        [verdict_sentences(report), vec![String::new()]].concat().join("\n"),
     )
-}
-
-/// Progress on standard error: one changing line for a person, now and then a line for a log.
-struct ProgressLine {
-    started: Instant,
-    watched: bool,
-    last: Mutex<Option<Instant>>,
-}
-
-impl ProgressLine {
-    fn new() -> Self {
-        Self { started: Instant::now(), watched: is_watched(), last: Mutex::new(None) }
-    }
-
-    fn hear(&self, news: &TrialDone) {
-        let pause = Duration::from_millis(if self.watched { 100 } else { 10_000 });
-        // A poisoned clock still tells when it was last read.
-        let mut last = self.last.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-        if news.done < news.total && last.is_some_and(|t| t.elapsed() < pause) {
-            return;
-        }
-        *last = Some(Instant::now());
-        let elapsed = self.started.elapsed().as_secs_f64();
-        let left = elapsed / news.done as f64 * (news.total - news.done) as f64;
-        let error =
-            if news.error.is_finite() { format!("{:.2} px", news.error) } else { "no geometry".into() };
-        let line = format!(
-            "{} of {} trials, about {} left; {} {}: {error}",
-            news.done,
-            news.total,
-            duration(left),
-            news.pair,
-            news.contender
-        );
-        if self.watched { tell_in_place(line) } else { tell(line) }
-    }
-
-    fn finish(&self) {
-        if self.watched {
-            tell_in_place("");
-        }
-    }
-}
-
-/// Seconds, or minutes and seconds.
-fn duration(seconds: f64) -> String {
-    let seconds = seconds.round() as u64;
-    if seconds < 60 { format!("{seconds} s") } else { format!("{} min {:02} s", seconds / 60, seconds % 60) }
 }
 
 #[cfg(test)]
@@ -261,7 +280,25 @@ mod tests {
     use super::*;
 
     #[test]
-    fn durations_read_well() {
-        assert_eq!([0.4, 59.4, 61.0, 3600.0].map(duration), ["0 s", "59 s", "1 min 01 s", "60 min 00 s"]);
+    fn words_of_the_command_are_quoted_for_a_shell() {
+        assert_eq!(["house", "my set", "it's", ""].map(quoted), ["house", "'my set'", r"'it'\''s'", "''"]);
+    }
+
+    #[test]
+    fn the_command_names_the_folder_without_the_way_to_it() {
+        use clap::Parser;
+
+        #[derive(Parser)]
+        struct Line {
+            #[command(flatten)]
+            arguments: Arguments,
+        }
+        let words = "x vgg /some/where/house --trials 3 --preset paper,robust --set mutual=2 --refine=false --report out";
+        let told = command(&Line::parse_from(words.split(' ')).arguments.source);
+        assert_eq!(
+            told,
+            "epiline evaluate vgg house --step 1 --protocol well-posed --preset paper,robust --methods two-point \
+             --trials 3 --noise 0 --seed 0 --refine=false --set mutual=2"
+        );
     }
 }

@@ -1,0 +1,128 @@
+//! `epiline check`: in which convention is this fundamental matrix?
+
+use std::fmt::Write;
+use std::path::PathBuf;
+
+use clap::Args;
+use serde::Serialize;
+
+use super::CliError;
+use super::geometry_file::{GeometryInput, GeometryOutput};
+use super::output::Output;
+use crate::convention::{ConventionCheck, RankedReading, Reading, check_convention};
+use crate::geometry::FundamentalMatrix;
+use crate::io::{Format, GeometryFile};
+
+/// Find out with matches in which convention a fundamental matrix or two cameras are
+///
+/// Tries the matrix as it is and transposed (or with the images exchanged), with x and y exchanged, pixels counted
+/// from (0, 0), (0.5, 0.5) and (1, 1), and for images of another size, and ranks these readings by the median distance
+/// of the matches to their epipolar lines. The exit status is 1 when none fits.
+#[derive(Debug, Args)]
+pub(super) struct Arguments {
+    #[command(flatten)]
+    input: GeometryInput,
+    /// Write F as it is to be read, with the matches, for any of the programs; standard output when it is -
+    #[arg(long, short, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// Format of the output, by default the one its extension stands for
+    #[arg(long, value_enum, requires = "output")]
+    format: Option<Format>,
+    /// List all readings, not only the best
+    #[arg(long)]
+    all: bool,
+    /// Write all readings as JSON, to standard output when it is -
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+}
+
+/// The content of a result file.
+#[derive(Serialize)]
+struct ResultFile<'a> {
+    /// The matrix as it is to be read, in the convention of this program; null when no reading fits.
+    fundamental: Option<FundamentalMatrix>,
+    reading: Option<Reading>,
+    fits: bool,
+    message: &'a str,
+    format: Format,
+    #[serde(flatten)]
+    check: &'a ConventionCheck,
+    version: &'static str,
+}
+
+/// Ranks the readings, writes the files, prints the table.
+pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
+    let output = Output::prepare(arguments.json.as_deref())?;
+    let corrected = GeometryOutput::prepare_optional(arguments.output.as_deref(), arguments.format)?;
+    if corrected.as_ref().is_some_and(GeometryOutput::is_piped) && matches!(output, Output::Piped) {
+        return Err(CliError::Arguments("--json and --output cannot both be -".into()));
+    }
+    let (file, format) = arguments.input.read()?;
+    let Some(given) = file.geometry() else {
+        let problem = format!(
+            "{}: there is no fundamental matrix in it and no two cameras",
+            arguments.input.path().display()
+        );
+        return Err(CliError::Arguments(problem));
+    };
+    let check = check_convention(&given, format.origin(), &file.pairs)?;
+    let (best, sentence) = (check.best(), check.sentence());
+    let believed = check.fits().then_some(best);
+    let result = ResultFile {
+        fundamental: believed.map(|b| b.fundamental),
+        reading: believed.map(|b| b.reading),
+        fits: check.fits(),
+        message: &sentence,
+        format,
+        check: &check,
+        version: env!("CARGO_PKG_VERSION"),
+    };
+    let text = table(&check, format, arguments.all);
+    let is_piped = corrected.as_ref().is_some_and(GeometryOutput::is_piped);
+    if let (Some(corrected), Some(best)) = (&corrected, believed) {
+        // Cameras and homographies are as they were read; only F was found to mean something else.
+        let file = GeometryFile {
+            fundamental: Some(best.fundamental),
+            pairs: file.pairs.clone(),
+            images: file.images.clone(),
+            ..GeometryFile::default()
+        };
+        corrected.write(&file)?;
+    }
+    if is_piped {
+        super::console::tell(text.trim_end());
+        super::console::tell(&sentence);
+    } else if check.fits() {
+        output.write(&result, &format!("{text}{sentence}\n"))?;
+    } else {
+        output.write(&result, &text)?;
+    }
+    if check.fits() { Ok(()) } else { Err(CliError::NothingFits(sentence)) }
+}
+
+/// The readings for people.
+fn table(check: &ConventionCheck, format: Format, all: bool) -> String {
+    const MOST: usize = 8;
+    let mut text = format!("Read as {}, on {} matches:\n", format.label(), check.matches);
+    let _ = writeln!(text, "  median, px  within {:.1} px  told apart  reading", check.limit);
+    let count = if all { check.readings.len() } else { MOST };
+    for ranked in check.readings.iter().take(count) {
+        text.push_str(&row(ranked, check.best()));
+    }
+    // How far off it is as it stands, wherever that is.
+    let is_listed = check.readings.iter().take(count).any(|r| r.reading.changes() == 0);
+    if let (Some(as_read), false) = (check.as_read(), is_listed) {
+        let _ = writeln!(text, "  …");
+        text.push_str(&row(as_read, check.best()));
+    }
+    text
+}
+
+fn row(ranked: &RankedReading, best: &RankedReading) -> String {
+    let apart = match (ranked.told_apart, std::ptr::eq(ranked, best)) {
+        (_, true) => "",
+        (true, _) => "yes",
+        (false, _) => "no",
+    };
+    format!("{:>12.3}{:>13.0} %{apart:>12}  {}\n", ranked.median, 100.0 * ranked.within, ranked.reading)
+}

@@ -1,0 +1,46 @@
+//! `epiline convert`: a geometry in the format and the convention of another program.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::CliError;
+use super::console::{print, tell};
+use super::geometry_file::{GeometryInput, GeometryOutput};
+use crate::io::Format;
+
+/// Convert F, cameras, homographies and point pairs between file formats and their conventions
+#[derive(Debug, Args)]
+pub(super) struct Arguments {
+    #[command(flatten)]
+    input: GeometryInput,
+    /// File to write, standard output when it is -
+    #[arg(long, short, value_name = "FILE")]
+    output: PathBuf,
+    /// Format of the output, by default the one its extension stands for
+    #[arg(long, value_enum)]
+    format: Option<Format>,
+}
+
+/// Reads, writes, says what was converted.
+pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
+    let output = GeometryOutput::prepare(&arguments.output, arguments.format)?;
+    let (file, format) = arguments.input.read()?;
+    output.write(&file)?;
+    let parts: Vec<_> = [
+        file.geometry().map(|_| "F".to_owned()),
+        file.cameras.map(|_| "two cameras".to_owned()),
+        file.homographies.map(|_| "two homographies".to_owned()),
+        (!file.pairs.is_empty()).then(|| format!("{} point pairs", file.pairs.len())),
+    ]
+    .into_iter()
+    .flatten()
+    .collect();
+    let read = arguments.input.path().display();
+    let text = format!("{} from {read} ({}) to {}\n", parts.join(", "), format.label(), output.place());
+    if output.is_piped() {
+        tell(text.trim_end());
+        return Ok(());
+    }
+    print(&text)
+}

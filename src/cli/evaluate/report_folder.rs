@@ -1,0 +1,53 @@
+//! The folder of a report: checked before the work begins, filled at its end.
+
+use std::path::{Path, PathBuf};
+
+use crate::cli::CliError;
+use crate::io::OutputFile;
+use crate::publish::{Document, html, markdown};
+
+/// Name of the folder of figures beside the Markdown text.
+const FIGURES: &str = "figures";
+
+/// A folder that was found writable.
+#[derive(Debug)]
+pub(super) struct ReportFolder {
+    html: OutputFile,
+    markdown: OutputFile,
+    figures: PathBuf,
+}
+
+impl ReportFolder {
+    /// Makes the folder, and the one for figures in it, if they are not there.
+    pub(super) fn prepare(folder: &Path) -> Result<Self, CliError> {
+        let figures = folder.join(FIGURES);
+        std::fs::create_dir_all(&figures).map_err(|error| CliError::Folder {
+            path: figures.display().to_string(),
+            reason: match error.kind() {
+                std::io::ErrorKind::AlreadyExists | std::io::ErrorKind::NotADirectory => {
+                    "there is a file of that name, or of the name of a folder above it".to_owned()
+                }
+                std::io::ErrorKind::PermissionDenied => "permission denied".to_owned(),
+                _ => error.to_string(),
+            },
+        })?;
+        // Figures are not known yet; the check of one stands for all.
+        OutputFile::prepare(&figures.join("figure.svg"))?;
+        Ok(Self {
+            html: OutputFile::prepare(&folder.join("report.html"))?,
+            markdown: OutputFile::prepare(&folder.join("report.md"))?,
+            figures,
+        })
+    }
+
+    /// Writes the page, the figures, and last the text that shows them.
+    pub(super) fn write(&self, document: &Document) -> Result<(), CliError> {
+        self.html.write(html(document).as_bytes())?;
+        let files = markdown(document, FIGURES);
+        for (name, content) in &files.figures {
+            OutputFile::prepare(&self.figures.join(name))?.write(content.as_bytes())?;
+        }
+        self.markdown.write(files.text.as_bytes())?;
+        Ok(())
+    }
+}

@@ -1,0 +1,113 @@
+//! Geometry files as input and output of commands.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+
+use super::CliError;
+use super::console::print;
+use crate::image::Picture;
+use crate::io::{Format, GeometryFile, ImageNote, OutputFile, read_camera, read_point_pairs};
+
+/// Where a geometry comes from.
+#[derive(Debug, Args)]
+pub(super) struct GeometryInput {
+    /// File with F or two cameras, in any format; or the camera (.P) of image 1
+    file: PathBuf,
+    /// The camera (.P) of image 2
+    camera2: Option<PathBuf>,
+    /// Point pairs: rows of x1 y1 x2 y2, or any of the formats
+    #[arg(long, value_name = "FILE")]
+    matches: Option<PathBuf>,
+    /// The two images, for their names and sizes
+    #[arg(long, num_args = 2, value_names = ["LEFT", "RIGHT"])]
+    images: Option<Vec<PathBuf>>,
+}
+
+impl GeometryInput {
+    /// Reads all of it, and says in which format the file was. Matches and images given apart replace those in
+    /// the file.
+    pub(super) fn read(&self) -> Result<(GeometryFile, Format), CliError> {
+        let (mut file, format) = match &self.camera2 {
+            Some(camera2) => {
+                let cameras = Some([read_camera(&self.file)?, read_camera(camera2)?]);
+                let file = GeometryFile { cameras, ..GeometryFile::default() };
+                if file.geometry().is_none() {
+                    let problem = "the two cameras have the same centre, so there is no fundamental matrix";
+                    return Err(CliError::Arguments(problem.into()));
+                }
+                (file, Format::Text)
+            }
+            None => GeometryFile::read(&self.file)?,
+        };
+        if let Some(matches) = &self.matches {
+            file.pairs = read_point_pairs(matches)?;
+        }
+        if let Some([left, right]) = self.images.as_deref() {
+            file.images = Some(image_notes(&[Picture::open(left)?, Picture::open(right)?]));
+        }
+        Ok((file, format))
+    }
+
+    /// The file as it was named.
+    pub(super) fn path(&self) -> &Path {
+        &self.file
+    }
+}
+
+/// Names and sizes.
+pub(super) fn image_notes(pictures: &[Picture; 2]) -> [ImageNote; 2] {
+    [0, 1].map(|k| ImageNote { name: pictures[k].name.clone(), frame: pictures[k].frame() })
+}
+
+/// Where a geometry goes: a file, checked before the work begins, or standard output.
+#[derive(Debug)]
+pub(super) struct GeometryOutput {
+    /// `None` is standard output.
+    file: Option<OutputFile>,
+    format: Format,
+}
+
+impl GeometryOutput {
+    /// Finds the format, by the name of the file unless it is given.
+    pub(super) fn prepare(path: &Path, format: Option<Format>) -> Result<Self, CliError> {
+        let is_piped = path == Path::new("-");
+        let format = format.or_else(|| Format::of_path(path)).ok_or_else(|| {
+            let known = Format::ALL.map(|f| format!("{} (.{})", f.name(), f.extension())).join(", ");
+            CliError::Arguments(format!(
+                "the name {} does not tell the format, add --format with one of {known}",
+                path.display()
+            ))
+        })?;
+        Ok(Self { file: if is_piped { None } else { Some(OutputFile::prepare(path)?) }, format })
+    }
+
+    /// The same of what may not be asked for.
+    pub(super) fn prepare_optional(
+        path: Option<&Path>,
+        format: Option<Format>,
+    ) -> Result<Option<Self>, CliError> {
+        path.map(|path| Self::prepare(path, format)).transpose()
+    }
+
+    /// Whether it goes to standard output, which nothing else may use then.
+    pub(super) fn is_piped(&self) -> bool {
+        self.file.is_none()
+    }
+
+    /// Where it is and what it is, for people.
+    pub(super) fn place(&self) -> String {
+        match &self.file {
+            Some(file) => format!("{} ({})", file.path().display(), self.format.label()),
+            None => format!("standard output ({})", self.format.label()),
+        }
+    }
+
+    pub(super) fn write(&self, file: &GeometryFile) -> Result<(), CliError> {
+        let text = file.to_text(self.format);
+        match &self.file {
+            Some(output) => Ok(output.write(text.as_bytes())?),
+            None => print(&text),
+        }
+    }
+}

@@ -1,0 +1,303 @@
+//! Trying all readings, and what to say about them.
+
+use std::fmt::Write;
+
+use serde::Serialize;
+use thiserror::Error;
+
+use super::{FEWEST_MATCHES, Reading};
+use crate::geometry::{FundamentalMatrix, PointPair, symmetric_epipolar_distance};
+
+/// Origins in use: the centre of the upper left pixel, its corner, and counting from 1.
+const ORIGINS: [f64; 3] = [0.0, 0.5, 1.0];
+/// Sizes to which images are commonly reduced before matching, and back.
+const SCALES: [f64; 9] = [1.0, 0.5, 2.0, 0.25, 4.0, 1.0 / 3.0, 3.0, 0.125, 8.0];
+/// Other scales are searched between 1 / 16 and 16.
+const SCALE_OCTAVES: f64 = 4.0;
+/// A scale found by search is news only if it is farther than this from those tried anyway.
+const SCALE_STEP: f64 = 0.03;
+/// Matches that are looked at; more tell no more.
+const MOST_MATCHES: usize = 4000;
+/// A median below this fits, px.
+const FITS: f64 = 2.0;
+/// In large images, where matches are less exact in pixels: this share of the extent of the matches.
+const FITS_SHARE: f64 = 0.002;
+/// Standard errors between two readings that are told apart. About a hundred are compared.
+const CLEARLY: f64 = 4.0;
+/// And the difference must be worth a word: this share of what the better one leaves.
+const MATERIAL: f64 = 0.1;
+
+/// Why nothing could be checked.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
+pub enum CheckError {
+    /// Too few matches.
+    #[error(
+        "checking a convention takes at least {FEWEST_MATCHES} matches, {0} were given: add some, at different depths"
+    )]
+    TooFew(usize),
+    /// Coordinates that are no numbers.
+    #[error("a match has a coordinate that is not a finite number")]
+    NotFinite,
+}
+
+/// A reading and how well it fits.
+#[derive(Debug, Clone, Serialize)]
+pub struct RankedReading {
+    /// How the matrix is read.
+    pub reading: Reading,
+    /// The matrix, so read, in the convention of this program.
+    pub fundamental: FundamentalMatrix,
+    /// Median symmetric epipolar distance of the matches, px.
+    pub median: f64,
+    /// Share of the matches nearer to their lines than [`ConventionCheck::limit`], 0 to 1.
+    pub within: f64,
+    /// Whether the matches tell it apart from the first reading of the list; the first is not told from itself.
+    pub told_apart: bool,
+    #[serde(skip)]
+    distances: Vec<f64>,
+}
+
+/// All readings of a matrix, the most credible first.
+#[derive(Debug, Clone, Serialize)]
+pub struct ConventionCheck {
+    /// At least one; first what to believe, then those that cannot be told apart from it, then by median.
+    pub readings: Vec<RankedReading>,
+    /// A reading fits if its median is at most this, px.
+    pub limit: f64,
+    /// Matches that were looked at.
+    pub matches: usize,
+}
+
+/// Tries all readings of a matrix on matches in the convention of this program. `given` is the matrix as it was
+/// read, on the assumption that the centre of its upper left pixel is `(assumed_origin, assumed_origin)`
+/// (see [`Format::origin`](crate::io::Format::origin)).
+pub fn check_convention(
+    given: &FundamentalMatrix,
+    assumed_origin: f64,
+    matches: &[PointPair],
+) -> Result<ConventionCheck, CheckError> {
+    if matches.len() < FEWEST_MATCHES {
+        return Err(CheckError::TooFew(matches.len()));
+    }
+    if !matches.iter().all(PointPair::is_finite) {
+        return Err(CheckError::NotFinite);
+    }
+    // Evenly spread: matches are often listed in some order.
+    let stride = matches.len().div_ceil(MOST_MATCHES);
+    let matches: Vec<PointPair> = matches.iter().step_by(stride).copied().collect();
+    let limit = FITS.max(FITS_SHARE * extent(&matches));
+
+    let mut readings: Vec<RankedReading> = Vec::new();
+    for reading in candidates(given, assumed_origin, &matches) {
+        let Some(ranked) = RankedReading::new(reading, given, &matches, limit) else { continue };
+        // Simpler ones come first, so the first name of a matrix is the simplest.
+        if !readings.iter().any(|other| other.is_same(&ranked)) {
+            readings.push(ranked);
+        }
+    }
+    // Stable: of equals the simpler.
+    readings.sort_by(|a, b| a.median.total_cmp(&b.median));
+    believe(&mut readings);
+    Ok(ConventionCheck { readings, limit, matches: matches.len() })
+}
+
+/// Moves the simplest reading that the matches cannot tell from the best one to the front.
+fn believe(readings: &mut Vec<RankedReading>) {
+    let Some(best) = readings.first().cloned() else { return };
+    let credible = |r: &RankedReading| !r.is_told_from(&best);
+    let simplest = (0..readings.len())
+        .filter(|k| credible(&readings[*k]))
+        .min_by_key(|k| readings[*k].reading.changes())
+        .unwrap_or(0);
+    let first = readings.remove(simplest);
+    for reading in readings.iter_mut() {
+        reading.told_apart = reading.is_told_from(&first);
+    }
+    readings.insert(0, first);
+    readings[1..].sort_by_key(|r| r.told_apart);
+}
+
+/// All readings to try, those with fewer changes first.
+fn candidates(given: &FundamentalMatrix, assumed_origin: f64, matches: &[PointPair]) -> Vec<Reading> {
+    let as_read = Reading::as_read(assumed_origin);
+    let mut readings = Vec::new();
+    for (transposed, axes_exchanged) in [(false, false), (true, false), (false, true), (true, true)] {
+        for origin in ORIGINS {
+            let turned = Reading { transposed, axes_exchanged, origin, ..as_read };
+            let near = |a: f64, b: f64| (a / b).ln().abs() < SCALE_STEP;
+            let found = estimated_scale(given, turned, matches);
+            let found = found.filter(|s| !SCALES.iter().any(|known| near(*s, *known)));
+            readings.extend(SCALES.into_iter().chain(found).map(|scale| Reading { scale, ..turned }));
+        }
+    }
+    readings.sort_by_key(Reading::changes);
+    readings
+}
+
+/// The scale with the smallest median, by a grid of eighths of octaves and a golden section between its neighbours.
+fn estimated_scale(given: &FundamentalMatrix, turned: Reading, matches: &[PointPair]) -> Option<f64> {
+    const STEPS_PER_OCTAVE: f64 = 8.0;
+    const SECTIONS: usize = 24;
+    let few: Vec<PointPair> = matches.iter().step_by(matches.len().div_ceil(500)).copied().collect();
+    let cost = |octaves: f64| {
+        let reading = Reading { scale: octaves.exp2(), ..turned };
+        reading.apply(given).map_or(f64::INFINITY, |f| median(&distances(&f, &few)))
+    };
+    let last = (2.0 * SCALE_OCTAVES * STEPS_PER_OCTAVE) as usize;
+    let octaves = |k: usize| k as f64 / STEPS_PER_OCTAVE - SCALE_OCTAVES;
+    let best = (0..=last).map(|k| (cost(octaves(k)), octaves(k))).min_by(|a, b| a.0.total_cmp(&b.0))?.1;
+    let golden = 0.5 * (5f64.sqrt() - 1.0);
+    let (mut low, mut high) = (best - 1.0 / STEPS_PER_OCTAVE, best + 1.0 / STEPS_PER_OCTAVE);
+    for _ in 0..SECTIONS {
+        let span = golden * (high - low);
+        if cost(high - span) < cost(low + span) { high = low + span } else { low = high - span }
+    }
+    Some((0.5 * (low + high)).exp2())
+}
+
+impl RankedReading {
+    fn new(reading: Reading, given: &FundamentalMatrix, matches: &[PointPair], limit: f64) -> Option<Self> {
+        let fundamental = reading.apply(given)?;
+        let distances = distances(&fundamental, matches);
+        let near = distances.iter().filter(|d| **d <= limit).count();
+        Some(Self {
+            reading,
+            fundamental,
+            median: median(&distances),
+            within: near as f64 / distances.len() as f64,
+            told_apart: false,
+            distances,
+        })
+    }
+
+    /// Whether every match is as far from its lines under both, up to rounding.
+    fn is_same(&self, other: &Self) -> bool {
+        self.distances.iter().zip(&other.distances).all(|(a, b)| (a - b).abs() <= 1e-6 * (1.0 + a.abs()))
+    }
+
+    /// Whether the matches are clearly farther from their lines than under a better reading.
+    fn is_told_from(&self, better: &Self) -> bool {
+        // Beyond a few times the median a match is wrong, or as good as wrong, under both.
+        let cap = (4.0 * better.median).max(0.5);
+        let count = self.distances.len() as f64;
+        let differences =
+            || self.distances.iter().zip(&better.distances).map(|(own, other)| own.min(cap) - other.min(cap));
+        let mean = differences().sum::<f64>() / count;
+        let variance = differences().map(|d| (d - mean).powi(2)).sum::<f64>() / (count - 1.0);
+        let left = better.distances.iter().map(|d| d.min(cap)).sum::<f64>() / count;
+        mean > CLEARLY * (variance / count).sqrt() && mean > (MATERIAL * left).max(1e-3)
+    }
+}
+
+impl ConventionCheck {
+    /// What to believe.
+    pub fn best(&self) -> &RankedReading {
+        &self.readings[0]
+    }
+
+    /// Whether any reading fits the matches.
+    pub fn fits(&self) -> bool {
+        self.best().median <= self.limit
+    }
+
+    /// The matrix as it was read, wherever it ranks.
+    pub fn as_read(&self) -> Option<&RankedReading> {
+        self.readings.iter().find(|r| r.reading.changes() == 0)
+    }
+
+    /// The readings that the matches cannot tell from the best.
+    pub fn alike(&self) -> impl Iterator<Item = &RankedReading> {
+        self.readings.iter().skip(1).filter(|r| !r.told_apart)
+    }
+
+    /// The first reading that the matches tell apart from the best.
+    pub fn next(&self) -> Option<&RankedReading> {
+        self.readings.iter().find(|r| r.told_apart)
+    }
+
+    /// The verdict in words.
+    pub fn sentence(&self) -> String {
+        let best = self.best();
+        if !self.fits() {
+            return format!(
+                "No reading fits: the best one ({}) leaves half of the {} matches more than {} px from their epipolar lines, at most {} px would do; the matrix may belong to other images, or most of the matches are wrong.",
+                best.reading,
+                self.matches,
+                pixels(best.median),
+                pixels(self.limit)
+            );
+        }
+        let mut text = if best.reading.changes() == 0 {
+            "The geometry fits as read".to_owned()
+        } else {
+            let as_read = self.as_read().map_or(String::new(), |r| format!(" ({} px)", pixels(r.median)));
+            format!(
+                "The geometry does not fit as read{as_read}, but it does if it is taken so: {}",
+                best.reading
+            )
+        };
+        let _ = write!(
+            text,
+            ". Half of the {} matches lie within {} px of their epipolar lines",
+            self.matches,
+            pixels(best.median)
+        );
+        if let Some(next) = self.next() {
+            let _ = write!(
+                text,
+                "; the next different reading ({}) leaves {} px",
+                next.reading,
+                pixels(next.median)
+            );
+        }
+        text.push('.');
+        let alike: Vec<_> = self.alike().map(|r| r.reading).collect();
+        if alike.is_empty() {
+            return text;
+        }
+        if alike.iter().all(|r| r.differs_in_origin_only(&best.reading)) {
+            let origins =
+                alike.iter().map(|r| format!("({0}, {0})", r.origin)).collect::<Vec<_>>().join(" or ");
+            let _ = write!(
+                text,
+                " Whether pixels are counted from ({0}, {0}) or {origins} these matches cannot tell; it makes little difference here.",
+                best.reading.origin
+            );
+        } else {
+            let others = alike.iter().map(ToString::to_string).collect::<Vec<_>>().join(" / ");
+            let _ = write!(text, " These matches cannot tell it from: {others}.");
+        }
+        text
+    }
+}
+
+/// Pixels with as many digits as matter.
+fn pixels(value: f64) -> String {
+    if value < 10.0 { format!("{value:.2}") } else { format!("{value:.0}") }
+}
+
+fn distances(f: &FundamentalMatrix, matches: &[PointPair]) -> Vec<f64> {
+    matches.iter().map(|pair| symmetric_epipolar_distance(f, pair)).collect()
+}
+
+/// The middle one; of an even number the greater of the two.
+fn median(values: &[f64]) -> f64 {
+    let mut values = values.to_vec();
+    let middle = values.len() / 2;
+    *values.select_nth_unstable_by(middle, f64::total_cmp).1
+}
+
+/// Diagonal of the rectangle around the points, of the image where it is larger, px.
+fn extent(matches: &[PointPair]) -> f64 {
+    let diagonal = |coordinates: [&dyn Fn(&PointPair) -> f64; 2]| {
+        let side = |of: &dyn Fn(&PointPair) -> f64| {
+            let range = matches
+                .iter()
+                .map(of)
+                .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
+            range.1 - range.0
+        };
+        side(coordinates[0]).hypot(side(coordinates[1]))
+    };
+    diagonal([&|p| p.point1.x, &|p| p.point1.y]).max(diagonal([&|p| p.point2.x, &|p| p.point2.y]))
+}

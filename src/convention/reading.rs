@@ -1,0 +1,89 @@
+//! One possible meaning of a matrix.
+
+use std::fmt;
+
+use nalgebra::Matrix3;
+use serde::Serialize;
+
+use crate::geometry::FundamentalMatrix;
+
+/// How the numbers of a matrix are to be taken. A point `x` of this program is in the file the point
+/// `u = A((x + ½) s − ½) + o` with the scale `s`, the origin `o`, and `A` the exchange of x and y.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Reading {
+    /// `x1ᵀ F x2 = 0`; the same as images 1 and 2 exchanged.
+    pub transposed: bool,
+    /// Points are (y, x), or (row, column).
+    pub axes_exchanged: bool,
+    /// Both coordinates of the centre of the upper left pixel, px.
+    pub origin: f64,
+    /// Size of the images that the matrix is for, over the size of those in which the matches are.
+    pub scale: f64,
+    /// What the origin was taken for when the matrix was read.
+    #[serde(skip)]
+    pub(super) assumed_origin: f64,
+}
+
+impl Reading {
+    /// The matrix means what it was taken for.
+    pub(super) fn as_read(assumed_origin: f64) -> Self {
+        Self { transposed: false, axes_exchanged: false, origin: assumed_origin, scale: 1.0, assumed_origin }
+    }
+
+    /// How many things differ from how the matrix was read.
+    pub fn changes(&self) -> usize {
+        [
+            self.transposed,
+            self.axes_exchanged,
+            self.origin.to_bits() != self.assumed_origin.to_bits(),
+            self.scale.to_bits() != 1f64.to_bits(),
+        ]
+        .into_iter()
+        .filter(|changed| *changed)
+        .count()
+    }
+
+    /// Whether two readings differ in the origin at most.
+    pub(super) fn differs_in_origin_only(&self, other: &Self) -> bool {
+        Self { origin: other.origin, ..*self } == *other
+    }
+
+    /// `F` in the convention of this program, if the given one, taken as it stands, is to be read like this. `None`
+    /// where numbers overflow.
+    pub fn apply(&self, given: &FundamentalMatrix) -> Option<FundamentalMatrix> {
+        let shift = 0.5 * self.scale - 0.5 + self.origin - self.assumed_origin;
+        let s = self.scale;
+        let given_from_ours = if self.axes_exchanged {
+            Matrix3::new(0.0, s, shift, s, 0.0, shift, 0.0, 0.0, 1.0)
+        } else {
+            Matrix3::new(s, 0.0, shift, 0.0, s, shift, 0.0, 0.0, 1.0)
+        };
+        let matrix = if self.transposed { given.matrix().transpose() } else { *given.matrix() };
+        FundamentalMatrix::from_rank_two(given_from_ours.transpose() * matrix * given_from_ours)
+    }
+}
+
+impl fmt::Display for Reading {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        if self.changes() == 0 {
+            return f.write_str("as read");
+        }
+        let mut words = Vec::new();
+        if self.transposed {
+            words.push("transposed, or images 1 and 2 exchanged".to_owned());
+        }
+        if self.axes_exchanged {
+            words.push("x and y exchanged".to_owned());
+        }
+        if self.origin.to_bits() != self.assumed_origin.to_bits() {
+            words.push(format!("pixels counted from ({0}, {0})", self.origin));
+        }
+        if self.scale.to_bits() != 1f64.to_bits() {
+            let percent = 100.0 * self.scale;
+            // Three digits are what a few dozen matches can tell.
+            let digits = usize::from(percent < 100.0) + usize::from(percent < 10.0);
+            words.push(format!("for images of {percent:.digits$} % of this size"));
+        }
+        f.write_str(&words.join("; "))
+    }
+}

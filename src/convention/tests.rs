@@ -1,0 +1,204 @@
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+
+use nalgebra::{Matrix3, Point3, Vector3};
+
+use super::*;
+use crate::geometry::{Camera, FundamentalMatrix, Point, PointPair};
+
+/// Two cameras 0.9 apart, the second one turned about its axis by `roll`, and `count` matches of points 4 to 9 away,
+/// all over 768×576 px: 0.3 px of noise, and every fifth match is wrong.
+fn truth(roll: f64, count: usize, seed: u64) -> (FundamentalMatrix, Vec<PointPair>) {
+    let mut random = Pcg64Mcg::seed_from_u64(seed);
+    let principal = Point::new(383.5, 287.5);
+    let camera = |x: f64, roll: f64| {
+        let up = Vector3::new(roll.sin(), -roll.cos(), 0.05);
+        Camera::looking_at(Point3::new(x, 0.1 * x, 0.2 * x), Point3::new(0.2, 0.1, 6.0), up, 700.0, principal)
+            .unwrap()
+    };
+    let (camera1, camera2) = (camera(-0.4, 0.0), camera(0.5, roll));
+    let mut noise = |sigma: f64| {
+        let radius = sigma * (-2.0 * (1.0 - random.random::<f64>()).ln()).sqrt();
+        let angle = std::f64::consts::TAU * random.random::<f64>();
+        Vector3::new(radius * angle.cos(), radius * angle.sin(), random.random())
+    };
+    let matches = (0..count)
+        .map(|k| {
+            let place = noise(1.0);
+            let x = Point3::new(1.2 * place.x, place.y, 4.0 + 5.0 * place.z);
+            let [a, b] = [camera1, camera2].map(|c| c.project(&x).unwrap() + noise(0.3).xy());
+            let wrong = if k % 5 == 4 { noise(150.0).xy() } else { noise(0.0).xy() };
+            PointPair { point1: a, point2: b + wrong }
+        })
+        .collect();
+    (Camera::fundamental(&camera1, &camera2).unwrap(), matches)
+}
+
+/// The matrix that somebody with this convention would write down.
+fn written(f: &FundamentalMatrix, reading: &Reading) -> FundamentalMatrix {
+    let (s, o) = (reading.scale, 0.5 * reading.scale - 0.5 + reading.origin);
+    let swap = Matrix3::new(0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0);
+    let axes = if reading.axes_exchanged { swap } else { Matrix3::identity() };
+    let theirs_from_ours = axes * Matrix3::new(s, 0.0, o, 0.0, s, o, 0.0, 0.0, 1.0);
+    let ours_from_theirs = theirs_from_ours.try_inverse().unwrap();
+    let matrix = ours_from_theirs.transpose() * f.matrix() * ours_from_theirs;
+    FundamentalMatrix::from_rank_two(if reading.transposed { matrix.transpose() } else { matrix }).unwrap()
+}
+
+fn readings() -> Vec<Reading> {
+    let mut readings = Vec::new();
+    for (transposed, axes_exchanged) in [(false, false), (true, false), (false, true), (true, true)] {
+        for origin in [0.0, 0.5, 1.0] {
+            for scale in [1.0, 0.5, 4.0, 0.71] {
+                let as_read = Reading::as_read(0.0);
+                readings.push(Reading { transposed, axes_exchanged, origin, scale, ..as_read });
+            }
+        }
+    }
+    readings
+}
+
+/// With the second camera upside down an offset of half a pixel is seen.
+#[test]
+fn every_reading_is_found_where_it_matters() {
+    for (seed, reading) in readings().into_iter().enumerate() {
+        let (f, matches) = truth(2.8, 400, seed as u64);
+        let check = check_convention(&written(&f, &reading), 0.0, &matches).unwrap();
+        let best = check.best();
+        let found = &best.reading;
+        let sentence = check.sentence();
+        assert_eq!(
+            (found.transposed, found.axes_exchanged),
+            (reading.transposed, reading.axes_exchanged),
+            "{sentence}"
+        );
+        assert!((found.scale / reading.scale).ln().abs() < 0.01, "{reading:?}: {sentence}");
+        // An origin in pixels four times as small is a shift of an eighth of ours, and one in images of unknown
+        // scale is partly made up for by the scale.
+        let is_credible = |r: &RankedReading| r.reading.origin.to_bits() == reading.origin.to_bits();
+        if reading.scale > 1.0 || (reading.scale - 0.71).abs() < 0.01 {
+            assert!(is_credible(best) || check.alike().any(is_credible), "{reading:?}: {sentence}");
+        } else {
+            assert!(is_credible(best), "{reading:?}: {sentence}");
+        }
+        assert!(check.fits() && best.median < 0.5 && (0.75..0.9).contains(&best.within), "{sentence}");
+        assert!(check.next().unwrap().median > best.median);
+        // What is believed is the matrix itself.
+        let exact = crate::geometry::epipolar_difference(
+            &best.fundamental,
+            &f,
+            [crate::geometry::Frame::new(768, 576); 2],
+            99.0,
+        );
+        assert!(exact < 1.5, "{reading:?}: {exact} px, {sentence}");
+    }
+}
+
+/// Between cameras that look the same way the origin hardly shows; everything else does.
+#[test]
+fn origins_that_cannot_be_told_are_named() {
+    let mut untold = 0;
+    for (seed, reading) in readings().into_iter().enumerate() {
+        let (f, matches) = truth(0.1, 60, seed as u64);
+        let check = check_convention(&written(&f, &reading), 0.0, &matches).unwrap();
+        let sentence = check.sentence();
+        let credible: Vec<_> =
+            std::iter::once(check.best()).chain(check.alike()).map(|r| r.reading).collect();
+        assert!(
+            credible.iter().any(|r| r.transposed == reading.transposed
+                && r.axes_exchanged == reading.axes_exchanged
+                && (r.scale / reading.scale).ln().abs() < 0.05),
+            "{reading:?}: {sentence}"
+        );
+        assert!(check.fits());
+        untold += usize::from(sentence.contains("these matches cannot tell"));
+    }
+    assert!(untold > 20, "{untold}");
+}
+
+#[test]
+fn as_read_is_said_plainly() {
+    let (f, matches) = truth(2.8, 100, 1);
+    let check = check_convention(&f, 0.0, &matches).unwrap();
+    assert_eq!(check.best().reading.changes(), 0);
+    let sentence = check.sentence();
+    assert!(
+        sentence.starts_with("The geometry fits as read. Half of the 100 matches lie within 0."),
+        "{sentence}"
+    );
+    // The file was in another convention, which its reader knew.
+    let ones = Reading { origin: 1.0, ..Reading::as_read(1.0) };
+    let check = check_convention(&f, 1.0, &matches).unwrap();
+    assert_eq!(check.best().reading, ones);
+    let wrong = check.readings.iter().find(|r| r.reading.changes() == 1 && r.reading.transposed).unwrap();
+    assert!(wrong.told_apart && wrong.reading.to_string().starts_with("transposed"));
+}
+
+#[test]
+fn nothing_fits_matches_of_other_images() {
+    let (f, _) = truth(2.8, 8, 1);
+    let mut random = Pcg64Mcg::seed_from_u64(5);
+    let mut next = || 700.0 * random.random::<f64>();
+    let matches: Vec<_> = (0..200).map(|_| PointPair::new(next(), next(), next(), next())).collect();
+    let check = check_convention(&f, 0.0, &matches).unwrap();
+    assert!(!check.fits());
+    assert!(check.sentence().starts_with("No reading fits"), "{}", check.sentence());
+}
+
+/// For a pure sideways motion the transposed matrix, any origin and any scale are the same matrix.
+#[test]
+fn the_same_thing_is_listed_once() {
+    let rows = Matrix3::new(0.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 1.0, 0.0);
+    let f = FundamentalMatrix::from_rank_two(rows).unwrap();
+    let matches: Vec<_> = (0..30)
+        .map(|k| {
+            let (x, y) = (f64::from(k * 37 % 300), f64::from(k * 53 % 200));
+            PointPair::new(x, y, x + 3.0 + f64::from(k % 7), y + 0.1 * f64::from(k % 3))
+        })
+        .collect();
+    let check = check_convention(&f, 0.0, &matches).unwrap();
+    assert_eq!(
+        check.readings.len(),
+        2,
+        "{:?}",
+        check.readings.iter().map(|r| r.reading.to_string()).collect::<Vec<_>>()
+    );
+    assert_eq!(check.readings[0].reading.to_string(), "as read");
+    assert_eq!(check.readings[1].reading.to_string(), "x and y exchanged");
+}
+
+#[test]
+fn too_few_and_broken_matches_are_refused() {
+    let (f, matches) = truth(0.1, 8, 1);
+    assert!(check_convention(&f, 0.0, &matches).is_ok());
+    let error = check_convention(&f, 0.0, &matches[..7]).unwrap_err();
+    assert!(error.to_string().contains("at least 8 matches, 7 were given"), "{error}");
+    let mut broken = matches;
+    broken[3].point2.x = f64::NAN;
+    assert_eq!(check_convention(&f, 0.0, &broken).unwrap_err(), CheckError::NotFinite);
+    // Far beyond any image, and all at one place: an answer, whatever it says.
+    let far = [PointPair::new(1e300, -1e300, 1e300, 1e300); 9];
+    let _ = check_convention(&f, 0.0, &far).unwrap().sentence();
+    let _ = check_convention(&f, 0.0, &[PointPair::new(1.0, 2.0, 3.0, 4.0); 9]).unwrap().sentence();
+}
+
+/// Views of the VGG model house with their cameras, where they are there.
+#[test]
+fn the_cameras_of_the_house_are_as_read() {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data/house");
+    if !folder.is_dir() {
+        eprintln!("skipped: there is no folder {}", folder.display());
+        return;
+    }
+    let set = crate::io::VggFolder::open(&folder).unwrap();
+    for view in 0..set.cameras.len() - 1 {
+        let f = Camera::fundamental(&set.cameras[view], &set.cameras[view + 1]).unwrap();
+        let check = check_convention(&f, 0.0, &set.matches(view, view + 1)).unwrap();
+        println!("{view}-{}: {}", view + 1, check.sentence());
+        assert!(check.fits() && check.best().reading.changes() == 0, "{}", check.sentence());
+        let turned = check_convention(&f.swapped(), 0.0, &set.matches(view, view + 1)).unwrap();
+        println!("  transposed: {}", turned.sentence());
+        let found = turned.best().reading;
+        assert!(found.transposed && found.changes() == 1, "{}", turned.sentence());
+    }
+}

@@ -1,0 +1,43 @@
+//! Trials without a result, with their reasons.
+
+use super::Subject;
+use crate::publish::{Document, Table};
+
+pub(super) fn write(subject: &Subject, document: &mut Document) {
+    document.section("Trials without a result");
+    // Method and reason with the trials, in the order in which they first occur.
+    let mut groups: Vec<(String, &str, Vec<String>)> = Vec::new();
+    for (c, label) in subject.labels().into_iter().enumerate() {
+        for (s, scene) in subject.scenes.iter().enumerate() {
+            for trial in &subject.record(s, c).trials {
+                let Some(reason) = trial.failure.as_deref() else { continue };
+                let place = format!("{} trial {}", scene.name, trial.trial + 1);
+                match groups.iter_mut().find(|(l, r, _)| *l == label && *r == reason) {
+                    Some(group) => group.2.push(place),
+                    None => groups.push((label.clone(), reason, vec![place])),
+                }
+            }
+        }
+    }
+    if groups.is_empty() {
+        let made = subject.report.trials_made;
+        document.paragraph(if made == 0 {
+            "No trial was made.".to_owned()
+        } else {
+            format!("None: all {made} trials gave a fundamental matrix.")
+        });
+        return;
+    }
+    document.table(Table {
+        caption: "Every trial that gave no fundamental matrix, and why.".to_owned(),
+        headings: ["method", "reason", "where", "trials"].map(str::to_owned).to_vec(),
+        rows: groups
+            .into_iter()
+            .map(|(label, reason, places)| {
+                vec![label, reason.to_owned(), places.join(", "), places.len().to_string()]
+            })
+            .collect(),
+        words: 3,
+        ruled: Vec::new(),
+    });
+}

@@ -1,0 +1,83 @@
+//! Every number the estimators were given.
+
+use serde_json::Value;
+
+use super::Subject;
+use crate::publish::{Document, Table};
+
+pub(super) fn write(subject: &Subject, document: &mut Document) {
+    // One column for each set of numbers; methods share those of a preset.
+    let mut columns: Vec<(String, Vec<(String, String)>)> = Vec::new();
+    for contender in subject.contenders {
+        let Some(preset) = contender.preset() else { continue };
+        let mut numbers = Vec::new();
+        flatten("", &contender.parameters(), &mut numbers);
+        numbers.retain(|(name, _)| name != "method");
+        if !columns.iter().any(|(name, same)| name == preset && *same == numbers) {
+            columns.push((preset.to_owned(), numbers));
+        }
+    }
+    let Some((_, first)) = columns.first() else { return };
+    let rows = first.iter().map(|(name, _)| {
+        let value = |numbers: &[(String, String)]| {
+            numbers.iter().find(|(n, _)| n == name).map_or_else(|| "-".to_owned(), |(_, value)| value.clone())
+        };
+        std::iter::once(name.clone()).chain(columns.iter().map(|(_, numbers)| value(numbers))).collect()
+    });
+    let table = Table {
+        caption:
+            "Parameters of the estimator by preset, named as for the option --set. Angles are in radians."
+                .to_owned(),
+        headings: std::iter::once("parameter".to_owned())
+            .chain(columns.iter().map(|(preset, _)| preset.clone()))
+            .collect(),
+        rows: rows.collect(),
+        words: 1,
+        ruled: Vec::new(),
+    };
+    document.section("Parameters");
+    document.table(table);
+}
+
+/// The leaves of a value, nested names joined by dots.
+fn flatten(name: &str, value: &Value, leaves: &mut Vec<(String, String)>) {
+    match value {
+        Value::Object(inner) => {
+            for (key, value) in inner {
+                let name = if name.is_empty() { key.clone() } else { format!("{name}.{key}") };
+                flatten(&name, value, leaves);
+            }
+        }
+        Value::String(text) => leaves.push((name.to_owned(), text.clone())),
+        other => leaves.push((name.to_owned(), short(other))),
+    }
+}
+
+/// A number without digits that only binary fractions have.
+fn short(value: &Value) -> String {
+    match value.as_f64() {
+        Some(number) if value.is_f64() => {
+            let text = format!("{number:.4}");
+            text.trim_end_matches('0').trim_end_matches('.').to_owned()
+        }
+        _ => value.to_string(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    #[test]
+    fn nested_names_are_joined_as_on_the_command_line() {
+        let mut leaves = Vec::new();
+        flatten(
+            "",
+            &json!({ "stereo": { "lambda": 400 }, "rotation": 0.123_456_7, "preset": "a" }),
+            &mut leaves,
+        );
+        let told: Vec<_> = leaves.iter().map(|(n, v)| format!("{n}={v}")).collect();
+        assert_eq!(told, ["preset=a", "rotation=0.1235", "stereo.lambda=400"]);
+    }
+}

@@ -1,0 +1,337 @@
+//! Named tables of numbers as they were found in a file, and what they mean.
+
+use nalgebra::{Matrix3, Matrix3x4};
+use serde_json::Value;
+
+use super::coordinates::{moved_camera, moved_fundamental, moved_pair, shift};
+use super::quantity::Quantity;
+use super::{Format, GeometryFile, ImageNote, Problem, Wanted};
+use crate::geometry::{Camera, FundamentalMatrix, PointPair};
+
+/// Numbers in rows and columns. Every row is full, and every number finite.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Table {
+    rows: usize,
+    columns: usize,
+    /// Row by row.
+    numbers: Vec<f64>,
+}
+
+impl Table {
+    /// A table of `columns` columns; the error says what does not fit.
+    pub(super) fn new(rows: usize, columns: usize, numbers: Vec<f64>) -> Result<Self, String> {
+        match numbers.iter().find(|v| !v.is_finite()) {
+            Some(other) => Err(format!("\"{other}\" is not a finite number")),
+            None if rows.checked_mul(columns) == Some(numbers.len()) => Ok(Self { rows, columns, numbers }),
+            None => Err(format!("expected {rows}×{columns} numbers, found {}", numbers.len())),
+        }
+    }
+
+    /// Rows that should be equally long.
+    pub(super) fn from_rows(rows: &[Vec<f64>]) -> Result<Self, String> {
+        let columns = rows.first().map_or(0, Vec::len);
+        match rows.iter().position(|r| r.len() != columns) {
+            Some(k) => Err(format!("row {} has {} numbers, row 1 has {columns}", k + 1, rows[k].len())),
+            None => Self::new(rows.len(), columns, rows.concat()),
+        }
+    }
+
+    fn shape(&self) -> String {
+        format!("{}×{}", self.rows, self.columns)
+    }
+
+    /// The numbers of a matrix of that shape; all of them in one row or one column will do.
+    fn matrix(&self, rows: usize, columns: usize) -> Result<&[f64], String> {
+        let is_list = (self.rows == 1 || self.columns == 1) && self.numbers.len() == rows * columns;
+        if is_list || (self.rows, self.columns) == (rows, columns) {
+            return Ok(&self.numbers);
+        }
+        Err(format!("expected a {rows}×{columns} matrix, found {}", self.shape()))
+    }
+
+    fn matrix3(&self) -> Result<Matrix3<f64>, String> {
+        Ok(Matrix3::from_row_slice(self.matrix(3, 3)?))
+    }
+
+    /// The rows, of `columns` numbers.
+    fn rows_of(&self, columns: usize) -> Result<std::slice::ChunksExact<'_, f64>, String> {
+        if self.columns != columns && !self.numbers.is_empty() {
+            return Err(format!("expected rows of {columns} numbers, found {}", self.shape()));
+        }
+        Ok(self.numbers.chunks_exact(columns))
+    }
+}
+
+/// What was found in a file, in its own coordinates.
+#[derive(Debug, Default)]
+pub(super) struct Fields {
+    tables: Vec<(Quantity, Table)>,
+    images: [Option<ImageNote>; 2],
+}
+
+impl Fields {
+    /// Notes a table; the first of a kind counts.
+    pub(super) fn add(&mut self, quantity: Quantity, table: Table) {
+        if self.table(quantity).is_none() {
+            self.tables.push((quantity, table));
+        }
+    }
+
+    /// Notes image 1 (`index` 0) or 2.
+    pub(super) fn add_image(&mut self, index: usize, image: ImageNote) {
+        if let Some(place) = self.images.get_mut(index) {
+            *place = Some(image);
+        }
+    }
+
+    /// Numbers without a name: nine are `F`, rows of four point pairs.
+    pub(super) fn add_bare(&mut self, table: Table, wanted: Wanted) -> Result<(), Problem> {
+        let quantity = match (table.numbers.len(), table.columns) {
+            (9, _) => Quantity::Fundamental,
+            (24, 4) if wanted == Wanted::Geometry => {
+                let (first, second) = table.numbers.split_at(12);
+                for (quantity, numbers) in [(Quantity::Camera1, first), (Quantity::Camera2, second)] {
+                    self.add(quantity, Table { rows: 3, columns: 4, numbers: numbers.to_vec() });
+                }
+                return Ok(());
+            }
+            (_, 4) if wanted == Wanted::Anything => Quantity::Pairs,
+            (count, _) => {
+                return Err(Problem::whole(format!(
+                    "expected the nine numbers of a fundamental matrix, found {count}"
+                )));
+            }
+        };
+        self.add(quantity, table);
+        Ok(())
+    }
+
+    fn table(&self, quantity: Quantity) -> Option<&Table> {
+        self.tables.iter().find(|(q, _)| *q == quantity).map(|(_, t)| t)
+    }
+
+    /// The tables of an object whose fields are named as [`Quantity`] says; other fields are passed over.
+    pub(super) fn from_value(value: &Value) -> Result<Self, Problem> {
+        let mut fields = Self::default();
+        let Some(object) = value.as_object() else {
+            fields.add_bare(table(value).map_err(Problem::whole)?, Wanted::Anything)?;
+            return Ok(fields);
+        };
+        for (name, value) in object {
+            match (Quantity::named(name), &name[..]) {
+                (Some(_), _) if value.is_null() => {}
+                // In a result of `estimate` these are objects with more than the coordinates.
+                (Some(Quantity::Pairs), "matches") if !is_rows(value) => {}
+                (Some(quantity), _) => {
+                    let table = table(value).map_err(|e| Problem::whole(format!("{name}: {e}")))?;
+                    fields.add(quantity, table);
+                }
+                (None, "image1") => fields.images[0] = image(value),
+                (None, "image2") => fields.images[1] = image(value),
+                (None, "images") => {
+                    let listed = value.as_array().map_or(&[][..], Vec::as_slice);
+                    for (place, value) in fields.images.iter_mut().zip(listed) {
+                        *place = image(value);
+                    }
+                }
+                (None, _) => {}
+            }
+        }
+        Ok(fields)
+    }
+
+    /// The content in the convention of this program.
+    pub(super) fn interpret(self, format: Format) -> Result<GeometryFile, Problem> {
+        let back = -format.origin();
+        let fundamental = self.get(Quantity::Fundamental, |table| {
+            let matrix = table.matrix3()?;
+            // In pixels the second singular value may be a millionth of the first, but it is no rounding error.
+            let has_rank_two = matrix.rank(1e-13 * matrix.norm()) >= 2;
+            let rows = std::array::from_fn(|r| std::array::from_fn(|c| matrix[(r, c)]));
+            has_rank_two
+                .then(|| FundamentalMatrix::from_rows(rows))
+                .flatten()
+                .and_then(|f| moved_fundamental(&f, back))
+                .ok_or_else(|| "the matrix has rank 1 or 0, a fundamental matrix has 2".into())
+        })?;
+        let camera = |table: &Table| {
+            Camera::from_matrix(Matrix3x4::from_row_slice(table.matrix(3, 4)?))
+                .and_then(|camera| moved_camera(&camera, back))
+                .ok_or_else(|| "this matrix is not a camera (its rank is below 3)".to_owned())
+        };
+        let homography = |table: &Table| Ok(shift(back) * table.matrix3()? * shift(-back));
+        let file = GeometryFile {
+            fundamental,
+            cameras: self.both([Quantity::Camera1, Quantity::Camera2], camera)?,
+            homographies: self.both([Quantity::Homography1, Quantity::Homography2], homography)?,
+            pairs: self.pairs()?.iter().map(|p| moved_pair(p, back)).collect(),
+            images: match self.images {
+                [Some(image1), Some(image2)] => Some([image1, image2]),
+                _ => None,
+            },
+        };
+        let is_finite = |h: &Matrix3<f64>| h.iter().all(|v| v.is_finite());
+        if !file.pairs.iter().all(PointPair::is_finite) || !file.homographies.iter().flatten().all(is_finite)
+        {
+            return Err(Problem::whole("its numbers are too large"));
+        }
+        if file == GeometryFile::default() {
+            return Err(Problem::whole(
+                "there is no fundamental matrix, no cameras and no point pairs in it; names that are known are F or fundamental, P1 and P2, points1 and points2, pairs",
+            ));
+        }
+        Ok(file)
+    }
+
+    /// A quantity, if it is there.
+    fn get<T>(
+        &self,
+        quantity: Quantity,
+        read: impl Fn(&Table) -> Result<T, String>,
+    ) -> Result<Option<T>, Problem> {
+        let named = |e: String| {
+            // The old sentences about a file that is nothing but a matrix need no name.
+            let is_alone = self.tables.len() == 1 && quantity == Quantity::Fundamental;
+            Problem::whole(if is_alone { e } else { format!("{}: {e}", quantity.symbol()) })
+        };
+        self.table(quantity).map(|table| read(table).map_err(named)).transpose()
+    }
+
+    /// Two quantities of which neither means anything alone.
+    fn both<T>(
+        &self,
+        [first, second]: [Quantity; 2],
+        read: impl Fn(&Table) -> Result<T, String>,
+    ) -> Result<Option<[T; 2]>, Problem> {
+        match (self.get(first, &read)?, self.get(second, &read)?) {
+            (Some(a), Some(b)) => Ok(Some([a, b])),
+            (None, None) => Ok(None),
+            (found, _) => {
+                let (there, missing) = if found.is_some() { (first, second) } else { (second, first) };
+                let (there, missing) = (there.symbol(), missing.symbol());
+                Err(Problem::whole(format!("{there} is there, but {missing} is missing")))
+            }
+        }
+    }
+
+    /// Point pairs, from rows of four or from a list an image.
+    fn pairs(&self) -> Result<Vec<PointPair>, Problem> {
+        let four = |table: &Table| {
+            Ok(table.rows_of(4)?.map(|r| PointPair::new(r[0], r[1], r[2], r[3])).collect::<Vec<_>>())
+        };
+        if let Some(pairs) = self.get(Quantity::Pairs, four)? {
+            return Ok(pairs);
+        }
+        let two = |table: &Table| Ok(table.rows_of(2)?.map(|r| [r[0], r[1]]).collect::<Vec<_>>());
+        let Some([points1, points2]) = self.both([Quantity::Points1, Quantity::Points2], two)? else {
+            return Ok(Vec::new());
+        };
+        if points1.len() != points2.len() {
+            return Err(Problem::whole(format!(
+                "there are {} points in image 1 and {} in image 2, as many are needed",
+                points1.len(),
+                points2.len()
+            )));
+        }
+        Ok(points1.iter().zip(&points2).map(|(a, b)| PointPair::new(a[0], a[1], b[0], b[1])).collect())
+    }
+}
+
+/// Whether this is a list of lists.
+fn is_rows(value: &Value) -> bool {
+    value.as_array().is_some_and(|rows| rows.iter().all(Value::is_array))
+}
+
+/// A table from nested rows, from a flat list, or from a matrix of OpenCV.
+fn table(value: &Value) -> Result<Table, String> {
+    match value {
+        Value::Object(_) => opencv_matrix(value),
+        Value::Array(rows) if !rows.is_empty() && is_rows(value) => {
+            let rows = rows.iter().map(list).collect::<Result<Vec<_>, _>>()?;
+            Table::from_rows(&rows)
+        }
+        Value::Array(_) | Value::String(_) => {
+            let numbers = list(value)?;
+            Table::new(1, numbers.len(), numbers)
+        }
+        _ => Err("this is not a list of rows".into()),
+    }
+}
+
+/// `{rows, cols, dt, data}`, or `sizes` in place of rows and columns. Channels count as columns.
+fn opencv_matrix(value: &Value) -> Result<Table, String> {
+    let size = |name: &str| value.get(name).and_then(whole);
+    let numbers = list(value.get("data").ok_or("this is no matrix, it has no data")?)?;
+    let channels = match value.get("dt") {
+        Some(Value::String(kind)) => {
+            let digits: String = kind.chars().take_while(char::is_ascii_digit).collect();
+            if digits.is_empty() { Some(1) } else { digits.parse().ok() }
+        }
+        _ => Some(1),
+    };
+    let sizes = value.get("sizes").map(list).transpose()?;
+    let (rows, columns) = match sizes.as_deref() {
+        Some([count]) => (Some(1), Some(*count as usize)),
+        Some([rows, columns]) => (Some(*rows as usize), Some(*columns as usize)),
+        Some(_) => return Err("it has more than two dimensions".into()),
+        None => (size("rows"), size("cols")),
+    };
+    let (Some(rows), Some(columns), Some(channels)) = (rows, columns, channels) else {
+        return Err("this is no matrix, its rows or columns are missing".into());
+    };
+    // N×1 and 1×N points of two channels are the same to OpenCV.
+    let (rows, columns) = if rows == 1 && channels > 1 { (columns, rows) } else { (rows, columns) };
+    Table::new(rows, columns.checked_mul(channels).ok_or("it is too large")?, numbers)
+}
+
+/// A count.
+fn whole(value: &Value) -> Option<usize> {
+    match value {
+        Value::String(text) => text.trim().parse().ok(),
+        other => other.as_u64().and_then(|v| usize::try_from(v).ok()),
+    }
+}
+
+/// A list of numbers, or a text of numbers between spaces.
+fn list(value: &Value) -> Result<Vec<f64>, String> {
+    match value {
+        Value::Array(cells) => cells.iter().map(cell).collect(),
+        Value::String(text) => text.split_whitespace().map(parse_number).collect(),
+        other => Ok(vec![cell(other)?]),
+    }
+}
+
+/// A number.
+fn cell(value: &Value) -> Result<f64, String> {
+    match value {
+        Value::String(text) => parse_number(text.trim()),
+        Value::Number(number) => {
+            number.as_f64().ok_or_else(|| format!("\"{number}\" is not a finite number"))
+        }
+        other => Err(format!("{} is not a number", shortened(&other.to_string()))),
+    }
+}
+
+/// A finite number.
+pub(super) fn parse_number(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value.is_finite() => Ok(value),
+        _ => Err(format!("\"{}\" is not a finite number", shortened(text))),
+    }
+}
+
+/// The beginning of what may be long.
+pub(super) fn shortened(text: &str) -> String {
+    const MOST: usize = 40;
+    if text.chars().count() <= MOST {
+        return text.to_owned();
+    }
+    text.chars().take(MOST).chain(['…']).collect()
+}
+
+/// Name and size of an image.
+fn image(value: &Value) -> Option<ImageNote> {
+    let name = value.get("name")?.as_str()?.to_owned();
+    let side = |name: &str| value.get(name).and_then(whole);
+    Some(ImageNote { name, frame: crate::geometry::Frame::new(side("width")?, side("height")?) })
+}

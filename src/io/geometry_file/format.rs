@@ -1,0 +1,203 @@
+//! The formats: their names, file extensions, coordinates, and how to tell them from the content.
+
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+
+use super::colmap;
+
+/// A kind of file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Format {
+    /// JSON with the field names of a result of `epiline estimate`.
+    Json,
+    /// Plain text with comments.
+    Text,
+    /// OpenCV `FileStorage`, YAML.
+    OpencvYaml,
+    /// OpenCV `FileStorage`, XML.
+    OpencvXml,
+    /// A script for MATLAB and Octave.
+    Matlab,
+    /// Text in the conventions of COLMAP.
+    Colmap,
+}
+
+impl Format {
+    /// All of them.
+    pub const ALL: [Self; 6] =
+        [Self::Json, Self::Text, Self::OpencvYaml, Self::OpencvXml, Self::Matlab, Self::Colmap];
+
+    /// The name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Json => "json",
+            Self::Text => "text",
+            Self::OpencvYaml => "opencv-yaml",
+            Self::OpencvXml => "opencv-xml",
+            Self::Matlab => "matlab",
+            Self::Colmap => "colmap",
+        }
+    }
+
+    /// The name for people.
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::Json => "JSON",
+            Self::Text => "plain text",
+            Self::OpencvYaml => "OpenCV FileStorage (YAML)",
+            Self::OpencvXml => "OpenCV FileStorage (XML)",
+            Self::Matlab => "MATLAB, Octave and VGG",
+            Self::Colmap => "COLMAP",
+        }
+    }
+
+    /// The extension a file of it should have, without a dot.
+    pub fn extension(self) -> &'static str {
+        match self {
+            Self::Json => "json",
+            Self::Text => "txt",
+            Self::OpencvYaml => "yml",
+            Self::OpencvXml => "xml",
+            Self::Matlab => "m",
+            Self::Colmap => "colmap",
+        }
+    }
+
+    /// The format that the extension of a file name stands for, case apart.
+    pub fn of_path(path: &Path) -> Option<Self> {
+        let extension = path.extension()?.to_str()?.to_ascii_lowercase();
+        Self::ALL.into_iter().find(|f| f.extension() == extension).or(match extension.as_str() {
+            "yaml" => Some(Self::OpencvYaml),
+            _ => None,
+        })
+    }
+
+    /// The format of a text, whatever its name. What is none of the others is plain text.
+    pub fn of_content(text: &str) -> Self {
+        let start = text.trim_start();
+        if start.starts_with(['{', '[']) {
+            return Self::Json;
+        }
+        if start.starts_with('<') {
+            return Self::OpencvXml;
+        }
+        if start.starts_with("%YAML") || start.starts_with("---") {
+            return Self::OpencvYaml;
+        }
+        let mut lines = text.lines().map(str::trim).filter(|l| !l.is_empty() && !l.starts_with(['#', '%']));
+        let Some(first) = lines.clone().next() else { return Self::Text };
+        if colmap::is_row(first) {
+            return Self::Colmap;
+        }
+        if is_word_before(first, ':') {
+            return Self::OpencvYaml;
+        }
+        // A script may begin with any statement.
+        if lines.any(|line| is_word_before(line, '=')) { Self::Matlab } else { Self::Text }
+    }
+
+    /// Where the centre of the upper left pixel is, both coordinates, px.
+    pub fn origin(self) -> f64 {
+        match self {
+            Self::Json | Self::Text | Self::OpencvYaml | Self::OpencvXml => 0.0,
+            Self::Colmap => 0.5,
+            Self::Matlab => 1.0,
+        }
+    }
+
+    /// Its convention in words, one sentence an entry, in ASCII.
+    pub fn convention(self) -> Vec<String> {
+        let origin = self.origin();
+        let mut sentences = vec![
+            "F maps points of image 1 to their epipolar lines in image 2: x2' F x1 = 0, line2 = F x1, line1 = F' x2, F e1 = 0, F' e2 = 0."
+                .to_owned(),
+            format!(
+                "Pixels: x to the right, y down; the centre of the upper left pixel is ({origin}, {origin})."
+            ),
+            "Matrices are listed row by row; points are x, y; pairs are x1, y1, x2, y2.".to_owned(),
+        ];
+        sentences.extend(self.peculiarities().iter().map(|s| (*s).to_owned()));
+        sentences
+    }
+
+    /// What a reader of this format in particular has to know.
+    fn peculiarities(self) -> &'static [&'static str] {
+        match self {
+            Self::Json | Self::Text => &[],
+            Self::OpencvYaml | Self::OpencvXml => &[
+                "This is the F of cv::findFundamentalMat and cv::computeCorrespondEpilines; H1 and H2 are for cv::warpPerspective.",
+            ],
+            Self::Matlab => &[
+                "F is that of estimateFundamentalMatrix and epipolarLine, [p2 1] * F * [p1 1]' = 0 for points as rows, and of vgg_F_from_P.",
+                "F_vgg is its transpose, which vgg_gui_F and vgg_F_from_7pts_2img have.",
+                "H1 and H2 act on columns (projtform2d); tform1 and tform2 are their transposes, which act on rows (projective2d, maketform).",
+            ],
+            Self::Colmap => &[
+                "F belongs into the table two_view_geometries in this order if image 1 has the smaller image_id; otherwise transpose it and exchange the columns of the matches.",
+                "E needs the calibration and is not given; H1 and H2 rectify the images, they are not the H of two_view_geometries, which maps image 1 to image 2.",
+            ],
+        }
+    }
+}
+
+/// Whether a line begins with a word and that character, spaces apart.
+fn is_word_before(line: &str, mark: char) -> bool {
+    line.split_once(mark).is_some_and(|(word, _)| {
+        let word = word.trim_end();
+        !word.is_empty() && word.chars().all(|c| c.is_alphanumeric() || c == '_')
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_and_extensions_are_told_apart() {
+        for format in Format::ALL {
+            let name = format!("some/Result.{}", format.extension().to_uppercase());
+            assert_eq!(Format::of_path(Path::new(&name)), Some(format));
+        }
+        assert_eq!(Format::of_path(Path::new("a.yaml")), Some(Format::OpencvYaml));
+        assert_eq!(Format::of_path(Path::new("a.png")), None);
+        assert_eq!(Format::of_path(Path::new("json")), None);
+    }
+
+    #[test]
+    fn the_content_tells_the_format() {
+        for (text, format) in [
+            ("  {\"F\": 1}", Format::Json),
+            ("[[1, 2]]", Format::Json),
+            ("<?xml version=\"1.0\"?>", Format::OpencvXml),
+            ("%YAML:1.0\n---", Format::OpencvYaml),
+            ("# c\nF: !!opencv-matrix", Format::OpencvYaml),
+            ("% c\n\nF = [1 2", Format::Matlab),
+            ("F=[1 2", Format::Matlab),
+            ("clear all\nF = [1 2", Format::Matlab),
+            ("# c\nF 1 2 3 4 5 6 7 8 9", Format::Colmap),
+            ("# c\nF\n1 2 3", Format::Text),
+            ("1 2 3 4", Format::Text),
+            ("x1,y1,x2,y2\n1,2,3,4", Format::Text),
+            ("", Format::Text),
+            ("% only a comment", Format::Text),
+            ("= 3", Format::Text),
+            ("\u{e9}t\u{e9}: 3", Format::OpencvYaml),
+        ] {
+            assert_eq!(Format::of_content(text), format, "{text:?}");
+        }
+    }
+
+    #[test]
+    fn conventions_are_plain_text_fit_for_every_comment() {
+        for format in Format::ALL {
+            for sentence in format.convention() {
+                assert!(
+                    sentence.is_ascii() && !sentence.contains("--") && sentence.ends_with('.'),
+                    "{sentence}"
+                );
+            }
+        }
+    }
+}

@@ -1,0 +1,51 @@
+//! JSON: the field names of a result of `epiline estimate`. What OpenCV writes as JSON is read too.
+
+use serde::Serialize;
+use serde_json::{Map, Value, json};
+
+use super::coordinates::{Written, pair_numbers};
+use super::fields::Fields;
+use super::quantity::Quantity;
+use super::{ImageNote, Problem};
+
+#[derive(Serialize)]
+struct File<'a> {
+    convention: Vec<String>,
+    #[serde(flatten)]
+    matrices: Map<String, Value>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pairs: Vec<[f64; 4]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    images: Option<&'a [ImageNote; 2]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    self_check: Option<Value>,
+}
+
+pub(super) fn write(written: &Written) -> String {
+    let value = |quantity, rows: &[Vec<f64>]| match quantity {
+        Quantity::Epipole1 | Quantity::Epipole2 => json!(rows.concat()),
+        _ => json!(rows),
+    };
+    let file = File {
+        convention: written.preamble(),
+        matrices: written
+            .matrices
+            .iter()
+            .map(|m| (m.quantity.word().to_owned(), value(m.quantity, &m.rows)))
+            .collect(),
+        pairs: written.pairs.iter().map(pair_numbers).collect(),
+        images: written.images,
+        self_check: written
+            .check
+            .map(|c| json!({ "pairs": c.pairs, "mean_distance": c.mean, "max_distance": c.max })),
+    };
+    let mut text = serde_json::to_string_pretty(&file).expect("names are texts and no number is refused");
+    text.push('\n');
+    text
+}
+
+pub(super) fn read(text: &str) -> Result<Fields, Problem> {
+    let value: Value =
+        serde_json::from_str(text).map_err(|e| Problem::whole(format!("this is not valid JSON: {e}")))?;
+    Fields::from_value(&value)
+}

@@ -1,0 +1,188 @@
+//! Epipolar geometry as files that other programs read, each in the convention its readers expect.
+//!
+//! | [`Format`] | read by | F | centre of the upper left pixel |
+//! |---|---|---|---|
+//! | [`Json`](Format::Json) | this program, scripts | `x2ᵀ F x1 = 0` | (0, 0) |
+//! | [`Text`](Format::Text) | people, `awk` | `x2ᵀ F x1 = 0` | (0, 0) |
+//! | [`OpencvYaml`](Format::OpencvYaml), [`OpencvXml`](Format::OpencvXml) | `cv::FileStorage` | `x2ᵀ F x1 = 0` | (0, 0) |
+//! | [`Matlab`](Format::Matlab) | MATLAB, Octave, the VGG toolbox | `x2ᵀ F x1 = 0`, and `F_vgg` transposed | (1, 1) |
+//! | [`Colmap`](Format::Colmap) | what fills a COLMAP database | `x2ᵀ F x1 = 0` | (0.5, 0.5) |
+//!
+//! A [`GeometryFile`] is in the convention of this program, whatever the file is in: writing and reading convert.
+//! Every file says its convention in words and carries a self-check: the distances of its own point pairs to
+//! their epipolar lines, from the numbers as they stand in the file. Numbers are written with as many digits as
+//! bring back the same `f64`.
+//!
+//! Pitfall: a reader knows the convention of a format, not what somebody did before writing a file. Whether a
+//! matrix means what its format says is for [`crate::convention`] to find out, with matches.
+
+mod colmap;
+mod coordinates;
+mod fields;
+mod format;
+mod json;
+mod matlab;
+mod opencv_xml;
+mod opencv_yaml;
+mod quantity;
+#[cfg(test)]
+mod tests;
+mod text;
+
+use std::path::Path;
+
+use nalgebra::Matrix3;
+use serde::{Deserialize, Serialize};
+
+use self::coordinates::Written;
+use self::fields::Fields;
+use super::output::{OutputFile, WriteError};
+use super::read::{ReadError, read_text};
+use crate::geometry::{Camera, Frame, FundamentalMatrix, PointPair};
+
+pub use self::format::Format;
+
+/// The name and the size of an image.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct ImageNote {
+    /// Its file name.
+    pub name: String,
+    /// Its size, px.
+    #[serde(flatten)]
+    pub frame: Frame,
+}
+
+/// What such a file holds, in the convention of this program: `x2ᵀ F x1 = 0`, the centre of the upper left pixel
+/// is (0, 0). Every part may be missing; all numbers are finite.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct GeometryFile {
+    /// `F`.
+    pub fundamental: Option<FundamentalMatrix>,
+    /// The projection matrices `P1` and `P2`; they imply an `F` where none is given.
+    pub cameras: Option<[Camera; 2]>,
+    /// `rectified ∝ H original`, for image 1 and image 2, both in pixels.
+    pub homographies: Option<[Matrix3<f64>; 2]>,
+    /// Points of the same scene point, px.
+    pub pairs: Vec<PointPair>,
+    /// The two images.
+    pub images: Option<[ImageNote; 2]>,
+}
+
+impl GeometryFile {
+    /// `F`, of the cameras where there is no other.
+    pub fn geometry(&self) -> Option<FundamentalMatrix> {
+        self.fundamental.or_else(|| {
+            let [camera1, camera2] = self.cameras.as_ref()?;
+            Camera::fundamental(camera1, camera2)
+        })
+    }
+
+    /// The whole content of a file.
+    pub fn to_text(&self, format: Format) -> String {
+        let written = Written::new(self, format);
+        match format {
+            Format::Json => json::write(&written),
+            Format::Text => text::write(&written),
+            Format::OpencvYaml => opencv_yaml::write(&written),
+            Format::OpencvXml => opencv_xml::write(&written),
+            Format::Matlab => matlab::write(&written),
+            Format::Colmap => colmap::write(&written),
+        }
+    }
+
+    /// Writes a file, whole or not at all.
+    pub fn write(&self, path: &Path, format: Format) -> Result<(), WriteError> {
+        OutputFile::prepare(path)?.write(self.to_text(format).as_bytes())
+    }
+
+    /// Reads a file of any of the formats; which one, its content tells. Bare numbers are taken too: nine are
+    /// an `F` row by row, rows of four are point pairs.
+    pub fn read(path: &Path) -> Result<(Self, Format), ReadError> {
+        Self::read_for(path, Wanted::Anything)
+    }
+
+    /// The same from a text.
+    pub fn parse(text: &str) -> Result<(Self, Format), Problem> {
+        Self::parse_for(text, Wanted::Anything)
+    }
+
+    /// Reads a file that is to hold `F` or two cameras: six bare rows of four numbers are cameras.
+    pub fn read_geometry(path: &Path) -> Result<(Self, Format), ReadError> {
+        let (file, format) = Self::read_for(path, Wanted::Geometry)?;
+        if file.geometry().is_none() {
+            let problem = match &file.cameras {
+                Some(_) => "the two cameras have the same centre, so there is no fundamental matrix",
+                None => {
+                    "there is no fundamental matrix in it (\"F\" or \"fundamental\") and no two cameras (\"P1\", \"P2\")"
+                }
+            };
+            return Err(ReadError::content(path, problem));
+        }
+        Ok((file, format))
+    }
+
+    fn read_for(path: &Path, wanted: Wanted) -> Result<(Self, Format), ReadError> {
+        let text = read_text(path)?;
+        Self::parse_for(&text, wanted).map_err(|Problem { line, problem }| match line {
+            Some(line) => ReadError::line(path, line, problem),
+            None => ReadError::content(path, problem),
+        })
+    }
+
+    fn parse_for(text: &str, wanted: Wanted) -> Result<(Self, Format), Problem> {
+        let format = Format::of_content(text);
+        let fields: Fields = match format {
+            Format::Json => json::read(text)?,
+            Format::Text => text::read(text, wanted)?,
+            Format::OpencvYaml => opencv_yaml::read(text)?,
+            Format::OpencvXml => opencv_xml::read(text)?,
+            Format::Matlab => matlab::read(text)?,
+            Format::Colmap => colmap::read(text)?,
+        };
+        Ok((fields.interpret(format)?, format))
+    }
+}
+
+/// What somebody expects of bare numbers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Wanted {
+    Anything,
+    Geometry,
+}
+
+/// Reads `F` from a file of any [`Format`], of its two cameras if there is no other; or from nine bare numbers
+/// row by row, or six rows of four (two cameras).
+pub fn read_fundamental(path: &Path) -> Result<FundamentalMatrix, ReadError> {
+    let (file, _) = GeometryFile::read_geometry(path)?;
+    let missing = || ReadError::content(path, "there is no fundamental matrix in it");
+    file.geometry().ok_or_else(missing)
+}
+
+/// Reads the point pairs of a file of any [`Format`]; at least one.
+pub fn read_point_pairs(path: &Path) -> Result<Vec<PointPair>, ReadError> {
+    let (file, _) = GeometryFile::read(path)?;
+    if file.pairs.is_empty() {
+        return Err(ReadError::content(path, "no point pairs found, expected rows of x1 y1 x2 y2"));
+    }
+    Ok(file.pairs)
+}
+
+/// What is wrong with the content of a file, one clause.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{problem}")]
+pub struct Problem {
+    /// Number of the line, from 1, where there is one to name.
+    pub line: Option<usize>,
+    /// What was expected and what was found.
+    pub problem: String,
+}
+
+impl Problem {
+    fn whole(problem: impl Into<String>) -> Self {
+        Self { line: None, problem: problem.into() }
+    }
+
+    fn at(line: usize, problem: impl Into<String>) -> Self {
+        Self { line: Some(line), problem: problem.into() }
+    }
+}

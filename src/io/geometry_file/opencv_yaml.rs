@@ -1,0 +1,125 @@
+//! OpenCV `FileStorage` as YAML.
+//!
+//! The first line `%YAML:1.0` is what OpenCV writes up to version 4 and all versions read; it is not YAML, and
+//! is taken off before parsing. Other YAML with the same names (nested rows, say) is read as well.
+
+use std::fmt::Write;
+
+use saphyr_parser::{Event, Parser, ScalarStyle};
+use serde_json::{Map, Value};
+
+use super::coordinates::{NamedTable, Written, numbers, one_line};
+use super::fields::Fields;
+use super::{Format, ImageNote, Problem};
+
+/// Levels of lists in lists. Matrices need three.
+const DEEPEST: usize = 32;
+
+pub(super) fn write(written: &Written) -> String {
+    debug_assert_eq!(written.format, Format::OpencvYaml);
+    let mut text = String::from("%YAML:1.0\n---\n");
+    for line in written.preamble() {
+        let _ = writeln!(text, "# {line}");
+    }
+    for (k, image) in written.images.iter().flat_map(|i| i.iter()).enumerate() {
+        text.push_str(&image_map(k + 1, image));
+    }
+    for table in written.tables() {
+        text.push_str(&matrix_map(&table));
+    }
+    if let Some(check) = written.check {
+        let distances = numbers(&[check.mean, check.max], "\n   max_distance: ");
+        let _ = write!(text, "self_check:\n   pairs: {}\n   mean_distance: {distances}\n", check.pairs);
+    }
+    text
+}
+
+fn matrix_map(table: &NamedTable) -> String {
+    let NamedTable { quantity, columns, values } = table;
+    let lines: Vec<_> = values.chunks(3.max(*columns)).map(|c| numbers(c, ", ")).collect();
+    format!(
+        "# {}\n{}: !!opencv-matrix\n   rows: {}\n   cols: {columns}\n   dt: d\n   data: [ {} ]\n",
+        quantity.meaning(),
+        quantity.symbol(),
+        values.len() / columns,
+        lines.join(",\n       ")
+    )
+}
+
+fn image_map(number: usize, image: &ImageNote) -> String {
+    let name = one_line(&image.name).replace('\\', "\\\\").replace('"', "\\\"");
+    let frame = image.frame;
+    format!("image{number}:\n   name: \"{name}\"\n   width: {}\n   height: {}\n", frame.width, frame.height)
+}
+
+pub(super) fn read(text: &str) -> Result<Fields, Problem> {
+    let text = text.trim_start();
+    // Everything up to the end of the first line, which stays so that lines keep their numbers.
+    let text = if text.starts_with("%YAML") { text.find('\n').map_or("", |end| &text[end..]) } else { text };
+    Fields::from_value(&value(text)?)
+}
+
+/// A list or a mapping that is not closed yet.
+enum Open {
+    List(Vec<Value>),
+    Mapping(Map<String, Value>, Option<String>),
+}
+
+/// The first document. Numbers become numbers, everything else text; aliases, which can grow without bounds,
+/// are refused.
+fn value(text: &str) -> Result<Value, Problem> {
+    let mut open: Vec<Open> = Vec::new();
+    for event in Parser::new_from_str(text) {
+        let (event, span) = event
+            .map_err(|e| Problem::at(e.marker().line(), format!("this is not valid YAML: {}", e.info())))?;
+        let line = span.start.line();
+        let complete = match event {
+            Event::SequenceStart(..) => {
+                open.push(Open::List(Vec::new()));
+                None
+            }
+            Event::MappingStart(..) => {
+                open.push(Open::Mapping(Map::new(), None));
+                None
+            }
+            Event::SequenceEnd | Event::MappingEnd => open.pop().map(|closed| match closed {
+                Open::List(items) => Value::Array(items),
+                Open::Mapping(items, _) => Value::Object(items),
+            }),
+            Event::Scalar(text, style, ..) => Some(scalar(&text, style)),
+            Event::Alias(_) => {
+                return Err(Problem::at(line, "aliases (*name) are not read, write the numbers out"));
+            }
+            Event::DocumentEnd | Event::StreamEnd => break,
+            Event::Nothing | Event::StreamStart | Event::DocumentStart(_) => None,
+        };
+        if open.len() > DEEPEST {
+            return Err(Problem::at(line, format!("lists are nested more than {DEEPEST} deep")));
+        }
+        let Some(complete) = complete else { continue };
+        match open.last_mut() {
+            None => return Ok(complete),
+            Some(Open::List(items)) => items.push(complete),
+            Some(Open::Mapping(items, key)) => match (key.take(), complete) {
+                (Some(key), value) => {
+                    items.insert(key, value);
+                }
+                (None, Value::String(name)) => *key = Some(name),
+                (None, other) => *key = Some(other.to_string()),
+            },
+        }
+    }
+    Err(Problem::whole("this YAML file is empty or ends too early"))
+}
+
+fn scalar(text: &str, style: ScalarStyle) -> Value {
+    let number = if style == ScalarStyle::Plain { text.parse::<f64>().ok() } else { None };
+    // Whole numbers are counts; anything not finite stays the text it was, for the message.
+    let whole = text.parse::<u64>().ok().map(Value::from);
+    match number {
+        Some(number) => whole
+            .or_else(|| serde_json::Number::from_f64(number).map(Value::Number))
+            .unwrap_or_else(|| Value::String(text.to_owned())),
+        None => Value::String(text.to_owned()),
+    }
+}

@@ -1,0 +1,360 @@
+use super::*;
+use crate::geometry::symmetric_epipolar_distance;
+use proptest::prelude::*;
+
+fn example() -> GeometryFile {
+    let (camera1, camera2) = Camera::example_pair();
+    let pair = |k: f64| {
+        let x = nalgebra::Point3::new((k * 0.7).sin() * 2.0, (k * 1.3).cos(), 4.0 + (k * 0.31).sin() * 2.0);
+        let [a, b] = [camera1, camera2].map(|c| c.project(&x).unwrap());
+        // Tenths of pixels of noise, so that the self-check has something to say.
+        PointPair::new(a.x + 0.3 * (k * 5.1).sin(), a.y, b.x, b.y + 0.2 * (k * 3.7).cos())
+    };
+    GeometryFile {
+        fundamental: Camera::fundamental(&camera1, &camera2),
+        cameras: Some([camera1, camera2]),
+        homographies: Some([
+            Matrix3::new(1.01, 0.02, -3.5, -0.01, 0.99, 7.25, 1e-5, -2e-6, 1.0),
+            Matrix3::new(0.97, 1.0 / 3.0, 12.0, 0.03, 1.02, -4.0, 3e-7, 1e-6, 1.0),
+        ]),
+        pairs: (0..30).map(|k| pair(f64::from(k))).collect(),
+        images: Some(
+            ["left view.png", "it's F = [<a> \"test\"] & more.png"]
+                .map(|name| ImageNote { name: name.to_owned(), frame: Frame::new(768, 576) }),
+        ),
+    }
+}
+
+/// Same images, and the same numbers; bit for bit where the format has our pixels, otherwise up to the rounding of
+/// the shift.
+#[track_caller]
+fn assert_same(found: &GeometryFile, expected: &GeometryFile, format: Format) {
+    assert_eq!(found.images, expected.images, "{format:?}");
+    if format.origin() == 0.0 {
+        assert_eq!(found, expected, "{format:?}");
+        return;
+    }
+    let near = |a: f64, b: f64, size: f64| (a - b).abs() <= 1e-13 * size;
+    let (f, g) = (found.fundamental.unwrap(), expected.fundamental.unwrap());
+    assert!((f.matrix() - g.matrix()).norm() < 1e-14, "{format:?} {f:?} {g:?}");
+    for (a, b) in found.homographies.iter().flatten().zip(expected.homographies.iter().flatten()) {
+        assert!((a - b).norm() <= 1e-13 * b.norm(), "{format:?}");
+    }
+    for (a, b) in found.cameras.iter().flatten().zip(expected.cameras.iter().flatten()) {
+        assert!((a.matrix() - b.matrix()).norm() <= 1e-13 * b.matrix().norm(), "{format:?}");
+    }
+    assert_eq!(found.pairs.len(), expected.pairs.len());
+    for (a, b) in found.pairs.iter().zip(&expected.pairs) {
+        for (p, q) in [(a.point1, b.point1), (a.point2, b.point2)] {
+            let size = q.coords.amax() + 1.0;
+            assert!(near(p.x, q.x, size) && near(p.y, q.y, size), "{format:?} {a:?} {b:?}");
+        }
+    }
+}
+
+#[test]
+fn every_format_gives_everything_back() {
+    let expected = example();
+    for format in Format::ALL {
+        let text = expected.to_text(format);
+        let (found, told) = GeometryFile::parse(&text).unwrap_or_else(|e| panic!("{format:?}: {e}\n{text}"));
+        assert_eq!(told, format);
+        assert_same(&found, &expected, format);
+        // A file with the line ends of Windows is the same file.
+        let (found, told) = GeometryFile::parse(&text.replace('\n', "\r\n")).unwrap();
+        assert_eq!(told, format);
+        assert_same(&found, &expected, format);
+    }
+}
+
+#[test]
+fn parts_can_be_missing() {
+    let whole = example();
+    let parts = [
+        GeometryFile { fundamental: whole.fundamental, ..GeometryFile::default() },
+        GeometryFile { pairs: whole.pairs.clone(), ..GeometryFile::default() },
+        GeometryFile {
+            fundamental: whole.fundamental,
+            pairs: whole.pairs.clone(),
+            ..GeometryFile::default()
+        },
+        GeometryFile { homographies: whole.homographies, ..GeometryFile::default() },
+    ];
+    for format in Format::ALL {
+        for part in &parts {
+            let found = GeometryFile::parse(&part.to_text(format));
+            // Homographies alone are nothing a reader would call a geometry, but they come back.
+            let (found, _) = found.unwrap_or_else(|e| panic!("{format:?}: {e}"));
+            assert_eq!(found.pairs.len(), part.pairs.len());
+            assert_eq!(found.fundamental.is_some(), part.fundamental.is_some());
+            assert_eq!(found.homographies.is_some(), part.homographies.is_some());
+            assert!(found.images.is_none() && found.cameras.is_none());
+        }
+    }
+}
+
+#[test]
+fn cameras_alone_are_written_with_their_f() {
+    let cameras = GeometryFile { cameras: example().cameras, ..GeometryFile::default() };
+    for format in Format::ALL {
+        let (found, _) = GeometryFile::parse(&cameras.to_text(format)).unwrap();
+        let difference = found.fundamental.unwrap().matrix() - example().fundamental.unwrap().matrix();
+        assert!(difference.norm() < 1e-12, "{format:?}");
+    }
+}
+
+/// The numbers in a file, taken as they are with the origin it states, fit each other to the self-check it states.
+#[test]
+fn every_file_fits_itself_and_says_how_well() {
+    let file = example();
+    let f = file.fundamental.unwrap();
+    let distances: Vec<f64> = file.pairs.iter().map(|p| symmetric_epipolar_distance(&f, p)).collect();
+    let mean = distances.iter().sum::<f64>() / distances.len() as f64;
+    let max = distances.iter().copied().fold(0.0, f64::max);
+    assert!(mean > 0.05 && max > mean);
+    for format in Format::ALL {
+        let written = Written::new(&file, format);
+        let check = written.check.unwrap();
+        assert_eq!(check.pairs, 30);
+        assert!((check.mean - mean).abs() < 1e-9 && (check.max - max).abs() < 1e-9, "{format:?} {check:?}");
+        let text = file.to_text(format);
+        assert!(text.contains(&format!("{mean:.3e} px on average and {max:.3e} px at most")), "{text}");
+        let origin = format!("upper left pixel is ({0}, {0})", format.origin());
+        for words in ["x2' F x1 = 0", "row by row", "left view.png", "768", "576", &origin] {
+            assert!(text.contains(words), "{format:?}: {words}");
+        }
+    }
+}
+
+#[test]
+fn json_has_the_names_of_a_result() {
+    let text = example().to_text(Format::Json);
+    let value: serde_json::Value = serde_json::from_str(&text).unwrap();
+    assert_eq!(value["fundamental"].as_array().unwrap().len(), 3);
+    for epipole in ["epipole1", "epipole2"] {
+        assert!(value[epipole].as_array().unwrap().iter().all(serde_json::Value::is_f64));
+    }
+    assert_eq!(value["pairs"][0].as_array().unwrap().len(), 4);
+    assert_eq!(value["images"][0]["width"], 768);
+    // Null where a result has nothing is as good as no field; matches of a result are no rows of numbers.
+    let result =
+        "{\"fundamental\": [[0,0,-4],[0,0,-7],[4,7,0]], \"matches\": [{\"pair\": [1,2,3,4]}], \"P1\": null}";
+    let (file, _) = GeometryFile::parse(result).unwrap();
+    assert!(file.fundamental.is_some() && file.pairs.is_empty());
+}
+
+/// As OpenCV 4.12 wrote them: floats of both sizes, points as N×1 with two channels.
+#[test]
+fn files_of_opencv_are_read() {
+    let yaml = "%YAML:1.0\n---\nF: !!opencv-matrix\n   rows: 3\n   cols: 3\n   dt: d\n   data: [ 0., 0., -4., 0., 0.,\n       -7., 4., 7., 0. ]\npoints1: !!opencv-matrix\n   rows: 2\n   cols: 1\n   dt: \"2f\"\n   data: [ 1., 2.5, -3., 4.e+00 ]\npoints2: !!opencv-matrix\n   rows: 2\n   cols: 2\n   dt: i\n   data: [ 5, 6, 7, 8 ]\nname: \"a: b\"\n";
+    let xml = "<?xml version=\"1.0\"?>\n<opencv_storage>\n<F type_id=\"opencv-matrix\">\n  <rows>3</rows>\n  <cols>3</cols>\n  <dt>d</dt>\n  <data>\n    0. 0. -4. 0. 0.\n    -7. 4. 7. 0.</data></F>\n<points1 type_id=\"opencv-matrix\">\n  <rows>2</rows>\n  <cols>1</cols>\n  <dt>\"2f\"</dt>\n  <data>\n    1. 2.5 -3. 4.</data></points1>\n<points2 type_id=\"opencv-matrix\"><rows>1</rows><cols>2</cols><dt>\"2i\"</dt><data>5 6 7 8</data></points2>\n</opencv_storage>\n";
+    let json = "{\"F\": {\"type_id\": \"opencv-matrix\", \"rows\": 3, \"cols\": 3, \"dt\": \"d\", \"data\": [0.0,0.0,-4,0,0,-7,4,7,0]}, \"pairs\": [[1,2.5,5,6],[-3,4,7,8]]}";
+    let nested = "F: [[0, 0, -4], [0, 0, -7], [4, 7, 0]]\npairs:\n  - [1, 2.5, 5, 6]\n  - [-3, 4, 7, 8]\n";
+    for text in [yaml, &yaml.replace("%YAML:1.0", "%YAML 1.2"), xml, json, nested] {
+        let (file, _) = GeometryFile::parse(text).unwrap_or_else(|e| panic!("{e} in {text}"));
+        assert!((file.fundamental.unwrap().matrix() * 130f64.sqrt()).iter().any(|v| (v - 7.0).abs() < 1e-9));
+        assert_eq!(file.pairs, [PointPair::new(1.0, 2.5, 5.0, 6.0), PointPair::new(-3.0, 4.0, 7.0, 8.0)]);
+    }
+}
+
+#[test]
+fn matlab_as_people_write_it() {
+    let text = "% F of the pair, it's mine\nclear all; close all\nx = 'F = [1 2]'; # no\nF = [0 0 -4; 0, 0, ...\n  -7\n 4 7 0]; % [\npoints1 = [2 -2; 3.5 5]';\npoints2=[6 7\n 8 9];\n";
+    let (file, format) = GeometryFile::parse(text).unwrap();
+    assert_eq!(format, Format::Matlab);
+    assert_eq!(file.pairs, [PointPair::new(1.0, 2.5, 5.0, 6.0), PointPair::new(-3.0, 4.0, 7.0, 8.0)]);
+    // In the pixels of MATLAB (2, 3.5) lies on the line of the epipole's neighbours as before.
+    assert!(file.fundamental.is_some());
+}
+
+fn read(content: &str) -> Result<FundamentalMatrix, String> {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("f");
+    std::fs::write(&path, content).unwrap();
+    read_fundamental(&path).map_err(|e| e.to_string())
+}
+
+#[test]
+fn all_bare_forms_give_the_same_matrix() {
+    let (camera1, camera2) = Camera::example_pair();
+    let f = Camera::fundamental(&camera1, &camera2).unwrap();
+    let rows = f.rows();
+    let lines: Vec<String> = rows.iter().map(|r| format!("{} {} {}", r[0], r[1], r[2])).collect();
+    let cameras: Vec<String> = [camera1, camera2]
+        .iter()
+        .flat_map(|c| {
+            c.matrix().row_iter().map(|r| format!("{} {} {} {}", r[0], r[1], r[2], r[3])).collect::<Vec<_>>()
+        })
+        .collect();
+    for content in [
+        format!("{{\"score\": 1.5, \"fundamental\": {rows:?}}}"),
+        format!("{rows:?}"),
+        format!("{:?}", rows.concat()),
+        format!("# F\n{}\n", lines.join("\n")),
+        lines.join(", "),
+        cameras.join("\n"),
+        format!("P1\n{}\nP2\n{}", cameras[..3].join("\n"), cameras[3..].join("\n")),
+    ] {
+        let found = read(&content).unwrap();
+        assert!((found.matrix() - f.matrix()).norm() < 1e-9, "{content}");
+    }
+}
+
+#[test]
+fn what_is_wrong_is_said() {
+    for (content, words) in [
+        ("1 2 3", "expected the nine numbers of a fundamental matrix, found 3"),
+        ("1 2 3\n4 nan 6", "line 2: \"nan\" is not a finite number"),
+        ("{\"score\": 1}", "names that are known are F or fundamental"),
+        ("{\"pairs\": [[1, 2, 3, 4]]}", "there is no fundamental matrix in it"),
+        ("{\"fundamental\": 7}", "not a list of rows"),
+        ("[[1, 2, \"x\"]]", "\"x\" is not a finite number"),
+        ("[[1, 2", "not valid JSON"),
+        ("1 1 1 1 1 1 1 1 1", "rank 1 or 0"),
+        ("0 0 0 0 0 0 0 0 0", "rank 1 or 0"),
+        ("F\n1 2 3\n4 5\n", "row 2 has 2 numbers"),
+        ("F\n1 2 3\n4 5 6\n", "expected a 3×3 matrix, found 2×3"),
+        ("F\n1 2 x\n", "line 2: \"x\" is not a finite number"),
+        ("P1\n1 0 0 0\n0 1 0 0\n0 0 1 0\n", "P1 is there, but P2 is missing"),
+        ("P1\n1 0 0 0\n0 1 0 0\n0 0 1 0\nP2\n1 0 0 0\n0 1 0 0\n0 0 1 0\n", "same centre"),
+        ("F 1 2 3 4 5 6 7 8\n", "expected a 3×3 matrix"),
+        ("F 1 2 3\nMATCH 1 2 3\n", "line 2: expected four numbers"),
+        ("F 1 2 3\nWHAT 1\n", "line 2: \"WHAT\" is not known here"),
+        ("IMAGE 3 1 1 a\n", "line 1: expected IMAGE 1 or 2"),
+        ("F = [1 2 3; 4 5 6", "line 1: F: the closing bracket ] is missing"),
+        ("F = [1 2 3; 4 5 x]", "line 1: F: \"x\" is not a finite number"),
+        (
+            "%YAML:1.0\n---\nF: !!opencv-matrix\n   rows: 3\n   cols: 3\n   dt: d\n   data: [ 1, 2 ]\n",
+            "expected 3×3 numbers, found 2",
+        ),
+        (
+            "%YAML:1.0\n---\nF: !!opencv-matrix\n   rows: 1\n   cols: 3\n   dt: d\n   data: [ .Nan, 1, 2 ]\n",
+            "\".Nan\" is not a finite number",
+        ),
+        (
+            "%YAML:1.0\n---\nF: !!opencv-matrix\n   rows: 3\n   cols: 3\n   dt: d\n   data: [ 1, 2",
+            "not valid YAML",
+        ),
+        ("%YAML:1.0", "empty or ends too early"),
+        ("F: [1, 2\npoints: 3", "not valid YAML"),
+        ("a: &a [1]\nF: *a\n", "aliases"),
+        ("<opencv_storage><F>", "not valid XML"),
+        ("<html></html>", "expected the element opencv_storage, found html"),
+        ("<opencv_storage></opencv_storage>", "there is no"),
+        ("<!DOCTYPE x [<!ENTITY a \"b\">]><opencv_storage>&a;</opencv_storage>", "not valid XML"),
+        (
+            "<opencv_storage><F><rows>99999999999</rows><cols>99999999999</cols><data>1 2 3</data></F></opencv_storage>",
+            "numbers, found 3",
+        ),
+        (
+            "{\"F\": {\"rows\": 18446744073709551615, \"cols\": 2, \"dt\": \"99d\", \"data\": []}}",
+            "numbers, found 0",
+        ),
+        (
+            "{\"points1\": [[1, 2]], \"points2\": [[1, 2], [3, 4]], \"F\": [[0,0,0],[0,0,-1],[0,1,0]]}",
+            "1 points in image 1 and 2",
+        ),
+        ("{\"pairs\": [[1e308, 1e308, 1, 2, 3]], \"F\": [[0,0,0],[0,0,-1],[0,1,0]]}", "expected rows of 4"),
+        ("", "expected the nine numbers of a fundamental matrix, found 0"),
+    ] {
+        let message = read(content).unwrap_err();
+        assert!(message.contains(words), "{words} in {message}");
+        assert!(!message.contains('\n') && message.len() < 400, "{message}");
+    }
+    assert!(read_fundamental(Path::new("no/such")).unwrap_err().to_string().contains("no such file"));
+}
+
+#[test]
+fn deep_nesting_is_refused() {
+    const DEEP: usize = 100_000;
+    for text in [
+        "[".repeat(DEEP),
+        format!("F: {}", "[".repeat(DEEP)),
+        format!("F: {}{}", "[".repeat(DEEP), "]".repeat(DEEP)),
+        format!("%YAML:1.0\n---\n{}", "{a: ".repeat(DEEP)),
+        (0..2000).fold(String::from("---\n"), |text, k| format!("{text}{}a:\n", " ".repeat(k))),
+        format!("<opencv_storage>{}</opencv_storage>", "<a>".repeat(DEEP)),
+        format!("<opencv_storage>{}{}</opencv_storage>", "<a>".repeat(DEEP), "</a>".repeat(DEEP)),
+        format!("F = {}", "[".repeat(DEEP)),
+        format!("{}1 2 3", "F\n".repeat(DEEP)),
+    ] {
+        let message = GeometryFile::parse(&text).unwrap_err().to_string();
+        assert!(message.len() < 400, "{message}");
+    }
+}
+
+#[test]
+fn pairs_of_every_format_and_none_at_all() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("file");
+    for format in Format::ALL {
+        example().write(&path, format).unwrap();
+        assert_eq!(read_point_pairs(&path).unwrap().len(), 30);
+    }
+    std::fs::write(&path, "# nothing\n").unwrap();
+    assert!(read_point_pairs(&path).unwrap_err().to_string().contains("no point pairs"));
+    std::fs::write(&path, "0 0 0 0 0 -1 0 1 0\n").unwrap();
+    assert!(read_point_pairs(&path).unwrap_err().to_string().contains("no point pairs"));
+    std::fs::write(&path, [0xff, 0xfe, 0x00]).unwrap();
+    assert!(read_point_pairs(&path).unwrap_err().to_string().contains("not a text file"));
+    assert!(read_point_pairs(folder.path()).unwrap_err().to_string().contains("it is a folder"));
+}
+
+#[cfg(unix)]
+#[test]
+fn a_file_without_end_is_refused() {
+    let message = GeometryFile::read(Path::new("/dev/zero")).unwrap_err().to_string();
+    assert!(message.contains("larger than 256 MiB"), "{message}");
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+
+    #[test]
+    fn any_numbers_come_back(
+        cells in prop::array::uniform9(-1.0..1.0f64),
+        scale in -6.0..2.0f64,
+        points in prop::collection::vec(prop::array::uniform4(-1e4..1e4f64), 0..12),
+        name in "[ -~é]{0,12}",
+        with_images in any::<bool>(),
+    ) {
+        let weight = 10f64.powf(scale);
+        let rows = [[0, 1, 2], [3, 4, 5], [6, 7, 8]].map(|r| r.map(|k| {
+            cells[k] * if k % 3 < 2 { weight } else { 1.0 } * if k < 6 { weight } else { 1.0 }
+        }));
+        let Some(fundamental) = FundamentalMatrix::from_rows(rows) else { return Ok(()) };
+        let image = || ImageNote { name: name.trim().to_owned(), frame: Frame::new(7, 5) };
+        let file = GeometryFile {
+            fundamental: Some(fundamental),
+            pairs: points.iter().map(|p| PointPair::new(p[0], p[1], p[2], p[3])).collect(),
+            images: with_images.then(|| [image(), image()]),
+            ..GeometryFile::default()
+        };
+        for format in Format::ALL {
+            let text = file.to_text(format);
+            let (found, told) = GeometryFile::parse(&text).map_err(|e| TestCaseError::fail(format!("{e}\n{text}")))?;
+            prop_assert_eq!(told, format);
+            assert_same(&found, &file, format);
+        }
+    }
+
+    #[test]
+    fn cut_and_damaged_files_are_a_sentence_or_a_geometry(
+        cut in 0.0..1.0f64, at in 0.0..1.0f64, with in "[ -~\\n]{0,3}", bytes in prop::collection::vec(any::<char>(), 0..40),
+    ) {
+        for format in Format::ALL {
+            let text = example().to_text(format);
+            let place = |share: f64, text: &str| {
+                let mut k = (share * text.len() as f64) as usize;
+                while !text.is_char_boundary(k) { k -= 1; }
+                k
+            };
+            let mut damaged = text[..place(cut, &text)].to_owned();
+            damaged.insert_str(place(at, &damaged), &with);
+            if let Err(problem) = GeometryFile::parse(&damaged) {
+                prop_assert!(problem.to_string().len() < 400);
+            }
+        }
+        let _ = GeometryFile::parse(&bytes.into_iter().collect::<String>());
+    }
+}

@@ -1,0 +1,127 @@
+//! Plain text: `#` comments, then a name alone on a line above the rows of numbers it names.
+//!
+//! ```text
+//! image1 768 576 house.000.pgm
+//! F
+//! 6.2e-7 -1.7e-5 -3.1e-3
+//! …
+//! pairs
+//! 157.0 336.0 100.9 343.7
+//! ```
+//!
+//! Numbers without any name are read too: nine are an `F`, rows of four are point pairs (see
+//! [`parse_point_pairs`]), and where a geometry is asked for, six rows of four are two cameras.
+
+use std::fmt::Write;
+
+use super::coordinates::{Written, numbers, one_line, pair_numbers};
+use super::fields::{Fields, Table};
+use super::quantity::Quantity;
+use super::{ImageNote, Problem, Wanted};
+use crate::geometry::Frame;
+use crate::io::number::{cells, finite_numbers, rows};
+use crate::io::point_pairs::parse_point_pairs;
+
+pub(super) fn write(written: &Written) -> String {
+    let mut text = String::new();
+    for line in written.preamble() {
+        let _ = writeln!(text, "# {line}");
+    }
+    for (k, image) in written.images.iter().flat_map(|i| i.iter()).enumerate() {
+        let frame = image.frame;
+        let _ = writeln!(text, "image{} {} {} {}", k + 1, frame.width, frame.height, one_line(&image.name));
+    }
+    for matrix in &written.matrices {
+        let _ = writeln!(text, "# {}\n{}", matrix.quantity.meaning(), matrix.quantity.symbol());
+        for row in &matrix.rows {
+            let _ = writeln!(text, "{}", numbers(row, " "));
+        }
+    }
+    if !written.pairs.is_empty() {
+        let _ = writeln!(text, "# {}\n{}", Quantity::Pairs.meaning(), Quantity::Pairs.symbol());
+    }
+    for pair in &written.pairs {
+        let _ = writeln!(text, "{}", numbers(&pair_numbers(pair), " "));
+    }
+    text
+}
+
+pub(super) fn read(text: &str, wanted: Wanted) -> Result<Fields, Problem> {
+    let is_named = |row: &str| heading(row).is_some() || image_number(row).is_some();
+    if !rows(text).next().is_some_and(|(_, row)| is_named(row)) {
+        return bare(text, wanted);
+    }
+    let mut fields = Fields::default();
+    let mut current: Option<(Quantity, Vec<Vec<f64>>)> = None;
+    let close = |section: Option<(Quantity, Vec<Vec<f64>>)>, fields: &mut Fields| {
+        let Some((quantity, rows)) = section else { return Ok(()) };
+        let table =
+            Table::from_rows(&rows).map_err(|e| Problem::whole(format!("{}: {e}", quantity.symbol())))?;
+        fields.add(quantity, table);
+        Ok(())
+    };
+    for (line, row) in rows(text) {
+        if let Some(quantity) = heading(row) {
+            close(current.replace((quantity, Vec::new())), &mut fields)?;
+        } else if let Some(number) = image_number(row) {
+            fields.add_image(number - 1, image(row).map_err(|e| Problem::at(line, e))?);
+        } else {
+            let numbers = finite_numbers(row).map_err(|e| Problem::at(line, e))?;
+            match &mut current {
+                Some((_, rows)) => rows.push(numbers),
+                None => return Err(Problem::at(line, "these numbers have no name above them")),
+            }
+        }
+    }
+    close(current, &mut fields)?;
+    Ok(fields)
+}
+
+/// A known name alone on a line.
+fn heading(row: &str) -> Option<Quantity> {
+    Quantity::named(row)
+}
+
+/// 1 or 2 for a line about that image.
+fn image_number(row: &str) -> Option<usize> {
+    match row.split_whitespace().next() {
+        Some("image1") => Some(1),
+        Some("image2") => Some(2),
+        _ => None,
+    }
+}
+
+/// `image1 WIDTH HEIGHT NAME`; the name may have spaces.
+fn image(row: &str) -> Result<ImageNote, String> {
+    let mut words = row.splitn(4, char::is_whitespace).skip(1);
+    let mut side = || words.next().and_then(|w| w.parse().ok());
+    match (side(), side()) {
+        (Some(width), Some(height)) => {
+            let name = words.next().unwrap_or("").trim().to_owned();
+            Ok(ImageNote { name, frame: Frame::new(width, height) })
+        }
+        _ => Err("expected the width, the height and the name of an image".into()),
+    }
+}
+
+/// Numbers without names.
+fn bare(text: &str, wanted: Wanted) -> Result<Fields, Problem> {
+    let mut fields = Fields::default();
+    let count = rows(text).map(|(_, row)| cells(row).count()).sum::<usize>();
+    if wanted == Wanted::Anything && count != 9 {
+        let pairs = parse_point_pairs(text).map_err(|e| Problem::at(e.line, e.problem))?;
+        let numbers: Vec<f64> = pairs.iter().flat_map(pair_numbers).collect();
+        fields.add(Quantity::Pairs, Table::new(pairs.len(), 4, numbers).map_err(Problem::whole)?);
+        return Ok(fields);
+    }
+    let lists = rows(text)
+        .map(|(line, row)| finite_numbers(row).map_err(|e| Problem::at(line, e)))
+        .collect::<Result<Vec<_>, _>>()?;
+    // Nine numbers may be spread over the lines in any way.
+    let table = Table::from_rows(&lists).or_else(|_| {
+        let numbers = lists.concat();
+        Table::new(1, numbers.len(), numbers)
+    });
+    fields.add_bare(table.map_err(Problem::whole)?, wanted)?;
+    Ok(fields)
+}

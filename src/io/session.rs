@@ -1,0 +1,389 @@
+//! Sessions: what a person set on an image pair, in one readable JSON file.
+//!
+//! The envelope is here: format, version, the two images by relative path and SHA-256, and F for other programs to
+//! read. What exactly a person set is the content `T`, which the window defines.
+//!
+//! Pitfall: a path is only a hint. Whether the file found there is the image of the session is decided by its hash.
+
+use std::fmt::Write as _;
+use std::fs::File;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+use sha2::{Digest, Sha256};
+use thiserror::Error;
+
+use super::output::{OutputFile, WriteError};
+use super::read::{ReadError, read_text, reason};
+use crate::geometry::{Frame, FundamentalMatrix};
+
+/// The version that this program writes, and the newest that it reads.
+pub const SESSION_VERSION: u64 = 1;
+
+/// What stands in the field `format`.
+const FORMAT: &str = "epiline-session";
+/// A session has some kilobytes; more than this is something else.
+const LARGEST: u64 = 64 << 20;
+/// What stands in the field `convention`.
+const CONVENTION: &str = "Pixels are (x, y), x right, y down, the centre of the top-left pixel is (0, 0). F is nested \
+    rows: x2' F x1 = 0. Paths are relative to the folder of this file.";
+
+/// Why a session could not be read. Each message is one sentence for the user.
+#[derive(Debug, Error)]
+pub enum SessionError {
+    /// The file could not be read.
+    #[error(transparent)]
+    Read(#[from] ReadError),
+    /// It is something else.
+    #[error("{path} is not a session of Epiline")]
+    Foreign {
+        /// The file.
+        path: String,
+    },
+    /// It is larger than any session.
+    #[error("{path} is too large to be a session of Epiline ({megabytes} MB)")]
+    TooLarge {
+        /// The file.
+        path: String,
+        /// Its size.
+        megabytes: u64,
+    },
+    /// It comes from a later program.
+    #[error(
+        "{path} was saved by a newer Epiline (version {version} of the format, this program knows {SESSION_VERSION}): \
+         update Epiline to open it"
+    )]
+    Newer {
+        /// The file.
+        path: String,
+        /// Its version.
+        version: u64,
+    },
+    /// Something in it is missing or not as it should be.
+    #[error("{path} is damaged: {problem}")]
+    Damaged {
+        /// The file.
+        path: String,
+        /// What was expected and what was found.
+        problem: String,
+    },
+}
+
+/// Where an image of a session comes from.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum ImageSource {
+    /// A file.
+    File {
+        /// Relative to the folder of the session where there is such a path; with `/` between folders.
+        path: String,
+        /// Of its bytes, hexadecimal.
+        sha256: String,
+    },
+    /// One of the two pictures of a built-in sample.
+    Sample {
+        /// The name of the sample.
+        sample: String,
+    },
+}
+
+/// An image of a session.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct ImageReference {
+    /// Where it comes from.
+    #[serde(flatten)]
+    pub source: ImageSource,
+    /// Its size, px.
+    #[serde(flatten)]
+    pub frame: Frame,
+}
+
+/// Where the file of an image is now.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Located {
+    /// The very image.
+    Same(PathBuf),
+    /// A file of that name with another content.
+    Changed(PathBuf),
+    /// Not where the session says.
+    Missing(PathBuf),
+}
+
+/// A session with its content.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SessionFile<T> {
+    /// The two images.
+    pub images: [ImageReference; 2],
+    /// The result when it was saved.
+    pub fundamental: Option<FundamentalMatrix>,
+    /// What was set.
+    pub content: T,
+}
+
+/// The fields of the file.
+#[derive(Serialize)]
+struct Written<'a, T> {
+    format: &'static str,
+    version: u64,
+    program: &'static str,
+    convention: &'static str,
+    images: &'a [ImageReference; 2],
+    #[serde(skip_serializing_if = "Option::is_none")]
+    fundamental: Option<FundamentalMatrix>,
+    content: &'a T,
+}
+
+/// The same as read.
+#[derive(Deserialize)]
+struct Found<T> {
+    images: [ImageReference; 2],
+    #[serde(default)]
+    fundamental: Option<FundamentalMatrix>,
+    content: T,
+}
+
+impl<T: Serialize> SessionFile<T> {
+    /// The whole file.
+    pub fn to_text(&self) -> Result<String, serde_json::Error> {
+        let written = Written {
+            format: FORMAT,
+            version: SESSION_VERSION,
+            program: env!("CARGO_PKG_VERSION"),
+            convention: CONVENTION,
+            images: &self.images,
+            fundamental: self.fundamental,
+            content: &self.content,
+        };
+        serde_json::to_string_pretty(&written).map(|text| text + "\n")
+    }
+
+    /// Writes it, whole or not at all: whatever happens, the file is the session before or the new one.
+    pub fn write(&self, path: &Path) -> Result<(), WriteError> {
+        let text = self.to_text().map_err(|e| WriteError::new(path, e.to_string()))?;
+        OutputFile::prepare(path)?.write(text.as_bytes())
+    }
+}
+
+impl<T: DeserializeOwned> SessionFile<T> {
+    /// Reads a session of this version or an older one.
+    pub fn read(path: &Path) -> Result<Self, SessionError> {
+        let shown = || path.display().to_string();
+        if let Ok(found) = path.metadata()
+            && found.len() > LARGEST
+        {
+            return Err(SessionError::TooLarge { path: shown(), megabytes: found.len() >> 20 });
+        }
+        let text = read_text(path)?;
+        let damaged = |e: serde_json::Error| SessionError::Damaged { path: shown(), problem: e.to_string() };
+        let value: Value = match serde_json::from_str(&text) {
+            Ok(value) => value,
+            Err(error) if text.contains(FORMAT) => return Err(damaged(error)),
+            Err(_) => return Err(SessionError::Foreign { path: shown() }),
+        };
+        if value.get("format").and_then(Value::as_str) != Some(FORMAT) {
+            return Err(SessionError::Foreign { path: shown() });
+        }
+        match value.get("version").and_then(Value::as_u64) {
+            Some(version) if version > SESSION_VERSION => {
+                return Err(SessionError::Newer { path: shown(), version });
+            }
+            Some(1..) => {}
+            _ => {
+                let problem = "its version is not a number from 1".into();
+                return Err(SessionError::Damaged { path: shown(), problem });
+            }
+        }
+        let Found { images, fundamental, content } = serde_json::from_value(value).map_err(damaged)?;
+        Ok(Self { images, fundamental, content })
+    }
+}
+
+impl ImageReference {
+    /// Looks for the file of an image, from the folder of the session: where the session says, else under the same
+    /// name beside the session. `None` for the picture of a sample.
+    pub fn locate(&self, session: &Path) -> Option<Located> {
+        let ImageSource::File { path, sha256 } = &self.source else { return None };
+        let said = resolve(path, session);
+        let beside = said.file_name().map(|name| folder_of(session).join(name));
+        let mut changed = None;
+        for candidate in [Some(said.clone()), beside].into_iter().flatten() {
+            match sha256_of(&candidate) {
+                Ok(found) if found == *sha256 => return Some(Located::Same(candidate)),
+                Ok(_) => changed = changed.or(Some(candidate)),
+                Err(_) => {}
+            }
+        }
+        Some(changed.map_or(Located::Missing(said), Located::Changed))
+    }
+}
+
+/// SHA-256 of a file's bytes, hexadecimal.
+pub fn sha256_of(path: &Path) -> Result<String, ReadError> {
+    let failed = |e: std::io::Error| ReadError::Open { path: path.display().to_string(), reason: reason(&e) };
+    let mut file = File::open(path).map_err(failed)?;
+    let mut hash = Sha256::new();
+    let mut block = vec![0; 1 << 16];
+    loop {
+        match file.read(&mut block).map_err(failed)? {
+            0 => break,
+            count => hash.update(&block[..count]),
+        }
+    }
+    Ok(hash.finalize().iter().fold(String::with_capacity(64), |mut text, byte| {
+        // Writing to a string cannot fail.
+        let _ = write!(text, "{byte:02x}");
+        text
+    }))
+}
+
+/// A path as it is written into a session: relative to the folder of the session where that is possible, with `/`
+/// between folders.
+pub fn relative(path: &Path, session: &Path) -> String {
+    let whole = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+    let folder = folder_of(session);
+    let folder = std::path::absolute(folder).unwrap_or_else(|_| folder.to_owned());
+    let found = pathdiff::diff_paths(&whole, &folder).unwrap_or(whole);
+    let parts: Vec<_> = found.components().map(|c| c.as_os_str().to_string_lossy()).collect();
+    // The root of an absolute path is a component of its own.
+    parts.join("/").replacen("//", "/", usize::from(found.has_root()))
+}
+
+/// The path that [`relative`] wrote.
+pub fn resolve(written: &str, session: &Path) -> PathBuf {
+    let joined = folder_of(session).join(written);
+    // Without the steps up and down again, for people to read.
+    let mut plain = PathBuf::new();
+    for part in joined.components() {
+        match part {
+            std::path::Component::ParentDir if plain.file_name().is_some() => {
+                plain.pop();
+            }
+            std::path::Component::CurDir => {}
+            other => plain.push(other),
+        }
+    }
+    plain
+}
+
+fn folder_of(session: &Path) -> &Path {
+    match session.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn example(folder: &Path) -> SessionFile<Vec<f64>> {
+        let image = |name: &str, bytes: &[u8]| {
+            std::fs::write(folder.join(name), bytes).unwrap();
+            ImageReference {
+                source: ImageSource::File {
+                    path: relative(&folder.join(name), &folder.join("s.json")),
+                    sha256: sha256_of(&folder.join(name)).unwrap(),
+                },
+                frame: Frame::new(4, 3),
+            }
+        };
+        SessionFile {
+            images: [image("a.png", b"one"), image("b.png", b"two")],
+            fundamental: FundamentalMatrix::from_rows([[0.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]]),
+            content: vec![0.1, 2.5e-300, 3.0],
+        }
+    }
+
+    #[test]
+    fn comes_back_as_it_was_and_moves_with_its_images() {
+        let folder = tempfile::tempdir().unwrap();
+        let session = example(folder.path());
+        let path = folder.path().join("s.json");
+        session.write(&path).unwrap();
+        let back = SessionFile::<Vec<f64>>::read(&path).unwrap();
+        assert_eq!((back.images, back.content), (session.images, session.content));
+        let (f, was) = (back.fundamental.unwrap(), session.fundamental.unwrap());
+        assert!((f.matrix() - was.matrix()).norm() < 1e-12);
+        let text = std::fs::read_to_string(&path).unwrap();
+        assert!(text.contains("\"path\": \"a.png\"") && !text.contains(&*folder.path().to_string_lossy()));
+        let elsewhere = tempfile::tempdir().unwrap();
+        for name in ["a.png", "b.png", "s.json"] {
+            std::fs::rename(folder.path().join(name), elsewhere.path().join(name)).unwrap();
+        }
+        let moved = elsewhere.path().join("s.json");
+        let found = SessionFile::<Vec<f64>>::read(&moved).unwrap();
+        let located = found.images.map(|i| i.locate(&moved).unwrap());
+        assert_eq!(located, ["a.png", "b.png"].map(|n| Located::Same(elsewhere.path().join(n))));
+    }
+
+    #[test]
+    fn missing_and_changed_images_are_told_apart() {
+        let folder = tempfile::tempdir().unwrap();
+        let session = example(folder.path());
+        let path = folder.path().join("s.json");
+        std::fs::remove_file(folder.path().join("a.png")).unwrap();
+        std::fs::write(folder.path().join("b.png"), "other").unwrap();
+        let located = session.images.clone().map(|i| i.locate(&path).unwrap());
+        assert_eq!(located[0], Located::Missing(folder.path().join("a.png")));
+        assert_eq!(located[1], Located::Changed(folder.path().join("b.png")));
+        // A session below the images finds them as well when it is taken beside them.
+        let below = folder.path().join("deep");
+        std::fs::create_dir(&below).unwrap();
+        let reference = ImageReference {
+            source: ImageSource::File {
+                path: "elsewhere/c.png".into(),
+                sha256: "2c26b46b68ffc68ff99b453c1d30413413422d706483bfa0f98a5e886266e7ae".into(),
+            },
+            frame: Frame::new(1, 1),
+        };
+        std::fs::write(below.join("c.png"), "foo").unwrap();
+        assert_eq!(reference.locate(&below.join("s.json")), Some(Located::Same(below.join("c.png"))));
+    }
+
+    #[test]
+    fn paths_are_written_relative_and_read_back() {
+        let session = Path::new("/home/me/work/s.json");
+        for (path, written) in [
+            ("/home/me/work/a.png", "a.png"),
+            ("/home/me/work/deep/a.png", "deep/a.png"),
+            ("/home/me/photos/a.png", "../photos/a.png"),
+            ("/data/a.png", "../../../data/a.png"),
+        ] {
+            assert_eq!(relative(Path::new(path), session), written);
+            assert_eq!(resolve(written, session), Path::new(path));
+        }
+        assert_eq!(resolve("/abs/a.png", session), Path::new("/abs/a.png"));
+    }
+
+    #[test]
+    fn what_is_no_session_is_refused_in_a_sentence() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("s.json");
+        let good = example(folder.path()).to_text().unwrap();
+        let newer = good.replace("\"version\": 1", "\"version\": 7");
+        let cut = &good[..good.len() / 2];
+        let no_content = good.replace("\"content\"", "\"contents\"");
+        let deep = format!("{{\"format\": \"epiline-session\", \"x\": {}", "[".repeat(100_000));
+        for (text, words) in [
+            ("", "not a session of Epiline"),
+            ("{}", "not a session of Epiline"),
+            ("[1, 2]", "not a session of Epiline"),
+            ("{\"fundamental\": [[1,0,0],[0,1,0],[0,0,0]]}", "not a session of Epiline"),
+            (&newer, "was saved by a newer Epiline (version 7 of the format, this program knows 1)"),
+            (cut, "is damaged: EOF"),
+            (&no_content, "is damaged: missing field `content`"),
+            (&good.replace("\"version\": 1", "\"version\": 0"), "is damaged: its version"),
+            (&good.replace("\"width\": 4", "\"width\": -4"), "is damaged"),
+            (&deep, "is damaged"),
+        ] {
+            std::fs::write(&path, text).unwrap();
+            let message = SessionFile::<Vec<f64>>::read(&path).unwrap_err().to_string();
+            assert!(message.contains(words), "{words} in {message}");
+        }
+        let missing = SessionFile::<Vec<f64>>::read(&folder.path().join("none")).unwrap_err().to_string();
+        assert!(missing.contains("no such file"), "{missing}");
+    }
+}

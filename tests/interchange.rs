@@ -1,0 +1,150 @@
+//! Files that OpenCV itself reads and writes, not our own reader alone.
+//!
+//! Needs Python with `cv2`: the program named by `EPILINE_PYTHON`, or `python3`. Without it the tests say "skipped", or
+//! fail where `EPILINE_REQUIRE_OPENCV` is set, as `.ci/run` does.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use epiline::geometry::{Camera, Frame, Point, PointPair};
+use epiline::io::{Format, GeometryFile, ImageNote};
+use nalgebra::{Matrix3, Point3, Vector3};
+use serde_json::Value;
+
+/// The Python to use, if it has OpenCV.
+fn python() -> Option<PathBuf> {
+    let python = std::env::var_os("EPILINE_PYTHON").map_or_else(|| PathBuf::from("python3"), PathBuf::from);
+    let found = Command::new(&python).args(["-c", "import cv2"]).output().is_ok_and(|o| o.status.success());
+    if found {
+        return Some(python);
+    }
+    let message = format!("{} has no module cv2", python.display());
+    assert!(std::env::var_os("EPILINE_REQUIRE_OPENCV").is_none(), "{message}");
+    eprintln!("skipped: {message}");
+    None
+}
+
+/// Runs the script; what it prints.
+fn opencv(python: &Path, task: &str, path: &Path) -> Value {
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/interchange/opencv.py");
+    let output = Command::new(python).arg(script).arg(task).arg(path).output().unwrap();
+    assert!(output.status.success(), "{task}: {}", String::from_utf8_lossy(&output.stderr));
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+/// Two cameras, points with some noise, homographies with numbers of all sizes.
+fn example() -> GeometryFile {
+    let camera = |x: f64| {
+        let up = Vector3::new(0.1, -1.0, 0.05);
+        let principal = Point::new(383.5, 287.5);
+        Camera::looking_at(Point3::new(x, 0.1, 0.3 * x), Point3::new(0.1, 0.0, 6.0), up, 800.0, principal)
+            .unwrap()
+    };
+    let cameras = [camera(-0.4), camera(0.7)];
+    let pair = |k: f64| {
+        let x = Point3::new((k * 0.7).sin() * 2.0, (k * 1.3).cos(), 5.0 + (k * 0.31).sin());
+        let [a, b] = cameras.map(|c| c.project(&x).unwrap());
+        PointPair::new(a.x + 0.3 * (k * 5.1).sin(), a.y, b.x, b.y + 0.2 * (k * 3.7).cos())
+    };
+    GeometryFile {
+        fundamental: Camera::fundamental(&cameras[0], &cameras[1]),
+        cameras: Some(cameras),
+        homographies: Some([
+            Matrix3::new(1.01, 0.02, -3.5, -0.01, 1.0 / 3.0, 7.25, 1e-5, -2.5e-17, 1.0),
+            Matrix3::new(0.97, 0.0, 1e6, 0.03, 1.02, -4.0, 3e-7, 1e-6, 1.0),
+        ]),
+        pairs: (0..40).map(|k| pair(f64::from(k))).collect(),
+        images: Some([("l", 768, 576), ("it's <r> & \"co\" \\ é.png", 1024, 3)].map(
+            |(name, width, height)| ImageNote { name: name.to_owned(), frame: Frame::new(width, height) },
+        )),
+    }
+}
+
+fn rows<const R: usize, const C: usize>(matrix: &nalgebra::SMatrix<f64, R, C>) -> Value {
+    Value::Array(matrix.row_iter().map(|row| row.iter().copied().collect::<Value>()).collect())
+}
+
+/// Every number arrives bit for bit, and the residual stated in the file is what OpenCV gets from its F and points.
+#[test]
+fn opencv_reads_what_we_write() {
+    let Some(python) = python() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let mut file = example();
+    // The image in whose name everything is that could be misread comes first.
+    file.images = file.images.map(|[a, b]| [b, a]);
+    for format in [Format::OpencvYaml, Format::OpencvXml] {
+        let path = folder.path().join("geometry").with_extension(format.extension());
+        file.write(&path, format).unwrap();
+        let found = opencv(&python, "read", &path);
+        println!("OpenCV {}: {}", found["version"], path.display());
+        let matrices = &found["matrices"];
+        let f = file.fundamental.unwrap();
+        assert_eq!(matrices["F"], rows(f.matrix()));
+        assert_eq!(matrices["e1"], rows(&f.epipole1()));
+        assert_eq!(matrices["e2"], rows(&f.epipole2()));
+        let ([p1, p2], [h1, h2]) = (file.cameras.unwrap(), file.homographies.unwrap());
+        assert_eq!((&matrices["P1"], &matrices["P2"]), (&rows(p1.matrix()), &rows(p2.matrix())));
+        assert_eq!((&matrices["H1"], &matrices["H2"]), (&rows(&h1), &rows(&h2)));
+        for (name, of) in [("points1", 0), ("points2", 1)] {
+            let points: Value =
+                file.pairs.iter().map(|p| [p.point1, p.point2][of]).map(|p| vec![p.x, p.y]).collect();
+            assert_eq!(matrices[name], points);
+        }
+        let number = |name: &str| found[name].as_f64().unwrap();
+        assert_eq!(found["stated_pairs"], 40.0);
+        assert!(number("mean") > 0.05 && number("max") > number("mean"));
+        // Lines of OpenCV come in double precision, with rounding of its own.
+        assert!((number("mean") - number("stated_mean")).abs() < 1e-9, "{found}");
+        assert!((number("max") - number("stated_max")).abs() < 1e-9, "{found}");
+        let name = &file.images.as_ref().unwrap()[0].name;
+        assert_eq!(found["image1"], serde_json::json!([name, 1024.0, 3.0]));
+        for length in found["annihilated"].as_array().unwrap() {
+            assert!(length.as_f64().unwrap() < 1e-12);
+        }
+    }
+}
+
+#[test]
+fn we_read_what_opencv_writes() {
+    let Some(python) = python() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let written = opencv(&python, "write", folder.path());
+    for (extension, format) in [("yml", Format::OpencvYaml), ("xml", Format::OpencvXml)] {
+        let path = folder.path().join("written").with_extension(extension);
+        let (file, told) = GeometryFile::read(&path).unwrap();
+        assert_eq!(told, format);
+        // OpenCV writes 17 digits, so nothing is lost; the sign of F is ours.
+        let rows = |value: &Value| {
+            let numbers: Vec<f64> = value
+                .as_array()
+                .unwrap()
+                .iter()
+                .flat_map(|r| r.as_array().unwrap())
+                .map(|v| v.as_f64().unwrap())
+                .collect();
+            numbers
+        };
+        let f = Matrix3::from_row_slice(&rows(&written["F"]));
+        let found = *file.fundamental.unwrap().matrix();
+        assert!(found == f || found == -f, "{found} {f}");
+        let [h1, h2] = file.homographies.unwrap();
+        assert_eq!(h1, Matrix3::from_row_slice(&rows(&written["H1"])));
+        assert_eq!(h2, Matrix3::from_row_slice(&rows(&written["H2"])));
+        let (points1, points2) = (rows(&written["points1"]), rows(&written["points2"]));
+        let expected: Vec<_> =
+            points1.chunks(2).zip(points2.chunks(2)).map(|(a, b)| (a[0], a[1], b[0], b[1])).collect();
+        let found: Vec<_> =
+            file.pairs.iter().map(|p| (p.point1.x, p.point1.y, p.point2.x, p.point2.y)).collect();
+        // Single precision is written with nine digits, which read in double precision are near, not the same.
+        assert_eq!(found.len(), 12);
+        for (a, b) in found.iter().zip(&expected) {
+            assert_eq!((a.0, a.1), (b.0, b.1));
+            assert!((a.2 - b.2).abs() < 1e-5 && (a.3 - b.3).abs() < 1e-5, "{a:?} {b:?}");
+        }
+    }
+    // Compressed files are not text, and infinite numbers are not JSON: a sentence each.
+    for (name, words) in [("written.yml.gz", "not a text file"), ("written.json", "not valid JSON")] {
+        let message = GeometryFile::read(&folder.path().join(name)).unwrap_err().to_string();
+        assert!(message.contains(words), "{message}");
+    }
+}

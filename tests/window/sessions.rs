@@ -1,0 +1,199 @@
+//! Saving a session, opening it again, and what a crash leaves behind.
+
+use crate::support::*;
+
+use std::path::{Path, PathBuf};
+
+use egui::{Key, Modifiers};
+use egui_kittest::kittest::Queryable;
+use epiline::app::document::{Document, Side};
+use epiline::app::{Opening, Services, Start};
+use epiline::geometry::{Point, PointPair};
+
+/// What a person made: everything but which pictures and which point is selected.
+fn made(window: &Window) -> Document {
+    Document { pictures: None, selection: None, ..window.state().document().clone() }
+}
+
+fn save_as(window: &mut Window, path: &Path) {
+    window.key_press_modifiers(Modifiers::COMMAND | Modifiers::SHIFT, Key::S);
+    settle(window);
+    let field = window.get_by_label("File");
+    field.focus();
+    settle(window);
+    window.key_press_modifiers(Modifiers::COMMAND, Key::A);
+    window.get_by_label("File").type_text(path.to_str().unwrap());
+    settle(window);
+    window.key_press(Key::Enter);
+    settle(window);
+}
+
+fn pairs() -> Vec<PointPair> {
+    vec![PointPair::new(5.25, 6.5, 7.125, 8.0), PointPair::new(40.0, 31.5, 33.0, 30.0625)]
+}
+
+/// Two images with two pairs, a pin and a check point left out.
+fn worked(files: &Files) -> Window {
+    let opening = Opening::Files(files.image("a.png", 64, 48), files.image("b.png", 50, 70));
+    let mut all = pairs();
+    all.push(PointPair::new(20.0, 20.0, 20.0, 20.0));
+    let mut window = window(Start { opening, pairs: all }, services());
+    window.key_press(Key::I);
+    let place = at(&window, Side::Left, 0.1, 0.1);
+    click(&mut window, place);
+    assert_eq!(window.state().focus().pins().len(), 1);
+    window
+}
+
+fn reopened(path: PathBuf) -> Window {
+    window(Start { opening: Opening::Session(path), ..Start::default() }, services())
+}
+
+#[test]
+fn a_session_comes_back_as_it_was_saved() {
+    let files = Files::new();
+    let mut window = worked(&files);
+    let path = files.0.path().join("work.json");
+    save_as(&mut window, &path);
+    assert!(path.exists(), "{:?}", window.state().messages().collect::<Vec<_>>());
+    let again = reopened(path.clone());
+    assert_eq!(made(&again), made(&window));
+    let sources =
+        |window: &Window| window.state().focus().pins().iter().map(|p| p.source).collect::<Vec<_>>();
+    assert_eq!(sources(&again), sources(&window));
+    assert_eq!(again.state().look(), window.state().look());
+    assert!(again.state().estimate().is_some(), "the geometry is computed again");
+    // Other programs find F where results have it.
+    let text = std::fs::read_to_string(&path).unwrap();
+    assert!(text.contains("\"fundamental\"") && text.contains("\"path\": \"a.png\""), "{text}");
+    // Dropped on a window that shows something else, too.
+    let mut other = sample();
+    drop_files(&mut other, &[path]);
+    assert_eq!(made(&other), made(&window));
+}
+
+#[test]
+fn the_sample_can_be_saved_as_well() {
+    let files = Files::new();
+    let mut window = sample();
+    click_two_pairs(&mut window);
+    let path = files.0.path().join("sample.json");
+    save_as(&mut window, &path);
+    let again = reopened(path);
+    assert_eq!(made(&again), made(&window));
+    assert_eq!(again.state().document().pairs.len(), 2);
+}
+
+#[test]
+fn saving_again_goes_to_the_same_file_and_failure_loses_nothing() {
+    let files = Files::new();
+    let mut window = worked(&files);
+    let path = files.0.path().join("work.json");
+    save_as(&mut window, &path);
+    window.key_press(Key::Escape);
+    let place = at(&window, Side::Left, -0.2, 0.2);
+    click(&mut window, place);
+    window.key_press_modifiers(Modifiers::COMMAND, Key::S);
+    settle(&mut window);
+    assert_eq!(made(&reopened(path)), made(&window));
+    let before = made(&window);
+    save_as(&mut window, &files.0.path().join("no/such/folder/work.json"));
+    assert!(window.state().messages().any(|text| text.contains("was not saved")));
+    assert_eq!(made(&window), before);
+}
+
+#[test]
+fn a_moved_image_is_asked_for_and_found() {
+    let files = Files::new();
+    let mut window = worked(&files);
+    let path = files.0.path().join("work.json");
+    save_as(&mut window, &path);
+    let there = files.0.path().join("renamed.png");
+    std::fs::rename(files.0.path().join("a.png"), &there).unwrap();
+    let mut again = reopened(path);
+    again.get_by_label_contains("The left image is not there");
+    assert!(again.query_by_label_contains("The right image").is_none());
+    drop_files(&mut again, &[there]);
+    again.get_by_label("Open with these").click();
+    settle(&mut again);
+    assert_eq!(made(&again), made(&window));
+}
+
+#[test]
+fn a_changed_image_is_taken_only_when_a_person_says_so() {
+    let files = Files::new();
+    let mut window = worked(&files);
+    let path = files.0.path().join("work.json");
+    save_as(&mut window, &path);
+    // Smaller than before: one point is outside now.
+    files.image("b.png", 30, 70);
+    let mut again = reopened(path);
+    again.get_by_label_contains("The right image has changed since the session was saved");
+    assert!(again.state().document().pairs.is_empty());
+    again.get_by_label("Open with these").click();
+    settle(&mut again);
+    again.get_by_label_contains("The right image has changed since the session was saved");
+    again.get_by_label("Use changed images as they are").click();
+    settle(&mut again);
+    assert_eq!(again.state().document().pairs.len(), 3);
+    assert_eq!(again.state().document().pairs[1].point2, Point::new(29.5, 30.0625));
+    assert!(again.state().messages().any(|text| text.contains("another size")));
+}
+
+#[test]
+fn files_that_are_no_sessions_change_nothing() {
+    let files = Files::new();
+    let mut window = worked(&files);
+    let before = window.state().document().clone();
+    for (text, words) in [
+        ("{}", "is not a session of Epiline"),
+        ("{\"format\": \"epiline-session\", \"version\": 99}", "saved by a newer Epiline"),
+        ("{\"format\": \"epiline-session\", \"version\": 1}", "is damaged"),
+    ] {
+        let path = files.0.path().join("s.json");
+        std::fs::write(&path, text).unwrap();
+        drop_files(&mut window, &[path]);
+        assert!(window.state().messages().any(|message| message.contains(words)), "{words}");
+        assert_eq!(window.state().document(), &before);
+    }
+}
+
+fn with_copies(folder: &Path) -> Services {
+    Services { copies: Some(folder.to_owned()), ..services() }
+}
+
+#[test]
+fn unsaved_work_is_offered_after_a_crash() {
+    let (files, copies) = (Files::new(), tempfile::tempdir().unwrap());
+    let opening = || Opening::Files(files.image("a.png", 64, 48), files.image("b.png", 50, 70));
+    let crashed = window(Start { opening: opening(), pairs: pairs() }, with_copies(copies.path()));
+    let before = made(&crashed);
+    // Dropping the window without closing it is what a crash leaves: the copy stays, its lock goes.
+    drop(crashed);
+    let mut next = window(Start::default(), with_copies(copies.path()));
+    assert!(next.state().messages().any(|text| text.contains("ended before work was saved")));
+    next.get_by_label("Restore").click();
+    settle(&mut next);
+    assert_eq!(made(&next), before);
+    assert_eq!(next.state().messages().count(), 0);
+    // Taken over: it is this window's own now, and a crash of this one offers it again.
+    drop(next);
+    let mut last = window(Start::default(), with_copies(copies.path()));
+    last.get_by_label("Discard").click();
+    settle(&mut last);
+    drop(last);
+    let clean = window(Start::default(), with_copies(copies.path()));
+    assert_eq!(clean.state().messages().count(), 0);
+}
+
+#[test]
+fn what_is_saved_leaves_no_copy() {
+    let (files, copies) = (Files::new(), tempfile::tempdir().unwrap());
+    let opening = Opening::Files(files.image("a.png", 64, 48), files.image("b.png", 50, 70));
+    let mut first = window(Start { opening, pairs: pairs() }, with_copies(copies.path()));
+    save_as(&mut first, &files.0.path().join("work.json"));
+    first.state_mut().close();
+    drop(first);
+    let next = window(Start::default(), with_copies(copies.path()));
+    assert_eq!(next.state().messages().count(), 0);
+}
