@@ -7,6 +7,7 @@ mod frames;
 mod looking;
 mod opening;
 mod panels;
+mod rectified;
 mod sessions;
 mod support;
 mod truth;
