@@ -114,7 +114,7 @@ fn place(image: &ImageReference, session: &OpenSession, k: usize) -> Option<Loca
     let Some(given) = &session.images[k] else { return image.locate(&session.path) };
     let ImageSource::File { sha256, .. } = &image.source else { return None };
     Some(match sha256_of(given) {
-        Ok(found) if found == *sha256 => Located::Same(given.clone()),
+        Ok(found) if found.eq_ignore_ascii_case(sha256) => Located::Same(given.clone()),
         Ok(_) => Located::Changed(given.clone()),
         Err(_) => Located::Missing(given.clone()),
     })
