@@ -8,6 +8,7 @@ use egui::{Key, KeyboardShortcut, Modifiers};
 
 use super::comparison::{Contestant, Subject};
 use super::document::{PointRef, Side};
+use super::exchange::ExchangeCommand;
 use super::focus::{LineSource, Target};
 use super::panels::tabs::TABS;
 use super::rectified::{Guides, Layout, RectifiedView};
@@ -33,6 +34,8 @@ pub enum Command {
     OpenFolder(PathBuf),
     /// Something about sessions.
     Session(SessionCommand),
+    /// Something about files of other programs.
+    Exchange(ExchangeCommand),
     /// Choose a file for one side with the system's dialog.
     Browse(Side),
     /// Choose a folder with the system's dialog.
@@ -206,7 +209,7 @@ impl Command {
             Self::ShowTab(4),
             Self::ShowTab(5),
             Self::SwapRectified,
-            Self::ShowExport,
+            Self::Exchange(ExchangeCommand::ShowExport),
             Self::ChooseHypothesis(None),
             Self::ToggleTheme,
             Self::ToggleShortcuts,
@@ -222,6 +225,7 @@ impl Command {
             Self::OpenFiles(_) => "Open",
             Self::OpenFolder(_) => "Open folder",
             Self::Session(command) => command.name(),
+            Self::Exchange(command) => command.name(),
             Self::Browse(_) | Self::BrowseFolder => "Browse",
             Self::OpenViews(_) => "Open these views",
             Self::StepPair { forward: true } => "Next pair",
@@ -296,6 +300,7 @@ impl Command {
                 "Open a folder whose geometry is known, in the VGG layout or one of pairs with true matches."
             }
             Self::Session(command) => command.tooltip(),
+            Self::Exchange(command) => command.tooltip(),
             Self::Browse(_) => "Choose the file in the system's file dialog.",
             Self::BrowseFolder => "Choose the folder in the system's dialog.",
             Self::OpenViews(_) => {
@@ -434,7 +439,7 @@ impl Command {
             Self::ShowTab(4) => const { &[key(Modifiers::NONE, Key::Num5)] },
             Self::ShowTab(5) => const { &[key(Modifiers::NONE, Key::Num6)] },
             Self::SwapRectified => const { &[key(Modifiers::NONE, Key::X)] },
-            Self::ShowExport => const { &[key(Modifiers::COMMAND, Key::E)] },
+            Self::Exchange(ExchangeCommand::ShowExport) => const { &[key(Modifiers::COMMAND, Key::E)] },
             Self::ChooseHypothesis(None) => const { &[key(Modifiers::NONE, Key::R)] },
             Self::ToggleTheme => const { &[key(Modifiers::NONE, Key::T)] },
             Self::ToggleShortcuts => {

@@ -41,6 +41,8 @@ pub struct Scene<'a> {
     pub inspection: Option<&'a Inspection>,
     /// What is known about the pictures, whether or not it is in use.
     pub known: Option<&'a Known>,
+    /// The imported geometry, in the form of a result that nobody computed.
+    pub imported: Option<&'a Estimate>,
     /// The result beside other methods and the truth; while another is awaited, the comparison before.
     pub comparison: Option<&'a Comparison>,
     /// The rectified pair, while something shows it; while another is being made, the one before.
@@ -73,7 +75,8 @@ pub struct Scene<'a> {
     pub messages: &'a [Message],
 }
 
-/// The geometry that the whole window shows: the hypothesis or the other method's that was chosen, or else the result.
+/// The geometry that the whole window shows: the hypothesis, the other method's or the imported one that was chosen,
+/// or else the result; without a result, the imported one.
 #[derive(Clone, Copy)]
 pub struct Shown<'a> {
     /// Its matrix.
@@ -82,7 +85,7 @@ pub struct Shown<'a> {
     pub hypothesis: Option<(usize, &'a Hypothesis)>,
     /// Whose it is, if one of another method or the true one was chosen.
     pub contestant: Option<Contestant>,
-    /// The result it belongs to.
+    /// The result it belongs to; of an imported one without a result, itself.
     pub estimate: &'a Estimate,
     /// How that relates to the points as they are now.
     pub freshness: Freshness,
@@ -102,10 +105,16 @@ pub struct Inspected {
 impl<'a> Scene<'a> {
     /// The geometry that is shown; everything that draws or measures goes by it.
     pub fn shown(&self) -> Option<Shown<'a>> {
-        let (estimate, freshness) = self.computation.result()?;
+        let own = self.computation.result();
+        let chosen = self.focus.contestant() == Some(Contestant::Imported);
+        let imported = self.imported.filter(|_| chosen || own.is_none());
+        let (estimate, freshness) = own.or(imported.map(|imported| (imported, Freshness::Final)))?;
         let hypothesis = self.focus.hypothesis().and_then(|k| Some((k, estimate.hypotheses.get(k)?)));
         let compared = self.focus.contestant().zip(self.comparison);
         let compared = compared.and_then(|(contestant, c)| Some((contestant, c.fundamental(contestant)?)));
+        let compared = compared
+            .filter(|(contestant, _)| *contestant != Contestant::Imported)
+            .or(imported.map(|imported| (Contestant::Imported, &imported.fundamental)));
         let fundamental = match (hypothesis, compared) {
             (Some((_, hypothesis)), _) => &hypothesis.fundamental,
             (None, Some((_, fundamental))) => fundamental,
@@ -134,6 +143,11 @@ impl<'a> Scene<'a> {
     /// Whether something else than the result was chosen to be shown.
     pub fn shows_another(&self) -> bool {
         self.focus.hypothesis().is_some() || self.focus.contestant().is_some()
+    }
+
+    /// Whether there is a result to go back to from the geometry that is shown.
+    pub fn has_result(&self) -> bool {
+        self.computation.result().is_some()
     }
 
     /// The ground truth in use.

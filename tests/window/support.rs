@@ -117,7 +117,7 @@ pub fn services() -> Services {
         suggest: Box::new(|_| Err(SuggestError::Flat)),
         pick_file: Arc::new(|| None),
         pick_folder: Arc::new(|| None),
-        pick_save: Arc::new(|| None),
+        pick_save: Arc::new(|_| None),
         copies: None,
     }
 }

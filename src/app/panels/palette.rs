@@ -4,6 +4,8 @@ use egui::{Align2, Key, Modifiers, RichText, ScrollArea, TextEdit, Ui, Window, v
 
 use super::finish_button;
 use crate::app::command::{Command, key_text};
+use crate::app::comparison::Contestant;
+use crate::app::exchange::ExchangeCommand;
 use crate::app::panes::overlays::OVERLAYS;
 use crate::app::rectified::Layout;
 use crate::app::scene::Scene;
@@ -115,6 +117,8 @@ fn entries(scene: &Scene) -> Vec<Entry> {
         (Command::ClearPairs, "Clear all points"),
         (Command::Stop, "Stop the computation"),
         (Command::UnpinAll, "Unpin all lines"),
+        (Command::ChooseContestant(Contestant::Imported), "Show the imported geometry"),
+        (Command::Exchange(ExchangeCommand::RemoveImported), "Remove the imported geometry"),
         (Command::ChooseHypothesis(None), "Show the result instead of a hypothesis"),
         (Command::SetMethod(Method::TwoPoint), "Estimate from two pairs"),
         (Command::SetMethod(Method::ThreePoint), "Estimate from three pairs"),
@@ -127,6 +131,7 @@ fn entries(scene: &Scene) -> Vec<Entry> {
         (Command::LayOutRectified(Layout::Blink), "Rectified pair by turns (blink)"),
         (Command::LayOutRectified(Layout::Anaglyph), "Rectified pair as anaglyph, red and cyan"),
         (Command::ViewRectified(None), "Fit the rectified pair"),
+        (Command::ShowExport, "Export rectified pair…"),
         (Command::StopExport, "Stop the export of the rectified pair"),
     ]
     .map(|(command, title)| Entry { title: title.to_owned(), command });
@@ -150,7 +155,9 @@ fn entries(scene: &Scene) -> Vec<Entry> {
             Command::FitAll => "Fit both images".to_owned(),
             Command::EnlargeTabs => "Enlarge or reduce the panel".to_owned(),
             Command::SwapRectified => "Rectified pair: show the other picture".to_owned(),
-            Command::ShowExport => "Export rectified pair…".to_owned(),
+            Command::Exchange(ExchangeCommand::ShowExport) => {
+                "Export… (geometry, point pairs, report, profile, view)".to_owned()
+            }
             Command::ToggleShortcuts => "List of keys".to_owned(),
             _ => command.name().to_owned(),
         },
@@ -179,6 +186,9 @@ fn makes_sense(command: &Command, scene: &Scene) -> bool {
         }
         Command::ShowExport => scene.shown().is_some() && scene.writing.is_none(),
         Command::StopExport => scene.writing.is_some(),
+        Command::Exchange(ExchangeCommand::ShowExport) => document.pictures.is_some(),
+        Command::ChooseContestant(Contestant::Imported)
+        | Command::Exchange(ExchangeCommand::RemoveImported) => document.imported.is_some(),
         Command::StepPair { forward } => {
             scene.folder().is_some_and(|(folder, pair)| folder.neighbour(pair, *forward).is_some())
         }
