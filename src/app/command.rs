@@ -11,13 +11,11 @@ use super::document::{PointRef, Side};
 use super::exchange::ExchangeCommand;
 use super::focus::{LineSource, Target};
 use super::panels::tabs::TABS;
-use super::rectified::{Guides, Layout, RectifiedView};
+use super::rectified::RectifiedCommand;
 use super::session::SessionCommand;
 use crate::estimate::{Method, Parameters, Preset};
 use crate::evaluate::Protocol;
 use crate::geometry::{Point, Vector};
-use crate::io::RectifiedOptions;
-use crate::rectify;
 
 /// Something to do.
 #[derive(Debug, Clone, PartialEq)]
@@ -130,31 +128,8 @@ pub enum Command {
     },
     /// Take all parameters back to those of the preset.
     ResetParameters,
-    /// Choose how the images are rectified.
-    SetRectification(rectify::Method),
-    /// Choose how the rectified pictures are laid out.
-    LayOutRectified(Layout),
-    /// Choose the lines over the rectified pictures.
-    SetGuides(Guides),
-    /// Show a part of the rectified pictures; `None` is all of them.
-    ViewRectified(Option<RectifiedView>),
-    /// Show the other rectified picture in the place of this one.
-    SwapRectified,
-    /// Let the rectified pictures take turns by the clock.
-    RunBlink,
-    /// Show the window for writing the rectified pair.
-    ShowExport,
-    /// Choose the folder of the rectified pair with the system's dialog.
-    BrowseExport,
-    /// Write the rectified pair.
-    ExportRectified {
-        /// The folder; made if missing.
-        folder: PathBuf,
-        /// What is written.
-        options: RectifiedOptions,
-    },
-    /// Stop writing the rectified pair.
-    StopExport,
+    /// Do something with the rectified pair.
+    Rectified(RectifiedCommand),
     /// Show a tab of the bottom panel, by its number.
     ShowTab(usize),
     /// Fold the bottom panel away, or bring it back.
@@ -178,7 +153,7 @@ const fn key(modifiers: Modifiers, key: Key) -> KeyboardShortcut {
 impl Command {
     /// The actions that have keys, in the order of the list of keys. Where one key is another one's with
     /// Shift, the one with Shift comes first, or it would never be seen.
-    pub fn with_keys() -> [Self; 34] {
+    pub fn with_keys() -> [Self; 35] {
         [
             Self::TogglePalette,
             Self::AcceptSuggestion,
@@ -208,7 +183,8 @@ impl Command {
             Self::ShowTab(3),
             Self::ShowTab(4),
             Self::ShowTab(5),
-            Self::SwapRectified,
+            Self::Rectified(RectifiedCommand::Swap),
+            Self::Rectified(RectifiedCommand::ShowExport),
             Self::Exchange(ExchangeCommand::ShowExport),
             Self::ChooseHypothesis(None),
             Self::ToggleTheme,
@@ -269,16 +245,7 @@ impl Command {
             Self::TogglePalette => "Commands",
             Self::SetParameters { .. } => "Change a parameter",
             Self::ResetParameters => "Reset all parameters",
-            Self::SetRectification(_) => "Rectification method",
-            Self::LayOutRectified(_) => "Layout of the rectified pair",
-            Self::SetGuides(_) => "Guide lines",
-            Self::ViewRectified(_) => "Fit the rectified pair",
-            Self::SwapRectified => "Other picture",
-            Self::RunBlink => "By itself",
-            Self::ShowExport => "Export",
-            Self::BrowseExport => "Browse",
-            Self::ExportRectified { .. } => "Export rectified pair",
-            Self::StopExport => "Stop",
+            Self::Rectified(command) => command.name(),
             Self::ShowTab(number) => TABS[*number].title,
             Self::FoldTabs => "Hide or show the panel",
             Self::EnlargeTabs => "Enlarge",
@@ -374,28 +341,7 @@ impl Command {
             Self::EnlargeTabs => {
                 "Let the bottom panel take most of the window, or go back to its usual height."
             }
-            Self::SetRectification(rectify::Method::Auto) => {
-                "Planar where it bends the images little, else polar; the reason is given below."
-            }
-            Self::SetRectification(rectify::Method::Planar) => {
-                "One homography an image: straight lines stay straight. Impossible with an epipole inside an image."
-            }
-            Self::SetRectification(rectify::Method::Polar) => {
-                "A row for each pair of half epipolar lines: works wherever the epipoles are, but bends straight lines."
-            }
-            Self::LayOutRectified(_) => {
-                "Show the rectified pictures side by side, by turns, or red and cyan."
-            }
-            Self::SetGuides(_) => "Horizontal lines over the rectified pictures, to compare rows by.",
-            Self::ViewRectified(_) => "Show the rectified pictures whole; a double click does it, too.",
-            Self::SwapRectified => "Show the other rectified picture in the place of this one.",
-            Self::RunBlink => "Let the two rectified pictures take turns by the clock.",
-            Self::ShowExport => {
-                "Write the rectified pair at full size into a folder, with its homographies or tables and its measures."
-            }
-            Self::BrowseExport => "Choose the folder in the system's dialog.",
-            Self::ExportRectified { .. } => "Write the files. Files of the same names are replaced.",
-            Self::StopExport => "Stop writing the rectified pair.",
+            Self::Rectified(command) => command.tooltip(),
             Self::ToggleOverlay(_) => "Show or hide this in both images.",
             Self::Dismiss(_) => "Remove this message.",
             Self::Quit => "Close the window.",
@@ -438,8 +384,8 @@ impl Command {
             Self::ShowTab(3) => const { &[key(Modifiers::NONE, Key::Num4)] },
             Self::ShowTab(4) => const { &[key(Modifiers::NONE, Key::Num5)] },
             Self::ShowTab(5) => const { &[key(Modifiers::NONE, Key::Num6)] },
-            Self::SwapRectified => const { &[key(Modifiers::NONE, Key::X)] },
-            Self::Exchange(ExchangeCommand::ShowExport) => const { &[key(Modifiers::COMMAND, Key::E)] },
+            Self::Rectified(command) => command.shortcuts(),
+            Self::Exchange(command) => command.shortcuts(),
             Self::ChooseHypothesis(None) => const { &[key(Modifiers::NONE, Key::R)] },
             Self::ToggleTheme => const { &[key(Modifiers::NONE, Key::T)] },
             Self::ToggleShortcuts => {

@@ -202,6 +202,14 @@ impl<T: DeserializeOwned> SessionFile<T> {
 }
 
 impl ImageReference {
+    /// What to call it: the file name without folders, or the name of the sample.
+    pub fn name(&self) -> &str {
+        match &self.source {
+            ImageSource::File { path, .. } => path.rsplit('/').next().unwrap_or(path),
+            ImageSource::Sample { sample } => sample,
+        }
+    }
+
     /// Looks for the file of an image, from the folder of the session: where the session says, else under the same
     /// name beside the session. `None` for the picture of a sample.
     pub fn locate(&self, session: &Path) -> Option<Located> {

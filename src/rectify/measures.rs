@@ -9,6 +9,9 @@ use crate::geometry::{Frame, Point, PointPair, Vector};
 /// Points a side of the grid on which areas are compared.
 const GRID: usize = 48;
 
+/// The middle half of disparities is taken to be at least this wide, px, or a scene on one plane would allow none.
+const NARROW: f64 = 8.0;
+
 /// Everything measured on a rectified pair.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Measures {
@@ -29,8 +32,10 @@ pub struct RowErrors {
     pub mean: f64,
     /// Largest `|y1 − y2|`.
     pub max: f64,
-    /// Smallest and largest disparity `x1 − x2`.
+    /// Smallest and largest disparity `x1 − x2` of those that are not far off all others.
     pub disparity: [f64; 2],
+    /// Matches whose disparity is far off: mostly wrong matches, which rows cannot tell.
+    pub far_off: usize,
 }
 
 /// How a picture differs from its image.
@@ -81,17 +86,29 @@ impl RowErrors {
             return None;
         }
         let errors = placed.iter().map(|d| d.y.abs());
-        let disparity = placed
-            .iter()
-            .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], d| [low.min(d.x), high.max(d.x)]);
+        let mut disparities: Vec<f64> = placed.iter().map(|d| d.x).collect();
+        disparities.sort_by(f64::total_cmp);
+        let near = near(&disparities);
         Some(Self {
             matches: placed.len(),
             outside: matches.len() - placed.len(),
             mean: errors.clone().sum::<f64>() / placed.len() as f64,
             max: errors.fold(0.0, f64::max),
-            disparity,
+            disparity: [near[0], near[near.len() - 1]],
+            far_off: disparities.len() - near.len(),
         })
     }
+}
+
+/// Those of some ascending numbers that lie within three times the width of the middle half beside it (Tukey's outer
+/// fences); the width counts as at least [`NARROW`]. Never empty.
+fn near(ascending: &[f64]) -> &[f64] {
+    let last = ascending.len() - 1;
+    let [low, high] = [last / 4, last - last / 4].map(|k| ascending[k]);
+    let reach = 3.0 * (high - low).max(NARROW);
+    let from = ascending.partition_point(|v| *v < low - reach);
+    let to = ascending.partition_point(|v| *v <= high + reach);
+    &ascending[from..to]
 }
 
 impl Distortion {
@@ -156,4 +173,19 @@ pub(super) fn middle_lines(frame: Frame, map: impl Fn(Point) -> Option<Point>) -
 fn diagonals(frame: Frame, map: impl Fn(Point) -> Option<Point>) -> Option<[Vector; 2]> {
     let [a, b, c, d] = frame.corners().map(map);
     Some([c? - a?, d? - b?])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn wrong_matches_do_not_widen_the_range_of_disparities_and_near_objects_do() {
+        let scene: Vec<f64> = (0..100).map(|k| 4.0 + 0.13 * f64::from(k)).chain([35.0]).collect();
+        assert_eq!(near(&scene), scene);
+        let wrong: Vec<f64> = [-189.0].into_iter().chain(scene.clone()).chain([427.0]).collect();
+        assert_eq!(near(&wrong), scene);
+        assert_eq!(near(&[3.0]), [3.0]);
+        assert_eq!(near(&[-2.0, 3.0]), [-2.0, 3.0]);
+    }
 }

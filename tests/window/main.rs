@@ -3,10 +3,12 @@
 
 mod computing;
 mod editing;
+mod exchange;
 mod frames;
 mod looking;
 mod opening;
 mod panels;
+mod rectified;
 mod sessions;
 mod support;
 mod truth;

@@ -115,7 +115,7 @@ fn a_cell_of_the_pencils_is_pointed_at_and_a_click_inspects_its_lines() {
     assert_eq!(pin.source, LineSource::Pencil { pair: 0, angles });
     window.hover_at(egui::pos2(4.0, 796.0));
     press(&mut window, Key::Num2);
-    window.get_by_label("Lines through p at 90.0° and 90.0°");
+    window.get_by_label_contains("Lines through p at 90.0° and 90.0°, ");
     // Another one; the first is chosen again by its colour, and taken away.
     press(&mut window, Key::Num1);
     window.get_by_label("Inspect pair q").click();
@@ -132,7 +132,7 @@ fn a_cell_of_the_pencils_is_pointed_at_and_a_click_inspects_its_lines() {
     assert!(window.state().focus().pins().is_empty());
     window.hover_at(egui::pos2(4.0, 796.0));
     settle(&mut window);
-    window.get_by_label("Epipolar lines of p");
+    window.get_by_label_contains("Epipolar lines of p, ");
 }
 
 #[test]

@@ -172,7 +172,11 @@ fn unsaved_work_is_offered_after_a_crash() {
     // Dropping the window without closing it is what a crash leaves: the copy stays, its lock goes.
     drop(crashed);
     let mut next = window(Start::default(), with_copies(copies.path()));
-    assert!(next.state().messages().any(|text| text.contains("ended before work was saved")));
+    assert!(
+        next.state()
+            .messages()
+            .any(|text| text.contains("ended before 2 point pairs on a.png and b.png were saved"))
+    );
     next.get_by_label("Restore").click();
     settle(&mut next);
     assert_eq!(made(&next), before);

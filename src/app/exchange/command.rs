@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+use egui::{Key, KeyboardShortcut, Modifiers};
+
 use super::Order;
 
 /// Something to do with a file of another program.
@@ -42,6 +44,14 @@ impl ExchangeCommand {
             Self::Accept { reading: None, .. } => "As it is",
             Self::Reject => "Cancel",
             Self::RemoveImported => "Remove the imported geometry",
+        }
+    }
+
+    /// Its keys.
+    pub fn shortcuts(&self) -> &'static [KeyboardShortcut] {
+        match self {
+            Self::ShowExport => const { &[KeyboardShortcut::new(Modifiers::COMMAND, Key::E)] },
+            _ => &[],
         }
     }
 

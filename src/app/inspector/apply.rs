@@ -52,10 +52,7 @@ impl Inspector {
             }
             Command::ClearPairs => self.edit(Step::Single, |document| document.set_pairs(Vec::new())),
             Command::Cancel => self.cancel(),
-            Command::FitAll => {
-                self.panes.iter_mut().for_each(super::ImagePane::fit);
-                self.viewing.view = None;
-            }
+            Command::FitAll => self.fit_all(),
             Command::FitAfterDoubleClick(side) => self.fit_after_double_click(side),
             Command::ToggleTheme => {
                 let dark = ctx.theme() == Theme::Dark;
@@ -113,23 +110,8 @@ impl Inspector {
                 self.edit(Step::Merged(EditKey::Parameter(setting)), |document| document.parameters = *to);
             }
             Command::ResetParameters => self.set_preset(self.document.parameters.preset),
-            Command::SetRectification(_)
-            | Command::LayOutRectified(_)
-            | Command::SetGuides(_)
-            | Command::ViewRectified(_)
-            | Command::SwapRectified
-            | Command::RunBlink
-            | Command::ShowExport
-            | Command::BrowseExport
-            | Command::ExportRectified { .. }
-            | Command::StopExport => self.apply_to_rectified(ctx, command),
-            Command::ShowTab(number) => {
-                (self.look.tab, self.look.tabs_folded) = (number, false);
-            }
-            Command::FoldTabs => self.look.tabs_folded = !self.look.tabs_folded,
-            Command::EnlargeTabs => {
-                (self.look.tabs_enlarged, self.look.tabs_folded) = (!self.look.tabs_enlarged, false);
-            }
+            Command::Rectified(command) => self.apply_to_rectified(ctx, command),
+            Command::ShowTab(_) | Command::FoldTabs | Command::EnlargeTabs => self.arrange_tabs(&command),
             Command::ToggleOverlay(number) => {
                 if let Some(shown) = self.look.overlays.get_mut(number) {
                     *shown = !*shown;
@@ -138,6 +120,25 @@ impl Inspector {
             Command::Quit => ctx.send_viewport_cmd(egui::ViewportCommand::Close),
             Command::Dismiss(number) => self.messages.retain(|message| message.number != number),
         }
+    }
+
+    /// Shows another tab, or the tabs at another height.
+    fn arrange_tabs(&mut self, command: &Command) {
+        let look = &mut self.look;
+        match command {
+            Command::ShowTab(number) => (look.tab, look.tabs_folded) = (*number, false),
+            Command::FoldTabs => look.tabs_folded = !look.tabs_folded,
+            Command::EnlargeTabs => {
+                (look.tabs_enlarged, look.tabs_folded) = (!look.tabs_enlarged || look.tabs_folded, false);
+            }
+            _ => {}
+        }
+    }
+
+    /// Shows the images whole, and the rectified ones.
+    fn fit_all(&mut self) {
+        self.panes.iter_mut().for_each(super::ImagePane::fit);
+        self.viewing.view = None;
     }
 
     /// Changes the document and notes it in the history.
@@ -279,7 +280,9 @@ impl Inspector {
         if !imports.is_empty() {
             let images: Vec<_> = images.into_iter().cloned().collect();
             self.apply_to_exchange(ExchangeCommand::Import(imports.into_iter().cloned().collect()));
-            images.iter().for_each(|image| self.offer(image));
+            for image in &images {
+                self.offer(image);
+            }
             return;
         }
         let [left, right] = paths;

@@ -123,7 +123,8 @@ impl Inspector {
             });
         }
         // A small window has better use for the space; the list of commands has every overlay too.
-        if scene.document.pictures.is_some() && height > ROOM_FOR_LEGEND {
+        let enlarged = scene.tab.is_some() && scene.look.tabs_enlarged;
+        if scene.document.pictures.is_some() && height > ROOM_FOR_LEGEND && !enlarged {
             let strip = bar(ui).inner_margin(Margin::symmetric(8, 3));
             Panel::bottom("legend").frame(strip).show(ui, |ui| panels::legend(ui, &scene, commands));
         }

@@ -4,43 +4,44 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use super::{Inspector, PickPurpose};
-use crate::app::command::Command;
 use crate::app::computation::Freshness;
 use crate::app::document::Side;
 use crate::app::history::Step;
 use crate::app::panels::tabs::TABS;
-use crate::app::rectified::{Blink, Layout, Matches, Order, Question};
+use crate::app::rectified::{Blink, Layout, Matches, Order, Question, RectifiedCommand};
 use crate::io::RectifiedOptions;
 
 impl Inspector {
-    /// Does what a command about the rectified pair says; others are not meant here.
-    pub(super) fn apply_to_rectified(&mut self, ctx: &egui::Context, command: Command) {
+    /// Does what a command says.
+    pub(super) fn apply_to_rectified(&mut self, ctx: &egui::Context, command: RectifiedCommand) {
         match command {
-            Command::SetRectification(method) => {
+            RectifiedCommand::SetMethod(method) => {
                 self.edit(Step::Single, |document| document.rectification = method);
             }
-            Command::LayOutRectified(layout) => self.look.rectified.layout = layout,
-            Command::SetGuides(guides) => self.look.rectified.guides = guides,
-            Command::ViewRectified(view) => self.viewing.view = view,
-            Command::SwapRectified if self.wants_rectified() => {
+            RectifiedCommand::LayOut(layout) => self.look.rectified.layout = layout,
+            RectifiedCommand::SetGuides(guides) => self.look.rectified.guides = guides,
+            RectifiedCommand::View(view) => self.viewing.view = view,
+            RectifiedCommand::Swap => {
+                if !self.wants_rectified() {
+                    return;
+                }
                 let (shown, _) = self.viewing.blink.shown(ctx.input(|input| input.time));
                 // From the other layouts the first press shows the left picture, the next one the right one.
                 let blinks = self.look.rectified.layout == Layout::Blink;
                 self.viewing.blink = Blink::Still(if blinks { shown.other() } else { Side::Left });
                 self.look.rectified.layout = Layout::Blink;
             }
-            Command::RunBlink => {
+            RectifiedCommand::RunBlink => {
                 let (shown, _) = self.viewing.blink.shown(ctx.input(|input| input.time));
                 self.viewing.blink = match self.viewing.blink {
                     Blink::Running => Blink::Still(shown),
                     Blink::Still(_) => Blink::Running,
                 };
             }
-            Command::ShowExport => self.show_export(),
-            Command::BrowseExport => self.pick(PickPurpose::Export),
-            Command::ExportRectified { folder, options } => self.export(folder, options),
-            Command::StopExport => self.writing.stop(),
-            _ => {}
+            RectifiedCommand::ShowExport => self.show_export(),
+            RectifiedCommand::Browse => self.pick(PickPurpose::Export),
+            RectifiedCommand::Export { folder, options } => self.export(folder, options),
+            RectifiedCommand::StopExport => self.writing.stop(),
         }
     }
 

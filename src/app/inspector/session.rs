@@ -13,6 +13,7 @@ use crate::app::session::{
     Autosave, Job, OpenSession, Relocation, Restored, Saver, SessionCommand, Work, Written, suggested_path,
 };
 use crate::app::waker::Waker;
+use crate::io::{ImageReference, SessionFile};
 
 /// How long unsaved work may be without a copy.
 const AUTOSAVE_EVERY: Duration = Duration::from_secs(2);
@@ -83,23 +84,26 @@ impl Inspector {
 
     /// Offers what a crash left behind.
     pub(super) fn offer_left_behind(&mut self) {
-        let Some(path) = self.session.autosave.as_ref().and_then(Autosave::newest_left_behind) else {
+        let left_behind = self.session.autosave.as_ref().and_then(Autosave::newest_left_behind);
+        let Some(path) = left_behind.map(std::path::Path::to_owned) else { return };
+        let Ok(copy) = SessionFile::<Work>::read(&path) else {
+            // Nobody could open it, now or later.
+            self.forget_copy(&path);
             return;
         };
-        let session = OpenSession { path: path.to_owned(), recovers: true, ..OpenSession::default() };
-        let actions = vec![
-            MessageAction {
-                label: "Restore",
-                command: Command::Session(SessionCommand::Open(session.clone())),
-            },
-            MessageAction {
-                label: "Discard",
-                command: Command::Session(SessionCommand::DiscardLeftBehind(session.path)),
-            },
-        ];
+        let pairs = match copy.content.document.pairs.len() {
+            1 => "1 point pair".to_owned(),
+            pairs => format!("{pairs} point pairs"),
+        };
+        let [left, right] = copy.images.each_ref().map(ImageReference::name);
+        let session = OpenSession { path: path.clone(), recovers: true, ..OpenSession::default() };
+        let action = |label, command| MessageAction { label, command: Command::Session(command) };
         self.tell_with(
-            "Epiline ended before work was saved. Restore the points of that time?".to_owned(),
-            actions,
+            format!("Epiline ended before {pairs} on {left} and {right} were saved. Restore that work?"),
+            vec![
+                action("Restore", SessionCommand::Open(session)),
+                action("Discard", SessionCommand::DiscardLeftBehind(path)),
+            ],
         );
     }
 
@@ -161,7 +165,7 @@ impl Inspector {
                 Written::Session { path, result: Ok(work) } => {
                     self.done = Some(format!("Saved {}", path.display()));
                     // What was written is what it was then; whatever changed since is not saved.
-                    self.session.saved = Some(work);
+                    self.session.saved = Some(*work);
                     self.session.path = Some(path);
                 }
                 Written::Session { result: Err(problem), .. } => self.tell(format!(

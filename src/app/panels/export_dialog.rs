@@ -7,6 +7,7 @@ use egui::{Align2, Button, DragValue, Key, Label, TextEdit, Ui, Window, vec2};
 use super::open_dialog::path_of;
 use super::{command_button, finish_button};
 use crate::app::command::Command;
+use crate::app::rectified::RectifiedCommand;
 use crate::io::{PictureFormat, RectifiedOptions};
 
 /// What has been chosen; it stays for the next time.
@@ -64,13 +65,12 @@ impl ExportDialog {
                 ui.add_space(6.0);
                 let folder = path_of(&self.folder);
                 let options = self.options;
-                let command = folder.map(|folder| Command::ExportRectified { folder, options });
+                let export = |folder| Command::Rectified(RectifiedCommand::Export { folder, options });
+                let command = folder.map(export);
                 ui.horizontal(|ui| {
-                    let export = ui.add_enabled(command.is_some(), Button::new("Export this pair"));
-                    let described = command
-                        .clone()
-                        .unwrap_or(Command::ExportRectified { folder: PathBuf::new(), options });
-                    finish_button(ui, export, described, commands);
+                    let button = ui.add_enabled(command.is_some(), Button::new("Export this pair"));
+                    let described = command.clone().unwrap_or_else(|| export(PathBuf::new()));
+                    finish_button(ui, button, described, commands);
                     command_button(ui, Command::Cancel, true, commands);
                 });
                 if ui.input(|input| input.key_pressed(Key::Enter)) {
@@ -94,7 +94,7 @@ impl ExportDialog {
         browse.widget_info(|| {
             egui::WidgetInfo::labeled(egui::Role::Button, true, "Browse for the export folder")
         });
-        finish_button(ui, browse, Command::BrowseExport, commands);
+        finish_button(ui, browse, Command::Rectified(RectifiedCommand::Browse), commands);
     }
 
     fn choices(&mut self, ui: &mut Ui) {

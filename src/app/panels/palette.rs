@@ -7,7 +7,7 @@ use crate::app::command::{Command, key_text};
 use crate::app::comparison::Contestant;
 use crate::app::exchange::ExchangeCommand;
 use crate::app::panes::overlays::OVERLAYS;
-use crate::app::rectified::Layout;
+use crate::app::rectified::{Layout, RectifiedCommand};
 use crate::app::scene::Scene;
 use crate::estimate::{Method, Preset};
 use crate::evaluate::Protocol;
@@ -124,17 +124,19 @@ fn entries(scene: &Scene) -> Vec<Entry> {
         (Command::SetMethod(Method::ThreePoint), "Estimate from three pairs"),
         (Command::SetPreset(Preset::Robust), "Preset: robust"),
         (Command::SetPreset(Preset::Paper), "Preset: paper"),
-        (Command::SetRectification(rectify::Method::Auto), "Rectify: choose the method automatically"),
-        (Command::SetRectification(rectify::Method::Planar), "Rectify: planar method"),
-        (Command::SetRectification(rectify::Method::Polar), "Rectify: polar method"),
-        (Command::LayOutRectified(Layout::SideBySide), "Rectified pair side by side"),
-        (Command::LayOutRectified(Layout::Blink), "Rectified pair by turns (blink)"),
-        (Command::LayOutRectified(Layout::Anaglyph), "Rectified pair as anaglyph, red and cyan"),
-        (Command::ViewRectified(None), "Fit the rectified pair"),
-        (Command::ShowExport, "Export rectified pair…"),
-        (Command::StopExport, "Stop the export of the rectified pair"),
     ]
     .map(|(command, title)| Entry { title: title.to_owned(), command });
+    let rectified = [
+        (RectifiedCommand::SetMethod(rectify::Method::Auto), "Rectify: choose the method automatically"),
+        (RectifiedCommand::SetMethod(rectify::Method::Planar), "Rectify: planar method"),
+        (RectifiedCommand::SetMethod(rectify::Method::Polar), "Rectify: polar method"),
+        (RectifiedCommand::LayOut(Layout::SideBySide), "Rectified pair side by side"),
+        (RectifiedCommand::LayOut(Layout::Blink), "Rectified pair by turns (blink)"),
+        (RectifiedCommand::LayOut(Layout::Anaglyph), "Rectified pair as anaglyph, red and cyan"),
+        (RectifiedCommand::View(None), "Fit the rectified pair"),
+        (RectifiedCommand::StopExport, "Stop the export of the rectified pair"),
+    ]
+    .map(|(command, title)| Entry { title: title.to_owned(), command: Command::Rectified(command) });
     let overlays = OVERLAYS.iter().zip(scene.overlays).enumerate();
     let overlays = overlays.filter(|(_, (overlay, _))| overlay.visibility.is_a_choice(scene)).map(
         |(number, (overlay, shown))| Entry {
@@ -154,7 +156,8 @@ fn entries(scene: &Scene) -> Vec<Entry> {
             Command::ToggleInspectTool => "Inspect: pin line pairs".to_owned(),
             Command::FitAll => "Fit both images".to_owned(),
             Command::EnlargeTabs => "Enlarge or reduce the panel".to_owned(),
-            Command::SwapRectified => "Rectified pair: show the other picture".to_owned(),
+            Command::Rectified(RectifiedCommand::Swap) => "Rectified pair: show the other picture".to_owned(),
+            Command::Rectified(RectifiedCommand::ShowExport) => "Export rectified pair…".to_owned(),
             Command::Exchange(ExchangeCommand::ShowExport) => {
                 "Export… (geometry, point pairs, report, profile, view)".to_owned()
             }
@@ -163,7 +166,7 @@ fn entries(scene: &Scene) -> Vec<Entry> {
         },
         command,
     });
-    let all = with_keys.chain(named).chain(overlays);
+    let all = with_keys.chain(named).chain(rectified).chain(overlays);
     all.filter(|entry| makes_sense(&entry.command, scene)).collect()
 }
 
@@ -181,11 +184,7 @@ fn makes_sense(command: &Command, scene: &Scene) -> bool {
         Command::Stop => scene.computation.is_running(),
         Command::Recompute => document.used_pairs().is_some(),
         Command::UnpinAll => !scene.focus.pins().is_empty(),
-        Command::SwapRectified | Command::ViewRectified(_) | Command::LayOutRectified(_) => {
-            scene.rectified.is_some()
-        }
-        Command::ShowExport => scene.shown().is_some() && scene.writing.is_none(),
-        Command::StopExport => scene.writing.is_some(),
+        Command::Rectified(command) => rectified_makes_sense(command, scene),
         Command::Exchange(ExchangeCommand::ShowExport) => document.pictures.is_some(),
         Command::ChooseContestant(Contestant::Imported)
         | Command::Exchange(ExchangeCommand::RemoveImported) => document.imported.is_some(),
@@ -195,6 +194,17 @@ fn makes_sense(command: &Command, scene: &Scene) -> bool {
         Command::ToggleTruth => scene.known.is_some(),
         Command::RandomTrial(_) => scene.no_trial().is_none(),
         Command::ChooseHypothesis(None) => scene.shows_another(),
+        _ => true,
+    }
+}
+
+fn rectified_makes_sense(command: &RectifiedCommand, scene: &Scene) -> bool {
+    match command {
+        RectifiedCommand::Swap | RectifiedCommand::View(_) | RectifiedCommand::LayOut(_) => {
+            scene.rectified.is_some()
+        }
+        RectifiedCommand::ShowExport => scene.shown().is_some() && scene.writing.is_none(),
+        RectifiedCommand::StopExport => scene.writing.is_some(),
         _ => true,
     }
 }

@@ -60,8 +60,13 @@ impl RelocateDialog {
             .anchor(Align2::CENTER_CENTER, vec2(0.0, -40.0))
             .show(ctx, |ui| {
                 ui.set_width(560.0);
-                let name = self.relocation.session.path.display().to_string();
-                ui.add(Label::new(format!("The session {name} needs your help with its images.")).wrap());
+                let session = &self.relocation.session;
+                let what = if session.recovers {
+                    "The work that was not saved".to_owned()
+                } else {
+                    format!("The session {}", session.path.display())
+                };
+                ui.add(Label::new(format!("{what} needs your help with its images.")).wrap());
                 let mut all_there = true;
                 for side in Side::BOTH {
                     let Some(lost) = &self.relocation.lost[side.index()] else { continue };

@@ -4,6 +4,7 @@ use egui::{Align, Layout, RichText, Ui};
 
 use super::{busy, command_button};
 use crate::app::command::Command;
+use crate::app::rectified::RectifiedCommand;
 use crate::app::scene::Scene;
 use crate::evaluate::Protocol;
 use crate::image::Picture;
@@ -50,7 +51,7 @@ pub fn show(ui: &mut Ui, scene: &Scene, pictures: Option<[&Picture; 2]>, command
             ui.separator();
             busy::show(ui);
             ui.label(format!("Export: {}, {} of {}", progress.what, progress.done, progress.all));
-            command_button(ui, Command::StopExport, true, commands);
+            command_button(ui, Command::Rectified(RectifiedCommand::StopExport), true, commands);
         }
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             if ui.available_width() > ROOM_FOR_HINTS {

@@ -46,7 +46,7 @@ pub enum Written {
         /// Where.
         path: PathBuf,
         /// What is in the file now, or why it was not written.
-        result: Result<Work, String>,
+        result: Result<Box<Work>, String>,
     },
     /// A file for other programs.
     Export {
@@ -75,7 +75,7 @@ impl Saver {
                 match job {
                     Job::Save { path, session } => {
                         let result = session.write(&path).map_err(|error| error.to_string());
-                        let result = result.map(|()| session.content);
+                        let result = result.map(|()| Box::new(session.content));
                         // Nobody listens any more when the window has closed.
                         let _ = outbox.send(Written::Session { path, result });
                         waker.wake();

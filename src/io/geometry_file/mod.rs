@@ -36,6 +36,7 @@ use serde::{Deserialize, Serialize};
 
 use self::coordinates::Written;
 use self::fields::Fields;
+use super::number::rows;
 use super::output::{OutputFile, WriteError};
 use super::read::{ReadError, read_text};
 use crate::geometry::{Camera, Frame, FundamentalMatrix, PointPair};
@@ -160,11 +161,13 @@ pub fn read_fundamental(path: &Path) -> Result<FundamentalMatrix, ReadError> {
 
 /// Reads the point pairs of a file of any [`Format`]; at least one.
 pub fn read_point_pairs(path: &Path) -> Result<Vec<PointPair>, ReadError> {
-    let (file, _) = GeometryFile::read(path)?;
-    if file.pairs.is_empty() {
-        return Err(ReadError::content(path, "no point pairs found, expected rows of x1 y1 x2 y2"));
-    }
-    Ok(file.pairs)
+    let none = || ReadError::content(path, "no point pairs found, expected rows of x1 y1 x2 y2");
+    let (file, _) = match GeometryFile::read(path) {
+        // Nothing at all is nothing to explain names of fields for.
+        Err(_) if read_text(path).is_ok_and(|text| rows(&text).next().is_none()) => return Err(none()),
+        other => other?,
+    };
+    if file.pairs.is_empty() { Err(none()) } else { Ok(file.pairs) }
 }
 
 /// What is wrong with the content of a file, one clause.

@@ -8,6 +8,7 @@ use super::super::open_dialog::path_of;
 use super::super::{command_button, finish_button};
 use crate::app::command::Command;
 use crate::app::exchange::{ExchangeCommand, Order, PROFILE_CONVENTION, Reported, ViewPart, What};
+use crate::app::rectified::RectifiedCommand;
 use crate::app::scene::Scene;
 use crate::io::Format;
 
@@ -163,8 +164,9 @@ impl FileExport {
     fn choices(&mut self, ui: &mut Ui, scene: &Scene) {
         match self.order.what {
             What::Geometry | What::Pairs => {
-                row(ui, "Format", |ui| {
-                    ComboBox::from_id_salt("export format")
+                ui.horizontal(|ui| {
+                    let label = ui.add_sized([LABEL_WIDTH, 26.0], Label::new("Format"));
+                    let formats = ComboBox::from_id_salt("export format")
                         .selected_text(self.order.format.label())
                         .width(240.0)
                         .show_ui(ui, |ui| {
@@ -172,6 +174,7 @@ impl FileExport {
                                 ui.selectable_value(&mut self.order.format, format, format.label());
                             }
                         });
+                    formats.response.labelled_by(label.id);
                 });
                 let count = scene.computation.result().map_or(0, |(estimate, _)| estimate.matches.len());
                 if count > 0 {
@@ -240,7 +243,9 @@ impl FileExport {
             let right = egui::Layout::right_to_left(egui::Align::Center);
             ui.with_layout(right, |ui| {
                 let rectified = ui.add_enabled(scene.shown().is_some(), Button::new("Rectified pair…"));
-                if finish_button(ui, rectified, Command::ShowExport, commands).clicked() {
+                if finish_button(ui, rectified, Command::Rectified(RectifiedCommand::ShowExport), commands)
+                    .clicked()
+                {
                     self.open = false;
                 }
             });

@@ -11,9 +11,6 @@ use crate::app::scene::Scene;
 
 /// How near to an inspected line the cursor must be in an image to mark its sample in the plots, px.
 const REACH: f64 = 12.0;
-/// With less room than this for the rest of the line, it is left away, screen points.
-const ROOM: f32 = 170.0;
-
 /// Shows it from right to left.
 pub fn tools(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
     command_button(ui, Command::UnpinAll, !scene.focus.pins().is_empty(), commands);
@@ -26,24 +23,25 @@ pub fn tools(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
             commands.push(Command::Inspect(number));
         }
     }
-    let Some(inspected) = scene.inspected() else { return };
+}
+
+/// The figures of the sample under the cursor, or else which lines they are and how alike; with an explanation.
+pub fn read_out(scene: &Scene) -> Option<(String, &'static str)> {
+    let inspected = scene.inspected()?;
     if let Some((inspection, sample)) = scene.inspection.zip(marked(scene)) {
-        if ui.available_width() > ROOM {
-            ui.add(egui::Label::new(describe_sample(inspection, sample)).truncate());
+        let text = describe_sample(inspection, sample);
+        return Some((text, "The sample of the left line under the cursor, and what it was matched with."));
+    }
+    let lines = describe(inspected.source);
+    let text = match scene.inspection {
+        Some(inspection) => {
+            let matching = &inspection.warped.matching;
+            let cost = matching.cost as f64 / matching.sample_costs.len().max(1) as f64;
+            format!("{lines}, {cost:.0} grey² a sample")
         }
-        return;
-    }
-    if let Some(inspection) = scene.inspection.filter(|_| ui.available_width() > 2.0 * ROOM) {
-        let matching = &inspection.warped.matching;
-        let cost = matching.cost as f64 / matching.sample_costs.len().max(1) as f64;
-        ui.weak(format!("{cost:.0} grey² a sample"))
-            .on_hover_text("Mean cost of the best matching of the two lines; lower is more alike.");
-    }
-    if ui.available_width() > ROOM {
-        ui.weak(describe(inspected.source)).on_hover_text(
-            "Pin another pair by a click in the matrix of the pencils, or with the inspect tool in an image.",
-        );
-    }
+        None => lines,
+    };
+    Some((text, "The inspected lines, and the mean cost of their best matching: lower is more alike."))
 }
 
 /// A pinned pair to choose; says whether it was chosen.

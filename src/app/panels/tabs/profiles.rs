@@ -2,10 +2,13 @@
 
 use std::sync::Arc;
 
-use egui::{Color32, Id, ImageData, RichText, TextureHandle, TextureOptions, Ui, UiBuilder, vec2};
+use egui::{
+    Align, Color32, Id, ImageData, Label, Layout, RichText, TextureHandle, TextureOptions, Ui, UiBuilder,
+    vec2,
+};
 use egui_plot::{GridInput, GridMark, Line, Plot, PlotImage, PlotPoint, PlotPoints, PlotUi, VLine};
 
-use super::inspected::{marked, tools};
+use super::inspected::{marked, read_out, tools};
 use super::{Tab, empty};
 use crate::app::command::Command;
 use crate::app::focus::Target;
@@ -80,6 +83,12 @@ fn show(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
                     ui.painter().rect_filled(area, 1.0, color);
                     ui.label(small(text));
                 }
+            }
+            if let Some((text, tooltip)) = read_out(scene).filter(|_| number == 0) {
+                ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+                    let text = RichText::new(text).size(12.0);
+                    ui.add(Label::new(text).truncate()).on_hover_text(tooltip);
+                });
             }
         });
         let plot = Titled { title, has_scale: row == 1, content };

@@ -1,11 +1,13 @@
 //! What stands beside the rectified pictures: the choices, the method and its reason, warnings, measures.
 
-use egui::{Button, ComboBox, Grid, RichText, ScrollArea, Ui};
+use std::fmt::Write;
+
+use egui::{Button, ComboBox, Grid, RichText, ScrollArea, Ui, UiBuilder};
 
 use super::super::super::finish_button;
 use super::sentence;
 use crate::app::command::Command;
-use crate::app::rectified::{Blink, Drawn, Guides, Layout, Rectified};
+use crate::app::rectified::{Blink, Drawn, Guides, Layout, Rectified, RectifiedCommand};
 use crate::app::scene::Scene;
 use crate::app::theme;
 use crate::rectify::{Distortion, Measures, Method};
@@ -15,25 +17,58 @@ const RANGE_STEP: f64 = 16.0;
 /// What is added to the disparities of the matches on either side, px: other points may lie a little beyond.
 const RANGE_MARGIN: f64 = 4.0;
 
-/// Shows it, with a scroll bar where there is little room.
-pub fn show(ui: &mut Ui, scene: &Scene, rectified: &Rectified, drawn: &Drawn, commands: &mut Vec<Command>) {
+/// Shows it in a column beside the pictures or, where `wide`, in a strip below them; with a scroll bar where there is
+/// little room.
+pub fn show(
+    ui: &mut Ui,
+    wide: bool,
+    scene: &Scene,
+    rectified: &Rectified,
+    drawn: &Drawn,
+    commands: &mut Vec<Command>,
+) {
     ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
         ui.spacing_mut().item_spacing.y = 4.0;
         ui.spacing_mut().button_padding.x = 7.0;
-        ui.horizontal(|ui| method_chooser(ui, scene, commands));
-        ui.horizontal(|ui| layout_chooser(ui, scene, commands));
-        ui.horizontal(|ui| guide_chooser(ui, scene, commands));
-        let full = &drawn.full;
-        for warning in &full.warnings {
-            ui.label(RichText::new(warning).color(theme::palette(ui.visuals()).caution));
+        if wide {
+            // Not in columns of egui, which spread the words of a text over their whole width.
+            let area = ui.available_rect_before_wrap();
+            let (left, right) = area.split_left_right_at_fraction(0.44);
+            ui.scope_builder(UiBuilder::new().max_rect(left.with_max_x(left.max.x - theme::GAP)), |ui| {
+                choosers(ui, scene, commands);
+                method(ui, drawn);
+            });
+            ui.scope_builder(UiBuilder::new().max_rect(right), |ui| measures(ui, rectified, drawn));
+        } else {
+            choosers(ui, scene, commands);
+            method(ui, drawn);
+            measures(ui, rectified, drawn);
         }
-        ui.weak(format!("{}, because {}.", sentence(full.method.name()), full.reason));
-        rows(ui, &full.measures, rectified.measured);
-        shapes(ui, &full.measures.distortion);
-        let size = full.size;
-        ui.weak(format!("{} × {} px", size.width, size.height))
-            .on_hover_text("Size of each picture as it is written; on the screen it may be drawn smaller.");
     });
+}
+
+fn choosers(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
+    ui.horizontal(|ui| method_chooser(ui, scene, commands));
+    ui.horizontal(|ui| layout_chooser(ui, scene, commands));
+    ui.horizontal(|ui| guide_chooser(ui, scene, commands));
+}
+
+/// Which method it is and why, and what to beware of.
+fn method(ui: &mut Ui, drawn: &Drawn) {
+    let full = &drawn.full;
+    for warning in &full.warnings {
+        ui.label(RichText::new(warning).color(theme::palette(ui.visuals()).caution));
+    }
+    ui.weak(format!("{}, because {}.", sentence(full.method.name()), full.reason));
+}
+
+fn measures(ui: &mut Ui, rectified: &Rectified, drawn: &Drawn) {
+    let full = &drawn.full;
+    rows(ui, &full.measures, rectified.measured);
+    shapes(ui, &full.measures.distortion);
+    let size = full.size;
+    ui.weak(format!("{} × {} px", size.width, size.height))
+        .on_hover_text("Size of each picture as it is written; on the screen it may be drawn smaller.");
 }
 
 /// Auto, planar or polar.
@@ -41,7 +76,7 @@ pub fn method_chooser(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
     name(ui, "Method");
     for (method, title) in [(Method::Auto, "Auto"), (Method::Planar, "Planar"), (Method::Polar, "Polar")] {
         let choice = ui.add(Button::selectable(scene.document.rectification == method, title));
-        finish_button(ui, choice, Command::SetRectification(method), commands);
+        finish_button(ui, choice, Command::Rectified(RectifiedCommand::SetMethod(method)), commands);
     }
 }
 
@@ -50,7 +85,7 @@ fn layout_chooser(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
     for (layout, title, tooltip) in Layout::ALL {
         let chosen = scene.look.rectified.layout == layout;
         if ui.add(Button::selectable(chosen, title)).on_hover_text(tooltip).clicked() {
-            commands.push(Command::LayOutRectified(layout));
+            commands.push(Command::Rectified(RectifiedCommand::LayOut(layout)));
         }
     }
 }
@@ -63,17 +98,17 @@ fn guide_chooser(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
     let shown = chooser.show_ui(ui, |ui| {
         for guides in Guides::ALL {
             if ui.selectable_label(guides == now, guides.name()).clicked() {
-                commands.push(Command::SetGuides(guides));
+                commands.push(Command::Rectified(RectifiedCommand::SetGuides(guides)));
             }
         }
     });
-    shown.response.on_hover_text(Command::SetGuides(now).tooltip());
+    shown.response.on_hover_text(Command::Rectified(RectifiedCommand::SetGuides(now)).tooltip());
     if scene.look.rectified.layout == Layout::Blink {
         let swap = ui.button("Swap");
-        finish_button(ui, swap, Command::SwapRectified, commands);
+        finish_button(ui, swap, Command::Rectified(RectifiedCommand::Swap), commands);
         let mut running = scene.viewing.blink == Blink::Running;
         let run = ui.checkbox(&mut running, "auto");
-        finish_button(ui, run, Command::RunBlink, commands);
+        finish_button(ui, run, Command::Rectified(RectifiedCommand::RunBlink), commands);
     }
 }
 
@@ -96,7 +131,10 @@ fn rows(ui: &mut Ui, measures: &Measures, measured: &str) {
         rows.mean, rows.max, rows.matches
     ))
     .on_hover_text("Vertical distance of matches in the rectified pictures; well below 1 px is good.");
-    let (text, tooltip) = disparity_hint(rows.disparity);
+    let (mut text, tooltip) = disparity_hint(rows.disparity);
+    if rows.far_off > 0 {
+        let _ = write!(text, " Without {} that are far off all others.", rows.far_off);
+    }
     ui.label(text).on_hover_text(tooltip);
 }
 
@@ -136,22 +174,25 @@ fn shapes(ui: &mut Ui, distortion: &[Distortion; 2]) {
         ("Shrunk", "Part of the image that is drawn on less than half its area: detail is lost there."),
         ("Stretched", "Part of the image that is drawn on more than twice its area."),
     ];
-    Grid::new("shapes").num_columns(6).spacing([9.0, 2.0]).min_col_width(0.0).show(ui, |ui| {
-        ui.label("");
-        for (title, tooltip) in COLUMNS {
-            ui.label(RichText::new(title).size(12.0).weak()).on_hover_text(tooltip);
-        }
-        ui.end_row();
-        for (side, d) in ["Left", "Right"].into_iter().zip(distortion) {
-            ui.weak(side);
-            ui.label(d.orthogonality.map_or("-".into(), |angle| format!("{angle:.1}°")));
-            ui.label(d.aspect_ratio.map_or("-".into(), |ratio| format!("{ratio:.3}")));
-            for share in [d.cut, d.shrunk, d.stretched] {
-                ui.label(format!("{:.0} %", 100.0 * share));
+    Grid::new("shapes").num_columns(6).spacing([9.0, 2.0]).min_col_width(0.0).min_row_height(18.0).show(
+        ui,
+        |ui| {
+            ui.label("");
+            for (title, tooltip) in COLUMNS {
+                ui.label(RichText::new(title).size(12.0).weak()).on_hover_text(tooltip);
             }
             ui.end_row();
-        }
-    });
+            for (side, d) in ["Left", "Right"].into_iter().zip(distortion) {
+                ui.weak(side);
+                ui.label(d.orthogonality.map_or("-".into(), |angle| format!("{angle:.1}°")));
+                ui.label(d.aspect_ratio.map_or("-".into(), |ratio| format!("{ratio:.3}")));
+                for share in [d.cut, d.shrunk, d.stretched] {
+                    ui.label(format!("{:.0} %", 100.0 * share));
+                }
+                ui.end_row();
+            }
+        },
+    );
 }
 
 #[cfg(test)]

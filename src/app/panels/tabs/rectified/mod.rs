@@ -5,11 +5,12 @@ mod figures;
 mod pictures;
 mod sheet;
 
-use egui::{Rect, RichText, Ui, UiBuilder, vec2};
+use egui::{RichText, Ui, UiBuilder, Vec2, vec2};
 
 use super::super::{busy, command_button};
 use super::{Tab, empty};
 use crate::app::command::Command;
+use crate::app::rectified::RectifiedCommand;
 use crate::app::scene::Scene;
 use crate::app::theme;
 use crate::rectify::{Method, RectifyError};
@@ -27,10 +28,16 @@ pub const TAB: Tab = Tab {
 
 /// Width of the figures beside the pictures, screen points.
 const FIGURES: f32 = 316.0;
+/// Half of the space between the pictures and the figures.
+const GAP: Vec2 = vec2(theme::GAP / 2.0, 3.0);
+/// Height of the figures below the pictures.
+const FIGURES_BELOW: f32 = 156.0;
+/// A panel as high as this has the figures below the pictures, which are wider than high.
+const HIGH: f32 = 340.0;
 
 fn tools(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
     let can_export = scene.shown().is_some() && scene.writing.is_none();
-    command_button(ui, Command::ShowExport, can_export, commands);
+    command_button(ui, Command::Rectified(RectifiedCommand::ShowExport), can_export, commands);
     if scene.rectifying {
         busy::show(ui);
     }
@@ -56,16 +63,20 @@ fn show(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
         Err(error) => failure(ui, scene, error, commands),
         Ok(drawn) => {
             let area = ui.available_rect_before_wrap();
-            let split = area.max.x - FIGURES;
-            let left = Rect::from_min_max(area.min, egui::pos2(split - theme::GAP, area.max.y));
-            let right = Rect::from_min_max(egui::pos2(split, area.min.y), area.max);
-            if left.width() > 60.0 {
-                ui.scope_builder(UiBuilder::new().max_rect(left).id_salt("pictures"), |ui| {
+            let below = area.height() > HIGH;
+            let (pictures, figures) = if below {
+                area.split_top_bottom_at_y(area.max.y - FIGURES_BELOW)
+            } else {
+                area.split_left_right_at_x(area.max.x - FIGURES)
+            };
+            let (pictures, figures) = (pictures.shrink2(GAP), figures.shrink2(GAP));
+            if pictures.width() > 60.0 {
+                ui.scope_builder(UiBuilder::new().max_rect(pictures).id_salt("pictures"), |ui| {
                     pictures::show(ui, scene, drawn, commands);
                 });
             }
-            ui.scope_builder(UiBuilder::new().max_rect(right).id_salt("figures"), |ui| {
-                figures::show(ui, scene, rectified, drawn, commands);
+            ui.scope_builder(UiBuilder::new().max_rect(figures).id_salt("figures"), |ui| {
+                figures::show(ui, below, scene, rectified, drawn, commands);
             });
         }
     }
@@ -78,9 +89,14 @@ fn failure(ui: &mut Ui, scene: &Scene, error: &RectifyError, commands: &mut Vec<
     ui.label(RichText::new(format!("{}.", sentence(&error.to_string()))).color(color));
     if scene.document.rectification == Method::Planar {
         let polar = ui.button("Use the polar method");
-        super::finish_button(ui, polar, Command::SetRectification(Method::Polar), commands);
+        super::finish_button(
+            ui,
+            polar,
+            Command::Rectified(RectifiedCommand::SetMethod(Method::Polar)),
+            commands,
+        );
     }
-    ui.add_space(vec2(0.0, 6.0).y);
+    ui.add_space(6.0);
     ui.horizontal(|ui| figures::method_chooser(ui, scene, commands));
 }
 

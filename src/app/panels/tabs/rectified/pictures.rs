@@ -10,7 +10,7 @@ use crate::app::document::Side;
 use crate::app::focus::Target;
 use crate::app::panes::halves;
 use crate::app::panes::navigation::zoom_asked;
-use crate::app::rectified::{Drawn, Layout, RectifiedView, Sheet};
+use crate::app::rectified::{Drawn, Layout, RectifiedCommand, RectifiedView, Sheet};
 use crate::app::scene::Scene;
 use crate::app::theme;
 
@@ -74,7 +74,7 @@ pub fn show(ui: &mut Ui, scene: &Scene, drawn: &Drawn, commands: &mut Vec<Comman
     let row = match (hovered, scene.hover) {
         (Some((sheet, at)), _) => {
             commands.push(Command::PointAt(Target::Rectified { side: sheet.side(), at }));
-            Some(Row::under_cursor(drawn, sheet.side(), at))
+            Some(Row::under_cursor(scene, drawn, sheet.side(), at))
         }
         (None, Some(hover)) => Row::of_original(drawn, hover.side, hover.point),
         (None, None) => None,
@@ -109,7 +109,7 @@ fn arranged(ui: &Ui, scene: &Scene) -> Vec<(Sheet, Rect)> {
 fn look(ui: &Ui, place: &Place, scene: &Scene, drawn: &Drawn) -> Option<Command> {
     let Place { rect, response, .. } = place;
     if response.double_clicked() {
-        return Some(Command::ViewRectified(None));
+        return Some(Command::Rectified(RectifiedCommand::View(None)));
     }
     let frame = drawn.frame();
     let before = scene.viewing.view(frame, *rect);
@@ -123,5 +123,6 @@ fn look(ui: &Ui, place: &Place, scene: &Scene, drawn: &Drawn) -> Option<Command>
     } else if response.hovered() {
         ui.ctx().set_cursor_icon(CursorIcon::Crosshair);
     }
-    (view != before).then_some(Command::ViewRectified(Some(RectifiedView { frame, view })))
+    (view != before)
+        .then_some(Command::Rectified(RectifiedCommand::View(Some(RectifiedView { frame, view }))))
 }

@@ -1,5 +1,7 @@
 //! What is drawn over a rectified picture: guide lines, the row of the cursor, the point pairs.
 
+use std::fmt::Write;
+
 use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Shape, Stroke, vec2};
 
 use crate::app::document::{Role, Side};
@@ -26,13 +28,15 @@ pub struct Row {
 
 impl Row {
     /// Of a place in a rectified picture.
-    pub fn under_cursor(drawn: &Drawn, side: Option<Side>, at: Point) -> Self {
-        let originals = Side::BOTH.into_iter().filter(|own| side.is_none_or(|side| side == *own));
-        let places = originals.filter_map(|own| {
-            let point = drawn.shown.maps[own.index()].original_from_rectified(at)?;
-            Some(format!("{} image ({:.1}, {:.1})", own.name(), point.x, point.y))
-        });
-        let text = format!("Row {:.0}, {}", row_number(drawn, at.y), places.collect::<Vec<_>>().join(", "));
+    pub fn under_cursor(scene: &Scene, drawn: &Drawn, side: Option<Side>, at: Point) -> Self {
+        let mut text = format!("Row {:.0}", row_number(drawn, at.y));
+        for own in Side::BOTH.into_iter().filter(|own| side.is_none_or(|side| side == *own)) {
+            let point = drawn.shown.maps[own.index()].original_from_rectified(at);
+            let frame = scene.document.frame(own);
+            if let Some(point) = point.filter(|point| frame.is_some_and(|frame| frame.contains(*point))) {
+                let _ = write!(text, ", {} image ({:.1}, {:.1})", own.name(), point.x, point.y);
+            }
+        }
         Self { at, side, text }
     }
 

@@ -1,0 +1,354 @@
+//! The rectified pair: pictures, rows linked with the images, layouts, measures, export.
+
+use crate::support::*;
+
+use egui::accesskit::Role;
+use egui::{Color32, Key, Modifiers, PointerButton, Pos2, Rect, Shape, vec2};
+use egui_kittest::kittest::Queryable;
+use epiline::app::Services;
+use epiline::app::Start;
+use epiline::app::document::Side;
+use epiline::app::focus::Target;
+use epiline::app::rectified::Layout;
+use epiline::estimate::{CancelFlag, Estimate};
+use epiline::geometry::{Frame, FundamentalMatrix, Point, Vector};
+use epiline::rectify::{Limits, Method, Rectification, rectify};
+use epiline::synthetic::Sample;
+use nalgebra::Vector3;
+
+const CURSOR: Color32 = Color32::from_rgb(240, 228, 66);
+const GUIDE: Color32 = Color32::from_rgba_premultiplied(118, 82, 0, 131);
+
+/// The estimator finds this F, whatever is clicked.
+fn finding(fundamental: FundamentalMatrix) -> Services {
+    Services {
+        estimate: Box::new(move |request, _| Ok(Estimate::of(fundamental, &request.parameters))),
+        ..services()
+    }
+}
+
+/// The sample with its true geometry and the rectified pair in the enlarged panel.
+fn rectified() -> (Window, Rectification) {
+    let sample = Sample::Courtyard.load();
+    let mut window = window(Start::default(), finding(sample.fundamental));
+    window.get_by_label("Show me").click();
+    settle(&mut window);
+    press(&mut window, Key::Num6);
+    let frames = sample.pictures.each_ref().map(epiline::image::Picture::frame);
+    let found = rectify(&sample.fundamental, frames, &sample.matches, Method::Auto, &Limits::default());
+    (window, found.unwrap())
+}
+
+fn press(window: &mut Window, key: Key) {
+    window.key_press(key);
+    settle(window);
+}
+
+fn picture(window: &Window, name: &str) -> Rect {
+    window.get_by_label(name).rect()
+}
+
+const LEFT: &str = "rectified left picture";
+const RIGHT: &str = "rectified right picture";
+
+/// Where a pixel of a rectified picture that is shown whole appears.
+fn place(rect: Rect, size: Frame, at: Point) -> Pos2 {
+    let scale = ((rect.width() - 12.0) / size.width as f32).min((rect.height() - 12.0) / size.height as f32);
+    let offset = at - size.centre();
+    rect.center() + vec2(offset.x as f32, offset.y as f32) * scale
+}
+
+/// The heights of horizontal lines of a colour across a picture.
+fn rows(window: &Window, rect: Rect, color: Color32) -> Vec<f32> {
+    let inside =
+        window.output().shapes.iter().filter(|clipped| rect.expand(1.0).contains_rect(clipped.clip_rect));
+    inside
+        .filter_map(|clipped| match &clipped.shape {
+            Shape::LineSegment { points: [a, b], stroke }
+                if stroke.color == color && (a.y - b.y).abs() < 1e-6 =>
+            {
+                Some(a.y)
+            }
+            _ => None,
+        })
+        .collect()
+}
+
+/// Where the picture is drawn within its place.
+fn drawn(window: &Window, rect: Rect) -> Rect {
+    let inside =
+        window.output().shapes.iter().filter(|clipped| rect.expand(1.0).contains_rect(clipped.clip_rect));
+    let meshes = inside.filter_map(|clipped| match &clipped.shape {
+        Shape::Mesh(mesh) => Some(mesh.calc_bounds()),
+        _ => None,
+    });
+    meshes.reduce(Rect::union).expect("a picture").translate(-rect.min.to_vec2())
+}
+
+#[test]
+fn the_pair_is_made_once_there_is_a_geometry_and_measured() {
+    let mut empty = sample();
+    press(&mut empty, Key::Num6);
+    empty.get_by_label_contains("appear here once there are enough point pairs");
+    let (mut window, found) = rectified();
+    assert_eq!(picture(&window, LEFT).size(), picture(&window, RIGHT).size());
+    window.get_by_label_contains("Planar, because the epipoles lie well outside both images");
+    window.get_by_label_contains("over 2 clicked pairs");
+    window.get_by_label(&format!("{} × {} px", found.size.width, found.size.height));
+    // With the ground truth all its matches count.
+    press(&mut window, Key::G);
+    let matches = found.measures.rows.unwrap();
+    window.get_by_label_contains(&format!("over {} true matches", matches.matches));
+    window.get_by_label_contains("Left x − right x is ");
+}
+
+#[test]
+fn a_place_in_a_rectified_picture_is_a_pixel_and_a_line_in_both_images() {
+    let (mut window, found) = rectified();
+    for (which, side, name) in [(0, Side::Left, LEFT), (1, Side::Right, RIGHT)] {
+        let at = Point::new(0.4 * found.size.width as f64, 0.3 * found.size.height as f64);
+        window.hover_at(place(picture(&window, name), found.size, at));
+        settle(&mut window);
+        let Some(Target::Rectified { side: hovered, at }) = window.state().focus().hovered() else {
+            panic!("nothing is pointed at");
+        };
+        assert_eq!(hovered, Some(side));
+        // The same row in both pictures.
+        for other in [LEFT, RIGHT] {
+            let rect = picture(&window, other);
+            let expected = place(rect, found.size, at).y;
+            let drawn = rows(&window, rect, CURSOR);
+            assert!(drawn.iter().any(|y| (y - expected).abs() < 0.6), "{drawn:?} not {expected} in {other}");
+        }
+        // The epipolar lines of the pixel it comes from, and that pixel.
+        let original = found.maps[which].original_from_rectified(at).unwrap();
+        for other in Side::BOTH {
+            let lines = lines(&window, other, CURSOR);
+            assert_eq!(lines.len(), 1, "in the {} image", other.name());
+            let map = &found.maps[other.index()];
+            for end in lines[0] {
+                let y = map.rectified_from_original(image_of(&window, other, end)).map(|p| p.y);
+                // Only ends inside the picture have a row.
+                assert!(y.is_none_or(|y| (y - at.y).abs() < 1.0), "{y:?} not {}", at.y);
+            }
+        }
+        let expected = screen_of(&window, side, original);
+        assert!(rings(&window, side).any(|centre| centre.distance(expected) < 0.6));
+    }
+}
+
+/// Where in an image that is shown whole a place of the screen is.
+fn image_of(window: &Window, side: Side, at: Pos2) -> Point {
+    let offset = (at - pane(window, side).center()) / fitting_scale(window, side);
+    window.state().document().frame(side).unwrap().centre()
+        + Vector::new(f64::from(offset.x), f64::from(offset.y))
+}
+
+/// The centres of white rings over an image.
+fn rings(window: &Window, side: Side) -> impl Iterator<Item = Pos2> {
+    let pane = pane(window, side);
+    window.output().shapes.iter().filter_map(move |clipped| match &clipped.shape {
+        Shape::Circle(circle) if circle.stroke.color == Color32::WHITE && pane.contains(circle.center) => {
+            Some(circle.center)
+        }
+        _ => None,
+    })
+}
+
+#[test]
+fn a_place_in_an_image_marks_its_row_in_both_rectified_pictures() {
+    let (mut window, found) = rectified();
+    for side in Side::BOTH {
+        let cursor = at(&window, side, 0.1, 0.15);
+        window.hover_at(cursor);
+        settle(&mut window);
+        let row = found.maps[side.index()].rectified_from_original(image_of(&window, side, cursor)).unwrap();
+        for name in [LEFT, RIGHT] {
+            let rect = picture(&window, name);
+            let expected = place(rect, found.size, row).y;
+            let drawn = rows(&window, rect, CURSOR);
+            assert!(drawn.iter().any(|y| (y - expected).abs() < 0.6), "{drawn:?} not {expected} in {name}");
+        }
+    }
+}
+
+#[test]
+fn both_pictures_zoom_and_move_together_and_a_double_click_shows_them_whole() {
+    let (mut window, _) = rectified();
+    let whole = drawn(&window, picture(&window, LEFT));
+    let cursor = picture(&window, LEFT).center() + vec2(20.0, 10.0);
+    window.hover_at(cursor);
+    window.event(egui::Event::MouseWheel {
+        unit: egui::MouseWheelUnit::Point,
+        delta: vec2(0.0, 150.0),
+        phase: egui::TouchPhase::Move,
+        source: egui::MouseWheelSource::Wheel,
+        modifiers: Modifiers::NONE,
+    });
+    for _ in 0..10 {
+        window.step();
+    }
+    settle(&mut window);
+    let both = |window: &Window| [LEFT, RIGHT].map(|name| drawn(window, picture(window, name)));
+    let [left, right] = both(&window);
+    assert!(left.width() > 1.5 * whole.width());
+    assert!((left.min - right.min).length() < 0.1 && (left.size() - right.size()).length() < 0.1);
+    drag(&mut window, cursor, cursor + vec2(-60.0, -30.0), PointerButton::Primary);
+    let [moved, other] = both(&window);
+    assert!(moved.min.x < left.min.x - 30.0 && moved.min.y < left.min.y - 10.0);
+    assert!((moved.min - other.min).length() < 0.1);
+    let at = picture(&window, RIGHT).center();
+    for _ in 0..2 {
+        button(&window, at, PointerButton::Primary, true);
+        button(&window, at, PointerButton::Primary, false);
+    }
+    settle(&mut window);
+    let [left, _] = both(&window);
+    assert!((left.min - whole.min).length() < 0.1, "{left:?} not {whole:?}");
+    assert_eq!(window.state().document().pairs.len(), 2, "no point was placed");
+}
+
+#[test]
+fn pictures_take_turns_by_key_or_are_both_in_one_and_the_choice_is_kept() {
+    let (mut window, _) = rectified();
+    window.get_by_label("Anaglyph").click();
+    settle(&mut window);
+    window.get_by_label("anaglyph of the rectified pair");
+    assert!(window.query_by_label(LEFT).is_none());
+    let look = window.state().look().clone();
+    assert_eq!(look.rectified.layout, Layout::Anaglyph);
+    let text = serde_json::to_string(&look).unwrap();
+    assert_eq!(serde_json::from_str::<epiline::app::look::Look>(&text).unwrap(), look);
+    press(&mut window, Key::X);
+    window.get_by_label(LEFT);
+    assert!(window.query_by_label(RIGHT).is_none());
+    press(&mut window, Key::X);
+    window.get_by_label(RIGHT);
+    assert!(window.query_by_label(LEFT).is_none());
+    window.get_by_label("Swap").click();
+    settle(&mut window);
+    window.get_by_label(LEFT);
+    // By the clock, both come in turn.
+    window.get_by_role_and_label(Role::CheckBox, "auto").click();
+    window.step();
+    let mut seen = [false; 2];
+    for _ in 0..60 {
+        window.step();
+        seen = [
+            seen[0] | window.query_by_label(LEFT).is_some(),
+            seen[1] | window.query_by_label(RIGHT).is_some(),
+        ];
+    }
+    assert_eq!(seen, [true, true]);
+}
+
+#[test]
+fn guide_lines_are_at_the_same_rows_and_can_be_hidden() {
+    let (mut window, _) = rectified();
+    let guides = |window: &Window, name| {
+        let rect = picture(window, name);
+        rows(window, rect, GUIDE).iter().map(|y| y - rect.min.y).collect::<Vec<_>>()
+    };
+    let left = guides(&window, LEFT);
+    assert!(left.len() >= 3, "{left:?}");
+    assert_eq!(left, guides(&window, RIGHT));
+    window.get_by_role(Role::ComboBox).click();
+    settle(&mut window);
+    window.get_by_label("None").click();
+    settle(&mut window);
+    assert!(guides(&window, LEFT).is_empty());
+}
+
+#[test]
+fn an_epipole_inside_forbids_planar_and_polar_is_one_press_away() {
+    let inside = Vector3::new(320.0, 240.0, 1.0);
+    let forward = FundamentalMatrix::from_rank_two(inside.cross_matrix()).unwrap();
+    let mut window = window(Start::default(), finding(forward));
+    window.get_by_label("Show me").click();
+    settle(&mut window);
+    press(&mut window, Key::Num6);
+    window.get_by_label_contains("Polar, because the epipole lies inside image 1");
+    window.get_by_label("Planar").click();
+    settle(&mut window);
+    assert_eq!(window.state().document().rectification, Method::Planar);
+    window
+        .get_by_label_contains("Planar rectification is impossible, because the epipole lies inside image 1");
+    window.get_by_label("Use the polar method").click();
+    settle(&mut window);
+    assert_eq!(window.state().document().rectification, Method::Polar);
+    window.get_by_label_contains("Polar, because it was asked for");
+    window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    settle(&mut window);
+    assert_eq!(window.state().document().rectification, Method::Planar, "a step to undo");
+}
+
+#[test]
+fn the_panel_can_take_most_of_the_window() {
+    let (mut window, _) = rectified();
+    let small = picture(&window, LEFT).height();
+    window.get_by_label("Enlarge").click();
+    settle(&mut window);
+    assert!(picture(&window, LEFT).height() > small + 100.0);
+    window.key_press_modifiers(Modifiers::SHIFT, Key::B);
+    settle(&mut window);
+    assert!((picture(&window, LEFT).height() - small).abs() < 1.0);
+}
+
+#[test]
+fn the_pair_is_exported_at_full_size_with_what_was_chosen() {
+    let (mut window, found) = rectified();
+    let folder = tempfile::tempdir().unwrap();
+    let into = folder.path().join("pair");
+    window.key_press_modifiers(Modifiers::COMMAND | Modifiers::SHIFT, Key::E);
+    settle(&mut window);
+    window.event(egui::Event::Text(into.display().to_string()));
+    settle(&mut window);
+    window.get_by_role_and_label(Role::RadioButton, "TIFF").click();
+    window
+        .get_by_role_and_label(Role::CheckBox, "Where each pixel comes from, as .npy arrays for cv2.remap")
+        .click();
+    settle(&mut window);
+    window.get_by_label("Export this pair").click();
+    settle(&mut window);
+    window.get_by_label_contains("The rectified pair is in ");
+    assert!(window.query_by_label("Export this pair").is_none(), "the window for it is closed");
+    for name in
+        ["left.tiff", "right.tiff", "stacked.tiff", "left-map.npy", "right-map.npy", "rectification.json"]
+    {
+        assert!(into.join(name).is_file(), "{name}");
+    }
+    let original = Sample::Courtyard.load().pictures[1].pixels.clone();
+    let expected = found.warp(1, &original, &CancelFlag::default()).unwrap();
+    assert_eq!(image::open(into.join("right.tiff")).unwrap().to_rgba8(), expected.to_rgba8());
+}
+
+#[test]
+fn an_export_that_fails_is_a_sentence() {
+    let (mut window, _) = rectified();
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("file");
+    std::fs::write(&file, "in the way").unwrap();
+    window.get_by_label("Export").click();
+    settle(&mut window);
+    window.event(egui::Event::Text(file.display().to_string()));
+    settle(&mut window);
+    press(&mut window, Key::Enter);
+    window.get_by_label_contains("there is a file of that name. Correct it, or choose another folder.");
+}
+
+#[test]
+fn the_rectified_pair_follows_the_geometry_that_is_shown() {
+    let mut window = window(Start::default(), rich_services());
+    click_two_pairs(&mut window);
+    press(&mut window, Key::Num6);
+    let line = |window: &Window| {
+        let node = window.get_by_label_contains("Left x − right x is");
+        format!("{node:?}")
+    };
+    let result = line(&window);
+    press(&mut window, Key::Num4);
+    window.get_by_label("Hypothesis 3").click();
+    settle(&mut window);
+    press(&mut window, Key::Num6);
+    assert_ne!(line(&window), result);
+}
