@@ -39,10 +39,10 @@ impl What {
     pub fn name(self) -> &'static str {
         match self {
             Self::Geometry => "Geometry",
-            Self::Pairs => "Point pairs",
+            Self::Pairs => "Pairs alone",
             Self::Report => "Report",
             Self::Profile => "Profile",
-            Self::View => "View",
+            Self::View => "Picture",
         }
     }
 
