@@ -198,9 +198,22 @@ impl<'a> Scene<'a> {
     /// Two epipolar lines of the geometry shown, directed alike.
     fn corresponding(&self, line1: &Line, line2: &Line) -> Option<[AnchoredLine; 2]> {
         let turn = self.own_construction().map_or(0.0, Construction::turn);
-        let clicks = *self.document.used_pairs()?.first_chunk::<2>()?;
-        let own = Construction::of(self.shown()?.fundamental, clicks, turn)?;
+        let f = self.shown()?.fundamental;
+        let used = self.document.used_pairs().and_then(|pairs| pairs.first_chunk::<2>().copied());
+        let own = Construction::of(f, used.or_else(|| self.stand_in_clicks(f))?, turn)?;
         own.corresponding(line1, line2).map(|(line1, line2)| [line1, line2])
+    }
+
+    /// Pairs that fit a geometry of which nobody clicked any: two places of the left image and the nearest points of
+    /// their epipolar lines, as if the cameras had hardly moved. They only tell which ends of two lines belong
+    /// together and from where to count along them.
+    fn stand_in_clicks(&self, f: &FundamentalMatrix) -> Option<[PointPair; 2]> {
+        let [upper, _, lower, _] = self.document.frame(Side::Left)?.corners();
+        let pair = |share: f64| {
+            let point1 = upper + (lower - upper) * share;
+            Some(PointPair { point1, point2: f.line2_from_point1(point1)?.foot(point1) })
+        };
+        Some([pair(0.3)?, pair(0.65)?])
     }
 
     /// The second point that Enter places: the suggested match, if it is clear.

@@ -102,6 +102,13 @@ fn a_transposed_matrix_is_recognised_before_it_is_drawn() {
     window.step();
     window.step();
     assert!(!lines(&window, Side::Right, HOVER).is_empty());
+    window.key_press(Key::I);
+    let place = at(&window, Side::Left, 0.1, 0.1);
+    click(&mut window, place);
+    let pinned = window.state().focus().pins()[0].color;
+    assert!(!lines(&window, Side::Right, pinned).is_empty(), "its lines can be pinned");
+    window.key_press(Key::Escape);
+    settle(&mut window);
     undo(&mut window);
     assert_eq!(imported(&window), None);
     window.key_press_modifiers(Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);

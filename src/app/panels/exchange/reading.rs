@@ -9,7 +9,7 @@ use crate::app::theme;
 use crate::convention::{ConventionCheck, FEWEST_MATCHES};
 
 /// Readings that are listed; the one as the file has it comes in addition.
-const LISTED: usize = 6;
+const LISTED: usize = 5;
 
 /// What was found in a file and what has been chosen.
 #[derive(Debug, Clone)]
@@ -52,7 +52,7 @@ impl ReadingDialog {
             .resizable(false)
             .anchor(Align2::CENTER_CENTER, vec2(0.0, -40.0))
             .show(ctx, |ui| {
-                ui.set_width(600.0);
+                ui.set_width(680.0);
                 let Found { name, format, .. } = &self.found;
                 ui.weak(format!("A fundamental matrix from {name}, read as {}.", format.label()));
                 ui.add_space(6.0);
@@ -137,7 +137,7 @@ fn readings(ui: &mut Ui, check: &ConventionCheck, chosen: &mut usize) {
         ui.end_row();
         for place in (0..listed).chain(behind) {
             let ranked = &check.readings[place];
-            ui.radio_value(chosen, place, ranked.reading.to_string());
+            ui.radio_value(chosen, place, ranked.reading.brief()).on_hover_text(ranked.reading.to_string());
             ui.label(pixels(ranked.median));
             ui.label(format!("{:.0} %", 100.0 * ranked.within));
             let note = match (place, ranked.told_apart) {
