@@ -36,7 +36,7 @@ impl ExchangeCommand {
     /// What it is called on buttons and in lists.
     pub fn name(&self) -> &'static str {
         match self {
-            Self::ShowExport => "Export",
+            Self::ShowExport => "Export…",
             Self::BrowseExport(_) | Self::BrowseImport => "Browse",
             Self::Export(_) => "Export this",
             Self::Import(_) => "Import",

@@ -83,7 +83,9 @@ fn point_columns(contestants: &[Contestant]) -> Vec<Column> {
             Contestant::Imported => ("Imported", "Distance from the imported geometry, px."),
             Contestant::Truth => ("Truth", "Distance from the true geometry, px."),
         };
-        Column { title, tooltip, width: 72.0, is_text: false }
+        // A longer name than the others have.
+        let width = if *contestant == Contestant::Imported { 86.0 } else { 72.0 };
+        Column { title, tooltip, width, is_text: false }
     };
     std::iter::once(point).chain(contestants.iter().map(distance)).collect()
 }
