@@ -9,8 +9,10 @@ use crate::convention::{ConventionCheck, FEWEST_MATCHES, check_convention};
 use crate::geometry::{Frame, FundamentalMatrix, PointPair};
 use crate::io::{Format, GeometryFile, read_camera};
 
-/// Pairs that are placed, at most: thousands of handles over an image tell nothing, and each costs time.
-const MOST_PAIRS: usize = 2000;
+/// Pairs that are placed, at most: more handles hide the image under them, and each costs time in every frame.
+const MOST_PAIRS: usize = 300;
+/// The first ones are what the geometry is estimated from; they are always among them.
+const FIRST_PAIRS: usize = 3;
 /// Pairs that are named, at most.
 const MOST_NAMED: usize = 5;
 
@@ -185,7 +187,7 @@ fn on_the_images(pairs: &[PointPair], frames: [Frame; 2], name: &str) -> (Vec<Po
     let lies_on = |pair: &PointPair| frames[0].contains(pair.point1) && frames[1].contains(pair.point2);
     let outside: Vec<usize> = (0..pairs.len()).filter(|k| !lies_on(&pairs[*k])).collect();
     let inside: Vec<PointPair> = pairs.iter().copied().filter(lies_on).collect();
-    let stride = inside.len().div_ceil(MOST_PAIRS).max(1);
+    let stride = inside.len().saturating_sub(FIRST_PAIRS).div_ceil(MOST_PAIRS - FIRST_PAIRS).max(1);
     let mut sentences = Vec::new();
     if !outside.is_empty() {
         let mut numbers: Vec<String> =
@@ -202,12 +204,13 @@ fn on_the_images(pairs: &[PointPair], frames: [Frame; 2], name: &str) -> (Vec<Po
     }
     if stride > 1 {
         sentences.push(format!(
-            "{name} has {} point pairs on the images; one in {stride} was taken, which is as many as can be worked with.",
+            "{name} has {} point pairs on the images, more than can be looked at: the first {FIRST_PAIRS} and one in {stride} of the others were placed.",
             inside.len()
         ));
     }
     let note = (!sentences.is_empty()).then(|| sentences.join(" "));
-    (inside.into_iter().step_by(stride).collect(), note)
+    let first = inside.iter().take(FIRST_PAIRS);
+    (first.chain(inside.iter().skip(FIRST_PAIRS).step_by(stride)).copied().collect(), note)
 }
 
 #[cfg(test)]
@@ -227,9 +230,10 @@ mod tests {
             "1 of the 3 point pairs of m.csv lie outside the images and were left out: number 2."
         );
         assert_eq!(on_the_images(&[inside; 2], frames, "m.csv").1, None);
-        let (kept, note) = on_the_images(&vec![inside; 5001], frames, "m.csv");
-        assert_eq!(kept.len(), 1667);
-        assert!(note.unwrap().contains("one in 3 was taken"));
+        let (kept, note) = on_the_images(&vec![inside; 600], frames, "m.csv");
+        assert_eq!(kept.len(), 3 + 199);
+        assert!(note.unwrap().contains("the first 3 and one in 3 of the others"));
+        assert_eq!(on_the_images(&vec![inside; 300], frames, "m.csv").0.len(), 300);
         let (_, note) = on_the_images(&[PointPair::new(-9.0, 0.0, 0.0, 0.0); 8], frames, "m.csv");
         assert!(note.unwrap().ends_with("number 4, number 5, 3 more."));
     }
