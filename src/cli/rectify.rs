@@ -98,11 +98,15 @@ fn summary(r: &Rectification, files: &RectifiedFiles) -> String {
     let mut text = format!("Method: {}, because {}\n", r.method.name(), r.reason);
     let _ = writeln!(text, "Pictures: {} x {} px", r.size.width, r.size.height);
     if let Some(rows) = r.measures.rows {
-        let _ = writeln!(
+        let _ = write!(
             text,
             "Rows: {} matches differ by {:.3} px on average, {:.3} px at most; disparity {:.0} to {:.0} px",
             rows.matches, rows.mean, rows.max, rows.disparity[0], rows.disparity[1]
         );
+        if rows.far_off > 0 {
+            let _ = write!(text, " without {} that are far off all others", rows.far_off);
+        }
+        text.push('\n');
     }
     for (name, distortion) in ["Left", "Right"].iter().zip(&r.measures.distortion) {
         let _ = writeln!(text, "{name}: {}", shape(distortion));

@@ -4,6 +4,7 @@ use nalgebra::Matrix2;
 use serde::Serialize;
 
 use super::map::ImageMap;
+use super::outline::{diagonals, middle_lines};
 use crate::geometry::{Frame, Point, PointPair, Vector};
 
 /// Points a side of the grid on which areas are compared.
@@ -156,23 +157,6 @@ fn area_factor(map: &ImageMap, q: Point) -> Option<f64> {
     let dy = (at(q.x, q.y + half)? - at(q.x, q.y - half)?) / (2.0 * half);
     let original_per_rectified = Matrix2::from_columns(&[dx, dy]).determinant();
     Some(1.0 / original_per_rectified.abs())
-}
-
-/// From the middle of the left side to that of the right one, and from the middle of the upper side to that of the
-/// lower one, where a map takes them.
-pub(super) fn middle_lines(frame: Frame, map: impl Fn(Point) -> Option<Point>) -> Option<[Vector; 2]> {
-    let c = frame.centre();
-    let left = map(Point::new(0.0, c.y))?;
-    let right = map(Point::new(frame.right(), c.y))?;
-    let top = map(Point::new(c.x, 0.0))?;
-    let bottom = map(Point::new(c.x, frame.bottom()))?;
-    Some([right - left, bottom - top])
-}
-
-/// The diagonals from the top left and from the top right corner, where a map takes them.
-fn diagonals(frame: Frame, map: impl Fn(Point) -> Option<Point>) -> Option<[Vector; 2]> {
-    let [a, b, c, d] = frame.corners().map(map);
-    Some([c? - a?, d? - b?])
 }
 
 #[cfg(test)]

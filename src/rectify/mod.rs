@@ -16,6 +16,7 @@ mod error;
 mod extent;
 mod map;
 mod measures;
+mod outline;
 mod planar;
 mod polar;
 mod presentation;

@@ -282,7 +282,7 @@ fn projective(w: &Vector3<f64>) -> Matrix3<f64> {
 /// The shear along the rows that makes the middle lines of an image perpendicular again and their lengths as those
 /// of the image (Loop & Zhang, section 7).
 fn shear(map_so_far: &Matrix3<f64>, frame: Frame) -> Option<Matrix3<f64>> {
-    let [x, y] = super::measures::middle_lines(frame, |p| map(map_so_far, p))?;
+    let [x, y] = super::outline::middle_lines(frame, |p| map(map_so_far, p))?;
     let (w, h) = (frame.right(), frame.bottom());
     let area = h * w * (x.y * y.x - x.x * y.y);
     let a = (h * h * x.y * x.y + w * w * y.y * y.y) / area;

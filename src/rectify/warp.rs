@@ -31,24 +31,27 @@ pub(super) fn warp(
     })
 }
 
-/// One value of a pixel.
+/// One value of a pixel. Positions are `f64`; values mix in `f32`, which holds 16 bits and more.
 trait Sample: image::Primitive + Send + Sync {
     /// What full opacity is.
     const OPAQUE: Self;
     /// As a number.
-    fn number(self) -> f64;
+    fn number(self) -> f32;
     /// The nearest value.
-    fn nearest(number: f64) -> Self;
+    fn nearest(number: f32) -> Self;
 }
 
 macro_rules! whole_numbers {
     ($($t:ty),*) => { $(impl Sample for $t {
         const OPAQUE: Self = <$t>::MAX;
-        fn number(self) -> f64 {
-            f64::from(self)
+        #[inline]
+        fn number(self) -> f32 {
+            f32::from(self)
         }
-        fn nearest(number: f64) -> Self {
-            number.round() as $t
+        #[inline]
+        fn nearest(number: f32) -> Self {
+            // Never negative here: adding a half and cutting off is rounding, and far quicker.
+            (number + 0.5) as $t
         }
     })* };
 }
@@ -56,11 +59,13 @@ whole_numbers!(u8, u16);
 
 impl Sample for f32 {
     const OPAQUE: Self = 1.0;
-    fn number(self) -> f64 {
-        f64::from(self)
+    #[inline]
+    fn number(self) -> f32 {
+        self
     }
-    fn nearest(number: f64) -> Self {
-        number as f32
+    #[inline]
+    fn nearest(number: f32) -> Self {
+        number
     }
 }
 
@@ -83,10 +88,11 @@ impl Job<'_> {
     {
         let samples: &[P::Subpixel] = original.as_raw();
         self.draw::<P::Subpixel, M>(|cell| {
+            let corners = cell.corners::<P::Subpixel, N>(samples);
+            let weights = cell.weights();
             let mut out = [P::Subpixel::OPAQUE; M];
             for (c, value) in out.iter_mut().take(N).enumerate() {
-                let mixed: f64 =
-                    cell.corners.iter().map(|(i, weight)| samples[i * N + c].number() * weight).sum();
+                let mixed: f32 = (0..4).map(|k| corners[k][c].number() * weights[k]).sum();
                 *value = P::Subpixel::nearest(mixed);
             }
             out
@@ -103,15 +109,16 @@ impl Job<'_> {
     {
         let samples: &[P::Subpixel] = original.as_raw();
         self.draw::<P::Subpixel, N>(|cell| {
+            let corners = cell.corners::<P::Subpixel, N>(samples);
+            let mut weights = cell.weights();
+            for (weight, corner) in weights.iter_mut().zip(corners) {
+                *weight *= corner[N - 1].number();
+            }
+            let alpha: f32 = weights.iter().sum();
             let mut out = [P::Subpixel::nearest(0.0); N];
-            let alpha: f64 = cell.corners.iter().map(|(i, w)| samples[i * N + N - 1].number() * w).sum();
             if alpha > 0.0 {
                 for (c, value) in out.iter_mut().take(N - 1).enumerate() {
-                    let mixed: f64 = cell
-                        .corners
-                        .iter()
-                        .map(|(i, w)| samples[i * N + c].number() * samples[i * N + N - 1].number() * w)
-                        .sum();
+                    let mixed: f32 = (0..4).map(|k| corners[k][c].number() * weights[k]).sum();
                     *value = P::Subpixel::nearest(mixed / alpha);
                 }
                 out[N - 1] = P::Subpixel::nearest(alpha);
@@ -140,9 +147,14 @@ impl Job<'_> {
     }
 }
 
-/// Four neighbouring pixels and their bilinear weights.
+/// Four neighbouring pixels and a position between them.
 struct Cell {
-    corners: [(usize, f64); 4],
+    /// Number of the upper left one.
+    first: usize,
+    /// Pixels from a row to the next.
+    width: usize,
+    /// From the upper left one, 0 to 1.
+    fraction: [f32; 2],
 }
 
 impl Cell {
@@ -154,15 +166,22 @@ impl Cell {
         }
         let (x, y) = (p.x.clamp(0.0, frame.right()), p.y.clamp(0.0, frame.bottom()));
         let (i, j) = ((x as usize).min(frame.width - 2), (y as usize).min(frame.height - 2));
-        let (fx, fy) = (x - i as f64, y - j as f64);
-        let first = j * frame.width + i;
-        Some(Self {
-            corners: [
-                (first, (1.0 - fx) * (1.0 - fy)),
-                (first + 1, fx * (1.0 - fy)),
-                (first + frame.width, (1.0 - fx) * fy),
-                (first + frame.width + 1, fx * fy),
-            ],
-        })
+        let fraction = [(x - i as f64) as f32, (y - j as f64) as f32];
+        Some(Self { first: j * frame.width + i, width: frame.width, fraction })
+    }
+
+    /// The values of the four pixels: upper left and right, lower left and right.
+    #[inline]
+    fn corners<'a, T, const N: usize>(&self, samples: &'a [T]) -> [&'a [T]; 4] {
+        let upper = &samples[self.first * N..][..2 * N];
+        let lower = &samples[(self.first + self.width) * N..][..2 * N];
+        [&upper[..N], &upper[N..], &lower[..N], &lower[N..]]
+    }
+
+    /// Bilinear weights of the four.
+    #[inline]
+    fn weights(&self) -> [f32; 4] {
+        let [x, y] = self.fraction;
+        [(1.0 - x) * (1.0 - y), x * (1.0 - y), (1.0 - x) * y, x * y]
     }
 }

@@ -45,15 +45,18 @@ fn timed(start: Start) -> (Window, Rc<RefCell<Vec<Duration>>>) {
 #[test]
 #[ignore = "it measures and asserts nothing"]
 fn frames_while_dragging() {
-    for everything in [false, true] {
+    let usual = Look::default();
+    let everything = Look { overlays: usual.overlays.map(|_| true), ..Look::default() };
+    let rectified = Look { tab: 5, tabs_enlarged: true, ..Look::default() };
+    for (name, look) in
+        [("as usual", usual), ("every overlay", everything), ("rectified pair enlarged", rectified)]
+    {
         let (mut window, times) = timed(Start::default());
         window.get_by_label("Show me").click();
         settle(&mut window);
-        if everything {
-            let look = Look { overlays: window.state().look().overlays.map(|_| true), ..Look::default() };
-            window.state_mut().set_look(look);
-        }
-        println!("every overlay: {everything}");
+        window.state_mut().set_look(look);
+        window.step();
+        println!("{name}");
         drag_in_circles(&mut window, &times);
     }
 }

@@ -2,6 +2,10 @@
 
 use crate::support::*;
 
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
 use egui::accesskit::Role;
 use egui::{Color32, Key, Modifiers, PointerButton, Pos2, Rect, Shape, vec2};
 use egui_kittest::kittest::Queryable;
@@ -351,4 +355,43 @@ fn the_rectified_pair_follows_the_geometry_that_is_shown() {
     settle(&mut window);
     press(&mut window, Key::Num6);
     assert_ne!(line(&window), result);
+}
+
+#[test]
+fn the_rectified_pair_follows_a_dragged_point_while_the_search_is_held_up() {
+    let held_up = Arc::new(AtomicBool::new(false));
+    let mut services = services();
+    services.estimate = Box::new({
+        let held_up = Arc::clone(&held_up);
+        move |request, _| {
+            while held_up.load(Ordering::Relaxed) {
+                std::thread::sleep(Duration::from_millis(1));
+            }
+            fake_estimate(&request.pairs, &request.parameters)
+        }
+    });
+    services.follow = Box::new(|request, _| fake_estimate(&request.pairs, &request.parameters).ok());
+    let mut window = window(Start::default(), services);
+    click_two_pairs(&mut window);
+    press(&mut window, Key::Num6);
+    let disparities = |window: &Window| format!("{:?}", window.get_by_label_contains("Left x − right x is"));
+    let before = disparities(&window);
+    held_up.store(true, Ordering::Relaxed);
+    let from = screen(&window, P_LEFT);
+    window.hover_at(from);
+    button(&window, from, PointerButton::Primary, true);
+    for step in 1..=5 {
+        window.hover_at(from + vec2(12.0 * step as f32, 0.0));
+        window.step();
+    }
+    let begun = Instant::now();
+    while disparities(&window) == before {
+        assert!(begun.elapsed() < PATIENCE, "the rectified pair does not follow");
+        std::thread::sleep(Duration::from_millis(1));
+        window.step();
+    }
+    assert!(window.state().is_busy(), "the search still goes on");
+    held_up.store(false, Ordering::Relaxed);
+    button(&window, from + vec2(60.0, 0.0), PointerButton::Primary, false);
+    settle(&mut window);
 }

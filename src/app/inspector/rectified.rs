@@ -65,7 +65,7 @@ impl Inspector {
             fundamental: *shown.fundamental,
             matches,
             method: self.document.rectification,
-            moving: !matches!(shown.freshness, Freshness::Final | Freshness::Stopped),
+            moving: shown.freshness == Freshness::Followed || self.hover.is_some_and(|hover| hover.dragging),
         })
     }
 

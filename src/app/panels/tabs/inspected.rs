@@ -13,7 +13,9 @@ use crate::app::scene::Scene;
 const REACH: f64 = 12.0;
 /// Shows it from right to left.
 pub fn tools(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
-    command_button(ui, Command::UnpinAll, !scene.focus.pins().is_empty(), commands);
+    if !scene.focus.pins().is_empty() {
+        command_button(ui, Command::UnpinAll, true, commands);
+    }
     if let Some(number) = scene.focus.inspected_number() {
         command_button(ui, Command::Unpin(number), true, commands);
     }

@@ -40,6 +40,9 @@ pub const TABS: [Tab; 6] =
 /// The line of the headings.
 pub fn headings(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
     ui.horizontal(|ui| {
+        let padding = ui.spacing().button_padding;
+        // Six headings and their tools share a line, in a small window, too.
+        ui.spacing_mut().button_padding.x = 7.0;
         for (number, tab) in TABS.iter().enumerate() {
             let shown = scene.tab == Some(number);
             let response = ui.selectable_label(shown, RichText::new(tab.title).strong());
@@ -47,12 +50,16 @@ pub fn headings(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
         }
         let right_to_left = egui::Layout::right_to_left(egui::Align::Center);
         ui.with_layout(right_to_left, |ui| {
-            let fold = ui.button(if scene.tab.is_some() { "Hide panel" } else { "Show panel" });
+            let fold = ui.button(if scene.tab.is_some() { "Hide" } else { "Show panel" });
             finish_button(ui, fold, Command::FoldTabs, commands);
             if scene.tab.is_some() {
-                let enlarge = ui.button(if scene.look.tabs_enlarged { "Reduce" } else { "Enlarge" });
+                let (sign, name) =
+                    if scene.look.tabs_enlarged { ("▼", "Reduce") } else { ("▲", "Enlarge") };
+                let enlarge = ui.button(sign);
+                enlarge.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, name));
                 finish_button(ui, enlarge, Command::EnlargeTabs, commands);
             }
+            ui.spacing_mut().button_padding = padding;
             if let Some(tab) = scene.tab.and_then(|number| TABS.get(number)) {
                 (tab.tools)(ui, scene, commands);
             }

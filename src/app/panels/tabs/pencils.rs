@@ -25,7 +25,9 @@ pub const TAB: Tab = Tab {
 };
 
 fn tools(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
-    command_button(ui, Command::UnpinAll, !scene.focus.pins().is_empty(), commands);
+    if !scene.focus.pins().is_empty() {
+        command_button(ui, Command::UnpinAll, true, commands);
+    }
     if scene.computation.pencils().is_some() && ui.available_width() > 330.0 {
         legend(ui);
     }

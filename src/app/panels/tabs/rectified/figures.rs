@@ -149,8 +149,8 @@ fn disparity_hint([low, high]: [f64; 2]) -> (String, &'static str) {
     } else {
         "mostly negative, so matching programs that expect positive disparities do better with the two pictures swapped"
     };
-    // A minus sign as wide as the plus sign.
-    let number = |v: f64| format!("{v:.0}").replace('-', "−");
+    // A minus sign as wide as the plus sign, and none before nought.
+    let number = |v: f64| format!("{:.0}", v.round() + 0.0).replace('-', "−");
     let text = format!(
         "Left x − right x is {} to {} px: {sign}. Search {} to {}.",
         number(low),
