@@ -37,7 +37,7 @@ fn worked(files: &Files) -> Window {
     let opening = Opening::Files(files.image("a.png", 64, 48), files.image("b.png", 50, 70));
     let mut all = pairs();
     all.push(PointPair::new(20.0, 20.0, 20.0, 20.0));
-    let mut window = window(Start { opening, pairs: all }, services());
+    let mut window = window(Start { opening, pairs: all, ..Start::default() }, services());
     window.key_press(Key::I);
     let place = at(&window, Side::Left, 0.1, 0.1);
     click(&mut window, place);
@@ -166,7 +166,8 @@ fn with_copies(folder: &Path) -> Services {
 fn unsaved_work_is_offered_after_a_crash() {
     let (files, copies) = (Files::new(), tempfile::tempdir().unwrap());
     let opening = || Opening::Files(files.image("a.png", 64, 48), files.image("b.png", 50, 70));
-    let crashed = window(Start { opening: opening(), pairs: pairs() }, with_copies(copies.path()));
+    let crashed =
+        window(Start { opening: opening(), pairs: pairs(), ..Start::default() }, with_copies(copies.path()));
     let before = made(&crashed);
     // Dropping the window without closing it is what a crash leaves: the copy stays, its lock goes.
     drop(crashed);
@@ -194,7 +195,7 @@ fn unsaved_work_is_offered_after_a_crash() {
 fn what_is_saved_leaves_no_copy() {
     let (files, copies) = (Files::new(), tempfile::tempdir().unwrap());
     let opening = Opening::Files(files.image("a.png", 64, 48), files.image("b.png", 50, 70));
-    let mut first = window(Start { opening, pairs: pairs() }, with_copies(copies.path()));
+    let mut first = window(Start { opening, pairs: pairs(), ..Start::default() }, with_copies(copies.path()));
     save_as(&mut first, &files.0.path().join("work.json"));
     first.state_mut().close();
     drop(first);

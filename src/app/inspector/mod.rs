@@ -4,6 +4,7 @@
 //! and panels return commands), apply these, bring the computation in line with the document.
 
 mod apply;
+mod exchange;
 mod known;
 mod layout;
 mod rectified;
@@ -28,12 +29,13 @@ use super::loader::{Failure, Loader, Opened, Opening, Pair, Source};
 use super::look::{Look, Tool};
 use super::panels::tabs::TABS;
 use super::panels::{
-    CommandPalette, ExportDialog, Message, MessageAction, OpenDialog, RelocateDialog, SaveDialog,
+    CommandPalette, ExportDialog, FileExport, Message, MessageAction, OpenDialog, ReadingDialog,
+    RelocateDialog, SaveDialog,
 };
 use super::panes::ImagePane;
 use super::rectified::{Rectifying, Viewing, Writing};
 use super::scene::{Hover, Scene};
-use super::services::{PickFn, Services};
+use super::services::{PickFn, SavePickFn, Services};
 use super::session::OpenSession;
 use super::suggesting::{Question, Suggesting};
 use super::truth::Known;
@@ -41,6 +43,7 @@ use super::waker::Waker;
 use super::worker::Request;
 use crate::estimate::Estimate;
 use crate::geometry::{AnchoredLine, PointPair};
+use exchange::ExchangeState;
 use session::SessionState;
 
 /// A system dialog that returns sooner than this cannot have been seen by anybody.
@@ -57,7 +60,7 @@ enum EditKey {
 }
 
 /// What a file dialog is open for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 enum PickPurpose {
     /// An image to open.
     Image(Side),
@@ -65,8 +68,12 @@ enum PickPurpose {
     Folder,
     /// The folder that a rectified pair is written to.
     Export,
-    /// Where to save the session.
-    Session,
+    /// Where to save the session, with a suggestion.
+    Session(PathBuf),
+    /// Where to write an export, with a suggestion.
+    ExportFile(PathBuf),
+    /// A file to import.
+    Import,
     /// An image that a session cannot find.
     Lost(Side),
 }
@@ -117,15 +124,18 @@ pub struct Inspector {
     save_dialog: Option<SaveDialog>,
     relocate_dialog: Option<RelocateDialog>,
     export_dialog: ExportDialog,
+    file_export: FileExport,
+    reading_dialog: Option<ReadingDialog>,
     shortcuts_open: bool,
     session: SessionState,
+    exchange: ExchangeState,
     /// What was done last, for the status bar.
     done: Option<String>,
     messages: Vec<Message>,
     messages_shown: u64,
     pick_file: Arc<PickFn>,
     pick_folder: Arc<PickFn>,
-    pick_save: Arc<PickFn>,
+    pick_save: Arc<SavePickFn>,
     picking: Option<Picking>,
     /// The document right after a click placed a point, for a second click to take it back.
     placed: Option<Document>,
@@ -146,6 +156,7 @@ impl Inspector {
             }
         }
         let session = SessionState::new(waker.clone(), services.copies.as_deref());
+        let exchange = ExchangeState::new(waker.clone(), start.imports);
         let mut inspector = Self {
             document: Document::default(),
             history: History::default(),
@@ -178,8 +189,11 @@ impl Inspector {
             save_dialog: None,
             relocate_dialog: None,
             export_dialog: ExportDialog::default(),
+            file_export: FileExport::default(),
+            reading_dialog: None,
             shortcuts_open: false,
             session,
+            exchange,
             done: None,
             messages: Vec::new(),
             messages_shown: 0,
@@ -231,6 +245,7 @@ impl Inspector {
             || self.writing.progress().is_some()
             || self.picking.is_some()
             || self.session.is_busy()
+            || self.exchange.is_busy()
     }
 
     /// What the user was told and has not dismissed.
@@ -247,9 +262,11 @@ impl Inspector {
         let keyboard = command::Keyboard {
             dialog_open: self.open_dialog.open
                 || self.export_dialog.open
+                || self.file_export.open
                 || self.palette.open
                 || self.save_dialog.is_some()
-                || self.relocate_dialog.is_some(),
+                || self.relocate_dialog.is_some()
+                || self.reading_dialog.is_some(),
             suggestion: self.scene().accepted_suggestion().is_some(),
         };
         let mut commands = command::pressed(&ctx, keyboard);
@@ -257,6 +274,8 @@ impl Inspector {
         for command in commands {
             self.apply(&ctx, command);
         }
+        self.follow_imported();
+        self.capture(&ctx);
         let mut commands = Vec::new();
         self.draw(ui, &mut commands);
         self.point_at(&ctx, &commands);
@@ -267,6 +286,7 @@ impl Inspector {
             }
             self.apply(&ctx, command);
         }
+        self.follow_imported();
         self.computation.follow(self.opening, self.request());
         self.suggesting.follow(self.question());
         self.matcher.follow(self.inspection_request());
@@ -314,6 +334,7 @@ impl Inspector {
         Some(Comparand {
             result: self.computation.result().map(|(estimate, _)| estimate.fundamental),
             shown: scene.shown().map(|shown| *shown.fundamental),
+            imported: self.document.imported.as_ref().map(|imported| imported.fundamental),
             pairs: self.document.pairs.clone(),
             excluded: self.document.excluded.iter().copied().collect(),
             used,
@@ -344,6 +365,7 @@ impl Inspector {
             focus: &self.focus,
             inspection: self.matcher.latest(),
             known: self.known.as_ref(),
+            imported: self.exchange.imported.as_ref(),
             comparison: self.comparing.latest(),
             tab: (!self.look.tabs_folded).then_some(self.look.tab),
             rectified: self.rectifying.latest(),
@@ -382,16 +404,20 @@ impl Inspector {
             Some(Ok(pair)) => self.show_pictures(ctx, pair),
             Some(Err(failure)) => {
                 self.start_pairs.clear();
+                self.forget_imports();
                 self.wanted = None;
                 match failure {
                     Failure::Text(text) => self.tell(text),
+                    Failure::NoSession { path, problem } => self.import_instead(&path, problem),
                     Failure::Relocate(relocation) => self.ask_for_images(*relocation),
                 }
             }
             None => {}
         }
         self.take_session_news();
-        let picked = self.picking.as_ref().map(|picking| (picking.purpose, picking.answer.try_recv()));
+        self.take_imports();
+        let picked =
+            self.picking.as_ref().map(|picking| (picking.purpose.clone(), picking.answer.try_recv()));
         match picked {
             None | Some((_, Err(TryRecvError::Empty))) => return,
             Some((purpose, Ok((Some(path), _)))) => match purpose {
@@ -400,7 +426,9 @@ impl Inspector {
                 }
                 PickPurpose::Folder => self.open_dialog.offer_folder(&path),
                 PickPurpose::Export => self.export_dialog.offer(&path),
-                PickPurpose::Session => {
+                PickPurpose::ExportFile(_) => self.file_export.offer(&path),
+                PickPurpose::Import => self.open_dialog.offer_import(&path),
+                PickPurpose::Session(_) => {
                     if let Some(dialog) = &mut self.save_dialog {
                         dialog.offer(&path);
                     }
@@ -430,6 +458,8 @@ impl Inspector {
         self.wanted = None;
         self.comparing.forget();
         self.rectifying.forget();
+        self.exchange.forget();
+        self.reading_dialog = None;
         self.viewing = Viewing::default();
         self.history = History::default();
         self.pictures = Some(pair.pictures);

@@ -10,7 +10,7 @@ use crate::app::history::History;
 use crate::app::look::Tool;
 use crate::app::panels::{MessageAction, RelocateDialog, SaveDialog};
 use crate::app::session::{
-    Autosave, Job, OpenSession, Relocation, Restored, Saver, SessionCommand, Work, suggested_path,
+    Autosave, Job, OpenSession, Relocation, Restored, Saver, SessionCommand, Work, Written, suggested_path,
 };
 use crate::app::waker::Waker;
 use crate::io::{ImageReference, SessionFile};
@@ -46,6 +46,11 @@ impl SessionState {
 
     pub(super) fn is_busy(&self) -> bool {
         self.saver.is_busy()
+    }
+
+    /// Has something written after what was asked for before.
+    pub(super) fn ask(&mut self, job: Job) {
+        self.saver.ask(job);
     }
 }
 
@@ -111,7 +116,11 @@ impl Inspector {
             },
             SessionCommand::SaveAs => self.show_save_dialog(),
             SessionCommand::SaveTo(path) => self.save(path),
-            SessionCommand::BrowseSave => self.pick(PickPurpose::Session),
+            SessionCommand::BrowseSave => {
+                let suggested = self.session.path.clone();
+                let suggested = suggested.or_else(|| Some(suggested_path(self.pictures.as_ref()?)));
+                self.pick(PickPurpose::Session(suggested.unwrap_or_default()));
+            }
             SessionCommand::BrowseLost(side) => self.pick(PickPurpose::Lost(side)),
             SessionCommand::Open(session) => {
                 self.relocate_dialog = None;
@@ -151,18 +160,23 @@ impl Inspector {
 
     /// Takes in what the writing thread has done.
     pub(super) fn take_session_news(&mut self) {
-        while let Some(saved) = self.session.saver.poll() {
-            match saved.result {
-                Ok(_) => {
-                    let name = saved.path.display().to_string();
-                    self.done = Some(format!("Saved {name}"));
+        while let Some(written) = self.session.saver.poll() {
+            match written {
+                Written::Session { path, result: Ok(work) } => {
+                    self.done = Some(format!("Saved {}", path.display()));
                     // What was written is what it was then; whatever changed since is not saved.
-                    self.session.saved = saved.result.ok();
-                    self.session.path = Some(saved.path);
+                    self.session.saved = Some(*work);
+                    self.session.path = Some(path);
                 }
-                Err(problem) => self.tell(format!(
+                Written::Session { result: Err(problem), .. } => self.tell(format!(
                     "The session was not saved: {problem}. Your work is still here; save it somewhere else."
                 )),
+                Written::Export { path, result: Ok(what) } => {
+                    self.done = Some(format!("Exported {what} to {}", path.display()));
+                }
+                Written::Export { result: Err(problem), .. } => {
+                    self.tell(format!("Nothing was exported: {problem}. Choose another place."));
+                }
             }
         }
     }

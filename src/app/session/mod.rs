@@ -21,7 +21,7 @@ use crate::synthetic::Sample;
 pub use autosave::Autosave;
 pub use command::SessionCommand;
 pub use opening::{Lost, OpenSession, Relocation, Restored, open};
-pub use saver::{Job, Saver};
+pub use saver::{Job, Saver, Written};
 
 /// Everything a person set on a pair of images, as it is saved.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -51,7 +51,10 @@ impl Work {
 
     /// Whether there is anything that would be a loss.
     pub fn is_worth_keeping(&self) -> bool {
-        !self.document.pairs.is_empty() || self.document.half.is_some() || !self.pins.is_empty()
+        !self.document.pairs.is_empty()
+            || self.document.half.is_some()
+            || self.document.imported.is_some()
+            || !self.pins.is_empty()
     }
 
     /// The session file of this work on some pictures, to be written at `path`; `None` when a picture is neither a

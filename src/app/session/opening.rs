@@ -8,7 +8,7 @@ use crate::app::document::{Side, TruthSource};
 use crate::app::loader::{Failure, Opened, Pair, failure, sample};
 use crate::app::truth::Known;
 use crate::image::Picture;
-use crate::io::{ImageReference, ImageSource, Located, SessionFile, TruthFolder, sha256_of};
+use crate::io::{ImageReference, ImageSource, Located, SessionError, SessionFile, TruthFolder, sha256_of};
 use crate::synthetic::Sample;
 
 /// A session to open.
@@ -61,7 +61,10 @@ pub fn open(session: OpenSession) -> Result<Pair, Failure> {
             "The session could not be opened: {text}. Nothing was changed; try another one."
         ))
     };
-    let file = SessionFile::<Work>::read(&path).map_err(|error| unchanged(&error.to_string()))?;
+    let file = SessionFile::<Work>::read(&path).map_err(|error| match error {
+        SessionError::Foreign { .. } => Failure::NoSession { path: path.clone(), problem: error.to_string() },
+        _ => unchanged(&error.to_string()),
+    })?;
     let from_sample = file.images.iter().all(|image| matches!(image.source, ImageSource::Sample { .. }));
     let mut pair = if from_sample {
         if file.images.iter().any(|image| !is_known_sample(image)) {
