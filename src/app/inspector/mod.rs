@@ -446,6 +446,7 @@ impl Inspector {
 
     /// Takes opened pictures in: a new document, with the parameters as they were.
     fn show_pictures(&mut self, ctx: &egui::Context, pair: Pair) {
+        let set_aside = self.set_aside();
         for (pane, opened) in self.panes.iter_mut().zip(&pair.pictures) {
             pane.set_picture(ctx, opened);
         }
@@ -483,6 +484,9 @@ impl Inspector {
         }
         self.document.set_pairs(inside);
         self.begin_session(pair.restored);
+        if set_aside {
+            self.offer_left_behind();
+        }
     }
 
     /// Tells that something went wrong.

@@ -97,7 +97,14 @@ pub fn open(session: OpenSession) -> Result<Pair, Failure> {
     if frames != file.images.map(|image| image.frame) {
         notes.push("An image has another size than when the session was saved: check the points.".to_owned());
     }
+    let pairs = file.content.document.pairs.len();
     let mut work = file.content.made_valid(frames, &path);
+    if work.document.pairs.len() < pairs {
+        notes.push(format!(
+            "Of the {pairs} point pairs of the session the first {} that are on the images are shown.",
+            work.document.pairs.len()
+        ));
+    }
     if let Some(TruthSource::Folder { folder, views }) = &work.document.truth {
         match known(folder, views) {
             Ok(known) => pair.known = Some(known),

@@ -3,12 +3,16 @@
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, Sender, channel};
+use std::time::Duration;
 
 use super::Work;
 use crate::app::exchange::Content;
 use crate::app::waker::Waker;
 use crate::app::worker::panic_text;
 use crate::io::{OutputFile, SessionFile};
+
+/// How long the window waits for a disk.
+const PATIENCE: Duration = Duration::from_secs(3);
 
 /// Something to write.
 pub enum Job {
@@ -18,6 +22,8 @@ pub enum Job {
         path: PathBuf,
         /// What.
         session: Box<SessionFile<Work>>,
+        /// The same as the window has it: what is compared with to tell whether something has changed since.
+        work: Box<Work>,
     },
     /// The program's own copy.
     Autosave {
@@ -37,6 +43,8 @@ pub enum Job {
     },
     /// The program's own copy is not needed any more.
     Remove(PathBuf),
+    /// Say when everything before is done.
+    Answer(Sender<()>),
 }
 
 /// What became of something that a person had written.
@@ -45,7 +53,7 @@ pub enum Written {
     Session {
         /// Where.
         path: PathBuf,
-        /// What is in the file now, or why it was not written.
+        /// What was saved, or why it was not written.
         result: Result<Box<Work>, String>,
     },
     /// A file for other programs.
@@ -73,9 +81,9 @@ impl Saver {
         let thread = std::thread::Builder::new().name("save".into()).spawn(move || {
             for job in inbox {
                 match job {
-                    Job::Save { path, session } => {
+                    Job::Save { path, session, work } => {
                         let result = session.write(&path).map_err(|error| error.to_string());
-                        let result = result.map(|()| Box::new(session.content));
+                        let result = result.map(|()| work);
                         // Nobody listens any more when the window has closed.
                         let _ = outbox.send(Written::Session { path, result });
                         waker.wake();
@@ -87,6 +95,8 @@ impl Saver {
                     }
                     // A copy that cannot be written is tried again after the next change.
                     Job::Autosave { path, session } => drop(session.write(&path)),
+                    // Who asked may have given up waiting.
+                    Job::Answer(done) => drop(done.send(())),
                     Job::Remove(path) => drop(std::fs::remove_file(path)),
                 }
             }
@@ -107,6 +117,14 @@ impl Saver {
         let written = self.news.try_recv().ok()?;
         self.waiting -= 1;
         Some(written)
+    }
+
+    /// Waits until everything asked for is written, but not for ever.
+    pub fn finish(&mut self) {
+        let (done, answer) = channel();
+        self.ask(Job::Answer(done));
+        // A disk that takes longer is not worth a window that stands still.
+        let _ = answer.recv_timeout(PATIENCE);
     }
 
     /// Whether something that a person wants written is not yet.
