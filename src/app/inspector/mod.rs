@@ -7,27 +7,28 @@ mod apply;
 mod exchange;
 mod known;
 mod layout;
+mod news;
+mod questions;
 mod rectified;
 mod session;
 
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::sync::mpsc::{Receiver, TryRecvError};
+use std::sync::mpsc::Receiver;
 use std::time::Duration;
 
 use egui::Ui;
 
 use super::Start;
 use super::command::{self, Command};
-use super::comparison::{Comparing, Question as Comparand};
-use super::computation::{Computation, Freshness};
-use super::document::{Document, PictureIdentity, PointRef, Side};
+use super::comparison::Comparing;
+use super::computation::Computation;
+use super::document::{Document, PointRef, Side};
 use super::focus::Focus;
 use super::history::History;
-use super::inspection::{InspectionRequest, Matcher};
-use super::loader::{Failure, Loader, Opened, Opening, Pair, Source};
+use super::inspection::Matcher;
+use super::loader::{Loader, Opened, Opening, Source};
 use super::look::{Look, Tool};
-use super::panels::tabs::TABS;
 use super::panels::{
     CommandPalette, ExportDialog, FileExport, Message, MessageAction, OpenDialog, ReadingDialog,
     RelocateDialog, SaveDialog,
@@ -37,17 +38,14 @@ use super::rectified::{Rectifying, Viewing, Writing};
 use super::scene::{Hover, Scene};
 use super::services::{PickFn, SavePickFn, Services};
 use super::session::OpenSession;
-use super::suggesting::{Question, Suggesting};
+use super::suggesting::Suggesting;
 use super::truth::Known;
 use super::waker::Waker;
-use super::worker::Request;
 use crate::estimate::Estimate;
 use crate::geometry::{AnchoredLine, PointPair};
 use exchange::ExchangeState;
 use session::SessionState;
 
-/// A system dialog that returns sooner than this cannot have been seen by anybody.
-const DIALOG_UNSEEN: Duration = Duration::from_millis(150);
 /// Messages shown at most; the oldest gives way.
 const MESSAGES: usize = 4;
 
@@ -308,54 +306,6 @@ impl Inspector {
         }
     }
 
-    fn request(&self) -> Option<Request> {
-        let pictures = self.pictures.as_ref()?;
-        Some(Request {
-            pictures: pictures.each_ref().map(|opened| Arc::clone(&opened.picture)),
-            pairs: self.document.used_pairs()?,
-            parameters: self.document.parameters.clone(),
-        })
-    }
-
-    fn inspection_request(&self) -> Option<InspectionRequest> {
-        let pictures = self.pictures.as_ref()?.each_ref().map(|opened| Arc::clone(&opened.picture));
-        Some(InspectionRequest::new(pictures, self.inspected?, &self.document.parameters))
-    }
-
-    /// What is to be compared, while something shows it.
-    fn comparand(&self) -> Option<Comparand> {
-        let scene = self.scene();
-        let tab = scene.tab.is_some_and(|tab| TABS[tab].compares);
-        if !(tab || scene.truth().is_some() || self.focus.contestant().is_some()) {
-            return None;
-        }
-        let pictures = self.document.pictures.as_ref()?;
-        let used = self.document.used().map(|pair| self.document.pairs[pair]).collect();
-        Some(Comparand {
-            result: self.computation.result().map(|(estimate, _)| estimate.fundamental),
-            shown: scene.shown().map(|shown| *shown.fundamental),
-            imported: self.document.imported.as_ref().map(|imported| imported.fundamental),
-            pairs: self.document.pairs.clone(),
-            excluded: self.document.excluded.iter().copied().collect(),
-            used,
-            frames: pictures.each_ref().map(|picture| picture.frame),
-            truth: scene.truth().and(self.known.as_ref()).map(|known| Arc::clone(&known.truth)),
-            seed: self.document.trial.map_or(0, |trial| trial.seed),
-            subject: self.look.compared,
-        })
-    }
-
-    /// What a match is to be suggested for.
-    fn question(&self) -> Option<Question> {
-        let pictures = self.pictures.as_ref()?;
-        let final_result = self.computation.result().filter(|(_, freshness)| *freshness == Freshness::Final);
-        Some(Question {
-            pictures: pictures.each_ref().map(|opened| Arc::clone(&opened.picture)),
-            half: self.document.half?,
-            fundamental: final_result.map(|(estimate, _)| estimate.fundamental),
-        })
-    }
-
     /// The state as it is drawn.
     fn scene(&self) -> Scene<'_> {
         Scene {
@@ -381,111 +331,6 @@ impl Inspector {
             can_undo_redo: [self.history.can_undo(), self.history.can_redo()],
             done: self.done.as_deref(),
             messages: &self.messages,
-        }
-    }
-
-    fn take_news(&mut self, ctx: &egui::Context) {
-        self.computation.take_news();
-        self.matcher.take_news();
-        self.comparing.take_news();
-        self.rectifying.take_news();
-        if let Some(ending) = self.writing.poll() {
-            match ending {
-                Ok(text) => self.say(text, true, Vec::new()),
-                Err(text) => self.tell(text),
-            }
-        }
-        if self.revision != self.computation.revision() {
-            // Numbers of hypotheses belong to one result.
-            self.revision = self.computation.revision();
-            self.focus.forget_hypothesis();
-        }
-        match self.loader.poll() {
-            Some(Ok(pair)) => self.show_pictures(ctx, pair),
-            Some(Err(failure)) => {
-                self.start_pairs.clear();
-                self.forget_imports();
-                self.wanted = None;
-                match failure {
-                    Failure::Text(text) => self.tell(text),
-                    Failure::NoSession { path, problem } => self.import_instead(&path, problem),
-                    Failure::Relocate(relocation) => self.ask_for_images(*relocation),
-                }
-            }
-            None => {}
-        }
-        self.take_session_news();
-        self.take_imports();
-        let picked =
-            self.picking.as_ref().map(|picking| (picking.purpose.clone(), picking.answer.try_recv()));
-        match picked {
-            None | Some((_, Err(TryRecvError::Empty))) => return,
-            Some((purpose, Ok((Some(path), _)))) => match purpose {
-                PickPurpose::Image(side) => {
-                    self.open_dialog.offer(&path, Some(side));
-                }
-                PickPurpose::Folder => self.open_dialog.offer_folder(&path),
-                PickPurpose::Export => self.export_dialog.offer(&path),
-                PickPurpose::ExportFile(_) => self.file_export.offer(&path),
-                PickPurpose::Import => self.open_dialog.offer_import(&path),
-                PickPurpose::Session(_) => {
-                    if let Some(dialog) = &mut self.save_dialog {
-                        dialog.offer(&path);
-                    }
-                }
-                PickPurpose::Lost(side) => self.offer_lost(side, &path),
-            },
-            Some((_, Ok((None, elapsed)))) if elapsed > DIALOG_UNSEEN => {}
-            Some(_) => self.tell(
-                "The file dialog could not be opened here. Type a path, or drop the files on this window."
-                    .into(),
-            ),
-        }
-        self.picking = None;
-    }
-
-    /// Takes opened pictures in: a new document, with the parameters as they were.
-    fn show_pictures(&mut self, ctx: &egui::Context, pair: Pair) {
-        let set_aside = self.set_aside();
-        for (pane, opened) in self.panes.iter_mut().zip(&pair.pictures) {
-            pane.set_picture(ctx, opened);
-        }
-        let identities =
-            pair.pictures.each_ref().map(|opened| PictureIdentity::from(opened.picture.as_ref()));
-        self.document = Document::new(identities, self.document.parameters.clone());
-        self.document.truth =
-            pair.known.as_ref().filter(|_| pair.uses_truth).map(|known| known.source.clone());
-        self.known = pair.known;
-        self.wanted = None;
-        self.comparing.forget();
-        self.rectifying.forget();
-        self.exchange.forget();
-        self.reading_dialog = None;
-        self.viewing = Viewing::default();
-        self.history = History::default();
-        self.pictures = Some(pair.pictures);
-        self.show_me = pair.show_me;
-        self.opening += 1;
-        self.hover = None;
-        self.focus.clear();
-        self.placed = None;
-        let pairs = std::mem::take(&mut self.start_pairs);
-        let (inside, outside): (Vec<_>, Vec<_>) = pairs.into_iter().partition(|pair| {
-            let [frame1, frame2] = Side::BOTH.map(|side| self.document.frame(side));
-            pair.is_finite()
-                && frame1.is_some_and(|frame| frame.contains(pair.point1))
-                && frame2.is_some_and(|frame| frame.contains(pair.point2))
-        });
-        if !outside.is_empty() {
-            self.tell(format!(
-                "{} of the point pairs given lie outside the images and were left out. Click them instead.",
-                outside.len()
-            ));
-        }
-        self.document.set_pairs(inside);
-        self.begin_session(pair.restored);
-        if set_aside {
-            self.offer_left_behind();
         }
     }
 
