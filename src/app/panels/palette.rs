@@ -215,7 +215,9 @@ fn found(entries: Vec<Entry>, text: &str) -> Vec<Entry> {
         .into_iter()
         .filter_map(|entry| Some((rank(&entry.title.to_lowercase(), &text.trim().to_lowercase())?, entry)))
         .collect();
-    ranked.sort_by_key(|(rank, _)| *rank);
+    // Of titles that fit alike the shorter one says less that was not asked for.
+    let typed = !text.trim().is_empty();
+    ranked.sort_by_key(|(rank, entry)| (*rank, if typed { entry.title.len() } else { 0 }));
     ranked.into_iter().map(|(_, entry)| entry).collect()
 }
 
@@ -247,6 +249,7 @@ mod tests {
             found(entries(), text).into_iter().map(|entry| entry.title).collect()
         };
         assert_eq!(search("images"), ["Fit both images", "Open the sample images"]);
+        assert_eq!(search("o").first().map(String::as_str), Some("Open the sample images"));
         assert_eq!(search("view link"), ["Link views"]);
         assert_eq!(search("lv"), ["Link views"]);
         assert_eq!(search("").len(), titles.len());
