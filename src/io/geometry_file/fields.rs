@@ -6,7 +6,7 @@ use serde_json::Value;
 use super::coordinates::{moved_camera, moved_fundamental, moved_pair, shift};
 use super::quantity::Quantity;
 use super::{Format, GeometryFile, ImageNote, Problem, Wanted};
-use crate::geometry::{Camera, FundamentalMatrix, PointPair};
+use crate::geometry::{Camera, FundamentalMatrix, NotFundamental, PointPair};
 
 /// Numbers in rows and columns. Every row is full, and every number finite.
 #[derive(Debug, Clone, PartialEq)]
@@ -143,16 +143,13 @@ impl Fields {
     /// The content in the convention of this program.
     pub(super) fn interpret(self, format: Format) -> Result<GeometryFile, Problem> {
         let back = -format.origin();
+        let frames = match &self.images {
+            [Some(image1), Some(image2)] => Some([image1.frame, image2.frame]),
+            _ => None,
+        };
         let fundamental = self.get(Quantity::Fundamental, |table| {
-            let matrix = table.matrix3()?;
-            // In pixels the second singular value may be a millionth of the first, but it is no rounding error.
-            let has_rank_two = matrix.rank(1e-13 * matrix.norm()) >= 2;
-            let rows = std::array::from_fn(|r| std::array::from_fn(|c| matrix[(r, c)]));
-            has_rank_two
-                .then(|| FundamentalMatrix::from_rows(rows))
-                .flatten()
-                .and_then(|f| moved_fundamental(&f, back))
-                .ok_or_else(|| "the matrix has rank 1 or 0, a fundamental matrix has 2".into())
+            let f = FundamentalMatrix::from_numbers(table.matrix3()?, frames).map_err(|e| e.to_string())?;
+            moved_fundamental(&f, back).ok_or_else(|| NotFundamental::RankBelowTwo.to_string())
         })?;
         let camera = |table: &Table| {
             Camera::from_matrix(Matrix3x4::from_row_slice(table.matrix(3, 4)?))

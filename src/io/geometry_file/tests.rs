@@ -322,7 +322,9 @@ proptest! {
         let rows = [[0, 1, 2], [3, 4, 5], [6, 7, 8]].map(|r| r.map(|k| {
             cells[k] * if k % 3 < 2 { weight } else { 1.0 } * if k < 6 { weight } else { 1.0 }
         }));
-        let Some(fundamental) = FundamentalMatrix::from_rows(rows) else { return Ok(()) };
+        let matrix = Matrix3::from_fn(|r, c| rows[r][c]);
+        let nearest = FundamentalMatrix::nearest_rank_two(matrix).and_then(|f| FundamentalMatrix::from_rows(f.rows()).ok());
+        let Some(fundamental) = nearest else { return Ok(()) };
         let image = || ImageNote { name: name.trim().to_owned(), frame: Frame::new(7, 5) };
         let file = GeometryFile {
             fundamental: Some(fundamental),
