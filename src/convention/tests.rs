@@ -144,12 +144,7 @@ fn few_matches_tell_what_fits_from_what_is_far_off() {
         assert!(check.fits(), "{}", check.sentence());
         for other in &check.readings {
             let is_far = other.median > check.limit && other.median > 4.0 * best.median;
-            assert!(
-                other.told_apart || !is_far,
-                "seed {seed}: {} px, {}",
-                other.median,
-                check.sentence()
-            );
+            assert!(other.told_apart || !is_far, "seed {seed}: {} px, {}", other.median, check.sentence());
         }
         assert!(check.readings[1..].is_sorted_by_key(|r| r.median), "seed {seed}: {}", check.sentence());
     }

@@ -102,15 +102,16 @@ impl FundamentalMatrix {
         let [t1, t2] = frames.unwrap_or([TYPICAL; 2]).map(pixels_from_conditioned);
         let conditioned = t2.transpose() * matrix * t1;
         let (in_pixels, ratio) = (third_to_second(&matrix), third_to_second(&conditioned));
-        // The equation x2ᵀ H x1 = 0 of a homography has a weight of one only in the product of the ones behind the
-        // coordinates: in conditioned coordinates that is lost, so that it looks like rank 2 there.
+        // In x2ᵀ H x1 of a homography the products of coordinates outweigh the rest, so in conditioned coordinates it
+        // looks like rank 2; in pixels a matrix meant to have rank 2 does not look more like rank 3 than there.
         let is_map_of_points = in_pixels > CLEAR_IN_PIXELS && ratio < 1e-2 * in_pixels;
         if ratio > MOST_THIRD || is_map_of_points {
             return Err(NotFundamental::RankThree { third_to_second: ratio.max(in_pixels) });
         }
         let back = |t: Matrix3<f64>| t.try_inverse().ok_or(NotFundamental::NotFinite);
         let rank_two = Self::nearest_rank_two(conditioned).ok_or(NotFundamental::RankBelowTwo)?;
-        Self::from_rank_two(back(t2)?.transpose() * rank_two.0 * back(t1)?).ok_or(NotFundamental::RankBelowTwo)
+        Self::from_rank_two(back(t2)?.transpose() * rank_two.0 * back(t1)?)
+            .ok_or(NotFundamental::RankBelowTwo)
     }
 
     /// From nested rows, as [`from_numbers`](Self::from_numbers) for images of unknown size.
