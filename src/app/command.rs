@@ -8,6 +8,7 @@ use egui::{Key, KeyboardShortcut, Modifiers};
 
 use super::comparison::{Contestant, Subject};
 use super::document::{PointRef, Side};
+use super::exchange::ExchangeCommand;
 use super::focus::{LineSource, Target};
 use super::panels::tabs::TABS;
 use super::rectified::RectifiedCommand;
@@ -31,6 +32,8 @@ pub enum Command {
     OpenFolder(PathBuf),
     /// Something about sessions.
     Session(SessionCommand),
+    /// Something about files of other programs.
+    Exchange(ExchangeCommand),
     /// Choose a file for one side with the system's dialog.
     Browse(Side),
     /// Choose a folder with the system's dialog.
@@ -150,7 +153,7 @@ const fn key(modifiers: Modifiers, key: Key) -> KeyboardShortcut {
 impl Command {
     /// The actions that have keys, in the order of the list of keys. Where one key is another one's with
     /// Shift, the one with Shift comes first, or it would never be seen.
-    pub fn with_keys() -> [Self; 34] {
+    pub fn with_keys() -> [Self; 35] {
         [
             Self::TogglePalette,
             Self::AcceptSuggestion,
@@ -182,6 +185,7 @@ impl Command {
             Self::ShowTab(5),
             Self::Rectified(RectifiedCommand::Swap),
             Self::Rectified(RectifiedCommand::ShowExport),
+            Self::Exchange(ExchangeCommand::ShowExport),
             Self::ChooseHypothesis(None),
             Self::ToggleTheme,
             Self::ToggleShortcuts,
@@ -197,6 +201,7 @@ impl Command {
             Self::OpenFiles(_) => "Open",
             Self::OpenFolder(_) => "Open folder",
             Self::Session(command) => command.name(),
+            Self::Exchange(command) => command.name(),
             Self::Browse(_) | Self::BrowseFolder => "Browse",
             Self::OpenViews(_) => "Open these views",
             Self::StepPair { forward: true } => "Next pair",
@@ -262,6 +267,7 @@ impl Command {
                 "Open a folder whose geometry is known, in the VGG layout or one of pairs with true matches."
             }
             Self::Session(command) => command.tooltip(),
+            Self::Exchange(command) => command.tooltip(),
             Self::Browse(_) => "Choose the file in the system's file dialog.",
             Self::BrowseFolder => "Choose the folder in the system's dialog.",
             Self::OpenViews(_) => {
@@ -379,6 +385,7 @@ impl Command {
             Self::ShowTab(4) => const { &[key(Modifiers::NONE, Key::Num5)] },
             Self::ShowTab(5) => const { &[key(Modifiers::NONE, Key::Num6)] },
             Self::Rectified(command) => command.shortcuts(),
+            Self::Exchange(command) => command.shortcuts(),
             Self::ChooseHypothesis(None) => const { &[key(Modifiers::NONE, Key::R)] },
             Self::ToggleTheme => const { &[key(Modifiers::NONE, Key::T)] },
             Self::ToggleShortcuts => {

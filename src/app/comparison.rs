@@ -20,13 +20,16 @@ pub enum Contestant {
     SevenPoint,
     /// The normalised eight-point algorithm.
     EightPoint,
+    /// One from a file.
+    Imported,
     /// The true geometry.
     Truth,
 }
 
 impl Contestant {
     /// All of them, in the order of their rows.
-    pub const ALL: [Self; 4] = [Self::Result, Self::SevenPoint, Self::EightPoint, Self::Truth];
+    pub const ALL: [Self; 5] =
+        [Self::Result, Self::SevenPoint, Self::EightPoint, Self::Imported, Self::Truth];
 
     /// What it is called.
     pub fn name(self) -> &'static str {
@@ -34,6 +37,7 @@ impl Contestant {
             Self::Result => "Result",
             Self::SevenPoint => "7-point",
             Self::EightPoint => "8-point",
+            Self::Imported => "Imported",
             Self::Truth => "Ground truth",
         }
     }
@@ -80,6 +84,8 @@ pub struct Question {
     pub result: Option<FundamentalMatrix>,
     /// What the window shows.
     pub shown: Option<FundamentalMatrix>,
+    /// What was imported.
+    pub imported: Option<FundamentalMatrix>,
     /// The clicked pairs.
     pub pairs: Vec<PointPair>,
     /// Those among them that are left out.
@@ -106,6 +112,7 @@ impl PartialEq for Question {
         same_truth
             && self.result == other.result
             && self.shown == other.shown
+            && self.imported == other.imported
             && self.pairs == other.pairs
             && self.excluded == other.excluded
             && self.used == other.used
@@ -136,7 +143,7 @@ pub struct Comparison {
     /// How many they are.
     pub points: usize,
     /// In the order of [`Contestant::ALL`].
-    pub rows: [Compared; 4],
+    pub rows: [Compared; 5],
     /// Mean symmetric epipolar distance of all true matches to the geometry that the window shows, px.
     pub true_error: Option<f64>,
     /// The same of the true geometry: no other can be expected to do much better.
@@ -180,6 +187,10 @@ impl Question {
                 fitted.clone().and_then(|pairs| self.in_words(fit_seven(&pairs, &counted)))
             }
             Contestant::EightPoint => fitted.clone().and_then(|pairs| self.in_words(fit_eight(&pairs))),
+            Contestant::Imported => {
+                let none = || "nothing was imported".to_owned();
+                self.imported.as_ref().map(|f| known(f, 0)).ok_or_else(none)
+            }
             Contestant::Truth => {
                 let none = || "not known for these images, or not in use".to_owned();
                 truth.map(|truth| known(&truth.fundamental, truth.matches.len())).ok_or_else(none)
@@ -298,6 +309,7 @@ mod tests {
         Question {
             result: Some(sample.truth.fundamental),
             shown: Some(sample.truth.fundamental),
+            imported: Some(sample.truth.fundamental),
             pairs: sample.show_me.to_vec(),
             excluded: Vec::new(),
             used: sample.show_me.to_vec(),
@@ -336,7 +348,14 @@ mod tests {
         assert_eq!(words(Contestant::EightPoint), "needs 6 more pairs");
         assert!(words(Contestant::Truth).contains("not known"));
         assert!(comparison.true_error.is_none() && comparison.truth_error.is_none());
-        let empty = Question { result: None, shown: None, pairs: Vec::new(), used: Vec::new(), ..question };
+        let empty = Question {
+            result: None,
+            shown: None,
+            imported: None,
+            pairs: Vec::new(),
+            used: Vec::new(),
+            ..question
+        };
         assert!(empty.answer(2).rows.iter().all(|row| row.fit.is_err() && row.spread.is_none()));
     }
 

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::estimate::Parameters;
 use crate::evaluate::Protocol;
-use crate::geometry::{Frame, Point, PointPair};
+use crate::geometry::{Frame, FundamentalMatrix, Point, PointPair};
 use crate::image::Picture;
 use crate::rectify;
 
@@ -86,6 +86,32 @@ pub enum TruthSource {
     },
 }
 
+/// A geometry that came from a file.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Imported {
+    /// In the convention of this program.
+    pub fundamental: FundamentalMatrix,
+    /// The name of the file, or of the two.
+    pub file: String,
+    /// How the numbers of the file were taken.
+    pub reading: String,
+    /// What matches said about that; none if nobody asked them.
+    pub check: Option<Checked>,
+}
+
+/// What matches said about a geometry from a file.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Checked {
+    /// How many they were.
+    pub matches: usize,
+    /// What they are called.
+    pub of: String,
+    /// Their median symmetric epipolar distance, px.
+    pub median: f64,
+    /// Whether that is small enough.
+    pub fits: bool,
+}
+
 /// How the pairs that the geometry is estimated from were drawn among the true matches.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Trial {
@@ -146,6 +172,9 @@ pub struct Document {
     /// The ground truth that the result is compared with, if any.
     #[serde(default)]
     pub truth: Option<TruthSource>,
+    /// A geometry from a file, to be shown beside the result.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub imported: Option<Imported>,
     /// Which random trial the first pairs are, as long as they are as they were drawn.
     #[serde(default)]
     pub trial: Option<Trial>,

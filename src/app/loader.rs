@@ -81,6 +81,13 @@ pub struct Pair {
 pub enum Failure {
     /// What happened and what to do.
     Text(String),
+    /// A file that was to be a session is something else.
+    NoSession {
+        /// The file.
+        path: PathBuf,
+        /// That it is no session.
+        problem: String,
+    },
     /// The images of a session have to be found first.
     Relocate(Box<Relocation>),
 }

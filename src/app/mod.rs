@@ -15,6 +15,7 @@
 //! | `suggesting` | the suggested match of a first click |
 //! | [`look`] | what is drawn, remembered between runs |
 //! | `inspection` | the intensities of the inspected line pair, matched in a third thread |
+//! | `exchange` | files from and for other programs: exports, imports, and what an imported matrix means |
 //! | `session` | saving what a person set, opening it again, and keeping it through a crash |
 //! | `loader` | opening pictures off the window's thread |
 //! | `panes` | the images: view transforms, textures, one file an overlay |
@@ -34,6 +35,7 @@ pub mod command;
 pub mod comparison;
 mod computation;
 pub mod document;
+mod exchange;
 #[cfg(test)]
 mod fake;
 pub mod focus;
@@ -76,6 +78,8 @@ pub struct Start {
     pub opening: Opening,
     /// Point pairs placed on them.
     pub pairs: Vec<PointPair>,
+    /// Files with point pairs or geometries to import once the pictures are open.
+    pub imports: Vec<std::path::PathBuf>,
 }
 
 /// Opens the window and returns when it is closed.

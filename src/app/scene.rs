@@ -41,6 +41,8 @@ pub struct Scene<'a> {
     pub inspection: Option<&'a Inspection>,
     /// What is known about the pictures, whether or not it is in use.
     pub known: Option<&'a Known>,
+    /// The imported geometry, in the form of a result that nobody computed.
+    pub imported: Option<&'a Estimate>,
     /// The result beside other methods and the truth; while another is awaited, the comparison before.
     pub comparison: Option<&'a Comparison>,
     /// The rectified pair, while something shows it; while another is being made, the one before.
@@ -73,7 +75,8 @@ pub struct Scene<'a> {
     pub messages: &'a [Message],
 }
 
-/// The geometry that the whole window shows: the hypothesis or the other method's that was chosen, or else the result.
+/// The geometry that the whole window shows: the hypothesis, the other method's or the imported one that was chosen,
+/// or else the result; without a result, the imported one.
 #[derive(Clone, Copy)]
 pub struct Shown<'a> {
     /// Its matrix.
@@ -82,7 +85,7 @@ pub struct Shown<'a> {
     pub hypothesis: Option<(usize, &'a Hypothesis)>,
     /// Whose it is, if one of another method or the true one was chosen.
     pub contestant: Option<Contestant>,
-    /// The result it belongs to.
+    /// The result it belongs to; of an imported one without a result, itself.
     pub estimate: &'a Estimate,
     /// How that relates to the points as they are now.
     pub freshness: Freshness,
@@ -102,10 +105,16 @@ pub struct Inspected {
 impl<'a> Scene<'a> {
     /// The geometry that is shown; everything that draws or measures goes by it.
     pub fn shown(&self) -> Option<Shown<'a>> {
-        let (estimate, freshness) = self.computation.result()?;
+        let own = self.computation.result();
+        let chosen = self.focus.contestant() == Some(Contestant::Imported);
+        let imported = self.imported.filter(|_| chosen || own.is_none());
+        let (estimate, freshness) = own.or(imported.map(|imported| (imported, Freshness::Final)))?;
         let hypothesis = self.focus.hypothesis().and_then(|k| Some((k, estimate.hypotheses.get(k)?)));
         let compared = self.focus.contestant().zip(self.comparison);
         let compared = compared.and_then(|(contestant, c)| Some((contestant, c.fundamental(contestant)?)));
+        let compared = compared
+            .filter(|(contestant, _)| *contestant != Contestant::Imported)
+            .or(imported.map(|imported| (Contestant::Imported, &imported.fundamental)));
         let fundamental = match (hypothesis, compared) {
             (Some((_, hypothesis)), _) => &hypothesis.fundamental,
             (None, Some((_, fundamental))) => fundamental,
@@ -134,6 +143,11 @@ impl<'a> Scene<'a> {
     /// Whether something else than the result was chosen to be shown.
     pub fn shows_another(&self) -> bool {
         self.focus.hypothesis().is_some() || self.focus.contestant().is_some()
+    }
+
+    /// Whether there is a result to go back to from the geometry that is shown.
+    pub fn has_result(&self) -> bool {
+        self.computation.result().is_some()
     }
 
     /// The ground truth in use.
@@ -184,9 +198,22 @@ impl<'a> Scene<'a> {
     /// Two epipolar lines of the geometry shown, directed alike.
     fn corresponding(&self, line1: &Line, line2: &Line) -> Option<[AnchoredLine; 2]> {
         let turn = self.own_construction().map_or(0.0, Construction::turn);
-        let clicks = *self.document.used_pairs()?.first_chunk::<2>()?;
-        let own = Construction::of(self.shown()?.fundamental, clicks, turn)?;
+        let f = self.shown()?.fundamental;
+        let used = self.document.used_pairs().and_then(|pairs| pairs.first_chunk::<2>().copied());
+        let own = Construction::of(f, used.or_else(|| self.stand_in_clicks(f))?, turn)?;
         own.corresponding(line1, line2).map(|(line1, line2)| [line1, line2])
+    }
+
+    /// Pairs that fit a geometry of which nobody clicked any: two places of the left image and the nearest points of
+    /// their epipolar lines, as if the cameras had hardly moved. They only tell which ends of two lines belong
+    /// together and from where to count along them.
+    fn stand_in_clicks(&self, f: &FundamentalMatrix) -> Option<[PointPair; 2]> {
+        let [upper, _, lower, _] = self.document.frame(Side::Left)?.corners();
+        let pair = |share: f64| {
+            let point1 = upper + (lower - upper) * share;
+            Some(PointPair { point1, point2: f.line2_from_point1(point1)?.foot(point1) })
+        };
+        Some([pair(0.3)?, pair(0.65)?])
     }
 
     /// The second point that Enter places: the suggested match, if it is clear.

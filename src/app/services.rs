@@ -1,6 +1,6 @@
 //! What the window gets done by others, so that tests can put something else in their place.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use super::document::Side;
@@ -16,6 +16,9 @@ pub type FollowFn = dyn FnMut(&Request, &[&Estimate]) -> Option<Estimate> + Send
 /// Asks for a path with a dialog of the system, and returns when that is closed.
 pub type PickFn = dyn Fn() -> Option<PathBuf> + Send + Sync;
 
+/// Asks with a dialog of the system where to write a file, for which it suggests a path.
+pub type SavePickFn = dyn Fn(&Path) -> Option<PathBuf> + Send + Sync;
+
 /// The computations and the system's dialogs.
 pub struct Services {
     /// The search for a geometry.
@@ -28,8 +31,8 @@ pub struct Services {
     pub pick_file: Arc<PickFn>,
     /// The system's dialog for choosing a folder; `None` as for a file.
     pub pick_folder: Arc<PickFn>,
-    /// The system's dialog for choosing where to save a session; `None` as for a file.
-    pub pick_save: Arc<PickFn>,
+    /// The system's dialog for choosing where to save or export; `None` as for a file.
+    pub pick_save: Arc<SavePickFn>,
     /// The folder for the program's own copies of unsaved work; none keeps no copies.
     pub copies: Option<PathBuf>,
 }
@@ -92,14 +95,22 @@ impl PreparedCache {
 
 fn pick_file() -> Option<PathBuf> {
     let extensions = ["png", "jpg", "jpeg", "tif", "tiff", "bmp", "pgm", "ppm", "pnm", "pbm", "webp"];
-    rfd::FileDialog::new().set_title("Open an image").add_filter("Images", &extensions).pick_file()
+    let others = ["json", "txt", "csv", "tsv", "dat", "yml", "yaml", "xml", "m", "colmap", "P"];
+    let dialog = rfd::FileDialog::new().set_title("Open a file").add_filter("Images", &extensions);
+    dialog.add_filter("Sessions, point pairs, matrices", &others).add_filter("All files", &["*"]).pick_file()
 }
 
 fn pick_folder() -> Option<PathBuf> {
     rfd::FileDialog::new().set_title("Choose a folder").pick_folder()
 }
 
-fn pick_save() -> Option<PathBuf> {
-    let dialog = rfd::FileDialog::new().set_title("Save the session").set_file_name("session.json");
-    dialog.add_filter("Sessions", &["json"]).save_file()
+fn pick_save(suggested: &Path) -> Option<PathBuf> {
+    let mut dialog = rfd::FileDialog::new().set_title("Save as");
+    if let Some(name) = suggested.file_name() {
+        dialog = dialog.set_file_name(name.to_string_lossy());
+    }
+    if let Some(folder) = suggested.parent().filter(|folder| folder.is_dir()) {
+        dialog = dialog.set_directory(folder);
+    }
+    dialog.save_file()
 }

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use super::computation::{Computation, Freshness};
-use super::document::{Document, pair_name};
+use super::document::{Document, Imported, pair_name};
 use super::worker::Failure;
 use crate::estimate::{self, Estimate, Hypothesis};
 use crate::geometry::{Frame, FundamentalMatrix, HomogeneousPoint, finite_point};
@@ -45,6 +45,40 @@ pub struct Verdict {
     pub facts: Vec<Fact>,
     /// What to know about it, a sentence each.
     pub warnings: Vec<String>,
+}
+
+/// What is known about a geometry from a file.
+pub fn import_facts(imported: &Imported) -> Vec<Fact> {
+    let check = match &imported.check {
+        Some(check) => format!("{:.2} px, median of {} {}", check.median, check.matches, check.of),
+        None => "unchecked".to_owned(),
+    };
+    vec![
+        Fact { name: "From", value: imported.file.clone(), tooltip: "The file that it was imported from." },
+        Fact {
+            name: "Taken",
+            value: imported.reading.clone(),
+            tooltip: "How the numbers of the file were taken, of all the conventions that are in use.",
+        },
+        Fact {
+            name: "Checked",
+            value: check,
+            tooltip: "Symmetric epipolar distance that half of the matches at the time of the import stay below.",
+        },
+    ]
+}
+
+/// What to beware of with a geometry from a file.
+pub fn import_warning(imported: &Imported) -> Option<&'static str> {
+    match &imported.check {
+        None => Some(
+            "Unchecked: nobody knows whether it is meant as its file says. Import it again when there are 8 matches.",
+        ),
+        Some(check) if !check.fits => {
+            Some("It does not fit the matches it was checked with: it may belong to other images.")
+        }
+        Some(_) => None,
+    }
 }
 
 /// Puts the state into words.

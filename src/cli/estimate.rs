@@ -5,21 +5,19 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 use clap::Args;
-use serde::Serialize;
 
+use super::CliError;
 use super::arguments::{on_threads, point_pair, threads};
 use super::console::tell;
 use super::geometry_file::{GeometryOutput, image_notes};
 use super::output::Output;
 use super::overrides::Overrides;
-use super::{CliError, summary};
 use crate::estimate::{
-    CancelFlag, Counts, Estimate, EstimateError, Method, Monitor, Parameters, PatchSupport, Preset, Progress,
-    StageTiming, Verdict, Warning, estimate,
+    CancelFlag, Estimate, EstimateError, Method, Monitor, Parameters, Preset, Progress, estimate,
 };
-use crate::geometry::{FundamentalMatrix, PointPair, sampson_distance, symmetric_epipolar_distance};
+use crate::geometry::PointPair;
 use crate::image::Picture;
-use crate::io::{Format, GeometryFile};
+use crate::io::{Format, GeometryFile, ResultFile, result_in_words};
 use crate::synthetic::Sample;
 
 /// Estimate the fundamental matrix of two images from two or three point pairs
@@ -86,8 +84,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
     if let Some(export) = export {
         export.write(&geometry_file(&found, &input))?;
     }
-    let result = ResultFile::new(&found, &input, &parameters);
-    output.write(&result, &summary::summary(&found, &input.pictures))
+    let images = image_notes(&input.pictures);
+    let result = ResultFile::new(&found, &input.pairs, &images, &parameters);
+    output.write(&result, &result_in_words(&found, &images))
 }
 
 /// Reads the images; counts the pairs before, which is quicker.
@@ -145,116 +144,4 @@ fn geometry_file(found: &Estimate, input: &Input) -> GeometryFile {
         images: Some(image_notes(&input.pictures)),
         ..GeometryFile::default()
     }
-}
-
-/// The content of a result file.
-#[derive(Serialize)]
-struct ResultFile<'a> {
-    /// Nested rows, `x2ᵀ F x1 = 0`.
-    fundamental: &'a FundamentalMatrix,
-    epipole1: [f64; 3],
-    epipole2: [f64; 3],
-    score: f64,
-    round_trip_area: f64,
-    margin: Option<f64>,
-    support: &'a Option<PatchSupport>,
-    verdict: Option<Verdict>,
-    reasons: Vec<String>,
-    refined: bool,
-    matches: Vec<MatchFile>,
-    method: Method,
-    preset: Preset,
-    seed: u64,
-    seconds: f64,
-    first_seconds: f64,
-    timings: &'a [StageTiming],
-    counts: &'a Counts,
-    warnings: Vec<Told<'a>>,
-    images: [ImageFile<'a>; 2],
-    /// As given, `x1 y1 x2 y2`.
-    pairs: Vec<[f64; 4]>,
-    /// Symmetric epipolar distance of every pair given, px.
-    pair_distances: Vec<f64>,
-    parameters: &'a Parameters,
-    /// The version of the program.
-    version: &'static str,
-}
-
-/// A match that the refinement rests on.
-#[derive(Serialize)]
-struct MatchFile {
-    /// `x1 y1 x2 y2`, px.
-    pair: [f64; 4],
-    /// Correlation of the two patches, −1 to 1.
-    correlation: f32,
-    /// Sampson distance from the result, px.
-    residual: f64,
-}
-
-/// A warning with its sentence.
-#[derive(Serialize)]
-struct Told<'a> {
-    message: String,
-    #[serde(flatten)]
-    warning: &'a Warning,
-}
-
-/// An image of the result.
-#[derive(Serialize)]
-struct ImageFile<'a> {
-    name: &'a str,
-    width: usize,
-    height: usize,
-}
-
-impl<'a> ResultFile<'a> {
-    fn new(found: &'a Estimate, input: &'a Input, parameters: &'a Parameters) -> Self {
-        let image = |k: usize| {
-            let picture = &input.pictures[k];
-            ImageFile { name: &picture.name, width: picture.frame().width, height: picture.frame().height }
-        };
-        let pairs = &input.pairs;
-        Self {
-            fundamental: &found.fundamental,
-            epipole1: found.epipole1.into(),
-            epipole2: found.epipole2.into(),
-            score: found.score,
-            round_trip_area: found.round_trip_area,
-            margin: found.margin,
-            support: &found.support,
-            verdict: found.trust.as_ref().map(|t| t.verdict),
-            reasons: found.trust.iter().flat_map(|t| t.reasons.iter().map(ToString::to_string)).collect(),
-            refined: found.refined,
-            matches: found
-                .matches
-                .iter()
-                .map(|m| MatchFile {
-                    pair: numbers(&m.pair),
-                    correlation: m.correlation,
-                    residual: sampson_distance(&found.fundamental, &m.pair),
-                })
-                .collect(),
-            method: found.method,
-            preset: found.preset,
-            seed: found.seed,
-            seconds: found.seconds,
-            first_seconds: found.first_seconds,
-            timings: &found.timings,
-            counts: &found.counts,
-            warnings: found.warnings.iter().map(|w| Told { message: w.to_string(), warning: w }).collect(),
-            images: [image(0), image(1)],
-            pairs: pairs.iter().map(numbers).collect(),
-            pair_distances: pairs
-                .iter()
-                .map(|p| symmetric_epipolar_distance(&found.fundamental, p))
-                .collect(),
-            parameters,
-            version: env!("CARGO_PKG_VERSION"),
-        }
-    }
-}
-
-/// `x1 y1 x2 y2`.
-fn numbers(pair: &PointPair) -> [f64; 4] {
-    [pair.point1.x, pair.point1.y, pair.point2.x, pair.point2.y]
 }

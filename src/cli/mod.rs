@@ -15,7 +15,6 @@ mod output;
 mod overrides;
 mod rectify;
 mod suggest;
-mod summary;
 mod window;
 
 use clap::{Parser, Subcommand};

@@ -1,7 +1,7 @@
 //! `epiline rectify`: both images redrawn so that corresponding points are in the same row.
 
 use std::fmt::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 
@@ -66,7 +66,10 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
     let limits = arguments.max_megapixels.map_or_else(Limits::default, |pixels| Limits { pixels });
     let frames = [pictures[0].frame(), pictures[1].frame()];
     let rectification = rectify(&fundamental, frames, &matches, arguments.method, &limits)?;
-    let files = RectifiedFiles::prepare(&arguments.output, options)?;
+    let images = pictures.iter().filter_map(|picture| picture.path.as_deref());
+    let inputs: Vec<&Path> =
+        images.chain([arguments.fundamental.as_path()]).chain(arguments.matches.as_deref()).collect();
+    let files = RectifiedFiles::prepare(&arguments.output, options, &inputs)?;
     let drawn = on_threads(arguments.threads, || {
         let never = CancelFlag::default();
         [0, 1].map(|k| rectification.warp(k, &pictures[k].pixels, &never))

@@ -18,6 +18,9 @@ pub(super) struct Arguments {
     /// Point pair to place, pixels in the left and in the right image; repeatable
     #[arg(long = "pair", value_name = "X1,Y1,X2,Y2", value_parser = point_pair, allow_hyphen_values = true)]
     pairs: Vec<PointPair>,
+    /// File with point pairs, F or two cameras (.P, given one after the other) to import; repeatable
+    #[arg(long = "import", value_name = "FILE")]
+    imports: Vec<PathBuf>,
 }
 
 /// Opens the window and returns when it is closed.
@@ -35,7 +38,7 @@ pub(super) fn run(arguments: Arguments) -> Result<(), CliError> {
             return Err(CliError::Arguments(problem.into()));
         }
     };
-    open(what, arguments.pairs)
+    open(what, arguments.pairs, arguments.imports)
 }
 
 /// What the window opens with.
@@ -49,7 +52,7 @@ enum Shown {
 
 /// Hands over to the window.
 #[cfg(feature = "inspector")]
-fn open(what: Shown, pairs: Vec<PointPair>) -> Result<(), CliError> {
+fn open(what: Shown, pairs: Vec<PointPair>, imports: Vec<PathBuf>) -> Result<(), CliError> {
     use crate::app::{Opening, Start, run};
     let opening = match what {
         Shown::Sample => Opening::Sample,
@@ -57,12 +60,12 @@ fn open(what: Shown, pairs: Vec<PointPair>) -> Result<(), CliError> {
         Shown::Folder(folder) => Opening::Folder(folder),
         Shown::Session(file) => Opening::Session(file),
     };
-    run(Start { opening, pairs }).map_err(|error| CliError::Window(error.to_string()))
+    run(Start { opening, pairs, imports }).map_err(|error| CliError::Window(error.to_string()))
 }
 
 /// Without the window there is only the command line.
 #[cfg(not(feature = "inspector"))]
-fn open(_what: Shown, _pairs: Vec<PointPair>) -> Result<(), CliError> {
+fn open(_what: Shown, _pairs: Vec<PointPair>, _imports: Vec<PathBuf>) -> Result<(), CliError> {
     Err(CliError::Window(
         "this build has no window; use the commands estimate and evaluate, or build with the feature inspector"
             .into(),

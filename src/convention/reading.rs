@@ -63,14 +63,19 @@ impl Reading {
     }
 }
 
-impl fmt::Display for Reading {
-    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+impl Reading {
+    /// The reading in a few words, for lists in which its full name would be too long.
+    pub fn brief(&self) -> String {
+        self.in_words("transposed")
+    }
+
+    fn in_words(&self, transposed: &str) -> String {
         if self.changes() == 0 {
-            return f.write_str("as read");
+            return "as read".to_owned();
         }
         let mut words = Vec::new();
         if self.transposed {
-            words.push("transposed, or images 1 and 2 exchanged".to_owned());
+            words.push(transposed.to_owned());
         }
         if self.axes_exchanged {
             words.push("x and y exchanged".to_owned());
@@ -84,6 +89,12 @@ impl fmt::Display for Reading {
             let digits = usize::from(percent < 100.0) + usize::from(percent < 10.0);
             words.push(format!("for images of {percent:.digits$} % of this size"));
         }
-        f.write_str(&words.join("; "))
+        words.join("; ")
+    }
+}
+
+impl fmt::Display for Reading {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str(&self.in_words("transposed, or images 1 and 2 exchanged"))
     }
 }

@@ -10,6 +10,7 @@ mod picture_file;
 mod point_pairs;
 mod read;
 mod rectified;
+mod result_file;
 mod session;
 mod truth_folder;
 mod vgg;
@@ -22,6 +23,7 @@ pub use picture_file::{PictureError, PictureFormat, encode_picture};
 pub use point_pairs::{PairProblem, parse_point_pairs};
 pub use read::ReadError;
 pub use rectified::{RectifiedError, RectifiedFiles, RectifiedOptions};
+pub use result_file::{ResultFile, result_in_words};
 pub use session::{
     ImageReference, ImageSource, Located, SESSION_VERSION, SessionError, SessionFile, relative, resolve,
     sha256_of,

@@ -44,6 +44,12 @@ pub enum RectifiedError {
     /// It was stopped.
     #[error("stopped; files that were written before stay")]
     Cancelled,
+    /// A picture would take the place of what it is made from.
+    #[error("{path} is one of the files to be rectified: choose another folder, or it would be overwritten")]
+    Input {
+        /// The file.
+        path: String,
+    },
     /// A table cannot be encoded.
     #[error("the maps cannot be encoded: {0}")]
     Encode(String),
@@ -63,20 +69,32 @@ impl RectifiedFiles {
     /// Makes the folder if need be and checks, before the work, that all files can be written into it:
     /// `left`, `right` and `stacked` with the extension of the format, `rectification.json`, and with
     /// [`RectifiedOptions::maps`] `left-map.npy` and `right-map.npy`.
-    pub fn prepare(folder: &Path, options: RectifiedOptions) -> Result<Self, RectifiedError> {
+    ///
+    /// `inputs` are files that are needed still, the images above all: none of them is replaced.
+    pub fn prepare(
+        folder: &Path,
+        options: RectifiedOptions,
+        inputs: &[&Path],
+    ) -> Result<Self, RectifiedError> {
         std::fs::create_dir_all(folder).map_err(|e| {
             let reason = if folder.exists() { "there is a file of that name".into() } else { reason(&e) };
             RectifiedError::Folder { path: folder.display().to_string(), reason }
         })?;
         let file = |name: &str| OutputFile::prepare(&folder.join(name));
         let picture = |name: &str| file(&format!("{name}.{}", options.format.extension()));
-        Ok(Self {
+        let files = Self {
             pictures: [picture("left")?, picture("right")?],
             stacked: picture("stacked")?,
             description: file("rectification.json")?,
             maps: if options.maps { Some([file("left-map.npy")?, file("right-map.npy")?]) } else { None },
             options,
-        })
+        };
+        let inputs: Vec<PathBuf> = inputs.iter().filter_map(|input| input.canonicalize().ok()).collect();
+        // Those that are there already are named without links.
+        match files.paths().into_iter().find(|path| inputs.contains(path)) {
+            Some(path) => Err(RectifiedError::Input { path: path.display().to_string() }),
+            None => Ok(files),
+        }
     }
 
     /// Writes everything; `rectified` are the drawn pictures. `go_on` is asked before each file, by its place in

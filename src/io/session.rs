@@ -219,7 +219,7 @@ impl ImageReference {
         let mut changed = None;
         for candidate in [Some(said.clone()), beside].into_iter().flatten() {
             match sha256_of(&candidate) {
-                Ok(found) if found == *sha256 => return Some(Located::Same(candidate)),
+                Ok(found) if found.eq_ignore_ascii_case(sha256) => return Some(Located::Same(candidate)),
                 Ok(_) => changed = changed.or(Some(candidate)),
                 Err(_) => {}
             }
@@ -231,6 +231,10 @@ impl ImageReference {
 /// SHA-256 of a file's bytes, hexadecimal.
 pub fn sha256_of(path: &Path) -> Result<String, ReadError> {
     let failed = |e: std::io::Error| ReadError::Open { path: path.display().to_string(), reason: reason(&e) };
+    // A device or a pipe may have no end.
+    if !path.metadata().map_err(failed)?.is_file() {
+        return Err(ReadError::content(path, "this is not a file"));
+    }
     let mut file = File::open(path).map_err(failed)?;
     let mut hash = Sha256::new();
     let mut block = vec![0; 1 << 16];

@@ -27,7 +27,7 @@ pub(super) fn instead_of_planar(error: &RectifyError) -> String {
 pub(super) fn against_planar(planar: &Rectification) -> Option<String> {
     planar.measures.distortion.iter().enumerate().find_map(|(k, distortion)| {
         let what = bent(distortion)?;
-        Some(format!("an epipole is so near that the planar method would leave image {} {what}", k + 1))
+        Some(format!("the planar method would leave image {} {what}", k + 1))
     })
 }
 
@@ -45,18 +45,27 @@ fn bent(d: &Distortion) -> Option<String> {
     skewed.then(|| "skewed".into())
 }
 
-/// What to beware of, and what to do.
+/// What to beware of, and what to do. `misfit` is the mean distance of the matches from their lines in the images, px.
 pub(super) fn warnings(
     method: Method,
     measures: &Measures,
+    misfit: f64,
     scale: f64,
     orientation_assumed: bool,
 ) -> Vec<String> {
     let mut warnings = Vec::new();
     match &measures.rows {
+        // Near the epipole a polar picture is stretched: rows may lie apart where the points hardly are.
+        Some(rows) if rows.mean > BAD_ROWS && (method == Method::Planar || misfit > BAD_ROWS) => {
+            warnings.push(format!(
+                "Rows of matches differ by {:.1} px on average: F does not fit these matches, so add point pairs \
+                 or correct them.",
+                rows.mean
+            ));
+        }
         Some(rows) if rows.mean > BAD_ROWS => warnings.push(format!(
-            "Rows of matches differ by {:.1} px on average: F does not fit these matches, so add point pairs or \
-             correct them.",
+            "Rows of matches differ by {:.1} px on average, because the picture is stretched near the epipole; in \
+             the images the matches are {misfit:.1} px from their lines.",
             rows.mean
         )),
         _ => {}
@@ -71,10 +80,7 @@ pub(super) fn warnings(
     if method == Method::Planar {
         for (k, distortion) in measures.distortion.iter().enumerate() {
             if let Some(what) = bent(distortion) {
-                warnings.push(format!(
-                    "Image {} is left {what}, because an epipole is near: the polar method bends it less.",
-                    k + 1
-                ));
+                warnings.push(format!("Image {} is left {what}, which the polar method does less.", k + 1));
             }
         }
     }

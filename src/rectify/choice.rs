@@ -4,7 +4,7 @@ use super::extent::Extent;
 use super::map::{ImageMap, Kind};
 use super::measures::Measures;
 use super::{Limits, Method, Rectification, RectifyError, advice, planar, polar};
-use crate::geometry::{Frame, FundamentalMatrix, PointPair};
+use crate::geometry::{Frame, FundamentalMatrix, PointPair, symmetric_epipolar_distance};
 
 /// Rectifies a pair of images of the given sizes.
 ///
@@ -52,6 +52,12 @@ struct Task<'a> {
 }
 
 impl Task<'_> {
+    /// Mean symmetric epipolar distance of the matches, px.
+    fn misfit(&self) -> f64 {
+        let distances = self.matches.iter().map(|m| symmetric_epipolar_distance(self.fundamental, m));
+        distances.sum::<f64>() / self.matches.len().max(1) as f64
+    }
+
     fn planar(&self, reason: String) -> Result<Rectification, RectifyError> {
         let (maps, size, scale) = planar::planar(self.fundamental, self.frames, self.limits.pixels)?;
         let maps = maps.map(|m| ImageMap(Kind::Planar(m)));
@@ -75,7 +81,7 @@ impl Task<'_> {
         orientation_assumed: bool,
     ) -> Rectification {
         let measures = Measures::of(&maps, self.frames, size, scale, self.matches);
-        let warnings = advice::warnings(method, &measures, scale, orientation_assumed);
+        let warnings = advice::warnings(method, &measures, self.misfit(), scale, orientation_assumed);
         Rectification { method, reason, maps, size, scale, measures, warnings }
     }
 }

@@ -96,3 +96,46 @@ fn bad_input_is_a_sentence() {
     assert_eq!(missing.status.code(), Some(2));
     assert!(!pictures.path("o").exists(), "nothing is made before it is known to work");
 }
+
+#[test]
+fn the_images_themselves_are_never_replaced() {
+    let pictures = Pictures::new();
+    for name in ["left.png", "right.png"] {
+        textured(160, 120, 3).save(pictures.path(name)).unwrap();
+    }
+    pictures.write("f.txt", "0 0 0\n0 0 -1\n0 1 0\n");
+    let before = std::fs::read(pictures.path("left.png")).unwrap();
+    let [left, right, f] = ["left.png", "right.png", "f.txt"].map(|name| pictures.text(name));
+    let folder = pictures.0.path().to_str().unwrap();
+    let ask = |output: &str| run(&["rectify", &left, &right, "--fundamental", &f, "--output", output]);
+    for folder in [folder.to_owned(), format!("{folder}/.")] {
+        let output = ask(&folder);
+        assert_eq!(output.status.code(), Some(2));
+        assert!(
+            text(&output.stderr).contains("is one of the files to be rectified"),
+            "{}",
+            text(&output.stderr)
+        );
+    }
+    assert_eq!(std::fs::read(pictures.path("left.png")).unwrap(), before);
+    assert!(ask(&pictures.text("rectified")).status.success());
+}
+
+#[test]
+fn lines_that_reach_only_one_image_are_a_sentence() {
+    let pictures = Pictures::new();
+    // Of rank 2, but the lines in image 2 all pass its corner.
+    pictures.write("f.txt", "0 0 0\n0 1 0\n0 0 1\n");
+    let (f, folder) = (pictures.text("f.txt"), pictures.text("out"));
+    for method in ["auto", "polar"] {
+        let output =
+            run(&["rectify", "--sample", "--fundamental", &f, "--output", &folder, "--method", method]);
+        if output.status.success() {
+            let text = std::fs::read_to_string(pictures.path("out/rectification.json")).unwrap();
+            assert!(!text.contains("null,\n    \"radius_step\""), "{text}");
+        } else {
+            assert_eq!(output.status.code(), Some(1));
+            assert!(text(&output.stderr).contains("no epipolar line crosses both images"));
+        }
+    }
+}

@@ -3,6 +3,7 @@
 
 mod computing;
 mod editing;
+mod exchange;
 mod frames;
 mod looking;
 mod opening;

@@ -13,7 +13,7 @@ fn files_of_the_command_line_open_with_their_pairs() {
     let files = Files::new();
     let pairs = vec![PointPair::new(5.0, 6.0, 7.0, 8.0), PointPair::new(500.0, 1.0, 1.0, 1.0)];
     let opening = Opening::Files(files.image("a.png", 64, 48), files.image("b.png", 50, 70));
-    let window = window(Start { opening, pairs: pairs.clone() }, services());
+    let window = window(Start { opening, pairs: pairs.clone(), ..Start::default() }, services());
     assert_eq!(window.state().document().pairs, pairs[..1]);
     assert!(window.state().messages().any(|text| text.contains("lie outside")));
     assert!(window.query_by_label("Show me").is_none());
@@ -36,7 +36,7 @@ fn a_dropped_file_that_is_no_image_leaves_the_session_as_it_was() {
     let mut window = sample();
     click_two_pairs(&mut window);
     let before = window.state().document().clone();
-    drop_files(&mut window, &[files.text("a.txt"), files.image("b.png", 64, 48)]);
+    drop_files(&mut window, &[files.text("a.png"), files.image("b.png", 64, 48)]);
     assert!(window.state().messages().any(|text| text.contains("not an image in a known format")));
     assert_eq!(window.state().document(), &before);
     assert!(window.state().estimate().is_some());

@@ -303,7 +303,7 @@ fn the_pair_is_exported_at_full_size_with_what_was_chosen() {
     let (mut window, found) = rectified();
     let folder = tempfile::tempdir().unwrap();
     let into = folder.path().join("pair");
-    window.key_press_modifiers(Modifiers::COMMAND, Key::E);
+    window.key_press_modifiers(Modifiers::COMMAND | Modifiers::SHIFT, Key::E);
     settle(&mut window);
     window.event(egui::Event::Text(into.display().to_string()));
     settle(&mut window);

@@ -37,7 +37,7 @@ fn worked(files: &Files) -> Window {
     let opening = Opening::Files(files.image("a.png", 64, 48), files.image("b.png", 50, 70));
     let mut all = pairs();
     all.push(PointPair::new(20.0, 20.0, 20.0, 20.0));
-    let mut window = window(Start { opening, pairs: all }, services());
+    let mut window = window(Start { opening, pairs: all, ..Start::default() }, services());
     window.key_press(Key::I);
     let place = at(&window, Side::Left, 0.1, 0.1);
     click(&mut window, place);
@@ -166,15 +166,14 @@ fn with_copies(folder: &Path) -> Services {
 fn unsaved_work_is_offered_after_a_crash() {
     let (files, copies) = (Files::new(), tempfile::tempdir().unwrap());
     let opening = || Opening::Files(files.image("a.png", 64, 48), files.image("b.png", 50, 70));
-    let crashed = window(Start { opening: opening(), pairs: pairs() }, with_copies(copies.path()));
+    let crashed =
+        window(Start { opening: opening(), pairs: pairs(), ..Start::default() }, with_copies(copies.path()));
     let before = made(&crashed);
     // Dropping the window without closing it is what a crash leaves: the copy stays, its lock goes.
     drop(crashed);
     let mut next = window(Start::default(), with_copies(copies.path()));
     assert!(
-        next.state()
-            .messages()
-            .any(|text| text.contains("ended before 2 point pairs on a.png and b.png were saved"))
+        next.state().messages().any(|text| text.contains("2 point pairs on a.png and b.png were not saved"))
     );
     next.get_by_label("Restore").click();
     settle(&mut next);
@@ -194,10 +193,66 @@ fn unsaved_work_is_offered_after_a_crash() {
 fn what_is_saved_leaves_no_copy() {
     let (files, copies) = (Files::new(), tempfile::tempdir().unwrap());
     let opening = Opening::Files(files.image("a.png", 64, 48), files.image("b.png", 50, 70));
-    let mut first = window(Start { opening, pairs: pairs() }, with_copies(copies.path()));
+    let mut first = window(Start { opening, pairs: pairs(), ..Start::default() }, with_copies(copies.path()));
     save_as(&mut first, &files.0.path().join("work.json"));
     first.state_mut().close();
     drop(first);
     let next = window(Start::default(), with_copies(copies.path()));
     assert_eq!(next.state().messages().count(), 0);
+}
+
+#[test]
+fn opening_something_else_keeps_what_is_not_saved() {
+    let (files, copies) = (Files::new(), tempfile::tempdir().unwrap());
+    let opening = Opening::Files(files.image("a.png", 64, 48), files.image("b.png", 50, 70));
+    let start = Start { opening, pairs: pairs(), ..Start::default() };
+    let mut window = window(start, with_copies(copies.path()));
+    let before = made(&window);
+    window.get_by_label("Sample").click();
+    settle(&mut window);
+    assert!(window.state().document().pairs.is_empty());
+    assert!(window.state().messages().any(|text| text.contains("a.png and b.png were not saved")));
+    // There and back again; the sample has nothing that would be a loss.
+    window.get_by_label("Restore").click();
+    settle(&mut window);
+    assert_eq!(made(&window), before);
+    assert_eq!(window.state().messages().count(), 0);
+}
+
+#[test]
+fn a_session_that_another_window_saved_is_not_replaced_without_asking() {
+    let files = Files::new();
+    let mut first = worked(&files);
+    let path = files.0.path().join("work.json");
+    save_as(&mut first, &path);
+    let mut second = reopened(path.clone());
+    second.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    let place = at(&second, Side::Left, -0.2, 0.2);
+    click(&mut second, place);
+    second.key_press_modifiers(Modifiers::COMMAND, Key::S);
+    settle(&mut second);
+    assert_eq!(second.state().messages().count(), 0);
+    let theirs = std::fs::read_to_string(&path).unwrap();
+    first.key_press(Key::Escape);
+    let place = at(&first, Side::Right, 0.2, 0.3);
+    click(&mut first, place);
+    first.key_press_modifiers(Modifiers::COMMAND, Key::S);
+    settle(&mut first);
+    assert!(first.state().messages().any(|text| text.contains("has changed since this window read it")));
+    assert_eq!(std::fs::read_to_string(&path).unwrap(), theirs);
+    first.get_by_label("Replace").click();
+    settle(&mut first);
+    assert_eq!(made(&reopened(path)), made(&first));
+    assert_eq!(first.state().messages().count(), 0);
+}
+
+#[test]
+fn a_session_never_takes_the_name_of_an_image() {
+    let files = Files::new();
+    let mut window = worked(&files);
+    let image = files.0.path().join("b.png");
+    let before = std::fs::read(&image).unwrap();
+    save_as(&mut window, &image);
+    assert_eq!(std::fs::read(&image).unwrap(), before);
+    assert!(files.0.path().join("b.png.json").exists());
 }

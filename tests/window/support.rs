@@ -117,7 +117,7 @@ pub fn services() -> Services {
         suggest: Box::new(|_| Err(SuggestError::Flat)),
         pick_file: Arc::new(|| None),
         pick_folder: Arc::new(|| None),
-        pick_save: Arc::new(|| None),
+        pick_save: Arc::new(|_| None),
         copies: None,
     }
 }
@@ -268,3 +268,6 @@ pub fn open(paths: [PathBuf; 2]) -> Window {
     let [left, right] = paths;
     window(Start { opening: Opening::Files(left, right), ..Start::default() }, services())
 }
+
+/// The colour of the line pair of the cursor.
+pub const HOVER: Color32 = Color32::from_rgb(240, 228, 66);

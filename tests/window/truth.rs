@@ -438,12 +438,15 @@ fn the_residuals_say_how_many_pairs_are_missing_and_count_those_included() {
     };
     let path = |view: usize| files.0.path().join(format!("set.00{view}.png"));
     let opening = || Opening::Files(path(0), path(1));
-    let mut window =
-        crate::support::window(Start { opening: opening(), pairs: pairs[..2].to_vec() }, services());
+    let mut window = crate::support::window(
+        Start { opening: opening(), pairs: pairs[..2].to_vec(), ..Start::default() },
+        services(),
+    );
     press(&mut window, Key::Num5);
     assert!(painted(&window, "needs 5 more pairs") && painted(&window, "needs 6 more pairs"));
     assert!(painted(&window, "not known for these images"));
-    let mut window = crate::support::window(Start { opening: opening(), pairs }, services());
+    let mut window =
+        crate::support::window(Start { opening: opening(), pairs, ..Start::default() }, services());
     press(&mut window, Key::Num5);
     assert!(painted(&window, "9 pairs") && !painted(&window, "needs"));
     // The last pair, which is far off, on top: without it 8-point fits exactly.

@@ -10,6 +10,7 @@ use egui::{Theme, ThemePreference};
 use super::{EditKey, Inspector, PickPurpose, Picking};
 use crate::app::command::Command;
 use crate::app::document::{Document, PointRef, Side};
+use crate::app::exchange::{ExchangeCommand, is_importable};
 use crate::app::history::Step;
 use crate::app::loader::Source;
 use crate::app::look::Tool;
@@ -36,6 +37,7 @@ impl Inspector {
             | Command::ToggleTruth
             | Command::RandomTrial(_) => self.apply_to_known(command),
             Command::Session(command) => self.apply_to_session(command),
+            Command::Exchange(command) => self.apply_to_exchange(command),
             Command::ShowMe => {
                 if let Some(pairs) = self.show_me {
                     self.edit(Step::Single, |document| document.set_pairs(pairs.to_vec()));
@@ -196,8 +198,12 @@ impl Inspector {
             // Closing one of them is all there is to do.
         } else if self.open_dialog.open {
             self.open_dialog.open = false;
+        } else if self.reading_dialog.take().is_some() {
+            // So is this.
         } else if self.export_dialog.open {
             self.export_dialog.open = false;
+        } else if self.file_export.open {
+            self.file_export.open = false;
         } else if self.shortcuts_open {
             self.shortcuts_open = false;
         } else if self.document.half.is_some() {
@@ -251,6 +257,10 @@ impl Inspector {
             self.open_session(path.to_owned());
             return;
         }
+        if is_importable(path) {
+            self.apply_to_exchange(ExchangeCommand::Import(vec![path.to_owned()]));
+            return;
+        }
         if let Some([left, right]) = self.open_dialog.offer(path, None) {
             self.open_files([Some(left), Some(right)]);
         }
@@ -263,6 +273,16 @@ impl Inspector {
         }
         if let Some(session) = paths.iter().flatten().find(|path| has_session_extension(path)) {
             self.open_session(session.clone());
+            return;
+        }
+        let (imports, images): (Vec<_>, Vec<_>) =
+            paths.iter().flatten().partition(|path| is_importable(path));
+        if !imports.is_empty() {
+            let images: Vec<_> = images.into_iter().cloned().collect();
+            self.apply_to_exchange(ExchangeCommand::Import(imports.into_iter().cloned().collect()));
+            for image in &images {
+                self.offer(image);
+            }
             return;
         }
         let [left, right] = paths;
@@ -289,12 +309,21 @@ impl Inspector {
             return;
         }
         let (sender, answer) = channel();
-        let pick = match purpose {
-            PickPurpose::Image(_) | PickPurpose::Lost(_) => &self.pick_file,
-            PickPurpose::Folder | PickPurpose::Export => &self.pick_folder,
-            PickPurpose::Session => &self.pick_save,
+        let pick: Box<dyn FnOnce() -> Option<PathBuf> + Send> = match &purpose {
+            PickPurpose::Image(_) | PickPurpose::Lost(_) | PickPurpose::Import => {
+                let pick = Arc::clone(&self.pick_file);
+                Box::new(move || pick())
+            }
+            PickPurpose::Folder | PickPurpose::Export => {
+                let pick = Arc::clone(&self.pick_folder);
+                Box::new(move || pick())
+            }
+            PickPurpose::Session(suggested) | PickPurpose::ExportFile(suggested) => {
+                let (pick, suggested) = (Arc::clone(&self.pick_save), suggested.clone());
+                Box::new(move || pick(&suggested))
+            }
         };
-        let (pick, waker) = (Arc::clone(pick), self.waker.clone());
+        let waker = self.waker.clone();
         let thread = std::thread::Builder::new().name("file dialog".into()).spawn(move || {
             let start = Instant::now();
             let picked = pick();
@@ -312,9 +341,18 @@ impl Inspector {
         let files = ctx.input(|input| {
             input.raw.dropped_files.iter().map(|file| file.path().to_owned()).collect::<Vec<_>>()
         });
-        match <[PathBuf; 2]>::try_from(files) {
+        // A session brings its own images: beside images such a file can only be a geometry.
+        let has_images = files.iter().any(|path| !is_importable(path));
+        let (imports, files): (Vec<_>, Vec<_>) = files
+            .into_iter()
+            .partition(|path| is_importable(path) && (has_images || !has_session_extension(path)));
+        let mut commands = match <[PathBuf; 2]>::try_from(files) {
             Ok(both) => vec![Command::OpenFiles(both.map(Some))],
             Err(files) => files.into_iter().take(2).map(Command::OfferFile).collect(),
+        };
+        if !imports.is_empty() {
+            commands.push(Command::Exchange(ExchangeCommand::Import(imports)));
         }
+        commands
     }
 }

@@ -1,12 +1,14 @@
 //! Where everything is in the window.
 
-use egui::{CentralPanel, Frame, Margin, Panel, Ui, UiBuilder};
+use egui::{CentralPanel, Frame, Margin, Panel, Rect, Ui, UiBuilder};
 
 use super::Inspector;
 use crate::app::command::Command;
 use crate::app::document::Side;
 use crate::app::panels::tabs::TABS;
-use crate::app::panels::{self, CommandPalette, ExportDialog, OpenDialog, RelocateDialog, SaveDialog};
+use crate::app::panels::{
+    self, CommandPalette, ExportDialog, FileExport, OpenDialog, ReadingDialog, RelocateDialog, SaveDialog,
+};
 use crate::app::panes::{ImagePane, halves};
 use crate::app::scene::Hover;
 
@@ -20,6 +22,8 @@ struct Drawing {
     save_dialog: Option<SaveDialog>,
     relocate_dialog: Option<RelocateDialog>,
     export_dialog: ExportDialog,
+    file_export: FileExport,
+    reading_dialog: Option<ReadingDialog>,
     palette: CommandPalette,
     shortcuts_open: bool,
 }
@@ -33,20 +37,27 @@ impl Inspector {
             save_dialog: self.save_dialog.take(),
             relocate_dialog: self.relocate_dialog.take(),
             export_dialog: std::mem::take(&mut self.export_dialog),
+            file_export: std::mem::take(&mut self.file_export),
+            reading_dialog: self.reading_dialog.take(),
             palette: std::mem::take(&mut self.palette),
             shortcuts_open: self.shortcuts_open,
         };
         let views = drawing.panes.each_ref().map(ImagePane::view);
-        let hover = self.draw_all(ui, &mut drawing, commands);
+        let (area, hover) = self.draw_all(ui, &mut drawing, commands);
+        self.exchange.images = Some(area);
         // Matching keeps a core busy while a point is dragged: it waits until something shows it.
         let scene = self.scene();
-        let wanted = !self.focus.pins().is_empty() || scene.tab.is_some_and(|tab| TABS[tab].inspects);
+        let wanted = !self.focus.pins().is_empty()
+            || scene.tab.is_some_and(|tab| TABS[tab].inspects)
+            || drawing.file_export.open;
         self.inspected = scene.inspected().filter(|_| wanted).map(|inspected| inspected.lines);
         self.panes = drawing.panes;
         self.open_dialog = drawing.open_dialog;
         self.save_dialog = drawing.save_dialog;
         self.relocate_dialog = drawing.relocate_dialog;
         self.export_dialog = drawing.export_dialog;
+        self.file_export = drawing.file_export;
+        self.reading_dialog = drawing.reading_dialog;
         self.palette = drawing.palette;
         self.shortcuts_open = drawing.shortcuts_open;
         for side in Side::BOTH {
@@ -61,7 +72,13 @@ impl Inspector {
         }
     }
 
-    fn draw_all(&self, ui: &mut Ui, drawing: &mut Drawing, commands: &mut Vec<Command>) -> Option<Hover> {
+    /// Also says where the images are, and what is under the cursor there.
+    fn draw_all(
+        &self,
+        ui: &mut Ui,
+        drawing: &mut Drawing,
+        commands: &mut Vec<Command>,
+    ) -> (Rect, Option<Hover>) {
         let ctx = ui.ctx().clone();
         let bar = |ui: &Ui| Frame::new().fill(ui.visuals().panel_fill).inner_margin(Margin::symmetric(12, 7));
         let scene = self.scene();
@@ -124,7 +141,10 @@ impl Inspector {
                 (area, hover)
             })
             .inner;
-        panels::messages(&ctx, area, &scene, commands);
+        // Nothing is to be in front of the images in a picture of them.
+        if !self.exchange.capturing.is_under_way() {
+            panels::messages(&ctx, area, &scene, commands);
+        }
         drawing.open_dialog.show(&ctx, &scene, commands);
         if drawing.save_dialog.as_mut().is_some_and(|dialog| !dialog.show(&ctx, commands)) {
             drawing.save_dialog = None;
@@ -133,10 +153,14 @@ impl Inspector {
             drawing.relocate_dialog = None;
         }
         drawing.export_dialog.show(&ctx, commands);
+        drawing.file_export.show(&ctx, &scene, commands);
+        if drawing.reading_dialog.as_mut().is_some_and(|dialog| !dialog.show(&ctx, commands)) {
+            drawing.reading_dialog = None;
+        }
         drawing.palette.show(&ctx, &scene, commands);
         if drawing.shortcuts_open {
             panels::shortcuts(&ctx, &mut drawing.shortcuts_open);
         }
-        hover
+        (area, hover)
     }
 }

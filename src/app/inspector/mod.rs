@@ -4,47 +4,48 @@
 //! and panels return commands), apply these, bring the computation in line with the document.
 
 mod apply;
+mod exchange;
 mod known;
 mod layout;
+mod news;
+mod questions;
 mod rectified;
 mod session;
 
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::sync::mpsc::{Receiver, TryRecvError};
+use std::sync::mpsc::Receiver;
 use std::time::Duration;
 
 use egui::Ui;
 
 use super::Start;
 use super::command::{self, Command};
-use super::comparison::{Comparing, Question as Comparand};
-use super::computation::{Computation, Freshness};
-use super::document::{Document, PictureIdentity, PointRef, Side};
+use super::comparison::Comparing;
+use super::computation::Computation;
+use super::document::{Document, PointRef, Side};
 use super::focus::Focus;
 use super::history::History;
-use super::inspection::{InspectionRequest, Matcher};
-use super::loader::{Failure, Loader, Opened, Opening, Pair, Source};
+use super::inspection::Matcher;
+use super::loader::{Loader, Opened, Opening, Source};
 use super::look::{Look, Tool};
-use super::panels::tabs::TABS;
 use super::panels::{
-    CommandPalette, ExportDialog, Message, MessageAction, OpenDialog, RelocateDialog, SaveDialog,
+    CommandPalette, ExportDialog, FileExport, Message, MessageAction, OpenDialog, ReadingDialog,
+    RelocateDialog, SaveDialog,
 };
 use super::panes::ImagePane;
 use super::rectified::{Rectifying, Viewing, Writing};
 use super::scene::{Hover, Scene};
-use super::services::{PickFn, Services};
+use super::services::{PickFn, SavePickFn, Services};
 use super::session::OpenSession;
-use super::suggesting::{Question, Suggesting};
+use super::suggesting::Suggesting;
 use super::truth::Known;
 use super::waker::Waker;
-use super::worker::Request;
 use crate::estimate::Estimate;
 use crate::geometry::{AnchoredLine, PointPair};
+use exchange::ExchangeState;
 use session::SessionState;
 
-/// A system dialog that returns sooner than this cannot have been seen by anybody.
-const DIALOG_UNSEEN: Duration = Duration::from_millis(150);
 /// Messages shown at most; the oldest gives way.
 const MESSAGES: usize = 4;
 
@@ -57,7 +58,7 @@ enum EditKey {
 }
 
 /// What a file dialog is open for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 enum PickPurpose {
     /// An image to open.
     Image(Side),
@@ -65,8 +66,12 @@ enum PickPurpose {
     Folder,
     /// The folder that a rectified pair is written to.
     Export,
-    /// Where to save the session.
-    Session,
+    /// Where to save the session, with a suggestion.
+    Session(PathBuf),
+    /// Where to write an export, with a suggestion.
+    ExportFile(PathBuf),
+    /// A file to import.
+    Import,
     /// An image that a session cannot find.
     Lost(Side),
 }
@@ -117,15 +122,18 @@ pub struct Inspector {
     save_dialog: Option<SaveDialog>,
     relocate_dialog: Option<RelocateDialog>,
     export_dialog: ExportDialog,
+    file_export: FileExport,
+    reading_dialog: Option<ReadingDialog>,
     shortcuts_open: bool,
     session: SessionState,
+    exchange: ExchangeState,
     /// What was done last, for the status bar.
     done: Option<String>,
     messages: Vec<Message>,
     messages_shown: u64,
     pick_file: Arc<PickFn>,
     pick_folder: Arc<PickFn>,
-    pick_save: Arc<PickFn>,
+    pick_save: Arc<SavePickFn>,
     picking: Option<Picking>,
     /// The document right after a click placed a point, for a second click to take it back.
     placed: Option<Document>,
@@ -146,6 +154,7 @@ impl Inspector {
             }
         }
         let session = SessionState::new(waker.clone(), services.copies.as_deref());
+        let exchange = ExchangeState::new(waker.clone(), start.imports);
         let mut inspector = Self {
             document: Document::default(),
             history: History::default(),
@@ -178,8 +187,11 @@ impl Inspector {
             save_dialog: None,
             relocate_dialog: None,
             export_dialog: ExportDialog::default(),
+            file_export: FileExport::default(),
+            reading_dialog: None,
             shortcuts_open: false,
             session,
+            exchange,
             done: None,
             messages: Vec::new(),
             messages_shown: 0,
@@ -231,6 +243,7 @@ impl Inspector {
             || self.writing.progress().is_some()
             || self.picking.is_some()
             || self.session.is_busy()
+            || self.exchange.is_busy()
     }
 
     /// What the user was told and has not dismissed.
@@ -247,9 +260,11 @@ impl Inspector {
         let keyboard = command::Keyboard {
             dialog_open: self.open_dialog.open
                 || self.export_dialog.open
+                || self.file_export.open
                 || self.palette.open
                 || self.save_dialog.is_some()
-                || self.relocate_dialog.is_some(),
+                || self.relocate_dialog.is_some()
+                || self.reading_dialog.is_some(),
             suggestion: self.scene().accepted_suggestion().is_some(),
         };
         let mut commands = command::pressed(&ctx, keyboard);
@@ -257,6 +272,8 @@ impl Inspector {
         for command in commands {
             self.apply(&ctx, command);
         }
+        self.follow_imported();
+        self.capture(&ctx);
         let mut commands = Vec::new();
         self.draw(ui, &mut commands);
         self.point_at(&ctx, &commands);
@@ -267,6 +284,7 @@ impl Inspector {
             }
             self.apply(&ctx, command);
         }
+        self.follow_imported();
         self.computation.follow(self.opening, self.request());
         self.suggesting.follow(self.question());
         self.matcher.follow(self.inspection_request());
@@ -288,53 +306,6 @@ impl Inspector {
         }
     }
 
-    fn request(&self) -> Option<Request> {
-        let pictures = self.pictures.as_ref()?;
-        Some(Request {
-            pictures: pictures.each_ref().map(|opened| Arc::clone(&opened.picture)),
-            pairs: self.document.used_pairs()?,
-            parameters: self.document.parameters.clone(),
-        })
-    }
-
-    fn inspection_request(&self) -> Option<InspectionRequest> {
-        let pictures = self.pictures.as_ref()?.each_ref().map(|opened| Arc::clone(&opened.picture));
-        Some(InspectionRequest::new(pictures, self.inspected?, &self.document.parameters))
-    }
-
-    /// What is to be compared, while something shows it.
-    fn comparand(&self) -> Option<Comparand> {
-        let scene = self.scene();
-        let tab = scene.tab.is_some_and(|tab| TABS[tab].compares);
-        if !(tab || scene.truth().is_some() || self.focus.contestant().is_some()) {
-            return None;
-        }
-        let pictures = self.document.pictures.as_ref()?;
-        let used = self.document.used().map(|pair| self.document.pairs[pair]).collect();
-        Some(Comparand {
-            result: self.computation.result().map(|(estimate, _)| estimate.fundamental),
-            shown: scene.shown().map(|shown| *shown.fundamental),
-            pairs: self.document.pairs.clone(),
-            excluded: self.document.excluded.iter().copied().collect(),
-            used,
-            frames: pictures.each_ref().map(|picture| picture.frame),
-            truth: scene.truth().and(self.known.as_ref()).map(|known| Arc::clone(&known.truth)),
-            seed: self.document.trial.map_or(0, |trial| trial.seed),
-            subject: self.look.compared,
-        })
-    }
-
-    /// What a match is to be suggested for.
-    fn question(&self) -> Option<Question> {
-        let pictures = self.pictures.as_ref()?;
-        let final_result = self.computation.result().filter(|(_, freshness)| *freshness == Freshness::Final);
-        Some(Question {
-            pictures: pictures.each_ref().map(|opened| Arc::clone(&opened.picture)),
-            half: self.document.half?,
-            fundamental: final_result.map(|(estimate, _)| estimate.fundamental),
-        })
-    }
-
     /// The state as it is drawn.
     fn scene(&self) -> Scene<'_> {
         Scene {
@@ -344,6 +315,7 @@ impl Inspector {
             focus: &self.focus,
             inspection: self.matcher.latest(),
             known: self.known.as_ref(),
+            imported: self.exchange.imported.as_ref(),
             comparison: self.comparing.latest(),
             tab: (!self.look.tabs_folded).then_some(self.look.tab),
             rectified: self.rectifying.latest(),
@@ -360,99 +332,6 @@ impl Inspector {
             done: self.done.as_deref(),
             messages: &self.messages,
         }
-    }
-
-    fn take_news(&mut self, ctx: &egui::Context) {
-        self.computation.take_news();
-        self.matcher.take_news();
-        self.comparing.take_news();
-        self.rectifying.take_news();
-        if let Some(ending) = self.writing.poll() {
-            match ending {
-                Ok(text) => self.say(text, true, Vec::new()),
-                Err(text) => self.tell(text),
-            }
-        }
-        if self.revision != self.computation.revision() {
-            // Numbers of hypotheses belong to one result.
-            self.revision = self.computation.revision();
-            self.focus.forget_hypothesis();
-        }
-        match self.loader.poll() {
-            Some(Ok(pair)) => self.show_pictures(ctx, pair),
-            Some(Err(failure)) => {
-                self.start_pairs.clear();
-                self.wanted = None;
-                match failure {
-                    Failure::Text(text) => self.tell(text),
-                    Failure::Relocate(relocation) => self.ask_for_images(*relocation),
-                }
-            }
-            None => {}
-        }
-        self.take_session_news();
-        let picked = self.picking.as_ref().map(|picking| (picking.purpose, picking.answer.try_recv()));
-        match picked {
-            None | Some((_, Err(TryRecvError::Empty))) => return,
-            Some((purpose, Ok((Some(path), _)))) => match purpose {
-                PickPurpose::Image(side) => {
-                    self.open_dialog.offer(&path, Some(side));
-                }
-                PickPurpose::Folder => self.open_dialog.offer_folder(&path),
-                PickPurpose::Export => self.export_dialog.offer(&path),
-                PickPurpose::Session => {
-                    if let Some(dialog) = &mut self.save_dialog {
-                        dialog.offer(&path);
-                    }
-                }
-                PickPurpose::Lost(side) => self.offer_lost(side, &path),
-            },
-            Some((_, Ok((None, elapsed)))) if elapsed > DIALOG_UNSEEN => {}
-            Some(_) => self.tell(
-                "The file dialog could not be opened here. Type a path, or drop the files on this window."
-                    .into(),
-            ),
-        }
-        self.picking = None;
-    }
-
-    /// Takes opened pictures in: a new document, with the parameters as they were.
-    fn show_pictures(&mut self, ctx: &egui::Context, pair: Pair) {
-        for (pane, opened) in self.panes.iter_mut().zip(&pair.pictures) {
-            pane.set_picture(ctx, opened);
-        }
-        let identities =
-            pair.pictures.each_ref().map(|opened| PictureIdentity::from(opened.picture.as_ref()));
-        self.document = Document::new(identities, self.document.parameters.clone());
-        self.document.truth =
-            pair.known.as_ref().filter(|_| pair.uses_truth).map(|known| known.source.clone());
-        self.known = pair.known;
-        self.wanted = None;
-        self.comparing.forget();
-        self.rectifying.forget();
-        self.viewing = Viewing::default();
-        self.history = History::default();
-        self.pictures = Some(pair.pictures);
-        self.show_me = pair.show_me;
-        self.opening += 1;
-        self.hover = None;
-        self.focus.clear();
-        self.placed = None;
-        let pairs = std::mem::take(&mut self.start_pairs);
-        let (inside, outside): (Vec<_>, Vec<_>) = pairs.into_iter().partition(|pair| {
-            let [frame1, frame2] = Side::BOTH.map(|side| self.document.frame(side));
-            pair.is_finite()
-                && frame1.is_some_and(|frame| frame.contains(pair.point1))
-                && frame2.is_some_and(|frame| frame.contains(pair.point2))
-        });
-        if !outside.is_empty() {
-            self.tell(format!(
-                "{} of the point pairs given lie outside the images and were left out. Click them instead.",
-                outside.len()
-            ));
-        }
-        self.document.set_pairs(inside);
-        self.begin_session(pair.restored);
     }
 
     /// Tells that something went wrong.

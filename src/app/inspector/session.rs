@@ -1,7 +1,7 @@
 //! Sessions in the window: saving, opening, the program's own copy, and what a crash left behind.
 
-use std::path::PathBuf;
-use std::time::{Duration, Instant};
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant, SystemTime};
 
 use super::{Inspector, PickPurpose};
 use crate::app::command::Command;
@@ -10,7 +10,7 @@ use crate::app::history::History;
 use crate::app::look::Tool;
 use crate::app::panels::{MessageAction, RelocateDialog, SaveDialog};
 use crate::app::session::{
-    Autosave, Job, OpenSession, Relocation, Restored, Saver, SessionCommand, Work, suggested_path,
+    Autosave, Job, OpenSession, Relocation, Restored, Saver, SessionCommand, Work, Written, suggested_path,
 };
 use crate::app::waker::Waker;
 use crate::io::{ImageReference, SessionFile};
@@ -24,6 +24,8 @@ pub(super) struct SessionState {
     path: Option<PathBuf>,
     /// What is in the file, or what was opened.
     saved: Option<Work>,
+    /// When and how long the file was when it was read or written last.
+    on_disk: Option<(SystemTime, u64)>,
     saver: Saver,
     autosave: Option<Autosave>,
     /// What is in the program's own copy.
@@ -33,10 +35,11 @@ pub(super) struct SessionState {
 
 impl SessionState {
     /// Keeps copies in a folder, if there is one to be used.
-    pub(super) fn new(waker: Waker, folder: Option<&std::path::Path>) -> Self {
+    pub(super) fn new(waker: Waker, folder: Option<&Path>) -> Self {
         Self {
             path: None,
             saved: None,
+            on_disk: None,
             saver: Saver::new(waker),
             autosave: folder.and_then(Autosave::begin),
             copied: None,
@@ -46,6 +49,11 @@ impl SessionState {
 
     pub(super) fn is_busy(&self) -> bool {
         self.saver.is_busy()
+    }
+
+    /// Has something written after what was asked for before.
+    pub(super) fn ask(&mut self, job: Job) {
+        self.saver.ask(job);
     }
 }
 
@@ -79,14 +87,14 @@ impl Inspector {
 
     /// Offers what a crash left behind.
     pub(super) fn offer_left_behind(&mut self) {
-        let left_behind = self.session.autosave.as_ref().and_then(Autosave::newest_left_behind);
-        let Some(path) = left_behind.map(std::path::Path::to_owned) else { return };
-        let Ok(copy) = SessionFile::<Work>::read(&path) else {
-            // Nobody could open it, now or later.
-            self.forget_copy(&path);
-            return;
-        };
+        // One that cannot be read, of a newer program say, waits for who can.
+        let readable = self.session.autosave.as_ref().and_then(|autosave| {
+            let mut copies = autosave.left_behind();
+            copies.find_map(|path| Some((path.to_owned(), SessionFile::<Work>::read(path).ok()?)))
+        });
+        let Some((path, copy)) = readable else { return };
         let pairs = match copy.content.document.pairs.len() {
+            0 => "Points or pinned lines".to_owned(),
             1 => "1 point pair".to_owned(),
             pairs => format!("{pairs} point pairs"),
         };
@@ -94,7 +102,7 @@ impl Inspector {
         let session = OpenSession { path: path.clone(), recovers: true, ..OpenSession::default() };
         let action = |label, command| MessageAction { label, command: Command::Session(command) };
         self.tell_with(
-            format!("Epiline ended before {pairs} on {left} and {right} were saved. Restore that work?"),
+            format!("{pairs} on {left} and {right} were not saved. Restore that work?"),
             vec![
                 action("Restore", SessionCommand::Open(session)),
                 action("Discard", SessionCommand::DiscardLeftBehind(path)),
@@ -106,12 +114,17 @@ impl Inspector {
     pub(super) fn apply_to_session(&mut self, command: SessionCommand) {
         match command {
             SessionCommand::Save => match self.session.path.clone() {
+                Some(path) if self.is_changed_by_others(&path) => self.ask_before_replacing(path),
                 Some(path) => self.save(path),
                 None => self.show_save_dialog(),
             },
             SessionCommand::SaveAs => self.show_save_dialog(),
             SessionCommand::SaveTo(path) => self.save(path),
-            SessionCommand::BrowseSave => self.pick(PickPurpose::Session),
+            SessionCommand::BrowseSave => {
+                let suggested = self.session.path.clone();
+                let suggested = suggested.or_else(|| Some(suggested_path(self.pictures.as_ref()?)));
+                self.pick(PickPurpose::Session(suggested.unwrap_or_default()));
+            }
             SessionCommand::BrowseLost(side) => self.pick(PickPurpose::Lost(side)),
             SessionCommand::Open(session) => {
                 self.relocate_dialog = None;
@@ -122,8 +135,43 @@ impl Inspector {
             SessionCommand::DiscardLeftBehind(path) => {
                 self.forget_copy(&path);
                 self.messages.retain(|message| message.actions.is_empty());
+                self.offer_left_behind();
             }
         }
+    }
+
+    /// Whether the file of the session is not what this window read or wrote.
+    fn is_changed_by_others(&self, path: &Path) -> bool {
+        let now = state_on_disk(path);
+        now.is_some() && now != self.session.on_disk
+    }
+
+    fn ask_before_replacing(&mut self, path: PathBuf) {
+        let name = path.display();
+        let text =
+            format!("{name} has changed since this window read it. Saving replaces what is in it now.");
+        let action = |label, command| MessageAction { label, command: Command::Session(command) };
+        self.tell_with(
+            text,
+            vec![action("Replace", SessionCommand::SaveTo(path)), action("Save as", SessionCommand::SaveAs)],
+        );
+    }
+
+    /// Before other pictures take the place of these: what is not saved is kept, to be brought back. Clicks on the
+    /// sample are not, as at the end of the program.
+    pub(super) fn set_aside(&mut self) -> bool {
+        let own = self.document.pictures.iter().flatten().any(|picture| picture.path.is_some());
+        if !(own && self.has_unsaved_work() && self.work().is_worth_keeping()) {
+            return false;
+        }
+        self.copy_work();
+        // It is read again right away, to be offered.
+        self.session.saver.finish();
+        let set_aside = self.session.autosave.as_mut().is_some_and(Autosave::set_aside);
+        if set_aside {
+            self.session.copied = None;
+        }
+        set_aside
     }
 
     fn show_save_dialog(&mut self) {
@@ -145,24 +193,32 @@ impl Inspector {
             return;
         };
         self.save_dialog = None;
+        // Whoever asked whether to replace it has the answer.
+        self.messages.retain(|message| message.actions.is_empty());
         session.fundamental = self.estimate().map(|estimate| estimate.fundamental);
-        self.session.saver.ask(Job::Save { path, session: Box::new(session) });
+        self.session.saver.ask(Job::Save { path, session: Box::new(session), work: Box::new(work) });
     }
 
     /// Takes in what the writing thread has done.
     pub(super) fn take_session_news(&mut self) {
-        while let Some(saved) = self.session.saver.poll() {
-            match saved.result {
-                Ok(_) => {
-                    let name = saved.path.display().to_string();
-                    self.done = Some(format!("Saved {name}"));
+        while let Some(written) = self.session.saver.poll() {
+            match written {
+                Written::Session { path, result: Ok(work) } => {
+                    self.done = Some(format!("Saved {}", path.display()));
                     // What was written is what it was then; whatever changed since is not saved.
-                    self.session.saved = saved.result.ok();
-                    self.session.path = Some(saved.path);
+                    self.session.saved = Some(*work);
+                    self.session.on_disk = state_on_disk(&path);
+                    self.session.path = Some(whole(path));
                 }
-                Err(problem) => self.tell(format!(
+                Written::Session { result: Err(problem), .. } => self.tell(format!(
                     "The session was not saved: {problem}. Your work is still here; save it somewhere else."
                 )),
+                Written::Export { path, result: Ok(what) } => {
+                    self.done = Some(format!("Exported {what} to {}", path.display()));
+                }
+                Written::Export { result: Err(problem), .. } => {
+                    self.tell(format!("Nothing was exported: {problem}. Choose another place."));
+                }
             }
         }
     }
@@ -171,6 +227,7 @@ impl Inspector {
     pub(super) fn begin_session(&mut self, restored: Option<Box<Restored>>) {
         self.session.path = None;
         self.session.saved = None;
+        self.session.on_disk = None;
         let Some(restored) = restored else { return };
         let Restored { session, mut work, notes } = *restored;
         work.document.pictures = self.document.pictures.take();
@@ -187,16 +244,19 @@ impl Inspector {
             pane.set_view(view);
         }
         if session.recovers {
-            self.session.path = work.belongs_to.take();
+            // A path that depends on where the program is started would be another file now.
+            self.session.path = work.belongs_to.take().filter(|path| path.is_absolute());
             self.messages.retain(|message| message.actions.is_empty());
             // The next copy is this window's own, at once; only then the one left behind may go.
             self.copy_work();
             self.forget_copy(&session.path);
             self.done = Some("Restored what was not saved".to_owned());
+            self.offer_left_behind();
         } else {
             self.session.saved = Some(work);
             self.done = Some(format!("Opened {}", session.path.display()));
-            self.session.path = Some(session.path);
+            self.session.on_disk = state_on_disk(&session.path);
+            self.session.path = Some(whole(session.path));
         }
         for note in notes {
             self.tell(note);
@@ -209,7 +269,7 @@ impl Inspector {
     }
 
     /// Fills in an image that was chosen for a session.
-    pub(super) fn offer_lost(&mut self, side: Side, path: &std::path::Path) {
+    pub(super) fn offer_lost(&mut self, side: Side, path: &Path) {
         if let Some(dialog) = &mut self.relocate_dialog {
             dialog.offer(side, path);
         }
@@ -255,7 +315,7 @@ impl Inspector {
         }
     }
 
-    fn forget_copy(&mut self, path: &std::path::Path) {
+    fn forget_copy(&mut self, path: &Path) {
         if let Some(autosave) = &mut self.session.autosave {
             autosave.remove(path);
         }
@@ -270,4 +330,15 @@ impl Inspector {
             self.remove_own_copy();
         }
     }
+}
+
+/// A path that means the same wherever the program is started.
+fn whole(path: PathBuf) -> PathBuf {
+    std::path::absolute(&path).unwrap_or(path)
+}
+
+/// When a file was changed last and how long it is.
+fn state_on_disk(path: &Path) -> Option<(SystemTime, u64)> {
+    let found = path.metadata().ok()?;
+    Some((found.modified().ok()?, found.len()))
 }

@@ -2,6 +2,7 @@
 //! commands.
 
 mod busy;
+mod exchange;
 mod export_dialog;
 mod guide_bar;
 mod legend;
@@ -22,6 +23,7 @@ use egui::{Button, Response, Ui};
 
 use super::command::{Command, key_text};
 
+pub use exchange::{FileExport, ReadingDialog};
 pub use export_dialog::ExportDialog;
 pub use messages::{Message, MessageAction};
 pub use open_dialog::OpenDialog;

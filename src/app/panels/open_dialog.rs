@@ -7,6 +7,7 @@ use egui::{Align2, Button, Key, Label, TextEdit, Window, vec2};
 use super::{command_button, finish_button};
 use crate::app::command::Command;
 use crate::app::document::Side;
+use crate::app::exchange::ExchangeCommand;
 use crate::app::scene::Scene;
 
 /// What has been typed.
@@ -16,6 +17,7 @@ pub struct OpenDialog {
     pub open: bool,
     paths: [String; 2],
     folder: String,
+    import: String,
     just_opened: bool,
 }
 
@@ -47,12 +49,27 @@ impl OpenDialog {
         self.folder = path.display().to_string();
     }
 
+    /// Fills in a file to import, and shows the window.
+    pub fn offer_import(&mut self, path: &Path) {
+        if !self.open {
+            self.show_empty();
+        }
+        self.import = path.display().to_string();
+    }
+
     fn typed(&self) -> [Option<PathBuf>; 2] {
         self.paths.each_ref().map(|text| path_of(text))
     }
 
-    /// What pressing Enter or the button does, if enough has been typed.
-    fn command(&self, scene: &Scene) -> Option<Command> {
+    /// What pressing Enter or the button does, if enough has been typed: what is imported is about what is opened.
+    fn commands(&self, scene: &Scene) -> Vec<Command> {
+        let import = path_of(&self.import);
+        let import = import.map(|path| Command::Exchange(ExchangeCommand::Import(vec![path])));
+        self.opening(scene).into_iter().chain(import).collect()
+    }
+
+    /// What is opened.
+    fn opening(&self, scene: &Scene) -> Option<Command> {
         if let Some(folder) = path_of(&self.folder) {
             return Some(Command::OpenFolder(folder));
         }
@@ -89,15 +106,23 @@ impl OpenDialog {
                 ui.add_space(2.0);
                 ui.horizontal(|ui| self.folder_field(ui, commands));
                 ui.add_space(6.0);
-                let command = self.command(scene);
+                ui.weak(
+                    "For the images, if you have them: point pairs, a fundamental matrix or two cameras, in any of the known formats.",
+                );
+                ui.add_space(2.0);
+                ui.horizontal(|ui| self.import_field(ui, commands));
+                ui.add_space(6.0);
+                let typed = self.commands(scene);
                 ui.horizontal(|ui| {
-                    let open = ui.add_enabled(command.is_some(), Button::new("Open these"));
-                    let described = command.clone().unwrap_or(Command::OpenFiles([None, None]));
-                    finish_button(ui, open, described, commands);
+                    let open = ui.add_enabled(!typed.is_empty(), Button::new("Open these"));
+                    let described = typed.first().cloned().unwrap_or(Command::OpenFiles([None, None]));
+                    if finish_button(ui, open, described, commands).clicked() {
+                        commands.extend(typed.iter().skip(1).cloned());
+                    }
                     command_button(ui, Command::Cancel, true, commands);
                 });
                 if ui.input(|input| input.key_pressed(Key::Enter)) {
-                    commands.extend(command);
+                    commands.extend(typed);
                 }
             });
         self.just_opened = false;
@@ -114,6 +139,19 @@ impl OpenDialog {
         let browse = ui.button("Browse");
         browse.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, "Browse for the folder"));
         finish_button(ui, browse, Command::BrowseFolder, commands);
+    }
+
+    fn import_field(&mut self, ui: &mut egui::Ui, commands: &mut Vec<Command>) {
+        let label = ui.add_sized([84.0, 26.0], Label::new("Import"));
+        let edit = TextEdit::singleline(&mut self.import)
+            .hint_text("path of the file, for the images above or those that are open")
+            .desired_width(330.0);
+        ui.add(edit).labelled_by(label.id);
+        let browse = ui.button("Browse");
+        browse.widget_info(|| {
+            egui::WidgetInfo::labeled(egui::Role::Button, true, "Browse for a file to import")
+        });
+        finish_button(ui, browse, Command::Exchange(ExchangeCommand::BrowseImport), commands);
     }
 
     fn field(&mut self, ui: &mut egui::Ui, scene: &Scene, side: Side, commands: &mut Vec<Command>) {

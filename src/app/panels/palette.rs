@@ -4,6 +4,8 @@ use egui::{Align2, Key, Modifiers, RichText, ScrollArea, TextEdit, Ui, Window, v
 
 use super::finish_button;
 use crate::app::command::{Command, key_text};
+use crate::app::comparison::Contestant;
+use crate::app::exchange::ExchangeCommand;
 use crate::app::panes::overlays::OVERLAYS;
 use crate::app::rectified::{Layout, RectifiedCommand};
 use crate::app::scene::Scene;
@@ -115,6 +117,8 @@ fn entries(scene: &Scene) -> Vec<Entry> {
         (Command::ClearPairs, "Clear all points"),
         (Command::Stop, "Stop the computation"),
         (Command::UnpinAll, "Unpin all lines"),
+        (Command::ChooseContestant(Contestant::Imported), "Show the imported geometry"),
+        (Command::Exchange(ExchangeCommand::RemoveImported), "Remove the imported geometry"),
         (Command::ChooseHypothesis(None), "Show the result instead of a hypothesis"),
         (Command::SetMethod(Method::TwoPoint), "Estimate from two pairs"),
         (Command::SetMethod(Method::ThreePoint), "Estimate from three pairs"),
@@ -154,6 +158,9 @@ fn entries(scene: &Scene) -> Vec<Entry> {
             Command::EnlargeTabs => "Enlarge or reduce the panel".to_owned(),
             Command::Rectified(RectifiedCommand::Swap) => "Rectified pair: show the other picture".to_owned(),
             Command::Rectified(RectifiedCommand::ShowExport) => "Export rectified pair…".to_owned(),
+            Command::Exchange(ExchangeCommand::ShowExport) => {
+                "Export… (geometry, point pairs, report, profile, view)".to_owned()
+            }
             Command::ToggleShortcuts => "List of keys".to_owned(),
             _ => command.name().to_owned(),
         },
@@ -178,6 +185,9 @@ fn makes_sense(command: &Command, scene: &Scene) -> bool {
         Command::Recompute => document.used_pairs().is_some(),
         Command::UnpinAll => !scene.focus.pins().is_empty(),
         Command::Rectified(command) => rectified_makes_sense(command, scene),
+        Command::Exchange(ExchangeCommand::ShowExport) => document.pictures.is_some(),
+        Command::ChooseContestant(Contestant::Imported)
+        | Command::Exchange(ExchangeCommand::RemoveImported) => document.imported.is_some(),
         Command::StepPair { forward } => {
             scene.folder().is_some_and(|(folder, pair)| folder.neighbour(pair, *forward).is_some())
         }

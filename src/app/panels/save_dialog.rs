@@ -7,7 +7,7 @@ use egui::{Align2, Button, Key, TextEdit, Window, vec2};
 use super::open_dialog::path_of;
 use super::{command_button, finish_button};
 use crate::app::command::Command;
-use crate::app::session::SessionCommand;
+use crate::app::session::{SessionCommand, has_session_extension};
 
 /// What has been typed.
 #[derive(Debug, Clone)]
@@ -71,7 +71,12 @@ impl SaveDialog {
     }
 }
 
-/// A name without an extension gets the one that the program opens.
+/// The path with the extension that the program opens sessions by: never that of an image, say.
 fn with_extension(path: PathBuf) -> PathBuf {
-    if path.extension().is_some() { path } else { path.with_extension("json") }
+    if has_session_extension(&path) {
+        return path;
+    }
+    let mut name = path.into_os_string();
+    name.push(".json");
+    name.into()
 }

@@ -1,6 +1,6 @@
 //! The list of keys and mouse actions.
 
-use egui::{Align2, Grid, RichText, ScrollArea, Window, vec2};
+use egui::{Align2, Grid, Label, RichText, ScrollArea, Window, vec2};
 
 use crate::app::command::{Command, key_text};
 
@@ -23,17 +23,20 @@ pub fn show(ctx: &egui::Context, open: &mut bool) {
         .resizable(false)
         .anchor(Align2::CENTER_CENTER, vec2(0.0, 0.0))
         .show(ctx, |ui| {
+            // A narrow window wraps what the keys do.
+            let width = (ctx.content_rect().width() - 80.0).clamp(200.0, 760.0);
             let room = (ctx.content_rect().height() - 140.0).max(120.0);
             ScrollArea::vertical().max_height(room).min_scrolled_height(room).show(ui, |ui| {
                 Grid::new("keys")
                     .num_columns(2)
                     .striped(true)
+                    .max_col_width(width - 170.0)
                     .min_row_height(20.0)
                     .spacing([24.0, 4.0])
                     .show(ui, |ui| {
                         for (action, what) in MOUSE {
                             ui.label(RichText::new(action).strong());
-                            ui.label(what);
+                            ui.add(Label::new(what).wrap());
                             ui.end_row();
                         }
                         for command in Command::with_keys() {
@@ -41,7 +44,7 @@ pub fn show(ctx: &egui::Context, open: &mut bool) {
                                 RichText::new(key_text(ui.ctx(), &command).unwrap_or_default()).strong(),
                             );
                             let first_sentence = command.tooltip().split('.').next().unwrap_or_default();
-                            ui.label(first_sentence);
+                            ui.add(Label::new(first_sentence).wrap());
                             ui.end_row();
                         }
                     });

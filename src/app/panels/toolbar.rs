@@ -5,6 +5,7 @@ use egui::{Align, Button, Layout, PopupCloseBehavior, Ui};
 
 use super::{command_button, finish_button};
 use crate::app::command::Command;
+use crate::app::exchange::ExchangeCommand;
 use crate::app::look::Tool;
 use crate::app::scene::Scene;
 use crate::app::session::SessionCommand;
@@ -17,6 +18,8 @@ pub fn show(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
         command_button(ui, Command::OpenSample, true, commands);
         let save = ui.add_enabled(scene.document.pictures.is_some(), Button::new("Save"));
         finish_button(ui, save, Command::Session(SessionCommand::Save), commands);
+        let export = Command::Exchange(ExchangeCommand::ShowExport);
+        command_button(ui, export, scene.document.pictures.is_some(), commands);
         ui.separator();
         command_button(ui, Command::Undo, scene.can_undo_redo[0], commands);
         command_button(ui, Command::Redo, scene.can_undo_redo[1], commands);

@@ -86,7 +86,9 @@ impl RectifiedCommand {
     pub fn shortcuts(&self) -> &'static [KeyboardShortcut] {
         match self {
             Self::Swap => const { &[KeyboardShortcut::new(Modifiers::NONE, Key::X)] },
-            Self::ShowExport => const { &[KeyboardShortcut::new(Modifiers::COMMAND, Key::E)] },
+            Self::ShowExport => {
+                const { &[KeyboardShortcut::new(Modifiers::COMMAND.plus(Modifiers::SHIFT), Key::E)] }
+            }
             _ => &[],
         }
     }

@@ -1,7 +1,7 @@
 //! Writing the rectified pair at full size, in a thread of its own.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 
 use super::Question;
@@ -128,7 +128,9 @@ impl Order {
         };
         let stopped = || format!("Writing the rectified pair was stopped. Nothing was written to {place}.");
         // Before the work, so that nobody waits for a folder that cannot be written.
-        let files = RectifiedFiles::prepare(&self.folder, self.options).map_err(|e| failed(&e))?;
+        let images: Vec<&Path> =
+            self.question.pictures.iter().filter_map(|picture| picture.path.as_deref()).collect();
+        let files = RectifiedFiles::prepare(&self.folder, self.options, &images).map_err(|e| failed(&e))?;
         let paths = files.paths();
         let all = STEPS_BEFORE + paths.len();
         let step = |done, what| report(News::Progress(Progress { done, all, what }));

@@ -21,7 +21,10 @@ use crate::synthetic::Sample;
 pub use autosave::Autosave;
 pub use command::SessionCommand;
 pub use opening::{Lost, OpenSession, Relocation, Restored, open};
-pub use saver::{Job, Saver};
+pub use saver::{Job, Saver, Written};
+
+/// Pairs of a session that are taken, far more than anybody clicks: each is drawn, and listed.
+const MOST_PAIRS: usize = 1000;
 
 /// Everything a person set on a pair of images, as it is saved.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -49,9 +52,14 @@ impl Work {
         self.pins == other.pins && made(self) == made(other)
     }
 
-    /// Whether there is anything that would be a loss.
+    /// Whether there is anything that would be a loss. A random trial can be drawn again.
     pub fn is_worth_keeping(&self) -> bool {
-        !self.document.pairs.is_empty() || self.document.half.is_some() || !self.pins.is_empty()
+        let drawn =
+            if self.document.trial.is_some() { self.document.parameters.method.pairs_needed() } else { 0 };
+        self.document.pairs.len() > drawn
+            || self.document.half.is_some()
+            || self.document.imported.is_some()
+            || !self.pins.is_empty()
     }
 
     /// The session file of this work on some pictures, to be written at `path`; `None` when a picture is neither a
@@ -99,6 +107,7 @@ impl Work {
 impl Document {
     /// Keeps points on images of these sizes, and forgets what refers to points that are not there.
     fn keep_within(&mut self, frames: [Frame; 2]) {
+        self.pairs.truncate(MOST_PAIRS);
         self.pairs.retain(crate::geometry::PointPair::is_finite);
         for pair in &mut self.pairs {
             pair.point1 = frames[0].nearest(pair.point1);

@@ -8,7 +8,7 @@ use crate::app::document::{Side, TruthSource};
 use crate::app::loader::{Failure, Opened, Pair, failure, sample};
 use crate::app::truth::Known;
 use crate::image::Picture;
-use crate::io::{ImageReference, ImageSource, Located, SessionFile, TruthFolder, sha256_of};
+use crate::io::{ImageReference, ImageSource, Located, SessionError, SessionFile, TruthFolder, sha256_of};
 use crate::synthetic::Sample;
 
 /// A session to open.
@@ -61,7 +61,10 @@ pub fn open(session: OpenSession) -> Result<Pair, Failure> {
             "The session could not be opened: {text}. Nothing was changed; try another one."
         ))
     };
-    let file = SessionFile::<Work>::read(&path).map_err(|error| unchanged(&error.to_string()))?;
+    let file = SessionFile::<Work>::read(&path).map_err(|error| match error {
+        SessionError::Foreign { .. } => Failure::NoSession { path: path.clone(), problem: error.to_string() },
+        _ => unchanged(&error.to_string()),
+    })?;
     let from_sample = file.images.iter().all(|image| matches!(image.source, ImageSource::Sample { .. }));
     let mut pair = if from_sample {
         if file.images.iter().any(|image| !is_known_sample(image)) {
@@ -94,7 +97,14 @@ pub fn open(session: OpenSession) -> Result<Pair, Failure> {
     if frames != file.images.map(|image| image.frame) {
         notes.push("An image has another size than when the session was saved: check the points.".to_owned());
     }
+    let pairs = file.content.document.pairs.len();
     let mut work = file.content.made_valid(frames, &path);
+    if work.document.pairs.len() < pairs {
+        notes.push(format!(
+            "Of the {pairs} point pairs of the session the first {} that are on the images are shown.",
+            work.document.pairs.len()
+        ));
+    }
     if let Some(TruthSource::Folder { folder, views }) = &work.document.truth {
         match known(folder, views) {
             Ok(known) => pair.known = Some(known),
@@ -114,7 +124,7 @@ fn place(image: &ImageReference, session: &OpenSession, k: usize) -> Option<Loca
     let Some(given) = &session.images[k] else { return image.locate(&session.path) };
     let ImageSource::File { sha256, .. } = &image.source else { return None };
     Some(match sha256_of(given) {
-        Ok(found) if found == *sha256 => Located::Same(given.clone()),
+        Ok(found) if found.eq_ignore_ascii_case(sha256) => Located::Same(given.clone()),
         Ok(_) => Located::Changed(given.clone()),
         Err(_) => Located::Missing(given.clone()),
     })

@@ -96,6 +96,10 @@ pub(super) fn polar(
         Range::of(rows.iter().filter_map(|r| pencil.reach(r[k])).flatten())
     };
     let radii = [columns(&full_size, 0), columns(&full_size, 1)];
+    // A line may stop short of what it should reach: where F is wrong, of a whole image.
+    if radii.iter().any(|range| range.low >= range.high) {
+        return Err(RectifyError::NoCommonLines);
+    }
     let wanted = Extent {
         width: radii[0].length().max(radii[1].length()),
         height: full_size.len().saturating_sub(1) as f64,

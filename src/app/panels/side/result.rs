@@ -2,12 +2,15 @@
 
 use egui::{Color32, Grid, Label, RichText, Ui, vec2};
 
-use super::super::{busy, command_button};
+use super::super::{busy, command_button, finish_button};
 use crate::app::command::Command;
 use crate::app::comparison::Contestant;
+use crate::app::exchange::ExchangeCommand;
 use crate::app::scene::Scene;
 use crate::app::theme;
-use crate::app::verdict::{Fact, Tone, Verdict, epipoles, hypothesis_facts, verdict};
+use crate::app::verdict::{
+    Fact, Tone, Verdict, epipoles, hypothesis_facts, import_facts, import_warning, verdict,
+};
 
 /// Shows it.
 pub fn show(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
@@ -28,10 +31,27 @@ pub fn show(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
         if let Some(contestant) = shown.contestant {
             let name = match contestant {
                 Contestant::Truth => "the true geometry".to_owned(),
+                Contestant::Imported => "the imported geometry".to_owned(),
                 other => format!("the {} geometry", other.name()),
             };
-            another_shown(ui, &name, commands);
-            list(ui, true_error(scene).chain(epipoles(scene.document, shown.fundamental)));
+            if scene.has_result() {
+                another_shown(ui, &name, commands);
+            } else {
+                let text =
+                    format!("The images show {name}. Click two point pairs to estimate one beside it.");
+                ui.add(Label::new(RichText::new(text).strong()).wrap());
+            }
+            let imported = scene.document.imported.as_ref().filter(|_| contestant == Contestant::Imported);
+            if let Some(warning) = imported.and_then(import_warning) {
+                ui.add(Label::new(RichText::new(warning).color(tone_color(ui, Tone::Caution))).wrap());
+            }
+            let facts = imported.map(import_facts).unwrap_or_default().into_iter();
+            list(ui, true_error(scene).chain(facts).chain(epipoles(scene.document, shown.fundamental)));
+            if imported.is_some() {
+                let remove = Command::Exchange(ExchangeCommand::RemoveImported);
+                let button = ui.button("Remove it");
+                finish_button(ui, button, remove, commands);
+            }
             return;
         }
     }

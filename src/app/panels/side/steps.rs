@@ -76,7 +76,7 @@ fn state_of(ui: &mut Ui, progress: Progress) {
             ui.colored_label(palette.good, "done");
         }
         Progress::Done(Some(seconds)) => {
-            ui.colored_label(palette.good, format!("done in {}", milliseconds(seconds)));
+            ui.colored_label(palette.good, format!("done in {}", duration(seconds)));
         }
         Progress::Stopped => {
             ui.colored_label(palette.caution, "stopped");
@@ -87,7 +87,13 @@ fn state_of(ui: &mut Ui, progress: Progress) {
     }
 }
 
-fn milliseconds(seconds: f64) -> String {
+fn duration(seconds: f64) -> String {
     let ms = seconds * 1000.0;
-    if ms < 9.95 { format!("{ms:.1} ms") } else { format!("{ms:.0} ms") }
+    if ms < 9.95 {
+        format!("{ms:.1} ms")
+    } else if ms < 999.5 {
+        format!("{ms:.0} ms")
+    } else {
+        format!("{seconds:.2} s")
+    }
 }

@@ -37,6 +37,9 @@ pub struct Tab {
 pub const TABS: [Tab; 6] =
     [points::TAB, profiles::TAB, pencils::TAB, hypotheses::TAB, residuals::TAB, rectified::TAB];
 
+/// With less room than this beside the headings their tools are left to the list of commands, screen points.
+const ROOM_FOR_TOOLS: f32 = 100.0;
+
 /// The line of the headings.
 pub fn headings(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
     ui.horizontal(|ui| {
@@ -60,7 +63,8 @@ pub fn headings(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
                 finish_button(ui, enlarge, Command::EnlargeTabs, commands);
             }
             ui.spacing_mut().button_padding = padding;
-            if let Some(tab) = scene.tab.and_then(|number| TABS.get(number)) {
+            let room = ui.available_width() > ROOM_FOR_TOOLS;
+            if let Some(tab) = scene.tab.and_then(|number| TABS.get(number)).filter(|_| room) {
                 (tab.tools)(ui, scene, commands);
             }
         });

@@ -60,30 +60,35 @@ const SUMMARY: [Column; 6] = [
     },
 ];
 
-/// A point and its distance to each geometry.
-const POINTS: [Column; 5] = [
-    Column {
+/// The geometries that have a row: an imported one only where there is one.
+fn contestants(scene: &Scene) -> Vec<Contestant> {
+    let has_imported = scene.document.imported.is_some();
+    Contestant::ALL.into_iter().filter(|c| has_imported || *c != Contestant::Imported).collect()
+}
+
+/// A point and its distance to each of some geometries.
+fn point_columns(contestants: &[Contestant]) -> Vec<Column> {
+    let point = Column {
         title: "Point",
         tooltip: "The pair, or the number of the true match. Point at a row to find it in both images; click a pair to \
                   select it, a true match to inspect its lines.",
         width: 84.0,
         is_text: false,
-    },
-    Column { title: "Result", tooltip: "Distance from the result, px.", width: 72.0, is_text: false },
-    Column {
-        title: "7-point",
-        tooltip: "Distance from the seven-point geometry, px.",
-        width: 72.0,
-        is_text: false,
-    },
-    Column {
-        title: "8-point",
-        tooltip: "Distance from the eight-point geometry, px.",
-        width: 72.0,
-        is_text: false,
-    },
-    Column { title: "Truth", tooltip: "Distance from the true geometry, px.", width: 72.0, is_text: false },
-];
+    };
+    let distance = |contestant: &Contestant| {
+        let (title, tooltip) = match contestant {
+            Contestant::Result => ("Result", "Distance from the result, px."),
+            Contestant::SevenPoint => ("7-point", "Distance from the seven-point geometry, px."),
+            Contestant::EightPoint => ("8-point", "Distance from the eight-point geometry, px."),
+            Contestant::Imported => ("Imported", "Distance from the imported geometry, px."),
+            Contestant::Truth => ("Truth", "Distance from the true geometry, px."),
+        };
+        // A longer name than the others have.
+        let width = if *contestant == Contestant::Imported { 86.0 } else { 72.0 };
+        Column { title, tooltip, width, is_text: false }
+    };
+    std::iter::once(point).chain(contestants.iter().map(distance)).collect()
+}
 
 /// Share of the width that the summary takes.
 const SUMMARY_SHARE: f32 = 0.575;
@@ -171,14 +176,15 @@ fn summary(ui: &mut Ui, scene: &Scene, comparison: &Comparison, commands: &mut V
     let chosen = shown
         .filter(|shown| shown.hypothesis.is_none())
         .map(|shown| shown.contestant.unwrap_or(Contestant::Result));
+    let contestants = contestants(scene);
     let touched = Table {
         name: "residual summary",
         columns: &SUMMARY,
-        rows: Contestant::ALL.len(),
+        rows: contestants.len(),
         revision: comparison.number,
-        row_name: &|row| format!("Geometry: {}", Contestant::ALL[row].name()),
+        row_name: &|row| format!("Geometry: {}", contestants[row].name()),
         key: &|row, column| {
-            let spread = comparison.rows[row].spread;
+            let spread = comparison.of(contestants[row]).spread;
             let figure = |of: fn(&crate::evaluate::Spread) -> f64| spread.as_ref().map_or(f64::NAN, of);
             match column {
                 2 => figure(|spread| spread.median),
@@ -189,8 +195,8 @@ fn summary(ui: &mut Ui, scene: &Scene, comparison: &Comparison, commands: &mut V
             }
         },
         text: &|row, column| {
-            let contestant = Contestant::ALL[row];
-            let spread = comparison.rows[row].spread;
+            let contestant = contestants[row];
+            let spread = comparison.of(contestants[row]).spread;
             let figure = |of: fn(&crate::evaluate::Spread) -> f64| {
                 spread.as_ref().map_or(String::new(), |s| px(of(s)))
             };
@@ -203,12 +209,12 @@ fn summary(ui: &mut Ui, scene: &Scene, comparison: &Comparison, commands: &mut V
                 _ => spread.map_or(String::new(), |spread| format!("{:.0} %", 100.0 * spread.below_one)),
             }
         },
-        look: &|row| Look { chosen: chosen == Some(Contestant::ALL[row]), lit: false },
+        look: &|row| Look { chosen: chosen == Some(contestants[row]), lit: false },
         toggle: &|_| None,
     }
     .show(ui);
     if let Some(row) = touched.clicked {
-        let contestant = Contestant::ALL[row];
+        let contestant = contestants[row];
         // Without a result there is nothing that the window shows another geometry in place of.
         if shown.is_some() && comparison.fundamental(contestant).is_some() {
             commands.push(Command::ChooseContestant(contestant));
@@ -229,6 +235,9 @@ fn from(scene: &Scene, comparison: &Comparison, contestant: Contestant) -> Strin
         }
         Contestant::SevenPoint => "7 pairs, the only solution".to_owned(),
         Contestant::EightPoint => format!("{} pairs", fit.pairs),
+        Contestant::Imported => {
+            scene.document.imported.as_ref().map_or(String::new(), |imported| imported.file.clone())
+        }
         Contestant::Truth => match scene.truth().map(|truth| truth.origin) {
             Some(TruthOrigin::Matches) => format!("fitted to all {} matches", fit.pairs),
             _ => "the two cameras".to_owned(),
@@ -241,9 +250,12 @@ fn points(ui: &mut Ui, scene: &Scene, comparison: &Comparison, commands: &mut Ve
     let target = |row: usize| if are_pairs { Target::Pair(row) } else { Target::TrueMatch(row) };
     let name = |row: usize| if are_pairs { pair_name(row) } else { (row + 1).to_string() };
     let document = scene.document;
+    let contestants = contestants(scene);
+    let columns = point_columns(&contestants);
+    let distances = |column: usize| &comparison.of(contestants[column - 1]).distances;
     let touched = Table {
         name: "residuals",
-        columns: &POINTS,
+        columns: &columns,
         rows: comparison.points,
         revision: comparison.number,
         row_name: &|row| {
@@ -251,13 +263,13 @@ fn points(ui: &mut Ui, scene: &Scene, comparison: &Comparison, commands: &mut Ve
         },
         key: &|row, column| match column {
             0 => row as f64,
-            _ => comparison.rows[column - 1].distances.get(row).copied().unwrap_or(f64::NAN),
+            _ => distances(column).get(row).copied().unwrap_or(f64::NAN),
         },
         text: &|row, column| match column {
             0 if are_pairs && document.role(row) == Role::Check => format!("{}, check", name(row)),
             0 if are_pairs && document.role(row) == Role::Excluded => format!("{}, out", name(row)),
             0 => name(row),
-            _ => comparison.rows[column - 1].distances.get(row).map_or(String::new(), |d| px(*d)),
+            _ => distances(column).get(row).map_or(String::new(), |d| px(*d)),
         },
         look: &|row| Look {
             chosen: are_pairs && document.selection.is_some_and(|at| at.pair == row),

@@ -1,0 +1,180 @@
+//! A result of an estimate as a file: for scripts with everything about it, and in words for people.
+
+use std::fmt::Write;
+
+use serde::Serialize;
+
+use super::geometry_file::{Format, ImageNote};
+use crate::estimate::{
+    Counts, Estimate, Method, Parameters, PatchSupport, Preset, StageTiming, Verdict, Warning,
+};
+use crate::geometry::{
+    FundamentalMatrix, PointPair, place_in_words, sampson_distance, symmetric_epipolar_distance,
+};
+
+/// The content of a result file; as JSON also a geometry file ([`Format::Json`]).
+#[derive(Serialize)]
+pub struct ResultFile<'a> {
+    /// How the numbers are to be taken.
+    convention: Vec<String>,
+    /// Nested rows, `x2ᵀ F x1 = 0`.
+    fundamental: &'a FundamentalMatrix,
+    epipole1: [f64; 3],
+    epipole2: [f64; 3],
+    score: f64,
+    round_trip_area: f64,
+    margin: Option<f64>,
+    support: &'a Option<PatchSupport>,
+    verdict: Option<Verdict>,
+    reasons: Vec<String>,
+    refined: bool,
+    matches: Vec<MatchFile>,
+    method: Method,
+    preset: Preset,
+    seed: u64,
+    seconds: f64,
+    first_seconds: f64,
+    timings: &'a [StageTiming],
+    counts: &'a Counts,
+    warnings: Vec<Told<'a>>,
+    images: &'a [ImageNote; 2],
+    /// As given, `x1 y1 x2 y2`.
+    pairs: Vec<[f64; 4]>,
+    /// Symmetric epipolar distance of every pair given, px.
+    pair_distances: Vec<f64>,
+    parameters: &'a Parameters,
+    /// The version of the program.
+    version: &'static str,
+}
+
+/// A match that the refinement rests on.
+#[derive(Serialize)]
+struct MatchFile {
+    /// `x1 y1 x2 y2`, px.
+    pair: [f64; 4],
+    /// Correlation of the two patches, −1 to 1.
+    correlation: f32,
+    /// Sampson distance from the result, px.
+    residual: f64,
+}
+
+/// A warning with its sentence.
+#[derive(Serialize)]
+struct Told<'a> {
+    message: String,
+    #[serde(flatten)]
+    warning: &'a Warning,
+}
+
+impl<'a> ResultFile<'a> {
+    /// Of a result, the pairs that it was computed from and perhaps more, and how it was computed.
+    pub fn new(
+        found: &'a Estimate,
+        pairs: &[PointPair],
+        images: &'a [ImageNote; 2],
+        parameters: &'a Parameters,
+    ) -> Self {
+        Self {
+            convention: Format::Json.convention(),
+            fundamental: &found.fundamental,
+            epipole1: found.epipole1.into(),
+            epipole2: found.epipole2.into(),
+            score: found.score,
+            round_trip_area: found.round_trip_area,
+            margin: found.margin,
+            support: &found.support,
+            verdict: found.trust.as_ref().map(|t| t.verdict),
+            reasons: found.trust.iter().flat_map(|t| t.reasons.iter().map(ToString::to_string)).collect(),
+            refined: found.refined,
+            matches: found
+                .matches
+                .iter()
+                .map(|m| MatchFile {
+                    pair: numbers(&m.pair),
+                    correlation: m.correlation,
+                    residual: sampson_distance(&found.fundamental, &m.pair),
+                })
+                .collect(),
+            method: found.method,
+            preset: found.preset,
+            seed: found.seed,
+            seconds: found.seconds,
+            first_seconds: found.first_seconds,
+            timings: &found.timings,
+            counts: &found.counts,
+            warnings: found.warnings.iter().map(|w| Told { message: w.to_string(), warning: w }).collect(),
+            images,
+            pairs: pairs.iter().map(numbers).collect(),
+            pair_distances: pairs
+                .iter()
+                .map(|p| symmetric_epipolar_distance(&found.fundamental, p))
+                .collect(),
+            parameters,
+            version: env!("CARGO_PKG_VERSION"),
+        }
+    }
+}
+
+/// `x1 y1 x2 y2`.
+fn numbers(pair: &PointPair) -> [f64; 4] {
+    [pair.point1.x, pair.point1.y, pair.point2.x, pair.point2.y]
+}
+
+/// A result for people. F has all its digits, so that it can be copied.
+pub fn result_in_words(found: &Estimate, images: &[ImageNote; 2]) -> String {
+    let mut text = String::from("Fundamental matrix F (x2ᵀ F x1 = 0):\n");
+    for row in found.fundamental.rows() {
+        let cells = row.map(|v| format!("{:>25}", format!("{v:e}")));
+        let _ = writeln!(text, " {}", cells.join(""));
+    }
+    for (k, epipole) in [found.epipole1, found.epipole2].iter().enumerate() {
+        let place = place_in_words(epipole, images[k].frame);
+        let _ = writeln!(text, "Epipole in image {}: {place}", k + 1);
+    }
+    if let Some(trust) = &found.trust {
+        let _ = writeln!(text, "Verdict: {}", trust.verdict.label());
+        for reason in &trust.reasons {
+            let _ = writeln!(text, "  {reason}");
+        }
+    }
+    if found.refined {
+        let _ = writeln!(text, "Refined on {} patches matched along the epipolar lines", found.matches.len());
+    }
+    let _ = writeln!(text, "Score: {:.4} (lower is better)", found.score);
+    let _ = writeln!(text, "Round trip: {:.3} px between lines and their return", found.round_trip_area);
+    let _ = match found.margin {
+        Some(margin) => writeln!(text, "Margin to the best clearly different geometry: {margin:.3}"),
+        None => writeln!(text, "Margin: no clearly different geometry was found"),
+    };
+    for warning in &found.warnings {
+        let _ = writeln!(text, "Warning: {warning}");
+    }
+    let counts = &found.counts;
+    let _ = writeln!(
+        text,
+        "Examined: {} and {} lines, {} candidate line pairs, {} hypotheses, {} validated",
+        list(&counts.lines1),
+        list(&counts.lines2),
+        list(&counts.candidates),
+        counts.hypotheses,
+        counts.validated
+    );
+    let stages: Vec<_> = found
+        .timings
+        .iter()
+        .map(|t| format!("{} {:.3} s", t.stage.label().to_lowercase(), t.seconds))
+        .collect();
+    let _ = writeln!(text, "Time: {:.3} s, first F after {:.3} s", found.seconds, found.first_seconds);
+    if !stages.is_empty() {
+        let _ = writeln!(text, "      {}", stages.join(", "));
+    }
+    text
+}
+
+/// Numbers of the clicks, one after another.
+fn list(numbers: &[usize]) -> String {
+    if numbers.is_empty() {
+        return "no".to_owned();
+    }
+    numbers.iter().map(ToString::to_string).collect::<Vec<_>>().join(" + ")
+}

@@ -1,0 +1,402 @@
+//! Files of other programs: what is exported, what is imported, and the question what a matrix means.
+
+use crate::support::*;
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use egui::{ColorImage, Key, Modifiers, ViewportCommand};
+use egui_kittest::kittest::Queryable;
+use epiline::app::comparison::Contestant;
+use epiline::app::document::Side;
+use epiline::app::{Opening, Start};
+use epiline::geometry::{FundamentalMatrix, PointPair};
+use epiline::io::{Format, GeometryFile};
+use epiline::synthetic::{Sample, SamplePair};
+
+fn truth() -> SamplePair {
+    Sample::default().load()
+}
+
+fn file(files: &Files, name: &str, text: &str) -> PathBuf {
+    let path = files.0.path().join(name);
+    std::fs::write(&path, text).unwrap();
+    path
+}
+
+fn rows(f: &FundamentalMatrix) -> String {
+    f.rows().map(|row| row.map(|v| format!("{v:e}")).join(" ")).join("\n")
+}
+
+fn transposed(f: &FundamentalMatrix) -> FundamentalMatrix {
+    FundamentalMatrix::from_rank_two(f.matrix().transpose()).unwrap()
+}
+
+fn csv(pairs: &[PointPair]) -> String {
+    let row = |p: &PointPair| format!("{},{},{},{}\n", p.point1.x, p.point1.y, p.point2.x, p.point2.y);
+    "x1,y1,x2,y2\n".to_owned() + &pairs.iter().map(row).collect::<String>()
+}
+
+fn press_click(window: &mut Window, label: &str) {
+    window.get_by_label(label).click();
+    settle(window);
+}
+
+fn imported(window: &Window) -> Option<FundamentalMatrix> {
+    window.state().document().imported.as_ref().map(|imported| imported.fundamental)
+}
+
+fn is_near(a: &FundamentalMatrix, b: &FundamentalMatrix) -> bool {
+    (a.matrix() - b.matrix()).norm() < 1e-9
+}
+
+fn told(window: &Window, words: &str) -> bool {
+    window.state().messages().any(|text| text.contains(words))
+}
+
+fn undo(window: &mut Window) {
+    window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    settle(window);
+}
+
+#[test]
+fn point_pairs_become_those_of_the_document_in_one_step() {
+    let files = Files::new();
+    let mut window = sample();
+    click_two_pairs(&mut window);
+    let before = window.state().document().pairs.clone();
+    let mut pairs = truth().matches[..5].to_vec();
+    pairs.push(PointPair::new(-4.0, 10.0, 20.0, 20.0));
+    drop_files(&mut window, &[file(&files, "m.csv", &csv(&pairs))]);
+    assert_eq!(window.state().document().pairs, pairs[..5]);
+    assert!(
+        told(&window, "1 of the 6 point pairs of m.csv lie outside the images"),
+        "the one outside is named"
+    );
+    assert!(told(&window, "number 6"));
+    window.get_by_label("Imported 5 point pairs from m.csv");
+    undo(&mut window);
+    assert_eq!(window.state().document().pairs, before);
+}
+
+#[test]
+fn a_transposed_matrix_is_recognised_before_it_is_drawn() {
+    let files = Files::new();
+    let mut window = sample();
+    let true_f = truth().fundamental;
+    drop_files(&mut window, &[file(&files, "F.txt", &rows(&transposed(&true_f)))]);
+    window.get_by_label("How is this matrix meant?");
+    window.get_by_label_contains("The geometry does not fit as read");
+    window.get_by_label("recommended");
+    assert_eq!(imported(&window), None);
+    window.hover_at(at(&window, Side::Left, 0.1, 0.1));
+    window.step();
+    assert!(lines(&window, Side::Right, HOVER).is_empty(), "nothing is drawn with a wrong reading");
+    press_click(&mut window, "Use this reading");
+    assert!(is_near(&imported(&window).unwrap(), &true_f));
+    let kept = window.state().document().imported.clone().unwrap();
+    assert!(kept.reading.starts_with("transposed") && kept.check.is_some_and(|c| c.fits && c.median < 1.0));
+    // The whole window shows it, without any click.
+    window.get_by_label_contains("The images show the imported geometry");
+    window.hover_at(at(&window, Side::Left, 0.1, 0.1));
+    window.step();
+    window.step();
+    assert!(!lines(&window, Side::Right, HOVER).is_empty());
+    window.key_press(Key::I);
+    let place = at(&window, Side::Left, 0.1, 0.1);
+    click(&mut window, place);
+    let pinned = window.state().focus().pins()[0].color;
+    assert!(!lines(&window, Side::Right, pinned).is_empty(), "its lines can be pinned");
+    window.key_press(Key::Escape);
+    settle(&mut window);
+    undo(&mut window);
+    assert_eq!(imported(&window), None);
+    window.key_press_modifiers(Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
+    settle(&mut window);
+    assert!(imported(&window).is_some());
+}
+
+#[test]
+fn as_it_is_means_as_the_file_has_it() {
+    let files = Files::new();
+    let mut window = sample();
+    let given = transposed(&truth().fundamental);
+    drop_files(&mut window, &[file(&files, "F.txt", &rows(&given))]);
+    press_click(&mut window, "As it is");
+    assert!(is_near(&imported(&window).unwrap(), &given));
+    assert!(window.state().document().imported.as_ref().unwrap().check.as_ref().is_some_and(|c| !c.fits));
+    window.get_by_label_contains("It does not fit the matches");
+    press_click(&mut window, "Remove it");
+    assert_eq!(imported(&window), None);
+    undo(&mut window);
+    assert!(imported(&window).is_some());
+}
+
+#[test]
+fn without_matches_a_matrix_is_marked_as_unchecked() {
+    let files = Files::new();
+    let mut window = open([files.image("a.png", 640, 480), files.image("b.png", 640, 480)]);
+    let path = file(&files, "F.txt", &rows(&truth().fundamental));
+    drop_files(&mut window, std::slice::from_ref(&path));
+    window.get_by_label_contains("that takes 8 matches, 0 are at hand");
+    assert!(window.query_by_label("Use this reading").is_none());
+    window.key_press(Key::Escape);
+    settle(&mut window);
+    assert!(window.query_by_label("How is this matrix meant?").is_none() && imported(&window).is_none());
+    drop_files(&mut window, &[path]);
+    press_click(&mut window, "As it is");
+    assert_eq!(window.state().document().imported.as_ref().unwrap().check, None);
+    window.get_by_label("unchecked");
+}
+
+#[test]
+fn own_files_come_back_with_their_pairs_and_cameras_count_too() {
+    let files = Files::new();
+    let sample_pair = truth();
+    let pairs = sample_pair.matches[..12].to_vec();
+    let whole = GeometryFile {
+        fundamental: Some(sample_pair.fundamental),
+        pairs: pairs.clone(),
+        ..GeometryFile::default()
+    };
+    for format in Format::ALL {
+        let mut window = sample();
+        let path = file(&files, &format!("own.{}", format.extension()), &whole.to_text(format));
+        drop_files(&mut window, &[path]);
+        window.get_by_label_contains("The geometry fits as read");
+        press_click(&mut window, "Use this reading");
+        assert!(is_near(&imported(&window).unwrap(), &sample_pair.fundamental), "{format:?}");
+        assert_eq!(window.state().document().pairs.len(), 12);
+        undo(&mut window);
+        assert!(window.state().document().pairs.is_empty() && imported(&window).is_none(), "one step");
+    }
+    let camera = |k: usize| {
+        let m = sample_pair.cameras[k].matrix();
+        let row = |r: usize| (0..4).map(|c| format!("{:e}", m[(r, c)])).collect::<Vec<_>>().join(" ");
+        file(&files, &format!("view{k}.P"), &(0..3).map(row).collect::<Vec<_>>().join("\n"))
+    };
+    let mut window = sample();
+    drop_files(&mut window, &[camera(0), camera(1)]);
+    press_click(&mut window, "Use this reading");
+    assert!(is_near(&imported(&window).unwrap(), &sample_pair.fundamental));
+    drop_files(&mut window, &[camera(0)]);
+    assert!(told(&window, "it is the camera of one image"));
+}
+
+#[test]
+fn hostile_files_change_nothing_and_are_told_in_a_sentence() {
+    let files = Files::new();
+    let mut window = sample();
+    click_two_pairs(&mut window);
+    let before = window.state().document().clone();
+    let huge = files.0.path().join("huge.csv");
+    std::fs::File::create(&huge).unwrap().set_len(400 << 20).unwrap();
+    let binary = files.0.path().join("binary.txt");
+    std::fs::write(&binary, [0xff, 0xfe, 0, 1, 2]).unwrap();
+    for (path, words) in [
+        (file(&files, "empty.txt", ""), "empty.txt could not be imported"),
+        (file(&files, "words.txt", "not a matrix at all"), "words.txt could not be imported"),
+        (file(&files, "rank.txt", "1 2 3\n2 4 6\n3 6 9"), "rank 1 or 0"),
+        (file(&files, "cut.json", "{\"fundamental\": [[1, 2"), "cannot be imported either"),
+        (file(&files, "other.json", "{\"a\": 1}"), "cannot be imported either"),
+        (
+            file(&files, "cut.yml", "%YAML:1.0\n---\nF: !!opencv-matrix\n   rows: 3\n"),
+            "cut.yml could not be imported",
+        ),
+        (
+            file(&files, "cut.xml", "<?xml version=\"1.0\"?>\n<opencv_storage><F>"),
+            "cut.xml could not be imported",
+        ),
+        (file(&files, "nan.csv", "1,2,3,nan\n"), "not a finite number"),
+        (file(&files, "far.csv", "1e300,2,3,4\n"), "none of its point pairs"),
+        (file(&files, "one.P", "1 2 3 4"), "the camera of one image"),
+        (huge, "too large"),
+        (binary, "not a text file"),
+        (files.0.path().join("missing.csv"), "no such file"),
+    ] {
+        drop_files(&mut window, std::slice::from_ref(&path));
+        assert!(told(&window, words), "{words}: {:?}", window.state().messages().collect::<Vec<_>>());
+        assert_eq!(window.state().document(), &before, "{}", path.display());
+        assert!(window.query_by_label("How is this matrix meant?").is_none());
+    }
+}
+
+#[test]
+fn images_and_what_belongs_to_them_are_dropped_together() {
+    let files = Files::new();
+    let mut window = sample();
+    let pairs = [PointPair::new(3.0, 4.0, 5.0, 6.0), PointPair::new(30.0, 40.0, 35.0, 46.0)];
+    let (a, b) = (files.image("a.png", 64, 48), files.image("b.png", 50, 70));
+    drop_files(&mut window, &[a.clone(), file(&files, "m.txt", &csv(&pairs)), b.clone()]);
+    let document = window.state().document();
+    assert_eq!(document.pictures.clone().unwrap().map(|picture| picture.name), ["a.png", "b.png"]);
+    assert_eq!(document.pairs, pairs);
+    // The command line does the same.
+    let imports = vec![files.0.path().join("m.txt")];
+    let window = crate::support::window(
+        Start { opening: Opening::Files(a, b), imports, ..Start::default() },
+        services(),
+    );
+    assert_eq!(window.state().document().pairs, pairs);
+    let start = Start {
+        opening: Opening::Session(file(&files, "F.json", "{\"F\": [[1, 0, 0], [0, 1, 0], [0, 0, 0]]}")),
+        ..Start::default()
+    };
+    let window = crate::support::window(start, services());
+    assert!(told(&window, "open its two images first"));
+}
+
+#[test]
+fn an_imported_geometry_takes_part_in_the_comparison_and_is_saved() {
+    let files = Files::new();
+    let mut window = window(Start::default(), rich_services());
+    click_two_pairs(&mut window);
+    window.key_press(Key::Num5);
+    settle(&mut window);
+    assert!(window.query_by_label("Geometry: Imported").is_none(), "there is none");
+    let true_f = truth().fundamental;
+    drop_files(&mut window, &[file(&files, "F.txt", &rows(&true_f))]);
+    press_click(&mut window, "Use this reading");
+    assert_eq!(window.state().focus().contestant(), Some(Contestant::Imported));
+    window.get_by_label_contains("The images show the imported geometry, not the result");
+    window.key_press(Key::R);
+    settle(&mut window);
+    assert_eq!(window.state().focus().contestant(), None);
+    press_click(&mut window, "Geometry: Imported");
+    assert_eq!(window.state().focus().contestant(), Some(Contestant::Imported));
+
+    let path = files.0.path().join("s.json");
+    window.key_press_modifiers(Modifiers::COMMAND | Modifiers::SHIFT, Key::S);
+    settle(&mut window);
+    type_into(&mut window, "File", &path);
+    window.key_press(Key::Enter);
+    settle(&mut window);
+    let again =
+        crate::support::window(Start { opening: Opening::Session(path), ..Start::default() }, services());
+    assert_eq!(again.state().document().imported, window.state().document().imported);
+    assert!(again.state().document().imported.is_some());
+}
+
+fn type_into(window: &mut Window, label: &str, path: &Path) {
+    window.get_by_label(label).focus();
+    settle(window);
+    window.key_press_modifiers(Modifiers::COMMAND, Key::A);
+    window.get_by_label(label).type_text(path.to_str().unwrap());
+    settle(window);
+}
+
+/// Exports what the buttons named choose.
+fn export(window: &mut Window, choices: &[&str], path: &Path) {
+    window.key_press_modifiers(Modifiers::COMMAND, Key::E);
+    settle(window);
+    for choice in choices {
+        press_click(window, choice);
+    }
+    type_into(window, "File", path);
+    press_click(window, "Export this");
+}
+
+#[test]
+fn exports_can_be_read_again() {
+    let files = Files::new();
+    let mut window = sample();
+    window.key_press(Key::S);
+    settle(&mut window);
+    let f = window.state().estimate().unwrap().fundamental;
+    let pairs = window.state().document().pairs.clone();
+
+    let path = files.0.path().join("g.json");
+    export(&mut window, &["Geometry"], &path);
+    window.get_by_label_contains("Exported F and 2 point pairs to");
+    let (read, format) = GeometryFile::read(&path).unwrap();
+    assert_eq!((read.fundamental, &read.pairs, format), (Some(f), &pairs, Format::Json));
+    assert!(read.images.is_some());
+
+    let path = files.0.path().join("p.txt");
+    export(&mut window, &["Pairs alone"], &path);
+    assert_eq!(GeometryFile::read(&path).unwrap().0.pairs, pairs);
+
+    let path = files.0.path().join("r.json");
+    export(&mut window, &["Report", "JSON"], &path);
+    let text = std::fs::read_to_string(&path).unwrap();
+    assert!(text.contains("\"convention\"") && text.contains("\"parameters\""), "{text}");
+    assert_eq!(GeometryFile::read(&path).unwrap().0.fundamental, Some(f));
+    let path = files.0.path().join("r.txt");
+    export(&mut window, &["Report", "Plain text"], &path);
+    let text = std::fs::read_to_string(&path).unwrap();
+    assert!(text.contains("x2' F x1 = 0") && text.contains("Point pair: ("), "{text}");
+
+    let path = files.0.path().join("profile.csv");
+    window.key_press_modifiers(Modifiers::COMMAND, Key::E);
+    settle(&mut window);
+    window.key_press(Key::Escape);
+    settle(&mut window);
+    window.key_press(Key::Num2);
+    settle(&mut window);
+    export(&mut window, &["Profile"], &path);
+    let text = std::fs::read_to_string(&path).unwrap();
+    let mut rows = text.lines().filter(|line| !line.starts_with('#'));
+    assert_eq!(rows.next(), Some("distance,x1,y1,left,right_unmatched,shift,x2,y2,right_matched,cost"));
+    assert!(rows.clone().count() > 100 && rows.all(|row| row.split(',').count() == 10));
+}
+
+#[test]
+fn an_export_that_fails_says_so_and_one_that_replaces_as_well() {
+    let files = Files::new();
+    let mut window = sample();
+    click_two_pairs(&mut window);
+    export(&mut window, &[], &files.0.path().join("no/such/folder/g.json"));
+    assert!(told(&window, "Nothing was exported: cannot write"));
+    window.key_press_modifiers(Modifiers::COMMAND, Key::E);
+    settle(&mut window);
+    type_into(&mut window, "File", &file(&files, "there.json", "old"));
+    window.get_by_label_contains("it will be replaced");
+    press_click(&mut window, "Browse for the export file");
+    assert!(told(&window, "file dialog could not be opened here"));
+}
+
+#[test]
+fn the_view_is_what_is_on_the_screen() {
+    let files = Files::new();
+    let mut window = sample();
+    let path = files.0.path().join("view.png");
+    window.key_press_modifiers(Modifiers::COMMAND, Key::E);
+    settle(&mut window);
+    press_click(&mut window, "Picture");
+    type_into(&mut window, "File", &path);
+    window.get_by_label("Export this").click();
+    let mut asked = None;
+    for _ in 0..6 {
+        window.step();
+        let commands = window.output().viewport_output.values().flat_map(|viewport| &viewport.commands);
+        for command in commands {
+            if let ViewportCommand::Screenshot(callback) = command {
+                asked = Some(callback.clone());
+                assert!(window.query_by_label("Export this").is_none(), "the dialog is not in the picture");
+            }
+        }
+        if asked.is_some() {
+            break;
+        }
+    }
+    let screen = ColorImage::filled([1280, 800], egui::Color32::from_rgb(1, 2, 3));
+    asked.expect("a picture is asked for").complete(Arc::new(screen));
+    settle(&mut window);
+    window.get_by_label_contains("Exported the view to");
+    let picture = image::open(&path).unwrap();
+    let both = pane(&window, Side::Left).union(pane(&window, Side::Right));
+    assert!((f32::from(picture.width() as u16) - both.width()).abs() < 30.0, "{}", picture.width());
+    assert!(picture.height() < 700);
+}
+
+#[test]
+fn a_narrow_window_has_room_for_all_of_the_toolbar() {
+    let mut window = sample();
+    window.set_size(egui::vec2(860.0, 540.0));
+    settle(&mut window);
+    let right_of = |label: &str| window.get_by_label(label).rect();
+    let theme = window.query_by_label("Dark").or(window.query_by_label("Light")).unwrap().rect();
+    let view = right_of("View");
+    assert!(view.max.x < theme.min.x, "{view:?} {theme:?}");
+    assert!(right_of("Keys").max.x <= 860.0 && right_of("Open").min.x >= 0.0);
+}
