@@ -70,6 +70,9 @@ struct Input {
 pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
     let output = Output::prepare(arguments.json.as_deref())?;
     let export = GeometryOutput::prepare_optional(arguments.export.as_deref(), arguments.format)?;
+    if export.as_ref().is_some_and(GeometryOutput::is_piped) && matches!(output, Output::Piped) {
+        return Err(CliError::Arguments("--json and --export cannot both be -".into()));
+    }
     let mut parameters = arguments.overrides.parameters(arguments.preset)?;
     parameters.seed = arguments.seed;
     let with_third = arguments.pairs.len() > 2;

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::CliError;
-use super::console::print;
+use super::console::{print, tell};
 use crate::image::Picture;
 use crate::io::{Format, GeometryFile, ImageNote, OutputFile, read_camera, read_point_pairs};
 
@@ -103,10 +103,17 @@ impl GeometryOutput {
         }
     }
 
+    /// Writes it; says so if the program that it is for cannot use it under its name.
     pub(super) fn write(&self, file: &GeometryFile) -> Result<(), CliError> {
         let text = file.to_text(self.format);
         match &self.file {
-            Some(output) => Ok(output.write(text.as_bytes())?),
+            Some(output) => {
+                output.write(text.as_bytes())?;
+                if let Some(note) = self.format.note_on_name(output.path()) {
+                    tell(format_args!("note: {note}"));
+                }
+                Ok(())
+            }
             None => print(&text),
         }
     }

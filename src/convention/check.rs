@@ -26,6 +26,9 @@ const FITS_SHARE: f64 = 0.002;
 const CLEARLY: f64 = 4.0;
 /// And the difference must be worth a word: this share of what the better one leaves.
 const MATERIAL: f64 = 0.1;
+/// A reading that does not fit is told from one that does, however few the matches, if its median is so many times as
+/// large.
+const FAR: f64 = 4.0;
 
 /// Why nothing could be checked.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
@@ -60,7 +63,7 @@ pub struct RankedReading {
 /// All readings of a matrix, the most credible first.
 #[derive(Debug, Clone, Serialize)]
 pub struct ConventionCheck {
-    /// At least one; first what to believe, then those that cannot be told apart from it, then by median.
+    /// At least one; first what to believe, then the others by median.
     pub readings: Vec<RankedReading>,
     /// A reading fits if its median is at most this, px.
     pub limit: f64,
@@ -97,24 +100,23 @@ pub fn check_convention(
     }
     // Stable: of equals the simpler.
     readings.sort_by(|a, b| a.median.total_cmp(&b.median));
-    believe(&mut readings);
+    believe(&mut readings, limit);
     Ok(ConventionCheck { readings, limit, matches: matches.len() })
 }
 
 /// Moves the simplest reading that the matches cannot tell from the best one to the front.
-fn believe(readings: &mut Vec<RankedReading>) {
+fn believe(readings: &mut Vec<RankedReading>, limit: f64) {
     let Some(best) = readings.first().cloned() else { return };
-    let credible = |r: &RankedReading| !r.is_told_from(&best);
+    let credible = |r: &RankedReading| !r.is_told_from(&best, limit);
     let simplest = (0..readings.len())
         .filter(|k| credible(&readings[*k]))
         .min_by_key(|k| readings[*k].reading.changes())
         .unwrap_or(0);
     let first = readings.remove(simplest);
     for reading in readings.iter_mut() {
-        reading.told_apart = reading.is_told_from(&first);
+        reading.told_apart = reading.is_told_from(&first, limit);
     }
     readings.insert(0, first);
-    readings[1..].sort_by_key(|r| r.told_apart);
 }
 
 /// All readings to try, those with fewer changes first.
@@ -176,7 +178,11 @@ impl RankedReading {
     }
 
     /// Whether the matches are clearly farther from their lines than under a better reading.
-    fn is_told_from(&self, better: &Self) -> bool {
+    fn is_told_from(&self, better: &Self, limit: f64) -> bool {
+        // Among few matches one that happens to be nearer under the wrong reading makes the difference look uncertain.
+        if better.median <= limit && self.median > limit && self.median > FAR * better.median {
+            return true;
+        }
         // Beyond a few times the median a match is wrong, or as good as wrong, under both.
         let cap = (4.0 * better.median).max(0.5);
         let count = self.distances.len() as f64;
@@ -220,7 +226,7 @@ impl ConventionCheck {
         let best = self.best();
         if !self.fits() {
             return format!(
-                "No reading fits: the best one ({}) leaves half of the {} matches more than {} px from their epipolar lines, at most {} px would do; the matrix may belong to other images, or most of the matches are wrong.",
+                "No reading fits: the best one ({}) leaves half of the {} matches more than {} px from their epipolar lines, at most {} px would do; the matrix may belong to other images, most of the matches may be wrong, or it is in a convention that is not tried: y pointing up, or only one of the images resized.",
                 best.reading,
                 self.matches,
                 pixels(best.median),
@@ -230,11 +236,16 @@ impl ConventionCheck {
         let mut text = if best.reading.changes() == 0 {
             "The geometry fits as read".to_owned()
         } else {
-            let as_read = self.as_read().map_or(String::new(), |r| format!(" ({} px)", pixels(r.median)));
-            format!(
-                "The geometry does not fit as read{as_read}, but it does if it is taken so: {}",
-                best.reading
-            )
+            let as_read = self.as_read();
+            let median = as_read.map_or(String::new(), |r| format!(" ({} px)", pixels(r.median)));
+            if as_read.is_some_and(|r| r.median <= self.limit) {
+                format!("The geometry fits worse as read{median} than if it is taken so: {}", best.reading)
+            } else {
+                format!(
+                    "The geometry does not fit as read{median}, but it does if it is taken so: {}",
+                    best.reading
+                )
+            }
         };
         let _ = write!(
             text,

@@ -4,11 +4,11 @@
 //! is, or for which size of the images it holds. With 8 or more matches the possible [`Reading`]s are tried out: each
 //! turns the matrix into an `F` in the convention of this program, and the matches measure how well that fits.
 //!
-//! Readings are ranked by the **median** symmetric epipolar distance of the matches, which up to half of them being
-//! wrong does not spoil. Readings that are the same thing for this matrix (a matrix of a pure translation is, up to
+//! Readings are ranked by the **median** symmetric epipolar distance of the matches, which fewer than half
+//! of them being wrong do not spoil. Readings that are the same thing for this matrix (a matrix of a pure translation is, up to
 //! sign, its own transpose) are listed once, under the simplest name. Two readings are *told apart* if the paired
-//! differences of their distances, capped so that wrong matches count little, are clearly not zero; of those that are
-//! not, the one with the fewest changes is believed.
+//! differences of their distances, capped so that wrong matches count little, are clearly not zero, or if one fits and the
+//! other neither fits nor comes near it; of those that are not, the one with the fewest changes is believed.
 //!
 //! # Pitfalls
 //! - The origin often cannot be told: between cameras that look in about the same direction a shift of half a pixel

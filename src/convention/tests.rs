@@ -134,6 +134,33 @@ fn as_read_is_said_plainly() {
     assert!(wrong.told_apart && wrong.reading.to_string().starts_with("transposed"));
 }
 
+/// Among nine matches one that is nearer to its line under a wrong reading must not make that reading credible.
+#[test]
+fn few_matches_tell_what_fits_from_what_is_far_off() {
+    for seed in 0..40 {
+        let (f, matches) = truth(2.8, 9, seed);
+        let check = check_convention(&f, 0.0, &matches).unwrap();
+        let best = check.best();
+        assert!(check.fits(), "{}", check.sentence());
+        for other in &check.readings {
+            let is_far = other.median > check.limit && other.median > 4.0 * best.median;
+            assert!(other.told_apart || !is_far, "seed {seed}: {} px, {}", other.median, check.sentence());
+        }
+        assert!(check.readings[1..].is_sorted_by_key(|r| r.median), "seed {seed}: {}", check.sentence());
+    }
+}
+
+/// Half a pixel that the matches see, but that leaves them within the limit.
+#[test]
+fn what_fits_worse_is_not_said_not_to_fit() {
+    let (f, matches) = truth(2.8, 400, 3);
+    let corner = written(&f, &Reading { origin: 1.0, ..Reading::as_read(0.0) });
+    let check = check_convention(&corner, 0.0, &matches).unwrap();
+    let (as_read, sentence) = (check.as_read().unwrap(), check.sentence());
+    assert!(as_read.told_apart && as_read.median < check.limit, "{sentence}");
+    assert!(sentence.starts_with("The geometry fits worse as read ("), "{sentence}");
+}
+
 #[test]
 fn nothing_fits_matches_of_other_images() {
     let (f, _) = truth(2.8, 8, 1);
@@ -142,7 +169,9 @@ fn nothing_fits_matches_of_other_images() {
     let matches: Vec<_> = (0..200).map(|_| PointPair::new(next(), next(), next(), next())).collect();
     let check = check_convention(&f, 0.0, &matches).unwrap();
     assert!(!check.fits());
-    assert!(check.sentence().starts_with("No reading fits"), "{}", check.sentence());
+    let sentence = check.sentence();
+    assert!(sentence.starts_with("No reading fits"), "{sentence}");
+    assert!(sentence.contains("y pointing up, or only one of the images resized"), "{sentence}");
 }
 
 /// For a pure sideways motion the transposed matrix, any origin and any scale are the same matrix.

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use super::bootstrap::Interval;
-use super::report::{Overall, Record, Report, Shares};
+use super::report::{Overall, Record, Report, Shares, Verdicts};
 use super::statistics::median;
 
 /// The summary of a report in cells: one row a pair and contender, then one a contender over all pairs. Errors in
@@ -132,18 +132,35 @@ pub fn verdict_sentences(report: &Report) -> Vec<String> {
     let judged = report.overall.iter().filter(|overall| overall.verdicts.results > 0);
     judged
         .map(|overall| {
-            let v = &overall.verdicts;
             format!(
-                "{}: {} of {} results called right had an error below 1 % of the longer side; {} of {} with a larger \
-                 one were not called right.",
+                "{}: {}",
                 label(&overall.method, overall.preset.as_deref()),
-                v.called_right_and_good,
-                v.called_right,
-                v.bad_and_not_called_right,
-                v.bad
+                verdict_sentence(&overall.verdicts)
             )
         })
         .collect()
+}
+
+/// The shares whose whole is not empty.
+fn verdict_sentence(v: &Verdicts) -> String {
+    if v.called_right == 0 {
+        return format!("no result of {} was called right.", v.results);
+    }
+    let right = format!(
+        "{} of {} called right had an error below 1 % of the longer side",
+        v.called_right_and_good,
+        counted(v.called_right, "result")
+    );
+    if v.bad == 0 {
+        return format!("{right}; no result had a larger one.");
+    }
+    let were = if v.bad_and_not_called_right == 1 { "was" } else { "were" };
+    format!("{right}; {} of {} with a larger one {were} not called right.", v.bad_and_not_called_right, v.bad)
+}
+
+/// A number of things.
+pub(super) fn counted(number: usize, thing: &str) -> String {
+    format!("{number} {thing}{}", if number == 1 { "" } else { "s" })
 }
 
 /// Columns side by side, with rules above the rows of the given numbers.
@@ -260,6 +277,30 @@ mod tests {
             ["0.12", "12.00", "1234", "inf", "-"]
         );
         assert_eq!([1.234, 0.000_031, f64::NAN].map(seconds), ["1.23", "0.00003", "-"]);
+    }
+
+    #[test]
+    fn verdicts_name_no_share_of_nothing() {
+        let verdicts = |called_right_and_good, called_right, bad_and_not_called_right, bad| {
+            let results = called_right_and_good + bad;
+            verdict_sentence(&Verdicts {
+                results,
+                called_right,
+                called_right_and_good,
+                bad,
+                bad_and_not_called_right,
+            })
+        };
+        assert_eq!(verdicts(0, 0, 3, 3), "no result of 3 was called right.");
+        assert_eq!(
+            verdicts(1, 1, 0, 0),
+            "1 of 1 result called right had an error below 1 % of the longer side; no result had a larger one."
+        );
+        assert_eq!(
+            verdicts(5, 6, 1, 2),
+            "5 of 6 results called right had an error below 1 % of the longer side; 1 of 2 with a larger one was not \
+             called right."
+        );
     }
 
     #[test]

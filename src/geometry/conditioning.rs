@@ -6,7 +6,7 @@
 
 use nalgebra::{Matrix3, SVector};
 
-use super::{Point, PointPair};
+use super::{Frame, Point, PointPair};
 
 /// The similarities that condition the points of image 1 and of image 2. `None` when all points of an image
 /// coincide.
@@ -14,6 +14,13 @@ pub(super) fn conditioning(pairs: &[PointPair]) -> Option<[Matrix3<f64>; 2]> {
     let t1 = normalisation(pairs.iter().map(|p| p.point1))?;
     let t2 = normalisation(pairs.iter().map(|p| p.point2))?;
     Some([t1, t2])
+}
+
+/// Pixels of an image from coordinates whose origin is its centre and whose unit is half its longer side.
+pub(super) fn pixels_from_conditioned(frame: Frame) -> Matrix3<f64> {
+    let unit = 0.5 * frame.longer_side().max(1.0);
+    let (x, y) = (0.5 * frame.width as f64, 0.5 * frame.height as f64);
+    Matrix3::new(unit, 0.0, x, 0.0, unit, y, 0.0, 0.0, 1.0)
 }
 
 /// The coefficients of `x2ᵀ F x1 = 0` in the entries of `F`, row by row, after conditioning.

@@ -2,17 +2,48 @@
 
 use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
+use thiserror::Error;
 
-use super::{HomogeneousPoint, Line, Point};
+use super::conditioning::pixels_from_conditioned;
+use super::{Frame, HomogeneousPoint, Line, Point};
 
 /// `F` with `x2ᵀ F x1 = 0`: rank 2, Frobenius norm 1, the entry of largest magnitude positive.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FundamentalMatrix(Matrix3<f64>);
 
+/// Why numbers are no fundamental matrix.
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
+pub enum NotFundamental {
+    /// Infinite, or not numbers.
+    #[error("the matrix has entries that are not finite numbers")]
+    NotFinite,
+    /// The rows are multiples of one.
+    #[error("the matrix has rank 1 or 0, a fundamental matrix has 2")]
+    RankBelowTwo,
+    /// Far from any matrix of rank 2.
+    #[error(
+        "the matrix has rank 3 (its third singular value is {:.2} % of the second), a fundamental matrix has 2: is it a homography or an essential matrix?",
+        100.0 * third_to_second
+    )]
+    RankThree {
+        /// The smallest singular value over the second one, 0 to 1, in conditioned coordinates or in pixels,
+        /// whichever is larger.
+        third_to_second: f64,
+    },
+}
+
+/// Third over second singular value in conditioned coordinates. Matrices rounded to two digits stay below it.
+const MOST_THIRD: f64 = 0.05;
+/// The same in pixels, where homographies have a thousandth.
+const CLEAR_IN_PIXELS: f64 = 1e-4;
+/// Of images whose size is unknown, px.
+const TYPICAL: Frame = Frame { width: 1000, height: 1000 };
+
 impl FundamentalMatrix {
     /// Takes a matrix that has rank 2 by construction and brings it to norm and sign. `None` when it is
     /// not finite or has lower rank.
     pub fn from_rank_two(matrix: Matrix3<f64>) -> Option<Self> {
+        let matrix = in_range(matrix);
         let norm = matrix.norm();
         if !(norm.is_finite() && norm > 0.0) {
             return None;
@@ -46,21 +77,46 @@ impl FundamentalMatrix {
         std::array::from_fn(|r| std::array::from_fn(|c| self.0[(r, c)]))
     }
 
-    /// From nested rows; `None` when they are not a matrix of rank 2 or higher. A matrix of rank 3 (rounded
-    /// in a file, say) is brought to rank 2; the [`rows`](Self::rows) of a fundamental matrix give that matrix again,
-    /// bit for bit.
-    pub fn from_rows(rows: [[f64; 3]; 3]) -> Option<Self> {
-        let matrix = Matrix3::from_fn(|r, c| rows[r][c]);
+    /// From numbers of unknown origin, in pixels of images of the given sizes (1000×1000 px where they are unknown). A
+    /// matrix of rank 3 that is nearly one of rank 2 (rounded, or estimated without that constraint) is brought to the
+    /// nearest one in conditioned coordinates, which keeps its lines; the [`rows`](Self::rows) of a fundamental
+    /// matrix give that matrix again, bit for bit.
+    ///
+    /// # Errors
+    /// When the matrix has rank 1 or lower, and when it has rank 3 and is none that was meant to have rank 2.
+    pub fn from_numbers(matrix: Matrix3<f64>, frames: Option<[Frame; 2]>) -> Result<Self, NotFundamental> {
         if !matrix.iter().all(|v| v.is_finite()) {
-            return None;
+            return Err(NotFundamental::NotFinite);
+        }
+        let matrix = in_range(matrix);
+        // In pixels the second singular value may be a millionth of the first, but it is no rounding error.
+        if matrix.rank(1e-13 * matrix.norm()) < 2 {
+            return Err(NotFundamental::RankBelowTwo);
         }
         // Rounding leaves the norm and the third singular value within a few units of the last place.
-        if matrix.singular_values().min() > 1e-15 * matrix.norm() {
-            return Self::nearest_rank_two(matrix);
+        if matrix.singular_values().min() <= 1e-15 * matrix.norm() {
+            let f = Self::from_rank_two(matrix).ok_or(NotFundamental::RankBelowTwo)?;
+            let as_written = [matrix, -matrix].into_iter().find(|m| (f.0 - m).norm() <= 1e-15);
+            return Ok(as_written.map_or(f, Self));
         }
-        let f = Self::from_rank_two(matrix)?;
-        let as_written = [matrix, -matrix].into_iter().find(|m| (f.0 - m).norm() <= 1e-15);
-        Some(as_written.map_or(f, Self))
+        let [t1, t2] = frames.unwrap_or([TYPICAL; 2]).map(pixels_from_conditioned);
+        let conditioned = t2.transpose() * matrix * t1;
+        let (in_pixels, ratio) = (third_to_second(&matrix), third_to_second(&conditioned));
+        // In x2ᵀ H x1 of a homography the products of coordinates outweigh the rest, so in conditioned coordinates it
+        // looks like rank 2; in pixels a matrix meant to have rank 2 does not look more like rank 3 than there.
+        let is_map_of_points = in_pixels > CLEAR_IN_PIXELS && ratio < 1e-2 * in_pixels;
+        if ratio > MOST_THIRD || is_map_of_points {
+            return Err(NotFundamental::RankThree { third_to_second: ratio.max(in_pixels) });
+        }
+        let back = |t: Matrix3<f64>| t.try_inverse().ok_or(NotFundamental::NotFinite);
+        let rank_two = Self::nearest_rank_two(conditioned).ok_or(NotFundamental::RankBelowTwo)?;
+        Self::from_rank_two(back(t2)?.transpose() * rank_two.0 * back(t1)?)
+            .ok_or(NotFundamental::RankBelowTwo)
+    }
+
+    /// From nested rows, as [`from_numbers`](Self::from_numbers) for images of unknown size.
+    pub fn from_rows(rows: [[f64; 3]; 3]) -> Result<Self, NotFundamental> {
+        Self::from_numbers(Matrix3::from_fn(|r, c| rows[r][c]), None)
     }
 
     /// The epipolar line in image 2 of a point of image 1; `None` at the epipole.
@@ -101,6 +157,18 @@ impl FundamentalMatrix {
     }
 }
 
+/// The matrix, with entries about 1 where squares of the given ones would leave the range of the numbers.
+fn in_range(matrix: Matrix3<f64>) -> Matrix3<f64> {
+    let largest = matrix.amax();
+    if largest == 0.0 || (1e-100..1e100).contains(&largest) { matrix } else { matrix / largest }
+}
+
+/// The smallest singular value over the second one.
+fn third_to_second(matrix: &Matrix3<f64>) -> f64 {
+    let values = matrix.singular_values();
+    values[2] / values[1]
+}
+
 /// The vector orthogonal to the columns of a rank-2 matrix: the longest cross product of two of them.
 fn null_vector(m: &Matrix3<f64>) -> Vector3<f64> {
     let mut columns: [Vector3<f64>; 3] = std::array::from_fn(|k| m.column(k).into_owned());
@@ -128,7 +196,7 @@ impl Serialize for FundamentalMatrix {
 impl<'de> Deserialize<'de> for FundamentalMatrix {
     fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let rows = <[[f64; 3]; 3]>::deserialize(deserializer)?;
-        Self::from_rows(rows).ok_or_else(|| serde::de::Error::custom("the matrix does not have rank 2"))
+        Self::from_rows(rows).map_err(serde::de::Error::custom)
     }
 }
 
@@ -157,18 +225,61 @@ mod tests {
     fn refuses_rank_one_and_non_finite() {
         assert!(FundamentalMatrix::from_rank_two(Matrix3::repeat(1.0)).is_none());
         assert!(FundamentalMatrix::from_rank_two(Matrix3::zeros()).is_none());
-        assert!(FundamentalMatrix::from_rows([[f64::NAN; 3]; 3]).is_none());
+        assert!(FundamentalMatrix::from_rows([[f64::NAN; 3]; 3]).is_err());
     }
 
     #[test]
     fn rows_give_the_same_bits_back() {
         let f = example();
         for f in [f, f.swapped(), f.rescaled(0.37, 2.9).unwrap()] {
-            assert_eq!(FundamentalMatrix::from_rows(f.rows()), Some(f));
+            assert_eq!(FundamentalMatrix::from_rows(f.rows()), Ok(f));
         }
         // Another scale or sign is brought to norm and sign.
         let other = f.rows().map(|row| row.map(|v| -3.0 * v));
         assert!((FundamentalMatrix::from_rows(other).unwrap().matrix() - f.matrix()).norm() < 1e-15);
+    }
+
+    #[test]
+    fn very_small_and_very_large_numbers_are_the_same_matrix() {
+        let f = example();
+        for scale in [1e-200, 1e-310, 1e200, 1e305] {
+            let found = FundamentalMatrix::from_numbers(f.matrix() * scale, None).unwrap();
+            let few_digits = scale < 1e-300;
+            assert!((found.matrix() - f.matrix()).norm() < if few_digits { 1e-8 } else { 1e-15 }, "{scale}");
+        }
+    }
+
+    #[test]
+    fn homographies_are_no_fundamental_matrices() {
+        let turned = Matrix3::new(0.9, -0.3, 120.0, 0.31, 0.92, -45.0, 1e-4, -2e-5, 1.0);
+        let frames = Some([Frame::new(768, 576); 2]);
+        for matrix in [Matrix3::identity(), turned, turned * 1e-6] {
+            for frames in [None, frames] {
+                let found = FundamentalMatrix::from_numbers(matrix, frames);
+                assert!(matches!(found, Err(NotFundamental::RankThree { .. })), "{found:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_lines_of_a_matrix_of_nearly_rank_two_stay() {
+        let f = example();
+        let t = pixels_from_conditioned(Frame::new(640, 480));
+        let t_inverse = t.try_inverse().unwrap();
+        let conditioned = t.transpose() * f.matrix() * t;
+        let values = conditioned.singular_values();
+        let svd = conditioned.svd(true, true);
+        let (u, v) = (svd.u.unwrap().column(2).into_owned(), svd.v_t.unwrap().row(2).into_owned());
+        let full = t_inverse.transpose() * (conditioned + 1e-3 * values[1] * u * v) * t_inverse;
+        for frames in [None, Some([Frame::new(640, 480); 2])] {
+            let found = FundamentalMatrix::from_numbers(full, frames).unwrap();
+            let frames = [Frame::new(640, 480); 2];
+            let moved = crate::geometry::epipolar_difference(&found, &f, frames, 99.0);
+            let plain = FundamentalMatrix::nearest_rank_two(full).unwrap();
+            let by_entries = crate::geometry::epipolar_difference(&plain, &f, frames, 99.0);
+            println!("{moved} px, {by_entries} px in pixels");
+            assert!(moved < 0.2 && moved < 0.5 * by_entries, "{moved} px, {by_entries} px");
+        }
     }
 
     #[test]

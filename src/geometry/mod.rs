@@ -31,7 +31,7 @@ pub use camera::Camera;
 pub use difference::epipolar_difference;
 pub use eight_point::{EightPointError, eight_point};
 pub use frame::{Frame, Segment};
-pub use fundamental::FundamentalMatrix;
+pub use fundamental::{FundamentalMatrix, NotFundamental};
 pub use line::Line;
 pub use pencil::{LinePair, PencilMap, fit_pencil_map, pencil_angles};
 pub use point::{HomogeneousPoint, PointPair, finite_point, place_in_words};

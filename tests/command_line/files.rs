@@ -199,6 +199,26 @@ fn check_has_a_status_for_nothing_fits_and_sentences_for_bad_input() {
 }
 
 #[test]
+fn names_that_matlab_cannot_run_are_told() {
+    let scene = scene();
+    for (name, words) in [
+        ("3d.m", "MATLAB cannot run a script called 3d"),
+        ("left-view.m", "MATLAB cannot run a script called left-view"),
+        ("F.m", "hides the variable F"),
+        ("end.m", "MATLAB cannot run a script called end"),
+        ("result_2.m", ""),
+        ("3d.json", ""),
+    ] {
+        let output = run(&["convert", &scene.text("p1.P"), &scene.text("p2.P"), "-o", &scene.text(name)]);
+        let told = text(&output.stderr);
+        assert!(
+            output.status.success() && told.contains(words) && told.is_empty() == words.is_empty(),
+            "{told}"
+        );
+    }
+}
+
+#[test]
 fn estimate_exports_what_it_found() {
     let folder = tempfile::tempdir().unwrap();
     let (result, export) = (folder.path().join("result.json"), folder.path().join("export.yml"));
@@ -215,4 +235,6 @@ fn estimate_exports_what_it_found() {
     assert!(succeeds(&["check", export_name]).contains("fits as read"));
     fails(&["estimate", "--sample", "--export", "f.unknown"], 2, "add --format");
     fails(&["estimate", "--sample", "--format", "matlab"], 2, "required arguments");
+    let both = ["estimate", "--sample", "--json", "-", "--export", "-", "--format", "text"];
+    fails(&both, 2, "--json and --export cannot both be -");
 }

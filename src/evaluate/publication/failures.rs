@@ -21,10 +21,10 @@ pub(super) fn write(subject: &Subject, document: &mut Document) {
     }
     if groups.is_empty() {
         let made = subject.report.trials_made;
-        document.paragraph(if made == 0 {
-            "No trial was made.".to_owned()
-        } else {
-            format!("None: all {made} trials gave a fundamental matrix.")
+        document.paragraph(match made {
+            0 => "No trial was made.".to_owned(),
+            1 => "None: the one trial gave a fundamental matrix.".to_owned(),
+            _ => format!("None: all {made} trials gave a fundamental matrix."),
         });
         return;
     }

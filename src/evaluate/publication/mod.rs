@@ -14,7 +14,7 @@ mod style;
 mod times;
 mod worst;
 
-use super::table::verdict_sentences;
+use super::table::{counted, verdict_sentences};
 use super::{Contender, Protocol, Record, Report, Scene};
 use crate::publish::Document;
 
@@ -60,10 +60,13 @@ const TWO_POINT: &str = "two-point";
 /// The document. `progress` hears how many of how many scenes have been drawn.
 pub fn publication(subject: &Subject, progress: &dyn Fn(usize, usize)) -> Document {
     let plan = &subject.report.parameters.plan;
+    let (made, planned) = (subject.report.trials_made, subject.report.trials_planned);
+    let stopped =
+        if made < planned { format!(" · stopped after {made} of {planned} trials") } else { String::new() };
     let mut document = Document::new(
         format!("Epipolar geometry from clicked points: {}", subject.name),
         format!(
-            "Epiline {} · {}, {} each · protocol {} · click noise {} px · seed {}",
+            "Epiline {} · {}, {} each{stopped} · protocol {} · click noise {} px · seed {}",
             env!("CARGO_PKG_VERSION"),
             counted(subject.scenes.len(), "pair"),
             counted(plan.trials, "trial"),
@@ -85,11 +88,6 @@ pub fn publication(subject: &Subject, progress: &dyn Fn(usize, usize)) -> Docume
     failures::write(subject, &mut document);
     parameters::write(subject, &mut document);
     document
-}
-
-/// A number of things.
-fn counted(number: usize, thing: &str) -> String {
-    format!("{number} {thing}{}", if number == 1 { "" } else { "s" })
 }
 
 /// What was run and what is measured.
@@ -193,6 +191,7 @@ mod tests {
         stop.cancel();
         let all: Vec<Box<dyn Contender>> = vec![Box::new(Hopeless)];
         let page = html(&document(&[example_scene("one", 30)], &all, &stop));
+        assert!(page.contains("3 trials each · stopped after 0 of 3 trials · protocol"), "{page}");
         assert!(page.contains("Stopped: 0 of 3 trials were made.") && page.contains("No trial was made."));
         assert!(!page.contains("NaN") && !page.contains("inf<"), "{page}");
     }

@@ -74,13 +74,13 @@ pub(super) fn read(text: &str) -> Result<Fields, Problem> {
             }
             matches.extend(numbers);
         } else if let Some(quantity) = Quantity::named(word) {
-            fields.add(quantity, Table::new(1, numbers.len(), numbers).map_err(at)?);
+            fields.add(quantity, Table::new(1, numbers.len(), numbers).map_err(at)?)?;
         } else {
             return Err(at(format!("\"{}\" is not known here", shortened(word))));
         }
     }
     if !matches.is_empty() {
-        fields.add(Quantity::Pairs, Table::new(matches.len() / 4, 4, matches).map_err(Problem::whole)?);
+        fields.add(Quantity::Pairs, Table::new(matches.len() / 4, 4, matches).map_err(Problem::whole)?)?;
     }
     Ok(fields)
 }

@@ -1,12 +1,12 @@
 //! Named tables of numbers as they were found in a file, and what they mean.
 
 use nalgebra::{Matrix3, Matrix3x4};
-use serde_json::Value;
+use serde_json::{Map, Value};
 
 use super::coordinates::{moved_camera, moved_fundamental, moved_pair, shift};
 use super::quantity::Quantity;
 use super::{Format, GeometryFile, ImageNote, Problem, Wanted};
-use crate::geometry::{Camera, FundamentalMatrix, PointPair};
+use crate::geometry::{Camera, FundamentalMatrix, NotFundamental, PointPair};
 
 /// Numbers in rows and columns. Every row is full, and every number finite.
 #[derive(Debug, Clone, PartialEq)]
@@ -70,11 +70,22 @@ pub(super) struct Fields {
 }
 
 impl Fields {
-    /// Notes a table; the first of a kind counts.
-    pub(super) fn add(&mut self, quantity: Quantity, table: Table) {
-        if self.table(quantity).is_none() {
-            self.tables.push((quantity, table));
+    /// Notes a table. Another one of the same quantity must have the same numbers.
+    pub(super) fn add(&mut self, quantity: Quantity, table: Table) -> Result<(), Problem> {
+        match self.table(quantity) {
+            Some(known) if known.numbers != table.numbers => {
+                return Err(Problem::whole(there_twice(quantity.symbol())));
+            }
+            Some(_) => {}
+            None => self.tables.push((quantity, table)),
         }
+        Ok(())
+    }
+
+    /// Notes a table in place of another one of the same quantity, as a script does that assigns twice.
+    pub(super) fn assign(&mut self, quantity: Quantity, table: Table) {
+        self.tables.retain(|(known, _)| *known != quantity);
+        self.tables.push((quantity, table));
     }
 
     /// Notes image 1 (`index` 0) or 2.
@@ -91,7 +102,7 @@ impl Fields {
             (24, 4) if wanted == Wanted::Geometry => {
                 let (first, second) = table.numbers.split_at(12);
                 for (quantity, numbers) in [(Quantity::Camera1, first), (Quantity::Camera2, second)] {
-                    self.add(quantity, Table { rows: 3, columns: 4, numbers: numbers.to_vec() });
+                    self.add(quantity, Table { rows: 3, columns: 4, numbers: numbers.to_vec() })?;
                 }
                 return Ok(());
             }
@@ -102,8 +113,7 @@ impl Fields {
                 )));
             }
         };
-        self.add(quantity, table);
-        Ok(())
+        self.add(quantity, table)
     }
 
     fn table(&self, quantity: Quantity) -> Option<&Table> {
@@ -124,7 +134,7 @@ impl Fields {
                 (Some(Quantity::Pairs), "matches") if !is_rows(value) => {}
                 (Some(quantity), _) => {
                     let table = table(value).map_err(|e| Problem::whole(format!("{name}: {e}")))?;
-                    fields.add(quantity, table);
+                    fields.add(quantity, table)?;
                 }
                 (None, "image1") => fields.images[0] = image(value),
                 (None, "image2") => fields.images[1] = image(value),
@@ -143,16 +153,13 @@ impl Fields {
     /// The content in the convention of this program.
     pub(super) fn interpret(self, format: Format) -> Result<GeometryFile, Problem> {
         let back = -format.origin();
+        let frames = match &self.images {
+            [Some(image1), Some(image2)] => Some([image1.frame, image2.frame]),
+            _ => None,
+        };
         let fundamental = self.get(Quantity::Fundamental, |table| {
-            let matrix = table.matrix3()?;
-            // In pixels the second singular value may be a millionth of the first, but it is no rounding error.
-            let has_rank_two = matrix.rank(1e-13 * matrix.norm()) >= 2;
-            let rows = std::array::from_fn(|r| std::array::from_fn(|c| matrix[(r, c)]));
-            has_rank_two
-                .then(|| FundamentalMatrix::from_rows(rows))
-                .flatten()
-                .and_then(|f| moved_fundamental(&f, back))
-                .ok_or_else(|| "the matrix has rank 1 or 0, a fundamental matrix has 2".into())
+            let f = FundamentalMatrix::from_numbers(table.matrix3()?, frames).map_err(|e| e.to_string())?;
+            moved_fundamental(&f, back).ok_or_else(|| NotFundamental::RankBelowTwo.to_string())
         })?;
         let camera = |table: &Table| {
             Camera::from_matrix(Matrix3x4::from_row_slice(table.matrix(3, 4)?))
@@ -235,6 +242,19 @@ impl Fields {
         }
         Ok(points1.iter().zip(&points2).map(|(a, b)| PointPair::new(a[0], a[1], b[0], b[1])).collect())
     }
+}
+
+/// Notes a field of an object; a name that means something must not come twice with different values.
+pub(super) fn insert(object: &mut Map<String, Value>, name: String, value: Value) -> Result<(), String> {
+    match object.get(&name) {
+        Some(known) if Quantity::named(&name).is_some() && *known != value => return Err(there_twice(&name)),
+        _ => object.insert(name, value),
+    };
+    Ok(())
+}
+
+fn there_twice(name: &str) -> String {
+    format!("{name} is in it twice, with different values: take one of them out")
 }
 
 /// Whether this is a list of lists.

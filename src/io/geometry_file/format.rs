@@ -5,6 +5,7 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use super::colmap;
+use super::quantity::Quantity;
 
 /// A kind of file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -23,6 +24,32 @@ pub enum Format {
     /// Text in the conventions of COLMAP.
     Colmap,
 }
+
+/// Words that are no names in MATLAB.
+const MATLAB_KEYWORDS: [&str; 20] = [
+    "break",
+    "case",
+    "catch",
+    "classdef",
+    "continue",
+    "else",
+    "elseif",
+    "end",
+    "for",
+    "function",
+    "global",
+    "if",
+    "otherwise",
+    "parfor",
+    "persistent",
+    "return",
+    "spmd",
+    "switch",
+    "try",
+    "while",
+];
+/// What a script assigns besides the names of quantities.
+const MATLAB_ALSO_ASSIGNED: [&str; 6] = ["F_vgg", "tform1", "tform2", "image1", "image2", "self_check"];
 
 impl Format {
     /// All of them.
@@ -96,6 +123,27 @@ impl Format {
         }
         // A script may begin with any statement.
         if lines.any(|line| is_word_before(line, '=')) { Self::Matlab } else { Self::Text }
+    }
+
+    /// What to know about a file of that name, if anything: MATLAB runs a script by its name, which must be that of a
+    /// variable, and none of those that the script assigns.
+    pub fn note_on_name(self, path: &Path) -> Option<String> {
+        if self != Self::Matlab {
+            return None;
+        }
+        let name = path.file_stem()?.to_string_lossy();
+        let is_variable = name.starts_with(|c: char| c.is_ascii_alphabetic())
+            && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
+            && !MATLAB_KEYWORDS.contains(&&*name);
+        if !is_variable {
+            return Some(format!(
+                "MATLAB cannot run a script called {name}: give it a name of letters, digits and _ that begins with a letter and is no keyword"
+            ));
+        }
+        let is_assigned = Quantity::named(&name).is_some() || MATLAB_ALSO_ASSIGNED.contains(&&*name);
+        is_assigned.then(|| {
+            format!("in MATLAB the script {name} hides the variable {name}, and the other way round: rename the file")
+        })
     }
 
     /// Where the centre of the upper left pixel is, both coordinates, px.

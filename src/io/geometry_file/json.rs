@@ -1,10 +1,13 @@
 //! JSON: the field names of a result of `epiline estimate`. What OpenCV writes as JSON is read too.
 
-use serde::Serialize;
+use std::fmt::{self, Formatter};
+
+use serde::de::{Deserializer, Error, MapAccess, Visitor};
+use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 
 use super::coordinates::{Written, pair_numbers};
-use super::fields::Fields;
+use super::fields::{Fields, insert};
 use super::quantity::Quantity;
 use super::{ImageNote, Problem};
 
@@ -45,7 +48,40 @@ pub(super) fn write(written: &Written) -> String {
 }
 
 pub(super) fn read(text: &str) -> Result<Fields, Problem> {
-    let value: Value =
-        serde_json::from_str(text).map_err(|e| Problem::whole(format!("this is not valid JSON: {e}")))?;
+    let value = if text.trim_start().starts_with('{') {
+        serde_json::from_str::<Object>(text).map(|object| Value::Object(object.0))
+    } else {
+        serde_json::from_str(text)
+    };
+    let value = value.map_err(|e| {
+        Problem::whole(if e.is_data() { e.to_string() } else { format!("this is not valid JSON: {e}") })
+    })?;
     Fields::from_value(&value)
+}
+
+/// The object that is the file. Of a name that comes twice [`Value`] keeps the last without a word.
+struct Object(Map<String, Value>);
+
+impl<'de> Deserialize<'de> for Object {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Fields;
+
+        impl<'de> Visitor<'de> for Fields {
+            type Value = Object;
+
+            fn expecting(&self, text: &mut Formatter) -> fmt::Result {
+                text.write_str("an object")
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, mut entries: A) -> Result<Object, A::Error> {
+                let mut object = Map::new();
+                while let Some((name, value)) = entries.next_entry()? {
+                    insert(&mut object, name, value).map_err(A::Error::custom)?;
+                }
+                Ok(Object(object))
+            }
+        }
+
+        deserializer.deserialize_map(Fields)
+    }
 }

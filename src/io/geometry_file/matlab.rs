@@ -63,7 +63,7 @@ pub(super) fn read(text: &str) -> Result<Fields, Problem> {
         match Quantity::named(&name) {
             Some(quantity) if rest.code.starts_with('[') => {
                 let table = rest.matrix().map_err(|e| Problem::at(line, format!("{name}: {e}")))?;
-                fields.add(quantity, table);
+                fields.assign(quantity, table);
             }
             None if is_image => {
                 if let Some(image) = image(rest.statement()) {

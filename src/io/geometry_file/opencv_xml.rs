@@ -6,7 +6,7 @@ use roxmltree::{Document, Node, ParsingOptions};
 use serde_json::{Map, Value};
 
 use super::coordinates::{NamedTable, Written, numbers, one_line};
-use super::fields::Fields;
+use super::fields::{Fields, insert};
 use super::{Format, ImageNote, Problem};
 
 /// Levels of elements in elements. Matrices need three.
@@ -95,8 +95,12 @@ fn value(node: Node, depth: usize) -> Result<Value, Problem> {
         }
         Some("_") => Ok(Value::Array(children.map(|c| value(c, depth + 1)).collect::<Result<_, _>>()?)),
         Some(_) => {
-            let fields = children.map(|c| Ok((c.tag_name().name().to_owned(), value(c, depth + 1)?)));
-            Ok(Value::Object(fields.collect::<Result<Map<_, _>, Problem>>()?))
+            let mut fields = Map::new();
+            for child in children {
+                let name = child.tag_name().name().to_owned();
+                insert(&mut fields, name, value(child, depth + 1)?).map_err(Problem::whole)?;
+            }
+            Ok(Value::Object(fields))
         }
     }
 }

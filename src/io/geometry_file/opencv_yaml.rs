@@ -9,7 +9,7 @@ use saphyr_parser::{Event, Parser, ScalarStyle};
 use serde_json::{Map, Value};
 
 use super::coordinates::{NamedTable, Written, numbers, one_line};
-use super::fields::Fields;
+use super::fields::{Fields, insert};
 use super::{Format, ImageNote, Problem};
 
 /// Levels of lists in lists. Matrices need three.
@@ -102,7 +102,7 @@ fn value(text: &str) -> Result<Value, Problem> {
             Some(Open::List(items)) => items.push(complete),
             Some(Open::Mapping(items, key)) => match (key.take(), complete) {
                 (Some(key), value) => {
-                    items.insert(key, value);
+                    insert(items, key, value).map_err(|e| Problem::at(line, e))?;
                 }
                 (None, Value::String(name)) => *key = Some(name),
                 (None, other) => *key = Some(other.to_string()),

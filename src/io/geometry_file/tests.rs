@@ -167,6 +167,30 @@ fn matlab_as_people_write_it() {
     assert!(file.fundamental.is_some());
 }
 
+/// A script that assigns twice means the last; elsewhere nobody can tell which is meant.
+#[test]
+fn what_comes_twice_is_the_last_in_scripts_and_refused_elsewhere() {
+    let (f, g) = ("0 0 0 0 0 -1 0 1 0", "0 0 -4 0 0 -7 4 7 0");
+    let script = |last: &str| GeometryFile::parse(&format!("F = [{g}];\nF = [{last}];")).unwrap().0;
+    assert_eq!(script(f), GeometryFile::parse(&format!("F = [{f}]")).unwrap().0);
+    assert_ne!(script(f), script(g));
+    let list = |numbers: &str| format!("[{}]", numbers.replace(' ', ", "));
+    let xml = |numbers: &str| format!("<F><rows>3</rows><cols>3</cols><data>{numbers}</data></F>");
+    let writers: [&dyn Fn(&str) -> String; 6] = [
+        &|second| format!("{{\"F\": {}, \"F\": {}}}", list(f), list(second)),
+        &|second| format!("{{\"F\": {}, \"fundamental\": {}}}", list(f), list(second)),
+        &|second| format!("F: {}\nF: {}\n", list(f), list(second)),
+        &|second| format!("<opencv_storage>{}{}</opencv_storage>", xml(f), xml(second)),
+        &|second| format!("F\n{f}\nF\n{second}\n"),
+        &|second| format!("F {f}\nF {second}\n"),
+    ];
+    for write in writers {
+        let problem = GeometryFile::parse(&write(g)).unwrap_err().to_string();
+        assert!(problem.contains("is in it twice, with different values"), "{problem}");
+        assert!(GeometryFile::parse(&write(f)).unwrap().0.fundamental.is_some());
+    }
+}
+
 fn read(content: &str) -> Result<FundamentalMatrix, String> {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("f");
@@ -201,6 +225,15 @@ fn all_bare_forms_give_the_same_matrix() {
 }
 
 #[test]
+fn the_size_of_the_numbers_does_not_matter() {
+    let f = read("0 0 -4 0 0 -7 4 7 0").unwrap();
+    for power in [-200, 200] {
+        let scaled = read(&format!("0 0 -4e{power} 0 0 -7e{power} 4e{power} 7e{power} 0")).unwrap();
+        assert!((scaled.matrix() - f.matrix()).norm() < 1e-15);
+    }
+}
+
+#[test]
 fn what_is_wrong_is_said() {
     for (content, words) in [
         ("1 2 3", "expected the nine numbers of a fundamental matrix, found 3"),
@@ -212,6 +245,8 @@ fn what_is_wrong_is_said() {
         ("[[1, 2", "not valid JSON"),
         ("1 1 1 1 1 1 1 1 1", "rank 1 or 0"),
         ("0 0 0 0 0 0 0 0 0", "rank 1 or 0"),
+        ("1 0 0 0 1 0 0 0 1", "the matrix has rank 3"),
+        ("0.9 -0.3 120 0.31 0.92 -45 1e-4 -2e-5 1", "is it a homography or an essential matrix?"),
         ("F\n1 2 3\n4 5\n", "row 2 has 2 numbers"),
         ("F\n1 2 3\n4 5 6\n", "expected a 3×3 matrix, found 2×3"),
         ("F\n1 2 x\n", "line 2: \"x\" is not a finite number"),
@@ -322,7 +357,9 @@ proptest! {
         let rows = [[0, 1, 2], [3, 4, 5], [6, 7, 8]].map(|r| r.map(|k| {
             cells[k] * if k % 3 < 2 { weight } else { 1.0 } * if k < 6 { weight } else { 1.0 }
         }));
-        let Some(fundamental) = FundamentalMatrix::from_rows(rows) else { return Ok(()) };
+        let matrix = Matrix3::from_fn(|r, c| rows[r][c]);
+        let nearest = FundamentalMatrix::nearest_rank_two(matrix).and_then(|f| FundamentalMatrix::from_rows(f.rows()).ok());
+        let Some(fundamental) = nearest else { return Ok(()) };
         let image = || ImageNote { name: name.trim().to_owned(), frame: Frame::new(7, 5) };
         let file = GeometryFile {
             fundamental: Some(fundamental),

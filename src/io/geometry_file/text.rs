@@ -57,8 +57,7 @@ pub(super) fn read(text: &str, wanted: Wanted) -> Result<Fields, Problem> {
         let Some((quantity, rows)) = section else { return Ok(()) };
         let table =
             Table::from_rows(&rows).map_err(|e| Problem::whole(format!("{}: {e}", quantity.symbol())))?;
-        fields.add(quantity, table);
-        Ok(())
+        fields.add(quantity, table)
     };
     for (line, row) in rows(text) {
         if let Some(quantity) = heading(row) {
@@ -111,7 +110,7 @@ fn bare(text: &str, wanted: Wanted) -> Result<Fields, Problem> {
     if wanted == Wanted::Anything && count != 9 {
         let pairs = parse_point_pairs(text).map_err(|e| Problem::at(e.line, e.problem))?;
         let numbers: Vec<f64> = pairs.iter().flat_map(pair_numbers).collect();
-        fields.add(Quantity::Pairs, Table::new(pairs.len(), 4, numbers).map_err(Problem::whole)?);
+        fields.add(Quantity::Pairs, Table::new(pairs.len(), 4, numbers).map_err(Problem::whole)?)?;
         return Ok(fields);
     }
     let lists = rows(text)
