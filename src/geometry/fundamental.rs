@@ -22,7 +22,7 @@ pub enum NotFundamental {
     RankBelowTwo,
     /// Far from any matrix of rank 2.
     #[error(
-        "the matrix has rank 3 (its third singular value is {:.2} % of the second), a fundamental matrix has 2: is it a homography or an essential matrix?",
+        "the matrix has rank 3 (its third singular value is {:.2} % of the second), a fundamental matrix has 2: is it a homography, or rounded to too few digits?",
         100.0 * third_to_second
     )]
     RankThree {
