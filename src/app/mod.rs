@@ -4,6 +4,7 @@
 //! |---|---|
 //! | [`document`] | what is edited: plain data, without a window |
 //! | [`command`] | every action, with its name, tooltip and keys |
+//! | `keyboard` | which commands the keys stand for |
 //! | [`history`] | undo and redo |
 //! | [`focus`] | what is pointed at and what is chosen, shared by all panes and panels |
 //! | `computation`, [`worker`] | the estimate and the thread that computes it |
@@ -44,6 +45,7 @@ mod heat;
 pub mod history;
 mod inspection;
 mod inspector;
+mod keyboard;
 mod loader;
 pub mod look;
 mod panels;

@@ -358,10 +358,10 @@ mod tests {
 
     #[test]
     fn paths_are_written_relative_and_read_back() {
-        let session = Path::new("/home/me/work/s.json");
+        let session = Path::new("/home/me/project/s.json");
         for (path, written) in [
-            ("/home/me/work/a.png", "a.png"),
-            ("/home/me/work/deep/a.png", "deep/a.png"),
+            ("/home/me/project/a.png", "a.png"),
+            ("/home/me/project/deep/a.png", "deep/a.png"),
             ("/home/me/photos/a.png", "../photos/a.png"),
             ("/data/a.png", "../../../data/a.png"),
         ] {

@@ -20,13 +20,14 @@ use std::time::Duration;
 use egui::Ui;
 
 use super::Start;
-use super::command::{self, Command};
+use super::command::Command;
 use super::comparison::Comparing;
 use super::computation::Computation;
 use super::document::{Document, PointRef, Side};
 use super::focus::Focus;
 use super::history::History;
 use super::inspection::Matcher;
+use super::keyboard::{Keyboard, pressed};
 use super::loader::{Loader, Opened, Opening, Source};
 use super::look::{Look, Tool};
 use super::panels::{
@@ -257,7 +258,7 @@ impl Inspector {
         self.waker.attach(&ctx);
         self.take_news(&ctx);
         // Keys first: Escape ends a drag before the panes can carry it on.
-        let keyboard = command::Keyboard {
+        let keyboard = Keyboard {
             dialog_open: self.open_dialog.open
                 || self.export_dialog.open
                 || self.file_export.open
@@ -267,7 +268,7 @@ impl Inspector {
                 || self.reading_dialog.is_some(),
             suggestion: self.scene().accepted_suggestion().is_some(),
         };
-        let mut commands = command::pressed(&ctx, keyboard);
+        let mut commands = pressed(&ctx, keyboard);
         commands.extend(Self::dropped_files(&ctx));
         for command in commands {
             self.apply(&ctx, command);

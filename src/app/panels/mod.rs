@@ -21,7 +21,8 @@ mod toolbar;
 
 use egui::{Button, Response, Ui};
 
-use super::command::{Command, key_text};
+use super::command::Command;
+use super::keyboard::key_text;
 
 pub use exchange::{FileExport, ReadingDialog};
 pub use export_dialog::ExportDialog;

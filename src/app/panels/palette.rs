@@ -3,9 +3,10 @@
 use egui::{Align2, Key, Modifiers, RichText, ScrollArea, TextEdit, Ui, Window, vec2};
 
 use super::finish_button;
-use crate::app::command::{Command, key_text};
+use crate::app::command::Command;
 use crate::app::comparison::Contestant;
 use crate::app::exchange::ExchangeCommand;
+use crate::app::keyboard::key_text;
 use crate::app::panes::overlays::OVERLAYS;
 use crate::app::rectified::{Layout, RectifiedCommand};
 use crate::app::scene::Scene;

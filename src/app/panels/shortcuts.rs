@@ -2,7 +2,8 @@
 
 use egui::{Align2, Grid, Label, RichText, ScrollArea, Window, vec2};
 
-use crate::app::command::{Command, key_text};
+use crate::app::command::Command;
+use crate::app::keyboard::key_text;
 
 /// What the mouse does in an image.
 const MOUSE: [(&str, &str); 7] = [

@@ -130,8 +130,8 @@ impl Fields {
         for (name, value) in object {
             match (Quantity::named(name), &name[..]) {
                 (Some(_), _) if value.is_null() => {}
-                // In a result of `estimate` these are objects with more than the coordinates.
-                (Some(Quantity::Pairs), "matches") if !is_rows(value) => {}
+                // In a result of `estimate` these are objects with more than the coordinates, or there are none.
+                (Some(Quantity::Pairs), "matches") if !is_rows(value) || object.contains_key("pairs") => {}
                 (Some(quantity), _) => {
                     let table = table(value).map_err(|e| Problem::whole(format!("{name}: {e}")))?;
                     fields.add(quantity, table)?;

@@ -395,3 +395,13 @@ proptest! {
         let _ = GeometryFile::parse(&bytes.into_iter().collect::<String>());
     }
 }
+
+#[test]
+fn a_result_without_refinement_has_its_clicks_and_no_matches() {
+    let text =
+        r#"{"fundamental": [[0, 0, 0], [0, 0, -1], [0, 1, 0]], "pairs": [[1, 2, 3, 2]], "matches": []}"#;
+    let (file, _) = GeometryFile::parse(text).unwrap();
+    assert_eq!(file.pairs, [PointPair::new(1.0, 2.0, 3.0, 2.0)]);
+    let (file, _) = GeometryFile::parse(r#"{"matches": [[1, 2, 3, 2]]}"#).unwrap();
+    assert_eq!(file.pairs.len(), 1);
+}
