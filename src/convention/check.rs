@@ -275,12 +275,27 @@ impl ConventionCheck {
                 best.reading.origin
             );
         } else {
-            let others = alike.iter().map(ToString::to_string).collect::<Vec<_>>().join(" / ");
-            let _ = write!(text, " These matches cannot tell it from: {others}.");
+            let others = alike.iter().take(NAMED).map(ToString::to_string).collect::<Vec<_>>().join(" / ");
+            let _ = write!(text, " These matches cannot tell it from: {others}");
+            if alike.len() > NAMED {
+                let _ = write!(text, " / and {} more", alike.len() - NAMED);
+            }
+            text.push('.');
+            if alike.len() > BY_CHANCE {
+                text.push_str(
+                    " With so many alike the fit may be chance, and the matrix may belong to other images: check \
+                     with more matches.",
+                );
+            }
         }
         text
     }
 }
+
+/// Readings that cannot be told apart are named up to this many.
+const NAMED: usize = 3;
+/// With more of them than this, some reading was bound to fit.
+const BY_CHANCE: usize = 12;
 
 /// Pixels with as many digits as matter.
 fn pixels(value: f64) -> String {
