@@ -1,16 +1,17 @@
 //! A stand-in for the estimator in tests: instant, and right for the two pairs it is given.
 
-use std::sync::Arc;
+use std::sync::LazyLock;
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::worker::Request;
+use super::model::computation::EstimateRequest;
+use super::model::shared::Shared;
 use crate::estimate::{Estimate, EstimateError, Monitor, Parameters, Progress, Stage};
 use crate::geometry::{FundamentalMatrix, PointPair};
 use crate::image::Picture;
 
 /// The estimate of a computation that reports one preliminary result.
-pub fn estimate(request: &Request, monitor: &Monitor) -> Result<Estimate, EstimateError> {
+pub fn estimate(request: &EstimateRequest, monitor: &Monitor) -> Result<Estimate, EstimateError> {
     let result = result(&request.pairs, &request.parameters).ok_or(EstimateError::NoGeometry)?;
     monitor.report(Progress::Started(Stage::Pencils));
     monitor.report(Progress::Preliminary(Box::new(result.clone())));
@@ -40,11 +41,14 @@ pub fn result(pairs: &[PointPair], parameters: &Parameters) -> Option<Estimate> 
 }
 
 /// A request whose first point has the given x.
-pub fn request(x: f64) -> Request {
-    let pixels = image::DynamicImage::new_luma8(32, 24);
-    let picture = Arc::new(Picture::from_pixels("test".into(), None, pixels).expect("has pixels"));
-    Request {
-        pictures: [Arc::clone(&picture), picture],
+pub fn request(x: f64) -> EstimateRequest {
+    // The same picture for all of them.
+    static PICTURE: LazyLock<Shared<Picture>> = LazyLock::new(|| {
+        let pixels = image::DynamicImage::new_luma8(32, 24);
+        Shared::new(Picture::from_pixels("test".into(), None, pixels).expect("has pixels"))
+    });
+    EstimateRequest {
+        pictures: [PICTURE.clone(), PICTURE.clone()],
         pairs: vec![PointPair::new(x, 5.0, x + 1.0, 6.0), PointPair::new(20.0, 15.0, 22.0, 15.0)],
         parameters: Parameters::default(),
     }

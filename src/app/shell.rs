@@ -6,10 +6,10 @@ use std::sync::{Arc, Mutex, PoisonError};
 use eframe::{NativeOptions, Renderer};
 use thiserror::Error;
 
+use super::Start;
 use super::inspector::Inspector;
-use super::services::Services;
-use super::worker::panic_text;
-use super::{Start, theme};
+use super::tasks::{Services, panic_text};
+use super::view::theme;
 
 /// Names the program to the desktop, and the folder where it keeps its window size and theme.
 const APP_ID: &str = "epiline";

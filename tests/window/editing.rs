@@ -4,7 +4,7 @@ use crate::support::*;
 
 use egui::{Key, Modifiers, PointerButton, Pos2, Rect, vec2};
 use egui_kittest::kittest::Queryable;
-use epiline::app::document::Side;
+use epiline::app::model::document::Side;
 use epiline::estimate::Method;
 use epiline::geometry::{Point, symmetric_epipolar_distance};
 

@@ -7,8 +7,8 @@ use std::sync::Arc;
 
 use egui::{ColorImage, Key, Modifiers, ViewportCommand};
 use egui_kittest::kittest::Queryable;
-use epiline::app::comparison::Contestant;
-use epiline::app::document::Side;
+use epiline::app::model::comparison::Contestant;
+use epiline::app::model::document::Side;
 use epiline::app::{Opening, Start};
 use epiline::geometry::{FundamentalMatrix, PointPair};
 use epiline::io::{Format, GeometryFile};
@@ -105,7 +105,8 @@ fn a_transposed_matrix_is_recognised_before_it_is_drawn() {
     window.key_press(Key::I);
     let place = at(&window, Side::Left, 0.1, 0.1);
     click(&mut window, place);
-    let pinned = window.state().focus().pins()[0].color;
+    assert_eq!(window.state().focus().pins().len(), 1);
+    let pinned = egui::Color32::from_rgb(230, 110, 40);
     assert!(!lines(&window, Side::Right, pinned).is_empty(), "its lines can be pinned");
     window.key_press(Key::Escape);
     settle(&mut window);

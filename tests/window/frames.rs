@@ -14,8 +14,9 @@ use std::time::{Duration, Instant};
 use egui::{Modifiers, PointerButton, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
-use epiline::app::document::Side;
-use epiline::app::look::Look;
+use epiline::app::model::document::Side;
+use epiline::app::model::ids::TabId;
+use epiline::app::model::look::Look;
 use epiline::app::{Inspector, Opening, Services, Start, install_theme};
 
 /// Frames of a drag, at 60 a second.
@@ -47,7 +48,7 @@ fn timed(start: Start) -> (Window, Rc<RefCell<Vec<Duration>>>) {
 fn frames_while_dragging() {
     let usual = Look::default();
     let everything = Look { overlays: usual.overlays.map(|_| true), ..Look::default() };
-    let rectified = Look { tab: 5, tabs_enlarged: true, ..Look::default() };
+    let rectified = Look { tab: TabId::Rectified, tabs_enlarged: true, ..Look::default() };
     for (name, look) in
         [("as usual", usual), ("every overlay", everything), ("rectified pair enlarged", rectified)]
     {

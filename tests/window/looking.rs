@@ -7,9 +7,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use egui::{Color32, Key, Modifiers, PointerButton, Pos2, Shape, vec2};
 use egui_kittest::kittest::Queryable;
-use epiline::app::document::Side;
-use epiline::app::focus::LineSource;
-use epiline::app::look::Look;
+use epiline::app::model::document::Side;
+use epiline::app::model::focus::LineSource;
+use epiline::app::model::look::Look;
 use epiline::app::{Services, Start};
 use epiline::geometry::{Point, symmetric_epipolar_distance};
 use epiline::suggest::{Suggestion, Suggestions, Verdict};

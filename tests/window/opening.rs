@@ -4,7 +4,7 @@ use crate::support::*;
 
 use egui::{Key, Modifiers, vec2};
 use egui_kittest::kittest::Queryable;
-use epiline::app::document::Side;
+use epiline::app::model::document::Side;
 use epiline::app::{Opening, Start};
 use epiline::geometry::PointPair;
 

@@ -6,8 +6,8 @@ use egui::accesskit::Role;
 use egui::{Color32, Key, Modifiers, vec2};
 use egui_kittest::kittest::Queryable;
 use epiline::app::Start;
-use epiline::app::document::Side;
-use epiline::app::focus::{LineSource, Target};
+use epiline::app::model::document::Side;
+use epiline::app::model::focus::{LineSource, Target};
 use epiline::estimate::Parameters;
 use epiline::geometry::FundamentalMatrix;
 

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable;
-use epiline::app::document::{Document, Side};
+use epiline::app::model::document::{Document, Side};
 use epiline::app::{Opening, Services, Start};
 use epiline::geometry::{Point, PointPair};
 

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use egui::{Color32, Modifiers, PointerButton, Pos2, Rect, Shape, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
-use epiline::app::document::{PointRef, Side};
+use epiline::app::model::document::{PointRef, Side};
 use epiline::app::{Inspector, Opening, Services, Start, install_theme};
 use epiline::estimate::{
     Candidate, ComparedPencils, Construction, Estimate, EstimateError, Hypothesis, Parameters,

@@ -6,8 +6,8 @@ use std::path::Path;
 
 use egui::{Color32, Key, Modifiers, Shape, vec2};
 use egui_kittest::kittest::{NodeT, Queryable};
-use epiline::app::document::{Document, Side, Trial, TruthSource};
-use epiline::app::focus::{LineSource, Target};
+use epiline::app::model::document::{Document, Side, Trial, TruthSource};
+use epiline::app::model::focus::{LineSource, Target};
 use epiline::app::{Opening, Services, Start};
 use epiline::evaluate::Protocol;
 use epiline::geometry::{Camera, FundamentalMatrix, PointPair};

@@ -1,67 +1,27 @@
-//! Files from and for other programs in the window: what is exported, and what becomes of imports.
+//! Files from and for other programs, and the rectified pair: what is exported, and what becomes of imports.
 
-use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
 
-use egui::{Context, Rect};
+use egui::Context;
 
-use super::{Inspector, PickPurpose};
-use crate::app::comparison::Contestant;
-use crate::app::computation::Freshness;
-use crate::app::document::{Checked, Imported};
-use crate::app::exchange::{
-    Capturing, Content, ExchangeCommand, Found, Importing, Matrix, Order, Pending, Question, Source, What,
-    content, picture, sources,
+use super::Inspector;
+use crate::app::model::command::ExchangeCommand;
+use crate::app::model::comparison::Contestant;
+use crate::app::model::document::{Checked, Imported, Side};
+use crate::app::model::exchange::{
+    ExportContent, ExportKind, ExportOrder, ImportFound, ImportQuestion, ImportSource, ImportedMatrix,
+    PendingImport, ViewPart, content, sources,
 };
-use crate::app::history::Step;
-use crate::app::panels::ReadingDialog;
-use crate::app::rectified::Matches;
-use crate::app::session::{Job, suggested_path};
-use crate::app::waker::Waker;
-use crate::convention::FEWEST_MATCHES;
-use crate::estimate::Estimate;
+use crate::app::model::history::Step;
+use crate::app::model::rectified::{Blink, RectifiedCommand, RectifiedLayout, RectifyOrder};
+use crate::app::model::session::suggested_path;
+use crate::app::tasks::{PickPurpose, SaveJob};
+use crate::app::view::{ReadingDialog, picture};
+use crate::io::RectifiedOptions;
 use crate::rectify;
 
-/// What is under way with files of other programs.
-pub(super) struct ExchangeState {
-    importing: Importing,
-    /// What waits to be imported, until images are open and nothing is asked.
-    queue: VecDeque<Pending>,
-    pub(super) capturing: Capturing,
-    /// Where both images are in the window, screen points.
-    pub(super) images: Option<Rect>,
-    /// The imported geometry of the document in the form of a result that nobody computed.
-    pub(super) imported: Option<Estimate>,
-}
-
-impl ExchangeState {
-    /// Imports these files once images are open.
-    pub(super) fn new(waker: Waker, imports: Vec<PathBuf>) -> Self {
-        let mut state = Self {
-            importing: Importing::new(waker),
-            queue: VecDeque::new(),
-            capturing: Capturing::default(),
-            images: None,
-            imported: None,
-        };
-        state.enqueue(imports);
-        state
-    }
-
-    fn enqueue(&mut self, paths: Vec<PathBuf>) {
-        let pending = |source| Pending { source, prelude: None };
-        self.queue.extend(sources(paths).into_iter().map(pending));
-    }
-
-    pub(super) fn is_busy(&self) -> bool {
-        self.importing.is_busy()
-    }
-
-    /// Drops what was about the images before; what waits is for those that come.
-    pub(super) fn forget(&mut self) {
-        self.importing.forget();
-    }
-}
+/// Said where there is no geometry.
+const NOTHING_TO_RECTIFY: &str = "There is nothing to rectify yet: click two point pairs first.";
 
 impl Inspector {
     /// Does what a command about files of other programs says.
@@ -71,139 +31,174 @@ impl Inspector {
             ExchangeCommand::BrowseExport(suggested) => self.pick(PickPurpose::ExportFile(suggested)),
             ExchangeCommand::Export(order) => self.export_file(order),
             ExchangeCommand::BrowseImport => self.pick(PickPurpose::Import),
-            ExchangeCommand::Import(paths) => {
-                self.open_dialog.open = false;
-                self.exchange.enqueue(paths);
-            }
+            ExchangeCommand::Import(paths) => self.import(paths),
             ExchangeCommand::Accept { reading, with_pairs } => self.accept(reading, with_pairs),
-            ExchangeCommand::Reject => self.reading_dialog = None,
+            ExchangeCommand::Reject => self.view.dialogs.reading = None,
             ExchangeCommand::RemoveImported => {
-                self.edit(Step::Single, |document| document.imported = None);
-                self.focus.choose_hypothesis(None);
+                self.model.edit(Step::Single, |document| document.imported = None);
+                self.model.open.focus.choose_hypothesis(None);
             }
         }
     }
 
     /// Asks what to write and where: beside the left image, called after both.
     fn show_file_export(&mut self) {
-        let Some(pictures) = &self.pictures else {
-            self.tell("There is nothing to export yet: open two images first.".into());
+        let Some(pictures) = &self.model.open.pictures else {
+            self.model.messages.tell("There is nothing to export yet: open two images first.");
             return;
         };
-        let begin = suggested_path(pictures).with_extension("");
-        self.file_export.show_with(begin);
+        self.view.dialogs.export.show_with(suggested_path(pictures).with_extension(""));
     }
 
-    fn export_file(&mut self, order: Order) {
-        self.file_export.open = false;
-        if order.what == What::View {
-            self.exchange.capturing.begin(order.path, order.part);
+    fn export_file(&mut self, order: ExportOrder) {
+        self.view.dialogs.export.open = false;
+        if order.what == ExportKind::View {
+            self.view.capture.begin(order.path, order.part);
             return;
         }
         // A polar rectification has no homographies.
-        let rectified = self.to_rectify().filter(|question| question.method != rectify::Method::Polar);
-        match content(&order, &self.scene(), rectified) {
+        let rectified = self.model.rectify_question();
+        let rectified = rectified.filter(|question| question.method != rectify::Method::Polar);
+        match content(&order, &self.model, rectified) {
             Ok((content, what)) => self.write(order.path, what, content),
-            Err(problem) => self.tell(problem),
+            Err(problem) => self.model.messages.tell(problem),
         }
     }
 
-    fn write(&mut self, path: PathBuf, what: String, content: Content) {
-        self.session.ask(Job::Export { path, what, content });
+    fn write(&mut self, path: PathBuf, what: String, content: ExportContent) {
+        self.tasks.saver.ask(SaveJob::Export { path, what, content });
     }
 
     /// Asks for the picture of a view, in the frame that is about to be drawn, and has it written once it is there.
     pub(super) fn capture(&mut self, ctx: &Context) {
-        self.exchange.capturing.ask(ctx, &self.waker);
-        let Some(captured) = self.exchange.capturing.poll(ctx) else { return };
+        self.view.capture.ask(ctx);
+        let Some(captured) = self.view.capture.poll(ctx) else { return };
         let Some((screen, part)) = captured.picture else {
-            self.tell("The view could not be exported: the screen gave no picture. Try again.".into());
+            let text = "The view could not be exported: the screen gave no picture. Try again.";
+            self.model.messages.tell(text);
             return;
         };
-        let part = self.exchange.images.filter(|_| part == crate::app::exchange::ViewPart::Images);
+        let part = self.view.images.filter(|_| part == ViewPart::Images);
         let content = picture(screen, part, ctx.pixels_per_point());
         self.write(captured.path, "the view".to_owned(), content);
     }
 
-    /// A file that was opened as a session and is none.
-    pub(super) fn import_instead(&mut self, path: &Path, problem: String) {
-        if self.pictures.is_none() {
-            self.tell(format!("{problem}. To import it as a geometry, open its two images first."));
-            return;
-        }
-        let source = Source::File(path.to_owned());
-        self.exchange.queue.push_back(Pending { source, prelude: Some(problem) });
+    /// Imports files, once images are open and nothing is asked.
+    pub(super) fn import(&mut self, paths: Vec<PathBuf>) {
+        self.view.dialogs.open.open = false;
+        self.model.imports.extend(sources(paths).into_iter().map(PendingImport::from));
     }
 
-    /// Forgets what waits to be imported: its images could not be opened.
-    pub(super) fn forget_imports(&mut self) {
-        self.exchange.queue.clear();
+    /// A file that was opened as a session and is none.
+    pub(super) fn import_instead(&mut self, path: &Path, problem: String) {
+        if self.model.open.pictures.is_none() {
+            let text = format!("{problem}. To import it as a geometry, open its two images first.");
+            self.model.messages.tell(text);
+            return;
+        }
+        let source = ImportSource::File(path.to_owned());
+        self.model.imports.push_back(PendingImport { source, prelude: Some(problem) });
     }
 
     /// Begins the next import, once nothing else is to be done before, and takes in what was read.
     pub(super) fn take_imports(&mut self) {
-        if let Some(answer) = self.exchange.importing.poll() {
-            match answer {
-                Ok(found) => self.take_found(found),
-                Err(problem) => self.tell(problem),
-            }
+        match self.tasks.importing.poll() {
+            Some(Ok(found)) => self.take_found(found),
+            Some(Err(problem)) => self.model.messages.tell(problem),
+            None => {}
         }
-        let waits =
-            self.loader.is_busy() || self.exchange.importing.is_busy() || self.reading_dialog.is_some();
-        if waits {
+        let asks = self.view.dialogs.reading.is_some();
+        if self.tasks.loader.is_busy() || self.tasks.importing.is_busy() || asks {
             return;
         }
-        let Some(pending) = self.exchange.queue.pop_front() else { return };
-        let Some(pictures) = &self.document.pictures else {
+        let Some(pending) = self.model.imports.pop_front() else { return };
+        let Some(pictures) = &self.model.document.pictures else {
             let name = pending.source.name();
-            self.tell(format!("To import {name}, open the two images that it is about first."));
+            let text = format!("To import {name}, open the two images that it is about first.");
+            self.model.messages.tell(text);
             return;
         };
         let frames = pictures.each_ref().map(|picture| picture.frame);
-        let matches = self.matches_at_hand();
-        self.exchange.importing.begin(Question { pending, frames, matches });
+        let matches = self.model.matches_for_import();
+        self.tasks.importing.begin(ImportQuestion { pending, frames, matches });
     }
 
-    /// The matches that can tell what a matrix means: known ones, else those that a person clicked, else those of the
-    /// result. That known ones are used shows nothing of them.
-    fn matches_at_hand(&self) -> Matches {
-        if let Some(known) = self.known.as_ref().filter(|known| known.truth.matches.len() >= FEWEST_MATCHES) {
-            return Matches::True(std::sync::Arc::clone(&known.truth));
-        }
-        let document = &self.document;
-        let clicked = document.pairs.iter().enumerate().filter(|(k, _)| !document.excluded.contains(k));
-        let clicked: Vec<_> = clicked.map(|(_, pair)| *pair).collect();
-        let found = self.computation.result().filter(|(_, freshness)| *freshness == Freshness::Final);
-        match found {
-            Some((estimate, _))
-                if clicked.len() < FEWEST_MATCHES && estimate.matches.len() >= FEWEST_MATCHES =>
-            {
-                Matches::Found(estimate.matches.iter().map(|found| found.pair).collect())
+    /// Does what a command about the rectified pair says.
+    pub(super) fn apply_to_rectified(&mut self, ctx: &Context, command: RectifiedCommand) {
+        let model = &mut self.model;
+        let shown = model.open.viewing.blink.shown(ctx.input(|input| input.time)).0;
+        match command {
+            RectifiedCommand::SetMethod(method) => {
+                model.edit(Step::Single, |document| document.rectification = method);
             }
-            _ => Matches::Clicked(clicked),
+            RectifiedCommand::LayOut(layout) => model.look.rectified.layout = layout,
+            RectifiedCommand::SetGuides(guides) => model.look.rectified.guides = guides,
+            RectifiedCommand::View(view) => model.open.viewing.view = view,
+            RectifiedCommand::Swap if model.wants_rectified() => {
+                // From the other layouts the first press shows the left picture, the next one the right one.
+                let blinks = model.look.rectified.layout == RectifiedLayout::Blink;
+                model.open.viewing.blink = Blink::Still(if blinks { shown.other() } else { Side::Left });
+                model.look.rectified.layout = RectifiedLayout::Blink;
+            }
+            RectifiedCommand::Swap => {}
+            RectifiedCommand::RunBlink => {
+                model.open.viewing.blink = match model.open.viewing.blink {
+                    Blink::Running => Blink::Still(shown),
+                    Blink::Still(_) => Blink::Running,
+                };
+            }
+            RectifiedCommand::ShowExport => self.show_rectified_export(),
+            RectifiedCommand::Browse => self.pick(PickPurpose::Export),
+            RectifiedCommand::Export { folder, options } => self.export_rectified(folder, options),
+            RectifiedCommand::StopExport => self.tasks.writing.stop(),
+        }
+    }
+
+    /// Asks where to write, beside the left image unless something else was typed before.
+    fn show_rectified_export(&mut self) {
+        if self.model.shown().is_none() {
+            self.model.messages.tell(NOTHING_TO_RECTIFY);
+            return;
+        }
+        let left = self.model.document.pictures.as_ref().and_then(|[left, _]| left.path.as_ref());
+        let folder = left.and_then(|path| Some(path.parent()?.join("rectified")));
+        self.view.dialogs.rectified.show_with(folder);
+    }
+
+    fn export_rectified(&mut self, folder: PathBuf, options: RectifiedOptions) {
+        let Some(question) = self.model.rectify_question() else {
+            self.model.messages.tell(NOTHING_TO_RECTIFY);
+            return;
+        };
+        if let Some(progress) = self.tasks.writing.begin(RectifyOrder { question, folder, options }) {
+            self.model.activity.writing = Some(progress);
+            self.view.dialogs.rectified.open = false;
+        } else {
+            let text = "A rectified pair is being written already: wait for it, or stop it.";
+            self.model.messages.tell(text);
         }
     }
 
     /// Point pairs are placed at once; a matrix is asked about.
-    fn take_found(&mut self, mut found: Found) {
+    fn take_found(&mut self, mut found: ImportFound) {
         for note in std::mem::take(&mut found.notes) {
-            self.tell(note);
+            self.model.messages.tell(note);
         }
         if let Some(matrix) = found.matrix.take() {
-            let has_pairs = !self.document.pairs.is_empty();
-            self.reading_dialog = Some(ReadingDialog::new(found, matrix, has_pairs));
+            let has_pairs = !self.model.document.pairs.is_empty();
+            self.view.dialogs.reading = Some(ReadingDialog::new(found, matrix, has_pairs));
             return;
         }
         let count = found.pairs.len();
-        self.edit(Step::Single, |document| document.set_pairs(found.pairs));
+        self.model.edit(Step::Single, |document| document.set_pairs(found.pairs));
         let plural = if count == 1 { "" } else { "s" };
-        self.done = Some(format!("Imported {count} point pair{plural} from {}", found.name));
+        self.model.done = Some(format!("Imported {count} point pair{plural} from {}", found.name));
     }
 
     /// Takes the matrix that is asked about.
     fn accept(&mut self, reading: Option<usize>, with_pairs: bool) {
-        let Some(dialog) = self.reading_dialog.take() else { return };
-        let Matrix { fundamental, check, matches, .. } = dialog.matrix();
+        let Some(dialog) = self.view.dialogs.reading.take() else { return };
+        let ImportedMatrix { fundamental, check, matches, .. } = dialog.matrix();
         let name = dialog.found().name.clone();
         let ranked = check.as_ref().and_then(|check| match reading {
             Some(place) => check.readings.get(place),
@@ -224,23 +219,13 @@ impl Inspector {
         };
         let pairs = with_pairs.then(|| dialog.found().pairs.clone()).filter(|pairs| !pairs.is_empty());
         let what = pairs.as_ref().map_or(String::new(), |pairs| format!(" and {} point pairs", pairs.len()));
-        self.edit(Step::Single, |document| {
+        self.model.edit(Step::Single, |document| {
             document.imported = Some(imported);
             if let Some(pairs) = pairs {
                 document.set_pairs(pairs);
             }
         });
-        self.focus.choose_contestant(Contestant::Imported);
-        self.done = Some(format!("Imported a geometry{what} from {name}"));
-    }
-
-    /// Brings the imported geometry that is drawn in line with the document.
-    pub(super) fn follow_imported(&mut self) {
-        let wanted = self.document.imported.as_ref().map(|imported| imported.fundamental);
-        let own = self.exchange.imported.as_ref().map(|estimate| estimate.fundamental);
-        if wanted != own {
-            self.exchange.imported =
-                wanted.map(|fundamental| Estimate::of(fundamental, &self.document.parameters));
-        }
+        self.model.open.focus.choose_contestant(Contestant::Imported);
+        self.model.done = Some(format!("Imported a geometry{what} from {name}"));
     }
 }

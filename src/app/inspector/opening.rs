@@ -1,0 +1,209 @@
+//! Opening: pictures, folders of pairs with what is known about them, and whatever else is dropped on the window.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use super::Inspector;
+use crate::app::model::command::{Command, ExchangeCommand};
+use crate::app::model::document::{Side, Trial};
+use crate::app::model::exchange::is_importable;
+use crate::app::model::history::Step;
+use crate::app::model::session::{OpenSession, has_session_extension};
+use crate::app::model::truth::NO_TRUTH;
+use crate::app::tasks::{LoadedPair, OpeningFailure};
+use crate::app::view::RelocateDialog;
+use crate::evaluate::Protocol;
+
+impl Inspector {
+    /// Takes in pictures that were opened, or why none were.
+    pub(super) fn take_pictures(&mut self, ctx: &egui::Context) {
+        match self.tasks.loader.poll() {
+            Some(Ok(pair)) => self.show_pictures(ctx, pair),
+            Some(Err(failure)) => {
+                self.start_pairs.clear();
+                self.model.imports.clear();
+                self.model.wanted = None;
+                match failure {
+                    OpeningFailure::Text(text) => self.model.messages.tell(text),
+                    OpeningFailure::NoSession { path, problem } => self.import_instead(&path, problem),
+                    OpeningFailure::Relocate(relocation) => {
+                        self.view.dialogs.relocate = Some(RelocateDialog::new(*relocation));
+                    }
+                }
+            }
+            None => {}
+        }
+    }
+
+    /// Starts over with other pictures.
+    fn show_pictures(&mut self, ctx: &egui::Context, pair: LoadedPair) {
+        let set_aside = self.set_aside();
+        for (pane, opened) in self.view.panes.iter_mut().zip(&pair.pictures) {
+            pane.set_picture(ctx, opened);
+        }
+        self.tasks.forget_pair();
+        self.view.dialogs.reading = None;
+        self.model.open(pair.pictures, pair.known, pair.uses_truth, pair.show_me);
+        let document = &mut self.model.document;
+        let pairs = std::mem::take(&mut self.start_pairs);
+        let (inside, outside): (Vec<_>, Vec<_>) = pairs.into_iter().partition(|pair| {
+            let [frame1, frame2] = Side::BOTH.map(|side| document.frame(side));
+            pair.is_finite()
+                && frame1.is_some_and(|frame| frame.contains(pair.point1))
+                && frame2.is_some_and(|frame| frame.contains(pair.point2))
+        });
+        document.set_pairs(inside);
+        if !outside.is_empty() {
+            self.model.messages.tell(format!(
+                "{} of the point pairs given lie outside the images and were left out. Click them instead.",
+                outside.len()
+            ));
+        }
+        if let Some(restored) = pair.restored {
+            self.restore(*restored);
+        }
+        if set_aside {
+            self.offer_left_behind();
+        }
+    }
+
+    /// Opens the built-in pair.
+    pub(super) fn open_sample(&mut self) {
+        self.tasks.loader.open_sample();
+        self.model.wanted = None;
+    }
+
+    /// A dropped or chosen file: two of them open, the first one waits in the dialog. A folder opens at once.
+    pub(super) fn offer(&mut self, path: &Path) {
+        if path.is_dir() {
+            self.open_folder(path.to_owned());
+        } else if let Some(dialog) = &mut self.view.dialogs.relocate {
+            dialog.offer_dropped(path);
+        } else if has_session_extension(path) {
+            self.open_session(path.to_owned().into());
+        } else if is_importable(path) {
+            self.import(vec![path.to_owned()]);
+        } else if let Some([left, right]) = self.view.dialogs.open.offer(path, None) {
+            self.open_files([Some(left), Some(right)]);
+        }
+    }
+
+    /// Opens what was named: images, or else a folder, a session, files to import.
+    pub(super) fn open_files(&mut self, paths: [Option<PathBuf>; 2]) {
+        if let Some(folder) = paths.iter().flatten().find(|path| path.is_dir()) {
+            self.open_folder(folder.clone());
+            return;
+        }
+        if let Some(session) = paths.iter().flatten().find(|path| has_session_extension(path)) {
+            self.open_session(session.clone().into());
+            return;
+        }
+        let (imports, images): (Vec<_>, Vec<_>) =
+            paths.iter().flatten().cloned().partition(|path| is_importable(path));
+        if !imports.is_empty() {
+            self.import(imports);
+            for image in &images {
+                self.offer(image);
+            }
+        } else if !images.is_empty() && self.tasks.loader.open(paths) {
+            self.model.wanted = None;
+            self.view.dialogs.open.open = false;
+        } else {
+            self.model.messages.tell("Two images are needed: name a left and a right one.");
+        }
+    }
+
+    /// Opens the first pair of a folder.
+    pub(super) fn open_folder(&mut self, path: PathBuf) {
+        self.tasks.loader.open_folder(path);
+        self.model.wanted = None;
+        self.view.dialogs.open.open = false;
+    }
+
+    /// Opens a session.
+    pub(super) fn open_session(&mut self, session: OpenSession) {
+        self.tasks.loader.open_session(session);
+        self.model.wanted = None;
+        self.view.dialogs.relocate = None;
+        self.view.dialogs.open.open = false;
+    }
+
+    /// Opens two views of the folder that is open.
+    pub(super) fn open_views(&mut self, views: [usize; 2]) {
+        let known = self.model.open.known.as_ref();
+        let Some((folder, _)) = known.and_then(|known| known.folder.as_ref()) else { return };
+        if folder.is_pair(views) {
+            self.tasks.loader.open_pair(Arc::clone(folder), views);
+            self.model.wanted = Some(views);
+        }
+    }
+
+    /// Opens the pair behind the one that is open, or being opened, or the one before it.
+    pub(super) fn step_pair(&mut self, forward: bool) {
+        let Some((folder, shown)) = self.model.folder() else { return };
+        if let Some(views) = folder.neighbour(self.model.wanted.unwrap_or(shown), forward) {
+            self.open_views(views);
+        }
+    }
+
+    /// Takes the ground truth into use, or out of it.
+    pub(super) fn toggle_truth(&mut self) {
+        let Some(known) = &self.model.open.known else {
+            self.model.messages.tell(NO_TRUTH);
+            return;
+        };
+        let source = known.source.clone();
+        if self.model.open.focus.contestant().is_some() {
+            // What was compared changes; a choice among it must not come back later by itself.
+            self.model.open.focus.choose_hypothesis(None);
+        }
+        self.model.edit(Step::Single, |document| {
+            document.truth = if document.truth.is_some() { None } else { Some(source) };
+        });
+    }
+
+    /// Puts true matches in place of the pairs that the geometry is estimated from.
+    pub(super) fn random_trial(&mut self, protocol: Protocol) {
+        if let Some(reason) = self.model.no_trial() {
+            self.model.messages.tell(reason);
+            return;
+        }
+        let (Some(known), Some(pictures)) = (&self.model.open.known, &self.model.document.pictures) else {
+            return;
+        };
+        let count = self.model.document.parameters.method.pairs_needed();
+        let frames = pictures.each_ref().map(|picture| picture.frame);
+        let trial = Trial { protocol, seed: self.model.next_seed };
+        let Some(drawn) = known.draw(frames, protocol, trial.seed, count) else {
+            let why = match protocol {
+                Protocol::Paper => "30 px apart",
+                _ => "30 px apart and off each other's epipolar lines",
+            };
+            let text = format!("There is no random trial here: no {count} true matches are {why}.");
+            self.model.messages.tell(text);
+            return;
+        };
+        self.model.next_seed += 1;
+        self.model.edit(Step::Single, |document| document.set_trial(trial, drawn));
+    }
+
+    /// Files dropped on the window since the last frame.
+    pub(super) fn dropped_files(ctx: &egui::Context) -> Vec<Command> {
+        let files = ctx.input(|input| {
+            input.raw.dropped_files.iter().map(|file| file.path().to_owned()).collect::<Vec<_>>()
+        });
+        // A session brings its own images: beside images such a file can only be a geometry.
+        let has_images = files.iter().any(|path| !is_importable(path));
+        let (imports, files): (Vec<_>, Vec<_>) = files
+            .into_iter()
+            .partition(|path| is_importable(path) && (has_images || !has_session_extension(path)));
+        let mut commands = match <[PathBuf; 2]>::try_from(files) {
+            Ok(both) => vec![Command::OpenFiles(both.map(Some))],
+            Err(files) => files.into_iter().take(2).map(Command::OfferFile).collect(),
+        };
+        if !imports.is_empty() {
+            commands.push(ExchangeCommand::Import(imports).into());
+        }
+        commands
+    }
+}

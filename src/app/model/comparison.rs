@@ -1,0 +1,316 @@
+//! The result compared with other methods and with the truth on the same points, all in one answer.
+
+use serde::{Deserialize, Serialize};
+
+use super::revision;
+use super::shared::Shared;
+use crate::evaluate::{Distances, Fit, FitError, KnownPair, Spread, fit_eight, fit_seven};
+use crate::geometry::{Frame, FundamentalMatrix, PointPair};
+use crate::io::GroundTruth;
+
+/// A geometry that takes part.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Contestant {
+    /// What the estimate found.
+    Result,
+    /// The seven-point algorithm.
+    SevenPoint,
+    /// The normalised eight-point algorithm.
+    EightPoint,
+    /// One from a file.
+    Imported,
+    /// The true geometry.
+    Truth,
+}
+
+impl Contestant {
+    /// All of them, in the order of their rows.
+    pub const ALL: [Self; 5] =
+        [Self::Result, Self::SevenPoint, Self::EightPoint, Self::Imported, Self::Truth];
+
+    /// What it is called.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Result => "Result",
+            Self::SevenPoint => "7-point",
+            Self::EightPoint => "8-point",
+            Self::Imported => "Imported",
+            Self::Truth => "Ground truth",
+        }
+    }
+}
+
+/// Some point pairs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum PointSet {
+    /// Those that were clicked.
+    Pairs,
+    /// Those that are known.
+    #[default]
+    TrueMatches,
+}
+
+/// What "how far off" means.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Measure {
+    /// Mean distance of two points from each other's epipolar lines.
+    #[default]
+    Symmetric,
+    /// First-order distance from fitting exactly.
+    Sampson,
+}
+
+/// What is compared.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(default, rename_all = "kebab-case")]
+pub struct Subject {
+    /// The points that distances are measured at; the clicked ones where no others are known.
+    pub measured: PointSet,
+    /// What 7-point and 8-point are fitted to; the clicked pairs where no others are known.
+    pub fitted: PointSet,
+    /// The distance.
+    pub measure: Measure,
+}
+
+/// All that a comparison depends on.
+#[derive(Clone, PartialEq)]
+pub struct ComparisonQuestion {
+    /// What the estimate found.
+    pub result: Option<FundamentalMatrix>,
+    /// What the window shows.
+    pub shown: Option<FundamentalMatrix>,
+    /// What was imported.
+    pub imported: Option<FundamentalMatrix>,
+    /// The clicked pairs.
+    pub pairs: Vec<PointPair>,
+    /// Those among them that are left out.
+    pub excluded: Vec<usize>,
+    /// Those that the result is estimated from.
+    pub used: Vec<PointPair>,
+    /// Sizes of the images.
+    pub frames: [Frame; 2],
+    /// What is known.
+    pub truth: Option<Shared<GroundTruth>>,
+    /// Seed of the further true matches that 7-point and 8-point are fitted to.
+    pub seed: u64,
+    /// What is compared.
+    pub subject: Subject,
+}
+
+/// One geometry of a comparison.
+#[derive(Debug, Clone)]
+pub struct Compared {
+    /// It, or in words why there is none.
+    pub fit: Result<Fit, String>,
+    /// Of every point, px; empty where there is no geometry.
+    pub distances: Vec<f64>,
+    /// Of the points that are not left out.
+    pub spread: Option<Spread>,
+}
+
+/// What came out.
+#[derive(Debug, Clone)]
+pub struct Comparison {
+    /// Another one for each.
+    pub number: u64,
+    /// Which points were measured.
+    pub measured: PointSet,
+    /// How many they are.
+    pub points: usize,
+    /// In the order of [`Contestant::ALL`].
+    pub rows: [Compared; 5],
+    /// Mean symmetric epipolar distance of all true matches to the geometry that the window shows, px.
+    pub true_error: Option<f64>,
+    /// The same of the true geometry: no other can be expected to do much better.
+    pub truth_error: Option<f64>,
+}
+
+impl Comparison {
+    /// A geometry that took part, if there is one.
+    pub fn fundamental(&self, contestant: Contestant) -> Option<&FundamentalMatrix> {
+        self.of(contestant).fit.as_ref().ok().map(|fit| &fit.fundamental)
+    }
+
+    /// A geometry that took part.
+    pub fn of(&self, contestant: Contestant) -> &Compared {
+        &self.rows[contestant as usize]
+    }
+}
+
+impl ComparisonQuestion {
+    /// Compares.
+    pub fn answer(&self) -> Comparison {
+        let truth = self.truth.as_ref().map(|truth| &**truth);
+        let (measured, points) = match (self.subject.measured, truth) {
+            (PointSet::TrueMatches, Some(truth)) => (PointSet::TrueMatches, &truth.matches),
+            _ => (PointSet::Pairs, &self.pairs),
+        };
+        let counts = |k: usize| measured == PointSet::TrueMatches || !self.excluded.contains(&k);
+        let counted: Vec<PointPair> = (0..points.len()).filter(|k| counts(*k)).map(|k| points[k]).collect();
+        let known = |fundamental: &FundamentalMatrix, pairs: usize| Fit {
+            fundamental: *fundamental,
+            pairs,
+            solutions: 1,
+        };
+        let fitted = self.fitted();
+        let fits = Contestant::ALL.map(|contestant| match contestant {
+            Contestant::Result => {
+                let none = || "no result yet: it takes two point pairs".to_owned();
+                self.result.as_ref().map(|f| known(f, self.used.len())).ok_or_else(none)
+            }
+            Contestant::SevenPoint => {
+                fitted.clone().and_then(|pairs| self.in_words(fit_seven(&pairs, &counted)))
+            }
+            Contestant::EightPoint => fitted.clone().and_then(|pairs| self.in_words(fit_eight(&pairs))),
+            Contestant::Imported => {
+                let none = || "nothing was imported".to_owned();
+                self.imported.as_ref().map(|f| known(f, 0)).ok_or_else(none)
+            }
+            Contestant::Truth => {
+                let none = || "not known for these images, or not in use".to_owned();
+                truth.map(|truth| known(&truth.fundamental, truth.matches.len())).ok_or_else(none)
+            }
+        });
+        let rows = fits.map(|fit| {
+            let all = fit.as_ref().map(|fit| Distances::of(&fit.fundamental, points)).unwrap_or_default();
+            let distances = match self.subject.measure {
+                Measure::Symmetric => all.symmetric,
+                Measure::Sampson => all.sampson,
+            };
+            let counted = distances.iter().enumerate().filter(|(k, _)| counts(*k));
+            let spread = Spread::of(&counted.map(|(_, distance)| *distance).collect::<Vec<_>>());
+            Compared { fit, distances, spread }
+        });
+        let error = |f: &FundamentalMatrix| {
+            Spread::of(&Distances::of(f, &truth?.matches).symmetric).map(|spread| spread.mean)
+        };
+        Comparison {
+            number: revision::fresh(),
+            measured,
+            points: points.len(),
+            rows,
+            true_error: self.shown.as_ref().and_then(error),
+            truth_error: truth.and_then(|truth| error(&truth.fundamental)),
+        }
+    }
+
+    /// What 7-point and 8-point are fitted to: the clicked pairs, or the clicks of the estimate with as many true
+    /// matches as eight points take, drawn as in an evaluation.
+    fn fitted(&self) -> Result<Vec<PointPair>, String> {
+        let Some(truth) = self
+            .truth
+            .as_ref()
+            .map(|truth| &**truth)
+            .filter(|_| self.subject.fitted == PointSet::TrueMatches)
+        else {
+            let included = self.pairs.iter().enumerate().filter(|(k, _)| !self.excluded.contains(k));
+            return Ok(included.map(|(_, pair)| *pair).collect());
+        };
+        let GroundTruth { name, fundamental, matches, .. } = truth;
+        let known = KnownPair { name, frames: self.frames, truth: fundamental, matches };
+        let further = known.further(&self.used, 8, self.seed, 0);
+        let further = further.ok_or("there are no eight true matches 30 px apart")?;
+        Ok(self.used.iter().copied().chain(further.into_iter().map(|k| matches[k])).collect())
+    }
+
+    fn in_words(&self, fit: Result<Fit, FitError>) -> Result<Fit, String> {
+        fit.map_err(|error| match error {
+            FitError::TooFew { .. } => error.to_string(),
+            FitError::Seven(_) | FitError::Eight(_) if self.subject.fitted == PointSet::Pairs => {
+                "these pairs leave it open: spread them over the images and over depth".to_owned()
+            }
+            FitError::Seven(_) | FitError::Eight(_) => "these true matches leave it open".to_owned(),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::model::sample::sample_pair;
+
+    fn question() -> ComparisonQuestion {
+        let sample = sample_pair();
+        ComparisonQuestion {
+            result: Some(sample.truth.fundamental),
+            shown: Some(sample.truth.fundamental),
+            imported: Some(sample.truth.fundamental),
+            pairs: sample.show_me.to_vec(),
+            excluded: Vec::new(),
+            used: sample.show_me.to_vec(),
+            frames: sample.pictures.each_ref().map(crate::image::Picture::frame),
+            truth: Some(Shared::new(sample.truth)),
+            seed: 0,
+            subject: Subject::default(),
+        }
+    }
+
+    #[test]
+    fn on_exact_matches_all_methods_agree_with_the_truth() {
+        let question = question();
+        let comparison = question.answer();
+        let matches = question.truth.as_ref().unwrap().matches.len();
+        assert_eq!((comparison.measured, comparison.points), (PointSet::TrueMatches, matches));
+        for contestant in Contestant::ALL {
+            let row = comparison.of(contestant);
+            assert_eq!(row.distances.len(), matches);
+            let spread = row.spread.unwrap();
+            // Eight points are fitted by least squares on conditioned coordinates.
+            assert!(spread.max < 1e-2 && spread.count == matches, "{contestant:?}: {spread:?}");
+        }
+        assert!(comparison.true_error.unwrap() < 1e-6 && comparison.truth_error.unwrap() < 1e-6);
+        assert_eq!(comparison.of(Contestant::SevenPoint).fit.as_ref().unwrap().pairs, 7);
+        assert_eq!(comparison.of(Contestant::EightPoint).fit.as_ref().unwrap().pairs, 8);
+    }
+
+    #[test]
+    fn without_truth_the_clicked_pairs_decide_and_what_is_missing_is_said() {
+        let question = ComparisonQuestion { truth: None, ..question() };
+        let comparison = question.answer();
+        assert_eq!((comparison.measured, comparison.points), (PointSet::Pairs, 2));
+        let words = |contestant| comparison.of(contestant).fit.as_ref().unwrap_err().as_str();
+        assert_eq!(words(Contestant::SevenPoint), "needs 5 more pairs");
+        assert_eq!(words(Contestant::EightPoint), "needs 6 more pairs");
+        assert!(words(Contestant::Truth).contains("not known"));
+        assert!(comparison.true_error.is_none() && comparison.truth_error.is_none());
+        let empty = ComparisonQuestion {
+            result: None,
+            shown: None,
+            imported: None,
+            pairs: Vec::new(),
+            used: Vec::new(),
+            ..question
+        };
+        assert!(empty.answer().rows.iter().all(|row| row.fit.is_err() && row.spread.is_none()));
+    }
+
+    #[test]
+    fn a_pair_left_out_has_distances_but_does_not_count() {
+        let mut question = question();
+        question.subject.measured = PointSet::Pairs;
+        question.pairs.push(PointPair::new(10.0, 10.0, 500.0, 400.0));
+        let with = question.answer().of(Contestant::Result).spread.unwrap();
+        question.excluded = vec![2];
+        let comparison = question.answer();
+        let without = comparison.of(Contestant::Result);
+        assert!(with.max > 10.0 && without.spread.unwrap().max < 1e-6);
+        assert!(without.distances[2] > 10.0);
+    }
+
+    #[test]
+    fn the_further_matches_are_those_of_an_evaluation() {
+        let mut question = question();
+        let truth = question.truth.clone().unwrap();
+        let known = super::super::truth::KnownTruth {
+            source: super::super::document::TruthSource::Sample(truth.name.clone()),
+            truth,
+            folder: None,
+        };
+        let draw =
+            |count| known.draw(question.frames, crate::evaluate::Protocol::WellPosed, 5, count).unwrap();
+        (question.used, question.seed) = (draw(2), 5);
+        assert_eq!(question.fitted().unwrap(), draw(8));
+    }
+}

@@ -1,0 +1,215 @@
+//! ExportKind is written for other programs: chosen here, composed and written in a thread.
+
+use std::path::PathBuf;
+
+use super::profile;
+use crate::app::model::Model;
+use crate::app::model::rectified::RectifyQuestion;
+use crate::geometry::PointPair;
+use crate::io::{Format, GeometryFile, ImageNote, ResultFile, result_in_words};
+use crate::rectify::Limits;
+
+/// What is written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum ExportKind {
+    /// F and the epipoles of the geometry shown, the point pairs, the homographies that rectify.
+    #[default]
+    Geometry,
+    /// The point pairs alone.
+    Pairs,
+    /// The result of the estimate with everything about it.
+    Report,
+    /// The intensities along the inspected line pair.
+    Profile,
+    /// What is on the screen.
+    View,
+}
+
+impl ExportKind {
+    /// All of them, in the order in which they are offered.
+    pub const ALL: [Self; 5] = [Self::Geometry, Self::Pairs, Self::Report, Self::Profile, Self::View];
+
+    /// What it is called.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Geometry => "Geometry",
+            Self::Pairs => "Pairs alone",
+            Self::Report => "Report",
+            Self::Profile => "Profile",
+            Self::View => "Picture",
+        }
+    }
+
+    /// One sentence about what is in the file.
+    pub fn tooltip(self) -> &'static str {
+        match self {
+            Self::Geometry => {
+                "F and epipoles of the geometry that the window shows, the point pairs, and the homographies that \
+                 rectify the images where one each does."
+            }
+            Self::Pairs => "The point pairs that are not left out.",
+            Self::Report => "The result of the estimate: F, verdict, figures, matches, parameters, times.",
+            Self::Profile => "Intensities, shifts and costs along the inspected line pair, as a table.",
+            Self::View => "ExportKind is on the screen, as a picture.",
+        }
+    }
+
+    /// Why it cannot be written now, if that is so.
+    pub fn missing(self, model: &Model) -> Option<&'static str> {
+        let (there, why) = match self {
+            Self::Geometry => {
+                (model.shown().is_some(), "There is no geometry yet: click two point pairs, or import one.")
+            }
+            Self::Pairs => (!model.document.pairs.is_empty(), "There are no point pairs yet."),
+            Self::Report => {
+                (model.open.computation.result().is_some(), "There is no result yet: click two point pairs.")
+            }
+            Self::Profile => (
+                model.open.inspection.as_ref().is_some_and(|inspection| !inspection.samples().is_empty()),
+                "No line pair is inspected: click two point pairs, or pin a line pair with the inspect tool (I).",
+            ),
+            Self::View => (model.document.pictures.is_some(), "No images are open."),
+        };
+        (!there).then_some(why)
+    }
+}
+
+/// Which part of the window.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum ViewPart {
+    /// Both images with what is drawn over them.
+    #[default]
+    Images,
+    /// All of it.
+    Window,
+}
+
+/// How the report is written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum ReportFormat {
+    /// For people.
+    #[default]
+    Text,
+    /// For scripts.
+    Json,
+}
+
+/// What is to be written, and where.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ExportOrder {
+    /// The file.
+    pub path: PathBuf,
+    /// What is written.
+    pub what: ExportKind,
+    /// The format of geometry and point pairs.
+    pub format: Format,
+    /// Whether the matches that the result rests on go along with the point pairs.
+    pub with_matches: bool,
+    /// How the report is written.
+    pub reported: ReportFormat,
+    /// Which part of the screen is the view.
+    pub part: ViewPart,
+}
+
+/// Composes the bytes of a file.
+pub type ExportContent = Box<dyn FnOnce() -> Result<Vec<u8>, String> + Send>;
+
+/// What is written, and in a few words what it is; everything but the view. `rectified` is the pair whose
+/// homographies go along. The error says why there is nothing to write.
+pub fn content(
+    order: &ExportOrder,
+    model: &Model,
+    rectified: Option<RectifyQuestion>,
+) -> Result<(ExportContent, String), String> {
+    if let Some(missing) = order.what.missing(model) {
+        return Err(missing.to_owned());
+    }
+    let nothing = || "There is nothing to export yet: open two images first.".to_owned();
+    let images = notes(model).ok_or_else(nothing)?;
+    let format = order.format;
+    let mut file = GeometryFile { images: Some(images.clone()), ..GeometryFile::default() };
+    if matches!(order.what, ExportKind::Geometry | ExportKind::Pairs) {
+        file.pairs = pairs(model, order.with_matches);
+    }
+    Ok(match order.what {
+        ExportKind::Geometry => {
+            file.fundamental = model.shown().map(|shown| *shown.fundamental);
+            let what = format!("F and {}", counted(file.pairs.len()));
+            let content: ExportContent = Box::new(move || {
+                file.homographies = rectified.and_then(|question| homographies(&question));
+                Ok(file.to_text(format).into_bytes())
+            });
+            (content, what)
+        }
+        ExportKind::Pairs => {
+            let what = counted(file.pairs.len());
+            (Box::new(move || Ok(file.to_text(format).into_bytes())), what)
+        }
+        ExportKind::Report => {
+            let text = report(order.reported, model, &images).ok_or_else(nothing)?;
+            (Box::new(move || Ok(text.into_bytes())), "the report of the result".to_owned())
+        }
+        ExportKind::Profile => {
+            let inspection = model.open.inspection.as_ref().ok_or_else(nothing)?.clone();
+            let content: ExportContent = Box::new(move || Ok(profile::csv(&inspection).into_bytes()));
+            (content, "the profile of the inspected line pair".to_owned())
+        }
+        ExportKind::View => return Err("The view is taken from the screen.".to_owned()),
+    })
+}
+
+fn counted(pairs: usize) -> String {
+    if pairs == 1 { "1 point pair".to_owned() } else { format!("{pairs} point pairs") }
+}
+
+fn notes(model: &Model) -> Option<[ImageNote; 2]> {
+    let pictures = model.document.pictures.as_ref()?;
+    Some(pictures.each_ref().map(|picture| ImageNote { name: picture.name.clone(), frame: picture.frame }))
+}
+
+/// The pairs that are not left out, and the matches of the result behind them if they are wanted.
+fn pairs(model: &Model, with_matches: bool) -> Vec<PointPair> {
+    let found = model.open.computation.result().filter(|_| with_matches);
+    let found = found.into_iter().flat_map(|(estimate, _)| estimate.matches.iter().map(|m| m.pair));
+    model.document.included().chain(found).collect()
+}
+
+/// Those of a planar rectification; a polar one has none.
+fn homographies(question: &RectifyQuestion) -> Option<[nalgebra::Matrix3<f64>; 2]> {
+    let rectification = question.rectification(&Limits::default()).ok()?;
+    let [left, right] = rectification.maps.each_ref().map(|map| map.homography().copied());
+    Some([left?, right?])
+}
+
+fn report(reported: ReportFormat, model: &Model, images: &[ImageNote; 2]) -> Option<String> {
+    let (estimate, _) = model.open.computation.result()?;
+    let pairs = pairs(model, false);
+    Some(match reported {
+        ReportFormat::Json => {
+            let file = ResultFile::new(estimate, &pairs, images, &model.document.parameters);
+            serde_json::to_string_pretty(&file).ok()? + "\n"
+        }
+        ReportFormat::Text => {
+            let mut lines = vec![format!(
+                "Epipolar geometry of two images, written by epiline {}.",
+                env!("CARGO_PKG_VERSION")
+            )];
+            lines.extend(Format::Text.convention());
+            lines.push(String::new());
+            for (image, place) in images.iter().zip(["left", "right"]) {
+                let (width, height) = (image.frame.width, image.frame.height);
+                lines.push(format!("Image {place}: {}, {width} x {height} px", image.name));
+            }
+            for pair in &pairs {
+                let (a, b) = (pair.point1, pair.point2);
+                let distance = crate::geometry::symmetric_epipolar_distance(&estimate.fundamental, pair);
+                lines.push(format!(
+                    "Point pair: ({}, {}) and ({}, {}), {distance:.3} px from its epipolar lines",
+                    a.x, a.y, b.x, b.y
+                ));
+            }
+            lines.push(String::new());
+            lines.join("\n") + "\n" + &result_in_words(estimate, images)
+        }
+    })
+}

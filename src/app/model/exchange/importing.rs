@@ -1,0 +1,193 @@
+//! Reading files of other programs and, where there is a matrix in one, finding out with matches what it means.
+
+use super::ImportSource;
+use crate::app::model::rectified::MatchesAtHand;
+use crate::convention::{ConventionCheck, FEWEST_MATCHES, check_convention};
+use crate::geometry::{Frame, FundamentalMatrix, PointPair};
+use crate::io::{Format, GeometryFile, read_camera};
+
+/// Pairs that are placed, at most: more handles hide the image under them, and each costs time in every frame.
+const MOST_PAIRS: usize = 300;
+/// The first ones are what the geometry is estimated from; they are always among them.
+const FIRST_PAIRS: usize = 3;
+/// Pairs that are named, at most.
+const MOST_NAMED: usize = 5;
+
+/// Files that wait to be imported.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct PendingImport {
+    /// The files.
+    pub source: ImportSource,
+    /// That it was first taken for something else, and is not.
+    pub prelude: Option<String>,
+}
+
+impl From<ImportSource> for PendingImport {
+    fn from(source: ImportSource) -> Self {
+        Self { source, prelude: None }
+    }
+}
+
+/// What is to be read.
+pub struct ImportQuestion {
+    /// The files.
+    pub pending: PendingImport,
+    /// Sizes of the images that are open.
+    pub frames: [Frame; 2],
+    /// The matches at hand.
+    pub matches: MatchesAtHand,
+}
+
+/// A matrix that was read.
+#[derive(Debug, Clone)]
+pub struct ImportedMatrix {
+    /// As its format says.
+    pub fundamental: FundamentalMatrix,
+    /// What the matches say; none where there are too few.
+    pub check: Option<ConventionCheck>,
+    /// What these matches are called.
+    pub matches: &'static str,
+    /// How many there are.
+    pub count: usize,
+}
+
+/// What was found in a file.
+#[derive(Debug, Clone)]
+pub struct ImportFound {
+    /// The name of the file.
+    pub name: String,
+    /// Its format.
+    pub format: Format,
+    /// Point pairs on the images.
+    pub pairs: Vec<PointPair>,
+    /// A geometry.
+    pub matrix: Option<ImportedMatrix>,
+    /// What to know about it, a sentence each.
+    pub notes: Vec<String>,
+}
+
+impl ImportQuestion {
+    /// What was found, or what happened and what to do.
+    pub fn answer(&self) -> Result<ImportFound, String> {
+        let name = self.pending.source.name();
+        self.read().map_err(|problem| match &self.pending.prelude {
+            Some(prelude) => format!(
+                "{prelude}, and it cannot be imported either: {problem}. Nothing was changed; try another file."
+            ),
+            None => format!(
+                "{name} could not be imported: {problem}. Nothing was changed; correct the file, or try another one."
+            ),
+        })
+    }
+
+    fn read(&self) -> Result<ImportFound, String> {
+        let name = self.pending.source.name();
+        let (file, format) = match &self.pending.source {
+            ImportSource::File(path) => GeometryFile::read(path).map_err(|error| error.to_string())?,
+            ImportSource::Cameras([left, right]) => {
+                let camera = |path| read_camera(path).map_err(|error| error.to_string());
+                let cameras = Some([camera(left)?, camera(right)?]);
+                (GeometryFile { cameras, ..GeometryFile::default() }, Format::Text)
+            }
+            ImportSource::LoneCamera(_) => {
+                return Err("it is the camera of one image; import those of both images at once".to_owned());
+            }
+        };
+        let geometry = file.geometry();
+        if geometry.is_none() && file.pairs.is_empty() {
+            return Err(if file.cameras.is_some() {
+                "the two cameras have the same centre, so there is no fundamental matrix".to_owned()
+            } else {
+                "there are no point pairs and no fundamental matrix in it".to_owned()
+            });
+        }
+        let mut notes = Vec::new();
+        if file
+            .images
+            .as_ref()
+            .is_some_and(|images| images.each_ref().map(|image| image.frame) != self.frames)
+        {
+            notes.push(format!(
+                "{name} is for images of other sizes than those that are open: check what it shows."
+            ));
+        }
+        let (pairs, note) = on_the_images(&file.pairs, self.frames, &name);
+        notes.extend(note);
+        if geometry.is_none() && pairs.is_empty() {
+            return Err("none of its point pairs lies on the images that are open".to_owned());
+        }
+        let matrix = geometry.map(|fundamental| self.checked(fundamental, format, &pairs));
+        Ok(ImportFound { name, format, pairs, matrix, notes })
+    }
+
+    /// What the matches at hand say; where they are too few, those of the file.
+    fn checked(&self, fundamental: FundamentalMatrix, format: Format, own: &[PointPair]) -> ImportedMatrix {
+        let at_hand = self.matches.pairs();
+        let (matches, pairs) = if at_hand.len() < FEWEST_MATCHES && own.len() >= FEWEST_MATCHES {
+            ("point pairs of the file itself", own)
+        } else {
+            (self.matches.name(), at_hand)
+        };
+        let check = check_convention(&fundamental, format.origin(), pairs).ok();
+        // Without any reading that can be had in numbers there is nothing to choose from.
+        let check = check.filter(|check| !check.readings.is_empty());
+        ImportedMatrix { fundamental, check, matches, count: pairs.len() }
+    }
+}
+
+/// The pairs that lie on the images, no more than can be looked at, and a sentence about the others.
+fn on_the_images(pairs: &[PointPair], frames: [Frame; 2], name: &str) -> (Vec<PointPair>, Option<String>) {
+    let lies_on = |pair: &PointPair| frames[0].contains(pair.point1) && frames[1].contains(pair.point2);
+    let outside: Vec<usize> = (0..pairs.len()).filter(|k| !lies_on(&pairs[*k])).collect();
+    let inside: Vec<PointPair> = pairs.iter().copied().filter(lies_on).collect();
+    let stride = inside.len().saturating_sub(FIRST_PAIRS).div_ceil(MOST_PAIRS - FIRST_PAIRS).max(1);
+    let mut sentences = Vec::new();
+    if !outside.is_empty() {
+        let mut numbers: Vec<String> =
+            outside.iter().take(MOST_NAMED).map(|k| format!("number {}", k + 1)).collect();
+        if outside.len() > MOST_NAMED {
+            numbers.push(format!("{} more", outside.len() - MOST_NAMED));
+        }
+        sentences.push(format!(
+            "{} of the {} point pairs of {name} lie outside the images and were left out: {}.",
+            outside.len(),
+            pairs.len(),
+            numbers.join(", ")
+        ));
+    }
+    if stride > 1 {
+        sentences.push(format!(
+            "{name} has {} point pairs on the images, more than can be looked at: the first {FIRST_PAIRS} and one in {stride} of the others were placed.",
+            inside.len()
+        ));
+    }
+    let note = (!sentences.is_empty()).then(|| sentences.join(" "));
+    let first = inside.iter().take(FIRST_PAIRS);
+    (first.chain(inside.iter().skip(FIRST_PAIRS).step_by(stride)).copied().collect(), note)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pairs_outside_are_named_and_too_many_are_thinned_out() {
+        let frames = [Frame::new(100, 80); 2];
+        let inside = PointPair::new(5.0, 6.0, 7.0, 8.0);
+        let mut pairs = vec![inside; 3];
+        pairs[1].point2.x = 100.0;
+        let (kept, note) = on_the_images(&pairs, frames, "m.csv");
+        assert_eq!(kept.len(), 2);
+        assert_eq!(
+            note.unwrap(),
+            "1 of the 3 point pairs of m.csv lie outside the images and were left out: number 2."
+        );
+        assert_eq!(on_the_images(&[inside; 2], frames, "m.csv").1, None);
+        let (kept, note) = on_the_images(&vec![inside; 600], frames, "m.csv");
+        assert_eq!(kept.len(), 3 + 199);
+        assert!(note.unwrap().contains("the first 3 and one in 3 of the others"));
+        assert_eq!(on_the_images(&vec![inside; 300], frames, "m.csv").0.len(), 300);
+        let (_, note) = on_the_images(&[PointPair::new(-9.0, 0.0, 0.0, 0.0); 8], frames, "m.csv");
+        assert!(note.unwrap().ends_with("number 4, number 5, 3 more."));
+    }
+}

@@ -1,0 +1,89 @@
+//! Which files can be imported, by their names.
+
+use std::path::{Path, PathBuf};
+
+use crate::io::Format;
+
+/// Files that are imported together.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum ImportSource {
+    /// A file of any format.
+    File(PathBuf),
+    /// The cameras of the two images, 3×4 each.
+    Cameras([PathBuf; 2]),
+    /// A camera without the other one.
+    LoneCamera(PathBuf),
+}
+
+impl ImportSource {
+    /// What it is called.
+    pub fn name(&self) -> String {
+        let name = |path: &PathBuf| {
+            path.file_name()
+                .map_or_else(|| path.display().to_string(), |name| name.to_string_lossy().into_owned())
+        };
+        match self {
+            Self::File(path) | Self::LoneCamera(path) => name(path),
+            Self::Cameras([left, right]) => format!("{} and {}", name(left), name(right)),
+        }
+    }
+}
+
+/// Whether a file is to be imported, and not opened as an image. Sessions have a name of this kind, too.
+pub fn is_importable(path: &Path) -> bool {
+    const TABLES: [&str; 3] = ["csv", "tsv", "dat"];
+    let extension = |known: &str| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(known));
+    Format::of_path(path).is_some() || is_camera(path) || TABLES.into_iter().any(extension)
+}
+
+fn is_camera(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("p"))
+}
+
+/// Files in the order in which they are imported: two cameras in a row belong together.
+pub fn sources(paths: Vec<PathBuf>) -> Vec<ImportSource> {
+    let mut sources = Vec::new();
+    for path in paths {
+        if !is_camera(&path) {
+            sources.push(ImportSource::File(path));
+        } else if let Some(ImportSource::LoneCamera(left)) = sources.last() {
+            let both = ImportSource::Cameras([left.clone(), path]);
+            sources.pop();
+            sources.push(both);
+        } else {
+            sources.push(ImportSource::LoneCamera(path));
+        }
+    }
+    sources
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_tell_what_is_imported() {
+        for name in ["F.txt", "m.CSV", "a.yml", "a.yaml", "a.xml", "a.m", "a.colmap", "a.json", "house.000.P"]
+        {
+            assert!(is_importable(Path::new(name)), "{name}");
+        }
+        for name in ["a.png", "a.pgm", "folder", ".json", "a.ppm"] {
+            assert!(!is_importable(Path::new(name)), "{name}");
+        }
+    }
+
+    #[test]
+    fn two_cameras_in_a_row_belong_together() {
+        let paths = ["a.P", "b.P", "m.csv", "c.P"].map(PathBuf::from).to_vec();
+        let found = sources(paths);
+        assert_eq!(
+            found,
+            [
+                ImportSource::Cameras(["a.P".into(), "b.P".into()]),
+                ImportSource::File("m.csv".into()),
+                ImportSource::LoneCamera("c.P".into())
+            ]
+        );
+        assert_eq!(found[0].name(), "a.P and b.P");
+    }
+}

@@ -1,0 +1,67 @@
+//! The one sentence that says what to do next.
+
+use super::Model;
+use super::document::{Side, pair_name};
+use super::look::Tool;
+
+/// What to do next; always true to the state.
+pub fn guide(model: &Model) -> String {
+    let (document, computation) = (&model.document, &model.open.computation);
+    let has_sample_points = model.open.show_me.is_some();
+    if document.pictures.is_none() {
+        return if model.activity.loading {
+            "Opening the images.".into()
+        } else {
+            "Drop two images of the same scene on this window, or press Open. Sample shows a built-in pair."
+                .into()
+        };
+    }
+    if model.tool == Tool::Inspect {
+        return if model.shown().is_some() {
+            "Inspect: click in an image to pin the pair of epipolar lines through that place. Escape goes back.".into()
+        } else {
+            "Inspect: there are no epipolar lines to pin yet. Escape goes back to placing points.".into()
+        };
+    }
+    if let Some(half) = document.half {
+        let name = pair_name(document.pairs.len());
+        let other = half.side.other().name();
+        let offer = match &model.open.suggestion {
+            Some(Ok(found)) if found.clear().is_some() => "Enter accepts the suggested match.".to_owned(),
+            Some(Ok(found)) => {
+                format!(
+                    "{}: click the right place yourself, or press Escape to give the point up.",
+                    found.verdict
+                )
+            }
+            Some(Err(_)) => "There is no suggestion for it.".to_owned(),
+            None => "Escape gives it up.".to_owned(),
+        };
+        return format!("Pair {name}: now click the same scene point in the {other} image. {offer}");
+    }
+    let needed = document.parameters.method.pairs_needed();
+    match document.used().count() {
+        0 if has_sample_points => {
+            "Click a distinct point in the left image, then its match in the right one. \
+             Or press Show me."
+                .into()
+        }
+        0 => "Click a distinct point in the left image, then its match in the right one.".into(),
+        placed if placed < needed => {
+            let name = pair_name(document.pairs.len());
+            format!(
+                "{}: click pair {name} in the {} image, far from the others and in a textured place.",
+                if needed - placed == 1 { "One more pair" } else { "Two more pairs" },
+                Side::Left.name(),
+            )
+        }
+        _ if computation.is_running() => "Estimating. Points can be dragged meanwhile.".into(),
+        _ if computation.failure().is_some() => {
+            "Drag the points to better places, or delete a pair and click another.".into()
+        }
+        _ if computation.result().is_none() => "The estimate was stopped. F5 computes again.".into(),
+        _ => "Move the cursor over an image to see its epipolar line in the other. Drag points to correct them, \
+              click more pairs to check, or press I to pin lines."
+            .into(),
+    }
+}

@@ -1,0 +1,161 @@
+//! The intensities along the inspected line pair, matched sample by sample.
+
+use std::sync::Arc;
+
+use image::RgbImage;
+
+use super::document::Side;
+use super::heat;
+use super::picture::Pictures;
+use super::revision;
+use crate::estimate::Parameters;
+use crate::geometry::{AnchoredLine, Point};
+use crate::similarity::{DisparityRange, StereoParameters, WarpedProfile, inspect_lines, inspection_scale};
+
+/// Two lines to match.
+#[derive(Debug, Clone, PartialEq)]
+pub struct InspectionRequest {
+    /// The pictures.
+    pub pictures: Pictures,
+    /// The line of each.
+    pub lines: [AnchoredLine; 2],
+    /// The numbers of the stereo cost.
+    pub stereo: StereoParameters,
+    /// Largest disparity tried, as a fraction of the longer side of the left image.
+    pub reach: f64,
+}
+
+impl InspectionRequest {
+    /// A request with the parameters of the estimate.
+    pub fn new(pictures: Pictures, lines: [AnchoredLine; 2], parameters: &Parameters) -> Self {
+        Self { pictures, lines, stereo: parameters.stereo, reach: parameters.disparity_reach }
+    }
+
+    /// Samples and matches the lines.
+    pub fn inspect(&self) -> Inspection {
+        let (step, range) = inspection_scale(self.pictures[0].frame(), self.reach);
+        let planes = self.pictures.each_ref().map(|picture| &picture.gray);
+        let warped = inspect_lines(planes, self.lines.each_ref(), step, range, &self.stereo);
+        let band = Arc::new(band(&warped, range, &self.stereo));
+        Inspection { number: revision::fresh(), lines: self.lines, step, range, warped, band }
+    }
+}
+
+/// The cost band as a picture.
+fn band(warped: &WarpedProfile, range: DisparityRange, stereo: &StereoParameters) -> RgbImage {
+    let WarpedProfile { profile1, profile2, .. } = warped;
+    let largest = f32::from(stereo.truncation.max(1));
+    // The square root spreads the small costs, which decide.
+    let color = |cost: u16| heat::rgb(1.0 - (f32::from(cost) / largest).sqrt());
+    let pixels = (range.min..=range.max)
+        .rev()
+        .flat_map(|disparity| {
+            let samples = (profile1.first..).zip(&profile1.values);
+            samples.map(move |(i, value)| (*value, profile2.get(i + disparity)))
+        })
+        .flat_map(|(value, partner)| color(stereo.sample_cost(value, partner)))
+        .collect();
+    let (width, height) = (profile1.len() as u32, range.len() as u32);
+    RgbImage::from_raw(width, height, pixels).expect("three bytes a sample and disparity")
+}
+
+/// Two lines matched sample by sample. Sample `i` is `i` steps from the anchor of the left line.
+#[derive(Debug, Clone)]
+pub struct Inspection {
+    /// Another number for each.
+    pub number: u64,
+    /// The lines.
+    pub lines: [AnchoredLine; 2],
+    /// Distance of neighbouring samples, px.
+    pub step: f64,
+    /// Disparities tried, samples.
+    pub range: DisparityRange,
+    /// Intensities and disparities.
+    pub warped: WarpedProfile,
+    /// Cost of matching each sample (across) at each disparity (the largest on top): bright is alike.
+    pub band: Arc<RgbImage>,
+}
+
+impl Inspection {
+    /// Index of the first sample, and the one after the last.
+    pub fn samples(&self) -> std::ops::Range<i32> {
+        self.warped.profile1.first..self.warped.profile1.end()
+    }
+
+    /// Where a sample is in the left image, px.
+    pub fn point1(&self, sample: i32) -> Option<Point> {
+        self.samples().contains(&sample).then(|| self.lines[0].point_at(f64::from(sample) * self.step))
+    }
+
+    /// The match of a sample in the right image, px; `None` where it falls outside the image.
+    pub fn point2(&self, sample: i32) -> Option<Point> {
+        let k = usize::try_from(sample - self.warped.profile1.first).ok()?;
+        let partner = sample + self.warped.matching.disparities.get(k)?;
+        let profile2 = &self.warped.profile2;
+        (profile2.first..profile2.end())
+            .contains(&partner)
+            .then(|| self.lines[1].point_at(f64::from(partner) * self.step))
+    }
+
+    /// The sample nearest to a position of an image, if the line passes within `reach` px of it.
+    pub fn sample_near(&self, side: Side, point: Point, reach: f64) -> Option<i32> {
+        let line = &self.lines[side.index()];
+        if line.line().distance(point) > reach {
+            return None;
+        }
+        let along = ((point - line.anchor).dot(&line.direction) / self.step).round() as i32;
+        match side {
+            Side::Left => self.samples().contains(&along).then_some(along),
+            Side::Right => {
+                // Several samples may match one place; the path is searched, since it may jump.
+                let partner = |i: i32| {
+                    let k = (i - self.warped.profile1.first) as usize;
+                    i + self.warped.matching.disparities[k]
+                };
+                let nearest = self.samples().min_by_key(|i| partner(*i).abs_diff(along))?;
+                (partner(nearest).abs_diff(along) <= 2).then_some(nearest)
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::model::shared::Shared;
+    use crate::image::Picture;
+
+    /// Two pictures whose rows differ by a shift of 7 px.
+    fn shifted() -> Pictures {
+        [0, 7].map(|shift| {
+            let pixels = image::GrayImage::from_fn(160, 40, |x, y| {
+                let x = x + shift;
+                image::Luma([((x * x * 7 + y * 13) % 251) as u8])
+            });
+            Shared::new(Picture::from_pixels("rows".into(), None, pixels.into()).expect("has pixels"))
+        })
+    }
+
+    fn request(pictures: &Pictures, y: f64) -> InspectionRequest {
+        let line = AnchoredLine::at_angle(Point::new(50.0, y), 0.0);
+        InspectionRequest::new(pictures.clone(), [line; 2], &Parameters::default())
+    }
+
+    #[test]
+    fn samples_have_their_places_in_both_images() {
+        let inspection = request(&shifted(), 20.0).inspect();
+        assert_eq!(inspection.samples(), -50..110);
+        assert_eq!(inspection.point1(30), Some(Point::new(80.0, 20.0)));
+        assert_eq!(inspection.point2(30), Some(Point::new(73.0, 20.0)));
+        assert_eq!(inspection.point1(110), None);
+        assert_eq!(inspection.sample_near(Side::Left, Point::new(80.3, 22.0), 4.0), Some(30));
+        assert_eq!(inspection.sample_near(Side::Right, Point::new(73.3, 22.0), 4.0), Some(30));
+        assert_eq!(inspection.sample_near(Side::Right, Point::new(73.3, 32.0), 4.0), None);
+        let band = |sample: i32, disparity: i32| {
+            let (x, y) = (sample - inspection.samples().start, inspection.range.max - disparity);
+            inspection.band.get_pixel(x as u32, y as u32).0
+        };
+        assert_eq!(band(30, -7), heat::rgb(1.0), "alike");
+        assert_ne!(band(30, -4), heat::rgb(1.0));
+    }
+}

@@ -1,0 +1,109 @@
+//! What the user is told, a sentence or two each, until it is dismissed or settled.
+
+use super::command::Command;
+
+/// Messages shown at most; the oldest gives way.
+const MOST: usize = 4;
+
+/// What a message is about.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum MessageKind {
+    /// Something went wrong, or cannot be done.
+    Problem,
+    /// Something was done that took its time.
+    Done,
+    /// Whether to restore what was not saved.
+    LeftBehind,
+    /// Whether to replace a file that others have changed.
+    Replace,
+}
+
+/// Something the user should read.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Message {
+    /// Number for [`Command::Dismiss`].
+    pub number: u64,
+    /// What it is about.
+    pub kind: MessageKind,
+    /// What happened and what to do.
+    pub text: String,
+    /// What can be done about it at once.
+    pub actions: Vec<MessageAction>,
+}
+
+/// A button of a message.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MessageAction {
+    /// What the button says.
+    pub label: &'static str,
+    /// What it does.
+    pub command: Command,
+}
+
+/// What the user was told and has not dismissed.
+#[derive(Debug, Clone, Default)]
+pub struct Messages {
+    list: Vec<Message>,
+    shown: u64,
+}
+
+impl Messages {
+    /// The messages, the oldest first.
+    pub fn list(&self) -> &[Message] {
+        &self.list
+    }
+
+    /// Tells that something went wrong.
+    pub fn tell(&mut self, text: impl Into<String>) {
+        self.say(MessageKind::Problem, text.into(), Vec::new());
+    }
+
+    /// Tells something, perhaps with buttons.
+    pub fn say(&mut self, kind: MessageKind, text: String, actions: Vec<MessageAction>) {
+        self.list.retain(|message| message.text != text);
+        self.shown += 1;
+        self.list.push(Message { number: self.shown, kind, text, actions });
+        if self.list.len() > MOST {
+            self.list.remove(0);
+        }
+    }
+
+    /// Removes what is settled.
+    pub fn settle(&mut self, kind: MessageKind) {
+        self.list.retain(|message| message.kind != kind);
+    }
+
+    /// Removes a message by its number.
+    pub fn dismiss(&mut self, number: u64) {
+        self.list.retain(|message| message.number != number);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_settled_goes_and_everything_else_stays() {
+        let mut messages = Messages::default();
+        let restore = MessageAction { label: "Restore", command: Command::Undo };
+        messages.say(MessageKind::LeftBehind, "Restore that work?".into(), vec![restore.clone()]);
+        messages.say(MessageKind::Replace, "Replace the file?".into(), vec![restore]);
+        messages.tell("It went wrong.");
+        messages.settle(MessageKind::Replace);
+        let kinds: Vec<_> = messages.list().iter().map(|message| message.kind).collect();
+        assert_eq!(kinds, [MessageKind::LeftBehind, MessageKind::Problem]);
+        messages.dismiss(messages.list()[1].number);
+        assert_eq!(messages.list().len(), 1);
+    }
+
+    #[test]
+    fn the_oldest_gives_way_and_nothing_is_told_twice() {
+        let mut messages = Messages::default();
+        for number in [0, 1, 2, 2, 3, 4] {
+            messages.tell(format!("Problem {number}."));
+        }
+        let texts: Vec<_> = messages.list().iter().map(|message| message.text.as_str()).collect();
+        assert_eq!(texts, ["Problem 1.", "Problem 2.", "Problem 3.", "Problem 4."]);
+    }
+}

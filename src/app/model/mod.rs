@@ -1,0 +1,271 @@
+//! What is open, what is edited, what was found out, and what is said about it: plain data, testable without a window.
+//!
+//! | module | what it holds |
+//! |---|---|
+//! | [`document`], [`history`] | what is edited; undo and redo |
+//! | [`open_pair`] | all that belongs to the pictures that are open, and goes with them |
+//! | [`computation`] | where the estimate stands |
+//! | [`comparison`], [`inspection`], [`suggesting`], [`rectified`] | what else is found out: the question and its answer |
+//! | [`focus`], [`look`], [`ids`] | what is pointed at and chosen; what is drawn, remembered between runs |
+//! | [`shown`] | the geometry that the whole window shows |
+//! | [`command`] | everything that can be done |
+//! | [`questions`] | what the tasks are asked, from the state as it is |
+//! | [`verdict`], [`step`], [`guide`], [`residuals`] | the state in words and figures |
+//! | [`session`], [`exchange`] | what is saved; files from and for other programs |
+
+pub mod command;
+pub mod comparison;
+pub mod computation;
+pub mod document;
+pub mod exchange;
+pub mod focus;
+pub mod guide;
+pub mod heat;
+pub mod history;
+pub mod ids;
+pub mod inspection;
+pub mod look;
+pub mod messages;
+pub mod open_pair;
+pub mod pane_view;
+pub mod picture;
+pub mod questions;
+pub mod rectified;
+pub mod residuals;
+pub mod revision;
+pub mod sample;
+pub mod session;
+pub mod settings;
+pub mod shared;
+pub mod shown;
+pub mod step;
+pub mod suggesting;
+pub mod truth;
+pub mod verdict;
+
+use document::{Document, PictureIdentity, PointRef};
+use exchange::PendingImport;
+use focus::LineSource;
+use history::{History, Step};
+use ids::{OverlayId, TabId, Visibility};
+use look::{Look, Tool};
+use messages::Messages;
+use open_pair::OpenPair;
+use pane_view::PaneView;
+use picture::Opened;
+use rectified::WritingProgress;
+use session::{SessionState, Work};
+use truth::KnownTruth;
+
+use crate::estimate::{Parameters, Preset};
+use crate::geometry::{PointPair, Vector};
+
+/// Which edits are one step of the history.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum EditKey {
+    /// The moves of a drag.
+    Drag(PointRef),
+    /// A run of arrow keys.
+    Nudge(PointRef),
+    /// The changes of one parameter.
+    Parameter(&'static str),
+}
+
+/// What is under way, as far as the window tells of it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Activity {
+    /// Whether pictures are being opened.
+    pub loading: bool,
+    /// Whether another rectified pair is being made.
+    pub rectifying: bool,
+    /// How far the writing of a rectified pair is, while it goes on.
+    pub writing: Option<WritingProgress>,
+}
+
+/// The state of the window: everything that panes and panels read, and that commands change.
+#[derive(Default)]
+pub struct Model {
+    /// What is edited.
+    pub document: Document,
+    /// How it was before.
+    pub history: History<Document, EditKey>,
+    /// The pictures with all that belongs to them.
+    pub open: OpenPair,
+    /// What is drawn.
+    pub look: Look,
+    /// What a click in an image does.
+    pub tool: Tool,
+    /// The session that is open.
+    pub session: SessionState,
+    /// What the user was told and has not dismissed.
+    pub messages: Messages,
+    /// What was done last with files, for the status bar.
+    pub done: Option<String>,
+    /// What is under way.
+    pub activity: Activity,
+    /// What waits to be imported, until images are open and nothing is asked.
+    pub imports: std::collections::VecDeque<PendingImport>,
+    /// The views of the folder that are being opened.
+    pub wanted: Option<[usize; 2]>,
+    /// The seed of the next random trial.
+    pub next_seed: u64,
+}
+
+impl Model {
+    /// Starts over with other pictures and the parameters as they were. Nothing of the pictures before stays.
+    pub fn open(
+        &mut self,
+        pictures: [Opened; 2],
+        known: Option<KnownTruth>,
+        uses_truth: bool,
+        show_me: Option<[PointPair; 2]>,
+    ) {
+        let identities = pictures.each_ref().map(|opened| PictureIdentity::from(&*opened.picture));
+        self.document = Document::new(identities, self.document.parameters.clone());
+        self.document.truth = known.as_ref().filter(|_| uses_truth).map(|known| known.source.clone());
+        self.history = History::default();
+        self.open = OpenPair::new(pictures, known, show_me);
+        self.wanted = None;
+        let SessionState { copied, last_copy, .. } = std::mem::take(&mut self.session);
+        self.session = SessionState { copied, last_copy, ..SessionState::default() };
+    }
+
+    /// Changes the document and notes it in the history.
+    pub fn edit(&mut self, step: Step<EditKey>, change: impl FnOnce(&mut Document)) {
+        let before = self.document.clone();
+        change(&mut self.document);
+        self.history.record(before, &self.document, step);
+    }
+
+    /// Takes a step back, or makes it again.
+    pub fn travel(&mut self, back: bool) {
+        let current = std::mem::take(&mut self.document);
+        let travelled = if back { self.history.undo(current) } else { self.history.redo(current) };
+        self.document = travelled.unwrap_or_else(|unchanged| unchanged);
+    }
+
+    /// Moves the selected point; a run of moves is one step.
+    pub fn nudge(&mut self, by: Vector) {
+        if let Some(at) = self.document.selection
+            && let Some(point) = self.document.point(at)
+        {
+            self.edit(Step::Merged(EditKey::Nudge(at)), |document| document.move_to(at, point + by));
+        }
+    }
+
+    /// Choosing a point is no step of its own, but ends a run of moves.
+    pub fn select(&mut self, at: Option<PointRef>) {
+        self.document.selection = at.filter(|at| self.document.point(*at).is_some());
+        self.history.close_step();
+    }
+
+    /// Removes what is selected: the tool in hand says whether it is a point pair or a pinned line pair.
+    pub fn delete_selected(&mut self) {
+        if self.tool == Tool::Inspect {
+            if let Some(number) = self.open.focus.inspected_number() {
+                self.open.focus.unpin(number);
+            }
+        } else if let Some(at) = self.document.selection {
+            self.edit(Step::Single, |document| document.remove(at.pair));
+        }
+    }
+
+    /// Takes on the parameters of a preset.
+    pub fn set_preset(&mut self, preset: Preset) {
+        self.edit(Step::Single, |document| {
+            let Parameters { method, seed, .. } = document.parameters;
+            document.parameters = Parameters { method, seed, ..Parameters::from(preset) };
+        });
+    }
+
+    /// The tab of the bottom panel; none when it is folded away.
+    pub fn tab(&self) -> Option<TabId> {
+        (!self.look.tabs_folded).then_some(self.look.tab)
+    }
+
+    /// Whether the user is offered to show or hide an overlay.
+    pub fn offers(&self, overlay: OverlayId) -> bool {
+        match overlay.visibility() {
+            Visibility::Always => false,
+            Visibility::AtFirst | Visibility::OnRequest => true,
+            Visibility::WithTruth => self.truth().is_some(),
+        }
+    }
+
+    /// Everything a person set, as it is saved.
+    pub fn work(&self, views: Option<[PaneView; 2]>) -> Work {
+        Work {
+            document: self.document.clone(),
+            pins: self.pins().collect(),
+            views,
+            look: self.look.clone(),
+            belongs_to: None,
+        }
+    }
+
+    fn pins(&self) -> impl Iterator<Item = LineSource> + '_ {
+        self.open.focus.pins().iter().map(|pin| pin.source)
+    }
+
+    /// Whether a person has made nothing since.
+    pub fn is_same_work(&self, work: &Work) -> bool {
+        work.is_same_work(&self.document, self.pins())
+    }
+
+    /// Whether there is anything that would be a loss.
+    pub fn is_worth_keeping(&self) -> bool {
+        self.document.is_worth_keeping() || self.pins().next().is_some()
+    }
+
+    /// Whether closing now would lose something that saving would keep.
+    pub fn has_unsaved_work(&self) -> bool {
+        match &self.session.saved {
+            Some(saved) => !self.is_same_work(saved),
+            None => self.is_worth_keeping(),
+        }
+    }
+
+    /// The title of the window.
+    pub fn title(&self) -> String {
+        let Some([left, right]) = &self.document.pictures else { return "Epiline".to_owned() };
+        let session = self.session.path.as_ref().and_then(|path| path.file_name()).map(|name| {
+            let changed = if self.has_unsaved_work() { " (changed)" } else { "" };
+            format!("{}{changed} - ", name.to_string_lossy())
+        });
+        format!("{}{} and {} - Epiline", session.unwrap_or_default(), left.name, right.name)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::fake;
+    use crate::app::model::computation::{EstimateNews, Freshness};
+    use crate::image::Picture;
+
+    fn opened(name: &str) -> Opened {
+        let pixels = image::DynamicImage::new_luma8(32, 24);
+        Opened::new(Picture::from_pixels(name.into(), None, pixels).unwrap())
+    }
+
+    #[test]
+    fn nothing_found_on_one_pair_is_there_beside_another() {
+        let mut model = Model::default();
+        model.open([opened("a"), opened("b")], None, false, None);
+        let request = fake::request(1.0);
+        model.document.set_pairs(request.pairs.clone());
+        model.open.computation.adopt(Some(&request));
+        model.open.computation.begin(1, false);
+        let estimate = Box::new(fake::result(&request.pairs, &request.parameters).unwrap());
+        model.open.computation.take(1, EstimateNews::Finished(Ok(estimate)));
+        model.open.focus.pin(LineSource::Pair(0));
+        assert_eq!(model.shown().map(|shown| shown.freshness), Some(Freshness::Final));
+        model.edit(Step::Single, |document| document.include(0, false));
+
+        model.open([opened("c"), opened("d")], None, false, None);
+        assert!(model.shown().is_none() && model.open.computation.result().is_none());
+        assert!(model.open.focus.pins().is_empty() && model.open.hover.is_none());
+        assert!(model.document.pairs.is_empty() && !model.history.can_undo());
+        assert_eq!(model.title(), "c and d - Epiline");
+    }
+}

@@ -1,0 +1,107 @@
+//! A picture that is open: its pixels, and a reduced copy that is ready for the screen.
+
+use std::sync::Arc;
+
+use image::DynamicImage;
+
+use super::shared::Shared;
+use crate::image::Picture;
+use crate::io::sha256_of;
+
+/// The left and the right picture.
+pub type Pictures = [Shared<Picture>; 2];
+
+/// Longest side of an overview, px. Every graphics system we can run on allows textures of this size.
+const OVERVIEW_SIDE: u32 = 2048;
+
+/// One picture ready to be shown.
+#[derive(Debug, Clone)]
+pub struct Opened {
+    /// Its pixels.
+    pub picture: Shared<Picture>,
+    /// A reduced copy for the screen.
+    pub overview: Arc<Overview>,
+    /// Of the bytes of its file, hexadecimal; `None` without a file.
+    pub sha256: Option<String>,
+}
+
+impl Opened {
+    /// Prepares a picture for the screen. Takes a while.
+    pub fn new(picture: Picture) -> Self {
+        let overview = Arc::new(Overview::new(&picture));
+        let sha256 = picture.path.as_deref().and_then(|path| sha256_of(path).ok());
+        Self { picture: Shared::new(picture), overview, sha256 }
+    }
+}
+
+/// A reduced copy of a picture, made off the window's thread.
+#[derive(Debug)]
+pub struct Overview {
+    /// Its width and height, px.
+    pub size: [usize; 2],
+    /// Red, green, blue and alpha of each pixel, the colours multiplied by alpha.
+    pub pixels: Vec<u8>,
+    /// Overview pixels per picture pixel; 1 when the picture is small.
+    pub scale: f64,
+}
+
+impl Overview {
+    /// Reduces a picture to what fits one texture.
+    pub fn new(picture: &Picture) -> Self {
+        let pixels = &picture.pixels;
+        let (width, height) = (pixels.width(), pixels.height());
+        let longer = width.max(height);
+        if longer <= OVERVIEW_SIDE {
+            return Self { size: size(pixels), pixels: multiplied(pixels), scale: 1.0 };
+        }
+        let scale = f64::from(OVERVIEW_SIDE) / f64::from(longer);
+        let reduced = |v: u32| ((f64::from(v) * scale).round() as u32).clamp(1, OVERVIEW_SIDE);
+        let small = pixels.thumbnail_exact(reduced(width), reduced(height));
+        Self { size: size(&small), pixels: multiplied(&small), scale }
+    }
+}
+
+fn size(pixels: &DynamicImage) -> [usize; 2] {
+    [pixels.width() as usize, pixels.height() as usize]
+}
+
+/// The pixels with their colours multiplied by alpha.
+pub fn multiplied(pixels: &DynamicImage) -> Vec<u8> {
+    let mut bytes = pixels.to_rgba8().into_raw();
+    if pixels.color().has_alpha() {
+        for [colors @ .., alpha] in bytes.as_chunks_mut::<4>().0 {
+            let share = u32::from(*alpha);
+            for color in colors.iter_mut().filter(|_| share < 255) {
+                *color = ((u32::from(*color) * share + 127) / 255) as u8;
+            }
+        }
+    }
+    bytes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn overview(width: u32, height: u32) -> Overview {
+        Overview::new(
+            &Picture::from_pixels("test".into(), None, DynamicImage::new_luma8(width, height)).unwrap(),
+        )
+    }
+
+    #[test]
+    fn overviews_fit_a_texture_and_small_pictures_stay_as_they_are() {
+        assert_eq!(overview(1, 1).size, [1, 1]);
+        assert_eq!(overview(2048, 3).size, [2048, 3]);
+        assert_eq!(overview(12_000, 200).size, [2048, 34]);
+        assert_eq!(overview(1, 9_000).size, [1, 2048]);
+    }
+
+    #[test]
+    fn what_is_transparent_has_no_colour() {
+        let pixels =
+            image::RgbaImage::from_raw(3, 1, vec![200, 100, 50, 0, 200, 100, 50, 255, 200, 100, 50, 51]);
+        let bytes = multiplied(&pixels.unwrap().into());
+        assert_eq!(bytes, [0, 0, 0, 0, 200, 100, 50, 255, 40, 20, 10, 51]);
+    }
+}

@@ -1,0 +1,107 @@
+//! What the tasks are asked, from the state as it is.
+
+use super::Model;
+use super::comparison::ComparisonQuestion;
+use super::computation::{EstimateRequest, Freshness};
+use super::ids::TabId;
+use super::inspection::InspectionRequest;
+use super::rectified::{MatchesAtHand, RectifyQuestion};
+use super::suggesting::SuggestQuestion;
+use crate::convention::FEWEST_MATCHES;
+use crate::estimate::Estimate;
+use crate::geometry::PointPair;
+
+impl Model {
+    /// What is to be estimated, once there are enough pairs.
+    pub fn estimate_request(&self) -> Option<EstimateRequest> {
+        Some(EstimateRequest {
+            pictures: self.open.pictures()?,
+            pairs: self.document.used_pairs()?,
+            parameters: self.document.parameters.clone(),
+        })
+    }
+
+    /// The lines to be matched, while something shows them: matching keeps a core busy while a point is dragged.
+    pub fn inspection_request(&self, exports: bool) -> Option<InspectionRequest> {
+        let wanted = exports || self.tab() == Some(TabId::Profiles) || !self.open.focus.pins().is_empty();
+        let inspected = wanted.then(|| self.inspected()).flatten()?;
+        Some(InspectionRequest::new(self.open.pictures()?, inspected.lines, &self.document.parameters))
+    }
+
+    /// What is to be compared, while something shows it.
+    pub fn comparison_question(&self) -> Option<ComparisonQuestion> {
+        let tab = self.tab() == Some(TabId::Residuals);
+        if !(tab || self.truth().is_some() || self.open.focus.contestant().is_some()) {
+            return None;
+        }
+        let document = &self.document;
+        let pictures = document.pictures.as_ref()?;
+        Some(ComparisonQuestion {
+            result: self.open.computation.result().map(|(estimate, _)| estimate.fundamental),
+            shown: self.shown().map(|shown| *shown.fundamental),
+            imported: document.imported.as_ref().map(|imported| imported.fundamental),
+            pairs: document.pairs.clone(),
+            excluded: document.excluded.iter().copied().collect(),
+            used: document.used().map(|pair| document.pairs[pair]).collect(),
+            frames: pictures.each_ref().map(|picture| picture.frame),
+            truth: self.truth().and(self.open.known.as_ref()).map(|known| known.truth.clone()),
+            seed: document.trial.map_or(0, |trial| trial.seed),
+            subject: self.look.compared,
+        })
+    }
+
+    /// What a match is to be suggested for.
+    pub fn suggest_question(&self) -> Option<SuggestQuestion> {
+        Some(SuggestQuestion {
+            half: self.document.half?,
+            pictures: self.open.pictures()?,
+            fundamental: self.final_result().map(|estimate| estimate.fundamental),
+        })
+    }
+
+    /// Whether the rectified pair is looked at.
+    pub fn wants_rectified(&self) -> bool {
+        self.tab() == Some(TabId::Rectified)
+    }
+
+    /// The pair to be rectified, once there is a geometry.
+    pub fn rectify_question(&self) -> Option<RectifyQuestion> {
+        let shown = self.shown()?;
+        let matches = match (self.truth().and(self.open.known.as_ref()), &shown.estimate.matches) {
+            (Some(known), _) => MatchesAtHand::True(known.truth.clone()),
+            (None, found) if !found.is_empty() => found_matches(shown.estimate),
+            _ => MatchesAtHand::Clicked(self.document.pairs.clone()),
+        };
+        let dragging = self.open.hover.is_some_and(|hover| hover.dragging);
+        Some(RectifyQuestion {
+            pictures: self.open.pictures()?,
+            fundamental: *shown.fundamental,
+            matches,
+            method: self.document.rectification,
+            moving: shown.freshness == Freshness::Followed || dragging,
+        })
+    }
+
+    /// The matches that can tell what a matrix means: known ones, else those that a person clicked, else those of the
+    /// result. That known ones are used shows nothing of them.
+    pub fn matches_for_import(&self) -> MatchesAtHand {
+        let known = self.open.known.as_ref().map(|known| &known.truth);
+        if let Some(truth) = known.filter(|truth| truth.matches.len() >= FEWEST_MATCHES) {
+            return MatchesAtHand::True(truth.clone());
+        }
+        let clicked: Vec<PointPair> = self.document.included().collect();
+        let found = self.final_result().filter(|estimate| estimate.matches.len() >= FEWEST_MATCHES);
+        found
+            .filter(|_| clicked.len() < FEWEST_MATCHES)
+            .map_or(MatchesAtHand::Clicked(clicked), found_matches)
+    }
+
+    fn final_result(&self) -> Option<&Estimate> {
+        let (estimate, freshness) = self.open.computation.result()?;
+        (freshness == Freshness::Final).then_some(estimate)
+    }
+}
+
+fn found_matches(estimate: &Estimate) -> MatchesAtHand {
+    MatchesAtHand::Found(estimate.matches.iter().map(|found| found.pair).collect())
+}

@@ -1,0 +1,9 @@
+//! The rectified pair: how it is made (`making`), how it is looked at (`viewing`), and what can be done with it.
+
+mod command;
+mod making;
+mod viewing;
+
+pub use command::{RectifiedCommand, RectifyOrder, WritingProgress};
+pub use making::{DrawnPair, MatchesAtHand, Rectified, RectifyQuestion, Sheet};
+pub use viewing::{Blink, Guides, RectifiedLayout, RectifiedLook, RectifiedView, Viewing};

@@ -1,0 +1,175 @@
+//! The geometry that the whole window shows, and its lines.
+
+use super::Model;
+use super::comparison::Contestant;
+use super::computation::Freshness;
+use super::document::Side;
+use super::focus::{LineSource, Pin};
+use super::truth::NO_TRUTH;
+use crate::estimate::{Construction, Estimate, Hypothesis, lines_at};
+use crate::geometry::{AnchoredLine, FundamentalMatrix, Line, Point, PointPair};
+use crate::io::{GroundTruth, TruthFolder};
+
+/// The geometry that the whole window shows: the hypothesis, the other method's or the imported one that was chosen,
+/// or else the result; without a result, the imported one.
+#[derive(Clone, Copy)]
+pub struct ShownGeometry<'a> {
+    /// Its matrix.
+    pub fundamental: &'a FundamentalMatrix,
+    /// The hypothesis, with its place in the list, if one was chosen.
+    pub hypothesis: Option<(usize, &'a Hypothesis)>,
+    /// Whose it is, if one of another method or the true one was chosen.
+    pub contestant: Option<Contestant>,
+    /// The result it belongs to; of an imported one without a result, itself.
+    pub estimate: &'a Estimate,
+    /// How that relates to the points as they are now.
+    pub freshness: Freshness,
+}
+
+/// A line pair that is looked at closely.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct InspectedLines {
+    /// Where it comes from.
+    pub source: LineSource,
+    /// The line of each image, directed alike and anchored at nearly the same scene point.
+    pub lines: [AnchoredLine; 2],
+}
+
+impl Model {
+    /// The geometry that is shown; everything that draws or measures goes by it.
+    pub fn shown(&self) -> Option<ShownGeometry<'_>> {
+        let own = self.open.computation.result();
+        let chosen = self.open.focus.contestant() == Some(Contestant::Imported);
+        let imported = self.open.imported.as_ref().filter(|_| chosen || own.is_none());
+        let (estimate, freshness) = own.or(imported.map(|imported| (imported, Freshness::Final)))?;
+        let hypothesis = self.open.focus.hypothesis().and_then(|k| Some((k, estimate.hypotheses.get(k)?)));
+        let compared = self.open.focus.contestant().zip(self.open.comparison.as_ref());
+        let compared = compared.and_then(|(contestant, c)| Some((contestant, c.fundamental(contestant)?)));
+        let compared = compared
+            .filter(|(contestant, _)| *contestant != Contestant::Imported)
+            .or(imported.map(|imported| (Contestant::Imported, &imported.fundamental)));
+        let fundamental = match (hypothesis, compared) {
+            (Some((_, hypothesis)), _) => &hypothesis.fundamental,
+            (None, Some((_, fundamental))) => fundamental,
+            (None, None) => &estimate.fundamental,
+        };
+        let contestant = compared.map(|(contestant, _)| contestant);
+        Some(ShownGeometry { fundamental, hypothesis, contestant, estimate, freshness })
+    }
+
+    /// The folder whose pairs are offered, and which of them is open.
+    pub fn folder(&self) -> Option<(&TruthFolder, [usize; 2])> {
+        self.open.known.as_ref()?.folder.as_ref().map(|(folder, pair)| (folder.as_ref(), *pair))
+    }
+
+    /// Why no random trial can be drawn, if that is so.
+    pub fn no_trial(&self) -> Option<&'static str> {
+        match (&self.open.known, &self.document.truth) {
+            (None, _) => Some(NO_TRUTH),
+            (Some(_), None) => {
+                Some("A random trial clicks true matches: switch the ground truth on first (G).")
+            }
+            (Some(_), Some(_)) => None,
+        }
+    }
+
+    /// Whether something else than the result was chosen to be shown.
+    pub fn shows_another(&self) -> bool {
+        self.open.focus.hypothesis().is_some() || self.open.focus.contestant().is_some()
+    }
+
+    /// Whether there is a result to go back to from the geometry that is shown.
+    pub fn has_result(&self) -> bool {
+        self.open.computation.result().is_some()
+    }
+
+    /// The ground truth in use.
+    pub fn truth(&self) -> Option<&GroundTruth> {
+        self.document.truth.as_ref()?;
+        self.open.known.as_ref().map(|known| &*known.truth)
+    }
+
+    /// The lines that the geometry shown is built from: those of the hypothesis that was chosen, or else of the
+    /// result, or of the best hypothesis while there is none. Other methods build from points.
+    pub fn construction(&self) -> Option<&Construction> {
+        self.shown().filter(|shown| shown.contestant.is_none())?;
+        self.own_construction()
+    }
+
+    /// [`Model::construction`] of the estimate, also while the geometry of another method is shown.
+    fn own_construction(&self) -> Option<&Construction> {
+        let shown = self.shown()?;
+        let hypothesis = shown.hypothesis.map(|(_, hypothesis)| hypothesis);
+        let result = || shown.estimate.examined.as_ref().or(shown.estimate.hypotheses.first());
+        hypothesis.or_else(result).map(|hypothesis| &hypothesis.construction)
+    }
+
+    /// The lines of a source under the geometry shown; `None` while there are none.
+    pub fn lines(&self, source: LineSource) -> Option<[AnchoredLine; 2]> {
+        match source {
+            LineSource::Pencil { pair, angles } => {
+                self.document.pairs.get(pair).map(|click| lines_at(click, angles))
+            }
+            LineSource::Pair(pair) => {
+                let PointPair { point1, point2 } = *self.document.pairs.get(pair)?;
+                let f = self.shown()?.fundamental;
+                self.corresponding(&f.line1_from_point2(point2)?, &f.line2_from_point1(point1)?)
+            }
+            LineSource::Through { side: Side::Left, point } => {
+                let f = self.shown()?.fundamental;
+                let line1 = Line::joining(&f.epipole1(), &point.to_homogeneous())?;
+                self.corresponding(&line1, &f.line2_from_point1(point)?)
+            }
+            LineSource::Through { side: Side::Right, point } => {
+                let f = self.shown()?.fundamental;
+                let line2 = Line::joining(&f.epipole2(), &point.to_homogeneous())?;
+                self.corresponding(&f.line1_from_point2(point)?, &line2)
+            }
+        }
+    }
+
+    /// Two epipolar lines of the geometry shown, directed alike.
+    fn corresponding(&self, line1: &Line, line2: &Line) -> Option<[AnchoredLine; 2]> {
+        let turn = self.own_construction().map_or(0.0, Construction::turn);
+        let f = self.shown()?.fundamental;
+        let used = self.document.used_pairs().and_then(|pairs| pairs.first_chunk::<2>().copied());
+        let own = Construction::of(f, used.or_else(|| self.stand_in_clicks(f))?, turn)?;
+        own.corresponding(line1, line2).map(|(line1, line2)| [line1, line2])
+    }
+
+    /// Pairs that fit a geometry of which nobody clicked any: two places of the left image and the nearest points of
+    /// their epipolar lines, as if the cameras had hardly moved. They only tell which ends of two lines belong
+    /// together and from where to count along them.
+    fn stand_in_clicks(&self, f: &FundamentalMatrix) -> Option<[PointPair; 2]> {
+        let [upper, _, lower, _] = self.document.frame(Side::Left)?.corners();
+        let pair = |share: f64| {
+            let point1 = upper + (lower - upper) * share;
+            Some(PointPair { point1, point2: f.line2_from_point1(point1)?.foot(point1) })
+        };
+        Some([pair(0.3)?, pair(0.65)?])
+    }
+
+    /// The second point that Enter places: the suggested match, if it is clear.
+    pub fn accepted_suggestion(&self) -> Option<(Side, Point)> {
+        let half = self.document.half?;
+        let clear = self.open.suggestion.as_ref()?.as_ref().ok()?.clear()?;
+        Some((half.side.other(), clear.position))
+    }
+
+    /// The pinned line pairs, the oldest first, each with the number of its colour.
+    pub fn pinned(&self) -> impl Iterator<Item = (usize, InspectedLines)> + '_ {
+        self.open.focus.pins().iter().filter_map(|pin: &Pin| {
+            Some((pin.color, InspectedLines { source: pin.source, lines: self.lines(pin.source)? }))
+        })
+    }
+
+    /// The line pair that is looked at closely: the pinned one that was chosen, or else the one through the first
+    /// click.
+    pub fn inspected(&self) -> Option<InspectedLines> {
+        let source = match self.open.focus.inspected() {
+            Some(pin) => pin.source,
+            None => LineSource::Pair(self.document.used().next()?),
+        };
+        Some(InspectedLines { source, lines: self.lines(source)? })
+    }
+}

@@ -1,0 +1,144 @@
+//! Where each step of the algorithm stands and what it found, in words.
+
+use super::computation::{Computation, Freshness};
+use super::document::{Document, pair_name};
+use crate::estimate::{Estimate, Stage};
+
+/// Where a step stands.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum StepProgress {
+    /// Not begun.
+    Waiting,
+    /// Under way.
+    Running,
+    /// Done, in so many seconds, if that is known.
+    Done(Option<f64>),
+    /// The user stopped the computation here.
+    Stopped,
+    /// It ended here without a result.
+    Failed,
+}
+
+/// Where a step stands.
+pub fn progress(stage: Stage, computation: &Computation) -> StepProgress {
+    if let Some((estimate, Freshness::Final)) = computation.result() {
+        let timing = estimate.timings.iter().find(|timing| timing.stage == stage);
+        return StepProgress::Done(timing.map(|timing| timing.seconds));
+    }
+    // The first step is not announced: it runs from the start until the next one begins.
+    let begun: Vec<_> = computation.stages().collect();
+    let position = begun.iter().position(|(other, _)| *other == stage);
+    let took = position.and_then(|k| begun[k].1);
+    match (position, took) {
+        (_, Some(took)) => StepProgress::Done(Some(took.as_secs_f64())),
+        (None, None) if stage == Stage::Pyramid && !begun.is_empty() => StepProgress::Done(None),
+        (None, None) if stage != Stage::Pyramid || !computation.has_begun() => StepProgress::Waiting,
+        _ if computation.is_running() => StepProgress::Running,
+        _ if computation.failure().is_some() => StepProgress::Failed,
+        _ => StepProgress::Stopped,
+    }
+}
+
+/// What a step found, in a line; `None` while it has found nothing.
+pub fn result_text(stage: Stage, document: &Document, computation: &Computation) -> Option<String> {
+    // What earlier points gave says nothing of these.
+    let earlier = |freshness| matches!(freshness, Freshness::Stale | Freshness::Followed);
+    let result = computation.result().filter(|(_, freshness)| !earlier(*freshness));
+    let estimate = result.map(|(estimate, _)| estimate);
+    match stage {
+        Stage::Pyramid => {
+            let [left, right] = document.pictures.as_ref()?.each_ref().map(|picture| picture.frame);
+            computation.has_begun().then(|| {
+                format!("{} × {} and {} × {} px", left.width, left.height, right.width, right.height)
+            })
+        }
+        Stage::Pencils => {
+            let pencils = computation.pencils()?;
+            let of = |k: usize| {
+                let own = &pencils[k];
+                format!(
+                    "{}: {} × {} lines, {} candidates",
+                    document.used().nth(k).map_or(String::new(), pair_name),
+                    own.angles1().len(),
+                    own.angles2().len(),
+                    own.candidates().len()
+                )
+            };
+            Some(format!("{}; {}", of(0), of(1)))
+        }
+        Stage::Hypotheses => estimate
+            .filter(|e| e.counts.hypotheses > 0)
+            .map(|e| format!("{} tried", grouped(e.counts.hypotheses))),
+        Stage::Validation => estimate.filter(|e| e.score.is_finite()).map(validation),
+        Stage::Refinement => {
+            estimate.filter(|_| matches!(result, Some((_, Freshness::Final)))).map(|estimate| {
+                if estimate.refined {
+                    format!("fitted to {} matches", estimate.matches.len())
+                } else {
+                    "not refined on patches".to_owned()
+                }
+            })
+        }
+    }
+}
+
+/// A number with its thousands apart.
+fn grouped(number: usize) -> String {
+    let digits = number.to_string();
+    let mut text = String::new();
+    for (k, digit) in digits.chars().enumerate() {
+        if k > 0 && (digits.len() - k).is_multiple_of(3) {
+            text.push(',');
+        }
+        text.push(digit);
+    }
+    text
+}
+
+fn validation(estimate: &Estimate) -> String {
+    let counts = &estimate.counts;
+    format!("{} compared, best line score {:.3}", counts.validated, estimate.score)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::fake;
+    use crate::app::model::computation::{EstimateFailure, EstimateNews};
+    use crate::estimate::EstimateError;
+
+    fn after(stages: &[Stage], error: Option<EstimateError>) -> Computation {
+        let mut computation = Computation::default();
+        let request = fake::request(1.0);
+        computation.adopt(Some(&request));
+        computation.begin(1, false);
+        for stage in stages {
+            computation.take(1, EstimateNews::Started(*stage));
+        }
+        let estimate = || Box::new(fake::result(&request.pairs, &request.parameters).unwrap());
+        let result = error.map_or_else(|| Ok(estimate()), |error| Err(EstimateFailure::Estimate(error)));
+        computation.take(1, EstimateNews::Finished(result));
+        computation
+    }
+
+    #[test]
+    fn a_failure_is_told_at_the_step_it_happened_in() {
+        let of = |computation: &Computation| Stage::ALL.map(|stage| progress(stage, computation));
+        let idle = Computation::default();
+        assert_eq!(of(&idle), [StepProgress::Waiting; 5]);
+        let refused = of(&after(&[], Some(EstimateError::NoGeometry)));
+        assert_eq!((refused[0], refused[1]), (StepProgress::Failed, StepProgress::Waiting));
+        let failed = of(&after(&[Stage::Pencils, Stage::Hypotheses], Some(EstimateError::NoGeometry)));
+        assert!(matches!(failed[1], StepProgress::Done(Some(_))));
+        assert_eq!(
+            [failed[0], failed[2], failed[3]],
+            [StepProgress::Done(None), StepProgress::Failed, StepProgress::Waiting]
+        );
+        assert_eq!(of(&after(&[Stage::Pencils], None)), [StepProgress::Done(None); 5]);
+    }
+
+    #[test]
+    fn thousands_stand_apart() {
+        assert_eq!([1, 999, 12_000, 1_234_567].map(grouped), ["1", "999", "12,000", "1,234,567"]);
+    }
+}

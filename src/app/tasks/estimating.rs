@@ -1,0 +1,94 @@
+//! The search for the geometry and what is shown while it goes on, each in a thread of its own.
+
+use std::sync::Arc;
+
+use super::services::{EstimateFn, FollowFn};
+use super::task::{Event, Task, Waiting};
+use super::waker::Waker;
+use crate::app::model::computation::{
+    Computation, EstimateFailure, EstimateNews, EstimateRequest, RequestChange,
+};
+use crate::estimate::{Estimate, Monitor, Progress};
+
+/// The number of a search, what it is for, and the geometries to start from meanwhile.
+type FollowQuestion = (u64, EstimateRequest, Vec<Arc<Estimate>>);
+
+/// The threads that estimate.
+pub struct Estimating {
+    search: Task<EstimateRequest, EstimateNews>,
+    follower: Task<FollowQuestion, (u64, Option<Estimate>)>,
+}
+
+impl Estimating {
+    /// Starts the threads.
+    pub fn new(mut estimate: Box<EstimateFn>, mut follow: Box<FollowFn>, waker: &Waker) -> Self {
+        let search = Task::new("estimate", waker.clone(), Waiting::Newest, move |request, turn| {
+            let monitor = Monitor::new(turn.cancel.clone(), |progress| match progress {
+                Progress::Started(stage) => turn.tell(EstimateNews::Started(stage)),
+                Progress::Pencils(pencils) => turn.tell(EstimateNews::Pencils(pencils)),
+                Progress::Preliminary(estimate) => {
+                    turn.tell(EstimateNews::Preliminary(estimate));
+                    // Now there is something to be drawn.
+                    turn.give_way();
+                }
+            });
+            let result = estimate(&request, &monitor).map(Box::new).map_err(EstimateFailure::Estimate);
+            Some(EstimateNews::Finished(result))
+        });
+        let follower = Task::answering("follow", waker.clone(), move |question: FollowQuestion| {
+            let (generation, request, starts) = question;
+            let starts: Vec<&Estimate> = starts.iter().map(AsRef::as_ref).collect();
+            Some((generation, follow(&request, &starts)))
+        });
+        Self { search, follower }
+    }
+
+    /// Brings the computation in line with what is to be computed: starts it anew when that has changed.
+    pub fn follow(&mut self, computation: &mut Computation, request: Option<EstimateRequest>) {
+        match computation.adopt(request.as_ref()) {
+            RequestChange::None => return,
+            RequestChange::Moved => {}
+            RequestChange::Other => self.forget(),
+        }
+        let Some(request) = request else { return };
+        let generation = self.search.ask(request.clone());
+        let starts = computation.starts();
+        computation.begin(generation, !starts.is_empty());
+        if !starts.is_empty() {
+            self.follower.ask((generation, request, starts));
+        }
+    }
+
+    /// Gives up what is under way.
+    pub fn forget(&mut self) {
+        self.search.forget();
+        self.follower.forget();
+    }
+
+    /// Stops what is under way; a preliminary result stays.
+    pub fn stop(&mut self, computation: &mut Computation) {
+        if computation.is_running() {
+            self.forget();
+            computation.stop();
+        }
+    }
+
+    /// Takes in what the threads have reported.
+    pub fn take(&mut self, computation: &mut Computation) {
+        while let Some((generation, event)) = self.search.poll() {
+            let news = match event {
+                Event::Told(news) | Event::Over(Ok(Some(news))) => news,
+                Event::Over(Err(panic)) => EstimateNews::Finished(Err(EstimateFailure::Panic(panic))),
+                Event::Over(Ok(None)) => continue,
+            };
+            computation.take(generation, news);
+        }
+        if let Some((generation, followed)) = self.follower.latest() {
+            computation.take_followed(generation, followed);
+        }
+    }
+}
+
+#[cfg(test)]
+#[path = "estimating_tests.rs"]
+mod tests;

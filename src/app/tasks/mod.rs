@@ -1,0 +1,147 @@
+//! What is done off the window's thread, each in a thread of its own.
+
+mod autosave;
+mod estimating;
+mod importing;
+mod loader;
+mod opening;
+mod picking;
+mod saver;
+mod services;
+mod task;
+mod waker;
+mod writing;
+
+use std::path::Path;
+
+pub use autosave::Autosave;
+pub use estimating::Estimating;
+pub use importing::Importing;
+pub use loader::{LoadedPair, Loader, Opening, OpeningFailure};
+pub use picking::{PickPurpose, Picked, Picking};
+pub use saver::{SaveJob, Saver, Written};
+pub use services::Services;
+pub use task::panic_text;
+pub use waker::Waker;
+pub use writing::Writing;
+
+use super::model::Model;
+use super::model::comparison::{Comparison, ComparisonQuestion};
+use super::model::inspection::{Inspection, InspectionRequest};
+use super::model::rectified::{Rectified, RectifyQuestion};
+use super::model::suggesting::{SuggestQuestion, Suggested};
+use task::{Following, Task, Waiting};
+
+/// All of them.
+pub struct Tasks {
+    /// Wakes the window.
+    pub waker: Waker,
+    /// The geometry.
+    pub estimating: Estimating,
+    comparing: Following<ComparisonQuestion, Comparison>,
+    inspecting: Following<InspectionRequest, Inspection>,
+    suggesting: Following<SuggestQuestion, Suggested>,
+    rectifying: Following<RectifyQuestion, Rectified>,
+    /// Pictures to be opened.
+    pub loader: Loader,
+    /// Files to be imported.
+    pub importing: Importing,
+    /// The rectified pair to be written.
+    pub writing: Writing,
+    /// Sessions and exports to be written.
+    pub saver: Saver,
+    /// The place for copies of unsaved work, if there is one to be used.
+    pub autosave: Option<Autosave>,
+    /// The system's dialogs.
+    pub picking: Picking,
+}
+
+impl Tasks {
+    /// Starts the threads.
+    pub fn new(services: Services) -> Self {
+        let Services { estimate, follow, mut suggest, pick_file, pick_folder, pick_save, copies } = services;
+        let waker = Waker::default();
+        let comparing = Task::answering("comparison", waker.clone(), |question: ComparisonQuestion| {
+            Some(question.answer())
+        });
+        let inspecting = Task::answering("inspection", waker.clone(), |request: InspectionRequest| {
+            Some(request.inspect())
+        });
+        let suggesting = Task::answering("suggest", waker.clone(), move |question| Some(suggest(&question)));
+        let rectifying =
+            Task::new("rectification", waker.clone(), Waiting::Newest, |question: RectifyQuestion, turn| {
+                // Small pictures are finished, or a drag, which asks in every frame, would show none.
+                if !question.moving {
+                    turn.give_way();
+                }
+                question.answer(&turn.cancel)
+            });
+        Self {
+            estimating: Estimating::new(estimate, follow, &waker),
+            comparing: Following::keeping(comparing),
+            inspecting: Following::keeping(inspecting),
+            suggesting: Following::strict(suggesting),
+            rectifying: Following::keeping(rectifying),
+            loader: Loader::new(waker.clone()),
+            importing: Importing::new(waker.clone()),
+            writing: Writing::new(waker.clone()),
+            saver: Saver::new(waker.clone()),
+            autosave: copies.as_deref().and_then(|folder: &Path| Autosave::begin(folder)),
+            picking: Picking::new(waker.clone(), [pick_file, pick_folder], pick_save),
+            waker,
+        }
+    }
+
+    /// Takes in what was found out about the pictures that are open.
+    pub fn take(&mut self, model: &mut Model) {
+        let open = &mut model.open;
+        self.estimating.take(&mut open.computation);
+        self.inspecting.take(&mut open.inspection);
+        self.comparing.take(&mut open.comparison);
+        self.rectifying.take(&mut open.rectified);
+        self.suggesting.take(&mut open.suggestion);
+        open.follow_result();
+    }
+
+    /// Asks what is to be asked about the state as it is; `exports` says that the inspected lines may be exported.
+    pub fn follow(&mut self, model: &mut Model, exports: bool) {
+        let request = model.estimate_request();
+        self.estimating.follow(&mut model.open.computation, request);
+        let question = model.suggest_question();
+        self.suggesting.follow(question, &mut model.open.suggestion);
+        let request = model.inspection_request(exports);
+        self.inspecting.follow(request, &mut model.open.inspection);
+        let question = model.comparison_question();
+        self.comparing.follow(question, &mut model.open.comparison);
+        let question = model.wants_rectified().then(|| model.rectify_question()).flatten();
+        self.rectifying.follow(question, &mut model.open.rectified);
+    }
+
+    /// Gives up what is about the pictures that were open: others are.
+    pub fn forget_pair(&mut self) {
+        self.estimating.forget();
+        self.comparing.forget();
+        self.inspecting.forget();
+        self.suggesting.forget();
+        self.rectifying.forget();
+        self.importing.forget();
+    }
+
+    /// Whether another rectified pair is being made.
+    pub fn is_rectifying(&self) -> bool {
+        self.rectifying.is_busy()
+    }
+
+    /// Whether something is under way that the window waits for, besides the estimate.
+    pub fn is_busy(&self) -> bool {
+        self.loader.is_busy()
+            || self.suggesting.is_busy()
+            || self.inspecting.is_busy()
+            || self.comparing.is_busy()
+            || self.rectifying.is_busy()
+            || self.writing.is_busy()
+            || self.picking.is_busy()
+            || self.saver.is_busy()
+            || self.importing.is_busy()
+    }
+}

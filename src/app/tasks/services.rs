@@ -1,0 +1,122 @@
+//! What the window gets done by others, so that tests can put something else in their place.
+
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
+
+use crate::app::model::computation::EstimateRequest;
+use crate::app::model::document::Side;
+use crate::app::model::picture::Pictures;
+use crate::app::model::suggesting::{SuggestQuestion, Suggested};
+use crate::estimate::{Estimate, EstimateError, Monitor, PreparedPair, estimate_prepared, follow};
+use crate::suggest::{ClickedImage, SuggestParameters, suggest};
+
+/// The search for a geometry: the estimator of this library, or something that stands in for it.
+pub type EstimateFn = dyn FnMut(&EstimateRequest, &Monitor) -> Result<Estimate, EstimateError> + Send;
+
+/// Refits the most supported of some earlier geometries of the same pictures to moved points, in milliseconds.
+pub type FollowFn = dyn FnMut(&EstimateRequest, &[&Estimate]) -> Option<Estimate> + Send;
+
+/// Suggests the match of a first click, in some hundredths of a second.
+pub type SuggestFn = dyn FnMut(&SuggestQuestion) -> Suggested + Send;
+
+/// Asks for a path with a dialog of the system, and returns when that is closed.
+pub type PickFn = dyn Fn() -> Option<PathBuf> + Send + Sync;
+
+/// Asks with a dialog of the system where to write a file, for which it suggests a path.
+pub type SavePickFn = dyn Fn(&Path) -> Option<PathBuf> + Send + Sync;
+
+/// The computations and the system's dialogs.
+pub struct Services {
+    /// The search for a geometry.
+    pub estimate: Box<EstimateFn>,
+    /// What is shown while the search goes on.
+    pub follow: Box<FollowFn>,
+    /// What is offered for the second click of a pair.
+    pub suggest: Box<SuggestFn>,
+    /// The system's dialog for choosing a file; `None` when it was cancelled or could not open.
+    pub pick_file: Arc<PickFn>,
+    /// The system's dialog for choosing a folder; `None` as for a file.
+    pub pick_folder: Arc<PickFn>,
+    /// The system's dialog for choosing where to save or export; `None` as for a file.
+    pub pick_save: Arc<SavePickFn>,
+    /// The folder for the program's own copies of unsaved work; none keeps no copies.
+    pub copies: Option<PathBuf>,
+}
+
+impl Default for Services {
+    fn default() -> Self {
+        let searching = PreparedCache::default();
+        let (following, suggesting) = (searching.clone(), searching.clone());
+        Self {
+            estimate: Box::new(move |request, monitor| {
+                let prepared = searching.get(&request.pictures);
+                estimate_prepared(&prepared, &request.pairs, &request.parameters, monitor)
+            }),
+            follow: Box::new(move |request, starts| {
+                let prepared = following.get(&request.pictures);
+                follow(&prepared, starts.iter().copied(), &request.pairs, &request.parameters)
+            }),
+            suggest: Box::new(move |question| {
+                let prepared = suggesting.get(&question.pictures);
+                let clicked = match question.half.side {
+                    Side::Left => ClickedImage::First,
+                    Side::Right => ClickedImage::Second,
+                };
+                let (point, f) = (question.half.point, question.fundamental.as_ref());
+                suggest(&prepared, point, clicked, f, &SuggestParameters::default())
+            }),
+            pick_file: Arc::new(pick_file),
+            pick_folder: Arc::new(pick_folder),
+            pick_save: Arc::new(pick_save),
+            copies: None,
+        }
+    }
+}
+
+/// What depends on the pictures alone, kept from one request to the next and shared by the threads, so that
+/// moving a point costs only what depends on the point.
+#[derive(Clone, Default)]
+struct PreparedCache(Arc<Mutex<Option<KeptPair>>>);
+
+struct KeptPair {
+    pictures: Pictures,
+    prepared: Arc<PreparedPair>,
+}
+
+impl PreparedCache {
+    fn get(&self, pictures: &Pictures) -> Arc<PreparedPair> {
+        // A panic while preparing leaves the old pair in place, which is sound.
+        let mut kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(kept) = kept.as_ref()
+            && kept.pictures == *pictures
+        {
+            return Arc::clone(&kept.prepared);
+        }
+        let [image1, image2] = pictures;
+        let prepared = Arc::new(PreparedPair::new(&image1.gray, &image2.gray));
+        *kept = Some(KeptPair { pictures: pictures.clone(), prepared: Arc::clone(&prepared) });
+        prepared
+    }
+}
+
+fn pick_file() -> Option<PathBuf> {
+    let extensions = ["png", "jpg", "jpeg", "tif", "tiff", "bmp", "pgm", "ppm", "pnm", "pbm", "webp"];
+    let others = ["json", "txt", "csv", "tsv", "dat", "yml", "yaml", "xml", "m", "colmap", "P"];
+    let dialog = rfd::FileDialog::new().set_title("Open a file").add_filter("Images", &extensions);
+    dialog.add_filter("Sessions, point pairs, matrices", &others).add_filter("All files", &["*"]).pick_file()
+}
+
+fn pick_folder() -> Option<PathBuf> {
+    rfd::FileDialog::new().set_title("Choose a folder").pick_folder()
+}
+
+fn pick_save(suggested: &Path) -> Option<PathBuf> {
+    let mut dialog = rfd::FileDialog::new().set_title("Save as");
+    if let Some(name) = suggested.file_name() {
+        dialog = dialog.set_file_name(name.to_string_lossy());
+    }
+    if let Some(folder) = suggested.parent().filter(|folder| folder.is_dir()) {
+        dialog = dialog.set_directory(folder);
+    }
+    dialog.save_file()
+}

@@ -1,0 +1,449 @@
+//! A thread that answers questions: every thread of the window is one of these.
+//!
+//! Of the questions that wait only the newest counts ([`Waiting::Newest`]), or all are answered in their order
+//! ([`Waiting::All`]). While a point is dragged a question comes every frame: if each cancelled the one before, none
+//! would ever get anywhere. So the one under way is left alone until it says that it may [give way](Turn::give_way).
+//! What is told carries the number of its question and never comes after news of a later one; a panic is told too.
+
+use std::any::Any;
+use std::collections::VecDeque;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::thread::JoinHandle;
+use std::time::Duration;
+
+use super::waker::Waker;
+use crate::cancel::CancelFlag;
+
+/// Which of the questions that wait are answered.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Waiting {
+    /// The newest one; dropping the task gives up what is under way.
+    Newest,
+    /// All of them, one after the other; dropping the task waits until all is done.
+    All,
+}
+
+/// What a thread says about a question.
+#[derive(Debug)]
+pub enum Event<A> {
+    /// News on the way.
+    Told(A),
+    /// The end: the answer, or the message of a panic.
+    Over(Result<Option<A>, String>),
+}
+
+struct Running {
+    cancel: CancelFlag,
+    gives_way: bool,
+}
+
+struct Slot<Q> {
+    waiting: VecDeque<(u64, Q)>,
+    running: Option<Running>,
+    closed: bool,
+}
+
+impl<Q> Slot<Q> {
+    fn cancel(&mut self) {
+        self.waiting.clear();
+        self.cancel_running();
+    }
+
+    fn cancel_running(&self) {
+        if let Some(running) = &self.running {
+            running.cancel.cancel();
+        }
+    }
+
+    /// Cancels what is under way if it may be and something newer waits.
+    fn give_way(&self) {
+        if !self.waiting.is_empty() && self.running.as_ref().is_some_and(|running| running.gives_way) {
+            self.cancel_running();
+        }
+    }
+}
+
+struct Inbox<Q> {
+    slot: Mutex<Slot<Q>>,
+    changed: Condvar,
+}
+
+impl<Q> Inbox<Q> {
+    /// Questions are answered outside the lock, so a poisoned lock still guards sound data.
+    fn lock(&self) -> MutexGuard<'_, Slot<Q>> {
+        self.slot.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// What the answering function may do while it is at work.
+pub struct Turn<'a, A> {
+    /// Set when the answer is not wanted any more.
+    pub cancel: CancelFlag,
+    tell: &'a (dyn Fn(A) + Sync),
+    give_way: &'a (dyn Fn() + Sync),
+}
+
+impl<A> Turn<'_, A> {
+    /// Tells something before the end.
+    pub fn tell(&self, news: A) {
+        (self.tell)(news);
+    }
+
+    /// Says that this question may be cancelled as soon as a newer one waits.
+    pub fn give_way(&self) {
+        (self.give_way)();
+    }
+}
+
+/// A handle to the answering thread.
+pub struct Task<Q, A> {
+    inbox: Arc<Inbox<Q>>,
+    outbox: Sender<(u64, Event<A>)>,
+    events: Receiver<(u64, Event<A>)>,
+    waiting: Waiting,
+    thread: Option<JoinHandle<()>>,
+    /// Number of the newest question.
+    asked: u64,
+    /// Number of the newest question that needs no answer any more.
+    over: u64,
+    /// News of this question and those before is unwanted.
+    unwanted: u64,
+}
+
+impl<Q: Send + 'static, A: Send + 'static> Task<Q, A> {
+    /// Starts the thread; it calls `waker` after each piece of news.
+    pub fn new(
+        name: &str,
+        waker: Waker,
+        waiting: Waiting,
+        mut answer: impl FnMut(Q, &Turn<A>) -> Option<A> + Send + 'static,
+    ) -> Self {
+        let slot = Slot { waiting: VecDeque::new(), running: None, closed: false };
+        let inbox = Arc::new(Inbox { slot: Mutex::new(slot), changed: Condvar::new() });
+        let (outbox, events) = channel();
+        let thread = std::thread::Builder::new().name(name.into()).spawn({
+            let (inbox, outbox) = (Arc::clone(&inbox), outbox.clone());
+            move || run(&inbox, &outbox, &mut answer, &waker)
+        });
+        Self { inbox, outbox, events, waiting, thread: thread.ok(), asked: 0, over: 0, unwanted: 0 }
+    }
+
+    /// A thread for the newest of many questions, whose answers come at once.
+    pub fn answering(
+        name: &str,
+        waker: Waker,
+        mut answer: impl FnMut(Q) -> Option<A> + Send + 'static,
+    ) -> Self {
+        Self::new(name, waker, Waiting::Newest, move |question, _| answer(question))
+    }
+
+    /// Asks; the number is that of all news about this question.
+    pub fn ask(&mut self, question: Q) -> u64 {
+        self.asked += 1;
+        if self.thread.is_some() {
+            let mut slot = self.inbox.lock();
+            if self.waiting == Waiting::Newest {
+                slot.waiting.clear();
+            }
+            slot.waiting.push_back((self.asked, question));
+            slot.give_way();
+            drop(slot);
+            self.inbox.changed.notify_all();
+        } else {
+            // The receiver lives as long as `self`.
+            let _ = self.outbox.send((self.asked, Event::Over(Err("no thread could be started".into()))));
+        }
+        self.asked
+    }
+
+    /// Gives up what was asked so far; none of its news will arrive.
+    pub fn forget(&mut self) {
+        (self.over, self.unwanted) = (self.asked, self.asked);
+        self.inbox.lock().cancel();
+    }
+
+    /// Asks what is under way to end early, and to say how it ended.
+    pub fn stop(&self) {
+        self.inbox.lock().cancel_running();
+    }
+
+    /// Whether the newest question is still to be answered.
+    pub fn is_busy(&self) -> bool {
+        self.over < self.asked
+    }
+
+    /// The next piece of news, with the number of its question.
+    pub fn poll(&mut self) -> Option<(u64, Event<A>)> {
+        let (number, event) = self.events.try_iter().find(|(number, _)| *number > self.unwanted)?;
+        if matches!(event, Event::Over(_)) {
+            self.over = number;
+        }
+        Some((number, event))
+    }
+
+    /// The newest answer since the last call, be it to the newest question or, while that one waits, to an earlier one
+    /// that was not forgotten. A panic is no answer.
+    pub fn latest(&mut self) -> Option<A> {
+        let mut newest = None;
+        while let Some((_, event)) = self.poll() {
+            match event {
+                Event::Told(answer) | Event::Over(Ok(Some(answer))) => newest = Some(answer),
+                Event::Over(_) => {}
+            }
+        }
+        newest
+    }
+
+    /// Waits until everything is done, but not for ever.
+    pub fn wait(&self, patience: Duration) {
+        let at_work = |slot: &mut Slot<Q>| !slot.waiting.is_empty() || slot.running.is_some();
+        // Whoever is impatient goes on either way.
+        drop(self.inbox.changed.wait_timeout_while(self.inbox.lock(), patience, at_work));
+    }
+}
+
+impl<Q, A> Drop for Task<Q, A> {
+    fn drop(&mut self) {
+        let mut slot = self.inbox.lock();
+        slot.closed = true;
+        if self.waiting == Waiting::Newest {
+            slot.cancel();
+        }
+        drop(slot);
+        self.inbox.changed.notify_all();
+        // A computation slow to notice must not hold up the closing window; a file must be written.
+        if let Some(thread) = self.thread.take().filter(|_| self.waiting == Waiting::All) {
+            // A panic in it has been told already.
+            let _ = thread.join();
+        }
+    }
+}
+
+/// The thread's loop.
+fn run<Q: Send, A: Send>(
+    inbox: &Inbox<Q>,
+    outbox: &Sender<(u64, Event<A>)>,
+    answer: &mut dyn FnMut(Q, &Turn<A>) -> Option<A>,
+    waker: &Waker,
+) {
+    loop {
+        let mut slot = inbox.lock();
+        let (number, question) = loop {
+            if let Some(next) = slot.waiting.pop_front() {
+                break next;
+            }
+            if slot.closed {
+                return;
+            }
+            slot = inbox.changed.wait(slot).unwrap_or_else(PoisonError::into_inner);
+        };
+        let cancel = CancelFlag::default();
+        slot.running = Some(Running { cancel: cancel.clone(), gives_way: false });
+        drop(slot);
+        let send = |event| {
+            // Nobody listens any more when the window has closed.
+            let _ = outbox.send((number, event));
+            waker.wake();
+        };
+        let tell = |news| send(Event::Told(news));
+        let give_way = || {
+            let mut slot = inbox.lock();
+            if let Some(running) = &mut slot.running {
+                running.gives_way = true;
+            }
+            slot.give_way();
+        };
+        let turn = Turn { cancel, tell: &tell, give_way: &give_way };
+        let result = catch_unwind(AssertUnwindSafe(|| answer(question, &turn)));
+        inbox.lock().running = None;
+        inbox.changed.notify_all();
+        send(Event::Over(result.map_err(|payload| panic_text(payload.as_ref()))));
+    }
+}
+
+/// The message of a panic.
+pub fn panic_text(payload: &(dyn Any + Send)) -> String {
+    let text = payload.downcast_ref::<&str>().map(|text| (*text).to_owned());
+    text.or_else(|| payload.downcast_ref::<String>().cloned()).unwrap_or_else(|| "no reason given".into())
+}
+
+/// A task that is asked whenever its question is another one than before.
+pub struct Following<Q, A> {
+    task: Task<Q, A>,
+    asked: Option<Q>,
+    /// Whether an answer is kept while the next one is awaited.
+    keeps: bool,
+}
+
+impl<Q: Clone + PartialEq + Send + 'static, A: Send + 'static> Following<Q, A> {
+    /// Answers stay until the next ones come.
+    pub fn keeping(task: Task<Q, A>) -> Self {
+        Self { task, asked: None, keeps: true }
+    }
+
+    /// Only the answer to the question as it is now counts.
+    pub fn strict(task: Task<Q, A>) -> Self {
+        Self { task, asked: None, keeps: false }
+    }
+
+    /// Asks when the question is another one than before; without a question there is no answer.
+    pub fn follow(&mut self, question: Option<Q>, answer: &mut Option<A>) {
+        if question == self.asked {
+            return;
+        }
+        if question.is_none() || !self.keeps {
+            self.forget();
+            *answer = None;
+        }
+        self.asked.clone_from(&question);
+        if let Some(question) = question {
+            self.task.ask(question);
+        }
+    }
+
+    /// Drops what was asked: the pictures are others.
+    pub fn forget(&mut self) {
+        self.task.forget();
+        self.asked = None;
+    }
+
+    /// Takes in what the thread has found.
+    pub fn take(&mut self, answer: &mut Option<A>) {
+        if let Some(found) = self.task.latest() {
+            *answer = Some(found);
+        }
+    }
+
+    /// Whether an answer is awaited.
+    pub fn is_busy(&self) -> bool {
+        self.task.is_busy()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::Barrier;
+    use std::sync::atomic::{AtomicU32, Ordering};
+    use std::time::Instant;
+
+    /// Long enough for a loaded machine; reached only when something is wrong.
+    const PATIENCE: Duration = Duration::from_secs(20);
+
+    fn wait<A: Send + 'static>(task: &mut Task<u32, A>) -> (u64, Event<A>) {
+        let start = Instant::now();
+        loop {
+            if let Some(news) = task.poll() {
+                return news;
+            }
+            assert!(start.elapsed() < PATIENCE, "no news");
+            std::thread::sleep(Duration::from_millis(1));
+        }
+    }
+
+    #[test]
+    fn questions_that_were_overtaken_are_not_answered() {
+        let gate = Arc::new(Barrier::new(2));
+        let mut task = Task::answering("test", Waker::default(), {
+            let gate = Arc::clone(&gate);
+            move |question: u32| {
+                if question == 1 {
+                    gate.wait();
+                    gate.wait();
+                }
+                assert_ne!(question, 2, "a question that was overtaken");
+                Some(question * 10)
+            }
+        });
+        task.ask(1);
+        gate.wait();
+        for question in [2, 3] {
+            task.ask(question);
+        }
+        gate.wait();
+        let mut answers = Vec::new();
+        while task.is_busy() {
+            answers.extend(task.latest());
+        }
+        assert_eq!(answers.last(), Some(&30));
+        assert!(answers.iter().all(|answer| [10, 30].contains(answer)));
+    }
+
+    #[test]
+    fn a_panic_is_told_and_forgotten_questions_are_silent() {
+        let mut task = Task::answering("test", Waker::default(), |question: u32| {
+            assert!(question != 1, "boom at {question}");
+            Some(question)
+        });
+        task.ask(1);
+        assert!(matches!(wait(&mut task), (1, Event::Over(Err(text))) if text == "boom at 1"));
+        task.ask(5);
+        task.forget();
+        assert!(!task.is_busy());
+        task.ask(7);
+        assert!(matches!(wait(&mut task), (3, Event::Over(Ok(Some(7))))));
+        assert!(!task.is_busy());
+    }
+
+    #[test]
+    fn a_question_under_way_gives_way_once_it_has_had_its_turn() {
+        let go_on = Arc::new(AtomicU32::new(0));
+        let mut task = Task::new("test", Waker::default(), Waiting::Newest, {
+            let go_on = Arc::clone(&go_on);
+            move |question: u32, turn| {
+                while !turn.cancel.is_cancelled() {
+                    if go_on.swap(0, Ordering::Relaxed) > 0 {
+                        turn.tell(question);
+                        turn.give_way();
+                    }
+                    std::thread::sleep(Duration::from_millis(1));
+                }
+                None
+            }
+        });
+        let first = task.ask(1);
+        let started = Instant::now();
+        while task.inbox.lock().running.is_none() {
+            assert!(started.elapsed() < PATIENCE);
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        task.ask(2);
+        let newest = task.ask(3);
+        // It has nothing to show yet, so it goes on although others wait.
+        assert!(task.inbox.lock().running.as_ref().is_some_and(|r| !r.cancel.is_cancelled()));
+        go_on.store(1, Ordering::Relaxed);
+        assert!(matches!(wait(&mut task), (number, Event::Told(1)) if number == first));
+        assert!(matches!(wait(&mut task), (number, Event::Over(Ok(None))) if number == first));
+        go_on.store(1, Ordering::Relaxed);
+        assert!(matches!(wait(&mut task), (number, Event::Told(3)) if number == newest));
+        // Nothing newer waits: it may go on until one comes.
+        task.ask(4);
+        assert!(matches!(wait(&mut task), (number, Event::Over(Ok(None))) if number == newest));
+        task.forget();
+        std::thread::sleep(Duration::from_millis(20));
+        assert!(task.poll().is_none());
+    }
+
+    #[test]
+    fn a_task_that_does_all_is_done_before_it_is_gone() {
+        let done = Arc::new(AtomicU32::new(0));
+        let mut task = Task::new("test", Waker::default(), Waiting::All, {
+            let done = Arc::clone(&done);
+            move |add: u32, _: &Turn<()>| {
+                std::thread::sleep(Duration::from_millis(2));
+                done.fetch_add(add, Ordering::Relaxed);
+                None
+            }
+        });
+        for add in [1, 10, 100] {
+            task.ask(add);
+        }
+        task.wait(PATIENCE);
+        assert_eq!(done.load(Ordering::Relaxed), 111);
+        task.ask(1000);
+        drop(task);
+        assert_eq!(done.load(Ordering::Relaxed), 1111);
+    }
+}

@@ -1,0 +1,189 @@
+//! Writing the rectified pair at full size, in a thread of its own.
+
+use std::path::Path;
+
+use super::task::{Event, Task, Waiting};
+use super::waker::Waker;
+use crate::app::model::rectified::{RectifyOrder, WritingProgress};
+use crate::cancel::CancelFlag;
+use crate::io::{RectifiedError, RectifiedFiles};
+use crate::rectify::Limits;
+
+/// Steps before the files: the maps, and the two pictures.
+const STEPS_BEFORE: usize = 3;
+
+/// How it ended: what to tell the user, be it good or bad.
+pub type WritingEnd = Result<String, String>;
+
+enum WritingNews {
+    Progress(WritingProgress),
+    Ended(WritingEnd),
+}
+
+/// What is being written, one pair at a time.
+pub struct Writing(Task<RectifyOrder, WritingNews>);
+
+impl Writing {
+    /// Starts the thread.
+    pub fn new(waker: Waker) -> Self {
+        Self(Task::new("writing", waker, Waiting::Newest, |order: RectifyOrder, turn| {
+            let report = |progress| turn.tell(WritingNews::Progress(progress));
+            Some(WritingNews::Ended(order.write(&turn.cancel, &report)))
+        }))
+    }
+
+    /// Begins, unless another pair is being written; says how far it is when it has begun.
+    pub fn begin(&mut self, order: RectifyOrder) -> Option<WritingProgress> {
+        if self.0.is_busy() {
+            return None;
+        }
+        self.0.ask(order);
+        Some(WritingProgress { done: 0, all: STEPS_BEFORE, what: "Rectifying" })
+    }
+
+    /// Asks it to stop.
+    pub fn stop(&self) {
+        self.0.stop();
+    }
+
+    /// Whether a pair is being written.
+    pub fn is_busy(&self) -> bool {
+        self.0.is_busy()
+    }
+
+    /// Takes in news; how it ended, when it has.
+    pub fn take(&mut self, progress: &mut Option<WritingProgress>) -> Option<WritingEnd> {
+        let mut ended = None;
+        while let Some((_, event)) = self.0.poll() {
+            match event {
+                Event::Told(WritingNews::Progress(now)) => *progress = Some(now),
+                Event::Told(WritingNews::Ended(end)) | Event::Over(Ok(Some(WritingNews::Ended(end)))) => {
+                    ended = Some(end);
+                }
+                Event::Over(Err(panic)) => {
+                    ended = Some(Err(format!("The rectified pair could not be written: {panic}.")));
+                }
+                Event::Over(Ok(_)) => {}
+            }
+        }
+        progress.take_if(|_| !self.0.is_busy());
+        ended
+    }
+}
+
+impl RectifyOrder {
+    /// Rectifies, draws and writes.
+    fn write(&self, cancel: &CancelFlag, report: &dyn Fn(WritingProgress)) -> WritingEnd {
+        let place = self.folder.display();
+        let failed = |error: &dyn std::fmt::Display| {
+            format!("The rectified pair was not written: {error}. Correct it, or choose another folder.")
+        };
+        let stopped = || format!("Writing the rectified pair was stopped. Nothing was written to {place}.");
+        // Before the work, so that nobody waits for a folder that cannot be written.
+        let images: Vec<&Path> =
+            self.question.pictures.iter().filter_map(|picture| picture.path.as_deref()).collect();
+        let files = RectifiedFiles::prepare(&self.folder, self.options, &images).map_err(|e| failed(&e))?;
+        let paths = files.paths();
+        let all = STEPS_BEFORE + paths.len();
+        let step = |done, what| report(WritingProgress { done, all, what });
+        let rectification = self
+            .question
+            .rectification(&Limits::default())
+            .map_err(|e| format!("The rectified pair was not written: {e}."))?;
+        let pictures = &self.question.pictures;
+        step(1, "Drawing the left picture");
+        let left = rectification.warp(0, &pictures[0].pixels, cancel).ok_or_else(stopped)?;
+        step(2, "Drawing the right picture");
+        let right = rectification.warp(1, &pictures[1].pixels, cancel).ok_or_else(stopped)?;
+        let originals = pictures.each_ref().map(|picture| &**picture);
+        let mut go_on = |file: usize| {
+            step(STEPS_BEFORE + file, "Writing the files");
+            !cancel.is_cancelled()
+        };
+        files
+            .write(&rectification, &self.question.fundamental, originals, [&left, &right], &mut go_on)
+            .map_err(|error| match error {
+                RectifiedError::Cancelled => {
+                    format!("Writing the rectified pair was stopped. What was written before is in {place}.")
+                }
+                error => failed(&error),
+            })?;
+        let names = paths.iter().filter_map(|path| path.file_name()).map(|name| name.to_string_lossy());
+        let names = names.collect::<Vec<_>>().join(", ");
+        Ok(format!("The rectified pair is in {place}: {names}."))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::model::rectified::{MatchesAtHand, RectifyQuestion};
+    use crate::app::model::sample::sample_pair;
+    use crate::app::model::shared::Shared;
+    use crate::io::{PictureFormat, RectifiedOptions};
+    use crate::rectify::Method;
+    use std::time::{Duration, Instant};
+
+    fn order(folder: &Path) -> RectifyOrder {
+        let sample = sample_pair();
+        RectifyOrder {
+            question: RectifyQuestion {
+                pictures: sample.pictures.map(Shared::new),
+                fundamental: sample.truth.fundamental,
+                matches: MatchesAtHand::True(Shared::new(sample.truth)),
+                method: Method::Auto,
+                moving: false,
+            },
+            folder: folder.to_owned(),
+            options: RectifiedOptions { format: PictureFormat::Png, guide_spacing: 40, maps: true },
+        }
+    }
+
+    fn wait(writing: &mut Writing) -> WritingEnd {
+        let start = Instant::now();
+        let mut progress = None;
+        loop {
+            if let Some(ending) = writing.take(&mut progress) {
+                return ending;
+            }
+            assert!(start.elapsed() < Duration::from_mins(1), "it does not end");
+            std::thread::sleep(Duration::from_millis(1));
+        }
+    }
+
+    #[test]
+    fn everything_is_written_at_full_size_and_named() {
+        let folder = tempfile::tempdir().unwrap();
+        let into = folder.path().join("new/pair");
+        let mut writing = Writing::new(Waker::default());
+        assert!(writing.begin(order(&into)).is_some());
+        assert!(writing.begin(order(&into)).is_none(), "one at a time");
+        let text = wait(&mut writing).unwrap();
+        for name in
+            ["left.png", "right.png", "stacked.png", "left-map.npy", "right-map.npy", "rectification.json"]
+        {
+            assert!(into.join(name).is_file() && text.contains(name), "{name} in {text}");
+        }
+        let full = order(&into).question.rectification(&Limits::default()).unwrap();
+        let (width, height) = image::image_dimensions(into.join("left.png")).unwrap();
+        assert_eq!([width as usize, height as usize], [full.size.width, full.size.height]);
+    }
+
+    #[test]
+    fn a_folder_that_is_a_file_is_a_sentence_and_a_stop_leaves_nothing() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("file");
+        std::fs::write(&file, "in the way").unwrap();
+        let mut writing = Writing::new(Waker::default());
+        writing.begin(order(&file));
+        let text = wait(&mut writing).unwrap_err();
+        assert!(text.contains("there is a file of that name") && text.ends_with("another folder."), "{text}");
+
+        let stopped = CancelFlag::default();
+        stopped.cancel();
+        let into = folder.path().join("empty");
+        let text = order(&into).write(&stopped, &|_| {}).unwrap_err();
+        assert!(text.contains("stopped"), "{text}");
+        assert_eq!(std::fs::read_dir(&into).unwrap().count(), 0);
+    }
+}

@@ -1,0 +1,157 @@
+//! Where everything is in the window.
+
+use egui::{CentralPanel, Context, Frame, Margin, Panel, Rect, Ui, UiBuilder};
+
+use super::capture::ViewCapture;
+use super::dialogs::Dialogs;
+use super::panels;
+use super::panes::{ImagePane, halves};
+use crate::app::model::Model;
+use crate::app::model::command::Command;
+use crate::app::model::document::Side;
+use crate::app::model::open_pair::Hover;
+use crate::app::model::pane_view::PaneView;
+
+/// Windows lower than this do without the legend, screen points.
+const ROOM_FOR_LEGEND: f32 = 620.0;
+
+/// What is on the screen and is not part of the state: the panes, the dialogs, the picture that is being taken.
+pub struct View {
+    /// The two images.
+    pub panes: [ImagePane; 2],
+    /// What is in front of them.
+    pub dialogs: Dialogs,
+    /// The picture of the window that is being taken.
+    pub capture: ViewCapture,
+    /// Where both images are in the window, screen points.
+    pub images: Option<Rect>,
+    title: String,
+}
+
+impl Default for View {
+    fn default() -> Self {
+        Self {
+            panes: Side::BOTH.map(ImagePane::new),
+            dialogs: Dialogs::default(),
+            capture: ViewCapture::default(),
+            images: None,
+            title: String::new(),
+        }
+    }
+}
+
+impl View {
+    /// Draws the window and collects what it was asked for; returns the position under the cursor.
+    pub fn draw(&mut self, ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) -> Option<Hover> {
+        let views = self.panes.each_ref().map(ImagePane::view);
+        let hover = self.draw_all(ui, model, commands);
+        if model.open.rectified.is_none() {
+            panels::tabs::forget_textures(ui.ctx());
+        }
+        for side in Side::BOTH {
+            if self.panes[side.index()].view() != views[side.index()] {
+                self.link(model, side);
+            }
+        }
+        hover
+    }
+
+    /// Lets the other image show the same part as this one, if the views are linked.
+    pub fn link(&mut self, model: &Model, leader: Side) {
+        if model.look.linked {
+            let [left, right] = &mut self.panes;
+            match leader {
+                Side::Left => right.follow(left),
+                Side::Right => left.follow(right),
+            }
+        }
+    }
+
+    /// What part of each image is shown.
+    pub fn views(&self) -> Option<[PaneView; 2]> {
+        let [left, right] = self.panes.each_ref().map(ImagePane::view);
+        Some([left?, right?])
+    }
+
+    /// Lets go of what is being dragged; says whether it was a point.
+    pub fn let_go(&mut self) -> bool {
+        self.panes.iter_mut().any(ImagePane::let_go)
+    }
+
+    /// Gives the window its title.
+    pub fn name_window(&mut self, ctx: &Context, title: String) {
+        if title != self.title {
+            ctx.send_viewport_cmd(egui::ViewportCommand::Title(title.clone()));
+            self.title = title;
+        }
+    }
+
+    fn draw_all(&mut self, ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) -> Option<Hover> {
+        let ctx = ui.ctx().clone();
+        let bar = |ui: &Ui| Frame::new().fill(ui.visuals().panel_fill).inner_margin(Margin::symmetric(12, 7));
+        let height = ctx.content_rect().height();
+        Panel::top("toolbar").frame(bar(ui)).show(ui, |ui| panels::toolbar(ui, model, commands));
+        Panel::top("guide").frame(bar(ui)).show(ui, |ui| {
+            ui.set_min_height(28.0);
+            panels::guide_bar(ui, model, commands);
+        });
+        Panel::bottom("status").frame(bar(ui)).show(ui, |ui| {
+            panels::status(ui, model, commands);
+        });
+        Panel::right("side")
+            .frame(bar(ui))
+            .resizable(true)
+            .default_size(300.0)
+            .size_range(240.0..=480.0)
+            .show(ui, |ui| panels::side::show(ui, model, commands));
+        if model.tab().is_some() {
+            // Each of the two heights is remembered by itself.
+            let (name, size, largest) = if model.look.tabs_enlarged {
+                ("enlarged tabs", height * 0.64, height * 0.75)
+            } else {
+                ("tabs", (height * 0.29).clamp(130.0, 320.0), height * 0.6)
+            };
+            Panel::bottom(name)
+                .frame(bar(ui))
+                .resizable(true)
+                .default_size(size)
+                .size_range(130.0..=largest.max(131.0))
+                .show(ui, |ui| {
+                    // The panel keeps its height, however little a tab has to show.
+                    ui.set_min_height(ui.available_height());
+                    panels::tabs::headings(ui, model, commands);
+                    panels::tabs::chosen(ui, model, commands);
+                });
+        } else {
+            Panel::bottom("folded tabs").frame(bar(ui)).show(ui, |ui| {
+                panels::tabs::headings(ui, model, commands);
+            });
+        }
+        // A small window has better use for the space; the list of commands has every overlay too.
+        let enlarged = model.tab().is_some() && model.look.tabs_enlarged;
+        if model.document.pictures.is_some() && height > ROOM_FOR_LEGEND && !enlarged {
+            let strip = bar(ui).inner_margin(Margin::symmetric(8, 3));
+            Panel::bottom("legend").frame(strip).show(ui, |ui| panels::legend(ui, model, commands));
+        }
+        let (area, hover) = CentralPanel::default()
+            .frame(bar(ui))
+            .show(ui, |ui| {
+                let area = ui.available_rect_before_wrap();
+                let mut hover = None;
+                for (pane, rect) in self.panes.iter_mut().zip(halves(area)) {
+                    let mut child =
+                        ui.new_child(UiBuilder::new().max_rect(rect).id_salt(rect.min.x > area.min.x));
+                    hover = pane.show(&mut child, model, commands).or(hover);
+                }
+                (area, hover)
+            })
+            .inner;
+        // Nothing is to be in front of the images in a picture of them.
+        if !self.capture.is_under_way() {
+            panels::messages(&ctx, area, model, commands);
+        }
+        self.dialogs.show(&ctx, model, commands);
+        self.images = Some(area);
+        hover
+    }
+}

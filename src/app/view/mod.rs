@@ -1,0 +1,16 @@
+//! How everything looks and what a person may do with it: it reads the model and returns commands.
+
+pub mod actions;
+mod capture;
+pub mod dialogs;
+mod heat;
+mod keyboard;
+mod layout;
+mod panels;
+mod panes;
+pub mod theme;
+
+pub use capture::picture;
+pub use keyboard::{KeyboardState, pressed};
+pub use layout::View;
+pub use panels::{ReadingDialog, RelocateDialog, SaveDialog};

@@ -1,0 +1,162 @@
+//! How is this matrix meant? The question before an imported geometry is drawn.
+
+use egui::{Align2, Button, Grid, Key, Label, RichText, Ui, Window, vec2};
+
+use super::super::finish_button;
+use crate::app::model::command::Command;
+use crate::app::model::command::ExchangeCommand;
+use crate::app::model::exchange::{ImportFound, ImportedMatrix};
+use crate::app::view::theme;
+use crate::convention::{ConventionCheck, FEWEST_MATCHES};
+
+/// Readings that are listed; the one as the file has it comes in addition.
+const LISTED: usize = 5;
+
+/// What was found in a file and what has been chosen.
+#[derive(Debug, Clone)]
+pub struct ReadingDialog {
+    found: ImportFound,
+    matrix: ImportedMatrix,
+    /// Place in the list of the check.
+    chosen: usize,
+    with_pairs: bool,
+}
+
+impl ReadingDialog {
+    /// Asks about a matrix. Its file's pairs go along unless there are others that they would replace.
+    pub fn new(found: ImportFound, matrix: ImportedMatrix, has_pairs: bool) -> Self {
+        let with_pairs = !found.pairs.is_empty() && !has_pairs;
+        let chosen = match &matrix.check {
+            // What does not fit is at least what the file says.
+            Some(check) if !check.fits() => as_read(check).unwrap_or(0),
+            _ => 0,
+        };
+        Self { found, matrix, chosen, with_pairs }
+    }
+
+    /// What was found.
+    pub fn found(&self) -> &ImportFound {
+        &self.found
+    }
+
+    /// The matrix.
+    pub fn matrix(&self) -> &ImportedMatrix {
+        &self.matrix
+    }
+
+    /// Shows the window; returns whether it stays open.
+    pub fn show(&mut self, ctx: &egui::Context, commands: &mut Vec<Command>) -> bool {
+        let mut open = true;
+        Window::new("How is this matrix meant?")
+            .open(&mut open)
+            .collapsible(false)
+            .resizable(false)
+            .anchor(Align2::CENTER_CENTER, vec2(0.0, -40.0))
+            .show(ctx, |ui| {
+                ui.set_width(680.0);
+                let ImportFound { name, format, .. } = &self.found;
+                ui.weak(format!("A fundamental matrix from {name}, read as {}.", format.label()));
+                ui.add_space(6.0);
+                self.verdict(ui);
+                ui.add_space(6.0);
+                if !self.found.pairs.is_empty() {
+                    let text = format!("Also place its {} point pairs", self.found.pairs.len());
+                    ui.checkbox(&mut self.with_pairs, text).on_hover_text(
+                        "They take the place of the pairs that are there. Undo brings those back.",
+                    );
+                    ui.add_space(6.0);
+                }
+                ui.horizontal(|ui| self.buttons(ui, commands));
+            });
+        open
+    }
+
+    fn verdict(&mut self, ui: &mut Ui) {
+        let ImportedMatrix { check, matches, count, .. } = &self.matrix;
+        if let Some(check) = check {
+            let palette = theme::palette(ui.visuals());
+            let color = if check.fits() { ui.visuals().text_color() } else { palette.caution };
+            ui.add(Label::new(RichText::new(check.sentence()).color(color)).wrap());
+            ui.add_space(4.0);
+            ui.weak(format!("Readings, measured on {} {matches}:", check.matches));
+            readings(ui, check, &mut self.chosen);
+        } else {
+            let missing = FEWEST_MATCHES.saturating_sub(*count);
+            let text = if missing > 0 {
+                format!(
+                    "Nobody has checked it yet: that takes {FEWEST_MATCHES} matches, {count} are at hand. Click or \
+                     import {missing} more point pairs and import the matrix again, or take it as it is."
+                )
+            } else {
+                "It could not be checked: its numbers are too large to be told from other readings."
+                    .to_owned()
+            };
+            ui.add(Label::new(text).wrap());
+        }
+    }
+
+    fn buttons(&self, ui: &mut Ui, commands: &mut Vec<Command>) {
+        let with_pairs = self.with_pairs;
+        let accept = |reading| Command::from(ExchangeCommand::Accept { reading, with_pairs });
+        let chosen = self.matrix.check.as_ref().map(|_| self.chosen);
+        if chosen.is_some() {
+            let palette = theme::palette(ui.visuals());
+            let text = RichText::new(accept(chosen).name()).color(palette.on_accent);
+            let button = ui.add(Button::new(text).fill(palette.accent));
+            finish_button(ui, button, accept(chosen), commands);
+        }
+        let button = ui.button(accept(None).name());
+        finish_button(ui, button, accept(None), commands);
+        let reject = Command::from(ExchangeCommand::Reject);
+        let button = ui.button(reject.name());
+        finish_button(ui, button, reject, commands);
+        if ui.input(|input| input.key_pressed(Key::Enter)) && ui.memory(|memory| memory.focused().is_none()) {
+            commands.push(accept(chosen));
+        }
+    }
+}
+
+/// The place of the matrix as it is in the file.
+fn as_read(check: &ConventionCheck) -> Option<usize> {
+    check.readings.iter().position(|ranked| ranked.reading.changes() == 0)
+}
+
+/// The list to choose from.
+fn readings(ui: &mut Ui, check: &ConventionCheck, chosen: &mut usize) {
+    let listed = check.readings.len().min(LISTED);
+    let behind = as_read(check).filter(|place| *place >= listed);
+    let headings = [
+        ("Reading", "How the numbers of the matrix are taken."),
+        ("Median, px", "Half of the matches are nearer to their epipolar lines than this."),
+        ("Fitting", "Which part of the matches is near enough to its epipolar lines."),
+        ("", ""),
+    ];
+    Grid::new("readings").num_columns(4).striped(true).spacing([18.0, 4.0]).show(ui, |ui| {
+        for (title, tooltip) in headings {
+            ui.weak(title).on_hover_text(tooltip);
+        }
+        ui.end_row();
+        for place in (0..listed).chain(behind) {
+            let ranked = &check.readings[place];
+            ui.radio_value(chosen, place, ranked.reading.brief()).on_hover_text(ranked.reading.to_string());
+            ui.label(pixels(ranked.median));
+            ui.label(format!("{:.0} %", 100.0 * ranked.within));
+            let note = match (place, ranked.told_apart) {
+                (0, _) if check.fits() => "recommended",
+                (0, _) | (_, true) => "",
+                (_, false) => "fits as well",
+            };
+            ui.weak(note);
+            ui.end_row();
+        }
+    });
+}
+
+/// A distance with as many digits as it deserves.
+fn pixels(distance: f64) -> String {
+    match distance {
+        d if !d.is_finite() => "infinite".to_owned(),
+        d if d >= 100.0 => format!("{d:.0}"),
+        d => format!("{d:.2}"),
+    }
+}

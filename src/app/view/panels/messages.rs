@@ -1,0 +1,55 @@
+//! What went wrong, or is done, a sentence each, until it is dismissed.
+
+use egui::{Align2, Area, Frame, Id, Label, Margin, Order, Rect, RichText, Stroke, vec2};
+
+use crate::app::model::Model;
+use crate::app::model::command::Command;
+use crate::app::model::messages::MessageKind;
+use crate::app::view::theme;
+
+/// Shows the messages over the top of the images, so that nothing moves under the cursor.
+pub fn show(ctx: &egui::Context, area: Rect, model: &Model, commands: &mut Vec<Command>) {
+    if model.messages.list().is_empty() {
+        return;
+    }
+    Area::new(Id::unique("messages"))
+        .order(Order::Middle)
+        .pivot(Align2::CENTER_TOP)
+        .fixed_pos(area.center_top() + vec2(0.0, 32.0))
+        .show(ctx, |ui| {
+            let palette = theme::palette(ui.visuals());
+            let width = (area.width() - 64.0).clamp(200.0, 720.0);
+            for message in model.messages.list() {
+                let (fill, edge) = if message.kind == MessageKind::Done {
+                    (ui.visuals().panel_fill, palette.good)
+                } else {
+                    (palette.message_fill, palette.bad)
+                };
+                Frame::new()
+                    .fill(fill)
+                    .stroke(Stroke::new(1.0, edge))
+                    .corner_radius(8.0)
+                    .shadow(ui.visuals().popup_shadow)
+                    .inner_margin(Margin::symmetric(14, 10))
+                    .show(ui, |ui| {
+                        ui.set_width(width);
+                        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                            let close = ui.button("Dismiss").on_hover_text("Remove this message.");
+                            if close.clicked() {
+                                commands.push(Command::Dismiss(message.number));
+                            }
+                            // From the right: the first one is to stand at the left.
+                            for action in message.actions.iter().rev() {
+                                let button = ui.button(action.label);
+                                if button.on_hover_text(action.command.tooltip()).clicked() {
+                                    commands.push(action.command.clone());
+                                }
+                            }
+                            ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| {
+                                ui.add(Label::new(RichText::new(&message.text)).wrap());
+                            });
+                        });
+                    });
+            }
+        });
+}

@@ -1,0 +1,59 @@
+//! Everything around the images: one file a panel. Panels read the [`super::model::Model`] and return
+//! commands.
+
+mod busy;
+mod exchange;
+mod export_dialog;
+mod guide_bar;
+mod legend;
+mod messages;
+pub mod open_dialog;
+mod pair_chooser;
+mod palette;
+mod relocate_dialog;
+mod save_dialog;
+mod shortcuts;
+pub mod side;
+mod status;
+mod table;
+pub mod tabs;
+mod toolbar;
+
+use egui::{Button, Response, Ui};
+
+use crate::app::model::command::Command;
+use crate::app::view::keyboard::key_text;
+
+pub use exchange::{FileExport, ReadingDialog};
+pub use export_dialog::ExportDialog;
+pub use open_dialog::OpenDialog;
+pub use palette::CommandPalette;
+pub use relocate_dialog::RelocateDialog;
+pub use save_dialog::SaveDialog;
+
+pub use guide_bar::show as guide_bar;
+pub use legend::show as legend;
+pub use messages::show as messages;
+pub use pair_chooser::truth_buttons;
+pub use shortcuts::show as shortcuts;
+pub use status::show as status;
+pub use toolbar::show as toolbar;
+
+/// A button for a command, with its name, tooltip and key.
+fn command_button(ui: &mut Ui, command: Command, enabled: bool, commands: &mut Vec<Command>) -> Response {
+    let response = ui.add_enabled(enabled, Button::new(command.name()));
+    finish_button(ui, response, command, commands)
+}
+
+/// The tooltip of a command's button, and what happens when it is clicked.
+fn finish_button(ui: &Ui, response: Response, command: Command, commands: &mut Vec<Command>) -> Response {
+    let tooltip = match key_text(ui.ctx(), &command) {
+        Some(key) => format!("{} ({key})", command.tooltip()),
+        None => command.tooltip().to_owned(),
+    };
+    let response = response.on_hover_text(&tooltip).on_disabled_hover_text(tooltip);
+    if response.clicked() {
+        commands.push(command);
+    }
+    response
+}

@@ -1,0 +1,95 @@
+//! The pairs of the folder that is open, and what can be done with its ground truth.
+
+use egui::{Button, ComboBox, Ui};
+
+use super::{command_button, finish_button};
+use crate::app::model::Model;
+use crate::app::model::command::Command;
+use crate::app::model::document::Side;
+use crate::evaluate::Protocol;
+use crate::io::TruthFolder;
+
+/// Shows them from the right.
+pub fn show(ui: &mut Ui, model: &Model, folder: &TruthFolder, pair: [usize; 2], commands: &mut Vec<Command>) {
+    truth_buttons(ui, model, commands);
+    ui.separator();
+    ui.spacing_mut().item_spacing.x = 4.0;
+    step(ui, folder, pair, true, commands);
+    if folder.pairs_freely() {
+        for side in [Side::Right, Side::Left] {
+            view_chooser(ui, folder, pair, side, commands);
+        }
+    } else {
+        pair_chooser(ui, folder, pair, commands);
+    }
+    step(ui, folder, pair, false, commands);
+}
+
+/// The switch of the ground truth and the random trial, from the right.
+pub fn truth_buttons(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+    let trial = Command::RandomTrial(Protocol::WellPosed);
+    match model.no_trial() {
+        None => drop(command_button(ui, trial, true, commands)),
+        Some(reason) => {
+            ui.add_enabled(false, Button::new(trial.name())).on_disabled_hover_text(reason);
+        }
+    }
+    let button = Button::selectable(model.truth().is_some(), Command::ToggleTruth.name());
+    let button = ui.add_enabled(model.open.known.is_some(), button.frame_when_inactive(true));
+    finish_button(ui, button, Command::ToggleTruth, commands);
+}
+
+fn step(ui: &mut Ui, folder: &TruthFolder, pair: [usize; 2], forward: bool, commands: &mut Vec<Command>) {
+    let enabled = folder.neighbour(pair, forward).is_some();
+    let command = Command::StepPair { forward };
+    let button = ui.add_enabled(enabled, Button::new(if forward { "▶" } else { "◀" }));
+    let name = command.name();
+    button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, enabled, name));
+    finish_button(ui, button, command, commands);
+}
+
+/// One of the two views.
+fn view_chooser(
+    ui: &mut Ui,
+    folder: &TruthFolder,
+    pair: [usize; 2],
+    side: Side,
+    commands: &mut Vec<Command>,
+) {
+    let mut chosen = pair[side.index()];
+    let other = pair[side.other().index()];
+    let label = format!("The {} view", side.name());
+    let response = ComboBox::from_id_salt(("view", side))
+        .width(110.0)
+        .selected_text(&folder.names()[chosen])
+        .show_ui(ui, |ui| {
+            for (number, name) in folder.names().iter().enumerate() {
+                let entry = ui.add_enabled(number != other, Button::selectable(number == chosen, name));
+                if entry.clicked() {
+                    chosen = number;
+                }
+            }
+        });
+    response.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, &label));
+    response.response.on_hover_text(format!("{label} of the folder: any two of its views are a pair."));
+    if chosen != pair[side.index()] {
+        let mut views = pair;
+        views[side.index()] = chosen;
+        commands.push(Command::OpenViews(views));
+    }
+}
+
+/// One of the pairs.
+fn pair_chooser(ui: &mut Ui, folder: &TruthFolder, pair: [usize; 2], commands: &mut Vec<Command>) {
+    let response =
+        ComboBox::from_id_salt("pair").width(150.0).selected_text(folder.pair_name(pair)).show_ui(ui, |ui| {
+            let pairs = (0..folder.names().len()).step_by(2).map(|view| [view, view + 1]);
+            for other in pairs {
+                if ui.selectable_label(other == pair, folder.pair_name(other)).clicked() && other != pair {
+                    commands.push(Command::OpenViews(other));
+                }
+            }
+        });
+    response.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, "The pair"));
+    response.response.on_hover_text("Which pair of the folder is open.");
+}

@@ -1,0 +1,174 @@
+//! The list of every command, to search and run by name.
+
+use egui::{Align2, Key, Modifiers, RichText, ScrollArea, TextEdit, Ui, Window, vec2};
+
+use super::finish_button;
+use crate::app::model::Model;
+use crate::app::model::command::Command;
+use crate::app::model::ids::OverlayId;
+use crate::app::view::actions::ACTIONS;
+use crate::app::view::keyboard::key_text;
+
+/// What has been typed and which entry is marked.
+#[derive(Debug, Clone, Default)]
+pub struct CommandPalette {
+    /// Whether it is shown.
+    pub open: bool,
+    text: String,
+    marked: usize,
+    just_opened: bool,
+}
+
+/// A command that can be run now.
+struct PaletteEntry {
+    title: String,
+    command: Command,
+}
+
+impl CommandPalette {
+    /// Shows it, empty, or closes it.
+    pub fn toggle(&mut self) {
+        *self = Self { open: !self.open, just_opened: true, ..Self::default() };
+    }
+
+    /// Shows the window.
+    pub fn show(&mut self, ctx: &egui::Context, model: &Model, commands: &mut Vec<Command>) {
+        if !self.open {
+            return;
+        }
+        let keys = |key| ctx.input_mut(|input| input.count_and_consume_key(Modifiers::NONE, key));
+        let (up, down, run) = (keys(Key::ArrowUp), keys(Key::ArrowDown), keys(Key::Enter) > 0);
+        let mut open = true;
+        Window::new("Commands")
+            .open(&mut open)
+            .collapsible(false)
+            .resizable(false)
+            .anchor(Align2::CENTER_TOP, vec2(0.0, 90.0))
+            .show(ctx, |ui| {
+                ui.set_width(460.0);
+                let edit = TextEdit::singleline(&mut self.text)
+                    .hint_text("Type a few letters of a command")
+                    .desired_width(f32::INFINITY);
+                let field = ui.add(edit);
+                let editable = true;
+                field.widget_info(|| {
+                    egui::WidgetInfo::labeled(egui::Role::TextInput, editable, "Search commands")
+                });
+                if self.just_opened {
+                    field.request_focus();
+                }
+                if field.changed() {
+                    self.marked = 0;
+                }
+                let found = found(entries(model), &self.text);
+                self.marked = (self.marked + down).saturating_sub(up).min(found.len().saturating_sub(1));
+                ui.add_space(4.0);
+                let moved = up + down > 0;
+                self.list(ui, &found, moved, commands);
+                if run && let Some(entry) = found.get(self.marked) {
+                    commands.push(entry.command.clone());
+                    self.open = false;
+                }
+            });
+        self.just_opened = false;
+        self.open &= open;
+    }
+
+    fn list(&mut self, ui: &mut Ui, found: &[PaletteEntry], moved: bool, commands: &mut Vec<Command>) {
+        if found.is_empty() {
+            ui.weak("No command has these letters.");
+        }
+        let room = (ui.ctx().content_rect().height() - 240.0).clamp(80.0, 380.0);
+        ScrollArea::vertical().max_height(room).auto_shrink([false, true]).show(ui, |ui| {
+            for (number, entry) in found.iter().enumerate() {
+                ui.horizontal(|ui| {
+                    let marked = number == self.marked;
+                    let response = ui.selectable_label(marked, &entry.title);
+                    if marked && moved {
+                        response.scroll_to_me(None);
+                    }
+                    let response = finish_button(ui, response, entry.command.clone(), commands);
+                    if response.clicked() {
+                        self.open = false;
+                    }
+                    if let Some(key) = key_text(ui.ctx(), &entry.command) {
+                        let right = egui::Layout::right_to_left(egui::Align::Center);
+                        ui.with_layout(right, |ui| {
+                            // Clear of the scroll bar.
+                            ui.add_space(14.0);
+                            ui.label(RichText::new(key).weak());
+                        });
+                    }
+                });
+            }
+        });
+    }
+}
+
+/// Every command that makes sense in the state as it is.
+fn entries(model: &Model) -> Vec<PaletteEntry> {
+    let offered = ACTIONS.iter().filter(|action| (action.makes_sense)(model));
+    let named = offered.filter_map(|action| {
+        let title = match action.listed {
+            Some(title) => title(model),
+            // What has keys is in the list, under its own name unless it has another one there.
+            None if !action.keys.is_empty() => action.name,
+            None => return None,
+        };
+        Some(PaletteEntry { title: title.to_owned(), command: action.command.clone() })
+    });
+    let overlays = OverlayId::all().filter(|overlay| model.offers(*overlay)).map(|overlay| {
+        let verb = if model.look.shows(overlay) { "Hide" } else { "Show" };
+        let title = format!("{verb} {}", overlay.name().to_lowercase());
+        PaletteEntry { title, command: Command::ToggleOverlay(overlay) }
+    });
+    named.chain(overlays).collect()
+}
+
+/// The entries that fit the text, best first; without a text all of them.
+fn found(entries: Vec<PaletteEntry>, text: &str) -> Vec<PaletteEntry> {
+    let mut ranked: Vec<(usize, PaletteEntry)> = entries
+        .into_iter()
+        .filter_map(|entry| Some((rank(&entry.title.to_lowercase(), &text.trim().to_lowercase())?, entry)))
+        .collect();
+    // Of titles that fit alike the shorter one says less that was not asked for.
+    let typed = !text.trim().is_empty();
+    ranked.sort_by_key(|(rank, entry)| (*rank, if typed { entry.title.len() } else { 0 }));
+    ranked.into_iter().map(|(_, entry)| entry).collect()
+}
+
+/// How far a title is from what was typed: where the words are; beyond that, titles that only have the letters in
+/// that order. `None` when it has not even these.
+fn rank(title: &str, text: &str) -> Option<usize> {
+    let words = text.split_whitespace().map(|word| title.find(word)).sum::<Option<usize>>();
+    words.or_else(|| {
+        let mut rest = title.chars();
+        let mut letters = text.chars().filter(|letter| !letter.is_whitespace());
+        letters.all(|letter| rest.any(|other| other == letter)).then_some(10_000 + title.len())
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_come_before_letters_and_beginnings_before_ends() {
+        let titles = ["Fit both images", "Open the sample images", "Light or dark", "Link views"];
+        let entries = || {
+            titles
+                .map(|title| PaletteEntry { title: title.to_owned(), command: Command::FitAll })
+                .into_iter()
+                .collect()
+        };
+        let search = |text: &str| -> Vec<String> {
+            found(entries(), text).into_iter().map(|entry| entry.title).collect()
+        };
+        assert_eq!(search("images"), ["Fit both images", "Open the sample images"]);
+        assert_eq!(search("o").first().map(String::as_str), Some("Open the sample images"));
+        assert_eq!(search("view link"), ["Link views"]);
+        assert_eq!(search("lv"), ["Link views"]);
+        assert_eq!(search("").len(), titles.len());
+        assert!(search("zzz").is_empty());
+    }
+}

@@ -1,0 +1,70 @@
+//! The side panel: the verdict, then the steps of the algorithm in their order.
+
+mod parameters;
+mod result;
+mod steps;
+
+use egui::{Frame, Margin, ScrollArea, Ui};
+
+use super::finish_button;
+use crate::app::model::Model;
+use crate::app::model::command::Command;
+use crate::estimate::{Method, Parameters, Preset};
+
+/// A result with all its figures and nothing against it, screen points.
+const RESULT_HEIGHT: f32 = 212.0;
+
+/// Shows the panel.
+pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+    ScrollArea::vertical().id_salt("side").auto_shrink([false, false]).show(ui, |ui| {
+        // Room for the bar when it scrolls, and as much when it does not, so that nothing jumps.
+        let room = Margin { right: 10, ..Margin::ZERO };
+        Frame::new().inner_margin(room).show(ui, |ui| {
+            // With as much room as a result needs, so that the choices below stay where they are.
+            ui.vertical(|ui| {
+                ui.set_min_height(RESULT_HEIGHT);
+                result::show(ui, model, commands);
+            });
+            ui.add_space(2.0);
+            ui.separator();
+            choices(ui, model, commands);
+            ui.add_space(4.0);
+            steps::show(ui, model, commands);
+        });
+    });
+}
+
+/// What the estimate starts from: how many pairs, and whose parameters.
+fn choices(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+    let parameters = &model.document.parameters;
+    ui.horizontal(|ui| {
+        ui.strong("Steps");
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            let defaults = Parameters {
+                method: parameters.method,
+                seed: parameters.seed,
+                ..Parameters::from(parameters.preset)
+            };
+            let reset = ui.add_enabled(*parameters != defaults, egui::Button::new("Reset all"));
+            finish_button(ui, reset, Command::ResetParameters, commands);
+        });
+    });
+    egui::Grid::new("choices").num_columns(2).spacing([10.0, 4.0]).show(ui, |ui| {
+        ui.weak("From");
+        ui.horizontal(|ui| {
+            for (method, name) in [(Method::TwoPoint, "Two pairs"), (Method::ThreePoint, "Three pairs")] {
+                let response = ui.selectable_label(parameters.method == method, name);
+                finish_button(ui, response, Command::SetMethod(method), commands);
+            }
+        });
+        ui.end_row();
+        ui.weak("Preset");
+        ui.horizontal(|ui| {
+            for (preset, name) in [(Preset::Robust, "Robust"), (Preset::Paper, "Paper")] {
+                let response = ui.selectable_label(parameters.preset == preset, name);
+                finish_button(ui, response, Command::SetPreset(preset), commands);
+            }
+        });
+        ui.end_row();
+    });
+}

@@ -1,0 +1,125 @@
+//! The verdict: what was found, how far to trust it, and why.
+
+use egui::{Color32, Grid, Label, RichText, Ui, vec2};
+
+use super::super::{busy, command_button, finish_button};
+use crate::app::model::Model;
+use crate::app::model::command::Command;
+use crate::app::model::command::ExchangeCommand;
+use crate::app::model::comparison::Contestant;
+use crate::app::model::verdict::{
+    Fact, Tone, VerdictInWords, epipoles, hypothesis_facts, import_facts, import_warning, verdict,
+};
+use crate::app::view::theme;
+
+/// Shows it.
+pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+    ui.horizontal(|ui| {
+        ui.strong("Result");
+        if model.open.computation.is_running() {
+            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                command_button(ui, Command::Stop, true, commands);
+            });
+        }
+    });
+    if let Some(shown) = model.shown() {
+        if let Some((number, hypothesis)) = shown.hypothesis {
+            another_shown(ui, &format!("hypothesis {}", number + 1), commands);
+            list(ui, true_error(model).chain(hypothesis_facts(&model.document, hypothesis)));
+            return;
+        }
+        if let Some(contestant) = shown.contestant {
+            let name = match contestant {
+                Contestant::Truth => "the true geometry".to_owned(),
+                Contestant::Imported => "the imported geometry".to_owned(),
+                other => format!("the {} geometry", other.name()),
+            };
+            if model.has_result() {
+                another_shown(ui, &name, commands);
+            } else {
+                let text =
+                    format!("The images show {name}. Click two point pairs to estimate one beside it.");
+                ui.add(Label::new(RichText::new(text).strong()).wrap());
+            }
+            let imported = model.document.imported.as_ref().filter(|_| contestant == Contestant::Imported);
+            if let Some(warning) = imported.and_then(import_warning) {
+                ui.add(Label::new(RichText::new(warning).color(tone_color(ui, Tone::Caution))).wrap());
+            }
+            let facts = imported.map(import_facts).unwrap_or_default().into_iter();
+            list(ui, true_error(model).chain(facts).chain(epipoles(&model.document, shown.fundamental)));
+            if imported.is_some() {
+                let remove = ExchangeCommand::RemoveImported.into();
+                let button = ui.button("Remove it");
+                finish_button(ui, button, remove, commands);
+            }
+            return;
+        }
+    }
+    let VerdictInWords { tone, headline, facts, warnings } =
+        verdict(&model.document, &model.open.computation);
+    ui.horizontal_top(|ui| {
+        let color = tone_color(ui, tone);
+        if tone == Tone::Busy {
+            busy::show(ui);
+        } else {
+            let (dot, _) = ui.allocate_exact_size(vec2(14.0, 18.0), egui::Sense::hover());
+            ui.painter().circle_filled(dot.center(), 5.0, color);
+        }
+        ui.add(Label::new(RichText::new(headline).strong()).wrap());
+    });
+    for warning in warnings {
+        let color = tone_color(ui, Tone::Caution);
+        ui.add(Label::new(RichText::new(warning).color(color)).wrap());
+    }
+    list(ui, true_error(model).chain(facts));
+}
+
+/// How far the geometry that is shown really is from the truth, where that is known and in use.
+fn true_error(model: &Model) -> impl Iterator<Item = Fact> + use<> {
+    let known = model.truth().zip(model.open.comparison.as_ref()).filter(|_| model.shown().is_some());
+    let fact = known.and_then(|(_, comparison)| {
+        let (error, least) = (comparison.true_error?, comparison.truth_error?);
+        Some(Fact {
+            name: "True error",
+            value: format!("{error:.2} px (the truth: {least:.2} px)"),
+            tooltip: "Mean symmetric epipolar distance of all true matches from the geometry shown. That of the true \
+                      geometry says how exact the matches are: nothing can be expected to do much better.",
+        })
+    });
+    fact.into_iter()
+}
+
+/// Figures with their names.
+fn list(ui: &mut Ui, facts: impl Iterator<Item = Fact>) {
+    Grid::new("facts").num_columns(2).min_row_height(18.0).spacing([10.0, 3.0]).show(ui, |ui| {
+        for fact in facts {
+            ui.weak(fact.name).on_hover_text(fact.tooltip);
+            ui.add(Label::new(fact.value).wrap()).on_hover_text(fact.tooltip);
+            ui.end_row();
+        }
+    });
+}
+
+/// Says that the window does not show the result, and leads back to it.
+fn another_shown(ui: &mut Ui, name: &str, commands: &mut Vec<Command>) {
+    let palette = theme::palette(ui.visuals());
+    egui::Frame::new()
+        .stroke(egui::Stroke::new(1.0, palette.accent))
+        .corner_radius(6.0)
+        .inner_margin(egui::Margin::symmetric(8, 6))
+        .show(ui, |ui| {
+            let text = format!("The images show {name}, not the result.");
+            ui.add(Label::new(RichText::new(text).color(palette.accent)).wrap());
+            command_button(ui, Command::ChooseHypothesis(None), true, commands);
+        });
+}
+
+fn tone_color(ui: &Ui, tone: Tone) -> Color32 {
+    let palette = theme::palette(ui.visuals());
+    match tone {
+        Tone::Idle | Tone::Busy => ui.visuals().weak_text_color(),
+        Tone::Good => palette.good,
+        Tone::Caution => palette.caution,
+        Tone::Bad => palette.bad,
+    }
+}

@@ -1,0 +1,277 @@
+//! A table of figures: sorted by a click on a heading, one row under the cursor, some rows chosen.
+//!
+//! Painted row by row, and only the rows in sight, so that a long list costs no more than a short one.
+
+use std::sync::Arc;
+
+use egui::{
+    Align2, Color32, FontId, Id, Rect, Role, ScrollArea, Sense, Stroke, TextStyle, Ui, WidgetInfo, pos2, vec2,
+};
+
+use crate::app::view::theme;
+
+/// A column.
+pub struct Column {
+    /// Its heading.
+    pub title: &'static str,
+    /// One sentence about its figures.
+    pub tooltip: &'static str,
+    /// Its share of the width, in points of a table as wide as all its columns.
+    pub width: f32,
+    /// Whether it holds words rather than figures: they begin at the left, and where they are long and no figures
+    /// follow they go on over the columns behind.
+    pub is_text: bool,
+}
+
+/// Which column the rows are sorted by.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Sort {
+    /// The column.
+    pub column: usize,
+    /// Largest first.
+    pub descending: bool,
+}
+
+/// How a row looks.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct RowLook {
+    /// It was chosen.
+    pub chosen: bool,
+    /// It, or what belongs to it, is under the cursor.
+    pub lit: bool,
+}
+
+/// What happened to the rows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Touched {
+    /// The row under the cursor.
+    pub hovered: Option<usize>,
+    /// The row that was clicked.
+    pub clicked: Option<usize>,
+    /// The row whose switch was turned, and whether it is on now.
+    pub toggled: Option<(usize, bool)>,
+}
+
+/// A table to show.
+pub struct Table<'a> {
+    /// What it is called, for its memory and for screen readers.
+    pub name: &'static str,
+    /// Its columns from left to right.
+    pub columns: &'a [Column],
+    /// How many rows there are.
+    pub rows: usize,
+    /// Another number when the figures are others: then they are sorted anew.
+    pub revision: u64,
+    /// What a row is called.
+    pub row_name: &'a dyn Fn(usize) -> String,
+    /// The figure a row is sorted by in a column; NaN comes last.
+    pub key: &'a dyn Fn(usize, usize) -> f64,
+    /// What a row shows in a column.
+    pub text: &'a dyn Fn(usize, usize) -> String,
+    /// How a row looks.
+    pub look: &'a dyn Fn(usize) -> RowLook,
+    /// The switch in front of a row, if it has one: whether it is on, and its name.
+    pub toggle: &'a dyn Fn(usize) -> Option<(bool, String)>,
+}
+
+/// The order of the rows, kept from frame to frame.
+#[derive(Clone)]
+struct Ordered {
+    sort: Sort,
+    revision: u64,
+    rows: usize,
+    order: Arc<[usize]>,
+}
+
+const ROW: f32 = 22.0;
+/// From the edge of a column to its words, screen points.
+const INSET: f32 = 6.0;
+
+impl Table<'_> {
+    /// Shows it in all the space there is.
+    pub fn show(&self, ui: &mut Ui) -> Touched {
+        let id = ui.make_persistent_id(self.name);
+        let mut sort =
+            ui.data(|data| data.get_temp::<Sort>(id)).unwrap_or(Sort { column: 0, descending: false });
+        let edges = self.edges(ui.available_width());
+        let font = TextStyle::Body.resolve(ui.style());
+        if let Some(clicked) = self.headings(ui, &edges, sort, &font) {
+            let descending = sort.column == clicked && !sort.descending;
+            sort = Sort { column: clicked, descending };
+            ui.data_mut(|data| data.insert_temp(id, sort));
+        }
+        let order = self.remembered_order(ui, id.with("order"), sort);
+        let mut touched = Touched::default();
+        ui.spacing_mut().item_spacing.y = 0.0;
+        ScrollArea::vertical().id_salt(self.name).auto_shrink([false, false]).show_rows(
+            ui,
+            ROW,
+            order.len(),
+            |ui, visible| {
+                for place in visible {
+                    let (response, toggled) = self.row(ui, order[place], place, &edges, id, &font);
+                    touched.toggled = touched.toggled.or(toggled);
+                    if response.contains_pointer() {
+                        touched.hovered = Some(order[place]);
+                    }
+                    if response.clicked() {
+                        touched.clicked = Some(order[place]);
+                    }
+                }
+            },
+        );
+        touched
+    }
+
+    /// The right edge of each column, from the left edge of the table.
+    fn edges(&self, available: f32) -> Vec<f32> {
+        let total: f32 = self.columns.iter().map(|column| column.width).sum();
+        // A wide window leaves room between the columns, but not so much that a row falls apart.
+        let scale = (available / total).min(1.6);
+        let right = |sum: &mut f32, column: &Column| {
+            *sum += column.width * scale;
+            Some(*sum)
+        };
+        self.columns.iter().scan(0.0, right).collect()
+    }
+
+    /// The order of the rows, sorted only when something has changed.
+    fn remembered_order(&self, ui: &Ui, id: Id, sort: Sort) -> Arc<[usize]> {
+        let (revision, rows) = (self.revision, self.rows);
+        let kept = ui.data(|data| data.get_temp::<Ordered>(id));
+        if let Some(kept) = kept.filter(|k| k.sort == sort && k.revision == revision && k.rows == rows) {
+            return kept.order;
+        }
+        let order: Arc<[usize]> = self.order(sort).into();
+        let kept = Ordered { sort, revision, rows, order: Arc::clone(&order) };
+        ui.data_mut(|data| data.insert_temp(id, kept));
+        order
+    }
+
+    fn order(&self, sort: Sort) -> Vec<usize> {
+        let mut keyed: Vec<(f64, usize)> =
+            (0..self.rows).map(|row| ((self.key)(row, sort.column), row)).collect();
+        keyed.sort_by(|(a, _), (b, _)| match (a.is_nan(), b.is_nan()) {
+            (false, false) if sort.descending => b.total_cmp(a),
+            (false, false) => a.total_cmp(b),
+            (a_missing, b_missing) => a_missing.cmp(&b_missing),
+        });
+        keyed.into_iter().map(|(_, row)| row).collect()
+    }
+
+    /// The headings; returns the column that was clicked.
+    fn headings(&self, ui: &mut Ui, edges: &[f32], sort: Sort, font: &FontId) -> Option<usize> {
+        let (area, _) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::hover());
+        let mut clicked = None;
+        for (number, column) in self.columns.iter().enumerate() {
+            let left = if number == 0 { 0.0 } else { edges[number - 1] };
+            let cell = Rect::from_min_max(
+                pos2(area.min.x + left, area.min.y),
+                pos2(area.min.x + edges[number], area.max.y),
+            );
+            let response = ui.interact(cell, ui.scope_id().with((self.name, number)), Sense::click());
+            let text = format!("Sort by {}", column.title);
+            response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &text));
+            let color = if response.hovered() || response.has_focus() {
+                ui.visuals().strong_text_color()
+            } else {
+                ui.visuals().weak_text_color()
+            };
+            let (start, end) = (cell.left_center() + vec2(INSET, 0.0), cell.right_center() - vec2(14.0, 0.0));
+            let (at, align) =
+                if column.is_text { (start, Align2::LEFT_CENTER) } else { (end, Align2::RIGHT_CENTER) };
+            let title = ui.painter().text(at, align, column.title, font.clone(), color);
+            if sort.column == number {
+                let mark = title.right_center() + vec2(8.0, 0.0);
+                sort_mark(ui, mark, sort.descending, color);
+            }
+            if response.on_hover_text(format!("{} Click to sort.", column.tooltip)).clicked() {
+                clicked = Some(number);
+            }
+        }
+        ui.painter().hline(area.x_range(), area.max.y, ui.visuals().widgets.noninteractive.bg_stroke);
+        clicked
+    }
+
+    fn row(
+        &self,
+        ui: &mut Ui,
+        row: usize,
+        place: usize,
+        edges: &[f32],
+        id: Id,
+        font: &FontId,
+    ) -> (egui::Response, Option<(usize, bool)>) {
+        let (area, _) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::hover());
+        let response = ui.interact(area, id.with(("row", row)), Sense::click());
+        let RowLook { chosen, lit } = (self.look)(row);
+        let name = (self.row_name)(row);
+        response.widget_info(|| WidgetInfo::selected(Role::Row, true, chosen, &name));
+        let visuals = ui.visuals();
+        let fill = if chosen {
+            Some(visuals.selection.bg_fill)
+        } else if lit || response.hovered() {
+            Some(visuals.widgets.hovered.bg_fill)
+        } else {
+            (place % 2 == 1).then_some(visuals.faint_bg_color)
+        };
+        let color = if chosen { visuals.selection.stroke.color } else { visuals.text_color() };
+        if let Some(fill) = fill {
+            ui.painter().rect_filled(area, 2.0, fill);
+        }
+        if response.has_focus() {
+            let stroke = Stroke::new(1.0, theme::palette(visuals).accent);
+            ui.painter().rect_stroke(area, 2.0, stroke, egui::StrokeKind::Inside);
+        }
+        let painter = ui.painter().with_clip_rect(area.intersect(ui.clip_rect()));
+        let mut left = 0.0;
+        for ((number, right), column) in edges.iter().enumerate().zip(self.columns) {
+            let (start, end) = (area.min.x + left + INSET, area.min.x + right - 14.0);
+            let text = (self.text)(row, number);
+            if column.is_text {
+                let at = pos2(start, area.center().y);
+                painter.text(at, Align2::LEFT_CENTER, text, font.clone(), color);
+            } else {
+                painter.text(pos2(end, area.center().y), Align2::RIGHT_CENTER, text, font.clone(), color);
+            }
+            left = *right;
+        }
+        let toggled = (self.toggle)(row).and_then(|(mut on, name)| {
+            let place = Rect::from_center_size(pos2(area.min.x + 12.0, area.center().y), vec2(20.0, ROW));
+            let switch = ui.place(place, egui::Checkbox::without_text(&mut on));
+            switch.widget_info(|| WidgetInfo::selected(Role::CheckBox, true, on, &name));
+            switch.changed().then_some((row, on))
+        });
+        (response, toggled)
+    }
+}
+
+/// A triangle: up for smallest first.
+fn sort_mark(ui: &Ui, centre: egui::Pos2, descending: bool, color: Color32) {
+    let tip = if descending { 3.0 } else { -3.0 };
+    let corners = vec![centre + vec2(0.0, tip), centre + vec2(-4.0, -tip), centre + vec2(4.0, -tip)];
+    ui.painter().add(egui::Shape::convex_polygon(corners, color, Stroke::NONE));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_are_sorted_both_ways_with_what_is_missing_at_the_end() {
+        let figures = [3.0, f64::NAN, 1.0, 2.0];
+        let table = Table {
+            name: "test",
+            columns: &[],
+            rows: figures.len(),
+            row_name: &|_| String::new(),
+            key: &|row, _| figures[row],
+            text: &|_, _| String::new(),
+            look: &|_| RowLook::default(),
+            toggle: &|_| None,
+            revision: 0,
+        };
+        assert_eq!(table.order(Sort { column: 0, descending: false }), [2, 3, 0, 1]);
+        assert_eq!(table.order(Sort { column: 0, descending: true }), [0, 3, 2, 1]);
+    }
+}

@@ -1,0 +1,84 @@
+//! The bottom panel: one tab a file.
+
+mod hypotheses;
+mod inspected;
+mod matrix;
+mod pencils;
+mod points;
+mod profiles;
+mod rectified;
+mod residuals;
+
+use egui::{RichText, Ui};
+
+use super::finish_button;
+use crate::app::model::Model;
+use crate::app::model::command::Command;
+use crate::app::model::ids::TabId;
+
+pub use rectified::forget_textures;
+
+/// A tab of the bottom panel.
+pub struct Tab {
+    /// Which one it is.
+    pub id: TabId,
+    /// Shows what belongs in the line of the headings, from the right.
+    pub tools: fn(&mut Ui, &Model, &mut Vec<Command>),
+    /// Shows the rest.
+    pub show: fn(&mut Ui, &Model, &mut Vec<Command>),
+}
+
+/// The tabs from left to right.
+static TABS: [Tab; TabId::ALL.len()] =
+    [points::TAB, profiles::TAB, pencils::TAB, hypotheses::TAB, residuals::TAB, rectified::TAB];
+
+/// With less room than this beside the headings their tools are left to the list of commands, screen points.
+const ROOM_FOR_TOOLS: f32 = 100.0;
+
+/// The line of the headings.
+pub fn headings(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+    ui.horizontal(|ui| {
+        let padding = ui.spacing().button_padding;
+        // Six headings and their tools share a line, in a small window, too.
+        ui.spacing_mut().button_padding.x = 7.0;
+        for tab in &TABS {
+            let shown = model.tab() == Some(tab.id);
+            let response = ui.selectable_label(shown, RichText::new(tab.id.title()).strong());
+            finish_button(ui, response, Command::ShowTab(tab.id), commands);
+        }
+        let right_to_left = egui::Layout::right_to_left(egui::Align::Center);
+        ui.with_layout(right_to_left, |ui| {
+            let fold = ui.button(if model.tab().is_some() { "Hide" } else { "Show panel" });
+            finish_button(ui, fold, Command::FoldTabs, commands);
+            if model.tab().is_some() {
+                let (sign, name) =
+                    if model.look.tabs_enlarged { ("▼", "Reduce") } else { ("▲", "Enlarge") };
+                let enlarge = ui.button(sign);
+                enlarge.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, name));
+                finish_button(ui, enlarge, Command::EnlargeTabs, commands);
+            }
+            ui.spacing_mut().button_padding = padding;
+            let room = ui.available_width() > ROOM_FOR_TOOLS;
+            if let Some(tab) = chosen_tab(model).filter(|_| room) {
+                (tab.tools)(ui, model, commands);
+            }
+        });
+    });
+}
+
+fn chosen_tab(model: &Model) -> Option<&'static Tab> {
+    TABS.iter().find(|tab| Some(tab.id) == model.tab())
+}
+
+/// The tab that was chosen.
+pub fn chosen(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+    if let Some(tab) = chosen_tab(model) {
+        ui.push_id(tab.id.title(), |ui| (tab.show)(ui, model, commands));
+    }
+}
+
+/// What an empty tab says: what will appear, and what to do for it.
+fn empty(ui: &mut Ui, text: &str) {
+    ui.add_space(8.0);
+    ui.weak(text);
+}

@@ -1,0 +1,108 @@
+//! How alike the lines of the two pencils through a click are: a matrix for `p` and one for `q`.
+
+use egui::{Rect, RichText, Ui, UiBuilder, pos2, vec2};
+
+use super::super::command_button;
+use super::matrix::PencilMatrix;
+use super::{Tab, empty};
+use crate::app::model::Model;
+use crate::app::model::command::Command;
+use crate::app::model::document::pair_name;
+use crate::app::model::focus::{LineSource, Target};
+use crate::app::model::ids::TabId;
+use crate::app::view::heat;
+use crate::app::view::theme;
+use crate::estimate::ComparedPencils;
+
+/// Registered in [`super::TABS`].
+pub const TAB: Tab = Tab { id: TabId::Pencils, tools, show };
+
+fn tools(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+    if !model.open.focus.pins().is_empty() {
+        command_button(ui, Command::UnpinAll, true, commands);
+    }
+    if model.open.computation.pencils().is_some() && ui.available_width() > 330.0 {
+        legend(ui);
+    }
+}
+
+/// What the colours and marks mean, from right to left.
+fn legend(ui: &mut Ui) {
+    let mark = |ui: &mut Ui, color| {
+        let (area, _) = ui.allocate_exact_size(vec2(12.0, 12.0), egui::Sense::hover());
+        ui.painter().circle_stroke(area.center(), 3.5, egui::Stroke::new(1.5, color));
+    };
+    ui.add_space(theme::GAP);
+    ui.weak("shown");
+    mark(ui, theme::ESTIMATED);
+    ui.weak("mutual best").on_hover_text("Each of the two lines is among the best for the other.");
+    let color = ui.visuals().text_color();
+    mark(ui, color);
+    ui.weak("alike");
+    let (bar, _) = ui.allocate_exact_size(vec2(56.0, 10.0), egui::Sense::hover());
+    heat::bar(ui, bar);
+    ui.weak("unlike");
+}
+
+fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+    let Some(pencils) = model.open.computation.pencils() else {
+        empty(
+            ui,
+            "All lines through p and q in one image against all lines through them in the other appear here, once \
+             there are enough point pairs. Point at a place to see its two lines; click it to inspect them.",
+        );
+        return;
+    };
+    let area = ui.available_rect_before_wrap();
+    let (left, right) = area.split_left_right_at_fraction(0.5);
+    for (number, rect) in
+        [left.with_max_x(left.max.x - theme::GAP), right.with_min_x(right.min.x + theme::GAP)]
+            .into_iter()
+            .enumerate()
+    {
+        let mut child = ui.new_child(UiBuilder::new().max_rect(rect).id_salt(number));
+        one(&mut child, model, number, &pencils[number], commands);
+    }
+    ui.advance_cursor_after_rect(area);
+}
+
+/// The matrix of one click.
+fn one(ui: &mut Ui, model: &Model, number: usize, pencils: &ComparedPencils, commands: &mut Vec<Command>) {
+    let matrix = PencilMatrix::new(ui, number, pencils, model.open.computation.pencils_revision());
+    let area = ui.available_rect_before_wrap();
+    let plot = Rect::from_min_max(area.min + vec2(44.0, 23.0), area.max - vec2(6.0, 20.0));
+    if plot.width() < 40.0 || plot.height() < 30.0 {
+        return;
+    }
+    let Some(pair) = model.document.used().nth(number) else { return };
+    let name = pair_name(pair);
+    let response = ui.interact(plot, ui.scope_id().with("matrix"), egui::Sense::click());
+    response.widget_info(|| {
+        egui::WidgetInfo::labeled(egui::Role::Image, true, format!("pencil matrix of {name}"))
+    });
+    let hovered = response.hover_pos().and_then(|position| matrix.cell_at(plot, position));
+    // Here, or where something else that stands for a cell is pointed at.
+    let lit = match (hovered, model.open.focus.hovered()) {
+        (Some(cell), _) => Some(cell),
+        (None, Some(Target::Cell { pair: other, row, column })) if other == number => Some([row, column]),
+        _ => None,
+    };
+    let shown = model.construction().map(|construction| {
+        let lines = if number == 0 { construction.p() } else { construction.q() };
+        (lines.line1, lines.line2)
+    });
+    let title =
+        format!("{name}: turn of the right line against the left one, over the left line's direction");
+    let heading = RichText::new(title).size(12.0);
+    let top = Rect::from_min_max(area.min, pos2(area.max.x, plot.min.y));
+    ui.put(top, egui::Label::new(heading.weak()).truncate().halign(egui::Align::Min));
+    matrix.draw(ui, plot, lit, shown);
+    let Some([row, column]) = hovered else { return };
+    commands.push(Command::PointAt(Target::Cell { pair: number, row, column }));
+    if response.clicked()
+        && let Some(angles) = pencils.angles(row, column)
+    {
+        commands.push(Command::Pin(LineSource::Pencil { pair, angles }));
+    }
+    response.on_hover_text_at_pointer(matrix.describe([row, column]));
+}

@@ -1,0 +1,160 @@
+//! The list of point pairs with their residuals.
+
+use egui::{Grid, Label, RichText, ScrollArea, Sense, Ui};
+
+use super::super::{command_button, finish_button};
+use super::{Tab, empty};
+use crate::app::model::Model;
+use crate::app::model::command::Command;
+use crate::app::model::document::{PointRef, Role, Side, pair_name};
+use crate::app::model::focus::{LineSource, Target};
+use crate::app::model::ids::TabId;
+use crate::app::model::residuals::{Residuals, summary};
+use crate::app::view::theme;
+use crate::geometry::Point;
+
+/// Registered in [`super::TABS`].
+pub const TAB: Tab = Tab { id: TabId::Points, tools, show };
+
+fn tools(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+    let any = !model.document.pairs.is_empty() || model.document.half.is_some();
+    command_button(ui, Command::ClearPairs, any, commands);
+}
+
+fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+    let document = &model.document;
+    if document.pairs.is_empty() && document.half.is_none() {
+        empty(
+            ui,
+            "The pairs you click appear here with their distances from the epipolar lines. Click a point in the left \
+             image, then the same scene point in the right one.",
+        );
+        return;
+    }
+    let summary = summary(model);
+    if !summary.is_empty() {
+        ui.horizontal_wrapped(|ui| {
+            for line in summary {
+                ui.weak(line.name).on_hover_text(line.tooltip);
+                ui.label(line.value).on_hover_text(line.tooltip);
+                ui.add_space(theme::GAP);
+            }
+        });
+    }
+    ScrollArea::both().id_salt("points").auto_shrink([false, false]).show(ui, |ui| {
+        Grid::new("points").num_columns(8).striped(true).min_row_height(22.0).spacing([14.0, 3.0]).show(
+            ui,
+            |ui| {
+                for (title, tooltip) in [
+                    ("Pair", "p and q carry the estimate, r is the third pair, the others check it."),
+                    ("   Left x, y", "Position in the left image, px."),
+                    ("   Right x, y", "Position in the right image, px."),
+                    ("Role", "Whether the geometry is estimated from the pair or only checked by it."),
+                    ("Symmetric", "Mean distance of the two points from each other's epipolar lines."),
+                    ("Sampson", "How far the two points would have to move to fit the geometry exactly."),
+                    ("", ""),
+                ] {
+                    let response = ui.weak(title);
+                    if !tooltip.is_empty() {
+                        response.on_hover_text(tooltip);
+                    }
+                }
+                ui.end_row();
+                for pair in 0..=document.pairs.len() {
+                    if pair < document.pairs.len() || document.half.is_some() {
+                        row(ui, model, pair, commands);
+                    }
+                }
+            },
+        );
+    });
+}
+
+fn row(ui: &mut Ui, model: &Model, pair: usize, commands: &mut Vec<Command>) {
+    let document = &model.document;
+    let name = pair_name(pair);
+    let lit = model.open.focus.hovered() == Some(Target::Pair(pair));
+    let top_left = ui.cursor().min;
+    ui.horizontal(|ui| {
+        let (swatch, _) = ui.allocate_exact_size(egui::vec2(12.0, 12.0), Sense::hover());
+        ui.painter().circle_filled(swatch.center(), 5.0, theme::pair_color(pair));
+        ui.painter().circle_stroke(swatch.center(), 5.5, egui::Stroke::new(1.0, theme::HALO));
+        let text = RichText::new(&name).strong();
+        ui.label(if lit { text.underline() } else { text });
+    });
+    for side in Side::BOTH {
+        let at = PointRef { pair, side };
+        if let Some(point) = document.point(at) {
+            let text = RichText::new(position_text(point)).monospace();
+            let selected = document.selection == Some(at);
+            let response = ui.selectable_label(selected, text);
+            finish_button(ui, response, Command::Select((!selected).then_some(at)), commands);
+        } else {
+            ui.weak("click it");
+        }
+    }
+    let finished = document.pairs.get(pair);
+    role(ui, model, pair, commands);
+    let residuals = finished.zip(model.shown()).map(|(pair, shown)| Residuals::of(shown.fundamental, pair));
+    for distance in residuals.map_or([f64::NAN; 2], |r| [r.symmetric, r.sampson]) {
+        if distance.is_finite() {
+            ui.label(RichText::new(format!("{distance:6.2} px")).monospace());
+        } else {
+            ui.add(Label::new(""));
+        }
+    }
+    ui.horizontal(|ui| {
+        if finished.is_some() {
+            let inspect = ui.small_button("Inspect");
+            inspect.widget_info(|| {
+                egui::WidgetInfo::labeled(egui::Role::Button, true, format!("Inspect pair {name}"))
+            });
+            finish_button(ui, inspect, Command::Pin(LineSource::Pair(pair)), commands);
+        }
+        let delete = ui.small_button("Delete");
+        delete.widget_info(|| {
+            egui::WidgetInfo::labeled(egui::Role::Button, true, format!("Delete pair {name}"))
+        });
+        finish_button(ui, delete, Command::DeletePair(pair), commands);
+    });
+    let bottom_right = egui::pos2(ui.cursor().min.x, top_left.y + 24.0);
+    ui.end_row();
+    let area = egui::Rect::from_min_max(top_left, bottom_right);
+    if finished.is_some() && ui.rect_contains_pointer(area) {
+        commands.push(Command::PointAt(Target::Pair(pair)));
+    }
+}
+
+/// What the pair is for, and the button that leaves it out.
+fn role(ui: &mut Ui, model: &Model, pair: usize, commands: &mut Vec<Command>) {
+    let document = &model.document;
+    if pair >= document.pairs.len() {
+        ui.weak("half done");
+        return;
+    }
+    let name = pair_name(pair);
+    ui.horizontal(|ui| {
+        let mut included = document.role(pair) != Role::Excluded;
+        let response = ui.checkbox(&mut included, "");
+        response.widget_info(|| {
+            egui::WidgetInfo::selected(egui::Role::CheckBox, true, included, format!("Include pair {name}"))
+        });
+        let response = response.on_hover_text(Command::IncludePair(pair, included).tooltip());
+        if response.changed() {
+            commands.push(Command::IncludePair(pair, included));
+        }
+        match document.role(pair) {
+            Role::Used => ui.label("estimate").on_hover_text("The geometry is estimated from it."),
+            Role::Check => {
+                ui.label("check").on_hover_text("It only shows how well the geometry fits elsewhere.")
+            }
+            Role::Excluded => {
+                ui.weak("left out").on_hover_text("Neither the estimate nor the summary uses it.")
+            }
+        };
+    });
+}
+
+fn position_text(point: Point) -> String {
+    format!("{:7.2}, {:7.2}", point.x, point.y)
+}

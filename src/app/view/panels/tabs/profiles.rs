@@ -1,0 +1,225 @@
+//! The intensities along the inspected line pair, before and after warping, with what the matching cost.
+
+use egui::{
+    Align, Color32, ColorImage, Id, Label, Layout, RichText, TextureHandle, TextureOptions, Ui, UiBuilder,
+    vec2,
+};
+use egui_plot::{GridInput, GridMark, Line, Plot, PlotImage, PlotPoint, PlotPoints, PlotUi, VLine};
+
+use super::inspected::{marked, read_out, tools};
+use super::{Tab, empty};
+use crate::app::model::Model;
+use crate::app::model::command::Command;
+use crate::app::model::focus::Target;
+use crate::app::model::ids::TabId;
+use crate::app::model::inspection::Inspection;
+use crate::app::view::theme;
+
+/// Registered in [`super::TABS`].
+pub const TAB: Tab = Tab { id: TabId::Profiles, tools, show };
+
+/// The curves of the left and the right line.
+const LEFT: Color32 = theme::PAIRS[2];
+const RIGHT: Color32 = theme::PAIRS[0];
+
+fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+    let Some(inspection) =
+        model.open.inspection.as_ref().filter(|inspection| !inspection.samples().is_empty())
+    else {
+        let text = if model.open.inspection.is_some() {
+            "This line does not cross the left image. Pin another pair to compare its intensities."
+        } else if model.inspected().is_some() {
+            "The two lines are being compared."
+        } else {
+            "Intensities along the epipolar lines of p appear here, once there are enough point pairs. Pin a line \
+             pair in the matrix of the pencils to compare others."
+        };
+        empty(ui, text);
+        return;
+    };
+    let marked = marked(model);
+    let plots: [(&str, &str, Content); 4] = [
+        ("Before warping", "Intensities of both lines at the same distance from the click.", before),
+        (
+            "Cost of each sample",
+            "What each sample costs, grey²: its difference and the change of disparity.",
+            costs,
+        ),
+        (
+            "After warping",
+            "The right line brought onto the left one by the disparities that were found.",
+            after,
+        ),
+        (
+            "Disparities",
+            "Cost of matching each sample of the left line (across) at each shift along the right one (up): bright \
+             is alike. The line is the matching that was found.",
+            band,
+        ),
+    ];
+    let area = ui.available_rect_before_wrap();
+    let mut hovered = None;
+    for (number, (title, tooltip, content)) in plots.into_iter().enumerate() {
+        let (column, row) = (number % 2, number / 2);
+        let (left, right) = area.split_left_right_at_fraction(0.5);
+        let (top, bottom) = [left, right][column].split_top_bottom_at_fraction(0.5);
+        let rect = [top, bottom][row].shrink2(vec2(4.0, 1.0));
+        let mut child = ui.new_child(UiBuilder::new().max_rect(rect).id_salt(title));
+        child.spacing_mut().item_spacing.y = 0.0;
+        child.horizontal(|ui| {
+            ui.spacing_mut().interact_size.y = 0.0;
+            let small = |text: &str| RichText::new(text).size(12.0).weak();
+            ui.label(small(title)).on_hover_text(tooltip);
+            for (color, text) in [(LEFT, "left line"), (RIGHT, "right line")] {
+                if column == 0 {
+                    let (area, _) = ui.allocate_exact_size(vec2(14.0, 3.0), egui::Sense::hover());
+                    ui.painter().rect_filled(area, 1.0, color);
+                    ui.label(small(text));
+                }
+            }
+            if let Some((text, tooltip)) = read_out(model).filter(|_| number == 0) {
+                ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+                    let text = RichText::new(text).size(12.0);
+                    ui.add(Label::new(text).truncate()).on_hover_text(tooltip);
+                });
+            }
+        });
+        let plot = Titled { title, has_scale: row == 1, content };
+        hovered = plot.show(&mut child, inspection, marked).or(hovered);
+    }
+    ui.advance_cursor_after_rect(area);
+    if let Some(sample) = hovered {
+        commands.push(Command::PointAt(Target::Sample(sample)));
+    }
+}
+
+/// What a plot shows.
+type Content = fn(&mut PlotUi, &Inspection, &TextureHandle);
+
+/// A plot with its title.
+struct Titled<'a> {
+    title: &'a str,
+    /// Whether the distance along the line is written below; the plots above it share its scale.
+    has_scale: bool,
+    content: Content,
+}
+
+impl Titled<'_> {
+    /// Shows it; returns the sample under the cursor.
+    fn show(&self, ui: &mut Ui, inspection: &Inspection, marked: Option<i32>) -> Option<i32> {
+        let step = inspection.step;
+        let samples = inspection.samples();
+        let texture = band_texture(ui, inspection);
+        let response = Plot::new(("profile", self.title))
+            .link_axis(Id::unique("profile plots"), [true, false])
+            .show_axes([self.has_scale, true])
+            .y_axis_min_width(40.0)
+            .grid_spacing(8.0..=24.0)
+            .x_grid_spacer(|input| marks(&input, 6.0))
+            .y_grid_spacer(|input| marks(&input, 2.5))
+            .grid_color(ui.visuals().widgets.noninteractive.bg_stroke.color)
+            .show_x(false)
+            .show_y(false)
+            .set_margin_fraction(vec2(0.0, 0.06))
+            .allow_scroll(false)
+            .allow_zoom([true, false])
+            .allow_drag([true, false])
+            .allow_boxed_zoom(false)
+            .x_axis_formatter(|mark, _| format!("{:.0} px", mark.value))
+            .label_formatter(|_| None)
+            .show(ui, |plot| {
+                (self.content)(plot, inspection, &texture);
+                let cursor = plot.pointer_coordinate().filter(|_| plot.response().hovered());
+                let own = cursor.map(|point| (point.x / step).round() as i32);
+                let own = own.filter(|sample| samples.contains(sample));
+                if let Some(sample) = own.or(marked).filter(|sample| samples.contains(sample)) {
+                    let line = VLine::new("cursor", f64::from(sample) * step);
+                    plot.vline(line.color(theme::HOVER).width(1.0));
+                }
+                own
+            });
+        response.inner
+    }
+}
+
+/// Marks of an axis at round numbers, about so many in sight.
+fn marks(input: &GridInput, count: f64) -> Vec<GridMark> {
+    let (low, high) = input.bounds;
+    let wanted = ((high - low) / count).max(f64::MIN_POSITIVE);
+    let power = 10f64.powf(wanted.log10().floor());
+    let step = power * [1.0, 2.0, 5.0].into_iter().find(|round| round * power >= wanted).unwrap_or(10.0);
+    let first = (low / step).ceil();
+    // The plot asks before it has bounds, too.
+    let number = ((high / step).floor() - first).clamp(0.0, 100.0) as usize;
+    (0..=number).map(|k| GridMark { value: (first + k as f64) * step, step_size: step }).collect()
+}
+
+/// Points of a curve over the distance from the anchor, px.
+fn curve(inspection: &Inspection, value: impl Fn(usize) -> Option<f64>) -> Vec<Vec<[f64; 2]>> {
+    // A gap where there is no value.
+    let mut pieces = vec![Vec::new()];
+    for (k, sample) in inspection.samples().enumerate() {
+        match (value(k), pieces.last_mut()) {
+            (Some(value), Some(piece)) => piece.push([f64::from(sample) * inspection.step, value]),
+            (None, Some(piece)) if !piece.is_empty() => pieces.push(Vec::new()),
+            _ => {}
+        }
+    }
+    pieces
+}
+
+fn draw_curve(plot: &mut PlotUi, name: &str, pieces: Vec<Vec<[f64; 2]>>, color: Color32) {
+    for piece in pieces.into_iter().filter(|piece| piece.len() > 1) {
+        plot.line(Line::new(name, PlotPoints::from(piece)).color(color).width(1.3).allow_hover(false));
+    }
+}
+
+fn left_intensities(plot: &mut PlotUi, inspection: &Inspection) {
+    let values = &inspection.warped.profile1.values;
+    draw_curve(plot, "left", curve(inspection, |k| values.get(k).map(|v| f64::from(*v))), LEFT);
+}
+
+fn before(plot: &mut PlotUi, inspection: &Inspection, _: &TextureHandle) {
+    let first = inspection.warped.profile1.first;
+    let value = |k: usize| inspection.warped.profile2.get(first + k as i32).map(f64::from);
+    draw_curve(plot, "right", curve(inspection, value), RIGHT);
+    left_intensities(plot, inspection);
+}
+
+fn after(plot: &mut PlotUi, inspection: &Inspection, _: &TextureHandle) {
+    let value = |k: usize| inspection.warped.warped2.get(k).copied().flatten().map(f64::from);
+    draw_curve(plot, "right, warped", curve(inspection, value), RIGHT);
+    left_intensities(plot, inspection);
+}
+
+fn costs(plot: &mut PlotUi, inspection: &Inspection, _: &TextureHandle) {
+    let costs = &inspection.warped.matching.sample_costs;
+    let value = |k: usize| costs.get(k).map(|cost| f64::from(*cost));
+    let color = plot.ctx().global_style().visuals.text_color();
+    draw_curve(plot, "cost", curve(inspection, value), color);
+}
+
+fn band(plot: &mut PlotUi, inspection: &Inspection, texture: &TextureHandle) {
+    let (samples, range, step) = (inspection.samples(), inspection.range, inspection.step);
+    let middle = |first: i32, last: i32| f64::from(first + last) / 2.0 * step;
+    let centre = PlotPoint::new(middle(samples.start, samples.end - 1), middle(range.min, range.max));
+    let size = vec2((samples.len() as f64 * step) as f32, (range.len() as f64 * step) as f32);
+    plot.image(PlotImage::new("cost", texture.id(), centre, size).allow_hover(false));
+    let path = |k: usize| inspection.warped.matching.disparities.get(k).map(|d| f64::from(*d) * step);
+    draw_curve(plot, "path", curve(inspection, path), Color32::WHITE);
+}
+
+/// The cost band as a picture, kept from frame to frame.
+fn band_texture(ui: &Ui, inspection: &Inspection) -> TextureHandle {
+    let id = Id::unique("cost band");
+    if let Some((number, texture)) = ui.data(|data| data.get_temp::<(u64, TextureHandle)>(id))
+        && number == inspection.number
+    {
+        return texture;
+    }
+    let size = [inspection.band.width() as usize, inspection.band.height() as usize];
+    let image = ColorImage::from_rgb(size, inspection.band.as_raw());
+    let texture = ui.ctx().load_texture("cost band", image, TextureOptions::NEAREST);
+    ui.data_mut(|data| data.insert_temp(id, (inspection.number, texture.clone())));
+    texture
+}

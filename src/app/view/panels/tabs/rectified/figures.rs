@@ -1,0 +1,213 @@
+//! What stands beside the rectified pictures: the choices, the method and its reason, warnings, measures.
+
+use std::fmt::Write;
+
+use egui::{Button, ComboBox, Grid, RichText, ScrollArea, Ui, UiBuilder};
+
+use super::super::super::finish_button;
+use super::sentence;
+use crate::app::model::Model;
+use crate::app::model::command::Command;
+use crate::app::model::rectified::{Blink, DrawnPair, Guides, Rectified, RectifiedCommand, RectifiedLayout};
+use crate::app::view::theme;
+use crate::rectify::{Distortion, Measures, Method};
+
+/// Disparity ranges are given in multiples of this, px: block matchers want it.
+const RANGE_STEP: f64 = 16.0;
+/// What is added to the disparities of the matches on either side, px: other points may lie a little beyond.
+const RANGE_MARGIN: f64 = 4.0;
+
+/// Shows it in a column beside the pictures or, where `wide`, in a strip below them; with a scroll bar where there is
+/// little room.
+pub fn show(
+    ui: &mut Ui,
+    wide: bool,
+    model: &Model,
+    rectified: &Rectified,
+    drawn: &DrawnPair,
+    commands: &mut Vec<Command>,
+) {
+    ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
+        ui.spacing_mut().item_spacing.y = 4.0;
+        ui.spacing_mut().button_padding.x = 7.0;
+        if wide {
+            // Not in columns of egui, which spread the words of a text over their whole width.
+            let area = ui.available_rect_before_wrap();
+            let (left, right) = area.split_left_right_at_fraction(0.44);
+            ui.scope_builder(UiBuilder::new().max_rect(left.with_max_x(left.max.x - theme::GAP)), |ui| {
+                choosers(ui, model, commands);
+                method(ui, drawn);
+            });
+            ui.scope_builder(UiBuilder::new().max_rect(right), |ui| measures(ui, rectified, drawn));
+        } else {
+            choosers(ui, model, commands);
+            method(ui, drawn);
+            measures(ui, rectified, drawn);
+        }
+    });
+}
+
+fn choosers(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+    ui.horizontal(|ui| method_chooser(ui, model, commands));
+    ui.horizontal(|ui| layout_chooser(ui, model, commands));
+    ui.horizontal(|ui| guide_chooser(ui, model, commands));
+}
+
+/// Which method it is and why, and what to beware of.
+fn method(ui: &mut Ui, drawn: &DrawnPair) {
+    let full = &drawn.full;
+    for warning in &full.warnings {
+        ui.label(RichText::new(warning).color(theme::palette(ui.visuals()).caution));
+    }
+    ui.weak(format!("{}, because {}.", sentence(full.method.name()), full.reason));
+}
+
+fn measures(ui: &mut Ui, rectified: &Rectified, drawn: &DrawnPair) {
+    let full = &drawn.full;
+    rows(ui, &full.measures, rectified.measured);
+    shapes(ui, &full.measures.distortion);
+    let size = full.size;
+    ui.weak(format!("{} × {} px", size.width, size.height))
+        .on_hover_text("Size of each picture as it is written; on the screen it may be drawn smaller.");
+}
+
+/// Auto, planar or polar.
+pub fn method_chooser(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+    name(ui, "Method");
+    for (method, title) in [(Method::Auto, "Auto"), (Method::Planar, "Planar"), (Method::Polar, "Polar")] {
+        let choice = ui.add(Button::selectable(model.document.rectification == method, title));
+        finish_button(ui, choice, RectifiedCommand::SetMethod(method).into(), commands);
+    }
+}
+
+fn layout_chooser(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+    name(ui, "View");
+    for (layout, title, tooltip) in RectifiedLayout::ALL {
+        let chosen = model.look.rectified.layout == layout;
+        if ui.add(Button::selectable(chosen, title)).on_hover_text(tooltip).clicked() {
+            commands.push(RectifiedCommand::LayOut(layout).into());
+        }
+    }
+}
+
+/// The guide lines; and while pictures take turns, whose it is.
+fn guide_chooser(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+    name(ui, "Guides");
+    let now = model.look.rectified.guides;
+    let chooser = ComboBox::from_id_salt("guide lines").selected_text(now.name()).width(84.0);
+    let shown = chooser.show_ui(ui, |ui| {
+        for guides in Guides::ALL {
+            if ui.selectable_label(guides == now, guides.name()).clicked() {
+                commands.push(RectifiedCommand::SetGuides(guides).into());
+            }
+        }
+    });
+    shown.response.on_hover_text(Command::from(RectifiedCommand::SetGuides(now)).tooltip());
+    if model.look.rectified.layout == RectifiedLayout::Blink {
+        let swap = ui.button("Swap");
+        finish_button(ui, swap, RectifiedCommand::Swap.into(), commands);
+        let mut running = model.open.viewing.blink == Blink::Running;
+        let run = ui.checkbox(&mut running, "auto");
+        finish_button(ui, run, RectifiedCommand::RunBlink.into(), commands);
+    }
+}
+
+/// All names as wide, so that what they name lines up.
+fn name(ui: &mut Ui, text: &str) {
+    ui.scope(|ui| {
+        ui.set_min_width(52.0);
+        ui.weak(text);
+    });
+}
+
+/// How well rows agree, and what that means for matching programs.
+fn rows(ui: &mut Ui, measures: &Measures, measured: &str) {
+    let Some(rows) = measures.rows else {
+        ui.weak("No match is in both pictures, so nothing tells how well rows agree: click check pairs.");
+        return;
+    };
+    ui.label(format!(
+        "Rows differ by {:.2} px on average, {:.2} px at most, over {} {measured}.",
+        rows.mean, rows.max, rows.matches
+    ))
+    .on_hover_text("Vertical distance of matches in the rectified pictures; well below 1 px is good.");
+    let (mut text, tooltip) = disparity_hint(rows.disparity);
+    if rows.far_off > 0 {
+        let _ = write!(text, " Without {} that are far off all others.", rows.far_off);
+    }
+    ui.label(text).on_hover_text(tooltip);
+}
+
+/// The range of disparities, and what to search.
+fn disparity_hint([low, high]: [f64; 2]) -> (String, &'static str) {
+    let from = ((low - RANGE_MARGIN) / RANGE_STEP).floor() * RANGE_STEP;
+    let to = ((high + RANGE_MARGIN) / RANGE_STEP).ceil() * RANGE_STEP;
+    let sign = if high <= 0.0 {
+        "matching programs that expect positive disparities need the two pictures swapped"
+    } else if low + high >= 0.0 {
+        "matching programs that expect positive disparities can use this order"
+    } else {
+        "mostly negative, so matching programs that expect positive disparities do better with the two pictures swapped"
+    };
+    // A minus sign as wide as the plus sign, and none before nought.
+    let number = |v: f64| format!("{:.0}", v.round() + 0.0).replace('-', "−");
+    let text = format!(
+        "Left x − right x is {} to {} px: {sign}. Search {} to {}.",
+        number(low),
+        number(high),
+        number(from),
+        number(to)
+    );
+    (
+        text,
+        "The smallest and the largest disparity of these matches. Other points may lie beyond, so the range to search \
+         is somewhat wider, in multiples of 16. With the pictures swapped, the signs change.",
+    )
+}
+
+/// How each picture was bent.
+fn shapes(ui: &mut Ui, distortion: &[Distortion; 2]) {
+    const COLUMNS: [(&str, &str); 5] = [
+        ("Angle", "Between the middle lines of the image, once rectified; 90° keeps right angles."),
+        ("Diagonals", "Ratio of the image's diagonals, once rectified; 1 keeps proportions."),
+        ("Cut", "Part of the image that is outside the picture."),
+        ("Shrunk", "Part of the image that is drawn on less than half its area: detail is lost there."),
+        ("Stretched", "Part of the image that is drawn on more than twice its area."),
+    ];
+    Grid::new("shapes").num_columns(6).spacing([9.0, 2.0]).min_col_width(0.0).min_row_height(18.0).show(
+        ui,
+        |ui| {
+            ui.label("");
+            for (title, tooltip) in COLUMNS {
+                ui.label(RichText::new(title).size(12.0).weak()).on_hover_text(tooltip);
+            }
+            ui.end_row();
+            for (side, d) in ["Left", "Right"].into_iter().zip(distortion) {
+                ui.weak(side);
+                ui.label(d.orthogonality.map_or("-".into(), |angle| format!("{angle:.1}°")));
+                ui.label(d.aspect_ratio.map_or("-".into(), |ratio| format!("{ratio:.3}")));
+                for share in [d.cut, d.shrunk, d.stretched] {
+                    ui.label(format!("{:.0} %", 100.0 * share));
+                }
+                ui.end_row();
+            }
+        },
+    );
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_hint_names_the_sign_and_a_range_that_holds_all() {
+        let (text, _) = disparity_hint([-12.0, 87.0]);
+        assert_eq!(
+            text,
+            "Left x − right x is −12 to 87 px: matching programs that expect positive disparities can use this order. \
+             Search −16 to 96."
+        );
+        let (text, _) = disparity_hint([-90.4, -14.2]);
+        assert!(text.contains("pictures swapped") && text.ends_with("Search −96 to 0."), "{text}");
+    }
+}

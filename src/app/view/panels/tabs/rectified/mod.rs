@@ -1,0 +1,97 @@
+//! The rectified pair: both images redrawn so that corresponding points are in the same row, with the measures of how
+//! well that went.
+
+mod figures;
+mod pictures;
+mod sheet;
+
+use egui::{RichText, Ui, UiBuilder, Vec2, vec2};
+
+use super::super::{busy, command_button};
+use super::{Tab, empty};
+use crate::app::model::Model;
+use crate::app::model::command::Command;
+use crate::app::model::ids::TabId;
+use crate::app::model::rectified::RectifiedCommand;
+use crate::app::view::theme;
+use crate::rectify::{Method, RectifyError};
+
+/// Registered in [`super::TABS`].
+pub const TAB: Tab = Tab { id: TabId::Rectified, tools, show };
+
+pub use pictures::forget_textures;
+
+/// Width of the figures beside the pictures, screen points.
+const FIGURES: f32 = 316.0;
+/// Half of the space between the pictures and the figures.
+const GAP: Vec2 = vec2(theme::GAP / 2.0, 3.0);
+/// Height of the figures below the pictures.
+const FIGURES_BELOW: f32 = 156.0;
+/// A panel as high as this has the figures below the pictures, which are wider than high.
+const HIGH: f32 = 340.0;
+
+fn tools(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+    let can_export = model.shown().is_some() && model.activity.writing.is_none();
+    command_button(ui, RectifiedCommand::ShowExport.into(), can_export, commands);
+    if model.activity.rectifying {
+        busy::show(ui);
+    }
+}
+
+fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+    let Some(rectified) = model.open.rectified.as_ref() else {
+        let text = if model.activity.rectifying {
+            "The images are being rectified."
+        } else if model.shown().is_some() {
+            "These images could not be rectified. Another method, or other point pairs, may help."
+        } else if model.document.pictures.is_some() {
+            "Both images, redrawn so that corresponding points are in the same row, appear here once there are enough \
+             point pairs. Stereo matching needs them like this, and a wrong geometry shows at once: things in the two \
+             pictures are not at the same height then."
+        } else {
+            "The rectified pair appears here. Open two images and click point pairs."
+        };
+        empty(ui, text);
+        return;
+    };
+    match &rectified.outcome {
+        Err(error) => failure(ui, model, error, commands),
+        Ok(drawn) => {
+            let area = ui.available_rect_before_wrap();
+            let below = area.height() > HIGH;
+            let (pictures, figures) = if below {
+                area.split_top_bottom_at_y(area.max.y - FIGURES_BELOW)
+            } else {
+                area.split_left_right_at_x(area.max.x - FIGURES)
+            };
+            let (pictures, figures) = (pictures.shrink2(GAP), figures.shrink2(GAP));
+            if pictures.width() > 60.0 {
+                ui.scope_builder(UiBuilder::new().max_rect(pictures).id_salt("pictures"), |ui| {
+                    pictures::show(ui, model, drawn, commands);
+                });
+            }
+            ui.scope_builder(UiBuilder::new().max_rect(figures).id_salt("figures"), |ui| {
+                figures::show(ui, below, model, rectified, drawn, commands);
+            });
+        }
+    }
+}
+
+/// Why there is no rectified pair, and what to do.
+fn failure(ui: &mut Ui, model: &Model, error: &RectifyError, commands: &mut Vec<Command>) {
+    ui.add_space(8.0);
+    let color = theme::palette(ui.visuals()).caution;
+    ui.label(RichText::new(format!("{}.", sentence(&error.to_string()))).color(color));
+    if model.document.rectification == Method::Planar {
+        let polar = ui.button("Use the polar method");
+        super::finish_button(ui, polar, RectifiedCommand::SetMethod(Method::Polar).into(), commands);
+    }
+    ui.add_space(6.0);
+    ui.horizontal(|ui| figures::method_chooser(ui, model, commands));
+}
+
+/// The text with a capital letter.
+fn sentence(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
+}

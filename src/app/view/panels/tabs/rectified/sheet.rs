@@ -1,0 +1,197 @@
+//! What is drawn over a rectified picture: guide lines, the row of the cursor, the point pairs.
+
+use std::fmt::Write;
+
+use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Shape, Stroke, vec2};
+
+use crate::app::model::Model;
+use crate::app::model::document::{Role, Side};
+use crate::app::model::focus::Target;
+use crate::app::model::rectified::{DrawnPair, RectifiedLayout, Sheet};
+use crate::app::view::panes::Transform;
+use crate::app::view::panes::overlays::true_matches_shown;
+use crate::app::view::theme;
+use crate::geometry::{Point, PointPair};
+
+/// Half the width of the mark of a point pair, screen points.
+const MARK: f32 = 4.0;
+
+/// The row of the cursor, wherever in the window that is.
+pub struct SheetRow {
+    /// SheetPlace in the pictures, px of them.
+    at: Point,
+    /// Whose picture the place belongs to; `None` for both.
+    side: Option<Side>,
+    /// Where it is in words.
+    text: String,
+}
+
+impl SheetRow {
+    /// Of a place in a rectified picture.
+    pub fn under_cursor(model: &Model, drawn: &DrawnPair, side: Option<Side>, at: Point) -> Self {
+        let mut text = format!("SheetRow {:.0}", row_number(drawn, at.y));
+        for own in Side::BOTH.into_iter().filter(|own| side.is_none_or(|side| side == *own)) {
+            let point = drawn.shown.maps[own.index()].original_from_rectified(at);
+            let frame = model.document.frame(own);
+            if let Some(point) = point.filter(|point| frame.is_some_and(|frame| frame.contains(*point))) {
+                let _ = write!(text, ", {} image ({:.1}, {:.1})", own.name(), point.x, point.y);
+            }
+        }
+        Self { at, side, text }
+    }
+
+    /// Of a place in an original image; `None` where the pictures do not go.
+    pub fn of_original(drawn: &DrawnPair, side: Side, point: Point) -> Option<Self> {
+        let at = drawn.shown.maps[side.index()].rectified_from_original(point)?;
+        Some(Self { at, side: Some(side), text: format!("SheetRow {:.0}", row_number(drawn, at.y)) })
+    }
+}
+
+/// The row of the picture as it would be written.
+fn row_number(drawn: &DrawnPair, y: f64) -> f64 {
+    y / reduction(drawn)
+}
+
+/// Rows on the screen's pictures for a row of those that would be written.
+fn reduction(drawn: &DrawnPair) -> f64 {
+    drawn.shown.size.height as f64 / drawn.full.size.height as f64
+}
+
+/// A picture on the screen, to be drawn over.
+pub struct SheetCanvas<'a> {
+    /// Clipped to the picture's place.
+    pub painter: &'a Painter,
+    /// Where its pixels appear.
+    pub transform: &'a Transform,
+    /// Which picture it is.
+    pub sheet: Sheet,
+    /// The pair.
+    pub drawn: &'a DrawnPair,
+    /// The state to be shown.
+    pub model: &'a Model,
+}
+
+impl SheetCanvas<'_> {
+    /// Draws everything.
+    pub fn draw(&self, row: Option<&SheetRow>) {
+        self.guides();
+        self.true_matches();
+        self.pairs();
+        if let Some(row) = row {
+            self.row(row);
+        }
+        self.title();
+    }
+
+    /// Horizontal lines at the same rows in both pictures.
+    fn guides(&self) {
+        let reduction = reduction(self.drawn);
+        let Some(spacing) = self.model.look.rectified.guides.spacing(self.transform.scale * reduction) else {
+            return;
+        };
+        let spacing = spacing * reduction;
+        let visible = self.painter.clip_rect();
+        let rows = [visible.min, visible.max].map(|corner| self.transform.image_from_screen(corner).y);
+        let bottom = self.drawn.frame().bottom();
+        let (first, last) = ((rows[0].max(0.0) / spacing).ceil(), (rows[1].min(bottom) / spacing).floor());
+        let mut k = first;
+        while k <= last {
+            let y = self.transform.screen_from_image(Point::new(0.0, k * spacing)).y;
+            self.painter.hline(visible.x_range(), y, Stroke::new(1.0, theme::GUIDE));
+            k += 1.0;
+        }
+    }
+
+    /// The row of the cursor, and its place in the row.
+    fn row(&self, row: &SheetRow) {
+        let at = self.transform.screen_from_image(row.at);
+        let visible = self.painter.clip_rect();
+        for (width, color) in [(3.4, theme::HALO), (1.4, theme::HOVER)] {
+            self.painter.hline(visible.x_range(), at.y, Stroke::new(width, color));
+        }
+        let own = row.side.is_none() || self.sheet.side().is_none() || row.side == self.sheet.side();
+        if own {
+            self.painter.circle_stroke(at, 5.0, Stroke::new(3.6, theme::HALO));
+            self.painter.circle_stroke(at, 5.0, Stroke::new(1.8, theme::SELECTED));
+            // Away from the cursor.
+            let low = at.y > visible.center().y;
+            let (corner, align) = if low {
+                (visible.left_top() + vec2(6.0, 6.0), Align2::LEFT_TOP)
+            } else {
+                (visible.left_bottom() + vec2(6.0, -6.0), Align2::LEFT_BOTTOM)
+            };
+            self.label(corner, align, &row.text, theme::HOVER);
+        } else {
+            // The same column, by which the disparity is read.
+            for (width, color) in [(3.4, theme::HALO), (1.4, theme::HOVER)] {
+                self.painter.vline(at.x, at.y - 6.0..=at.y + 6.0, Stroke::new(width, color));
+            }
+        }
+    }
+
+    /// Where a pair's point of an image is; nothing where the picture does not go.
+    fn place(&self, side: Side, pair: &PointPair) -> Option<Pos2> {
+        let point = [pair.point1, pair.point2][side.index()];
+        let at = self.drawn.shown.maps[side.index()].rectified_from_original(point)?;
+        Some(self.transform.screen_from_image(at))
+    }
+
+    /// The images whose points are drawn here.
+    fn sides(&self) -> impl Iterator<Item = Side> + use<> {
+        let own = self.sheet.side();
+        Side::BOTH.into_iter().filter(move |side| own.is_none_or(|own| own == *side))
+    }
+
+    /// The clicked pairs.
+    fn pairs(&self) {
+        let document = &self.model.document;
+        for (number, pair) in document.pairs.iter().enumerate() {
+            let lit = self.model.open.focus.hovered() == Some(Target::Pair(number));
+            let out = document.role(number) == Role::Excluded;
+            let color =
+                theme::pair_color(number).gamma_multiply(if out { theme::STALE_OPACITY } else { 1.0 });
+            let radius = if lit { MARK + 3.0 } else { MARK };
+            for at in self.sides().filter_map(|side| self.place(side, pair)) {
+                self.painter.circle_stroke(at, radius, Stroke::new(3.8, theme::HALO));
+                self.painter.circle_stroke(at, radius, Stroke::new(1.8, color));
+            }
+        }
+    }
+
+    /// The true matches, while they are drawn over the images.
+    fn true_matches(&self) {
+        for (number, pair) in true_matches_shown(self.model) {
+            let lit = self.model.open.focus.hovered() == Some(Target::TrueMatch(number));
+            let (size, color) = if lit { (5.0, theme::SELECTED) } else { (2.0, theme::TRUE) };
+            for at in self.sides().filter_map(|side| self.place(side, pair)) {
+                if !self.painter.clip_rect().contains(at) {
+                    continue;
+                }
+                for (width, color) in [(2.4, theme::HALO), (1.2, color)] {
+                    for arm in [vec2(1.0, 1.0) * size, vec2(1.0, -1.0) * size] {
+                        self.painter.line_segment([at - arm, at + arm], Stroke::new(width, color));
+                    }
+                }
+            }
+        }
+    }
+
+    /// Which picture it is, where that cannot be seen from its place.
+    fn title(&self) {
+        let text = match (self.model.look.rectified.layout, self.sheet) {
+            (RectifiedLayout::Blink, Sheet::Left) => "Left",
+            (RectifiedLayout::Blink, _) => "Right",
+            (RectifiedLayout::Anaglyph, _) => "Left red, right cyan",
+            (RectifiedLayout::SideBySide, _) => return,
+        };
+        let corner = self.painter.clip_rect().right_top() + vec2(-6.0, 6.0);
+        self.label(corner, Align2::RIGHT_TOP, text, theme::SELECTED);
+    }
+
+    fn label(&self, corner: Pos2, align: Align2, text: &str, color: Color32) {
+        let galley = self.painter.layout_no_wrap(text.to_owned(), FontId::proportional(13.0), color);
+        let area: Rect = align.anchor_size(corner, galley.size() + vec2(10.0, 4.0));
+        self.painter.rect_filled(area, 4.0, theme::LABEL_FILL);
+        self.painter.add(Shape::galley(area.min + vec2(5.0, 2.0), galley, color));
+    }
+}

@@ -1,0 +1,298 @@
+//! How far points are from the result, from what other methods make of points, and from the truth.
+
+use egui::{Rect, ScrollArea, Sense, Ui, UiBuilder, vec2};
+
+use super::super::table::{Column, RowLook, Table};
+use super::{Tab, empty};
+use crate::app::model::Model;
+use crate::app::model::command::Command;
+use crate::app::model::comparison::{Comparison, Contestant, Measure, PointSet, Subject};
+use crate::app::model::document::{PointRef, Role, Side, pair_name};
+use crate::app::model::focus::{LineSource, Target};
+use crate::app::model::ids::TabId;
+use crate::app::view::panels::truth_buttons;
+use crate::io::TruthOrigin;
+
+/// Registered in [`super::TABS`].
+pub const TAB: Tab = Tab { id: TabId::Residuals, tools, show };
+
+/// Where no folder is open, whose pairs have these buttons beside them.
+fn tools(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+    if model.folder().is_none() {
+        truth_buttons(ui, model, commands);
+    }
+}
+
+/// A method and the spread of its distances.
+const SUMMARY: [Column; 6] = [
+    Column {
+        title: "Geometry",
+        tooltip: "Whose it is. Click a row, and the whole window shows that geometry.",
+        width: 92.0,
+        is_text: true,
+    },
+    Column {
+        title: "From",
+        tooltip: "What it was made from, or what is missing for it.",
+        width: 176.0,
+        is_text: true,
+    },
+    Column {
+        title: "Median, px",
+        tooltip: "Half of the points are nearer than this.",
+        width: 76.0,
+        is_text: false,
+    },
+    Column { title: "Mean, px", tooltip: "Mean distance over all points.", width: 70.0, is_text: false },
+    Column { title: "Max, px", tooltip: "Distance of the worst point.", width: 70.0, is_text: false },
+    Column {
+        title: "< 1 px",
+        tooltip: "Which part of the points is nearer than 1 px.",
+        width: 56.0,
+        is_text: false,
+    },
+];
+
+/// The geometries that have a row: an imported one only where there is one.
+fn contestants(model: &Model) -> Vec<Contestant> {
+    let has_imported = model.document.imported.is_some();
+    Contestant::ALL.into_iter().filter(|c| has_imported || *c != Contestant::Imported).collect()
+}
+
+/// A point and its distance to each of some geometries.
+fn point_columns(contestants: &[Contestant]) -> Vec<Column> {
+    let point = Column {
+        title: "Point",
+        tooltip: "The pair, or the number of the true match. Point at a row to find it in both images; click a pair to \
+                  select it, a true match to inspect its lines.",
+        width: 84.0,
+        is_text: false,
+    };
+    let distance = |contestant: &Contestant| {
+        let (title, tooltip) = match contestant {
+            Contestant::Result => ("Result", "Distance from the result, px."),
+            Contestant::SevenPoint => ("7-point", "Distance from the seven-point geometry, px."),
+            Contestant::EightPoint => ("8-point", "Distance from the eight-point geometry, px."),
+            Contestant::Imported => ("Imported", "Distance from the imported geometry, px."),
+            Contestant::Truth => ("Truth", "Distance from the true geometry, px."),
+        };
+        // A longer name than the others have.
+        let width = if *contestant == Contestant::Imported { 86.0 } else { 72.0 };
+        Column { title, tooltip, width, is_text: false }
+    };
+    std::iter::once(point).chain(contestants.iter().map(distance)).collect()
+}
+
+/// Share of the width that the summary takes.
+const SUMMARY_SHARE: f32 = 0.575;
+/// Narrower than this, both tables are scrolled sideways, screen points.
+const LEAST_WIDTH: f32 = 900.0;
+
+fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+    if model.document.pairs.is_empty() && model.truth().is_none() {
+        empty(
+            ui,
+            "How far your pairs are from the epipolar lines appears here, beside what the 7-point and 8-point \
+             algorithms make of them. Click point pairs; or open a VGG folder, or one of pairs with true matches, to \
+             measure at all true matches. The sample has ground truth, too: press Ground truth (G).",
+        );
+        return;
+    }
+    choices(ui, model, commands);
+    let Some(comparison) = model.open.comparison.as_ref() else { return };
+    if comparison.points == 0 {
+        empty(ui, "There are no points to measure at: click a point pair, or choose the true matches above.");
+        return;
+    }
+    let room = ui.available_size();
+    ScrollArea::horizontal().id_salt("residual tables").auto_shrink([false, false]).show(ui, |ui| {
+        let size = vec2(room.x.max(LEAST_WIDTH), ui.available_height());
+        let (area, _) = ui.allocate_exact_size(size, Sense::hover());
+        let (left, right) = area.split_left_right_at_fraction(SUMMARY_SHARE);
+        let right = Rect::from_min_max(right.min + vec2(18.0, 0.0), right.max);
+        ui.scope_builder(UiBuilder::new().max_rect(left), |ui| summary(ui, model, comparison, commands));
+        ui.scope_builder(UiBuilder::new().max_rect(right), |ui| points(ui, model, comparison, commands));
+    });
+}
+
+/// What is compared.
+fn choices(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+    let now = model.look.compared;
+    let has_truth = model.truth().is_some();
+    let mut choice = |ui: &mut Ui, name: &str, tooltip: &str, chosen: bool, enabled: bool, then: Subject| {
+        let response = ui.add_enabled(enabled, egui::Button::selectable(chosen, name));
+        let missing = "Needs ground truth: open a folder that has it, or press Ground truth (G).";
+        if response.on_hover_text(tooltip).on_disabled_hover_text(missing).clicked() {
+            commands.push(Command::Compare(then));
+        }
+    };
+    let sets = [(PointSet::Pairs, "Point pairs"), (PointSet::TrueMatches, "True matches")];
+    let in_use = |set| if has_truth { set } else { PointSet::Pairs };
+    ui.horizontal_wrapped(|ui| {
+        ui.spacing_mut().item_spacing.x = 4.0;
+        ui.weak("At");
+        for (set, name) in sets {
+            let then = Subject { measured: set, ..now };
+            let enabled = has_truth || set == PointSet::Pairs;
+            let chosen = in_use(now.measured) == set;
+            choice(ui, name, "Measure at these points.", chosen, enabled, then);
+        }
+        ui.separator();
+        ui.weak("Distance");
+        for (measure, name, tooltip) in [
+            (Measure::Symmetric, "Symmetric", "Mean distance of two points from each other's epipolar lines."),
+            (Measure::Sampson, "Sampson", "How far the two points would have to move to fit exactly, to first order."),
+        ] {
+            choice(ui, name, tooltip, now.measure == measure, true, Subject { measure, ..now });
+        }
+        ui.separator();
+        ui.weak("7 and 8 from").on_hover_text("What the 7-point and 8-point algorithms are given.");
+        for (set, name) in sets {
+            let tooltip = match set {
+                PointSet::Pairs => {
+                    "All pairs that are not left out; the 7-point algorithm takes the first seven of them."
+                }
+                PointSet::TrueMatches => {
+                    "The pairs of the estimate and as many true matches as it takes, drawn as `epiline evaluate` does."
+                }
+            };
+            let then = Subject { fitted: set, ..now };
+            let enabled = has_truth || set == PointSet::Pairs;
+            let chosen = in_use(now.fitted) == set;
+            choice(ui, name, tooltip, chosen, enabled, then);
+        }
+    });
+}
+
+fn summary(ui: &mut Ui, model: &Model, comparison: &Comparison, commands: &mut Vec<Command>) {
+    let shown = model.shown();
+    let chosen = shown
+        .filter(|shown| shown.hypothesis.is_none())
+        .map(|shown| shown.contestant.unwrap_or(Contestant::Result));
+    let contestants = contestants(model);
+    let touched = Table {
+        name: "residual summary",
+        columns: &SUMMARY,
+        rows: contestants.len(),
+        revision: comparison.number,
+        row_name: &|row| format!("Geometry: {}", contestants[row].name()),
+        key: &|row, column| {
+            let spread = comparison.of(contestants[row]).spread;
+            let figure = |of: fn(&crate::evaluate::Spread) -> f64| spread.as_ref().map_or(f64::NAN, of);
+            match column {
+                2 => figure(|spread| spread.median),
+                3 => figure(|spread| spread.mean),
+                4 => figure(|spread| spread.max),
+                5 => figure(|spread| spread.below_one),
+                _ => row as f64,
+            }
+        },
+        text: &|row, column| {
+            let contestant = contestants[row];
+            let spread = comparison.of(contestants[row]).spread;
+            let figure = |of: fn(&crate::evaluate::Spread) -> f64| {
+                spread.as_ref().map_or(String::new(), |s| px(of(s)))
+            };
+            match column {
+                0 => contestant.name().to_owned(),
+                1 => from(model, comparison, contestant),
+                2 => figure(|spread| spread.median),
+                3 => figure(|spread| spread.mean),
+                4 => figure(|spread| spread.max),
+                _ => spread.map_or(String::new(), |spread| format!("{:.0} %", 100.0 * spread.below_one)),
+            }
+        },
+        look: &|row| RowLook { chosen: chosen == Some(contestants[row]), lit: false },
+        toggle: &|_| None,
+    }
+    .show(ui);
+    if let Some(row) = touched.clicked {
+        let contestant = contestants[row];
+        // Without a result there is nothing that the window shows another geometry in place of.
+        if shown.is_some() && comparison.fundamental(contestant).is_some() {
+            commands.push(Command::ChooseContestant(contestant));
+        }
+    }
+}
+
+/// What a geometry was made from, or what is missing for it.
+fn from(model: &Model, comparison: &Comparison, contestant: Contestant) -> String {
+    let fit = match &comparison.of(contestant).fit {
+        Ok(fit) => fit,
+        Err(why) => return why.clone(),
+    };
+    match contestant {
+        Contestant::Result => format!("{} pairs and the images", fit.pairs),
+        Contestant::SevenPoint if fit.solutions > 1 => {
+            format!("7 pairs, nearest of {} solutions", fit.solutions)
+        }
+        Contestant::SevenPoint => "7 pairs, the only solution".to_owned(),
+        Contestant::EightPoint => format!("{} pairs", fit.pairs),
+        Contestant::Imported => {
+            model.document.imported.as_ref().map_or(String::new(), |imported| imported.file.clone())
+        }
+        Contestant::Truth => match model.truth().map(|truth| truth.origin) {
+            Some(TruthOrigin::Matches) => format!("fitted to all {} matches", fit.pairs),
+            _ => "the two cameras".to_owned(),
+        },
+    }
+}
+
+fn points(ui: &mut Ui, model: &Model, comparison: &Comparison, commands: &mut Vec<Command>) {
+    let are_pairs = comparison.measured == PointSet::Pairs;
+    let target = |row: usize| if are_pairs { Target::Pair(row) } else { Target::TrueMatch(row) };
+    let name = |row: usize| if are_pairs { pair_name(row) } else { (row + 1).to_string() };
+    let document = &model.document;
+    let contestants = contestants(model);
+    let columns = point_columns(&contestants);
+    let distances = |column: usize| &comparison.of(contestants[column - 1]).distances;
+    let touched = Table {
+        name: "residuals",
+        columns: &columns,
+        rows: comparison.points,
+        revision: comparison.number,
+        row_name: &|row| {
+            format!("{} {}", if are_pairs { "Residuals of pair" } else { "True match" }, name(row))
+        },
+        key: &|row, column| match column {
+            0 => row as f64,
+            _ => distances(column).get(row).copied().unwrap_or(f64::NAN),
+        },
+        text: &|row, column| match column {
+            0 if are_pairs && document.role(row) == Role::Check => format!("{}, check", name(row)),
+            0 if are_pairs && document.role(row) == Role::Excluded => format!("{}, out", name(row)),
+            0 => name(row),
+            _ => distances(column).get(row).map_or(String::new(), |d| px(*d)),
+        },
+        look: &|row| RowLook {
+            chosen: are_pairs && document.selection.is_some_and(|at| at.pair == row),
+            lit: model.open.focus.hovered() == Some(target(row)),
+        },
+        toggle: &|row| {
+            are_pairs.then(|| (document.role(row) != Role::Excluded, format!("Count pair {}", name(row))))
+        },
+    }
+    .show(ui);
+    if let Some(row) = touched.hovered {
+        commands.push(Command::PointAt(target(row)));
+    }
+    if let Some((row, included)) = touched.toggled {
+        commands.push(Command::IncludePair(row, included));
+    } else if let Some(row) = touched.clicked {
+        if are_pairs {
+            commands.push(Command::Select(Some(PointRef { pair: row, side: Side::Left })));
+        } else if let Some(pair) = model.truth().and_then(|truth| truth.matches.get(row)) {
+            commands.push(Command::Pin(LineSource::Through { side: Side::Left, point: pair.point1 }));
+        }
+    }
+}
+
+/// A distance with as many digits as it deserves.
+fn px(distance: f64) -> String {
+    match distance {
+        d if !d.is_finite() => "infinite".to_owned(),
+        d if d >= 100.0 => format!("{d:.0}"),
+        d if d >= 0.005 || d == 0.0 => format!("{d:.2}"),
+        _ => "< 0.01".to_owned(),
+    }
+}

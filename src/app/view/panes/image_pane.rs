@@ -1,0 +1,318 @@
+//! One image: zooming, panning, and clicks and drags turned into commands.
+
+use egui::{CursorIcon, PointerButton, Pos2, Rect, Response, Sense, StrokeKind, Ui, WidgetInfo};
+
+use super::navigation::zoom_asked;
+use super::overlays::{Canvas, OVERLAYS, pointed_at};
+use super::texture::PictureTexture;
+use super::transform::Transform;
+use super::{epipole_map, loupe};
+use crate::app::model::Model;
+use crate::app::model::command::Command;
+use crate::app::model::document::{PointRef, Side, pair_name};
+use crate::app::model::focus::LineSource;
+use crate::app::model::look::Tool;
+use crate::app::model::open_pair::Hover;
+use crate::app::model::pane_view::PaneView;
+use crate::app::model::picture::Opened;
+use crate::app::model::shared::Shared;
+use crate::app::view::theme;
+use crate::geometry::{Frame, Point, Vector};
+use crate::image::Picture;
+
+/// What the mouse is doing.
+#[derive(Debug, Clone, Copy)]
+struct Drag {
+    /// Where the button went down. The whole way from here counts: summing the steps would lose the first
+    /// few pixels, before egui calls it a drag.
+    origin: Pos2,
+    what: Dragged,
+}
+
+#[derive(Debug, Clone, Copy)]
+enum Dragged {
+    /// A point that was at this image position.
+    Point(PointRef, Point),
+    /// The image; this position was in the middle of the pane.
+    View(Point),
+}
+
+/// One of the two image panes.
+pub struct ImagePane {
+    side: Side,
+    image: Option<PaneImage>,
+    drag: Option<Drag>,
+    /// Where it was drawn last.
+    rect: Rect,
+}
+
+/// The picture in a pane.
+struct PaneImage {
+    picture: Shared<Picture>,
+    texture: PictureTexture,
+    view: PaneView,
+}
+
+impl ImagePane {
+    /// An empty pane.
+    pub fn new(side: Side) -> Self {
+        Self { side, image: None, drag: None, rect: Rect::ZERO }
+    }
+
+    /// Shows another picture, whole.
+    pub fn set_picture(&mut self, ctx: &egui::Context, opened: &Opened) {
+        let texture = PictureTexture::new(ctx, opened);
+        let view = PaneView::fitting(opened.picture.frame());
+        self.image = Some(PaneImage { picture: opened.picture.clone(), texture, view });
+        self.drag = None;
+    }
+
+    /// Shows the whole image.
+    pub fn fit(&mut self) {
+        if let Some(image) = &mut self.image {
+            image.view = PaneView::fitting(image.picture.frame());
+        }
+    }
+
+    /// What part of the image is image.
+    pub fn view(&self) -> Option<PaneView> {
+        self.image.as_ref().map(|image| image.view)
+    }
+
+    /// Shows a part of the image.
+    pub fn set_view(&mut self, view: PaneView) {
+        if let Some(image) = &mut self.image {
+            image.view = view;
+        }
+    }
+
+    /// Shows the part of the image that another pane shows of its own.
+    pub fn follow(&mut self, leader: &Self) {
+        if let (Some(own), Some(other)) = (&mut self.image, &leader.image) {
+            let place = |image: &PaneImage, rect| (image.picture.frame(), rect);
+            own.view = other.view.carried_over(place(other, leader.rect), place(own, self.rect));
+        }
+    }
+
+    /// Lets go of what is being dragged; says whether it was a point.
+    pub fn let_go(&mut self) -> bool {
+        matches!(self.drag.take(), Some(Drag { what: Dragged::Point(..), .. }))
+    }
+
+    /// Shows the pane in all the space there is; returns the image position under the cursor.
+    pub fn show(&mut self, ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) -> Option<Hover> {
+        self.header(ui, model);
+        let rect = ui.available_rect_before_wrap();
+        self.rect = rect;
+        let response = ui.allocate_rect(rect, Sense::click_and_drag());
+        let side = self.side;
+        response
+            .widget_info(|| WidgetInfo::labeled(egui::Role::Image, true, format!("{} image", side.name())));
+        let painter = ui.painter_at(rect);
+        let palette = theme::palette(ui.visuals());
+        painter.rect_filled(rect, 4.0, palette.canvas);
+        let Some(image) = &mut self.image else {
+            let text = if model.activity.loading { "Opening" } else { "Drop an image here" };
+            let color = ui.visuals().weak_text_color();
+            let font = egui::TextStyle::Body.resolve(ui.style());
+            painter.text(rect.center(), egui::Align2::CENTER_CENTER, text, font, color);
+            return None;
+        };
+        let frame = image.picture.frame();
+        zoom(ui, &response, image, frame);
+        let mut transform = image.view.transform(frame, rect);
+        if let Some(drag) = &self.drag {
+            follow(ui, drag, image, &transform, commands);
+            transform = image.view.transform(frame, rect);
+        }
+        self.press(ui, &response, model, &transform, commands);
+        let image = self.image.as_mut()?;
+        image.texture.draw(&painter, &transform);
+        let canvas = Canvas { painter: &painter, transform: &transform, side, frame, model };
+        for overlay in &OVERLAYS {
+            if model.look.shows(overlay.id) {
+                (overlay.draw)(&canvas);
+            }
+        }
+        if let Some(target) = response.hover_pos().and_then(|position| pointed_at(&canvas, position)) {
+            commands.push(Command::PointAt(target));
+        }
+        if model.look.map {
+            epipole_map::show(ui, rect, side, frame, model, commands);
+        }
+        let due = model.document.half.is_some_and(|half| half.side != side);
+        if due {
+            painter.rect_stroke(rect, 4.0, egui::Stroke::new(2.0, palette.accent), StrokeKind::Inside);
+        }
+        let hover = if let Some(Drag { what: Dragged::Point(at, _), .. }) = self.drag {
+            model.document.point(at).map(|point| Hover { side, point, dragging: true })
+        } else {
+            let under = response.hover_pos().map(|position| transform.image_from_screen(position));
+            let inside = under.filter(|point| frame.contains(*point));
+            inside.map(|point| Hover { side, point, dragging: false })
+        };
+        if let Some(hover) = hover.filter(|hover| model.look.loupe && self.wants_loupe(model, *hover)) {
+            self.magnify(&painter, &transform, hover.point, model);
+        }
+        hover
+    }
+
+    /// Whether a point is being dragged, or the next click will place one that is needed.
+    fn wants_loupe(&self, model: &Model, hover: Hover) -> bool {
+        let document = &model.document;
+        let due = match document.half {
+            Some(half) => half.side != self.side,
+            None => document.used_pairs().is_none(),
+        };
+        hover.dragging || due && self.drag.is_none() && model.tool == Tool::Points
+    }
+
+    /// Draws the loupe beside a point.
+    fn magnify(&mut self, painter: &egui::Painter, pane: &Transform, point: Point, model: &Model) {
+        let (Some(image), Some(transform)) = (&mut self.image, loupe::place(pane, point)) else { return };
+        let painter = painter.with_clip_rect(transform.rect.intersect(pane.rect));
+        painter.rect_filled(transform.rect, 6.0, egui::Color32::from_gray(30));
+        image.texture.draw(&painter, &transform);
+        let frame = image.picture.frame();
+        let canvas = Canvas { painter: &painter, transform: &transform, side: self.side, frame, model };
+        for overlay in &OVERLAYS {
+            if model.look.shows(overlay.id) && overlay.magnified {
+                (overlay.draw)(&canvas);
+            }
+        }
+        loupe::finish(&painter, &transform);
+    }
+
+    /// The line above the image: which one it is, its name, size and zoom.
+    fn header(&self, ui: &mut Ui, model: &Model) {
+        ui.horizontal(|ui| {
+            let title = match self.side {
+                Side::Left => "Left",
+                Side::Right => "Right",
+            };
+            ui.strong(title);
+            let Some(picture) = model.document.pictures.as_ref().map(|p| &p[self.side.index()]) else {
+                return;
+            };
+            let Frame { width, height } = picture.frame;
+            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                ui.weak(format!("{width} × {height} px"));
+                if let Some(image) = self.image.as_ref().filter(|image| !image.view.fits()) {
+                    let rect = ui.available_rect_before_wrap();
+                    let scale = image.view.transform(picture.frame, rect).scale;
+                    ui.weak(format!("{:.0} %", scale * 100.0));
+                }
+                ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| {
+                    ui.add(egui::Label::new(egui::RichText::new(&picture.name).weak()).truncate());
+                });
+            });
+        });
+    }
+
+    /// Clicks, double clicks and the beginning and end of drags.
+    fn press(
+        &mut self,
+        ui: &Ui,
+        response: &Response,
+        model: &Model,
+        transform: &Transform,
+        commands: &mut Vec<Command>,
+    ) {
+        let Some(image) = &self.image else { return };
+        let (frame, centre) = (image.picture.frame(), image.view.centre);
+        let space = ui.input(|input| input.key_down(egui::Key::Space));
+        let side = self.side;
+        let handle_at = |position: Pos2| handle_at(model, side, transform, position);
+        if response.drag_started()
+            && let Some(origin) = ui.input(|input| input.pointer.press_origin())
+        {
+            let primary = response.drag_started_by(PointerButton::Primary);
+            let what = match handle_at(origin) {
+                Some((at, point)) if primary && !space => {
+                    commands.push(Command::Select(Some(at)));
+                    Dragged::Point(at, point)
+                }
+                _ => Dragged::View(centre),
+            };
+            self.drag = Some(Drag { origin, what });
+        }
+        if response.drag_stopped() && self.let_go() {
+            commands.push(Command::EndDrag);
+        }
+        if response.double_clicked_by(PointerButton::Primary) {
+            commands.push(Command::FitAfterDoubleClick(self.side));
+        } else if response.clicked_by(PointerButton::Primary)
+            && let Some(position) = response.interact_pointer_pos()
+            && !space
+        {
+            let point = transform.image_from_screen(position);
+            let handle = handle_at(position).map(|(at, _)| at);
+            if model.tool == Tool::Inspect {
+                let whole = handle.filter(|at| at.pair < model.document.pairs.len());
+                let source =
+                    whole.map_or(LineSource::Through { side, point }, |at| LineSource::Pair(at.pair));
+                if frame.contains(point) {
+                    commands.push(Command::Pin(source));
+                }
+            } else if let Some(at) = handle {
+                commands.push(Command::Select(Some(at)));
+            } else if frame.contains(point) {
+                commands.push(Command::Place(self.side, point));
+            } else {
+                commands.push(Command::Select(None));
+            }
+        }
+        let cursor = match self.drag.map(|drag| drag.what) {
+            Some(Dragged::Point(..)) => CursorIcon::None,
+            Some(Dragged::View(_)) => CursorIcon::Grabbing,
+            None if space => CursorIcon::Grab,
+            None if response.hover_pos().and_then(handle_at).is_some() => CursorIcon::Move,
+            None => CursorIcon::Crosshair,
+        };
+        if response.hovered() || self.drag.is_some() {
+            ui.ctx().set_cursor_icon(cursor);
+        }
+        let under = response.hover_pos().and_then(handle_at).map(|(at, _)| at);
+        if let Some(at) = under.filter(|at| self.drag.is_none() && model.document.selection != Some(*at)) {
+            let name = pair_name(at.pair);
+            response
+                .clone()
+                .on_hover_text_at_pointer(format!("Point {name}: drag it, or use the arrow keys."));
+        }
+    }
+}
+
+/// The handle that a press at this place takes hold of: the nearest one within reach.
+fn handle_at(model: &Model, side: Side, transform: &Transform, position: Pos2) -> Option<(PointRef, Point)> {
+    let distance = |point: Point| transform.screen_from_image(point).distance(position);
+    let within_reach =
+        model.document.points(side).filter(|(_, point)| distance(*point) <= theme::GRAB_RADIUS);
+    within_reach.min_by(|(_, a), (_, b)| distance(*a).total_cmp(&distance(*b)))
+}
+
+fn zoom(ui: &Ui, response: &Response, image: &mut PaneImage, frame: Frame) {
+    if let Some((at, factor)) = zoom_asked(ui, response) {
+        let transform = image.view.transform(frame, response.rect);
+        image.view.zoom(&transform, frame, at, factor);
+    }
+}
+
+/// Carries a drag on.
+fn follow(ui: &Ui, drag: &Drag, image: &mut PaneImage, transform: &Transform, commands: &mut Vec<Command>) {
+    let Some(position) = ui.input(|input| input.pointer.latest_pos()) else { return };
+    let delta = position - drag.origin;
+    match drag.what {
+        Dragged::Point(at, start) => {
+            let moved = Vector::new(f64::from(delta.x), f64::from(delta.y)) / transform.scale;
+            commands.push(Command::Drag(at, start + moved));
+        }
+        Dragged::View(start) => image.view.pan(transform, image.picture.frame(), start, delta),
+    }
+}
+
+/// The area of a pane, for layout.
+pub fn halves(rect: Rect) -> [Rect; 2] {
+    let (left, right) = rect.split_left_right_at_fraction(0.5);
+    let half = theme::GAP;
+    [left.with_max_x(left.max.x - half), right.with_min_x(right.min.x + half)]
+}

@@ -1,0 +1,65 @@
+//! A loupe beside the cursor: the pixels around the point that is being placed or dragged.
+
+use egui::{CornerRadius, Painter, Rect, Stroke, StrokeKind, pos2, vec2};
+
+use super::Transform;
+use crate::app::view::theme;
+use crate::geometry::Point;
+
+/// Its width and height, screen points.
+const SIDE: f32 = 132.0;
+/// From the cursor to its nearest corner, screen points.
+const GAP: f32 = 26.0;
+/// How many times larger than in the pane, at least and at most: with more one would not know where one is.
+const TIMES: std::ops::RangeInclusive<f64> = 4.0..=12.0;
+/// Between these limits pixels are this wide in it, screen points: wide enough to be told apart.
+const PIXEL: f64 = 8.0;
+/// When the pane itself magnifies this much a loupe shows nothing new; screen points per image pixel.
+const ENOUGH: f64 = 16.0;
+
+/// The transform of a loupe that shows the surroundings of a point; `None` when the pane is magnified enough.
+pub fn place(pane: &Transform, point: Point) -> Option<Transform> {
+    if pane.scale >= ENOUGH {
+        return None;
+    }
+    let at = pane.screen_from_image(point);
+    // Up and to the right, where a pointing hand is not; flipped where that would leave the pane.
+    let x = if at.x + GAP + SIDE <= pane.rect.max.x { at.x + GAP } else { at.x - GAP - SIDE };
+    let y = if at.y - GAP - SIDE >= pane.rect.min.y { at.y - GAP - SIDE } else { at.y + GAP };
+    let rect = Rect::from_min_size(pos2(x, y), vec2(SIDE, SIDE));
+    let scale = PIXEL.clamp(pane.scale * TIMES.start(), pane.scale * TIMES.end());
+    Some(Transform::new(rect, point, scale))
+}
+
+/// Cross hairs and a frame, once the pixels are drawn.
+pub fn finish(painter: &Painter, transform: &Transform) {
+    let (rect, centre) = (transform.rect, transform.rect.center());
+    // One image pixel, so that one sees how large it is.
+    let pixel = (transform.scale * 0.5).max(3.0) as f32;
+    for (width, color) in [(3.0, theme::HALO), (1.2, theme::SELECTED)] {
+        let stroke = Stroke::new(width, color);
+        for arm in [vec2(1.0, 0.0), vec2(-1.0, 0.0), vec2(0.0, 1.0), vec2(0.0, -1.0)] {
+            painter.line_segment([centre + arm * pixel, centre + arm * (pixel + 14.0)], stroke);
+        }
+        painter.rect_stroke(rect, CornerRadius::same(6), Stroke::new(width + 0.8, color), StrokeKind::Inside);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_loupe_stays_in_the_pane_and_off_the_cursor() {
+        let rect = Rect::from_min_size(pos2(100.0, 50.0), vec2(600.0, 400.0));
+        let pane = Transform::new(rect, Point::new(300.0, 200.0), 1.0);
+        for at in [(0.0, 0.0), (599.0, 0.0), (0.0, 399.0), (599.0, 399.0), (300.0, 200.0)] {
+            let loupe = place(&pane, Point::new(at.0, at.1)).unwrap();
+            assert!(rect.contains_rect(loupe.rect), "{at:?}");
+            assert!(!loupe.rect.contains(pane.screen_from_image(Point::new(at.0, at.1))), "{at:?}");
+            let centre = loupe.image_from_screen(loupe.rect.center());
+            assert!((centre - Point::new(at.0, at.1)).norm() < 1e-9);
+        }
+        assert!(place(&Transform::new(rect, Point::origin(), ENOUGH), Point::origin()).is_none());
+    }
+}

@@ -1,0 +1,13 @@
+//! The images, and what is drawn over them.
+
+mod epipole_map;
+mod image_pane;
+mod loupe;
+pub mod navigation;
+pub mod overlays;
+mod texture;
+mod transform;
+
+pub use image_pane::{ImagePane, halves};
+pub use texture::PictureTexture;
+pub use transform::Transform;

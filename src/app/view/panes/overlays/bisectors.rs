@@ -1,0 +1,35 @@
+//! The bisectors with the lines found for them: they give the maps H and G between the pencils.
+
+use super::{Canvas, Overlay};
+use crate::app::model::document::Side;
+use crate::app::model::ids::OverlayId;
+use crate::app::view::theme;
+
+/// Registered in [`super::OVERLAYS`].
+pub const OVERLAY: Overlay = Overlay {
+    id: OverlayId::Bisectors,
+    tooltip: "H: the bisector of the left lines with the right line most like it. G: the other way round. Both \
+              maps follow from them.",
+    color: theme::FORWARD,
+    magnified: false,
+    draw,
+};
+
+fn draw(canvas: &Canvas) {
+    let Some(construction) = canvas.model.construction() else { return };
+    let left = canvas.side == Side::Left;
+    let maps = [
+        (construction.forward(), theme::FORWARD, if left { "bisector" } else { "H bisector" }),
+        (construction.backward(), theme::BACKWARD, if left { "G bisector" } else { "bisector" }),
+    ];
+    for (lines, color, name) in maps {
+        let Some(line) = lines.map(|lines| canvas.own(&lines)) else { continue };
+        canvas.line(&line, theme::LINE_WIDTH, color);
+        if let Some(segment) = canvas.frame.clip(&line) {
+            // Near the end where two lines of one pencil are apart.
+            let at =
+                segment.start + (segment.end - segment.start) * if name == "bisector" { 0.12 } else { 0.88 };
+            canvas.label(canvas.transform.screen_from_image(at), name, color);
+        }
+    }
+}

@@ -1,0 +1,40 @@
+//! The candidate line pairs through the clicks: pairs of lines that find each other most similar.
+
+use egui::Color32;
+
+use super::{Canvas, Overlay};
+use crate::app::model::document::Side;
+use crate::app::model::ids::OverlayId;
+use crate::app::view::heat;
+use crate::geometry::AnchoredLine;
+
+/// Registered in [`super::OVERLAYS`].
+pub const OVERLAY: Overlay = Overlay {
+    id: OverlayId::Candidates,
+    tooltip: "Candidate epipolar lines through p and q: pairs that look most alike, the best ones yellow, the \
+              last ones violet, as in the tab Pencils.",
+    color: Color32::from_rgb(92, 200, 99),
+    magnified: false,
+    draw,
+};
+
+/// Candidates drawn through each click, by rank.
+const DRAWN: usize = 80;
+
+fn draw(canvas: &Canvas) {
+    let Some(pencils) = canvas.model.open.computation.pencils() else { return };
+    for pencil in pencils {
+        let click = match canvas.side {
+            Side::Left => pencil.click().point1,
+            Side::Right => pencil.click().point2,
+        };
+        let drawn = pencil.candidates().len().min(DRAWN);
+        // The best one last, on top.
+        for (rank, candidate) in pencil.candidates().iter().take(drawn).enumerate().rev() {
+            let likeness = 1.0 - rank as f32 / drawn.max(1) as f32;
+            let line = AnchoredLine::at_angle(click, candidate.angles[canvas.side.index()]).line();
+            let color = heat::color(likeness).gamma_multiply(0.35 + 0.55 * likeness);
+            canvas.thin_line(&line, 0.8 + 0.6 * likeness, color);
+        }
+    }
+}

@@ -1,0 +1,32 @@
+//! The pair of epipolar lines of the cursor, both ways, whenever there is a fundamental matrix.
+
+use super::{Canvas, Overlay};
+use crate::app::model::ids::OverlayId;
+use crate::app::view::theme;
+
+/// Registered in [`super::OVERLAYS`].
+pub const OVERLAY: Overlay = Overlay {
+    id: OverlayId::CursorLine,
+    tooltip: "The line in the other image on which the match of the point under the cursor lies.",
+    color: theme::HOVER,
+    magnified: true,
+    draw,
+};
+
+fn draw(canvas: &Canvas) {
+    let (Some((shown, opacity)), Some(hover)) = (canvas.shown(), canvas.model.open.hover) else { return };
+    if hover.dragging {
+        // The dragged point has a line of its own.
+        return;
+    }
+    let f = shown.fundamental;
+    let (line, width, opacity) = if hover.side == canvas.side {
+        // Faint: here it only shows which line the cursor is on.
+        (canvas.line_through(f, hover.point), theme::LINE_WIDTH * 0.75, opacity * 0.55)
+    } else {
+        (canvas.line_from_other(f, hover.point), theme::LINE_WIDTH, opacity)
+    };
+    if let Some(line) = line {
+        canvas.line(&line, width, theme::HOVER.gamma_multiply(opacity));
+    }
+}

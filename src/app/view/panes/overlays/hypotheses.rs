@@ -1,0 +1,106 @@
+//! Where the hypotheses have their epipoles: diamonds in the image, arrows at its edge for those outside.
+
+use egui::{Color32, Pos2, Shape, Stroke, Vec2, vec2};
+
+use super::{Canvas, Overlay, Pointing};
+use crate::app::model::document::Side;
+use crate::app::model::focus::Target;
+use crate::app::model::ids::OverlayId;
+use crate::app::view::theme;
+use crate::estimate::Hypothesis;
+use crate::geometry::{HomogeneousPoint, Vector, finite_point};
+
+/// Registered in [`super::OVERLAYS`].
+pub const OVERLAY: Overlay = Overlay {
+    id: OverlayId::Hypotheses,
+    tooltip: "Where the hypotheses have their epipoles, the best ones brightest; an arrow at the edge points to one \
+              outside.",
+    color: theme::HYPOTHESIS,
+    magnified: false,
+    draw,
+};
+
+/// Hypotheses drawn, by rank.
+const DRAWN: usize = 20;
+
+fn draw(canvas: &Canvas) {
+    let Some((shown, opacity)) = canvas.shown() else { return };
+    let drawn = shown.estimate.hypotheses.len().min(DRAWN);
+    let lit = match canvas.model.open.focus.hovered() {
+        Some(Target::Hypothesis(number)) => Some(number),
+        _ => None,
+    };
+    for (rank, hypothesis) in shown.estimate.hypotheses.iter().take(drawn).enumerate().rev() {
+        let bright = 1.0 - rank as f32 / drawn as f32;
+        mark(
+            canvas,
+            hypothesis,
+            theme::HYPOTHESIS.gamma_multiply(opacity * (0.15 + 0.7 * bright * bright)),
+            1.0,
+        );
+    }
+    for number in shown.hypothesis.map(|(number, _)| number).into_iter().chain(lit) {
+        if let Some(hypothesis) = shown.estimate.hypotheses.get(number) {
+            mark(canvas, hypothesis, theme::SELECTED, 1.5);
+        }
+    }
+}
+
+/// The hypothesis whose mark is at a place of the screen.
+pub fn at(canvas: &Canvas, position: Pos2) -> Option<Pointing> {
+    let (shown, _) = canvas.shown()?;
+    let hypotheses = shown.estimate.hypotheses.iter().take(DRAWN).enumerate();
+    let near = hypotheses.filter_map(|(number, hypothesis)| {
+        let distance = place(canvas, hypothesis).0.distance(position);
+        (distance < theme::GRAB_RADIUS).then_some((number, distance))
+    });
+    let (number, distance) = near.min_by(|a, b| a.1.total_cmp(&b.1))?;
+    Some(Pointing { target: Target::Hypothesis(number), distance })
+}
+
+fn mark(canvas: &Canvas, hypothesis: &Hypothesis, color: Color32, size: f32) {
+    let (at, outwards) = place(canvas, hypothesis);
+    let corners = match outwards {
+        None => {
+            [vec2(0.0, -1.0), vec2(1.0, 0.0), vec2(0.0, 1.0), vec2(-1.0, 0.0)].map(|d| at + d * 5.0 * size)
+        }
+        Some(along) => {
+            let (tip, side) = (along * 6.0 * size, along.rot90() * 4.5 * size);
+            [at + tip, at - tip + side, at - tip * 0.5, at - tip - side]
+        }
+    };
+    let halo = Stroke::new(1.5, theme::HALO.gamma_multiply(f32::from(color.a()) / 255.0));
+    canvas.painter.add(Shape::closed_line(corners.to_vec(), halo));
+    let (one, two) = ([corners[0], corners[1], corners[2]], [corners[0], corners[2], corners[3]]);
+    for triangle in [one, two] {
+        canvas.painter.add(Shape::convex_polygon(triangle.to_vec(), color, Stroke::NONE));
+    }
+}
+
+/// Where its mark is; with a direction when it is an arrow at the edge.
+fn place(canvas: &Canvas, hypothesis: &Hypothesis) -> (Pos2, Option<Vec2>) {
+    let epipole = match canvas.side {
+        Side::Left => hypothesis.epipole1(),
+        Side::Right => hypothesis.epipole2(),
+    };
+    let visible = canvas.transform.rect.intersect(canvas.painter.clip_rect());
+    if let Some(at) = finite_point(&epipole).map(|point| canvas.transform.screen_from_image(point))
+        && visible.contains(at)
+    {
+        return (at, None);
+    }
+    let centre = visible.center();
+    let towards = direction(&epipole, canvas.transform.image_from_screen(centre));
+    let along = vec2(towards.x as f32, towards.y as f32);
+    let room = visible.shrink(9.0).size() * 0.5;
+    let reach = (room.x / along.x.abs().max(1e-6)).min(room.y / along.y.abs().max(1e-6));
+    (centre + along * reach, Some(along))
+}
+
+/// The unit direction in which a homogeneous point lies from another place. Of a point at infinity both senses
+/// are right; one is taken.
+pub fn direction(point: &HomogeneousPoint, from: crate::geometry::Point) -> Vector {
+    let sense = if point.z < 0.0 { -1.0 } else { 1.0 };
+    let way = (point.xy() - from.coords * point.z) * sense;
+    way.try_normalize(1e-300).unwrap_or_else(Vector::x)
+}

@@ -1,0 +1,35 @@
+//! The epipolar lines of the clicked points: each point's line in the other image.
+
+use super::{Canvas, Overlay};
+use crate::app::model::document::{PointRef, Role};
+use crate::app::model::ids::OverlayId;
+use crate::app::view::theme;
+
+/// Registered in [`super::OVERLAYS`].
+pub const OVERLAY: Overlay = Overlay {
+    id: OverlayId::Lines,
+    tooltip: "Each clicked point's line in the other image. Its match must lie on it.",
+    color: theme::ESTIMATED,
+    magnified: true,
+    draw,
+};
+
+fn draw(canvas: &Canvas) {
+    let Some((shown, opacity)) = canvas.shown() else { return };
+    let document = &canvas.model.document;
+    let selected = document.selection.map(|at| at.pair);
+    let wanted =
+        document.points(canvas.side.other()).filter(|(at, _)| document.role(at.pair) != Role::Excluded);
+    for (at, other) in wanted {
+        let Some(line) = canvas.line_from_other(shown.fundamental, other) else { continue };
+        let strong = selected == Some(at.pair);
+        let width = if strong { theme::STRONG_LINE_WIDTH } else { theme::LINE_WIDTH };
+        canvas.line(&line, width, theme::ESTIMATED.gamma_multiply(opacity));
+        // How far the point is from where it should lie; seen when magnified.
+        let own = PointRef { side: canvas.side, ..at };
+        if let Some(point) = document.point(own) {
+            let color = theme::pair_color(at.pair).gamma_multiply(opacity);
+            canvas.segment(point, line.foot(point), theme::LINE_WIDTH, color);
+        }
+    }
+}

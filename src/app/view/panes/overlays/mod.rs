@@ -1,0 +1,214 @@
+//! What is drawn over the images: one file each, registered in [`OVERLAYS`].
+
+mod bisectors;
+mod candidates;
+mod chosen;
+mod epipoles;
+mod hover;
+mod hypotheses;
+mod lines;
+mod matches;
+mod pinned;
+mod pointed;
+mod points;
+mod residuals;
+mod round_trip;
+mod samples;
+mod suggestion;
+mod true_lines;
+mod true_matches;
+mod uncertainty;
+
+use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Shape, Stroke, vec2};
+
+use super::Transform;
+use crate::app::model::Model;
+use crate::app::model::computation::Freshness;
+use crate::app::model::document::Side;
+use crate::app::model::focus::Target;
+use crate::app::model::ids::OverlayId;
+use crate::app::model::shown::ShownGeometry;
+use crate::app::view::theme;
+use crate::geometry::{Frame, FundamentalMatrix, Line, LinePair, Point, PointPair};
+
+/// A layer over the images.
+pub struct Overlay {
+    /// Which one it is.
+    pub id: OverlayId,
+    /// One sentence about it.
+    pub tooltip: &'static str,
+    /// Its colour in the legend.
+    pub color: Color32,
+    /// Whether it helps to place a point, so that the loupe shows it too.
+    pub magnified: bool,
+    /// Draws it over one image.
+    pub draw: fn(&Canvas),
+}
+
+/// All overlays, from the lowest to the topmost, in the order of their names.
+pub const OVERLAYS: [Overlay; OverlayId::COUNT] = [
+    candidates::OVERLAY,
+    round_trip::OVERLAY,
+    uncertainty::OVERLAY,
+    lines::OVERLAY,
+    true_lines::OVERLAY,
+    chosen::OVERLAY,
+    bisectors::OVERLAY,
+    hover::OVERLAY,
+    pinned::OVERLAY,
+    samples::OVERLAY,
+    true_matches::OVERLAY,
+    matches::OVERLAY,
+    residuals::OVERLAY,
+    hypotheses::OVERLAY,
+    epipoles::OVERLAY,
+    pointed::OVERLAY,
+    suggestion::OVERLAY,
+    points::OVERLAY,
+];
+
+/// Something drawn that the cursor is at.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Pointing {
+    /// What it is.
+    pub target: Target,
+    /// How far from the cursor, screen points.
+    distance: f32,
+}
+
+/// Says what of an overlay is at a place of the screen.
+type Finder = fn(&Canvas, Pos2) -> Option<Pointing>;
+
+/// What the cursor points at among what is shown: the nearest thing within reach.
+pub fn pointed_at(canvas: &Canvas, position: Pos2) -> Option<Target> {
+    let finders: [(OverlayId, Finder); 4] = [
+        (OverlayId::Points, points::at),
+        (OverlayId::Hypotheses, hypotheses::at),
+        (OverlayId::Matches, matches::at),
+        (OverlayId::TrueMatches, true_matches::at),
+    ];
+    let found = finders.iter().filter(|(overlay, _)| canvas.model.look.shows(*overlay));
+    let found = found.filter_map(|(_, at)| at(canvas, position));
+    // The plot marks the sample under the cursor whether or not there are dots in the images.
+    let found = found.chain(samples::at(canvas, position));
+    found.min_by(|a, b| a.distance.total_cmp(&b.distance)).map(|pointing| pointing.target)
+}
+
+/// The true matches that are drawn over the images, with their places in the list.
+pub fn true_matches_shown<'a>(model: &'a Model) -> impl Iterator<Item = (usize, &'a PointPair)> + use<'a> {
+    let shown = model.look.shows(OverlayId::TrueMatches);
+    true_matches::drawn(model).filter(move |_| shown)
+}
+
+/// An image on the screen, to be drawn over.
+pub struct Canvas<'a> {
+    /// Clipped to the pane.
+    pub painter: &'a Painter,
+    /// Where image pixels appear.
+    pub transform: &'a Transform,
+    /// Which image it is.
+    pub side: Side,
+    /// Its size.
+    pub frame: Frame,
+    /// The state to be shown.
+    pub model: &'a Model,
+}
+
+impl Canvas<'_> {
+    /// The geometry to be drawn and how opaque its lines are.
+    fn shown(&self) -> Option<(ShownGeometry<'_>, f32)> {
+        self.model.shown().map(|shown| {
+            (shown, if shown.freshness == Freshness::Stale { theme::STALE_OPACITY } else { 1.0 })
+        })
+    }
+
+    /// The epipolar line in this image of a point of the other.
+    fn line_from_other(&self, f: &FundamentalMatrix, point: Point) -> Option<Line> {
+        match self.side {
+            Side::Left => f.line1_from_point2(point),
+            Side::Right => f.line2_from_point1(point),
+        }
+    }
+
+    /// The epipolar line in this image through one of its own points.
+    fn line_through(&self, f: &FundamentalMatrix, point: Point) -> Option<Line> {
+        let epipole = match self.side {
+            Side::Left => f.epipole1(),
+            Side::Right => f.epipole2(),
+        };
+        Line::joining(&epipole, &point.to_homogeneous())
+    }
+
+    /// A line as far as it lies on the image, with a dark edge.
+    fn line(&self, line: &Line, width: f32, color: Color32) {
+        if let Some(segment) = self.frame.clip(line) {
+            self.segment(segment.start, segment.end, width, color);
+        }
+    }
+
+    /// A line as far as it lies on the image, without an edge: for the many lines of a pencil.
+    fn thin_line(&self, line: &Line, width: f32, color: Color32) {
+        if let Some(segment) = self.frame.clip(line) {
+            let ends = [segment.start, segment.end].map(|point| self.transform.screen_from_image(point));
+            self.painter.line_segment(ends, Stroke::new(width, color));
+        }
+    }
+
+    /// A dashed line as far as it lies on the visible part of the image, with a dark edge.
+    fn dashed_line(&self, line: &Line, width: f32, color: Color32) {
+        let Some(segment) = self.frame.clip(line) else { return };
+        let ends = [segment.start, segment.end].map(|point| self.transform.screen_from_image(point));
+        // Dashes out of sight would be drawn one by one too: many thousands when magnified.
+        let reach = self.painter.clip_rect().size().length();
+        let along = (ends[1] - ends[0]).normalized();
+        let middle = (self.painter.clip_rect().center() - ends[0]).dot(along);
+        let length = (ends[1] - ends[0]).length();
+        let (from, to) = ((middle - reach).clamp(0.0, length), (middle + reach).clamp(0.0, length));
+        let ends = [ends[0] + along * from, ends[0] + along * to];
+        self.painter.line_segment(ends, Stroke::new(width + 1.5, theme::HALO.gamma_multiply(0.5)));
+        self.painter.extend(Shape::dashed_line(&ends, Stroke::new(width, color), 7.0, 5.0));
+    }
+
+    /// The line of a pair that lies in this image.
+    fn own(&self, lines: &LinePair) -> Line {
+        match self.side {
+            Side::Left => lines.line1,
+            Side::Right => lines.line2,
+        }
+    }
+
+    /// A stretch between two image positions, with a dark edge.
+    fn segment(&self, start: Point, end: Point, width: f32, color: Color32) {
+        let ends = [self.transform.screen_from_image(start), self.transform.screen_from_image(end)];
+        let opacity = f32::from(color.a()) / 255.0;
+        self.painter.line_segment(ends, Stroke::new(width + 2.0, theme::HALO.gamma_multiply(opacity)));
+        self.painter.line_segment(ends, Stroke::new(width, color));
+    }
+
+    /// A short text beside a place on the screen, kept inside the pane.
+    fn label(&self, at: Pos2, text: &str, color: Color32) {
+        let galley = self.painter.layout_no_wrap(text.to_owned(), FontId::proportional(13.0), color);
+        let size = galley.size() + vec2(8.0, 2.0);
+        let pane = self.transform.rect.shrink(2.0);
+        let mut area = Rect::from_min_size(at + vec2(9.0, -9.0 - size.y), size);
+        if area.max.x > pane.max.x {
+            area = area.translate(vec2(-18.0 - size.x, 0.0));
+        }
+        if area.min.y < pane.min.y {
+            area = area.translate(vec2(0.0, 18.0 + size.y));
+        }
+        self.painter.rect_filled(area, 4.0, theme::LABEL_FILL);
+        let corner = Align2::CENTER_CENTER.align_size_within_rect(galley.size(), area).min;
+        self.painter.galley(corner, galley, color);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_overlay_is_in_its_place() {
+        assert!(OVERLAYS.iter().map(|overlay| overlay.id).eq(OverlayId::all()));
+    }
+}

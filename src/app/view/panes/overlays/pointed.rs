@@ -1,0 +1,97 @@
+//! What is pointed at elsewhere in the window: its place in the images lights up.
+
+use egui::Stroke;
+
+use super::{Canvas, Overlay, samples, true_matches};
+use crate::app::model::document::{PointRef, Side};
+use crate::app::model::focus::Target;
+use crate::app::model::ids::OverlayId;
+use crate::app::view::theme;
+use crate::geometry::Point;
+
+/// Registered in [`super::OVERLAYS`].
+pub const OVERLAY: Overlay = Overlay {
+    id: OverlayId::PointedAt,
+    tooltip: "What the cursor points at in a table, a matrix or a plot, here in the images.",
+    color: theme::SELECTED,
+    magnified: false,
+    draw,
+};
+
+fn draw(canvas: &Canvas) {
+    let model = canvas.model;
+    match model.open.focus.hovered() {
+        Some(Target::Cell { pair, row, column }) => {
+            let lines =
+                model.open.computation.pencils().and_then(|pencils| pencils.get(pair)?.lines(row, column));
+            if let Some(lines) = lines {
+                canvas.line(&lines[canvas.side.index()].line(), theme::STRONG_LINE_WIDTH, theme::SELECTED);
+            }
+        }
+        Some(Target::Hypothesis(number)) => {
+            let Some((shown, _)) = canvas.shown() else { return };
+            let Some(hypothesis) = shown.estimate.hypotheses.get(number) else { return };
+            for (_, other) in model.document.points(canvas.side.other()) {
+                if let Some(line) = canvas.line_from_other(&hypothesis.fundamental, other) {
+                    canvas.line(&line, theme::LINE_WIDTH, theme::HYPOTHESIS);
+                }
+            }
+        }
+        Some(Target::Pair(pair)) => {
+            if let Some(point) = model.document.point(PointRef { pair, side: canvas.side }) {
+                ring(canvas, point);
+            }
+        }
+        Some(Target::Match(number)) => {
+            let matched = canvas.shown().and_then(|(shown, _)| shown.estimate.matches.get(number).copied());
+            if let Some(matched) = matched {
+                ring(
+                    canvas,
+                    match canvas.side {
+                        Side::Left => matched.pair.point1,
+                        Side::Right => matched.pair.point2,
+                    },
+                );
+            }
+        }
+        Some(Target::TrueMatch(number)) => {
+            if let Some(pair) = model.truth().and_then(|truth| truth.matches.get(number)) {
+                ring(canvas, true_matches::own(canvas.side, pair));
+            }
+        }
+        Some(Target::Sample(index)) => {
+            if let Some(point) = samples::place(canvas, index) {
+                ring(canvas, point);
+            }
+        }
+        Some(Target::Rectified { side, at }) => rectified(canvas, side, at),
+        None => {}
+    }
+}
+
+/// A place in the rectified pictures: its pixel and its epipolar line in both images.
+fn rectified(canvas: &Canvas, side: Option<Side>, at: Point) {
+    let Some(rectified) = canvas.model.open.rectified.as_ref() else { return };
+    let Ok(drawn) = &rectified.outcome else { return };
+    let pixel = |side: Side| drawn.shown.maps[side.index()].original_from_rectified(at);
+    let own = side.is_none_or(|side| side == canvas.side);
+    let source = if own { canvas.side } else { canvas.side.other() };
+    let Some(point) = pixel(source) else { return };
+    let line = if own {
+        canvas.line_through(&rectified.fundamental, point)
+    } else {
+        canvas.line_from_other(&rectified.fundamental, point)
+    };
+    if let Some(line) = line {
+        canvas.line(&line, theme::LINE_WIDTH, theme::HOVER);
+    }
+    if own && canvas.frame.contains(point) {
+        ring(canvas, point);
+    }
+}
+
+fn ring(canvas: &Canvas, point: Point) {
+    let at = canvas.transform.screen_from_image(point);
+    canvas.painter.circle_stroke(at, theme::HANDLE_RADIUS + 5.0, Stroke::new(4.0, theme::HALO));
+    canvas.painter.circle_stroke(at, theme::HANDLE_RADIUS + 5.0, Stroke::new(2.0, theme::SELECTED));
+}

@@ -1,0 +1,49 @@
+//! The clicked points: rings, so that the pixel they mark stays in sight.
+
+use egui::{Pos2, Stroke};
+
+use super::{Canvas, Overlay, Pointing};
+use crate::app::model::document::{Role, pair_name};
+use crate::app::model::focus::Target;
+use crate::app::model::ids::OverlayId;
+use crate::app::view::theme;
+
+/// Registered in [`super::OVERLAYS`].
+pub const OVERLAY: Overlay = Overlay {
+    id: OverlayId::Points,
+    tooltip: "The clicked points: p orange, q pink, r blue, check points grey.",
+    color: theme::PAIRS[0],
+    magnified: false,
+    draw,
+};
+
+fn draw(canvas: &Canvas) {
+    let document = &canvas.model.document;
+    for (at, point) in document.points(canvas.side) {
+        let centre = canvas.transform.screen_from_image(point);
+        let left_out = document.role(at.pair) == Role::Excluded;
+        let color =
+            theme::pair_color(at.pair).gamma_multiply(if left_out { theme::STALE_OPACITY } else { 1.0 });
+        let painter = canvas.painter;
+        if document.selection == Some(at) {
+            painter.circle_stroke(centre, theme::HANDLE_RADIUS + 3.5, Stroke::new(4.0, theme::HALO));
+            painter.circle_stroke(centre, theme::HANDLE_RADIUS + 3.5, Stroke::new(1.5, theme::SELECTED));
+        }
+        painter.circle_stroke(centre, theme::HANDLE_RADIUS, Stroke::new(4.5, theme::HALO));
+        painter.circle_stroke(centre, theme::HANDLE_RADIUS, Stroke::new(2.2, color));
+        painter.circle_filled(centre, 2.2, theme::HALO);
+        painter.circle_filled(centre, 1.3, color);
+        canvas.label(centre, &pair_name(at.pair), color);
+    }
+}
+
+/// The pair whose handle is at a place of the screen.
+pub fn at(canvas: &Canvas, position: Pos2) -> Option<Pointing> {
+    let distances = canvas
+        .model
+        .document
+        .points(canvas.side)
+        .map(|(at, point)| (at.pair, canvas.transform.screen_from_image(point).distance(position)));
+    let (pair, distance) = distances.min_by(|a, b| a.1.total_cmp(&b.1))?;
+    (distance <= theme::GRAB_RADIUS).then_some(Pointing { target: Target::Pair(pair), distance })
+}

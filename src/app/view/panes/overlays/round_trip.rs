@@ -1,0 +1,54 @@
+//! Lines carried to the other image and back: where `l` and `GH l` differ, the two maps contradict each other.
+
+use egui::{Mesh, Shape};
+
+use super::{Canvas, Overlay};
+use crate::app::model::document::Side;
+use crate::app::model::ids::OverlayId;
+use crate::app::view::theme;
+use crate::geometry::{Point, regions_between_lines};
+
+/// Registered in [`super::OVERLAYS`].
+pub const OVERLAY: Overlay = Overlay {
+    id: OverlayId::RoundTrip,
+    tooltip: "Left: lines l and what comes back of them, GH l (dashed), with the area between filled. Right: H l. \
+              The smaller the area, the better both directions agree.",
+    color: theme::BACKWARD,
+    magnified: false,
+    draw,
+};
+
+/// Lines carried over and back.
+const LINES: usize = 14;
+
+fn draw(canvas: &Canvas) {
+    let (Some(construction), Some(frame1)) =
+        (canvas.model.construction(), canvas.model.document.frame(Side::Left))
+    else {
+        return;
+    };
+    for trip in construction.round_trips(frame1, LINES) {
+        if canvas.side == Side::Right {
+            canvas.thin_line(&trip.line2, 1.2, theme::FORWARD.gamma_multiply(0.8));
+            continue;
+        }
+        for region in regions_between_lines(&trip.line1, &trip.back1, frame1) {
+            fill(canvas, &region);
+        }
+        canvas.thin_line(&trip.line1, 1.2, theme::FORWARD.gamma_multiply(0.8));
+        canvas.dashed_line(&trip.back1, 1.2, theme::BACKWARD);
+    }
+}
+
+/// A convex region as a fan of triangles: a filled path would blur its long thin ends.
+fn fill(canvas: &Canvas, region: &[Point]) {
+    let color = theme::BACKWARD.gamma_multiply(0.3);
+    let mut mesh = Mesh::default();
+    for point in region {
+        mesh.colored_vertex(canvas.transform.screen_from_image(*point), color);
+    }
+    for k in 2..region.len() as u32 {
+        mesh.add_triangle(0, k - 1, k);
+    }
+    canvas.painter.add(Shape::mesh(mesh));
+}

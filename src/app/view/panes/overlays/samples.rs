@@ -1,0 +1,77 @@
+//! Samples of the inspected line pair, matched: the same colour in both images belongs together.
+
+use egui::Pos2;
+
+use super::{Canvas, Overlay, Pointing};
+use crate::app::model::document::Side;
+use crate::app::model::focus::Target;
+use crate::app::model::ids::OverlayId;
+use crate::app::model::inspection::Inspection;
+use crate::app::view::heat;
+use crate::app::view::theme;
+use crate::geometry::Point;
+
+/// Registered in [`super::OVERLAYS`].
+pub const OVERLAY: Overlay = Overlay {
+    id: OverlayId::Samples,
+    tooltip: "Places along the pinned line pair that stereo matching puts together: dots of one colour belong \
+              together.",
+    color: theme::INSPECTED,
+    magnified: false,
+    draw,
+};
+
+/// Dots along a line, about.
+const DOTS: i32 = 32;
+
+fn draw(canvas: &Canvas) {
+    // The line pair that is inspected when none is pinned would be in the way all the time.
+    let pinned = canvas.model.open.focus.inspected().is_some();
+    let Some(inspection) = inspection(canvas).filter(|_| pinned) else { return };
+    let samples = inspection.samples();
+    let (first, count) = (samples.start, samples.end - samples.start);
+    for sample in samples.step_by((count / DOTS).max(1) as usize) {
+        if let [Some(own), other] = places(canvas, inspection, sample) {
+            let at = canvas.transform.screen_from_image(own);
+            canvas.painter.circle_filled(at, 5.0, theme::HALO);
+            // One whose match falls outside the other image has none to be compared with.
+            if other.is_some() {
+                canvas.painter.circle_filled(
+                    at,
+                    3.8,
+                    heat::color((sample - first) as f32 / count.max(1) as f32),
+                );
+            }
+        }
+    }
+}
+
+/// The answer for the line pair that is inspected now.
+fn inspection<'a>(canvas: &Canvas<'a>) -> Option<&'a Inspection> {
+    let lines = canvas.model.inspected()?.lines;
+    canvas.model.open.inspection.as_ref().filter(|inspection| inspection.lines == lines)
+}
+
+/// Where a sample is in this image and in the other one.
+fn places(canvas: &Canvas, inspection: &Inspection, sample: i32) -> [Option<Point>; 2] {
+    let (left, right) = (inspection.point1(sample), inspection.point2(sample));
+    match canvas.side {
+        Side::Left => [left, right],
+        Side::Right => [right, left],
+    }
+}
+
+/// Where a sample is in this image.
+pub fn place(canvas: &Canvas, sample: i32) -> Option<Point> {
+    places(canvas, inspection(canvas)?, sample)[0]
+}
+
+/// The sample at a place of the screen.
+pub fn at(canvas: &Canvas, position: Pos2) -> Option<Pointing> {
+    let inspection = inspection(canvas)?;
+    let point = canvas.transform.image_from_screen(position);
+    let reach = f64::from(theme::GRAB_RADIUS) / canvas.transform.scale;
+    let sample = inspection.sample_near(canvas.side, point, reach)?;
+    let distance = inspection.lines[canvas.side.index()].line().distance(point) * canvas.transform.scale;
+    Some(Pointing { target: Target::Sample(sample), distance: distance as f32 })
+}

@@ -1,0 +1,51 @@
+//! Where the match of a first click may be.
+
+use egui::Stroke;
+
+use super::{Canvas, Overlay};
+use crate::app::model::ids::OverlayId;
+use crate::app::view::theme;
+
+/// Registered in [`super::OVERLAYS`].
+pub const OVERLAY: Overlay = Overlay {
+    id: OverlayId::Suggestion,
+    tooltip: "After the first click of a pair: where the other image looks most alike, with the correlation of the \
+              patches. Enter accepts a clear one.",
+    color: theme::SUGGESTED,
+    magnified: true,
+    draw,
+};
+
+/// Rivals drawn beside the best place.
+const RIVALS: usize = 4;
+/// Nearer to a better place than this a rival has no label: it would cover the other one. Screen points.
+const LABEL_ROOM: f32 = 70.0;
+
+fn draw(canvas: &Canvas) {
+    let model = canvas.model;
+    if model.document.half.is_none_or(|half| half.side == canvas.side) {
+        return;
+    }
+    let Some(Ok(found)) = model.open.suggestion.as_ref() else { return };
+    let color = theme::pair_color(model.document.pairs.len());
+    let clear = found.clear().is_some();
+    let places = found
+        .candidates
+        .iter()
+        .take(1 + RIVALS)
+        .map(|candidate| (candidate.correlation, canvas.transform.screen_from_image(candidate.position)));
+    let places: Vec<_> = places.collect();
+    for (rank, (correlation, at)) in places.iter().enumerate().rev() {
+        let (radius, width, shade) = if rank == 0 { (11.0, 2.0, 1.0) } else { (7.0, 1.3, 0.6) };
+        for (color, width) in [(theme::HALO, width + 2.5), (theme::SUGGESTED.gamma_multiply(shade), width)] {
+            canvas.painter.circle_stroke(*at, radius, Stroke::new(width, color));
+        }
+        if rank == 0 {
+            canvas.painter.circle_filled(*at, 2.0, color);
+            let text = if clear { "match? Enter accepts" } else { "not clear" };
+            canvas.label(*at, &format!("{correlation:.2}, {text}"), color);
+        } else if places[..rank].iter().all(|(_, better)| better.distance(*at) > LABEL_ROOM) {
+            canvas.label(*at, &format!("{correlation:.2}"), theme::SUGGESTED.gamma_multiply(0.8));
+        }
+    }
+}

@@ -1,0 +1,74 @@
+//! The true matches, the same ones in both images.
+
+use egui::{Pos2, Stroke};
+
+use super::{Canvas, Overlay, Pointing};
+use crate::app::model::Model;
+use crate::app::model::document::Side;
+use crate::app::model::focus::Target;
+use crate::app::model::ids::OverlayId;
+use crate::app::view::theme;
+use crate::geometry::{Point, PointPair};
+
+/// Registered in [`super::OVERLAYS`].
+pub const OVERLAY: Overlay = Overlay {
+    id: OverlayId::TrueMatches,
+    tooltip: "Points whose match in the other image is known. Point at one to see the other; of more than 300 only \
+              some are drawn.",
+    color: theme::TRUE,
+    magnified: false,
+    draw,
+};
+
+/// Marks drawn at most, spread over the list.
+const DRAWN: usize = 300;
+/// Half the width of a mark, screen points: of a few, and of many, which must not hide the image.
+const SIZES: [f32; 2] = [3.4, 2.2];
+/// More than this are many.
+const FEW: usize = 80;
+
+/// Those that are drawn, with their places in the list.
+pub fn drawn<'a>(model: &'a Model) -> impl Iterator<Item = (usize, &'a PointPair)> + use<'a> {
+    let matches: &[PointPair] = model.truth().map_or(&[], |truth| &truth.matches);
+    matches.iter().enumerate().step_by(matches.len().div_ceil(DRAWN).max(1))
+}
+
+fn draw(canvas: &Canvas) {
+    let visible = canvas.painter.clip_rect();
+    let many = drawn(canvas.model).nth(FEW).is_some();
+    let usual = SIZES[usize::from(many)];
+    for (number, pair) in drawn(canvas.model) {
+        let at = canvas.transform.screen_from_image(own(canvas.side, pair));
+        if !visible.contains(at) {
+            continue;
+        }
+        let lit = canvas.model.open.focus.hovered() == Some(Target::TrueMatch(number));
+        let (size, color) = if lit { (usual + 3.0, theme::SELECTED) } else { (usual, theme::TRUE) };
+        // Crosses, so that they are not taken for the dots of what the program found.
+        for (x, y) in [(1.0, 1.0), (1.0, -1.0)] {
+            let arm = egui::vec2(x, y) * size;
+            canvas.painter.line_segment([at - arm, at + arm], Stroke::new(2.6, theme::HALO));
+        }
+        for (x, y) in [(1.0, 1.0), (1.0, -1.0)] {
+            let arm = egui::vec2(x, y) * size;
+            canvas.painter.line_segment([at - arm, at + arm], Stroke::new(1.2, color));
+        }
+    }
+}
+
+/// The match at a place of the screen.
+pub fn at(canvas: &Canvas, position: Pos2) -> Option<Pointing> {
+    let distances = drawn(canvas.model).map(|(number, pair)| {
+        (number, canvas.transform.screen_from_image(own(canvas.side, pair)).distance(position))
+    });
+    let (number, distance) = distances.min_by(|a, b| a.1.total_cmp(&b.1))?;
+    (distance < 6.0).then_some(Pointing { target: Target::TrueMatch(number), distance })
+}
+
+/// The point of a match in an image.
+pub fn own(side: Side, pair: &PointPair) -> Point {
+    match side {
+        Side::Left => pair.point1,
+        Side::Right => pair.point2,
+    }
+}

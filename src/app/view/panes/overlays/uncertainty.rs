@@ -1,0 +1,94 @@
+//! How well the geometry is determined: bands around the epipolar lines, and the ellipse of the epipole.
+
+use egui::{Mesh, Shape, Stroke};
+
+use super::{Canvas, Overlay};
+use crate::app::model::document::Side;
+use crate::app::model::ids::OverlayId;
+use crate::app::view::theme;
+use crate::estimate::{EpipoleEllipse, Uncertainty};
+use crate::geometry::{Line, Point, Vector};
+
+/// Registered in [`super::OVERLAYS`].
+pub const OVERLAY: Overlay = Overlay {
+    id: OverlayId::Uncertainty,
+    tooltip: "Two standard deviations around each epipolar line and epipole, as far as the matches leave it open; \
+              often narrower than the line until you zoom in.",
+    color: theme::BAND,
+    magnified: true,
+    draw,
+};
+
+/// Standard deviations to either side.
+const REACH: f64 = 2.0;
+/// Pieces of a band: its edges are hyperbolas.
+const PIECES: usize = 24;
+/// A band narrower than this on the screen is hidden under its line, points.
+const LEAST: f32 = 1.2;
+
+fn draw(canvas: &Canvas) {
+    let Some((shown, opacity)) = canvas.shown() else { return };
+    // The covariance belongs to the result.
+    let (None, None, Some(uncertainty)) = (shown.hypothesis, shown.contestant, &shown.estimate.uncertainty)
+    else {
+        return;
+    };
+    let document = &canvas.model.document;
+    let hovered = canvas.model.open.hover.filter(|hover| hover.side != canvas.side).map(|hover| hover.point);
+    let points = document.points(canvas.side.other()).map(|(_, point)| point);
+    for other in points.chain(hovered) {
+        if let Some(line) = canvas.line_from_other(shown.fundamental, other) {
+            band(canvas, uncertainty, other, &line, opacity);
+        }
+    }
+    let ellipse = match canvas.side {
+        Side::Left => uncertainty.epipole1(),
+        Side::Right => uncertainty.epipole2(),
+    };
+    if let Some(ellipse) = ellipse {
+        outline(canvas, &ellipse, opacity);
+    }
+}
+
+fn band(canvas: &Canvas, uncertainty: &Uncertainty, other: Point, line: &Line, opacity: f32) {
+    let Some(segment) = canvas.frame.clip(line) else { return };
+    let normal = Vector::new(line.coefficients().x, line.coefficients().y);
+    let color = theme::BAND.gamma_multiply(0.45 * opacity);
+    let (mut mesh, mut widest) = (Mesh::default(), 0f32);
+    for k in 0..=PIECES {
+        let at = segment.start + (segment.end - segment.start) * (k as f64 / PIECES as f64);
+        let deviation = match canvas.side {
+            Side::Left => uncertainty.line1_deviation(other, at),
+            Side::Right => uncertainty.line2_deviation(other, at),
+        };
+        let Some(deviation) = deviation.filter(|deviation| deviation.is_finite()) else { return };
+        let offset = normal * (REACH * deviation);
+        for edge in [at + offset, at - offset] {
+            mesh.colored_vertex(canvas.transform.screen_from_image(edge), color);
+        }
+        widest = widest.max((2.0 * REACH * deviation * canvas.transform.scale) as f32);
+    }
+    for k in 0..PIECES as u32 {
+        mesh.add_triangle(2 * k, 2 * k + 1, 2 * k + 2);
+        mesh.add_triangle(2 * k + 1, 2 * k + 2, 2 * k + 3);
+    }
+    if widest > LEAST {
+        canvas.painter.add(Shape::mesh(mesh));
+    }
+}
+
+fn outline(canvas: &Canvas, ellipse: &EpipoleEllipse, opacity: f32) {
+    let (sin, cos) = ellipse.angle.sin_cos();
+    let [long, short] = ellipse.half_axes.map(|half| half * REACH);
+    // Far away it would be drawn as a line through everything.
+    if !canvas.frame.contains(ellipse.centre) {
+        return;
+    }
+    let points = (0..48).map(|k| {
+        let (v, u) = (f64::from(k) / 48.0 * std::f64::consts::TAU).sin_cos();
+        let offset = Vector::new(cos * long * u - sin * short * v, sin * long * u + cos * short * v);
+        canvas.transform.screen_from_image(ellipse.centre + offset)
+    });
+    let stroke = Stroke::new(1.5, theme::ESTIMATED.gamma_multiply(opacity));
+    canvas.painter.add(Shape::closed_line(points.collect(), stroke));
+}

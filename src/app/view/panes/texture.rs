@@ -1,0 +1,127 @@
+//! Pictures as textures, of any size.
+//!
+//! A texture larger than the graphics card allows ends the program, so a picture is never uploaded whole:
+//! an overview of at most 2048 px serves the zoomed-out view, and tiles of the full resolution are
+//! uploaded when they come into sight, a few a frame, and dropped when they have been out of sight.
+//! Work a frame is bounded whatever the size of the picture.
+
+use std::collections::HashMap;
+
+use super::Transform;
+use crate::app::model::picture::{Opened, Overview, multiplied};
+use crate::app::model::shared::Shared;
+use crate::image::Picture;
+use egui::{Color32, ColorImage, Mesh, Painter, Rect, TextureFilter, TextureHandle, TextureOptions, pos2};
+
+/// Side of a tile, px: small enough to be converted within a frame.
+const TILE_SIDE: usize = 512;
+/// Tiles uploaded a frame.
+const UPLOADS_A_FRAME: usize = 3;
+/// Tiles kept although out of sight.
+const TILES_KEPT: usize = 96;
+/// How many times the overview may be magnified before tiles take its place.
+const OVERVIEW_MAGNIFICATION: f64 = 1.5;
+
+/// Crisp pixels when magnified, smooth when reduced.
+const PIXELS: TextureOptions = TextureOptions {
+    magnification: TextureFilter::Nearest,
+    minification: TextureFilter::Linear,
+    wrap_mode: egui::TextureWrapMode::ClampToEdge,
+    mipmap_mode: Some(TextureFilter::Linear),
+};
+/// Smooth always.
+const SMOOTH: TextureOptions = TextureOptions { magnification: TextureFilter::Linear, ..PIXELS };
+
+struct Tile {
+    handle: TextureHandle,
+    seen: u64,
+}
+
+/// A picture that can be drawn.
+pub struct PictureTexture {
+    picture: Shared<Picture>,
+    overview: TextureHandle,
+    scale: f64,
+    tiles: HashMap<[usize; 2], Tile>,
+    frame: u64,
+}
+
+impl PictureTexture {
+    /// Uploads the overview.
+    pub fn new(ctx: &egui::Context, opened: &Opened) -> Self {
+        let Overview { size, pixels, scale } = &*opened.overview;
+        let options = if *scale < 1.0 { SMOOTH } else { PIXELS };
+        let handle =
+            ctx.load_texture("overview", ColorImage::from_rgba_premultiplied(*size, pixels), options);
+        Self {
+            picture: opened.picture.clone(),
+            overview: handle,
+            scale: *scale,
+            tiles: HashMap::new(),
+            frame: 0,
+        }
+    }
+
+    /// Draws what is in sight.
+    pub fn draw(&mut self, painter: &Painter, transform: &Transform) {
+        let size = [self.picture.pixels.width() as usize, self.picture.pixels.height() as usize];
+        draw(painter, &self.overview, transform.screen_from_pixels([0, 0], size));
+        let pixels_a_pixel = transform.scale * f64::from(painter.pixels_per_point());
+        if self.scale < 1.0 && pixels_a_pixel > self.scale * OVERVIEW_MAGNIFICATION {
+            self.draw_tiles(painter, transform, size);
+        }
+    }
+
+    fn draw_tiles(&mut self, painter: &Painter, transform: &Transform, size: [usize; 2]) {
+        self.frame += 1;
+        let clip = painter.clip_rect();
+        let (min, max) = (transform.image_from_screen(clip.min), transform.image_from_screen(clip.max));
+        let range = |low: f64, high: f64, size: usize| {
+            let pixel = |v: f64| (v + 0.5).floor().clamp(0.0, size as f64 - 1.0) as usize;
+            pixel(low) / TILE_SIDE..=pixel(high) / TILE_SIDE
+        };
+        let mut uploads = 0;
+        for row in range(min.y, max.y, size[1]) {
+            for column in range(min.x, max.x, size[0]) {
+                let first = [column * TILE_SIDE, row * TILE_SIDE];
+                let end = [(first[0] + TILE_SIDE).min(size[0]), (first[1] + TILE_SIDE).min(size[1])];
+                let area = transform.screen_from_pixels(first, end);
+                if let Some(tile) = self.tiles.get_mut(&[column, row]) {
+                    tile.seen = self.frame;
+                    draw(painter, &tile.handle, area);
+                } else if uploads < UPLOADS_A_FRAME {
+                    uploads += 1;
+                    let [x, y, w, h] =
+                        [first[0], first[1], end[0] - first[0], end[1] - first[1]].map(|v| v as u32);
+                    let pixels = multiplied(&self.picture.pixels.crop_imm(x, y, w, h));
+                    let image = ColorImage::from_rgba_premultiplied([w, h].map(|v| v as usize), &pixels);
+                    let handle = painter.ctx().load_texture("tile", image, PIXELS);
+                    draw(painter, &handle, area);
+                    self.tiles.insert([column, row], Tile { handle, seen: self.frame });
+                } else {
+                    // The overview shows through until the next frames bring the rest.
+                    painter.ctx().request_repaint();
+                }
+            }
+        }
+        if self.tiles.len() > TILES_KEPT {
+            let mut hidden: Vec<_> = self.tiles.iter().map(|(at, tile)| (tile.seen, *at)).collect();
+            hidden.sort_unstable();
+            hidden.truncate(self.tiles.len() - TILES_KEPT);
+            for (seen, at) in hidden {
+                // A loupe draws after the pane and sees other tiles.
+                if seen + 1 < self.frame {
+                    self.tiles.remove(&at);
+                }
+            }
+        }
+    }
+}
+
+/// A mesh and not an image shape, whose soft edges would show as seams between tiles.
+fn draw(painter: &Painter, handle: &TextureHandle, area: Rect) {
+    let mut mesh = Mesh::with_texture(handle.id());
+    let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
+    mesh.add_rect_with_uv(area, whole, Color32::WHITE);
+    painter.add(mesh);
+}

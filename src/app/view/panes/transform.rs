@@ -1,0 +1,172 @@
+//! Where image pixels appear on the screen: the only pair of transforms of the window.
+//!
+//! Image coordinates are those of [`crate::geometry`]: the centre of the top-left pixel is `(0, 0)`, so
+//! the picture's edge runs half a pixel outside.
+
+use crate::app::model::pane_view::{LARGEST_SCALE, PaneView};
+use crate::app::model::rectified::{RectifiedView, Viewing};
+use crate::geometry::{Frame, Point, Vector};
+use egui::{Pos2, Rect, pos2, vec2};
+
+impl PaneView {
+    /// The transforms for a pane at `rect`.
+    pub fn transform(&self, frame: Frame, rect: Rect) -> Transform {
+        let scale = self.scale.unwrap_or_else(|| fitting_scale(frame, rect));
+        Transform { rect, centre: self.centre, scale }
+    }
+
+    /// Zooms by a factor; the image position under `at` stays where it is.
+    pub fn zoom(&mut self, transform: &Transform, frame: Frame, at: Pos2, factor: f64) {
+        let smallest = fitting_scale(frame, transform.rect) * 0.25;
+        let scale = (transform.scale * factor).clamp(smallest.min(LARGEST_SCALE), LARGEST_SCALE);
+        let fixed = transform.image_from_screen(at);
+        let offset = at - transform.rect.center();
+        self.scale = Some(scale);
+        self.centre = fixed - Vector::new(f64::from(offset.x), f64::from(offset.y)) / scale;
+        self.keep_in_sight(frame);
+    }
+
+    /// Moves the image so that what was in the middle of the pane at the start is `delta` away from it.
+    pub fn pan(&mut self, transform: &Transform, frame: Frame, start: Point, delta: egui::Vec2) {
+        self.scale = Some(transform.scale);
+        self.centre = start - Vector::new(f64::from(delta.x), f64::from(delta.y)) / transform.scale;
+        self.keep_in_sight(frame);
+    }
+
+    /// The same part of another image, by its share of width and height.
+    #[must_use]
+    pub fn carried_over(&self, from: (Frame, Rect), to: (Frame, Rect)) -> Self {
+        let share = |v: f64, from: f64, to: f64| v / from.max(1.0) * to;
+        Self {
+            centre: Point::new(
+                share(self.centre.x, from.0.right(), to.0.right()),
+                share(self.centre.y, from.0.bottom(), to.0.bottom()),
+            ),
+            scale: self.scale.map(|scale| scale / fitting_scale(from.0, from.1) * fitting_scale(to.0, to.1)),
+        }
+    }
+}
+
+impl Viewing {
+    /// The view of pictures of this size in a place of this size. They change their size while a geometry moves, and
+    /// the part that is shown stays.
+    pub fn view(&self, frame: Frame, rect: Rect) -> PaneView {
+        match self.view {
+            None => PaneView::fitting(frame),
+            Some(RectifiedView { frame: own, view }) if own == frame => view,
+            Some(RectifiedView { frame: own, view }) => view.carried_over((own, rect), (frame, rect)),
+        }
+    }
+}
+
+/// The scale at which the whole image is visible with a little room around it.
+fn fitting_scale(frame: Frame, rect: Rect) -> f64 {
+    let room = |extent: f32, pixels: usize| (f64::from(extent) - 12.0).max(1.0) / pixels.max(1) as f64;
+    room(rect.width(), frame.width).min(room(rect.height(), frame.height)).min(LARGEST_SCALE)
+}
+
+/// The transforms between an image and the pane that shows it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Transform {
+    /// The pane.
+    pub rect: Rect,
+    centre: Point,
+    /// Screen points per image pixel.
+    pub scale: f64,
+}
+
+impl Transform {
+    /// Shows `centre` in the middle of `rect`, with `scale` screen points per image pixel.
+    pub fn new(rect: Rect, centre: Point, scale: f64) -> Self {
+        Self { rect, centre, scale }
+    }
+
+    /// Where an image position appears.
+    pub fn screen_from_image(&self, point: Point) -> Pos2 {
+        let offset = (point - self.centre) * self.scale;
+        self.rect.center() + vec2(offset.x as f32, offset.y as f32)
+    }
+
+    /// What image position a place on the screen shows.
+    pub fn image_from_screen(&self, position: Pos2) -> Point {
+        let offset = position - self.rect.center();
+        self.centre + Vector::new(f64::from(offset.x), f64::from(offset.y)) / self.scale
+    }
+
+    /// The rectangle on the screen of the pixels from `first` up to but not including `end`.
+    pub fn screen_from_pixels(&self, first: [usize; 2], end: [usize; 2]) -> Rect {
+        let corner = |p: [usize; 2]| {
+            let at = self.screen_from_image(Point::new(p[0] as f64 - 0.5, p[1] as f64 - 0.5));
+            pos2(at.x, at.y)
+        };
+        Rect::from_min_max(corner(first), corner(end))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    const FRAME: Frame = Frame { width: 768, height: 576 };
+
+    fn pane() -> Rect {
+        Rect::from_min_size(pos2(30.0, 50.0), vec2(600.0, 400.0))
+    }
+
+    #[test]
+    fn a_fitting_view_shows_all_of_the_image_in_the_middle() {
+        let rect = pane();
+        let transform = PaneView::fitting(FRAME).transform(FRAME, rect);
+        let image = transform.screen_from_pixels([0, 0], [FRAME.width, FRAME.height]);
+        assert!(rect.contains_rect(image));
+        assert!((image.center() - rect.center()).length() < 1e-3);
+    }
+
+    #[test]
+    fn extreme_images_have_a_view() {
+        for frame in [Frame::new(1, 1), Frame::new(12_000, 200), Frame::new(1, 9_000)] {
+            for rect in [pane(), Rect::from_min_size(pos2(0.0, 0.0), vec2(0.0, 0.0))] {
+                let mut view = PaneView::fitting(frame);
+                for factor in [1e-9, 1e9, 0.5] {
+                    let transform = view.transform(frame, rect);
+                    view.zoom(&transform, frame, rect.center(), factor);
+                    assert!(transform.scale.is_finite() && transform.scale > 0.0);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_view_carried_over_and_back_is_the_same() {
+        let (small, large) = ((FRAME, pane()), (Frame::new(4000, 3000), pane()));
+        let mut view = PaneView::fitting(FRAME);
+        assert!(view.carried_over(small, large).fits());
+        view.zoom(&view.transform(FRAME, pane()), FRAME, pos2(200.0, 200.0), 3.0);
+        let there = view.carried_over(small, large);
+        assert!((there.centre.x / 3999.0 - view.centre.x / 767.0).abs() < 1e-9);
+        let back = there.carried_over(large, small);
+        assert!((back.centre - view.centre).norm() < 1e-9);
+        assert!((back.scale.unwrap() - view.scale.unwrap()).abs() < 1e-9);
+    }
+
+    proptest! {
+        #[test]
+        fn the_transforms_undo_each_other_and_zoom_keeps_the_cursor(
+            x in 40.0..600.0f32, y in 60.0..420.0f32, factor in 0.8..1.3f64
+        ) {
+            let rect = pane();
+            let mut view = PaneView::fitting(FRAME);
+            let before = view.transform(FRAME, rect);
+            let at = pos2(x, y);
+            prop_assert!((before.screen_from_image(before.image_from_screen(at)) - at).length() < 1e-3);
+            let under = before.image_from_screen(at);
+            view.zoom(&before, FRAME, at, factor);
+            let after = view.transform(FRAME, rect);
+            // Unless the limit that keeps the image in sight moved it.
+            if FRAME.contains(after.image_from_screen(rect.center())) && view.centre.x > 0.0 && view.centre.y > 0.0 && view.centre.x < FRAME.right() && view.centre.y < FRAME.bottom() {
+                prop_assert!((after.image_from_screen(at) - under).norm() < 1e-3);
+            }
+        }
+    }
+}

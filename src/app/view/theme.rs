@@ -1,0 +1,214 @@
+//! Design tokens: every colour, width and size of the window.
+//!
+//! Colours over the images follow the palette of Okabe and Ito, which people with any common colour
+//! vision tell apart: estimated lines green, true ones blue, pairs orange, pink and sky blue.
+//! They are the same in both themes, since the images are; a dark halo keeps them legible on bright and
+//! dark pictures alike.
+
+use egui::{
+    Color32, CornerRadius, FontDefinitions, FontFamily, FontId, Margin, Shadow, Stroke, TextStyle, Theme,
+    Visuals,
+};
+
+use crate::app::model::focus::PINS;
+
+/// Lines of the estimated geometry.
+pub const ESTIMATED: Color32 = Color32::from_rgb(26, 204, 140);
+/// Bands around them.
+pub const BAND: Color32 = Color32::from_rgb(30, 130, 96);
+/// Lines and matches of the true geometry.
+pub const TRUE: Color32 = Color32::from_rgb(64, 132, 255);
+/// The line pair of the cursor.
+pub const HOVER: Color32 = Color32::from_rgb(240, 228, 66);
+/// Dark edge around everything drawn over an image.
+pub const HALO: Color32 = Color32::from_black_alpha(150);
+/// Background of a label over an image.
+pub const LABEL_FILL: Color32 = Color32::from_black_alpha(190);
+/// Edge of the selected handle.
+pub const SELECTED: Color32 = Color32::WHITE;
+/// Radius of a handle, screen points.
+pub const HANDLE_RADIUS: f32 = 6.5;
+/// Lines of a pair in inspection that was not pinned.
+pub const INSPECTED: Color32 = Color32::WHITE;
+/// Pinned line pairs, the same in both images and in the plots; another after each, then from the start.
+pub const PINNED: [Color32; PINS] = [
+    Color32::from_rgb(230, 110, 40),
+    Color32::from_rgb(205, 170, 115),
+    Color32::from_rgb(214, 120, 255),
+    Color32::from_rgb(80, 220, 230),
+];
+
+/// Epipoles of hypotheses.
+pub const HYPOTHESIS: Color32 = Color32::from_rgb(205, 178, 255);
+/// The bisector of image 1 with its match, and lines carried by H.
+pub const FORWARD: Color32 = Color32::from_rgb(110, 205, 255);
+/// The bisector of image 2 with its match, and lines carried back by G.
+pub const BACKWARD: Color32 = Color32::from_rgb(255, 142, 98);
+/// Matches that the refinement found.
+pub const MATCH: Color32 = Color32::from_rgb(190, 255, 150);
+/// Places that a patch comparison suggests.
+pub const SUGGESTED: Color32 = Color32::from_rgb(255, 255, 255);
+
+/// Guide lines over rectified pictures.
+pub const GUIDE: Color32 = Color32::from_rgba_premultiplied(118, 82, 0, 131);
+
+/// How near to a handle a press takes hold of it, screen points.
+pub const GRAB_RADIUS: f32 = 11.0;
+/// Width of an ordinary line, screen points.
+pub const LINE_WIDTH: f32 = 1.8;
+/// Width of a line that matters most, screen points.
+pub const STRONG_LINE_WIDTH: f32 = 3.0;
+/// Opacity of a result for earlier points.
+pub const STALE_OPACITY: f32 = 0.45;
+/// Space between neighbouring things, screen points.
+pub const GAP: f32 = 8.0;
+
+/// The pairs `p`, `q` and `r`.
+pub const PAIRS: [Color32; 3] =
+    [Color32::from_rgb(240, 160, 0), Color32::from_rgb(240, 128, 190), Color32::from_rgb(86, 180, 233)];
+const CHECK: Color32 = Color32::from_rgb(225, 225, 225);
+
+/// The colour of a pair by its number: one each for `p`, `q` and `r`, one for all others.
+pub fn pair_color(pair: usize) -> Color32 {
+    PAIRS.get(pair).copied().unwrap_or(CHECK)
+}
+
+/// Colours of the window around the images.
+#[derive(Debug, Clone, Copy)]
+pub struct Palette {
+    /// Behind the images.
+    pub canvas: Color32,
+    /// What wants attention next.
+    pub accent: Color32,
+    /// Text on the accent colour.
+    pub on_accent: Color32,
+    /// All is well.
+    pub good: Color32,
+    /// Something to know.
+    pub caution: Color32,
+    /// Something went wrong.
+    pub bad: Color32,
+    /// Behind a message.
+    pub message_fill: Color32,
+}
+
+/// The palette of the theme in use.
+pub fn palette(visuals: &Visuals) -> Palette {
+    if visuals.dark_mode {
+        Palette {
+            canvas: Color32::from_gray(17),
+            accent: Color32::from_rgb(64, 156, 255),
+            on_accent: Color32::from_rgb(4, 18, 36),
+            good: Color32::from_rgb(52, 208, 148),
+            caution: Color32::from_rgb(245, 180, 60),
+            bad: Color32::from_rgb(255, 120, 105),
+            message_fill: Color32::from_rgb(52, 34, 32),
+        }
+    } else {
+        Palette {
+            canvas: Color32::from_gray(206),
+            accent: Color32::from_rgb(0, 92, 190),
+            on_accent: Color32::WHITE,
+            good: Color32::from_rgb(0, 116, 78),
+            caution: Color32::from_rgb(148, 88, 0),
+            bad: Color32::from_rgb(184, 32, 20),
+            message_fill: Color32::from_rgb(255, 240, 237),
+        }
+    }
+}
+
+/// Sets fonts, sizes, spacing and both themes.
+pub fn install(ctx: &egui::Context) {
+    let mut fonts = FontDefinitions::default();
+    if let Some(family) = fonts.families.get_mut(&FontFamily::Proportional) {
+        // The monospace font has many mathematical signs and arrows that the text font lacks.
+        family.push("Hack".to_owned());
+    }
+    ctx.set_fonts(fonts);
+    ctx.all_styles_mut(|style| {
+        for (text, size) in [
+            (TextStyle::Small, 12.0),
+            (TextStyle::Body, 14.0),
+            (TextStyle::Button, 14.0),
+            (TextStyle::Heading, 17.0),
+        ] {
+            style.text_styles.insert(text, FontId::proportional(size));
+        }
+        style.text_styles.insert(TextStyle::Monospace, FontId::monospace(13.0));
+        style.spacing.item_spacing = egui::vec2(GAP, 6.0);
+        style.spacing.button_padding = egui::vec2(10.0, 4.0);
+        style.spacing.interact_size.y = 26.0;
+        style.spacing.window_margin = Margin::same(16);
+        style.spacing.tooltip_width = 320.0;
+    });
+    for theme in [Theme::Dark, Theme::Light] {
+        ctx.set_visuals_of(theme, visuals(theme));
+    }
+}
+
+fn visuals(theme: Theme) -> Visuals {
+    let mut visuals = theme.default_visuals();
+    let palette = palette(&visuals);
+    let (text, weak, panel, edge) = match theme {
+        Theme::Dark => {
+            (Color32::from_gray(222), Color32::from_gray(160), Color32::from_gray(30), Color32::from_gray(56))
+        }
+        Theme::Light => {
+            (Color32::from_gray(28), Color32::from_gray(92), Color32::from_gray(247), Color32::from_gray(200))
+        }
+    };
+    visuals.widgets.noninteractive.fg_stroke.color = text;
+    visuals.widgets.noninteractive.bg_stroke = Stroke::new(1.0, edge);
+    visuals.widgets.inactive.fg_stroke.color = text;
+    visuals.weak_text_color = Some(weak);
+    visuals.panel_fill = panel;
+    visuals.window_fill = panel;
+    visuals.window_stroke = Stroke::new(1.0, edge);
+    visuals.window_corner_radius = CornerRadius::same(10);
+    visuals.window_shadow =
+        Shadow { offset: [0, 8], blur: 24, spread: 0, color: Color32::from_black_alpha(80) };
+    visuals.warn_fg_color = palette.caution;
+    visuals.error_fg_color = palette.bad;
+    visuals.hyperlink_color = palette.accent;
+    visuals
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Relative luminance (WCAG 2.1).
+    fn luminance(color: Color32) -> f64 {
+        let [r, g, b] = [color.r(), color.g(), color.b()].map(|v| {
+            let v = f64::from(v) / 255.0;
+            if v <= 0.04045 { v / 12.92 } else { ((v + 0.055) / 1.055).powf(2.4) }
+        });
+        0.2126 * r + 0.7152 * g + 0.0722 * b
+    }
+
+    fn contrast(a: Color32, b: Color32) -> f64 {
+        let (a, b) = (luminance(a), luminance(b));
+        (a.max(b) + 0.05) / (a.min(b) + 0.05)
+    }
+
+    #[test]
+    fn text_has_the_contrast_that_the_web_asks_for() {
+        for theme in [Theme::Dark, Theme::Light] {
+            let visuals = visuals(theme);
+            let palette = palette(&visuals);
+            let texts =
+                [visuals.text_color(), visuals.weak_text_color(), palette.good, palette.caution, palette.bad];
+            for text in texts {
+                assert!(contrast(text, visuals.panel_fill) >= 4.5, "{text:?} in {theme:?}");
+            }
+            assert!(contrast(palette.on_accent, palette.accent) >= 4.5, "{theme:?}");
+        }
+    }
+
+    #[test]
+    fn handles_are_legible_on_their_labels() {
+        for pair in 0..4 {
+            assert!(contrast(pair_color(pair), Color32::BLACK) >= 4.5);
+        }
+    }
+}
