@@ -122,7 +122,7 @@ impl Inspector {
         self.view.dialogs.save = None;
         // Whoever asked whether to replace it has the answer.
         self.model.messages.settle(MessageKind::Replace);
-        session.fundamental = self.estimate().map(|estimate| estimate.fundamental);
+        session.fundamental = self.estimate().map(|estimate| *estimate.fundamental());
         self.tasks.saver.ask(SaveJob::Save { path, session: Box::new(session), work: Box::new(work) });
     }
 

@@ -34,8 +34,8 @@ pub enum EstimateFailure {
 pub enum EstimateNews {
     /// A stage has begun.
     Started(Stage),
-    /// The pencils through the first two clicks have been compared.
-    Pencils(Arc<[ComparedPencils; 2]>),
+    /// The pencils through the anchors have been compared.
+    Pencils(Vec<Arc<ComparedPencils>>),
     /// A result good enough to draw; better ones follow.
     Preliminary(Box<Estimate>),
     /// The end.
@@ -88,7 +88,7 @@ pub struct Computation {
     /// The stages of the latest computation that have begun, with when they did.
     begun: Vec<(Stage, Instant)>,
     /// The pencils compared last: of the clicks as they are, or of the ones just before.
-    pencils: Option<Arc<[ComparedPencils; 2]>>,
+    pencils: Vec<Arc<ComparedPencils>>,
     pencils_revision: u64,
     revision: u64,
     shown: Option<ResultOnScreen>,
@@ -130,8 +130,21 @@ impl Computation {
     }
 
     /// The pencils compared last, also while newer ones are being compared.
-    pub fn pencils(&self) -> Option<&[ComparedPencils; 2]> {
-        self.pencils.as_deref()
+    pub fn pencils(&self) -> Option<&[Arc<ComparedPencils>]> {
+        (!self.pencils.is_empty()).then_some(&self.pencils)
+    }
+
+    /// The latest result of a search, also while the points have moved on from it.
+    pub fn searched(&self) -> Option<&Estimate> {
+        let shown = self.shown.as_ref().map(|shown| &shown.estimate);
+        let shown = shown.filter(|estimate| estimate.trace.is_some());
+        shown.or(self.guessed.as_ref()).or(self.found.as_ref()).map(AsRef::as_ref)
+    }
+
+    /// Whether what was searched is of other points than those of now.
+    pub fn is_behind(&self) -> bool {
+        self.result()
+            .is_some_and(|(_, freshness)| matches!(freshness, Freshness::Stale | Freshness::Followed))
     }
 
     /// Another number for each pair of pencils, whatever pictures they are of.
@@ -170,7 +183,7 @@ impl Computation {
             self.give_up();
         }
         if request.is_none() {
-            self.pencils = None;
+            self.pencils.clear();
             self.set_shown(None);
         }
         if moved { RequestChange::Moved } else { RequestChange::Other }
@@ -190,9 +203,10 @@ impl Computation {
         }
     }
 
-    fn set_pencils(&mut self, pencils: Arc<[ComparedPencils; 2]>) {
-        if self.pencils.as_ref().is_none_or(|old| !Arc::ptr_eq(old, &pencils)) {
-            self.pencils = Some(pencils);
+    fn set_pencils(&mut self, pencils: &[Arc<ComparedPencils>]) {
+        let same = |(old, new): (&Arc<_>, &Arc<_>)| Arc::ptr_eq(old, new);
+        if self.pencils.len() != pencils.len() || !self.pencils.iter().zip(pencils).all(same) {
+            self.pencils = pencils.to_vec();
             self.pencils_revision = revision::fresh();
         }
     }
@@ -233,7 +247,7 @@ impl Computation {
         let current = generation == self.generation;
         match news {
             EstimateNews::Started(stage) if current => self.begun.push((stage, Instant::now())),
-            EstimateNews::Pencils(pencils) => self.set_pencils(pencils),
+            EstimateNews::Pencils(pencils) => self.set_pencils(&pencils),
             EstimateNews::Preliminary(estimate) => {
                 self.take_result(generation, estimate, Freshness::Preliminary);
             }
@@ -275,11 +289,11 @@ impl Computation {
     /// A result of a search: kept to start from, and shown unless something newer is.
     fn take_result(&mut self, generation: u64, estimate: Box<Estimate>, freshness: Freshness) {
         let estimate: Arc<Estimate> = estimate.into();
-        if let Some(pencils) = &estimate.pencils {
-            self.set_pencils(Arc::clone(pencils));
+        if let Some(trace) = estimate.trace.as_ref().filter(|trace| !trace.pencils.is_empty()) {
+            self.set_pencils(&trace.pencils);
         }
         // The first guess comes before lines are compared.
-        let guess = freshness == Freshness::Preliminary && estimate.score.is_nan();
+        let guess = freshness == Freshness::Preliminary && estimate.line_score().is_none();
         if guess {
             self.guessed = Some(Arc::clone(&estimate));
         } else {

@@ -28,7 +28,8 @@ pub struct InspectionRequest {
 impl InspectionRequest {
     /// A request with the parameters of the estimate.
     pub fn new(pictures: Pictures, lines: [AnchoredLine; 2], parameters: &Parameters) -> Self {
-        Self { pictures, lines, stereo: parameters.stereo, reach: parameters.disparity_reach }
+        let similarity = parameters.similarity;
+        Self { pictures, lines, stereo: similarity.stereo, reach: similarity.disparity_reach }
     }
 
     /// Samples and matches the lines.

@@ -35,7 +35,6 @@ pub mod residuals;
 pub mod revision;
 pub mod sample;
 pub mod session;
-pub mod settings;
 pub mod shared;
 pub mod shown;
 pub mod step;

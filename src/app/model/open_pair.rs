@@ -79,8 +79,8 @@ impl OpenPair {
     /// Brings the imported geometry in line with the document.
     pub fn follow_imported(&mut self, document: &Document) {
         let wanted = document.imported.as_ref().map(|imported| imported.fundamental);
-        if wanted != self.imported.as_ref().map(|estimate| estimate.fundamental) {
-            self.imported = wanted.map(|fundamental| Estimate::of(fundamental, &document.parameters));
+        if wanted != self.imported.as_ref().map(|estimate| *estimate.fundamental()) {
+            self.imported = wanted.map(Estimate::from);
         }
     }
 }

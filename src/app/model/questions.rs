@@ -37,7 +37,7 @@ impl Model {
         let document = &self.document;
         let pictures = document.pictures.as_ref()?;
         Some(ComparisonQuestion {
-            result: self.open.computation.result().map(|(estimate, _)| estimate.fundamental),
+            result: self.open.computation.result().map(|(estimate, _)| *estimate.fundamental()),
             shown: self.shown().map(|shown| *shown.fundamental),
             imported: document.imported.as_ref().map(|imported| imported.fundamental),
             pairs: document.pairs.clone(),
@@ -55,7 +55,7 @@ impl Model {
         Some(SuggestQuestion {
             half: self.document.half?,
             pictures: self.open.pictures()?,
-            fundamental: self.final_result().map(|estimate| estimate.fundamental),
+            fundamental: self.final_result().map(|estimate| *estimate.fundamental()),
         })
     }
 
@@ -67,7 +67,7 @@ impl Model {
     /// The pair to be rectified, once there is a geometry.
     pub fn rectify_question(&self) -> Option<RectifyQuestion> {
         let shown = self.shown()?;
-        let matches = match (self.truth().and(self.open.known.as_ref()), &shown.estimate.matches) {
+        let matches = match (self.truth().and(self.open.known.as_ref()), shown.estimate.matches()) {
             (Some(known), _) => MatchesAtHand::True(known.truth.clone()),
             (None, found) if !found.is_empty() => found_matches(shown.estimate),
             _ => MatchesAtHand::Clicked(self.document.pairs.clone()),
@@ -90,7 +90,7 @@ impl Model {
             return MatchesAtHand::True(truth.clone());
         }
         let clicked: Vec<PointPair> = self.document.included().collect();
-        let found = self.final_result().filter(|estimate| estimate.matches.len() >= FEWEST_MATCHES);
+        let found = self.final_result().filter(|estimate| estimate.matches().len() >= FEWEST_MATCHES);
         found
             .filter(|_| clicked.len() < FEWEST_MATCHES)
             .map_or(MatchesAtHand::Clicked(clicked), found_matches)
@@ -103,5 +103,5 @@ impl Model {
 }
 
 fn found_matches(estimate: &Estimate) -> MatchesAtHand {
-    MatchesAtHand::Found(estimate.matches.iter().map(|found| found.pair).collect())
+    MatchesAtHand::Found(estimate.matches().iter().map(|found| found.pair).collect())
 }

@@ -6,7 +6,7 @@ use super::computation::Freshness;
 use super::document::Side;
 use super::focus::{LineSource, Pin};
 use super::truth::NO_TRUTH;
-use crate::estimate::{Construction, Estimate, Hypothesis, lines_at};
+use crate::estimate::{Construction, Estimate, lines_at};
 use crate::geometry::{AnchoredLine, FundamentalMatrix, Line, Point, PointPair};
 use crate::io::{GroundTruth, TruthFolder};
 
@@ -17,7 +17,7 @@ pub struct ShownGeometry<'a> {
     /// Its matrix.
     pub fundamental: &'a FundamentalMatrix,
     /// The hypothesis, with its place in the list, if one was chosen.
-    pub hypothesis: Option<(usize, &'a Hypothesis)>,
+    pub hypothesis: Option<(usize, &'a Estimate)>,
     /// Whose it is, if one of another method or the true one was chosen.
     pub contestant: Option<Contestant>,
     /// The result it belongs to; of an imported one without a result, itself.
@@ -42,16 +42,16 @@ impl Model {
         let chosen = self.open.focus.contestant() == Some(Contestant::Imported);
         let imported = self.open.imported.as_ref().filter(|_| chosen || own.is_none());
         let (estimate, freshness) = own.or(imported.map(|imported| (imported, Freshness::Final)))?;
-        let hypothesis = self.open.focus.hypothesis().and_then(|k| Some((k, estimate.hypotheses.get(k)?)));
+        let hypothesis = self.open.focus.hypothesis().and_then(|k| Some((k, estimate.hypotheses().get(k)?)));
         let compared = self.open.focus.contestant().zip(self.open.comparison.as_ref());
         let compared = compared.and_then(|(contestant, c)| Some((contestant, c.fundamental(contestant)?)));
         let compared = compared
             .filter(|(contestant, _)| *contestant != Contestant::Imported)
-            .or(imported.map(|imported| (Contestant::Imported, &imported.fundamental)));
+            .or(imported.map(|imported| (Contestant::Imported, imported.fundamental())));
         let fundamental = match (hypothesis, compared) {
-            (Some((_, hypothesis)), _) => &hypothesis.fundamental,
+            (Some((_, hypothesis)), _) => hypothesis.fundamental(),
             (None, Some((_, fundamental))) => fundamental,
-            (None, None) => &estimate.fundamental,
+            (None, None) => estimate.fundamental(),
         };
         let contestant = compared.map(|(contestant, _)| contestant);
         Some(ShownGeometry { fundamental, hypothesis, contestant, estimate, freshness })
@@ -99,9 +99,15 @@ impl Model {
     /// [`Model::construction`] of the estimate, also while the geometry of another method is shown.
     fn own_construction(&self) -> Option<&Construction> {
         let shown = self.shown()?;
-        let hypothesis = shown.hypothesis.map(|(_, hypothesis)| hypothesis);
-        let result = || shown.estimate.examined.as_ref().or(shown.estimate.hypotheses.first());
-        hypothesis.or_else(result).map(|hypothesis| &hypothesis.construction)
+        let estimate = shown.hypothesis.map_or(shown.estimate, |(_, hypothesis)| hypothesis);
+        estimate.assessment.lines.as_ref().map(|lines| &lines.construction)
+    }
+
+    /// Whether the pencils compared last are those through the points as they are.
+    pub fn has_current_pencils(&self) -> bool {
+        let mut used = self.document.used().map(|pair| self.document.pairs[pair]);
+        let mut pencils = self.open.computation.pencils().into_iter().flatten();
+        pencils.all(|pencil| used.any(|pair| pair == pencil.click))
     }
 
     /// The lines of a source under the geometry shown; `None` while there are none.
@@ -130,7 +136,11 @@ impl Model {
 
     /// Two epipolar lines of the geometry shown, directed alike.
     fn corresponding(&self, line1: &Line, line2: &Line) -> Option<[AnchoredLine; 2]> {
-        let turn = self.own_construction().map_or(0.0, Construction::turn);
+        let turn = self
+            .own_construction()
+            .map(Construction::turn)
+            .or_else(|| self.open.computation.searched().map(Estimate::turn))
+            .unwrap_or(0.0);
         let f = self.shown()?.fundamental;
         let used = self.document.used_pairs().and_then(|pairs| pairs.first_chunk::<2>().copied());
         let own = Construction::of(f, used.or_else(|| self.stand_in_clicks(f))?, turn)?;

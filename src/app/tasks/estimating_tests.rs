@@ -74,7 +74,9 @@ fn results_go_from_preliminary_to_final_to_stale() {
 /// A follower that marks what it gives with the first point's x.
 fn mark(request: &EstimateRequest, starts: &[&Estimate]) -> Option<Estimate> {
     let start = starts.last()?;
-    Some(Estimate { seconds: request.pairs[0].point1.x, ..(*start).clone() })
+    let mut assessment = start.assessment.clone();
+    assessment.margin = Some(request.pairs[0].point1.x);
+    Some(Estimate { assessment, trace: None, ..(*start).clone() })
 }
 
 #[test]
@@ -95,9 +97,7 @@ fn geometries_follow_moved_points_until_the_search_has_its_own() {
         computing.follow(fake::request(x));
         assert_eq!(freshness(&computing.state), Some(Freshness::Followed), "no flicker while it is asked");
     }
-    wait(&mut computing, |c| {
-        c.result().is_some_and(|(estimate, _)| estimate.seconds.to_bits() == 4f64.to_bits())
-    });
+    wait(&mut computing, |c| c.result().is_some_and(|(estimate, _)| estimate.assessment.margin == Some(4.0)));
     assert_eq!(freshness(&computing.state), Some(Freshness::Followed));
     gate.store(true, Ordering::Relaxed);
     wait(&mut computing, |c| !c.is_running());

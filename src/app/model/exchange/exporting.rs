@@ -170,7 +170,7 @@ fn notes(model: &Model) -> Option<[ImageNote; 2]> {
 /// The pairs that are not left out, and the matches of the result behind them if they are wanted.
 fn pairs(model: &Model, with_matches: bool) -> Vec<PointPair> {
     let found = model.open.computation.result().filter(|_| with_matches);
-    let found = found.into_iter().flat_map(|(estimate, _)| estimate.matches.iter().map(|m| m.pair));
+    let found = found.into_iter().flat_map(|(estimate, _)| estimate.matches().iter().map(|m| m.pair));
     model.document.included().chain(found).collect()
 }
 
@@ -202,7 +202,7 @@ fn report(reported: ReportFormat, model: &Model, images: &[ImageNote; 2]) -> Opt
             }
             for pair in &pairs {
                 let (a, b) = (pair.point1, pair.point2);
-                let distance = crate::geometry::symmetric_epipolar_distance(&estimate.fundamental, pair);
+                let distance = crate::geometry::symmetric_epipolar_distance(estimate.fundamental(), pair);
                 lines.push(format!(
                     "Point pair: ({}, {}) and ({}, {}), {distance:.3} px from its epipolar lines",
                     a.x, a.y, b.x, b.y

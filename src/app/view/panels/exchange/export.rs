@@ -177,7 +177,8 @@ impl FileExport {
                         });
                     formats.response.labelled_by(label.id);
                 });
-                let count = model.open.computation.result().map_or(0, |(estimate, _)| estimate.matches.len());
+                let count =
+                    model.open.computation.result().map_or(0, |(estimate, _)| estimate.matches().len());
                 if count > 0 {
                     row(ui, "", |ui| {
                         ui.checkbox(

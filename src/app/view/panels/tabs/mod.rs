@@ -15,6 +15,7 @@ use super::finish_button;
 use crate::app::model::Model;
 use crate::app::model::command::Command;
 use crate::app::model::ids::TabId;
+use crate::app::view::theme;
 
 pub use rectified::forget_textures;
 
@@ -74,6 +75,20 @@ fn chosen_tab(model: &Model) -> Option<&'static Tab> {
 pub fn chosen(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     if let Some(tab) = chosen_tab(model) {
         ui.push_id(tab.id.title(), |ui| (tab.show)(ui, model, commands));
+    }
+}
+
+/// Says that what a tab shows is of the points before a move; the search for the new ones goes on.
+fn say_earlier(ui: &mut Ui, is_earlier: bool) {
+    if is_earlier {
+        ui.weak("of the points before the move");
+    }
+}
+
+/// Pales what is of the points before a move.
+fn pale_earlier(ui: &mut Ui, is_earlier: bool) {
+    if is_earlier {
+        ui.set_opacity(theme::STALE_OPACITY);
     }
 }
 

@@ -4,7 +4,7 @@ use egui::{Rect, RichText, Ui, UiBuilder, pos2, vec2};
 
 use super::super::command_button;
 use super::matrix::PencilMatrix;
-use super::{Tab, empty};
+use super::{Tab, empty, pale_earlier, say_earlier};
 use crate::app::model::Model;
 use crate::app::model::command::Command;
 use crate::app::model::document::pair_name;
@@ -23,6 +23,7 @@ fn tools(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     }
     if model.open.computation.pencils().is_some() && ui.available_width() > 330.0 {
         legend(ui);
+        say_earlier(ui, !model.has_current_pencils());
     }
 }
 
@@ -53,6 +54,7 @@ fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         );
         return;
     };
+    pale_earlier(ui, !model.has_current_pencils());
     let area = ui.available_rect_before_wrap();
     let (left, right) = area.split_left_right_at_fraction(0.5);
     for (number, rect) in
