@@ -4,7 +4,6 @@
 mod computing;
 mod editing;
 mod exchange;
-mod frames;
 mod looking;
 mod opening;
 mod panels;

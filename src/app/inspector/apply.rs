@@ -4,11 +4,10 @@ use egui::{Theme, ThemePreference};
 
 use super::Inspector;
 use crate::app::model::EditKey;
-use crate::app::model::command::Command;
+use crate::app::model::command::{Command, PickPurpose};
 use crate::app::model::document::Side;
 use crate::app::model::history::Step;
 use crate::app::model::look::Tool;
-use crate::app::tasks::PickPurpose;
 
 impl Inspector {
     /// Does what a command says.

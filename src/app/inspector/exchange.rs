@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use egui::Context;
 
 use super::Inspector;
-use crate::app::model::command::ExchangeCommand;
+use crate::app::model::command::{ExchangeCommand, PickPurpose};
 use crate::app::model::comparison::Contestant;
 use crate::app::model::document::{Checked, Imported, Side};
 use crate::app::model::exchange::{
@@ -15,7 +15,7 @@ use crate::app::model::exchange::{
 use crate::app::model::history::Step;
 use crate::app::model::rectified::{Blink, RectifiedCommand, RectifiedLayout, RectifyOrder};
 use crate::app::model::session::suggested_path;
-use crate::app::tasks::{PickPurpose, SaveJob};
+use crate::app::tasks::SaveJob;
 use crate::app::view::{ReadingDialog, picture};
 use crate::io::RectifiedOptions;
 use crate::rectify;

@@ -12,14 +12,14 @@ use egui::Ui;
 
 use super::Start;
 use super::model::Model;
-use super::model::command::Command;
+use super::model::command::{Command, PickPurpose};
 use super::model::document::Document;
 use super::model::exchange::{PendingImport, sources};
 use super::model::focus::Focus;
 use super::model::look::Look;
 use super::model::messages::MessageKind;
 use super::model::session::OpenSession;
-use super::tasks::{Opening, PickPurpose, Picked, Services, Tasks};
+use super::tasks::{Opening, Picked, Services, Tasks};
 use super::view::{KeyboardState, View, pressed};
 use crate::estimate::Estimate;
 use crate::geometry::PointPair;

@@ -4,12 +4,12 @@ use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use super::Inspector;
-use crate::app::model::command::SessionCommand;
+use crate::app::model::command::{PickPurpose, SessionCommand};
 use crate::app::model::history::History;
 use crate::app::model::look::Tool;
 use crate::app::model::messages::{MessageAction, MessageKind};
 use crate::app::model::session::{OpenSession, Restored, Work, suggested_path};
-use crate::app::tasks::{Autosave, PickPurpose, SaveJob, Written};
+use crate::app::tasks::{Autosave, SaveJob, Written};
 use crate::app::view::SaveDialog;
 use crate::io::{ImageReference, SessionFile};
 

@@ -186,6 +186,25 @@ pub enum ExchangeCommand {
     RemoveImported,
 }
 
+/// What a file dialog is open for.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum PickPurpose {
+    /// An image to open.
+    Image(Side),
+    /// A folder with ground truth.
+    Folder,
+    /// The folder that a rectified pair is written to.
+    Export,
+    /// Where to save the session, with a suggestion.
+    Session(PathBuf),
+    /// Where to write an export, with a suggestion.
+    ExportFile(PathBuf),
+    /// A file to import.
+    Import,
+    /// An image that a session cannot find.
+    Lost(Side),
+}
+
 impl From<RectifiedCommand> for Command {
     fn from(command: RectifiedCommand) -> Self {
         Self::Rectified(command)

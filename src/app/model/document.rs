@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::estimate::Parameters;
 use crate::evaluate::Protocol;
-use crate::geometry::{Frame, FundamentalMatrix, Point, PointPair};
+use crate::geometry::{Frame, FundamentalMatrix, HomogeneousPoint, Point, PointPair};
 use crate::image::Picture;
 use crate::rectify;
 
@@ -42,6 +42,22 @@ impl Side {
         match self {
             Self::Left => Self::Right,
             Self::Right => Self::Left,
+        }
+    }
+
+    /// The point of a pair in this image.
+    pub fn point(self, pair: &PointPair) -> Point {
+        match self {
+            Self::Left => pair.point1,
+            Self::Right => pair.point2,
+        }
+    }
+
+    /// The epipole of a geometry in this image.
+    pub fn epipole(self, f: &FundamentalMatrix) -> HomogeneousPoint {
+        match self {
+            Self::Left => f.epipole1(),
+            Self::Right => f.epipole2(),
         }
     }
 
@@ -198,10 +214,7 @@ impl Document {
         if at.pair == self.pairs.len() {
             return self.half.filter(|half| half.side == at.side).map(|half| half.point);
         }
-        self.pairs.get(at.pair).map(|pair| match at.side {
-            Side::Left => pair.point1,
-            Side::Right => pair.point2,
-        })
+        self.pairs.get(at.pair).map(|pair| at.side.point(pair))
     }
 
     /// All points of an image in the order of their pairs, the half-finished one last.

@@ -18,7 +18,7 @@ pub use autosave::Autosave;
 pub use estimating::Estimating;
 pub use importing::Importing;
 pub use loader::{LoadedPair, Loader, Opening, OpeningFailure};
-pub use picking::{PickPurpose, Picked, Picking};
+pub use picking::{Picked, Picking};
 pub use saver::{SaveJob, Saver, Written};
 pub use services::Services;
 pub use task::panic_text;

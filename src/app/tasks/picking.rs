@@ -7,29 +7,10 @@ use std::time::{Duration, Instant};
 use super::services::{PickFn, SavePickFn};
 use super::task::{Event, Task, Waiting};
 use super::waker::Waker;
-use crate::app::model::document::Side;
+use crate::app::model::command::PickPurpose;
 
 /// A dialog that returns sooner than this cannot have been seen by anybody.
 const UNSEEN: Duration = Duration::from_millis(150);
-
-/// What a file dialog is open for.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum PickPurpose {
-    /// An image to open.
-    Image(Side),
-    /// A folder with ground truth.
-    Folder,
-    /// The folder that a rectified pair is written to.
-    Export,
-    /// Where to save the session, with a suggestion.
-    Session(PathBuf),
-    /// Where to write an export, with a suggestion.
-    ExportFile(PathBuf),
-    /// A file to import.
-    Import,
-    /// An image that a session cannot find.
-    Lost(Side),
-}
 
 /// What became of a dialog.
 pub enum Picked {

@@ -9,8 +9,7 @@ use super::panels::{
     shortcuts,
 };
 use crate::app::model::Model;
-use crate::app::model::command::Command;
-use crate::app::tasks::PickPurpose;
+use crate::app::model::command::{Command, PickPurpose};
 
 /// All of them, open or not.
 #[derive(Default)]

@@ -111,6 +111,19 @@ pub struct ExportOrder {
     pub part: ViewPart,
 }
 
+impl Default for ExportOrder {
+    fn default() -> Self {
+        Self {
+            path: PathBuf::new(),
+            what: ExportKind::default(),
+            format: Format::Json,
+            with_matches: false,
+            reported: ReportFormat::default(),
+            part: ViewPart::default(),
+        }
+    }
+}
+
 /// Composes the bytes of a file.
 pub type ExportContent = Box<dyn FnOnce() -> Result<Vec<u8>, String> + Send>;
 

@@ -2,9 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use egui::{Align2, Button, DragValue, Key, Label, TextEdit, Ui, Window, vec2};
+use egui::{Button, DragValue, Key, Label, Ui};
 
-use super::open_dialog::path_of;
+use super::dialog::{LABEL_WIDTH, PathField, dialog, path_of};
 use super::{command_button, finish_button};
 use crate::app::model::command::Command;
 use crate::app::model::rectified::RectifiedCommand;
@@ -46,60 +46,47 @@ impl ExportDialog {
         if !self.open {
             return;
         }
-        let mut open = true;
-        Window::new("Export rectified pair")
-            .open(&mut open)
-            .collapsible(false)
-            .resizable(false)
-            .anchor(Align2::CENTER_CENTER, vec2(0.0, -40.0))
-            .show(ctx, |ui| {
-                ui.set_width(520.0);
-                ui.weak(
-                    "Both pictures at full size, both side by side with guide lines, and rectification.json.",
-                );
-                ui.add_space(6.0);
-                ui.horizontal(|ui| self.folder_field(ui, commands));
-                self.choices(ui);
-                ui.add_space(2.0);
-                ui.weak("Files of the same names in that folder are replaced.");
-                ui.add_space(6.0);
-                let folder = path_of(&self.folder);
-                let options = self.options;
-                let export = |folder| RectifiedCommand::Export { folder, options }.into();
-                let command = folder.map(export);
-                ui.horizontal(|ui| {
-                    let button = ui.add_enabled(command.is_some(), Button::new("Export this pair"));
-                    let described = command.clone().unwrap_or_else(|| export(PathBuf::new()));
-                    finish_button(ui, button, described, commands);
-                    command_button(ui, Command::Cancel, true, commands);
-                });
-                if ui.input(|input| input.key_pressed(Key::Enter)) {
-                    commands.extend(command);
-                }
+        let open = dialog(ctx, "Export rectified pair", 520.0, |ui| {
+            ui.weak(
+                "Both pictures at full size, both side by side with guide lines, and rectification.json.",
+            );
+            ui.add_space(6.0);
+            let folder = PathField {
+                name: "Folder",
+                hint: "path of the folder, made if missing",
+                width: 330.0,
+                browse: "Browse for the export folder",
+                command: RectifiedCommand::Browse.into(),
+            };
+            let folder = folder.show(ui, &mut self.folder, commands);
+            if self.just_opened {
+                folder.request_focus();
+            }
+            self.choices(ui);
+            ui.add_space(2.0);
+            ui.weak("Files of the same names in that folder are replaced.");
+            ui.add_space(6.0);
+            let folder = path_of(&self.folder);
+            let options = self.options;
+            let export = |folder| RectifiedCommand::Export { folder, options }.into();
+            let command = folder.map(export);
+            ui.horizontal(|ui| {
+                let button = ui.add_enabled(command.is_some(), Button::new("Export this pair"));
+                let described = command.clone().unwrap_or_else(|| export(PathBuf::new()));
+                finish_button(ui, button, described, commands);
+                command_button(ui, Command::Cancel, true, commands);
             });
+            if ui.input(|input| input.key_pressed(Key::Enter)) {
+                commands.extend(command);
+            }
+        });
         self.just_opened = false;
         self.open &= open;
     }
 
-    fn folder_field(&mut self, ui: &mut Ui, commands: &mut Vec<Command>) {
-        let label = ui.add_sized([84.0, 26.0], Label::new("Folder"));
-        let edit = TextEdit::singleline(&mut self.folder)
-            .hint_text("path of the folder, made if missing")
-            .desired_width(330.0);
-        let response = ui.add(edit).labelled_by(label.id);
-        if self.just_opened {
-            response.request_focus();
-        }
-        let browse = ui.button("Browse");
-        browse.widget_info(|| {
-            egui::WidgetInfo::labeled(egui::Role::Button, true, "Browse for the export folder")
-        });
-        finish_button(ui, browse, RectifiedCommand::Browse.into(), commands);
-    }
-
     fn choices(&mut self, ui: &mut Ui) {
         ui.horizontal(|ui| {
-            ui.add_sized([84.0, 26.0], Label::new("Pictures"));
+            ui.add_sized([LABEL_WIDTH, 26.0], Label::new("Pictures"));
             for (format, name, tooltip) in [
                 (PictureFormat::Png, "PNG", "8 or 16 bits with transparency; every program reads it."),
                 (PictureFormat::Tiff, "TIFF", "8 or 16 bits or floating point, with transparency."),
@@ -108,14 +95,14 @@ impl ExportDialog {
             }
         });
         ui.horizontal(|ui| {
-            let label = ui.add_sized([84.0, 26.0], Label::new("Guide lines"));
+            let label = ui.add_sized([LABEL_WIDTH, 26.0], Label::new("Guide lines"));
             let value = DragValue::new(&mut self.options.guide_spacing).range(0..=1000).suffix(" rows");
             ui.add(value)
                 .labelled_by(label.id)
                 .on_hover_text("Rows from one guide line to the next in the picture of both; 0 draws none.");
         });
         ui.horizontal(|ui| {
-            ui.add_sized([84.0, 26.0], Label::new("Maps"));
+            ui.add_sized([LABEL_WIDTH, 26.0], Label::new("Maps"));
             ui.checkbox(&mut self.options.maps, "Where each pixel comes from, as .npy arrays for cv2.remap")
                 .on_hover_text(
                     "Rows × columns × (x, y) in pixels of the original image, 32-bit floats; (-1, -1) where nothing is.",

@@ -2,12 +2,13 @@
 //! commands.
 
 mod busy;
+mod dialog;
 mod exchange;
 mod export_dialog;
 mod guide_bar;
 mod legend;
 mod messages;
-pub mod open_dialog;
+mod open_dialog;
 mod pair_chooser;
 mod palette;
 mod relocate_dialog;

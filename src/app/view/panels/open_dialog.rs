@@ -2,8 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use egui::{Align2, Button, Key, Label, TextEdit, Window, vec2};
+use egui::{Button, Key};
 
+use super::dialog::{PathField, dialog, path_of};
 use super::{command_button, finish_button};
 use crate::app::model::Model;
 use crate::app::model::command::Command;
@@ -86,106 +87,60 @@ impl OpenDialog {
         if !self.open {
             return;
         }
-        let mut open = true;
-        Window::new("Open images")
-            .open(&mut open)
-            .collapsible(false)
-            .resizable(false)
-            .anchor(Align2::CENTER_CENTER, vec2(0.0, -40.0))
-            .show(ctx, |ui| {
-                ui.set_width(520.0);
-                ui.weak("Type or paste the paths of two images or of a session, browse for the files, or drop them on the window.");
-                ui.add_space(6.0);
-                for side in Side::BOTH {
-                    ui.horizontal(|ui| self.field(ui, model, side, commands));
+        let open = dialog(ctx, "Open images", 520.0, |ui| {
+            ui.weak("Type or paste the paths of two images or of a session, browse for the files, or drop them on the window.");
+            ui.add_space(6.0);
+            for (side, name) in Side::BOTH.into_iter().zip(["Left image", "Right image"]) {
+                let present = model.document.pictures.as_ref().map(|pictures| &pictures[side.index()].name);
+                let hint = present.map_or("path of the image".to_owned(), |name| format!("keep {name}"));
+                let browse = format!("Browse for the {} image", side.name());
+                let field = field(name, &hint, &browse, Command::Browse(side));
+                let field = field.show(ui, &mut self.paths[side.index()], commands);
+                if self.just_opened && side == Side::Left {
+                    field.request_focus();
                 }
-                ui.add_space(6.0);
-                ui.weak(
+            }
+            ui.add_space(6.0);
+            ui.weak(
                     "Or a folder whose geometry is known: in the VGG layout, or pairs NAMEA.*, NAMEB.* with NAME.txt.",
                 );
-                ui.add_space(2.0);
-                ui.horizontal(|ui| self.folder_field(ui, commands));
-                ui.add_space(6.0);
-                ui.weak(
+            ui.add_space(2.0);
+            field("Folder", "path of the folder", "Browse for the folder", Command::BrowseFolder).show(
+                ui,
+                &mut self.folder,
+                commands,
+            );
+            ui.add_space(6.0);
+            ui.weak(
                     "For the images, if you have them: point pairs, a fundamental matrix or two cameras, in any of the known formats.",
                 );
-                ui.add_space(2.0);
-                ui.horizontal(|ui| self.import_field(ui, commands));
-                ui.add_space(6.0);
-                let typed = self.commands(model);
-                ui.horizontal(|ui| {
-                    let open = ui.add_enabled(!typed.is_empty(), Button::new("Open these"));
-                    let described = typed.first().cloned().unwrap_or(Command::OpenFiles([None, None]));
-                    if finish_button(ui, open, described, commands).clicked() {
-                        commands.extend(typed.iter().skip(1).cloned());
-                    }
-                    command_button(ui, Command::Cancel, true, commands);
-                });
-                if ui.input(|input| input.key_pressed(Key::Enter)) {
-                    commands.extend(typed);
+            ui.add_space(2.0);
+            let hint = "path of the file, for the images above or those that are open";
+            let browse = ExchangeCommand::BrowseImport.into();
+            field("Import", hint, "Browse for a file to import", browse).show(ui, &mut self.import, commands);
+            ui.add_space(6.0);
+            let typed = self.commands(model);
+            ui.horizontal(|ui| {
+                let open = ui.add_enabled(!typed.is_empty(), Button::new("Open these"));
+                let described = typed.first().cloned().unwrap_or(Command::OpenFiles([None, None]));
+                if finish_button(ui, open, described, commands).clicked() {
+                    commands.extend(typed.iter().skip(1).cloned());
                 }
+                command_button(ui, Command::Cancel, true, commands);
             });
+            if ui.input(|input| input.key_pressed(Key::Enter)) {
+                commands.extend(typed);
+            }
+        });
         self.just_opened = false;
         if !open {
             self.open = false;
         }
     }
-
-    fn folder_field(&mut self, ui: &mut egui::Ui, commands: &mut Vec<Command>) {
-        let label = ui.add_sized([84.0, 26.0], Label::new("Folder"));
-        let edit =
-            TextEdit::singleline(&mut self.folder).hint_text("path of the folder").desired_width(330.0);
-        ui.add(edit).labelled_by(label.id);
-        let browse = ui.button("Browse");
-        browse.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, "Browse for the folder"));
-        finish_button(ui, browse, Command::BrowseFolder, commands);
-    }
-
-    fn import_field(&mut self, ui: &mut egui::Ui, commands: &mut Vec<Command>) {
-        let label = ui.add_sized([84.0, 26.0], Label::new("Import"));
-        let edit = TextEdit::singleline(&mut self.import)
-            .hint_text("path of the file, for the images above or those that are open")
-            .desired_width(330.0);
-        ui.add(edit).labelled_by(label.id);
-        let browse = ui.button("Browse");
-        browse.widget_info(|| {
-            egui::WidgetInfo::labeled(egui::Role::Button, true, "Browse for a file to import")
-        });
-        finish_button(ui, browse, ExchangeCommand::BrowseImport.into(), commands);
-    }
-
-    fn field(&mut self, ui: &mut egui::Ui, model: &Model, side: Side, commands: &mut Vec<Command>) {
-        let name = match side {
-            Side::Left => "Left image",
-            Side::Right => "Right image",
-        };
-        // Both labels equally wide, so that the fields line up.
-        let label = ui.add_sized([84.0, 26.0], Label::new(name));
-        let present = model.document.pictures.as_ref().map(|pictures| &pictures[side.index()].name);
-        let hint = present.map_or("path of the image".to_owned(), |name| format!("keep {name}"));
-        let edit = TextEdit::singleline(&mut self.paths[side.index()]).hint_text(hint).desired_width(330.0);
-        let response = ui.add(edit).labelled_by(label.id);
-        if self.just_opened && side == Side::Left {
-            response.request_focus();
-        }
-        let browse = ui.button("Browse");
-        browse.widget_info(|| {
-            egui::WidgetInfo::labeled(
-                egui::Role::Button,
-                true,
-                format!("Browse for the {} image", side.name()),
-            )
-        });
-        finish_button(ui, browse, Command::Browse(side), commands);
-    }
 }
 
-/// What was typed, as a path.
-pub(super) fn path_of(text: &str) -> Option<PathBuf> {
-    // Paths are often pasted with quotes or as an address.
-    let text = text.trim().trim_matches(['"', '\'']);
-    let text = text.strip_prefix("file://").unwrap_or(text);
-    (!text.is_empty()).then(|| PathBuf::from(text))
+fn field<'a>(name: &'a str, hint: &'a str, browse: &'a str, command: Command) -> PathField<'a> {
+    PathField { name, hint, width: 330.0, browse, command }
 }
 
 #[cfg(test)]

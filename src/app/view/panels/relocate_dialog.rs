@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use egui::{Align2, Button, Key, Label, TextEdit, Window, vec2};
+use egui::{Button, Key, Label, TextEdit};
 
-use super::open_dialog::path_of;
+use super::dialog::{dialog, named, path_of};
 use super::{command_button, finish_button};
 use crate::app::model::command::Command;
 use crate::app::model::command::SessionCommand;
@@ -53,71 +53,60 @@ impl RelocateDialog {
 
     /// Shows the window; returns whether it stays open.
     pub fn show(&mut self, ctx: &egui::Context, commands: &mut Vec<Command>) -> bool {
-        let mut open = true;
-        Window::new("Find the images")
-            .open(&mut open)
-            .collapsible(false)
-            .resizable(false)
-            .anchor(Align2::CENTER_CENTER, vec2(0.0, -40.0))
-            .show(ctx, |ui| {
-                ui.set_width(560.0);
-                let session = &self.relocation.session;
-                let what = if session.recovers {
-                    "The work that was not saved".to_owned()
-                } else {
-                    format!("The session {}", session.path.display())
-                };
-                ui.add(Label::new(format!("{what} needs your help with its images.")).wrap());
-                let mut all_there = true;
-                for side in Side::BOTH {
-                    let Some(lost) = &self.relocation.lost[side.index()] else { continue };
-                    ui.add_space(8.0);
-                    let text = match lost {
-                        Lost::Missing(path) => {
-                            format!("The {} image is not there: {}", side.name(), path.display())
-                        }
-                        Lost::Changed(path) => format!(
-                            "The {} image has changed since the session was saved, or is another one: {}",
-                            side.name(),
-                            path.display()
-                        ),
-                    };
-                    ui.add(Label::new(text).wrap());
-                    let typed = &mut self.paths[side.index()];
-                    let missing = matches!(lost, Lost::Missing(_));
-                    ui.horizontal(|ui| {
-                        let label = ui.label(format!("New {} image", side.name()));
-                        let hint =
-                            if missing { "where it is now" } else { "where the original is, if anywhere" };
-                        let edit = TextEdit::singleline(typed).hint_text(hint).desired_width(340.0);
-                        ui.add(edit).labelled_by(label.id);
-                        let browse = ui.button("Browse");
-                        browse.widget_info(|| {
-                            let label = format!("Browse for the {} image", side.name());
-                            egui::WidgetInfo::labeled(egui::Role::Button, true, label)
-                        });
-                        finish_button(ui, browse, SessionCommand::BrowseLost(side).into(), commands);
-                    });
-                    all_there &= !missing || path_of(typed).is_some();
-                }
+        let open = dialog(ctx, "Find the images", 560.0, |ui| {
+            let session = &self.relocation.session;
+            let what = if session.recovers {
+                "The work that was not saved".to_owned()
+            } else {
+                format!("The session {}", session.path.display())
+            };
+            ui.add(Label::new(format!("{what} needs your help with its images.")).wrap());
+            let mut all_there = true;
+            for side in Side::BOTH {
+                let Some(lost) = &self.relocation.lost[side.index()] else { continue };
                 ui.add_space(8.0);
-                let changed = self.relocation.lost.iter().flatten().any(|l| matches!(l, Lost::Changed(_)));
-                ui.horizontal(|ui| {
-                    let open = ui.add_enabled(all_there, Button::new("Open with these"));
-                    finish_button(ui, open, self.again(false), commands);
-                    if changed {
-                        let anyway = ui.add_enabled(all_there, Button::new("Use changed images as they are"));
-                        let hint = "The points of the session are kept; check that they still fit.";
-                        if anyway.on_hover_text(hint).clicked() {
-                            commands.push(self.again(true));
-                        }
+                let text = match lost {
+                    Lost::Missing(path) => {
+                        format!("The {} image is not there: {}", side.name(), path.display())
                     }
-                    command_button(ui, Command::Cancel, true, commands);
+                    Lost::Changed(path) => format!(
+                        "The {} image has changed since the session was saved, or is another one: {}",
+                        side.name(),
+                        path.display()
+                    ),
+                };
+                ui.add(Label::new(text).wrap());
+                let typed = &mut self.paths[side.index()];
+                let missing = matches!(lost, Lost::Missing(_));
+                ui.horizontal(|ui| {
+                    let label = ui.label(format!("New {} image", side.name()));
+                    let hint = if missing { "where it is now" } else { "where the original is, if anywhere" };
+                    let edit = TextEdit::singleline(typed).hint_text(hint).desired_width(340.0);
+                    ui.add(edit).labelled_by(label.id);
+                    let label = format!("Browse for the {} image", side.name());
+                    let browse = named(ui.button("Browse"), &label);
+                    finish_button(ui, browse, SessionCommand::BrowseLost(side).into(), commands);
                 });
-                if all_there && ui.input(|input| input.key_pressed(Key::Enter)) {
-                    commands.push(self.again(false));
+                all_there &= !missing || path_of(typed).is_some();
+            }
+            ui.add_space(8.0);
+            let changed = self.relocation.lost.iter().flatten().any(|l| matches!(l, Lost::Changed(_)));
+            ui.horizontal(|ui| {
+                let open = ui.add_enabled(all_there, Button::new("Open with these"));
+                finish_button(ui, open, self.again(false), commands);
+                if changed {
+                    let anyway = ui.add_enabled(all_there, Button::new("Use changed images as they are"));
+                    let hint = "The points of the session are kept; check that they still fit.";
+                    if anyway.on_hover_text(hint).clicked() {
+                        commands.push(self.again(true));
+                    }
                 }
+                command_button(ui, Command::Cancel, true, commands);
             });
+            if all_there && ui.input(|input| input.key_pressed(Key::Enter)) {
+                commands.push(self.again(false));
+            }
+        });
         open
     }
 }

@@ -2,9 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use egui::{Align2, Button, Key, TextEdit, Window, vec2};
+use egui::{Button, Key, TextEdit};
 
-use super::open_dialog::path_of;
+use super::dialog::{dialog, path_of};
 use super::{command_button, finish_button};
 use crate::app::model::command::Command;
 use crate::app::model::command::SessionCommand;
@@ -30,43 +30,36 @@ impl SaveDialog {
 
     /// Shows the window; returns whether it stays open.
     pub fn show(&mut self, ctx: &egui::Context, commands: &mut Vec<Command>) -> bool {
-        let mut open = true;
-        Window::new("Save session")
-            .open(&mut open)
-            .collapsible(false)
-            .resizable(false)
-            .anchor(Align2::CENTER_CENTER, vec2(0.0, -40.0))
-            .show(ctx, |ui| {
-                ui.set_width(520.0);
-                ui.weak(
+        let open = dialog(ctx, "Save session", 520.0, |ui| {
+            ui.weak(
                     "Points, parameters, pinned lines and views, as one readable JSON file. The images stay where they are.",
                 );
-                ui.add_space(6.0);
-                ui.horizontal(|ui| {
-                    let label = ui.label("File");
-                    let edit = TextEdit::singleline(&mut self.path).hint_text("path of the session");
-                    let response = ui.add(edit.desired_width(400.0)).labelled_by(label.id);
-                    if self.just_opened {
-                        response.request_focus();
-                    }
-                    let browse = ui.button("Browse");
-                    finish_button(ui, browse, SessionCommand::BrowseSave.into(), commands);
-                });
-                let path = path_of(&self.path).map(with_extension);
-                let replaces = path.as_ref().is_some_and(|path| path.exists());
-                ui.label(if replaces { "There is a file of that name; it will be replaced." } else { "" });
-                ui.add_space(6.0);
-                let command = path.map(|path| SessionCommand::SaveTo(path).into());
-                ui.horizontal(|ui| {
-                    let save = ui.add_enabled(command.is_some(), Button::new("Save"));
-                    let described = command.clone().unwrap_or(SessionCommand::Save.into());
-                    finish_button(ui, save, described, commands);
-                    command_button(ui, Command::Cancel, true, commands);
-                });
-                if ui.input(|input| input.key_pressed(Key::Enter)) {
-                    commands.extend(command);
+            ui.add_space(6.0);
+            ui.horizontal(|ui| {
+                let label = ui.label("File");
+                let edit = TextEdit::singleline(&mut self.path).hint_text("path of the session");
+                let response = ui.add(edit.desired_width(400.0)).labelled_by(label.id);
+                if self.just_opened {
+                    response.request_focus();
                 }
+                let browse = ui.button("Browse");
+                finish_button(ui, browse, SessionCommand::BrowseSave.into(), commands);
             });
+            let path = path_of(&self.path).map(with_extension);
+            let replaces = path.as_ref().is_some_and(|path| path.exists());
+            ui.label(if replaces { "There is a file of that name; it will be replaced." } else { "" });
+            ui.add_space(6.0);
+            let command = path.map(|path| SessionCommand::SaveTo(path).into());
+            ui.horizontal(|ui| {
+                let save = ui.add_enabled(command.is_some(), Button::new("Save"));
+                let described = command.clone().unwrap_or(SessionCommand::Save.into());
+                finish_button(ui, save, described, commands);
+                command_button(ui, Command::Cancel, true, commands);
+            });
+            if ui.input(|input| input.key_pressed(Key::Enter)) {
+                commands.extend(command);
+            }
+        });
         self.just_opened = false;
         open
     }

@@ -23,6 +23,18 @@ pub struct Column {
     pub is_text: bool,
 }
 
+impl Column {
+    /// A column of figures.
+    pub const fn figures(title: &'static str, width: f32, tooltip: &'static str) -> Self {
+        Self { title, tooltip, width, is_text: false }
+    }
+
+    /// A column of words.
+    pub const fn words(title: &'static str, width: f32, tooltip: &'static str) -> Self {
+        Self { title, tooltip, width, is_text: true }
+    }
+}
+
 /// Which column the rows are sorted by.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Sort {

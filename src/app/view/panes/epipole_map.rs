@@ -82,15 +82,11 @@ pub fn show(ui: &mut Ui, pane: Rect, side: Side, frame: Frame, model: &Model, co
     painter.circle_stroke(centre, radius, Stroke::new(1.0, Color32::from_gray(150)));
     painter.add(Shape::closed_line(disc.outline(), Stroke::new(1.2, Color32::from_gray(215))));
 
-    let epipole = |f: &crate::geometry::FundamentalMatrix| match side {
-        Side::Left => f.epipole1(),
-        Side::Right => f.epipole2(),
-    };
     let hypotheses = shown.estimate.hypotheses();
     let drawn = hypotheses.len().min(DRAWN);
     let mut nearest: Option<(usize, f32)> = None;
     for (rank, hypothesis) in hypotheses.iter().take(drawn).enumerate().rev() {
-        let (at, infinite) = disc.place(&epipole(hypothesis.fundamental()));
+        let (at, infinite) = disc.place(&side.epipole(hypothesis.fundamental()));
         let bright = 1.0 - rank as f32 / drawn as f32;
         let mut color = theme::HYPOTHESIS.gamma_multiply(0.2 + 0.7 * bright * bright);
         let mut size = 2.2;
@@ -113,7 +109,7 @@ pub fn show(ui: &mut Ui, pane: Rect, side: Side, frame: Frame, model: &Model, co
     }
     let truth = model.truth().map(|truth| (&truth.fundamental, theme::TRUE, 6.5));
     for (f, color, radius) in truth.into_iter().chain([(shown.fundamental, theme::ESTIMATED, 4.5)]) {
-        let (at, infinite) = disc.place(&epipole(f));
+        let (at, infinite) = disc.place(&side.epipole(f));
         for at in std::iter::once(at).chain(infinite.then(|| disc.opposite(at))) {
             painter.circle_stroke(at, radius, Stroke::new(3.5, theme::HALO));
             painter.circle_stroke(at, radius, Stroke::new(2.0, color));

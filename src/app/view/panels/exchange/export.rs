@@ -2,9 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use egui::{Align2, Button, ComboBox, Key, Label, RichText, TextEdit, Ui, Window, vec2};
+use egui::{Button, ComboBox, Key, Label, RichText, Ui};
 
-use super::super::open_dialog::path_of;
+use super::super::dialog::{LABEL_WIDTH, PathField, dialog, path_of};
 use super::super::{command_button, finish_button};
 use crate::app::model::Model;
 use crate::app::model::command::Command;
@@ -13,11 +13,8 @@ use crate::app::model::exchange::{ExportKind, ExportOrder, PROFILE_CONVENTION, R
 use crate::app::model::rectified::RectifiedCommand;
 use crate::io::Format;
 
-/// Width of the names of the choices, screen points.
-const LABEL_WIDTH: f32 = 84.0;
-
 /// What has been chosen; it stays for the next time.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct FileExport {
     /// Whether it is shown.
     pub open: bool,
@@ -28,27 +25,6 @@ pub struct FileExport {
     /// What was suggested last.
     suggested: String,
     just_opened: bool,
-}
-
-impl Default for FileExport {
-    fn default() -> Self {
-        let order = ExportOrder {
-            path: PathBuf::new(),
-            what: ExportKind::default(),
-            format: Format::Json,
-            with_matches: false,
-            reported: ReportFormat::default(),
-            part: ViewPart::default(),
-        };
-        Self {
-            open: false,
-            order,
-            path: String::new(),
-            begin: PathBuf::new(),
-            suggested: String::new(),
-            just_opened: false,
-        }
-    }
 }
 
 impl FileExport {
@@ -112,39 +88,43 @@ impl FileExport {
         if !self.open {
             return;
         }
-        let mut open = true;
-        Window::new("Export")
-            .open(&mut open)
-            .collapsible(false)
-            .resizable(false)
-            .anchor(Align2::CENTER_CENTER, vec2(0.0, -40.0))
-            .show(ctx, |ui| {
-                ui.set_width(560.0);
-                let before = (self.order.what, self.order.format, self.order.reported);
-                row(ui, "What", |ui| self.kinds(ui, model));
-                ui.add(Label::new(RichText::new(self.order.what.tooltip()).weak()).wrap());
-                ui.add_space(4.0);
-                self.choices(ui, model);
-                if before != (self.order.what, self.order.format, self.order.reported) {
-                    self.suggest();
-                }
-                ui.add_space(4.0);
-                self.conventions(ui);
-                ui.add_space(6.0);
-                ui.horizontal(|ui| self.file_field(ui, commands));
-                let path = path_of(&self.path);
-                let replaces = path.as_ref().is_some_and(|path| path.exists());
-                let missing = self.order.what.missing(model);
-                ui.label(match (missing, replaces) {
-                    (Some(missing), _) => missing,
-                    (None, true) => "There is a file of that name; it will be replaced.",
-                    (None, false) => "",
-                });
-                ui.add_space(6.0);
-                let order =
-                    path.filter(|_| missing.is_none()).map(|path| ExportOrder { path, ..self.order.clone() });
-                self.buttons(ui, model, order, commands);
+        let open = dialog(ctx, "Export", 560.0, |ui| {
+            let before = (self.order.what, self.order.format, self.order.reported);
+            row(ui, "What", |ui| self.kinds(ui, model));
+            ui.add(Label::new(RichText::new(self.order.what.tooltip()).weak()).wrap());
+            ui.add_space(4.0);
+            self.choices(ui, model);
+            if before != (self.order.what, self.order.format, self.order.reported) {
+                self.suggest();
+            }
+            ui.add_space(4.0);
+            self.conventions(ui);
+            ui.add_space(6.0);
+            let suggested = path_of(&self.path).unwrap_or_else(|| PathBuf::from(&self.suggested));
+            let file = PathField {
+                name: "File",
+                hint: "path of the file",
+                width: 370.0,
+                browse: "Browse for the export file",
+                command: ExchangeCommand::BrowseExport(suggested).into(),
+            };
+            let file = file.show(ui, &mut self.path, commands);
+            if self.just_opened {
+                file.request_focus();
+            }
+            let path = path_of(&self.path);
+            let replaces = path.as_ref().is_some_and(|path| path.exists());
+            let missing = self.order.what.missing(model);
+            ui.label(match (missing, replaces) {
+                (Some(missing), _) => missing,
+                (None, true) => "There is a file of that name; it will be replaced.",
+                (None, false) => "",
             });
+            ui.add_space(6.0);
+            let order =
+                path.filter(|_| missing.is_none()).map(|path| ExportOrder { path, ..self.order.clone() });
+            self.buttons(ui, model, order, commands);
+        });
         self.just_opened = false;
         self.open &= open;
     }
@@ -216,21 +196,6 @@ impl FileExport {
         for sentence in sentences {
             ui.add(Label::new(RichText::new(sentence).weak().small()).wrap());
         }
-    }
-
-    fn file_field(&mut self, ui: &mut Ui, commands: &mut Vec<Command>) {
-        let label = ui.add_sized([LABEL_WIDTH, 26.0], Label::new("File"));
-        let edit = TextEdit::singleline(&mut self.path).hint_text("path of the file").desired_width(370.0);
-        let response = ui.add(edit).labelled_by(label.id);
-        if self.just_opened {
-            response.request_focus();
-        }
-        let browse = ui.button("Browse");
-        browse.widget_info(|| {
-            egui::WidgetInfo::labeled(egui::Role::Button, true, "Browse for the export file")
-        });
-        let suggested = path_of(&self.path).unwrap_or_else(|| PathBuf::from(&self.suggested));
-        finish_button(ui, browse, ExchangeCommand::BrowseExport(suggested).into(), commands);
     }
 
     fn buttons(

@@ -1,7 +1,8 @@
 //! How is this matrix meant? The question before an imported geometry is drawn.
 
-use egui::{Align2, Button, Grid, Key, Label, RichText, Ui, Window, vec2};
+use egui::{Button, Grid, Key, Label, RichText, Ui};
 
+use super::super::dialog::dialog;
 use super::super::finish_button;
 use crate::app::model::command::Command;
 use crate::app::model::command::ExchangeCommand;
@@ -46,28 +47,21 @@ impl ReadingDialog {
 
     /// Shows the window; returns whether it stays open.
     pub fn show(&mut self, ctx: &egui::Context, commands: &mut Vec<Command>) -> bool {
-        let mut open = true;
-        Window::new("How is this matrix meant?")
-            .open(&mut open)
-            .collapsible(false)
-            .resizable(false)
-            .anchor(Align2::CENTER_CENTER, vec2(0.0, -40.0))
-            .show(ctx, |ui| {
-                ui.set_width(680.0);
-                let ImportFound { name, format, .. } = &self.found;
-                ui.weak(format!("A fundamental matrix from {name}, read as {}.", format.label()));
+        let open = dialog(ctx, "How is this matrix meant?", 680.0, |ui| {
+            let ImportFound { name, format, .. } = &self.found;
+            ui.weak(format!("A fundamental matrix from {name}, read as {}.", format.label()));
+            ui.add_space(6.0);
+            self.verdict(ui);
+            ui.add_space(6.0);
+            if !self.found.pairs.is_empty() {
+                let text = format!("Also place its {} point pairs", self.found.pairs.len());
+                ui.checkbox(&mut self.with_pairs, text).on_hover_text(
+                    "They take the place of the pairs that are there. Undo brings those back.",
+                );
                 ui.add_space(6.0);
-                self.verdict(ui);
-                ui.add_space(6.0);
-                if !self.found.pairs.is_empty() {
-                    let text = format!("Also place its {} point pairs", self.found.pairs.len());
-                    ui.checkbox(&mut self.with_pairs, text).on_hover_text(
-                        "They take the place of the pairs that are there. Undo brings those back.",
-                    );
-                    ui.add_space(6.0);
-                }
-                ui.horizontal(|ui| self.buttons(ui, commands));
-            });
+            }
+            ui.horizontal(|ui| self.buttons(ui, commands));
+        });
         open
     }
 

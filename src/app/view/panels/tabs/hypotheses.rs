@@ -17,52 +17,45 @@ use crate::geometry::{Frame, HomogeneousPoint, finite_point};
 pub const TAB: Tab = Tab { id: TabId::Hypotheses, tools, show };
 
 const COLUMNS: [Column; 7] = [
-    Column {
-        title: "Rank",
-        tooltip: "Place in the list, best first, before refinement; the result is what refinement made of the best.",
-        width: 64.0,
-        is_text: false,
-    },
-    Column {
-        title: "Support",
-        tooltip: "How strongly matching image patches agree with it; higher is better. Empty where patches were \
+    Column::figures(
+        "Rank",
+        64.0,
+        "Place in the list, best first, before refinement; the result is what refinement made of the best.",
+    ),
+    Column::figures(
+        "Support",
+        88.0,
+        "How strongly matching image patches agree with it; higher is better. Empty where patches were \
                   not compared.",
-        width: 88.0,
-        is_text: false,
-    },
-    Column {
-        title: "Line score",
-        tooltip: "How unlike its corresponding lines are over both images; lower is better.",
-        width: 100.0,
-        is_text: false,
-    },
-    Column {
-        title: "Round trip, px",
-        tooltip: "Mean area between a line and where H and G bring it, over the image width; small means that both \
+    ),
+    Column::figures(
+        "Line score",
+        100.0,
+        "How unlike its corresponding lines are over both images; lower is better.",
+    ),
+    Column::figures(
+        "Round trip, px",
+        126.0,
+        "Mean area between a line and where H and G bring it, over the image width; small means that both \
                   directions agree.",
-        width: 126.0,
-        is_text: false,
-    },
-    Column {
-        title: "κ of H / κ of G",
-        tooltip: "Ratio of the maps found in the two directions; 1 means that they agree.",
-        width: 126.0,
-        is_text: false,
-    },
-    Column {
-        title: "Left epipole",
-        tooltip: "Where the left image sees the other camera, px, or the direction if it is far away. Sorted by the \
+    ),
+    Column::figures(
+        "κ of H / κ of G",
+        126.0,
+        "Ratio of the maps found in the two directions; 1 means that they agree.",
+    ),
+    Column::figures(
+        "Left epipole",
+        200.0,
+        "Where the left image sees the other camera, px, or the direction if it is far away. Sorted by the \
                   distance from the middle.",
-        width: 200.0,
-        is_text: false,
-    },
-    Column {
-        title: "Right epipole",
-        tooltip: "Where the right image sees the other camera, px, or the direction if it is far away. Sorted by the \
+    ),
+    Column::figures(
+        "Right epipole",
+        200.0,
+        "Where the right image sees the other camera, px, or the direction if it is far away. Sorted by the \
                   distance from the middle.",
-        width: 200.0,
-        is_text: false,
-    },
+    ),
 ];
 
 fn tools(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {

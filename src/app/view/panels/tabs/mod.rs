@@ -11,6 +11,7 @@ mod residuals;
 
 use egui::{RichText, Ui};
 
+use super::dialog::named;
 use super::finish_button;
 use crate::app::model::Model;
 use crate::app::model::command::Command;
@@ -54,8 +55,7 @@ pub fn headings(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
             if model.tab().is_some() {
                 let (sign, name) =
                     if model.look.tabs_enlarged { ("▼", "Reduce") } else { ("▲", "Enlarge") };
-                let enlarge = ui.button(sign);
-                enlarge.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, name));
+                let enlarge = named(ui.button(sign), name);
                 finish_button(ui, enlarge, Command::EnlargeTabs, commands);
             }
             ui.spacing_mut().button_padding = padding;

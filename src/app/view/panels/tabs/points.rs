@@ -2,6 +2,7 @@
 
 use egui::{Grid, Label, RichText, ScrollArea, Sense, Ui};
 
+use super::super::dialog::named;
 use super::super::{command_button, finish_button};
 use super::{Tab, empty};
 use crate::app::model::Model;
@@ -105,16 +106,10 @@ fn row(ui: &mut Ui, model: &Model, pair: usize, commands: &mut Vec<Command>) {
     }
     ui.horizontal(|ui| {
         if finished.is_some() {
-            let inspect = ui.small_button("Inspect");
-            inspect.widget_info(|| {
-                egui::WidgetInfo::labeled(egui::Role::Button, true, format!("Inspect pair {name}"))
-            });
+            let inspect = named(ui.small_button("Inspect"), &format!("Inspect pair {name}"));
             finish_button(ui, inspect, Command::Pin(LineSource::Pair(pair)), commands);
         }
-        let delete = ui.small_button("Delete");
-        delete.widget_info(|| {
-            egui::WidgetInfo::labeled(egui::Role::Button, true, format!("Delete pair {name}"))
-        });
+        let delete = named(ui.small_button("Delete"), &format!("Delete pair {name}"));
         finish_button(ui, delete, Command::DeletePair(pair), commands);
     });
     let bottom_right = egui::pos2(ui.cursor().min.x, top_left.y + 24.0);

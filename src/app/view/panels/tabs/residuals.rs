@@ -25,32 +25,12 @@ fn tools(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
 
 /// A method and the spread of its distances.
 const SUMMARY: [Column; 6] = [
-    Column {
-        title: "Geometry",
-        tooltip: "Whose it is. Click a row, and the whole window shows that geometry.",
-        width: 92.0,
-        is_text: true,
-    },
-    Column {
-        title: "From",
-        tooltip: "What it was made from, or what is missing for it.",
-        width: 176.0,
-        is_text: true,
-    },
-    Column {
-        title: "Median, px",
-        tooltip: "Half of the points are nearer than this.",
-        width: 76.0,
-        is_text: false,
-    },
-    Column { title: "Mean, px", tooltip: "Mean distance over all points.", width: 70.0, is_text: false },
-    Column { title: "Max, px", tooltip: "Distance of the worst point.", width: 70.0, is_text: false },
-    Column {
-        title: "< 1 px",
-        tooltip: "Which part of the points is nearer than 1 px.",
-        width: 56.0,
-        is_text: false,
-    },
+    Column::words("Geometry", 92.0, "Whose it is. Click a row, and the whole window shows that geometry."),
+    Column::words("From", 176.0, "What it was made from, or what is missing for it."),
+    Column::figures("Median, px", 76.0, "Half of the points are nearer than this."),
+    Column::figures("Mean, px", 70.0, "Mean distance over all points."),
+    Column::figures("Max, px", 70.0, "Distance of the worst point."),
+    Column::figures("< 1 px", 56.0, "Which part of the points is nearer than 1 px."),
 ];
 
 /// The geometries that have a row: an imported one only where there is one.
@@ -61,13 +41,12 @@ fn contestants(model: &Model) -> Vec<Contestant> {
 
 /// A point and its distance to each of some geometries.
 fn point_columns(contestants: &[Contestant]) -> Vec<Column> {
-    let point = Column {
-        title: "Point",
-        tooltip: "The pair, or the number of the true match. Point at a row to find it in both images; click a pair to \
+    let point = Column::figures(
+        "Point",
+        84.0,
+        "The pair, or the number of the true match. Point at a row to find it in both images; click a pair to \
                   select it, a true match to inspect its lines.",
-        width: 84.0,
-        is_text: false,
-    };
+    );
     let distance = |contestant: &Contestant| {
         let (title, tooltip) = match contestant {
             Contestant::Result => ("Result", "Distance from the result, px."),

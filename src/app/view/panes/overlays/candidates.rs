@@ -3,7 +3,6 @@
 use egui::Color32;
 
 use super::{Canvas, Overlay};
-use crate::app::model::document::Side;
 use crate::app::model::ids::OverlayId;
 use crate::app::view::heat;
 use crate::geometry::AnchoredLine;
@@ -29,10 +28,7 @@ fn draw(canvas: &Canvas) {
         return;
     };
     for pencil in pencils {
-        let click = match canvas.side {
-            Side::Left => pencil.click.point1,
-            Side::Right => pencil.click.point2,
-        };
+        let click = canvas.side.point(&pencil.click);
         let drawn = pencil.candidates.len().min(DRAWN);
         // The best one last, on top.
         for (rank, candidate) in pencil.candidates.iter().take(drawn).enumerate().rev() {

@@ -3,7 +3,6 @@
 use egui::{Color32, Stroke, vec2};
 
 use super::{Canvas, Overlay};
-use crate::app::model::document::Side;
 use crate::app::model::ids::OverlayId;
 use crate::app::view::theme;
 use crate::geometry::{FundamentalMatrix, finite_point};
@@ -27,10 +26,7 @@ fn draw(canvas: &Canvas) {
 }
 
 fn mark(canvas: &Canvas, f: &FundamentalMatrix, (name, below): (&str, f32), color: Color32, opacity: f32) {
-    let epipole = match canvas.side {
-        Side::Left => f.epipole1(),
-        Side::Right => f.epipole2(),
-    };
+    let epipole = canvas.side.epipole(f);
     let Some(at) = finite_point(&epipole).map(|point| canvas.transform.screen_from_image(point)) else {
         return;
     };

@@ -3,7 +3,6 @@
 use egui::{Color32, Pos2, Shape, Stroke, Vec2, vec2};
 
 use super::{Canvas, Overlay, Pointing};
-use crate::app::model::document::Side;
 use crate::app::model::focus::Target;
 use crate::app::model::ids::OverlayId;
 use crate::app::view::theme;
@@ -79,10 +78,7 @@ fn mark(canvas: &Canvas, hypothesis: &Estimate, color: Color32, size: f32) {
 
 /// Where its mark is; with a direction when it is an arrow at the edge.
 fn place(canvas: &Canvas, hypothesis: &Estimate) -> (Pos2, Option<Vec2>) {
-    let epipole = match canvas.side {
-        Side::Left => hypothesis.geometry.epipole1(),
-        Side::Right => hypothesis.geometry.epipole2(),
-    };
+    let epipole = canvas.side.epipole(hypothesis.fundamental());
     let visible = canvas.transform.rect.intersect(canvas.painter.clip_rect());
     if let Some(at) = finite_point(&epipole).map(|point| canvas.transform.screen_from_image(point))
         && visible.contains(at)

@@ -3,7 +3,6 @@
 use egui::Pos2;
 
 use super::{Canvas, Overlay, Pointing};
-use crate::app::model::document::Side;
 use crate::app::model::focus::Target;
 use crate::app::model::ids::OverlayId;
 use crate::app::view::theme;
@@ -45,8 +44,5 @@ pub fn at(canvas: &Canvas, position: Pos2) -> Option<Pointing> {
 }
 
 fn own(canvas: &Canvas, matched: &RefinedMatch) -> Point {
-    match canvas.side {
-        Side::Left => matched.pair.point1,
-        Side::Right => matched.pair.point2,
-    }
+    canvas.side.point(&matched.pair)
 }

@@ -132,10 +132,7 @@ impl Canvas<'_> {
 
     /// The epipolar line in this image through one of its own points.
     fn line_through(&self, f: &FundamentalMatrix, point: Point) -> Option<Line> {
-        let epipole = match self.side {
-            Side::Left => f.epipole1(),
-            Side::Right => f.epipole2(),
-        };
+        let epipole = self.side.epipole(f);
         Line::joining(&epipole, &point.to_homogeneous())
     }
 

@@ -2,7 +2,7 @@
 
 use egui::Stroke;
 
-use super::{Canvas, Overlay, samples, true_matches};
+use super::{Canvas, Overlay, samples};
 use crate::app::model::document::{PointRef, Side};
 use crate::app::model::focus::Target;
 use crate::app::model::ids::OverlayId;
@@ -45,18 +45,12 @@ fn draw(canvas: &Canvas) {
         Some(Target::Match(number)) => {
             let matched = canvas.shown().and_then(|(shown, _)| shown.estimate.matches().get(number).copied());
             if let Some(matched) = matched {
-                ring(
-                    canvas,
-                    match canvas.side {
-                        Side::Left => matched.pair.point1,
-                        Side::Right => matched.pair.point2,
-                    },
-                );
+                ring(canvas, canvas.side.point(&matched.pair));
             }
         }
         Some(Target::TrueMatch(number)) => {
             if let Some(pair) = model.truth().and_then(|truth| truth.matches.get(number)) {
-                ring(canvas, true_matches::own(canvas.side, pair));
+                ring(canvas, canvas.side.point(pair));
             }
         }
         Some(Target::Sample(index)) => {

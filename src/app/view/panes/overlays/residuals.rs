@@ -1,7 +1,6 @@
 //! How far each refined match is from where it should lie, magnified.
 
 use super::{Canvas, Overlay};
-use crate::app::model::document::Side;
 use crate::app::model::ids::OverlayId;
 use crate::app::view::theme;
 
@@ -25,10 +24,7 @@ fn draw(canvas: &Canvas) {
     let matches = shown.estimate.matches();
     for matched in matches.iter().step_by(matches.len().div_ceil(DRAWN).max(1)) {
         let pair = &matched.pair;
-        let (point, other) = match canvas.side {
-            Side::Left => (pair.point1, pair.point2),
-            Side::Right => (pair.point2, pair.point1),
-        };
+        let (point, other) = (canvas.side.point(pair), canvas.side.other().point(pair));
         if let Some(line) = canvas.line_from_other(shown.fundamental, other) {
             let end = point + (line.foot(point) - point) * MAGNIFICATION;
             canvas.segment(point, end, 1.2, theme::BACKWARD.gamma_multiply(opacity));

@@ -4,11 +4,10 @@ use egui::{Pos2, Stroke};
 
 use super::{Canvas, Overlay, Pointing};
 use crate::app::model::Model;
-use crate::app::model::document::Side;
 use crate::app::model::focus::Target;
 use crate::app::model::ids::OverlayId;
 use crate::app::view::theme;
-use crate::geometry::{Point, PointPair};
+use crate::geometry::PointPair;
 
 /// Registered in [`super::OVERLAYS`].
 pub const OVERLAY: Overlay = Overlay {
@@ -38,7 +37,7 @@ fn draw(canvas: &Canvas) {
     let many = drawn(canvas.model).nth(FEW).is_some();
     let usual = SIZES[usize::from(many)];
     for (number, pair) in drawn(canvas.model) {
-        let at = canvas.transform.screen_from_image(own(canvas.side, pair));
+        let at = canvas.transform.screen_from_image(canvas.side.point(pair));
         if !visible.contains(at) {
             continue;
         }
@@ -59,16 +58,8 @@ fn draw(canvas: &Canvas) {
 /// The match at a place of the screen.
 pub fn at(canvas: &Canvas, position: Pos2) -> Option<Pointing> {
     let distances = drawn(canvas.model).map(|(number, pair)| {
-        (number, canvas.transform.screen_from_image(own(canvas.side, pair)).distance(position))
+        (number, canvas.transform.screen_from_image(canvas.side.point(pair)).distance(position))
     });
     let (number, distance) = distances.min_by(|a, b| a.1.total_cmp(&b.1))?;
     (distance < 6.0).then_some(Pointing { target: Target::TrueMatch(number), distance })
-}
-
-/// The point of a match in an image.
-pub fn own(side: Side, pair: &PointPair) -> Point {
-    match side {
-        Side::Left => pair.point1,
-        Side::Right => pair.point2,
-    }
 }

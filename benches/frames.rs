@@ -1,11 +1,9 @@
-//! How long frames take while a point is dragged, with the real estimator. It asserts nothing, for times depend on
-//! the machine; run it in a release build:
-//!
-//! ```text
-//! cargo test --release --test window -- --ignored --nocapture frames
-//! ```
+//! Time of frames while a point is dragged, with the real estimator, and while large images are moved. There is no
+//! graphics card in it: uploads are left out. Run with `cargo bench --bench frames`.
 
-use crate::support::*;
+#[path = "../tests/window/support.rs"]
+#[expect(dead_code, reason = "shared with the tests of the window")]
+mod support;
 
 use std::cell::RefCell;
 use std::rc::Rc;
@@ -18,6 +16,7 @@ use epiline::app::model::document::Side;
 use epiline::app::model::ids::TabId;
 use epiline::app::model::look::Look;
 use epiline::app::{Inspector, Opening, Services, Start, install_theme};
+use support::{Files, P_LEFT, Window, button, pane, screen, settle};
 
 /// Frames of a drag, at 60 a second.
 const FRAMES: u32 = 180;
@@ -43,9 +42,12 @@ fn timed(start: Start) -> (Window, Rc<RefCell<Vec<Duration>>>) {
     (window, times)
 }
 
-#[test]
-#[ignore = "it measures and asserts nothing"]
-fn frames_while_dragging() {
+fn main() {
+    while_dragging();
+    while_moving_large_images();
+}
+
+fn while_dragging() {
     let usual = Look::default();
     let everything = Look { overlays: usual.overlays.map(|_| true), ..Look::default() };
     let rectified = Look { tab: TabId::Rectified, tabs_enlarged: true, ..Look::default() };
@@ -95,10 +97,7 @@ fn drag_in_circles(window: &mut Window, times: &RefCell<Vec<Duration>>) {
     println!("  from the end of the drag to the final geometry: {:.2} s", released.elapsed().as_secs_f64());
 }
 
-/// Uploads to the graphics card are left out: there is none.
-#[test]
-#[ignore = "it measures and asserts nothing"]
-fn frames_while_moving_large_images() {
+fn while_moving_large_images() {
     let files = Files::new();
     let [left, right] = ["a.png", "b.png"].map(|name| files.image(name, 8000, 6000));
     let (mut window, times) = timed(Start { opening: Opening::Files(left, right), ..Start::default() });

@@ -1,0 +1,168 @@
+//! The table of actions: what each is called, what it does in a sentence, its keys, and where it is offered. A new one
+//! is a variant of [`Command`], an entry here, and an arm where commands are applied.
+
+mod table;
+
+use std::mem::{Discriminant, discriminant};
+use std::sync::LazyLock;
+
+use egui::{Key, KeyboardShortcut, Modifiers};
+
+use crate::app::model::Model;
+use crate::app::model::command::{Command, ExchangeCommand, SessionCommand};
+use crate::app::model::ids::TabId;
+use crate::app::model::rectified::RectifiedCommand;
+
+/// Something that can be done, as it is offered.
+pub struct Action {
+    /// What is done. Entries of commands with something particular in them stand for all of their kind, unless those
+    /// have an entry of their own.
+    pub command: Command,
+    /// What it is called on buttons.
+    pub name: &'static str,
+    /// One sentence about it.
+    pub tooltip: &'static str,
+    /// Its keys, the first one being the one that is shown.
+    pub keys: Vec<KeyboardShortcut>,
+    /// Whether its keys work while a text field or a dialog has the keyboard.
+    pub works_while_typing: bool,
+    /// What it is called in the list of all commands, if it is in there.
+    pub listed: Option<fn(&Model) -> &'static str>,
+    /// Whether it makes sense in the state as it is.
+    pub makes_sense: fn(&Model) -> bool,
+}
+
+impl Action {
+    fn key(mut self, modifiers: Modifiers, key: Key) -> Self {
+        self.keys.push(KeyboardShortcut::new(modifiers, key));
+        self
+    }
+
+    fn while_typing(mut self) -> Self {
+        self.works_while_typing = true;
+        self
+    }
+
+    fn listed(mut self, title: fn(&Model) -> &'static str) -> Self {
+        self.listed = Some(title);
+        self
+    }
+
+    fn when(mut self, makes_sense: fn(&Model) -> bool) -> Self {
+        self.makes_sense = makes_sense;
+        self
+    }
+}
+
+fn action(command: impl Into<Command>, name: &'static str, tooltip: &'static str) -> Action {
+    let (keys, makes_sense) = (Vec::new(), |_: &Model| true);
+    Action {
+        command: command.into(),
+        name,
+        tooltip,
+        keys,
+        works_while_typing: false,
+        listed: None,
+        makes_sense,
+    }
+}
+
+fn tab(id: TabId, key: Key, tooltip: &'static str) -> Action {
+    action(Command::ShowTab(id), id.title(), tooltip).key(Modifiers::NONE, key)
+}
+
+/// All of them: first those with keys, in the order of the list of keys.
+pub static ACTIONS: LazyLock<Vec<Action>> = LazyLock::new(|| {
+    [table::with_keys(), table::by_name(), table::in_dialogs()].into_iter().flatten().collect()
+});
+
+/// Which command it is, whatever it carries.
+#[derive(PartialEq, Eq)]
+enum Kind {
+    Session(Discriminant<SessionCommand>),
+    /// Also whether a reading is taken, which is called otherwise than none.
+    Exchange(Discriminant<ExchangeCommand>, bool),
+    Rectified(Discriminant<RectifiedCommand>),
+    Other(Discriminant<Command>),
+}
+
+fn kind(command: &Command) -> Kind {
+    match command {
+        Command::Session(command) => Kind::Session(discriminant(command)),
+        Command::Exchange(command) => {
+            let reads = matches!(command, ExchangeCommand::Accept { reading: Some(_), .. });
+            Kind::Exchange(discriminant(command), reads)
+        }
+        Command::Rectified(command) => Kind::Rectified(discriminant(command)),
+        other => Kind::Other(discriminant(other)),
+    }
+}
+
+impl Command {
+    /// Its entry in the table: its own, or that of its kind. What only the mouse does has none.
+    pub(super) fn action(&self) -> Option<&'static Action> {
+        let own = ACTIONS.iter().find(|action| action.command == *self);
+        own.or_else(|| ACTIONS.iter().find(|action| kind(&action.command) == kind(self)))
+    }
+
+    /// What it is called on buttons.
+    pub(super) fn name(&self) -> &'static str {
+        self.action().map_or("", |action| action.name)
+    }
+
+    /// One sentence about what it does.
+    pub(super) fn tooltip(&self) -> &'static str {
+        self.action().map_or("", |action| action.tooltip)
+    }
+
+    /// Its keys, the first one being the one that is shown.
+    pub(super) fn keys(&self) -> &'static [KeyboardShortcut] {
+        // Keys do just what the table says.
+        let own = self.action().filter(|action| action.command == *self);
+        own.map_or(&[], |action| &action.keys)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::HashSet;
+
+    #[test]
+    fn no_two_actions_share_a_key_and_each_has_a_name_and_a_tooltip() {
+        let mut seen = HashSet::new();
+        for action in ACTIONS.iter() {
+            let command = &action.command;
+            assert!(!action.name.is_empty() && action.tooltip.ends_with('.'), "{command:?}");
+            assert!(std::ptr::eq(command.action().unwrap(), action), "{command:?} twice");
+            for shortcut in &action.keys {
+                assert!(seen.insert(*shortcut), "{shortcut:?} twice");
+            }
+        }
+    }
+
+    #[test]
+    fn longer_shortcuts_come_before_the_ones_they_contain() {
+        let mut seen: Vec<KeyboardShortcut> = Vec::new();
+        for shortcut in ACTIONS.iter().flat_map(|action| &action.keys) {
+            let hidden = seen.iter().any(|earlier| {
+                earlier.logical_key == shortcut.logical_key
+                    && shortcut.modifiers.matches_logically(earlier.modifiers)
+            });
+            assert!(!hidden, "{shortcut:?} would never be seen");
+            seen.push(*shortcut);
+        }
+    }
+
+    #[test]
+    fn a_command_with_something_in_it_has_the_entry_of_its_kind() {
+        assert_eq!(Command::Unpin(7).name(), "Unpin");
+        assert_eq!(Command::from(SessionCommand::SaveTo("a.json".into())).name(), "Save session");
+        assert_eq!(Command::StepPair { forward: false }.name(), "Previous pair");
+        assert_eq!(
+            Command::from(ExchangeCommand::Accept { reading: None, with_pairs: true }).name(),
+            "As it is"
+        );
+        assert!(Command::ChooseHypothesis(Some(3)).keys().is_empty());
+    }
+}
