@@ -289,8 +289,7 @@ mod tests {
         let g = f.rescaled(0.5, 0.25).unwrap();
         let x = nalgebra::Point3::new(0.3, -0.2, 5.0);
         let (a, b) = (camera1.project(&x).unwrap(), camera2.project(&x).unwrap());
-        let resized = |p: Point, s: f64| Point::new((p.x + 0.5) * s - 0.5, (p.y + 0.5) * s - 0.5);
-        let pair = PointPair { point1: resized(a, 0.5), point2: resized(b, 0.25) };
+        let pair = PointPair { point1: a, point2: b }.rescaled([0.5, 0.25]);
         assert!(symmetric_epipolar_distance(&g, &pair) < 1e-9);
     }
 }

@@ -34,7 +34,7 @@ pub use frame::{Frame, Segment};
 pub use fundamental::{FundamentalMatrix, NotFundamental};
 pub use line::Line;
 pub use pencil::{LinePair, PencilMap, fit_pencil_map, pencil_angles};
-pub use point::{HomogeneousPoint, PointPair, finite_point, place_in_words};
+pub use point::{HomogeneousPoint, PointPair, finite_point, place_in_words, rescaled};
 pub use residual::{algebraic_residual, sampson_distance, symmetric_epipolar_distance};
 pub use seven_point::{SevenPointError, seven_point};
 

@@ -31,10 +31,22 @@ impl PointPair {
         Self { point1: self.point2, point2: self.point1 }
     }
 
+    /// The pair after both images were resized, see [`rescaled`].
+    #[must_use]
+    pub fn rescaled(&self, scales: [f64; 2]) -> Self {
+        Self { point1: rescaled(self.point1, scales[0]), point2: rescaled(self.point2, scales[1]) }
+    }
+
     /// Whether all four coordinates are finite numbers.
     pub fn is_finite(&self) -> bool {
         self.point1.iter().chain(self.point2.iter()).all(|v| v.is_finite())
     }
+}
+
+/// A point after its image was resized by `scale` (new size over old size): pixel centres map as
+/// `x' = (x + ½)·scale − ½`.
+pub fn rescaled(p: Point, scale: f64) -> Point {
+    Point::new((p.x + 0.5) * scale - 0.5, (p.y + 0.5) * scale - 0.5)
 }
 
 /// The pixel position of a homogeneous point, or `None` when it is at infinity or beyond 10⁹ px.

@@ -6,7 +6,7 @@ use super::alignment::{Aligner, Placement};
 use super::correlation::{Region, Windows};
 use super::template::{Pose, Template};
 use crate::estimate::PreparedPair;
-use crate::geometry::{Line, Point};
+use crate::geometry::{Line, Point, rescaled};
 use crate::image::GrayPlane;
 
 /// Longer sides of the levels candidates are compared at, px; with halved levels they are from 1/√2 to √2 times
@@ -57,25 +57,25 @@ pub(super) struct Quest<'a> {
 impl Stage<'_> {
     fn placement(&self, full: &Placement) -> Placement {
         Placement {
-            at: resized(full.at, self.to_scale),
+            at: rescaled(full.at, self.to_scale),
             affine: full.affine * (self.to_scale / self.from_scale),
         }
     }
 
     fn full(&self, own: &Placement) -> Placement {
         Placement {
-            at: resized(own.at, 1.0 / self.to_scale),
+            at: rescaled(own.at, 1.0 / self.to_scale),
             affine: own.affine * (self.from_scale / self.to_scale),
         }
     }
 
     fn aligner(&self, full_at: Point) -> Aligner<'_> {
-        Aligner { from: self.from, to: self.to, at: resized(full_at, self.from_scale) }
+        Aligner { from: self.from, to: self.to, at: rescaled(full_at, self.from_scale) }
     }
 
     /// Peaks of the correlation on the small image, full size.
     fn peaks(&self, quest: &Quest) -> Vec<Placement> {
-        let at = resized(quest.at, self.from_scale);
+        let at = rescaled(quest.at, self.from_scale);
         let templates: Vec<Template> =
             quest.poses.iter().filter_map(|pose| Template::new(self.from, at, *pose)).collect();
         if templates.is_empty() {
@@ -84,7 +84,7 @@ impl Stage<'_> {
         let frame = self.to.frame();
         let region = match &quest.band {
             None => Region::whole(frame),
-            Some((line, band)) => match resized_line(line, self.to_scale) {
+            Some((line, band)) => match rescaled_line(line, self.to_scale) {
                 // At least the pixels on either side of the line.
                 Some(line) => Region::band(frame, &line, (band * self.to_scale).max(1.0)),
                 None => return Vec::new(),
@@ -126,7 +126,7 @@ impl<'a> View<'a> {
     /// Whether the surroundings of a point are too uniform to be found anywhere.
     pub fn is_flat(&self, at: Point) -> bool {
         let upright = Pose { rotation: 0.0, scale: 1.0 };
-        self.stages.iter().all(|s| Template::new(s.from, resized(at, s.from_scale), upright).is_none())
+        self.stages.iter().all(|s| Template::new(s.from, rescaled(at, s.from_scale), upright).is_none())
     }
 
     /// Places that look like the click, best first, each separate from the others.
@@ -180,12 +180,7 @@ impl<'a> View<'a> {
     }
 }
 
-/// Pixel centres map as `x' = (x + ½)·scale − ½`.
-fn resized(p: Point, scale: f64) -> Point {
-    Point::new((p.x + 0.5) * scale - 0.5, (p.y + 0.5) * scale - 0.5)
-}
-
-fn resized_line(line: &Line, scale: f64) -> Option<Line> {
-    let foot = resized(line.foot(Point::origin()), scale);
+fn rescaled_line(line: &Line, scale: f64) -> Option<Line> {
+    let foot = rescaled(line.foot(Point::origin()), scale);
     Line::through(foot, foot + line.direction())
 }
