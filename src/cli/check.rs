@@ -65,7 +65,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
         );
         return Err(CliError::Arguments(problem));
     };
-    let check = check_convention(&given, format.origin(), &file.pairs)?;
+    let check = check_convention(&given, &file.pairs)?;
     let (best, sentence) = (check.best(), check.sentence());
     let believed = check.fits().then_some(best);
     let result = ResultFile {

@@ -3,10 +3,9 @@
 use nalgebra::{Matrix3, Matrix3x4};
 use serde_json::{Map, Value};
 
-use super::coordinates::{moved_camera, moved_fundamental, moved_pair, shift};
 use super::quantity::Quantity;
-use super::{Format, GeometryFile, ImageNote, Problem, Wanted};
-use crate::geometry::{Camera, FundamentalMatrix, NotFundamental, PointPair};
+use super::{GeometryFile, ImageNote, Problem, Wanted};
+use crate::geometry::{Camera, FundamentalMatrix, PointPair};
 
 /// Numbers in rows and columns. Every row is full, and every number finite.
 #[derive(Debug, Clone, PartialEq)]
@@ -82,12 +81,6 @@ impl Fields {
         Ok(())
     }
 
-    /// Notes a table in place of another one of the same quantity, as a script does that assigns twice.
-    pub(super) fn assign(&mut self, quantity: Quantity, table: Table) {
-        self.tables.retain(|(known, _)| *known != quantity);
-        self.tables.push((quantity, table));
-    }
-
     /// Notes image 1 (`index` 0) or 2.
     pub(super) fn add_image(&mut self, index: usize, image: ImageNote) {
         if let Some(place) = self.images.get_mut(index) {
@@ -150,28 +143,24 @@ impl Fields {
         Ok(fields)
     }
 
-    /// The content in the convention of this program.
-    pub(super) fn interpret(self, format: Format) -> Result<GeometryFile, Problem> {
-        let back = -format.origin();
+    /// The quantities as what they are.
+    pub(super) fn interpret(self) -> Result<GeometryFile, Problem> {
         let frames = match &self.images {
             [Some(image1), Some(image2)] => Some([image1.frame, image2.frame]),
             _ => None,
         };
         let fundamental = self.get(Quantity::Fundamental, |table| {
-            let f = FundamentalMatrix::from_numbers(table.matrix3()?, frames).map_err(|e| e.to_string())?;
-            moved_fundamental(&f, back).ok_or_else(|| NotFundamental::RankBelowTwo.to_string())
+            FundamentalMatrix::from_numbers(table.matrix3()?, frames).map_err(|e| e.to_string())
         })?;
         let camera = |table: &Table| {
             Camera::from_matrix(Matrix3x4::from_row_slice(table.matrix(3, 4)?))
-                .and_then(|camera| moved_camera(&camera, back))
                 .ok_or_else(|| "this matrix is not a camera (its rank is below 3)".to_owned())
         };
-        let homography = |table: &Table| Ok(shift(back) * table.matrix3()? * shift(-back));
         let file = GeometryFile {
             fundamental,
             cameras: self.both([Quantity::Camera1, Quantity::Camera2], camera)?,
-            homographies: self.both([Quantity::Homography1, Quantity::Homography2], homography)?,
-            pairs: self.pairs()?.iter().map(|p| moved_pair(p, back)).collect(),
+            homographies: self.both([Quantity::Homography1, Quantity::Homography2], Table::matrix3)?,
+            pairs: self.pairs()?,
             images: match self.images {
                 [Some(image1), Some(image2)] => Some([image1, image2]),
                 _ => None,

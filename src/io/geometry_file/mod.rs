@@ -5,10 +5,9 @@
 //! | [`Json`](Format::Json) | this program, scripts | `x2ᵀ F x1 = 0` | (0, 0) |
 //! | [`Text`](Format::Text) | people, `awk` | `x2ᵀ F x1 = 0` | (0, 0) |
 //! | [`OpencvYaml`](Format::OpencvYaml), [`OpencvXml`](Format::OpencvXml) | `cv::FileStorage` | `x2ᵀ F x1 = 0` | (0, 0) |
-//! | [`Matlab`](Format::Matlab) | MATLAB, Octave, the VGG toolbox | `x2ᵀ F x1 = 0`, and `F_vgg` transposed | (1, 1) |
-//! | [`Colmap`](Format::Colmap) | what fills a COLMAP database | `x2ᵀ F x1 = 0` | (0.5, 0.5) |
+//! | [`Matlab`](Format::Matlab), written only | MATLAB, Octave, the VGG toolbox | `x2ᵀ F x1 = 0`, and `F_vgg` transposed | (1, 1) |
 //!
-//! A [`GeometryFile`] is in the convention of this program, whatever the file is in: writing and reading convert.
+//! A [`GeometryFile`] is in the convention of this program; writing converts.
 //! Every file says its convention in words and carries a self-check: the distances of its own point pairs to
 //! their epipolar lines, from the numbers as they stand in the file. Numbers are written with as many digits as
 //! bring back the same `f64`.
@@ -16,7 +15,6 @@
 //! Pitfall: a reader knows the convention of a format, not what somebody did before writing a file. Whether a
 //! matrix means what its format says is for [`crate::convention`] to find out, with matches.
 
-mod colmap;
 mod coordinates;
 mod fields;
 mod format;
@@ -87,7 +85,6 @@ impl GeometryFile {
             Format::OpencvYaml => opencv_yaml::write(&written),
             Format::OpencvXml => opencv_xml::write(&written),
             Format::Matlab => matlab::write(&written),
-            Format::Colmap => colmap::write(&written),
         }
     }
 
@@ -96,7 +93,7 @@ impl GeometryFile {
         OutputFile::prepare(path)?.write(self.to_text(format).as_bytes())
     }
 
-    /// Reads a file of any of the formats; which one, its content tells. Bare numbers are taken too: nine are
+    /// Reads a file of any of the formats but MATLAB's; which one, its content tells. Bare numbers are taken too: nine are
     /// an `F` row by row, rows of four are point pairs.
     pub fn read(path: &Path) -> Result<(Self, Format), ReadError> {
         Self::read_for(path, Wanted::Anything)
@@ -137,12 +134,14 @@ impl GeometryFile {
             Format::Text => text::read(text, wanted)?,
             Format::OpencvYaml => opencv_yaml::read(text)?,
             Format::OpencvXml => opencv_xml::read(text)?,
-            Format::Matlab => matlab::read(text)?,
-            Format::Colmap => colmap::read(text)?,
+            Format::Matlab => return Err(Problem::whole(MATLAB_SCRIPT)),
         };
-        Ok((fields.interpret(format)?, format))
+        Ok((fields.interpret()?, format))
     }
 }
+
+/// What to do with a script, which only MATLAB can evaluate.
+const MATLAB_SCRIPT: &str = "this is a MATLAB script, which is written but not read: save the numbers as text, writematrix(F, 'F.txt', 'Delimiter', ' ')";
 
 /// What somebody expects of bare numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
