@@ -32,7 +32,7 @@ mod parameters;
 mod result;
 mod search;
 mod template;
-#[cfg(test)]
+#[cfg(all(test, feature = "evaluate"))]
 mod tests;
 
 pub use error::SuggestError;
