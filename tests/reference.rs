@@ -32,7 +32,8 @@ fn help() -> String {
     for sub in command.get_subcommands_mut() {
         add(&format!("epiline {}", sub.get_name()), sub);
         for kind in sub.get_subcommands_mut() {
-            add(&kind.get_bin_name().unwrap_or(kind.get_name()).to_owned(), kind);
+            let title = kind.get_bin_name().unwrap_or(kind.get_name()).to_owned();
+            add(&title, kind);
         }
     }
     text

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::background::Latest;
 use super::waker::Waker;
-use crate::evaluate::{Distances, Fit, FitError, KnownPair, Spread, fit_eight, fit_seven};
+use crate::evaluate::{Distances, FitError, KnownPair, PointFit, Spread, fit_eight, fit_seven};
 use crate::geometry::{Frame, FundamentalMatrix, PointPair};
 use crate::io::GroundTruth;
 
@@ -126,7 +126,7 @@ impl PartialEq for Question {
 #[derive(Debug, Clone)]
 pub struct Compared {
     /// It, or in words why there is none.
-    pub fit: Result<Fit, String>,
+    pub fit: Result<PointFit, String>,
     /// Of every point, px; empty where there is no geometry.
     pub distances: Vec<f64>,
     /// Of the points that are not left out.
@@ -172,7 +172,7 @@ impl Question {
         };
         let counts = |k: usize| measured == PointSet::TrueMatches || !self.excluded.contains(&k);
         let counted: Vec<PointPair> = (0..points.len()).filter(|k| counts(*k)).map(|k| points[k]).collect();
-        let known = |fundamental: &FundamentalMatrix, pairs: usize| Fit {
+        let known = |fundamental: &FundamentalMatrix, pairs: usize| PointFit {
             fundamental: *fundamental,
             pairs,
             solutions: 1,
@@ -234,7 +234,7 @@ impl Question {
         Ok(self.used.iter().copied().chain(further.into_iter().map(|k| matches[k])).collect())
     }
 
-    fn in_words(&self, fit: Result<Fit, FitError>) -> Result<Fit, String> {
+    fn in_words(&self, fit: Result<PointFit, FitError>) -> Result<PointFit, String> {
         fit.map_err(|error| match error {
             FitError::TooFew { .. } => error.to_string(),
             FitError::Seven(_) | FitError::Eight(_) if self.subject.fitted == PointSet::Pairs => {

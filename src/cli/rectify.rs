@@ -16,7 +16,7 @@ use crate::rectify::{Distortion, Limits, Method, Rectification, rectify};
 
 /// Redraw both images so that corresponding points are in the same row
 #[derive(Debug, Args)]
-pub(super) struct Arguments {
+pub(super) struct RectifyArguments {
     /// Left image
     #[arg(required_unless_present = "sample", requires = "right")]
     left: Option<PathBuf>,
@@ -55,7 +55,7 @@ pub(super) struct Arguments {
 }
 
 /// Rectifies, writes the folder, prints what came out.
-pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
+pub(super) fn run(arguments: &RectifyArguments) -> Result<(), CliError> {
     let options = RectifiedOptions {
         format: arguments.format,
         guide_spacing: arguments.guide_lines,
@@ -82,7 +82,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
 }
 
 /// The images and the matches that are known.
-fn input(arguments: &Arguments) -> Result<([Picture; 2], Vec<PointPair>), CliError> {
+fn input(arguments: &RectifyArguments) -> Result<([Picture; 2], Vec<PointPair>), CliError> {
     let given = arguments.matches.as_deref().map(read_point_pairs).transpose()?;
     match (&arguments.sample, &arguments.left, &arguments.right) {
         (Some(name), ..) => {

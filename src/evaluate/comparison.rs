@@ -13,7 +13,7 @@ use crate::geometry::{
 
 /// An F fitted to point pairs.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Fit {
+pub struct PointFit {
     /// The matrix.
     pub fundamental: FundamentalMatrix,
     /// How many pairs it was fitted to.
@@ -41,7 +41,7 @@ pub enum FitError {
 
 /// The seven-point algorithm on the first seven of the pairs; of its real solutions the one with the least mean
 /// symmetric epipolar distance of the points it is `judged` by.
-pub fn fit_seven(pairs: &[PointPair], judged: &[PointPair]) -> Result<Fit, FitError> {
+pub fn fit_seven(pairs: &[PointPair], judged: &[PointPair]) -> Result<PointFit, FitError> {
     let Some(seven) = pairs.first_chunk::<7>() else {
         return Err(FitError::TooFew { missing: 7 - pairs.len() });
     };
@@ -50,15 +50,15 @@ pub fn fit_seven(pairs: &[PointPair], judged: &[PointPair]) -> Result<Fit, FitEr
     let count = solutions.len();
     let best = solutions.into_iter().map(|f| (error(&f), f)).min_by(|a, b| a.0.total_cmp(&b.0));
     let (_, fundamental) = best.ok_or(SevenPointError::Degenerate)?;
-    Ok(Fit { fundamental, pairs: 7, solutions: count })
+    Ok(PointFit { fundamental, pairs: 7, solutions: count })
 }
 
 /// The normalised eight-point algorithm on all of the pairs, eight or more.
-pub fn fit_eight(pairs: &[PointPair]) -> Result<Fit, FitError> {
+pub fn fit_eight(pairs: &[PointPair]) -> Result<PointFit, FitError> {
     if pairs.len() < 8 {
         return Err(FitError::TooFew { missing: 8 - pairs.len() });
     }
-    Ok(Fit { fundamental: eight_point(pairs)?, pairs: pairs.len(), solutions: 1 })
+    Ok(PointFit { fundamental: eight_point(pairs)?, pairs: pairs.len(), solutions: 1 })
 }
 
 /// How far points are from a geometry, in their order, px. Infinite where no distance is defined.
@@ -147,7 +147,7 @@ mod tests {
     #[test]
     fn says_how_many_pairs_are_missing() {
         let scene = example_scene("scene", 7);
-        let words = |result: Result<Fit, FitError>| result.unwrap_err().to_string();
+        let words = |result: Result<PointFit, FitError>| result.unwrap_err().to_string();
         assert_eq!(words(fit_seven(&scene.matches[..2], &[])), "needs 5 more pairs");
         assert_eq!(words(fit_eight(&scene.matches)), "needs 1 more pair");
         assert!(words(fit_seven(&[scene.matches[0]; 7], &[])).contains("infinitely many"));

@@ -3,7 +3,7 @@
 use serde::Serialize;
 use serde_json::Value;
 
-use super::bootstrap::{self, Interval, Sample};
+use super::bootstrap::{self, Interval, PairErrors};
 use super::ranking::SearchRecord;
 use super::statistics::{mean, median, share_below};
 use super::{Contender, Plan, Scene};
@@ -143,7 +143,7 @@ impl Record {
         trials: Vec<TrialRecord>,
     ) -> Self {
         let errors = errors(&trials);
-        let sample = Sample { pair: &scene.name, errors: errors.clone() };
+        let sample = PairErrors { pair: &scene.name, errors: errors.clone() };
         let seconds: Vec<f64> = trials.iter().map(|t| t.seconds).collect();
         let first: Vec<f64> = trials.iter().filter_map(|t| t.first_seconds).collect();
         let size = |k: usize| [scene.images[k].frame().width, scene.images[k].frame().height];
@@ -217,7 +217,7 @@ impl Overall {
         let made: Vec<_> = records.iter().filter(|r| !r.trials.is_empty()).collect();
         let trials = || made.iter().flat_map(|r| r.trials.iter());
         let samples: Vec<_> =
-            made.iter().map(|r| Sample { pair: &r.pair, errors: errors(&r.trials) }).collect();
+            made.iter().map(|r| PairErrors { pair: &r.pair, errors: errors(&r.trials) }).collect();
         let printed: Option<Vec<f64>> = made.iter().map(|r| r.printed).collect();
         let errors: Vec<f64> = trials().map(|t| t.mean).collect();
         let medians: Vec<f64> = made.iter().map(|r| r.median).collect();

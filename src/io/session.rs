@@ -125,7 +125,7 @@ pub struct SessionFile<T> {
 
 /// The fields of the file.
 #[derive(Serialize)]
-struct Written<'a, T> {
+struct WrittenSession<'a, T> {
     format: &'static str,
     version: u64,
     program: &'static str,
@@ -138,7 +138,7 @@ struct Written<'a, T> {
 
 /// The same as read.
 #[derive(Deserialize)]
-struct Found<T> {
+struct ReadSession<T> {
     images: [ImageReference; 2],
     #[serde(default)]
     fundamental: Option<FundamentalMatrix>,
@@ -148,7 +148,7 @@ struct Found<T> {
 impl<T: Serialize> SessionFile<T> {
     /// The whole file.
     pub fn to_text(&self) -> Result<String, serde_json::Error> {
-        let written = Written {
+        let written = WrittenSession {
             format: FORMAT,
             version: SESSION_VERSION,
             program: env!("CARGO_PKG_VERSION"),
@@ -196,7 +196,7 @@ impl<T: DeserializeOwned> SessionFile<T> {
                 return Err(SessionError::Damaged { path: shown(), problem });
             }
         }
-        let Found { images, fundamental, content } = serde_json::from_value(value).map_err(damaged)?;
+        let ReadSession { images, fundamental, content } = serde_json::from_value(value).map_err(damaged)?;
         Ok(Self { images, fundamental, content })
     }
 }

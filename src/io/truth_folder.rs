@@ -16,11 +16,11 @@ use super::vgg::VggFolder;
 pub struct TruthFolder {
     path: PathBuf,
     names: Vec<String>,
-    layout: Layout,
+    layout: FolderLayout,
 }
 
 #[derive(Debug, Clone)]
-enum Layout {
+enum FolderLayout {
     Views(VggFolder),
     Pairs(Vec<PairFiles>),
 }
@@ -30,11 +30,14 @@ impl TruthFolder {
     pub fn open(path: &Path) -> Result<Self, ReadError> {
         let entries = read_folder(path)?;
         let is_vgg = entries.iter().any(|entry| entry.extension().is_some_and(|e| e == "nview-corners"));
-        let layout =
-            if is_vgg { Layout::Views(VggFolder::open(path)?) } else { Layout::Pairs(find_pairs(path)?) };
+        let layout = if is_vgg {
+            FolderLayout::Views(VggFolder::open(path)?)
+        } else {
+            FolderLayout::Pairs(find_pairs(path)?)
+        };
         let images: Vec<&PathBuf> = match &layout {
-            Layout::Views(set) => set.images.iter().collect(),
-            Layout::Pairs(pairs) => pairs.iter().flat_map(|files| &files.images).collect(),
+            FolderLayout::Views(set) => set.images.iter().collect(),
+            FolderLayout::Pairs(pairs) => pairs.iter().flat_map(|files| &files.images).collect(),
         };
         if images.is_empty() {
             let problem = "no image pairs with ground truth found, expected a VGG folder (PREFIX.NNN.P, \
@@ -59,7 +62,7 @@ impl TruthFolder {
 
     /// Whether any two views are a pair.
     pub fn pairs_freely(&self) -> bool {
-        matches!(self.layout, Layout::Views(_))
+        matches!(self.layout, FolderLayout::Views(_))
     }
 
     /// Whether two views are a pair.
@@ -85,8 +88,8 @@ impl TruthFolder {
     /// What a pair is called.
     pub fn pair_name(&self, [view1, view2]: [usize; 2]) -> String {
         match &self.layout {
-            Layout::Views(_) => format!("{} and {}", self.names[view1], self.names[view2]),
-            Layout::Pairs(pairs) => pairs[view1 / 2].name.clone(),
+            FolderLayout::Views(_) => format!("{} and {}", self.names[view1], self.names[view2]),
+            FolderLayout::Pairs(pairs) => pairs[view1 / 2].name.clone(),
         }
     }
 
@@ -96,8 +99,8 @@ impl TruthFolder {
     /// When there is no such view.
     pub fn image(&self, view: usize) -> &Path {
         match &self.layout {
-            Layout::Views(set) => &set.images[view],
-            Layout::Pairs(pairs) => &pairs[view / 2].images[view % 2],
+            FolderLayout::Views(set) => &set.images[view],
+            FolderLayout::Pairs(pairs) => &pairs[view / 2].images[view % 2],
         }
     }
 
@@ -107,8 +110,8 @@ impl TruthFolder {
     /// When the views do not exist.
     pub fn truth(&self, pair: [usize; 2]) -> Result<GroundTruth, TruthError> {
         match &self.layout {
-            Layout::Views(set) => GroundTruth::of_views(set, pair),
-            Layout::Pairs(pairs) => GroundTruth::of_pair(&pairs[pair[0] / 2]),
+            FolderLayout::Views(set) => GroundTruth::of_views(set, pair),
+            FolderLayout::Pairs(pairs) => GroundTruth::of_pair(&pairs[pair[0] / 2]),
         }
     }
 }

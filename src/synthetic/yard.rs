@@ -95,14 +95,14 @@ fn value_noise(x: f64, y: f64, seed: u64) -> f64 {
 }
 
 /// The yard as one camera sees it.
-struct View<'a> {
+struct YardView<'a> {
     rectangles: &'a [Rectangle],
     camera: Camera,
     /// `H⁻¹` of every rectangle; `None` for one that the camera sees edge on.
     inverses: Vec<Option<Matrix3<f64>>>,
 }
 
-impl<'a> View<'a> {
+impl<'a> YardView<'a> {
     fn new(rectangles: &'a [Rectangle], camera: Camera) -> Self {
         let inverse = |r: &Rectangle| {
             let [u, v] = r.sides.map(|side| camera.matrix() * Vector4::new(side.x, side.y, side.z, 0.0));
@@ -153,7 +153,7 @@ impl<'a> View<'a> {
 pub fn test_pair(frame: Frame, motion: Motion, seed: u64) -> Option<TestPair> {
     let yard = yard(seed);
     let cameras = motion.cameras(frame)?;
-    let [view1, view2] = cameras.map(|camera| View::new(&yard, camera));
+    let [view1, view2] = cameras.map(|camera| YardView::new(&yard, camera));
     let pictures = [view1.picture(frame, 2 * seed)?, view2.picture(frame, 2 * seed + 1)?];
     let mut random = Pcg32::seed_from_u64(seed);
     let mut anywhere = || {
@@ -214,7 +214,7 @@ mod tests {
             seed: 0,
         };
         let rectangles = [wall(10.0, 4.0), wall(5.0, 0.5), wall(-3.0, 9.0)];
-        let view = View::new(&rectangles, straight);
+        let view = YardView::new(&rectangles, straight);
         // The small one is 0.5 / 5 · focal = 21.76 px to either side of the centre; what is behind is not seen.
         for (offset, rectangle) in [(0.0, Some(1)), (21.0, Some(1)), (22.5, Some(0)), (95.0, None)] {
             let seen = view.seen(SMALL.centre() + Vector::new(offset, 0.0));

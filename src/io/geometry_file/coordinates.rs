@@ -40,7 +40,7 @@ pub(super) struct SelfCheck {
 }
 
 /// The content, converted and rounded as it will stand in the file.
-pub(super) struct Written<'a> {
+pub(super) struct WrittenGeometry<'a> {
     pub(super) format: Format,
     pub(super) matrices: Vec<NamedRows>,
     pub(super) pairs: Vec<PointPair>,
@@ -48,7 +48,7 @@ pub(super) struct Written<'a> {
     pub(super) check: Option<SelfCheck>,
 }
 
-impl<'a> Written<'a> {
+impl<'a> WrittenGeometry<'a> {
     pub(super) fn new(file: &'a GeometryFile, format: Format) -> Self {
         let origin = format.origin();
         let (there, back) = (shift(origin), shift(-origin));

@@ -4,19 +4,19 @@ use nalgebra::{Matrix3, Matrix3x4};
 use serde_json::{Map, Value};
 
 use super::quantity::Quantity;
-use super::{GeometryFile, ImageNote, Problem, Wanted};
+use super::{BareNumbers, GeometryFile, ImageNote, Problem};
 use crate::geometry::{Camera, FundamentalMatrix, PointPair};
 
 /// Numbers in rows and columns. Every row is full, and every number finite.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Table {
+pub(super) struct NumberTable {
     rows: usize,
     columns: usize,
     /// Row by row.
     numbers: Vec<f64>,
 }
 
-impl Table {
+impl NumberTable {
     /// A table of `columns` columns; the error says what does not fit.
     pub(super) fn new(rows: usize, columns: usize, numbers: Vec<f64>) -> Result<Self, String> {
         match numbers.iter().find(|v| !v.is_finite()) {
@@ -64,13 +64,13 @@ impl Table {
 /// What was found in a file, in its own coordinates.
 #[derive(Debug, Default)]
 pub(super) struct Fields {
-    tables: Vec<(Quantity, Table)>,
+    tables: Vec<(Quantity, NumberTable)>,
     images: [Option<ImageNote>; 2],
 }
 
 impl Fields {
     /// Notes a table. Another one of the same quantity must have the same numbers.
-    pub(super) fn add(&mut self, quantity: Quantity, table: Table) -> Result<(), Problem> {
+    pub(super) fn add(&mut self, quantity: Quantity, table: NumberTable) -> Result<(), Problem> {
         match self.table(quantity) {
             Some(known) if known.numbers != table.numbers => {
                 return Err(Problem::whole(there_twice(quantity.symbol())));
@@ -89,17 +89,17 @@ impl Fields {
     }
 
     /// Numbers without a name: nine are `F`, rows of four point pairs.
-    pub(super) fn add_bare(&mut self, table: Table, wanted: Wanted) -> Result<(), Problem> {
+    pub(super) fn add_bare(&mut self, table: NumberTable, wanted: BareNumbers) -> Result<(), Problem> {
         let quantity = match (table.numbers.len(), table.columns) {
             (9, _) => Quantity::Fundamental,
-            (24, 4) if wanted == Wanted::Geometry => {
+            (24, 4) if wanted == BareNumbers::Geometry => {
                 let (first, second) = table.numbers.split_at(12);
                 for (quantity, numbers) in [(Quantity::Camera1, first), (Quantity::Camera2, second)] {
-                    self.add(quantity, Table { rows: 3, columns: 4, numbers: numbers.to_vec() })?;
+                    self.add(quantity, NumberTable { rows: 3, columns: 4, numbers: numbers.to_vec() })?;
                 }
                 return Ok(());
             }
-            (_, 4) if wanted == Wanted::Anything => Quantity::Pairs,
+            (_, 4) if wanted == BareNumbers::Anything => Quantity::Pairs,
             (count, _) => {
                 return Err(Problem::whole(format!(
                     "expected the nine numbers of a fundamental matrix, found {count}"
@@ -109,7 +109,7 @@ impl Fields {
         self.add(quantity, table)
     }
 
-    fn table(&self, quantity: Quantity) -> Option<&Table> {
+    fn table(&self, quantity: Quantity) -> Option<&NumberTable> {
         self.tables.iter().find(|(q, _)| *q == quantity).map(|(_, t)| t)
     }
 
@@ -117,7 +117,7 @@ impl Fields {
     pub(super) fn from_value(value: &Value) -> Result<Self, Problem> {
         let mut fields = Self::default();
         let Some(object) = value.as_object() else {
-            fields.add_bare(table(value).map_err(Problem::whole)?, Wanted::Anything)?;
+            fields.add_bare(table(value).map_err(Problem::whole)?, BareNumbers::Anything)?;
             return Ok(fields);
         };
         for (name, value) in object {
@@ -152,14 +152,14 @@ impl Fields {
         let fundamental = self.get(Quantity::Fundamental, |table| {
             FundamentalMatrix::from_numbers(table.matrix3()?, frames).map_err(|e| e.to_string())
         })?;
-        let camera = |table: &Table| {
+        let camera = |table: &NumberTable| {
             Camera::from_matrix(Matrix3x4::from_row_slice(table.matrix(3, 4)?))
                 .ok_or_else(|| "this matrix is not a camera (its rank is below 3)".to_owned())
         };
         let file = GeometryFile {
             fundamental,
             cameras: self.both([Quantity::Camera1, Quantity::Camera2], camera)?,
-            homographies: self.both([Quantity::Homography1, Quantity::Homography2], Table::matrix3)?,
+            homographies: self.both([Quantity::Homography1, Quantity::Homography2], NumberTable::matrix3)?,
             pairs: self.pairs()?,
             images: match self.images {
                 [Some(image1), Some(image2)] => Some([image1, image2]),
@@ -183,7 +183,7 @@ impl Fields {
     fn get<T>(
         &self,
         quantity: Quantity,
-        read: impl Fn(&Table) -> Result<T, String>,
+        read: impl Fn(&NumberTable) -> Result<T, String>,
     ) -> Result<Option<T>, Problem> {
         let named = |e: String| {
             // The old sentences about a file that is nothing but a matrix need no name.
@@ -197,7 +197,7 @@ impl Fields {
     fn both<T>(
         &self,
         [first, second]: [Quantity; 2],
-        read: impl Fn(&Table) -> Result<T, String>,
+        read: impl Fn(&NumberTable) -> Result<T, String>,
     ) -> Result<Option<[T; 2]>, Problem> {
         match (self.get(first, &read)?, self.get(second, &read)?) {
             (Some(a), Some(b)) => Ok(Some([a, b])),
@@ -212,13 +212,13 @@ impl Fields {
 
     /// Point pairs, from rows of four or from a list an image.
     fn pairs(&self) -> Result<Vec<PointPair>, Problem> {
-        let four = |table: &Table| {
+        let four = |table: &NumberTable| {
             Ok(table.rows_of(4)?.map(|r| PointPair::new(r[0], r[1], r[2], r[3])).collect::<Vec<_>>())
         };
         if let Some(pairs) = self.get(Quantity::Pairs, four)? {
             return Ok(pairs);
         }
-        let two = |table: &Table| Ok(table.rows_of(2)?.map(|r| [r[0], r[1]]).collect::<Vec<_>>());
+        let two = |table: &NumberTable| Ok(table.rows_of(2)?.map(|r| [r[0], r[1]]).collect::<Vec<_>>());
         let Some([points1, points2]) = self.both([Quantity::Points1, Quantity::Points2], two)? else {
             return Ok(Vec::new());
         };
@@ -252,23 +252,23 @@ fn is_rows(value: &Value) -> bool {
 }
 
 /// A table from nested rows, from a flat list, or from a matrix of OpenCV.
-fn table(value: &Value) -> Result<Table, String> {
+fn table(value: &Value) -> Result<NumberTable, String> {
     match value {
         Value::Object(_) => opencv_matrix(value),
         Value::Array(rows) if !rows.is_empty() && is_rows(value) => {
             let rows = rows.iter().map(list).collect::<Result<Vec<_>, _>>()?;
-            Table::from_rows(&rows)
+            NumberTable::from_rows(&rows)
         }
         Value::Array(_) | Value::String(_) => {
             let numbers = list(value)?;
-            Table::new(1, numbers.len(), numbers)
+            NumberTable::new(1, numbers.len(), numbers)
         }
         _ => Err("this is not a list of rows".into()),
     }
 }
 
 /// `{rows, cols, dt, data}`, or `sizes` in place of rows and columns. Channels count as columns.
-fn opencv_matrix(value: &Value) -> Result<Table, String> {
+fn opencv_matrix(value: &Value) -> Result<NumberTable, String> {
     let size = |name: &str| value.get(name).and_then(whole);
     let numbers = list(value.get("data").ok_or("this is no matrix, it has no data")?)?;
     let channels = match value.get("dt") {
@@ -290,7 +290,7 @@ fn opencv_matrix(value: &Value) -> Result<Table, String> {
     };
     // N×1 and 1×N points of two channels are the same to OpenCV.
     let (rows, columns) = if rows == 1 && channels > 1 { (columns, rows) } else { (rows, columns) };
-    Table::new(rows, columns.checked_mul(channels).ok_or("it is too large")?, numbers)
+    NumberTable::new(rows, columns.checked_mul(channels).ok_or("it is too large")?, numbers)
 }
 
 /// A count.

@@ -6,10 +6,10 @@
 
 use std::fmt::Write;
 
-use super::coordinates::{Written, numbers, one_line};
+use super::coordinates::{WrittenGeometry, numbers, one_line};
 use super::quantity::Quantity;
 
-pub(super) fn write(written: &Written) -> String {
+pub(super) fn write(written: &WrittenGeometry) -> String {
     let mut text = String::new();
     for line in written.preamble() {
         let _ = writeln!(text, "% {line}");

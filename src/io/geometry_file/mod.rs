@@ -32,7 +32,7 @@ use std::path::Path;
 use nalgebra::Matrix3;
 use serde::{Deserialize, Serialize};
 
-use self::coordinates::Written;
+use self::coordinates::WrittenGeometry;
 use self::fields::Fields;
 use super::number::rows;
 use super::output::{OutputFile, WriteError};
@@ -78,7 +78,7 @@ impl GeometryFile {
 
     /// The whole content of a file.
     pub fn to_text(&self, format: Format) -> String {
-        let written = Written::new(self, format);
+        let written = WrittenGeometry::new(self, format);
         match format {
             Format::Json => json::write(&written),
             Format::Text => text::write(&written),
@@ -96,17 +96,17 @@ impl GeometryFile {
     /// Reads a file of any of the formats but MATLAB's; which one, its content tells. Bare numbers are taken too: nine are
     /// an `F` row by row, rows of four are point pairs.
     pub fn read(path: &Path) -> Result<(Self, Format), ReadError> {
-        Self::read_for(path, Wanted::Anything)
+        Self::read_for(path, BareNumbers::Anything)
     }
 
     /// The same from a text.
     pub fn parse(text: &str) -> Result<(Self, Format), Problem> {
-        Self::parse_for(text, Wanted::Anything)
+        Self::parse_for(text, BareNumbers::Anything)
     }
 
     /// Reads a file that is to hold `F` or two cameras: six bare rows of four numbers are cameras.
     pub fn read_geometry(path: &Path) -> Result<(Self, Format), ReadError> {
-        let (file, format) = Self::read_for(path, Wanted::Geometry)?;
+        let (file, format) = Self::read_for(path, BareNumbers::Geometry)?;
         if file.geometry().is_none() {
             let problem = match &file.cameras {
                 Some(_) => "the two cameras have the same centre, so there is no fundamental matrix",
@@ -119,7 +119,7 @@ impl GeometryFile {
         Ok((file, format))
     }
 
-    fn read_for(path: &Path, wanted: Wanted) -> Result<(Self, Format), ReadError> {
+    fn read_for(path: &Path, wanted: BareNumbers) -> Result<(Self, Format), ReadError> {
         let text = read_text(path)?;
         Self::parse_for(&text, wanted).map_err(|Problem { line, problem }| match line {
             Some(line) => ReadError::line(path, line, problem),
@@ -127,7 +127,7 @@ impl GeometryFile {
         })
     }
 
-    fn parse_for(text: &str, wanted: Wanted) -> Result<(Self, Format), Problem> {
+    fn parse_for(text: &str, wanted: BareNumbers) -> Result<(Self, Format), Problem> {
         let format = Format::of_content(text);
         let fields: Fields = match format {
             Format::Json => json::read(text)?,
@@ -145,7 +145,7 @@ const MATLAB_SCRIPT: &str = "this is a MATLAB script, which is written but not r
 
 /// What somebody expects of bare numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Wanted {
+enum BareNumbers {
     Anything,
     Geometry,
 }

@@ -91,7 +91,7 @@ fn every_file_fits_itself_and_says_how_well() {
     let max = distances.iter().copied().fold(0.0, f64::max);
     assert!(mean > 0.05 && max > mean);
     for format in Format::ALL {
-        let written = Written::new(&file, format);
+        let written = WrittenGeometry::new(&file, format);
         let check = written.check.unwrap();
         assert_eq!(check.pairs, 30);
         assert!((check.mean - mean).abs() < 1e-9 && (check.max - max).abs() < 1e-9, "{format:?} {check:?}");

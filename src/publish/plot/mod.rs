@@ -62,13 +62,13 @@ impl Stroke {
 
 /// A drawing that a document can show.
 #[derive(Debug, Clone)]
-pub struct Drawing {
+pub struct SvgDrawing {
     width: f64,
     height: f64,
     content: Markup,
 }
 
-impl Drawing {
+impl SvgDrawing {
     /// Elements in a rectangle from (0, 0) to the given size.
     pub(super) fn new(width: f64, height: f64, content: Markup) -> Self {
         Self { width, height, content }

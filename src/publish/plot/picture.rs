@@ -8,7 +8,7 @@ use image::{ExtendedColorType, GrayImage, Luma};
 use maud::{Markup, html as markup};
 
 use super::legend::{Sign, row};
-use super::{Drawing, FAINT, Stroke, TEXT, WIDTH, n};
+use super::{FAINT, Stroke, SvgDrawing, TEXT, WIDTH, n};
 use crate::geometry::{Frame, Point};
 use crate::image::GrayPlane;
 
@@ -149,7 +149,7 @@ fn label_at(x: f64, y: f64, text: &str, color: &str) -> Markup {
 }
 
 /// The pictures from left to right, equally wide, with a legend below.
-pub fn pictures(all: &[MarkedPicture], legend: &[(Sign, String)]) -> Drawing {
+pub fn pictures(all: &[MarkedPicture], legend: &[(Sign, String)]) -> SvgDrawing {
     let count = all.len().max(1) as f64;
     let width = (WIDTH - GAP * (count - 1.0)) / count;
     let top = 8.0 + TEXT;
@@ -158,7 +158,7 @@ pub fn pictures(all: &[MarkedPicture], legend: &[(Sign, String)]) -> Drawing {
         @for (k, picture) in all.iter().enumerate() { (picture.markup(k as f64 * (width + GAP), top, width)) }
         (row(legend, 0.0, top + height + 16.0))
     };
-    Drawing::new(WIDTH, top + height + 16.0 + TEXT, content)
+    SvgDrawing::new(WIDTH, top + height + 16.0 + TEXT, content)
 }
 
 /// The picture at most [`PIXELS`] wide.

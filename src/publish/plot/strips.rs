@@ -4,7 +4,7 @@ use maud::{Markup, html as markup};
 
 use super::axis::{Area, Scale};
 use super::legend::{ROW, Sign, column, diamond, upright};
-use super::{Drawing, FAINT, GRID, Stroke, TEXT, WIDTH, n, text_width};
+use super::{FAINT, GRID, Stroke, SvgDrawing, TEXT, WIDTH, n, text_width};
 
 /// Rows that belong together.
 #[derive(Debug, Clone)]
@@ -47,7 +47,7 @@ pub fn strips(
     middle: &str,
     reference: &str,
     limits: &[f64],
-) -> Drawing {
+) -> SvgDrawing {
     let all = || groups.iter().flat_map(|g| g.strips.iter());
     let scale = Scale::decades(all().flat_map(|s| s.values.iter().copied().chain(s.reference)));
     let rows = groups.first().map_or(&[][..], |g| &g.strips);
@@ -79,7 +79,7 @@ pub fn strips(
         }
         (column(&legend, area.right + 42.0, area.top + 8.0))
     };
-    Drawing::new(WIDTH, area.bottom + 52.0, content)
+    SvgDrawing::new(WIDTH, area.bottom + 52.0, content)
 }
 
 fn dot_sign(strip: &Strip) -> Sign {
