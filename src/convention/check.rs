@@ -20,11 +20,11 @@ const SCALE_STEP: f64 = 0.03;
 const MOST_MATCHES: usize = 4000;
 /// A median below this fits, px.
 const FITS: f64 = 2.0;
-/// In large images, where matches are less exact in pixels: this share of the extent of the matches.
+/// Limit in large images, where matches are less exact in pixels: this share of the extent of the matches.
 const FITS_SHARE: f64 = 0.002;
 /// Standard errors between two readings that are told apart. About a hundred are compared.
 const CLEARLY: f64 = 4.0;
-/// And the difference must be worth a word: this share of what the better one leaves.
+/// Difference that is worth a word: this share of what the better one leaves.
 const MATERIAL: f64 = 0.1;
 /// A reading that does not fit is told from one that does, however few the matches, if its median is so many times as
 /// large.
@@ -291,7 +291,7 @@ impl ConventionCheck {
 
 /// Readings that cannot be told apart are named up to this many.
 const NAMED: usize = 3;
-/// With more of them than this, some reading was bound to fit.
+/// Number of alike readings beyond which some was bound to fit.
 const BY_CHANCE: usize = 12;
 
 /// Pixels with as many digits as matter.

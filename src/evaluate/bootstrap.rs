@@ -27,9 +27,9 @@ const FEWEST: usize = 6;
 /// A 95 % interval, px. Infinite numbers are written as `null`.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Interval {
-    /// Its lower end.
+    /// Lower end.
     pub low: f64,
-    /// Its upper end, infinite where failures reach into it.
+    /// Upper end, infinite where failures reach into it.
     pub high: f64,
 }
 

@@ -25,7 +25,7 @@ pub struct PointFit {
 /// Why there is none. Each message is a sentence without its end.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 pub enum FitError {
-    /// There are too few pairs.
+    /// Too few pairs.
     #[error("needs {missing} more pair{}", if *.missing == 1 { "" } else { "s" })]
     TooFew {
         /// How many are missing.
@@ -71,7 +71,7 @@ pub struct Distances {
 }
 
 impl Distances {
-    /// Those of all the points.
+    /// Distances of all the points.
     pub fn of(f: &FundamentalMatrix, points: &[PointPair]) -> Self {
         // At both epipoles 0/0 would vanish from means and maxima.
         let defined = |distance: f64| if distance.is_nan() { f64::INFINITY } else { distance };
@@ -89,16 +89,16 @@ pub struct Spread {
     pub count: usize,
     /// The middle one, px.
     pub median: f64,
-    /// Their mean, px.
+    /// Mean distance, px.
     pub mean: f64,
     /// The largest, px.
     pub max: f64,
-    /// Which part is below 1 px, 0 to 1.
+    /// Share below 1 px, 0 to 1.
     pub below_one: f64,
 }
 
 impl Spread {
-    /// That of some distances; `None` when there are none.
+    /// The figures of some distances; `None` when there are none.
     pub fn of(distances: &[f64]) -> Option<Self> {
         let max = distances.iter().copied().max_by(f64::total_cmp)?;
         Some(Self {

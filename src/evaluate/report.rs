@@ -15,7 +15,7 @@ use crate::geometry::FundamentalMatrix;
 pub struct TrialRecord {
     /// Number of the trial, from 0.
     pub trial: usize,
-    /// Which true matches were clicked, counted from 0.
+    /// Numbers of the true matches that were clicked, from 0.
     pub matches: Vec<usize>,
     /// Where, as `x1 y1 x2 y2`, noise included, px.
     pub clicks: Vec<[f64; 4]>,
@@ -50,11 +50,11 @@ pub struct Verdicts {
     pub results: usize,
     /// Results called right.
     pub called_right: usize,
-    /// Of these, good ones.
+    /// Number of good ones among these.
     pub called_right_and_good: usize,
     /// Results that are not good.
     pub bad: usize,
-    /// Of these, those not called right.
+    /// Number of these that were not called right.
     pub bad_and_not_called_right: usize,
 }
 
@@ -85,7 +85,7 @@ impl Verdicts {
     }
 }
 
-/// Which part of the trials, 0 to 1, is better than a limit; failures are not.
+/// Share of the trials, 0 to 1, that is better than a limit; failures are not.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Shares {
     /// Error below 1 px.

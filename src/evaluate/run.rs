@@ -41,7 +41,7 @@ pub struct TrialDone {
     pub pair: String,
     /// Method and preset.
     pub contender: String,
-    /// Its error, px; infinite without an F.
+    /// Error of the trial, px; infinite without an F.
     pub error: f64,
 }
 

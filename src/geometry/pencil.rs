@@ -55,7 +55,7 @@ impl PencilMap {
         }
     }
 
-    /// The same bases with another κ.
+    /// The map of the same bases with another κ.
     #[must_use]
     pub fn with_kappa(self, kappa: f64) -> Self {
         Self { kappa, ..self }

@@ -25,7 +25,7 @@ impl PointPair {
         Self { point1: Point::new(x1, y1), point2: Point::new(x2, y2) }
     }
 
-    /// The same pair with the images exchanged.
+    /// The pair with the images exchanged.
     #[must_use]
     pub fn swapped(self) -> Self {
         Self { point1: self.point2, point2: self.point1 }

@@ -50,7 +50,7 @@ impl TruthFolder {
         Ok(Self { path: path.to_owned(), names, layout })
     }
 
-    /// Where it is.
+    /// Path of the folder.
     pub fn path(&self) -> &Path {
         &self.path
     }

@@ -5,11 +5,11 @@ use super::plot::SvgDrawing;
 /// A document of numbered tables and figures under headings. All texts are plain.
 #[derive(Debug, Clone)]
 pub struct Publication {
-    /// Its title.
+    /// Title on top of it.
     pub title: String,
     /// One line below the title.
     pub subtitle: String,
-    /// Its content.
+    /// Content in order.
     pub blocks: Vec<Block>,
 }
 

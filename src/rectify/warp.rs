@@ -35,7 +35,7 @@ pub(super) fn warp(
 trait WarpSample: image::Primitive + Send + Sync {
     /// What full opacity is.
     const OPAQUE: Self;
-    /// As a number.
+    /// The value as a number.
     fn number(self) -> f32;
     /// The nearest value.
     fn nearest(number: f32) -> Self;
@@ -79,7 +79,7 @@ struct WarpJob<'a> {
 }
 
 impl WarpJob<'_> {
-    /// From `N` opaque channels to `M = N + 1`.
+    /// Draws from `N` opaque channels to `M = N + 1`.
     fn opaque<P, Q, const N: usize, const M: usize>(&self, original: &Buffer<P>) -> Option<Buffer<Q>>
     where
         P: Pixel,
@@ -153,7 +153,7 @@ struct Cell {
     first: usize,
     /// Pixels from a row to the next.
     width: usize,
-    /// From the upper left one, 0 to 1.
+    /// Offset from the upper left one, 0 to 1.
     fraction: [f32; 2],
 }
 

@@ -48,9 +48,9 @@ use template::Pose;
 const SMALLEST_SIDE: usize = 24;
 /// Mismatch that says nothing, as noise and interpolation cause it: two perfect places are equals.
 const NOISE: f64 = 1e-3;
-/// Between the rotations that are tried, radians.
+/// Step between the rotations that are tried, radians.
 const ROTATION_STEP: f64 = std::f64::consts::PI / 12.0;
-/// Between the scales that are tried.
+/// Ratio between the scales that are tried.
 const SCALE_STEP: f64 = 1.19;
 
 /// Suggests the match of a point that was clicked in one image, full-size pixels; near its epipolar line when

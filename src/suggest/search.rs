@@ -105,7 +105,7 @@ impl SearchStage<'_> {
 }
 
 impl<'a> SearchView<'a> {
-    /// From image `from` (0 or 1) to the other.
+    /// A search from image `from` (0 or 1) to the other.
     pub fn new(prepared: &'a PreparedPair, from: usize) -> Self {
         let stage = |side: f64| {
             let level = prepared.level(side);

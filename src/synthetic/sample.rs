@@ -64,10 +64,10 @@ pub struct SampleFile {
 pub const SAMPLE_FRAME: Frame = Frame { width: 768, height: 576 };
 
 impl Sample {
-    /// All of them, the default first.
+    /// Every sample, the default first.
     pub const ALL: [Self; 2] = [Self::Courtyard, Self::Alley];
 
-    /// Its name on the command line and in file names.
+    /// Name on the command line and in file names.
     pub fn name(self) -> &'static str {
         match self {
             Self::Courtyard => "courtyard",

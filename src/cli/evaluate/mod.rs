@@ -239,7 +239,7 @@ fn last_name(path: &Path) -> String {
     named.file_name().map_or_else(|| "folder".to_owned(), |name| name.to_string_lossy().into_owned())
 }
 
-/// As a shell takes it for one word.
+/// A word as a shell takes it for one.
 fn quoted(word: &str) -> String {
     let plain = |c: char| c.is_alphanumeric() || "-_=.,/+".contains(c);
     if !word.is_empty() && word.chars().all(plain) {

@@ -94,7 +94,7 @@ impl<'a> WrittenGeometry<'a> {
         tables
     }
 
-    /// Who wrote the file, its convention, and the self-check, a sentence a line.
+    /// Sentences about who wrote the file, its convention and the self-check, one a line.
     pub(super) fn preamble(&self) -> Vec<String> {
         let mut lines = vec![format!(
             "Epipolar geometry of two images, written by epiline {}.",

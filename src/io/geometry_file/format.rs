@@ -26,7 +26,7 @@ pub enum Format {
 const MATLAB_ALSO_ASSIGNED: [&str; 6] = ["F_vgg", "tform1", "tform2", "image1", "image2", "self_check"];
 
 impl Format {
-    /// All of them.
+    /// Every format.
     pub const ALL: [Self; 5] = [Self::Json, Self::Text, Self::OpencvYaml, Self::OpencvXml, Self::Matlab];
 
     /// The name on the command line.
@@ -120,7 +120,7 @@ impl Format {
         }
     }
 
-    /// Its convention in words, one sentence an entry, in ASCII.
+    /// Sentences that say its convention, in ASCII.
     pub fn convention(self) -> Vec<String> {
         let origin = self.origin();
         let mut sentences = vec![

@@ -44,9 +44,9 @@ pub use self::format::Format;
 /// The name and the size of an image.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ImageNote {
-    /// Its file name.
+    /// File name, without folders.
     pub name: String,
-    /// Its size, px.
+    /// Width and height, px.
     #[serde(flatten)]
     pub frame: Frame,
 }
@@ -99,7 +99,7 @@ impl GeometryFile {
         Self::read_for(path, BareNumbers::Anything)
     }
 
-    /// The same from a text.
+    /// Reads a text of any of the formats but MATLAB's.
     pub fn parse(text: &str) -> Result<(Self, Format), Problem> {
         Self::parse_for(text, BareNumbers::Anything)
     }

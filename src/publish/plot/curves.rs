@@ -11,7 +11,7 @@ use super::{FAINT, Stroke, SvgDrawing, TEXT, WIDTH, n, path};
 pub struct Panel {
     /// What stands above it.
     pub title: String,
-    /// Its curves.
+    /// Curves in it.
     pub curves: Vec<Curve>,
 }
 
@@ -22,7 +22,7 @@ pub struct Curve {
     pub name: String,
     /// How it is drawn.
     pub stroke: Stroke,
-    /// Its points from left to right; without a second number it has a gap.
+    /// Points from left to right; without a second number it has a gap.
     pub points: Vec<(f64, Option<f64>)>,
 }
 

@@ -16,7 +16,7 @@ use crate::image::GrayPlane;
 const PIXELS: u32 = 640;
 /// Quality of its compression, 0 to 100.
 const QUALITY: u8 = 82;
-/// Between two pictures.
+/// Gap between two pictures.
 const GAP: f64 = 12.0;
 
 /// Something upon a picture, in its pixels.
@@ -24,34 +24,34 @@ const GAP: f64 = 12.0;
 pub enum Mark {
     /// A straight line.
     Line {
-        /// Its ends.
+        /// Both ends.
         ends: [Point; 2],
         /// How it is drawn, upon a dark edge.
         stroke: Stroke,
     },
     /// A small circle with a label.
     Dot {
-        /// Its centre.
+        /// Centre of the mark.
         at: Point,
         /// What stands beside it.
         label: String,
-        /// Its colour.
+        /// Colour of the mark.
         color: &'static str,
     },
     /// A cross in a circle with a label.
     Cross {
-        /// Its centre.
+        /// Centre of the mark.
         at: Point,
         /// What stands beside it.
         label: String,
-        /// Its colour.
+        /// Colour of the mark.
         color: &'static str,
     },
     /// A square.
     Square {
-        /// Its centre.
+        /// Centre of the mark.
         at: Point,
-        /// Its colour.
+        /// Colour of the mark.
         color: &'static str,
     },
 }
@@ -64,7 +64,7 @@ pub struct MarkedPicture {
     frame: Frame,
     /// Grey JPEG as a data URI.
     pixels: String,
-    /// From the lowest to the topmost.
+    /// Marks from the lowest to the topmost.
     pub marks: Vec<Mark>,
 }
 

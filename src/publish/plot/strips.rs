@@ -24,9 +24,9 @@ pub struct Strip {
     pub stroke: Stroke,
     /// The values; those that are not finite are counted at the right end.
     pub values: Vec<f64>,
-    /// Their middle, drawn upright.
+    /// Middle of the values, drawn upright.
     pub middle: f64,
-    /// From where to where the middle may lie, drawn as a bar.
+    /// Range in which the middle may lie, drawn as a bar.
     pub interval: Option<[f64; 2]>,
     /// A value from elsewhere, drawn as a diamond.
     pub reference: Option<f64>,
@@ -37,7 +37,7 @@ const ROOMY: f64 = 15.0;
 const NARROW: f64 = 9.5;
 /// Rows that fill a page when they are narrow.
 const MANY: usize = 45;
-/// Between two groups.
+/// Gap between two groups.
 const GAP: f64 = 9.0;
 
 /// All groups from top to bottom; `middle` and `reference` are what the legend says of these signs.
