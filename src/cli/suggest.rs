@@ -7,11 +7,10 @@ use clap::{Args, ValueEnum};
 use serde::Serialize;
 
 use super::CliError;
-use super::arguments::{built_in, on_threads, pixels, point, threads};
+use super::arguments::{ImagePair, on_threads, pixels, point, threads};
 use super::output::Output;
 use crate::estimate::PreparedPair;
 use crate::geometry::{FundamentalMatrix, Point};
-use crate::image::Picture;
 use crate::io::read_fundamental;
 use crate::suggest::{ClickedImage, SuggestParameters, Suggestions, suggest};
 
@@ -19,11 +18,8 @@ use crate::suggest::{ClickedImage, SuggestParameters, Suggestions, suggest};
 #[derive(Debug, Args)]
 #[command(allow_negative_numbers = true)]
 pub(super) struct SuggestArguments {
-    /// Left image
-    #[arg(required_unless_present = "sample", requires = "right")]
-    left: Option<PathBuf>,
-    /// Right image
-    right: Option<PathBuf>,
+    #[command(flatten)]
+    images: ImagePair,
     /// The point, pixels
     #[arg(long, value_name = "X,Y", value_parser = point, allow_hyphen_values = true)]
     at: Point,
@@ -42,9 +38,6 @@ pub(super) struct SuggestArguments {
     /// Write the result as JSON, to standard output when it is -
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
-    /// Use a built-in pair instead of two files
-    #[arg(long, value_name = "NAME", conflicts_with = "left", num_args = 0..=1, default_missing_value = "")]
-    sample: Option<String>,
 }
 
 /// One of the two images.
@@ -70,7 +63,7 @@ impl From<ImageSide> for ClickedImage {
 pub(super) fn run(arguments: &SuggestArguments) -> Result<(), CliError> {
     let output = Output::prepare(arguments.json.as_deref())?;
     let fundamental = arguments.fundamental.as_deref().map(read_fundamental).transpose()?;
-    let [image1, image2] = pictures(arguments)?;
+    let ([image1, image2], _) = arguments.images.load()?;
     let parameters = SuggestParameters { band: arguments.band, ..SuggestParameters::default() };
     let clicked = ClickedImage::from(arguments.side);
     let found = on_threads(arguments.threads, || {
@@ -89,14 +82,6 @@ pub(super) fn run(arguments: &SuggestArguments) -> Result<(), CliError> {
         version: env!("CARGO_PKG_VERSION"),
     };
     output.write(&result, &table(&found, arguments.at, clicked))
-}
-
-fn pictures(arguments: &SuggestArguments) -> Result<[Picture; 2], CliError> {
-    match (&arguments.sample, &arguments.left, &arguments.right) {
-        (Some(name), ..) => Ok(built_in(name)?.load().pictures),
-        (None, Some(left), Some(right)) => Ok([Picture::open(left)?, Picture::open(right)?]),
-        _ => Err(CliError::Arguments("two images are needed, LEFT and RIGHT".into())),
-    }
 }
 
 /// The content of a result file. Positions are `[x, y]` in px, angles radians.

@@ -71,13 +71,6 @@ impl TruthFolder {
         exist && if self.pairs_freely() { view1 != view2 } else { view1 % 2 == 0 && view2 == view1 + 1 }
     }
 
-    /// The pair of two views by their names, if they are one.
-    pub fn pair_of(&self, names: &[String; 2]) -> Option<[usize; 2]> {
-        let number = |name: &String| self.names.iter().position(|other| other == name);
-        let pair = [number(&names[0])?, number(&names[1])?];
-        self.is_pair(pair).then_some(pair)
-    }
-
     /// The pair behind another, or the one before it: of a sequence of views the next two as far apart.
     pub fn neighbour(&self, [view1, view2]: [usize; 2], forward: bool) -> Option<[usize; 2]> {
         let step = if self.pairs_freely() { 1 } else { 2 };
@@ -151,8 +144,6 @@ mod tests {
         assert_eq!(set.neighbour([1, 2], true), None);
         assert_eq!(set.neighbour([0, 1], false), None);
         assert_eq!(set.neighbour([1, 0], true), Some([2, 1]));
-        assert_eq!(set.pair_of(&["set.002", "set.000"].map(str::to_owned)), Some([2, 0]));
-        assert_eq!(set.pair_of(&["set.002", "set.002"].map(str::to_owned)), None);
         let truth = set.truth([0, 2]).unwrap();
         assert_eq!((&truth.name[..], truth.origin), ("0-2", TruthOrigin::Cameras));
         assert_eq!(
