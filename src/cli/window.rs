@@ -65,7 +65,7 @@ fn open(what: WindowContent, pairs: Vec<PointPair>, imports: Vec<PathBuf>) -> Re
 
 /// Without the window there is only the command line.
 #[cfg(not(feature = "inspector"))]
-fn open(_what: Shown, _pairs: Vec<PointPair>, _imports: Vec<PathBuf>) -> Result<(), CliError> {
+fn open(_what: WindowContent, _pairs: Vec<PointPair>, _imports: Vec<PathBuf>) -> Result<(), CliError> {
     Err(CliError::Window(
         "this build has no window; use the commands estimate and evaluate, or build with the feature inspector"
             .into(),
