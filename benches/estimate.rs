@@ -68,8 +68,8 @@ fn timed(pair: &Sized, preset: Preset, runs: usize) -> (f64, f64, f64) {
         let found = estimate(&pair.planes[0], &pair.planes[1], &pair.clicks, &parameters, &Monitor::silent())
             .expect("the sample has a geometry");
         last.push(begun.elapsed().as_secs_f64());
-        first.push(found.first_seconds);
-        let distance = |m: &PointPair| symmetric_epipolar_distance(&found.fundamental, m);
+        first.push(found.trace.as_ref().map_or(f64::NAN, |trace| trace.first_seconds));
+        let distance = |m: &PointPair| symmetric_epipolar_distance(found.fundamental(), m);
         error = mean(&pair.matches.iter().map(distance).collect::<Vec<_>>());
     }
     (median(&first), median(&last), error)

@@ -36,17 +36,17 @@ fn main() {
             let frame = planes[0].frame();
             let scale = 0.5f64.powi(level as i32);
             let click = sample.show_me[0].rescaled([scale; 2]);
-            let lines1 = pencil(frame, click.point1, parameters.line_spacing, false);
-            let lines2 = pencil(frame, click.point2, parameters.line_spacing, true);
-            let reach = (parameters.disparity_reach * frame.longer_side()).round() as i32;
+            let lines1 = pencil(frame, click.point1, parameters.pencils.line_spacing, false);
+            let lines2 = pencil(frame, click.point2, parameters.pencils.line_spacing, true);
+            let reach = (parameters.similarity.disparity_reach * frame.longer_side()).round() as i32;
             let similarity = StereoSimilarity {
                 planes,
                 range: DisparityRange::symmetric(reach),
-                parameters: parameters.stereo,
+                parameters: parameters.similarity.stereo,
             };
             let allowed = |i: usize, j: usize| {
                 let turn = (lines2[j].angle() - lines1[i].angle()).rem_euclid(TAU);
-                turn.min(TAU - turn) <= parameters.rotation + 1e-9
+                turn.min(TAU - turn) <= parameters.pencils.rotation + 1e-9
             };
             let pairs: usize =
                 (0..lines1.len()).map(|i| (0..lines2.len()).filter(|j| allowed(i, *j)).count()).sum();

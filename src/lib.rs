@@ -10,9 +10,9 @@
 //! |---|---|---|---|
 //! | load | files | [`image::Picture`]: pixels, and a grey plane of floats | [`image`] |
 //! | prepare | two grey planes | [`estimate::PreparedPair`]: pyramids; corners and patch correlations when first needed | [`estimate`] |
-//! | pencils | a click, a pyramid level | all lines through the click in both images, the cost of each against each, and the pairs that prefer each other | [`similarity`], [`estimate::PencilComparison`] |
+//! | pencils | a click, a pyramid level | all lines through the click in both images, the cost of each against each, and the pairs that prefer each other | [`similarity`], [`estimate::ComparedPencils`] |
 //! | hypotheses | candidate line pairs of both clicks | two line pairs and one number κ each: epipoles, a map between the pencils, an `F` | [`geometry::PencilMap`] |
-//! | validation | hypotheses | the same, scored on lines over the whole of both images, and on patches | [`estimate::Hypothesis`] |
+//! | validation | hypotheses | the same, scored on lines over the whole of both images, and on patches | [`estimate::SearchTrace`] |
 //! | refinement | the best ones | `F` at full resolution | [`estimate::Estimate`] |
 //!
 //! Each stage is a pure function of its input, the parameters and a seed; [`estimate::Monitor`] hears of its
@@ -34,11 +34,11 @@
 //! let found = estimate(&left.gray, &right.gray, &clicks, &Parameters::default(), &Monitor::silent())?;
 //!
 //! // The line in the right image on which the match of a left point lies:
-//! let line = found.fundamental.line2_from_point1(clicks[0].point1).ok_or("that point is the epipole")?;
+//! let line = found.fundamental().line2_from_point1(clicks[0].point1).ok_or("that point is the epipole")?;
 //! assert!(line.distance(clicks[0].point2) < 1.0);
 //!
 //! // How far all true matches are from their lines, px:
-//! let f = &found.fundamental;
+//! let f = found.fundamental();
 //! let distances: Vec<f64> = pair.matches.iter().map(|m| symmetric_epipolar_distance(f, m)).collect();
 //! assert!(mean(&distances) < 0.7);
 //! # Ok::<(), Box<dyn std::error::Error>>(())

@@ -59,7 +59,7 @@ pub struct Computation {
     /// The stages of the latest computation that have begun, with when they did.
     begun: Vec<(Stage, Instant)>,
     /// The pencils compared last: of the clicks as they are, or of the ones just before.
-    pencils: Option<Arc<[ComparedPencils; 2]>>,
+    pencils: Vec<Arc<ComparedPencils>>,
     /// Counts the pencils.
     pencils_revision: u64,
     /// Counts the results.
@@ -83,7 +83,7 @@ impl Computation {
             generation: 0,
             running: false,
             begun: Vec::new(),
-            pencils: None,
+            pencils: Vec::new(),
             pencils_revision: 0,
             revision: 0,
             shown: None,
@@ -133,8 +133,15 @@ impl Computation {
     }
 
     /// The pencils compared last, also while newer ones are being compared.
-    pub fn pencils(&self) -> Option<&[ComparedPencils; 2]> {
-        self.pencils.as_deref()
+    pub fn pencils(&self) -> Option<&[Arc<ComparedPencils>]> {
+        (!self.pencils.is_empty()).then_some(&self.pencils)
+    }
+
+    /// The latest result of a search, also while the points have moved on from it.
+    pub fn searched(&self) -> Option<&Estimate> {
+        let shown =
+            self.shown.as_ref().map(|shown| &shown.estimate).filter(|estimate| estimate.trace.is_some());
+        shown.or(self.guessed.as_ref()).or(self.found.as_ref()).map(AsRef::as_ref)
     }
 
     /// Another number for each pair of pencils.
@@ -181,7 +188,7 @@ impl Computation {
             self.give_up();
         }
         let Some(request) = request else {
-            self.pencils = None;
+            self.pencils.clear();
             self.begun.clear();
             self.set_shown(None);
             return;
@@ -196,16 +203,17 @@ impl Computation {
             freshness = Freshness::Followed;
         }
         if other_pictures {
-            self.pencils = None;
+            self.pencils.clear();
             self.set_shown(None);
         } else if let Some(shown) = &mut self.shown {
             shown.freshness = freshness;
         }
     }
 
-    fn set_pencils(&mut self, pencils: Arc<[ComparedPencils; 2]>) {
-        if self.pencils.as_ref().is_none_or(|old| !Arc::ptr_eq(old, &pencils)) {
-            self.pencils = Some(pencils);
+    fn set_pencils(&mut self, pencils: &[Arc<ComparedPencils>]) {
+        let same = |(old, new): (&Arc<_>, &Arc<_>)| Arc::ptr_eq(old, new);
+        if self.pencils.len() != pencils.len() || !self.pencils.iter().zip(pencils).all(same) {
+            self.pencils = pencils.to_vec();
             self.pencils_revision += 1;
         }
     }
@@ -252,7 +260,7 @@ impl Computation {
             let current = generation == self.generation;
             match news {
                 News::Started(stage) if current => self.begun.push((stage, Instant::now())),
-                News::Pencils(pencils) => self.set_pencils(pencils),
+                News::Pencils(pencils) => self.set_pencils(&pencils),
                 News::Preliminary(estimate) => {
                     self.take_result(generation, estimate, Freshness::Preliminary);
                 }
@@ -292,11 +300,11 @@ impl Computation {
     /// A result of a search: kept to start from, and shown unless something newer is.
     fn take_result(&mut self, generation: u64, estimate: Box<Estimate>, freshness: Freshness) {
         let estimate: Arc<Estimate> = estimate.into();
-        if let Some(pencils) = &estimate.pencils {
-            self.set_pencils(Arc::clone(pencils));
+        if let Some(trace) = estimate.trace.as_ref().filter(|trace| !trace.pencils.is_empty()) {
+            self.set_pencils(&trace.pencils);
         }
         // The first guess comes before lines are compared.
-        let guess = freshness == Freshness::Preliminary && estimate.score.is_nan();
+        let guess = freshness == Freshness::Preliminary && estimate.line_score().is_none();
         if guess {
             self.guessed = Some(Arc::clone(&estimate));
         } else {

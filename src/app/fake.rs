@@ -5,7 +5,10 @@ use std::sync::Arc;
 use nalgebra::{Matrix3, Vector3};
 
 use super::worker::Request;
-use crate::estimate::{Estimate, EstimateError, Monitor, Parameters, Progress, Stage};
+use crate::estimate::{
+    Assessment, Clicks, Construction, Estimate, EstimateError, LineFigures, Monitor, Parameters, Progress,
+    Refinement, SearchCounts, SearchTrace, Stage,
+};
 use crate::geometry::{FundamentalMatrix, PointPair};
 use crate::image::Picture;
 
@@ -28,15 +31,27 @@ pub fn result(pairs: &[PointPair], parameters: &Parameters) -> Option<Estimate> 
     let e2 = line.cross(&Vector3::new(0.0, 1.0, -100.0));
     let e2 = e2.try_normalize(1e-9).unwrap_or_else(Vector3::x);
     let fundamental = FundamentalMatrix::from_rank_two(e2.cross_matrix() * shift)?;
-    Some(Estimate {
-        score: 0.25,
-        round_trip_area: 0.5,
-        margin: Some(0.4),
+    let clicks = [*p, *q];
+    let lines = Construction::of(&fundamental, clicks, 0.0).map(|construction| LineFigures {
+        score: Some(0.25),
+        round_trip_area: Some(0.5),
+        construction,
+    });
+    let refinement = Some(Refinement { matches: Vec::new(), uncertainty: None });
+    let assessment = Assessment { lines, margin: Some(0.4), refinement, ..Assessment::default() };
+    let trace = SearchTrace {
+        clicks: Clicks::for_method(pairs, parameters.method),
+        method: parameters.method,
+        preset: parameters.preset,
+        seed: parameters.seed,
+        pencils: Vec::new(),
+        hypotheses: Vec::new(),
+        counts: SearchCounts::default(),
+        timings: Vec::new(),
         first_seconds: 0.01,
         seconds: 0.02,
-        refined: true,
-        ..Estimate::of(fundamental, parameters)
-    })
+    };
+    Some(Estimate { geometry: fundamental.into(), assessment, trace: Some(Arc::new(trace)) })
 }
 
 /// A request whose first point has the given x.

@@ -32,7 +32,8 @@ pub struct InspectionRequest {
 impl InspectionRequest {
     /// A request with the parameters of the estimate.
     pub fn new(pictures: [Arc<Picture>; 2], lines: [AnchoredLine; 2], parameters: &Parameters) -> Self {
-        Self { pictures, lines, stereo: parameters.stereo, reach: parameters.disparity_reach }
+        let similarity = parameters.similarity;
+        Self { pictures, lines, stereo: similarity.stereo, reach: similarity.disparity_reach }
     }
 
     fn is_same(&self, other: &Self) -> bool {

@@ -56,7 +56,6 @@ mod sample;
 mod scene;
 mod services;
 mod session;
-mod settings;
 mod shell;
 mod step;
 mod suggesting;

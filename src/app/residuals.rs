@@ -39,7 +39,7 @@ pub fn summary(scene: &Scene) -> Vec<SummaryLine> {
         let pairs = document.pairs.iter().enumerate().filter(|(pair, _)| document.role(*pair) == role);
         pairs.map(|(_, pair)| symmetric_epipolar_distance(shown.fundamental, pair)).collect()
     };
-    let matches = shown.estimate.matches.iter();
+    let matches = shown.estimate.matches().iter();
     let matches = matches.map(|m| symmetric_epipolar_distance(shown.fundamental, &m.pair)).collect();
     let groups = [
         ("Check pairs", of_role(Role::Check), "Pairs that had no part in the estimate: the honest test."),

@@ -11,7 +11,7 @@ use super::rectified::{self, Rectified, Viewing};
 use super::suggesting::Suggested;
 use super::theme;
 use super::truth::{Known, NO_TRUTH};
-use crate::estimate::{Construction, Estimate, Hypothesis, lines_at};
+use crate::estimate::{Construction, Estimate, lines_at};
 use crate::geometry::{AnchoredLine, FundamentalMatrix, Line, Point, PointPair};
 use crate::io::{GroundTruth, TruthFolder};
 
@@ -82,7 +82,7 @@ pub struct Shown<'a> {
     /// Its matrix.
     pub fundamental: &'a FundamentalMatrix,
     /// The hypothesis, with its place in the list, if one was chosen.
-    pub hypothesis: Option<(usize, &'a Hypothesis)>,
+    pub hypothesis: Option<(usize, &'a Estimate)>,
     /// Whose it is, if one of another method or the true one was chosen.
     pub contestant: Option<Contestant>,
     /// The result it belongs to; of an imported one without a result, itself.
@@ -109,16 +109,16 @@ impl<'a> Scene<'a> {
         let chosen = self.focus.contestant() == Some(Contestant::Imported);
         let imported = self.imported.filter(|_| chosen || own.is_none());
         let (estimate, freshness) = own.or(imported.map(|imported| (imported, Freshness::Final)))?;
-        let hypothesis = self.focus.hypothesis().and_then(|k| Some((k, estimate.hypotheses.get(k)?)));
+        let hypothesis = self.focus.hypothesis().and_then(|k| Some((k, estimate.hypotheses().get(k)?)));
         let compared = self.focus.contestant().zip(self.comparison);
         let compared = compared.and_then(|(contestant, c)| Some((contestant, c.fundamental(contestant)?)));
         let compared = compared
             .filter(|(contestant, _)| *contestant != Contestant::Imported)
-            .or(imported.map(|imported| (Contestant::Imported, &imported.fundamental)));
+            .or(imported.map(|imported| (Contestant::Imported, imported.fundamental())));
         let fundamental = match (hypothesis, compared) {
-            (Some((_, hypothesis)), _) => &hypothesis.fundamental,
+            (Some((_, hypothesis)), _) => hypothesis.fundamental(),
             (None, Some((_, fundamental))) => fundamental,
-            (None, None) => &estimate.fundamental,
+            (None, None) => estimate.fundamental(),
         };
         let contestant = compared.map(|(contestant, _)| contestant);
         Some(Shown { fundamental, hypothesis, contestant, estimate, freshness })
@@ -166,9 +166,8 @@ impl<'a> Scene<'a> {
     /// [`Scene::construction`] of the estimate, also while the geometry of another method is shown.
     fn own_construction(&self) -> Option<&'a Construction> {
         let shown = self.shown()?;
-        let hypothesis = shown.hypothesis.map(|(_, hypothesis)| hypothesis);
-        let result = || shown.estimate.examined.as_ref().or(shown.estimate.hypotheses.first());
-        hypothesis.or_else(result).map(|hypothesis| &hypothesis.construction)
+        let estimate = shown.hypothesis.map_or(shown.estimate, |(_, hypothesis)| hypothesis);
+        estimate.assessment.lines.as_ref().map(|lines| &lines.construction)
     }
 
     /// The lines of a source under the geometry shown; `None` while there are none.
@@ -197,7 +196,11 @@ impl<'a> Scene<'a> {
 
     /// Two epipolar lines of the geometry shown, directed alike.
     fn corresponding(&self, line1: &Line, line2: &Line) -> Option<[AnchoredLine; 2]> {
-        let turn = self.own_construction().map_or(0.0, Construction::turn);
+        let turn = self
+            .own_construction()
+            .map(Construction::turn)
+            .or_else(|| self.computation.searched().map(Estimate::turn))
+            .unwrap_or(0.0);
         let f = self.shown()?.fundamental;
         let used = self.document.used_pairs().and_then(|pairs| pairs.first_chunk::<2>().copied());
         let own = Construction::of(f, used.or_else(|| self.stand_in_clicks(f))?, turn)?;

@@ -2,7 +2,7 @@
 
 use super::computation::{Computation, Freshness};
 use super::document::{Document, pair_name};
-use crate::estimate::{Estimate, Stage};
+use crate::estimate::Stage;
 
 /// Where a step stands.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -22,7 +22,8 @@ pub enum Progress {
 /// Where a step stands.
 pub fn progress(stage: Stage, computation: &Computation) -> Progress {
     if let Some((estimate, Freshness::Final)) = computation.result() {
-        let timing = estimate.timings.iter().find(|timing| timing.stage == stage);
+        let timings = estimate.trace.iter().flat_map(|trace| &trace.timings);
+        let timing = timings.into_iter().find(|timing| timing.stage == stage);
         return Progress::Done(timing.map(|timing| timing.seconds));
     }
     // The first step is not announced: it runs from the start until the next one begins.
@@ -59,21 +60,25 @@ pub fn result_text(stage: Stage, document: &Document, computation: &Computation)
                 format!(
                     "{}: {} × {} lines, {} candidates",
                     document.used().nth(k).map_or(String::new(), pair_name),
-                    own.angles1().len(),
-                    own.angles2().len(),
-                    own.candidates().len()
+                    own.angles1.len(),
+                    own.angles2.len(),
+                    own.candidates.len()
                 )
             };
             Some(format!("{}; {}", of(0), of(1)))
         }
-        Stage::Hypotheses => estimate
-            .filter(|e| e.counts.hypotheses > 0)
-            .map(|e| format!("{} tried", grouped(e.counts.hypotheses))),
-        Stage::Validation => estimate.filter(|e| e.score.is_finite()).map(validation),
+        Stage::Hypotheses => {
+            let tried = estimate?.trace.as_ref()?.counts.hypotheses;
+            (tried > 0).then(|| format!("{} tried", grouped(tried)))
+        }
+        Stage::Validation => {
+            let (score, trace) = (estimate?.line_score()?, estimate?.trace.as_ref()?);
+            Some(format!("{} compared, best line score {score:.3}", trace.counts.validated))
+        }
         Stage::Refinement => {
             estimate.filter(|_| matches!(result, Some((_, Freshness::Final)))).map(|estimate| {
-                if estimate.refined {
-                    format!("fitted to {} matches", estimate.matches.len())
+                if estimate.is_refined() {
+                    format!("fitted to {} matches", estimate.matches().len())
                 } else {
                     "not refined on patches".to_owned()
                 }
@@ -93,11 +98,6 @@ fn grouped(number: usize) -> String {
         text.push(digit);
     }
     text
-}
-
-fn validation(estimate: &Estimate) -> String {
-    let counts = &estimate.counts;
-    format!("{} compared, best line score {:.3}", counts.validated, estimate.score)
 }
 
 #[cfg(test)]

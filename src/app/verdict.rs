@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use super::computation::{Computation, Freshness};
 use super::document::{Document, Imported, pair_name};
 use super::worker::Failure;
-use crate::estimate::{self, Estimate, Hypothesis};
+use crate::estimate::{self, Estimate};
 use crate::geometry::{Frame, FundamentalMatrix, HomogeneousPoint, finite_point};
 
 /// How the news is.
@@ -104,12 +104,14 @@ pub fn verdict(document: &Document, computation: &Computation) -> Verdict {
             None => bare(Tone::Idle, waiting(document)),
         };
     };
-    let reasons = estimate.trust.iter().flat_map(|trust| trust.reasons.iter().map(ToString::to_string));
+    let assessment = &estimate.assessment;
+    let reasons = assessment.trust.iter().flat_map(|trust| trust.reasons.iter().map(ToString::to_string));
     let warnings: Vec<_> = reasons
-        .chain(estimate.warnings.iter().map(ToString::to_string))
+        .chain(assessment.warnings.iter().map(ToString::to_string))
         .map(|sentence| format!("{}.", capitalised(&in_names(&sentence, document))))
         .collect();
-    let wrong = estimate.trust.as_ref().is_some_and(|trust| trust.verdict == estimate::Verdict::Wrong);
+    let unreliable =
+        assessment.trust.as_ref().is_some_and(|trust| trust.verdict == estimate::Verdict::Unreliable);
     let (tone, headline) = match freshness {
         Freshness::Stale => (Tone::Busy, "Updating; the lines still belong to the points before.".to_owned()),
         Freshness::Followed => (
@@ -124,11 +126,11 @@ pub fn verdict(document: &Document, computation: &Computation) -> Verdict {
             ),
         ),
         Freshness::Stopped => (Tone::Caution, "First result; stopped before it was refined.".into()),
-        Freshness::Final if wrong => {
-            (Tone::Bad, format!("The geometry from {} is probably wrong:", used(document)))
+        Freshness::Final if unreliable => {
+            (Tone::Bad, format!("The geometry from {} is unreliable:", used(document)))
         }
         Freshness::Final if warnings.is_empty() => {
-            let checked = if estimate.trust.is_some() { "; nothing speaks against it" } else { "" };
+            let checked = if assessment.trust.is_some() { "; nothing speaks against it" } else { "" };
             (Tone::Good, format!("Epipolar geometry found from {}{checked}.", used(document)))
         }
         Freshness::Final => {
@@ -159,7 +161,7 @@ fn used(document: &Document) -> String {
 }
 
 fn facts(document: &Document, estimate: &Estimate, freshness: Freshness) -> Vec<Fact> {
-    let mut facts = epipoles(document, &estimate.fundamental);
+    let mut facts = epipoles(document, estimate.fundamental());
     if matches!(freshness, Freshness::Followed | Freshness::Stale) {
         // The other figures belong to earlier points.
         return facts;
@@ -167,7 +169,7 @@ fn facts(document: &Document, estimate: &Estimate, freshness: Freshness) -> Vec<
     // Before the end, near-copies of the result are not told from other geometries.
     let margin = (freshness == Freshness::Final).then(|| Fact {
         name: "Margin",
-        value: match estimate.margin {
+        value: match estimate.assessment.margin {
             Some(margin) => format!("{:.0} %", margin * 100.0),
             None => "no other geometry came near".into(),
         },
@@ -175,8 +177,8 @@ fn facts(document: &Document, estimate: &Estimate, freshness: Freshness) -> Vec<
                   a few percent means that the result is a guess.",
     });
     facts.extend(margin);
-    facts.extend(line_figures(estimate.score, estimate.round_trip_area));
-    if let Some(support) = &estimate.support {
+    facts.extend(line_figures(estimate));
+    if let Some(support) = &estimate.assessment.support {
         facts.push(Fact {
             name: "Support",
             value: format!("{:.1} from {} patches", support.score, support.matches),
@@ -184,10 +186,10 @@ fn facts(document: &Document, estimate: &Estimate, freshness: Freshness) -> Vec<
                       more is better.",
         });
     }
-    if estimate.seconds > 0.0 {
+    if let Some(trace) = &estimate.trace {
         facts.push(Fact {
             name: "Time",
-            value: format!("{:.2} s, the first after {:.2} s", estimate.seconds, estimate.first_seconds),
+            value: format!("{:.2} s, the first after {:.2} s", trace.seconds, trace.first_seconds),
             tooltip: "How long the computation took.",
         });
     }
@@ -195,13 +197,13 @@ fn facts(document: &Document, estimate: &Estimate, freshness: Freshness) -> Vec<
 }
 
 /// The figures of a hypothesis that is shown in place of the result.
-pub fn hypothesis_facts(document: &Document, hypothesis: &Hypothesis) -> Vec<Fact> {
-    let mut facts = epipoles(document, &hypothesis.fundamental);
-    facts.extend(line_figures(hypothesis.score, hypothesis.round_trip_area));
-    if hypothesis.support > 0.0 {
+pub fn hypothesis_facts(document: &Document, hypothesis: &Estimate) -> Vec<Fact> {
+    let mut facts = epipoles(document, hypothesis.fundamental());
+    facts.extend(line_figures(hypothesis));
+    if let Some(support) = hypothesis.support_score() {
         facts.push(Fact {
             name: "Support",
-            value: format!("{:.1}", hypothesis.support),
+            value: format!("{support:.1}"),
             tooltip: "How strongly matching image patches agree with it; higher is better.",
         });
     }
@@ -226,15 +228,16 @@ pub fn epipoles(document: &Document, f: &FundamentalMatrix) -> Vec<Fact> {
 }
 
 /// What the lines say; the first result of a computation has neither figure yet.
-fn line_figures(score: f64, round_trip_area: f64) -> impl Iterator<Item = Fact> {
-    let score = score.is_finite().then(|| Fact {
+fn line_figures(estimate: &Estimate) -> impl Iterator<Item = Fact> {
+    let score = estimate.line_score().map(|score| Fact {
         name: "Line score",
         value: format!("{score:.3}"),
         tooltip: "How unlike corresponding epipolar lines are; lower is better.",
     });
-    let round_trip = round_trip_area.is_finite().then(|| Fact {
+    let area = estimate.assessment.lines.as_ref().and_then(|lines| lines.round_trip_area);
+    let round_trip = area.map(|area| Fact {
         name: "Round trip",
-        value: format!("{round_trip_area:.2} px"),
+        value: format!("{area:.2} px"),
         tooltip: "How far a line ends from where it began when it is carried to the other image and back; \
                   small means that both directions agree.",
     });
@@ -304,7 +307,8 @@ mod tests {
         assert_eq!(good.tone, Tone::Good);
         assert_eq!(good.headline, "Epipolar geometry found from pairs p and q.");
         assert!(good.facts.iter().any(|fact| fact.name == "Margin" && fact.value == "40 %"));
-        let (document, computation) = computed(|e| e.warnings.push(Warning::CloseClicks { distance: 9.0 }));
+        let (document, computation) =
+            computed(|e| e.assessment.warnings.push(Warning::CloseClicks { distance: 9.0 }));
         let doubtful = verdict(&document, &computation);
         assert_eq!(doubtful.tone, Tone::Caution);
         assert!(doubtful.warnings[0].starts_with("The two clicks are only 9 px apart"));
@@ -314,11 +318,11 @@ mod tests {
     fn a_result_called_wrong_is_bad_news_with_its_reasons() {
         let (document, computation) = computed(|e| {
             let reasons = vec![Reason::ClickOff { pair: 2, distance: 40.0 }];
-            e.trust = Some(Trust { verdict: estimate::Verdict::Wrong, reasons });
+            e.assessment.trust = Some(Trust { verdict: estimate::Verdict::Unreliable, reasons });
         });
         let bad = verdict(&document, &computation);
         assert_eq!(bad.tone, Tone::Bad);
-        assert!(bad.headline.ends_with("is probably wrong:"));
+        assert!(bad.headline.ends_with("is unreliable:"));
         assert!(bad.warnings[0].starts_with("Point pair q is 40.0 px off"));
     }
 

@@ -46,8 +46,8 @@ pub enum Failure {
 pub enum News {
     /// A stage has begun.
     Started(Stage),
-    /// The pencils through the first two clicks have been compared.
-    Pencils(Arc<[ComparedPencils; 2]>),
+    /// The pencils through the anchors have been compared.
+    Pencils(Vec<Arc<ComparedPencils>>),
     /// A result good enough to draw; better ones follow.
     Preliminary(Box<Estimate>),
     /// The end.

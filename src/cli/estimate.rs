@@ -125,7 +125,7 @@ fn watched(input: &EstimateInput, parameters: &Parameters) -> Result<Estimate, E
         match news {
             Progress::Started(stage) => tell(format_args!("{seconds:7.2} s  {}", stage.label())),
             Progress::Preliminary(first) if is_first.swap(false, Ordering::Relaxed) => {
-                let numbers = first.fundamental.rows().concat();
+                let numbers = first.fundamental().rows().concat();
                 let numbers = numbers.iter().map(|v| format!("{v:.4e}"));
                 tell(format_args!("{seconds:7.2} s  First F: {}", numbers.collect::<Vec<_>>().join(" ")));
             }
@@ -139,8 +139,8 @@ fn watched(input: &EstimateInput, parameters: &Parameters) -> Result<Estimate, E
 /// What other programs can use of it: the clicks, and behind them the matches that the refinement found.
 fn geometry_file(found: &Estimate, input: &EstimateInput) -> GeometryFile {
     GeometryFile {
-        fundamental: Some(found.fundamental),
-        pairs: input.pairs.iter().copied().chain(found.matches.iter().map(|m| m.pair)).collect(),
+        fundamental: Some(*found.fundamental()),
+        pairs: input.pairs.iter().copied().chain(found.matches().iter().map(|m| m.pair)).collect(),
         images: Some(image_notes(&input.pictures)),
         ..GeometryFile::default()
     }

@@ -27,7 +27,7 @@ impl Overrides {
     pub(super) fn parameters(&self, preset: Preset) -> Result<Parameters, CliError> {
         let mut parameters = Parameters::from(preset);
         if let Some(refine) = self.refine {
-            parameters.refine = refine;
+            parameters.refinement.refine = refine;
         }
         for assignment in &self.set {
             parameters = changed(&parameters, assignment)
@@ -73,8 +73,9 @@ mod tests {
 
     #[test]
     fn refinement_is_switched_by_its_own_option() {
-        let refine =
-            |refine, preset| Overrides { refine, ..Overrides::default() }.parameters(preset).unwrap().refine;
+        let refine = |refine, preset| {
+            Overrides { refine, ..Overrides::default() }.parameters(preset).unwrap().refinement.refine
+        };
         assert!(refine(None, Preset::Robust) && !refine(None, Preset::Paper));
         assert!(!refine(Some(false), Preset::Robust) && refine(Some(true), Preset::Paper));
     }

@@ -74,11 +74,11 @@ pub enum EstimateError {
     #[error("parameter {name} is {value}: it must be {allowed}")]
     Parameter {
         /// Its name.
-        name: &'static str,
+        name: String,
         /// The value given.
         value: String,
         /// What is allowed.
-        allowed: &'static str,
+        allowed: String,
     },
     /// The two images are (nearly) the same picture.
     #[error(

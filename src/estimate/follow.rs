@@ -9,11 +9,10 @@
 //! - It cannot leave a wrong geometry; only the search can. Hence several starts, of which the one with most
 //!   patch support is followed, and no verdict.
 
-use super::level::resized_pair;
-use super::polish::{Observation, fit};
-use super::search::BAND;
-use super::{Construction, Estimate, Parameters, PatchSupport, PreparedPair};
-use crate::geometry::{FundamentalMatrix, PointPair};
+use super::lines::Construction;
+use super::patches::{BAND, LEAST_CLICK_SIGMA};
+use super::{Assessment, Clicks, Estimate, Parameters, PatchSupport, PreparedPair, Search};
+use crate::geometry::{FundamentalMatrix, Observation, PointPair, fit_fundamental};
 
 /// Standard deviation of a supporting match, px of the level it was found at.
 const MATCH_SIGMA: f64 = 1.0;
@@ -22,8 +21,9 @@ const ROBUST: f64 = 2.0;
 /// Fewer supporting matches than this leave the clicks to decide alone, which is the search's business.
 const LEAST_MATCHES: usize = 16;
 
-/// A geometry for the clicks where they are now, from earlier estimates of the same images, the newest last. It
-/// carries the hypotheses of the estimate it comes from and no verdict.
+/// A geometry for the clicks where they are now, from earlier estimates of the same images, the newest last. What
+/// was found out about the earlier one, for clicks that were elsewhere, does not come along: it has its patch support
+/// and nothing else.
 ///
 /// Where patches count, the start with most support is refitted to its matches and the clicks; where only lines do,
 /// the newest start has its lines turned to pass through the clicks. `None` when there are too few clicks, no start,
@@ -34,25 +34,19 @@ pub fn follow<'a>(
     pairs: &[PointPair],
     parameters: &Parameters,
 ) -> Option<Estimate> {
-    let clicks = pairs.get(..parameters.method.pairs_needed())?;
-    let (start, fundamental, support) = if parameters.patch_support {
-        refitted(prepared, starts, clicks, parameters.click_sigma)?
-    } else {
-        let start = starts.into_iter().last()?;
-        (start, through_clicks(start, [clicks[0], clicks[1]])?, None)
+    if pairs.len() < parameters.method.pairs_needed() {
+        return None;
+    }
+    let clicks = Clicks::for_method(pairs, parameters.method);
+    let (fundamental, support) = match parameters.search {
+        Search::Patches => {
+            let (f, support) = refitted(prepared, starts, &clicks.observed(), parameters.click_sigma)?;
+            (f, Some(support))
+        }
+        Search::Lines => (through_clicks(starts.into_iter().last()?, &clicks)?, None),
     };
-    Some(Estimate {
-        fundamental,
-        epipole1: fundamental.epipole1(),
-        epipole2: fundamental.epipole2(),
-        support,
-        warnings: Vec::new(),
-        trust: None,
-        uncertainty: None,
-        refined: false,
-        matches: Vec::new(),
-        ..start.clone()
-    })
+    let assessment = Assessment { support, ..Assessment::default() };
+    Some(Estimate { geometry: fundamental.into(), assessment, trace: None })
 }
 
 /// The most supported start, refitted to its matches and the clicks.
@@ -61,35 +55,34 @@ fn refitted<'a>(
     starts: impl IntoIterator<Item = &'a Estimate>,
     clicks: &[PointPair],
     click_sigma: f64,
-) -> Option<(&'a Estimate, FundamentalMatrix, Option<PatchSupport>)> {
-    let fine = prepared.fine_witness();
+) -> Option<(FundamentalMatrix, PatchSupport)> {
+    let fine = prepared.fine_support();
     let [s1, s2] = fine.scales;
-    let (start, at_level, score) = starts
+    let (at_level, support) = starts
         .into_iter()
         .filter_map(|start| {
-            let at_level: FundamentalMatrix = start.fundamental.rescaled(s1, s2)?;
-            Some((start, at_level, fine.support.score(&at_level, BAND)))
+            let at_level: FundamentalMatrix = start.fundamental().rescaled(s1, s2)?;
+            Some((at_level, fine.support.measure(&at_level)))
         })
-        .max_by(|a, b| a.2.total_cmp(&b.2))?;
-    let matches = fine.support.matches(&at_level, BAND);
-    if matches.len() < LEAST_MATCHES {
+        .max_by(|a, b| a.1.score.total_cmp(&b.1.score))?;
+    if support.matches < LEAST_MATCHES {
         return None;
     }
     // No click is more precise than the level can show.
-    let click_sigma = (click_sigma * s1).max(0.5);
-    let clicks = clicks.iter().map(|click| resized_pair(click, fine.scales));
+    let click_sigma = (click_sigma * s1).max(LEAST_CLICK_SIGMA);
+    let clicks = clicks.iter().map(|click| click.rescaled(fine.scales));
+    let matches = fine.support.matches(&at_level, BAND);
     let observations: Vec<Observation> = matches
         .iter()
         .map(|m| Observation { pair: m.pair, sigma: MATCH_SIGMA })
         .chain(clicks.map(|pair| Observation { pair, sigma: click_sigma }))
         .collect();
-    let fitted = fit(&at_level, &observations, ROBUST)?;
-    let fundamental = fitted.fundamental.rescaled(1.0 / s1, 1.0 / s2)?;
-    Some((start, fundamental, Some(PatchSupport { matches: matches.len(), score })))
+    let fitted = fit_fundamental(&at_level, &observations, ROBUST)?;
+    Some((fitted.fundamental.rescaled(1.0 / s1, 1.0 / s2)?, support))
 }
 
 /// The geometry nearest to an earlier one that fits two clicks exactly, as the published method has it.
-fn through_clicks(start: &Estimate, clicks: [PointPair; 2]) -> Option<FundamentalMatrix> {
-    let turn = start.hypotheses.first().map_or(0.0, |hypothesis| hypothesis.construction.turn());
-    Construction::of(&start.fundamental, clicks, turn)?.fundamental()
+fn through_clicks(start: &Estimate, clicks: &Clicks) -> Option<FundamentalMatrix> {
+    let anchors = *clicks.anchors().first_chunk::<2>()?;
+    Construction::of(start.fundamental(), anchors, start.turn())?.fundamental()
 }

@@ -1,78 +1,34 @@
 //! From clicked point pairs to a fundamental matrix, with everything that led to it.
+//!
+//! [`estimate`] is the driver: propose → rank → refine → judge. What lines say stands in `lines`, what patches say in
+//! `patches`, how far a result is to be trusted in `assess`. An [`Estimate`] is a geometry with what was found out about
+//! it and, if a search found it, the trace of that search.
 
-mod bundle;
-mod candidates;
-mod construction;
-mod degeneracy;
+mod assess;
+mod clicks;
+mod driver;
 mod error;
-mod examination;
 mod follow;
-mod hypotheses;
-mod level;
-mod line_refinement;
+mod lines;
 mod monitor;
 mod parameters;
 mod patches;
-mod pencils;
-mod plane;
-mod polish;
 mod prepared;
-mod published;
-mod refinement;
-mod resampling;
+mod record;
 mod result;
-mod search;
-mod steered;
-mod support;
-mod trust;
-mod two_point;
-mod uncertainty;
-mod validation;
-mod voting;
 
 pub use crate::cancel::CancelFlag;
-pub use candidates::{Candidate, PencilComparison};
-pub use construction::{Construction, RoundTrip};
-pub use degeneracy::SMALLEST_SIDE;
+pub use assess::{EpipoleEllipse, Reason, SMALLEST_SIDE, Trust, Uncertainty, Verdict, examine};
+pub use clicks::{Click, ClickRole, Clicks};
+pub use driver::{estimate, estimate_prepared};
 pub use error::{EstimateError, Warning};
-pub use examination::examine;
 pub use follow::follow;
+pub use lines::{Candidate, ComparedPencils, Construction, LineFigures, RoundTrip, lines_at};
 pub use monitor::{Monitor, Progress, Stage};
-pub use parameters::{LineScore, Method, Parameters, Preset};
-pub use pencils::{ComparedPencils, lines_at};
+pub use parameters::{
+    LineScore, Method, PARAMETERS, ParameterEntry, ParameterValue, Parameters, PatchParameters,
+    PencilParameters, Preset, RefinementParameters, Search, ValidationParameters, parameters_as_markdown,
+};
+pub use patches::RefinedMatch;
 pub use prepared::PreparedPair;
-pub use refinement::RefinedMatch;
-pub use result::{Counts, Estimate, Hypothesis, PatchSupport, StageTiming};
-pub use trust::{Reason, Trust, Verdict};
-pub use uncertainty::{EpipoleEllipse, Uncertainty};
-
-use std::time::Instant;
-
-use crate::geometry::PointPair;
-use crate::image::GrayPlane;
-
-/// Estimates the fundamental matrix of two images from two or three clicked point pairs, full-size pixels.
-///
-/// Further pairs are ignored. The same images, pairs, parameters and seed give the same result on any number of
-/// threads. To estimate again on the same images, prepare them once and call [`estimate_prepared`].
-pub fn estimate(
-    image1: &GrayPlane,
-    image2: &GrayPlane,
-    pairs: &[PointPair],
-    parameters: &Parameters,
-    monitor: &Monitor,
-) -> Result<Estimate, EstimateError> {
-    let begun = Instant::now();
-    let prepared = PreparedPair::new(image1, image2);
-    two_point::run(&prepared, pairs, parameters, monitor, begun)
-}
-
-/// [`estimate`] on images that were prepared before.
-pub fn estimate_prepared(
-    prepared: &PreparedPair,
-    pairs: &[PointPair],
-    parameters: &Parameters,
-    monitor: &Monitor,
-) -> Result<Estimate, EstimateError> {
-    two_point::run(prepared, pairs, parameters, monitor, Instant::now())
-}
+pub use result::{Assessment, Estimate, PatchSupport, Refinement, SearchCounts, SearchTrace, StageTiming};

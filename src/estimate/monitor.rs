@@ -45,8 +45,8 @@ impl Stage {
 pub enum Progress {
     /// A stage has begun.
     Started(Stage),
-    /// The pencils through the first and the second click have been compared.
-    Pencils(Arc<[ComparedPencils; 2]>),
+    /// The pencils through each anchor have been compared.
+    Pencils(Vec<Arc<ComparedPencils>>),
     /// An estimate good enough to draw; better ones follow. The last one is the function's result.
     Preliminary(Box<Estimate>),
 }

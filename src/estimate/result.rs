@@ -1,52 +1,87 @@
-//! What an estimate holds.
+//! What an estimate holds: a geometry, what was found out about it, and the search that found it.
+//!
+//! One type serves hypotheses, preliminary, followed, final and imported results: the parts that a result does not have
+//! are absent, never made up.
 
 use std::sync::Arc;
 
 use serde::Serialize;
 
 use super::{
-    ComparedPencils, Construction, Method, Parameters, Preset, RefinedMatch, Stage, Trust, Uncertainty,
-    Warning,
+    Clicks, ComparedPencils, LineFigures, Method, Preset, RefinedMatch, Stage, Trust, Uncertainty, Warning,
 };
-use crate::geometry::{FundamentalMatrix, HomogeneousPoint};
+use crate::geometry::{EpipolarGeometry, FundamentalMatrix};
 
-/// One hypothesis of the geometry: two line pairs through the clicks and κ, in full-size pixels.
-#[derive(Debug, Clone, Serialize)]
-pub struct Hypothesis {
-    /// Its fundamental matrix.
-    pub fundamental: FundamentalMatrix,
-    /// Full-validation score, lower is better; see the module docs of `validation` for its unit. NaN before
-    /// validation, like the two figures that need G.
-    pub score: f64,
-    /// Patch support: summed correlation excess of the patches that agree with it, higher is better. 0 when
-    /// the preset does not use it.
-    pub support: f64,
-    /// Mean epipolar area between `l` and `GH l`, divided by the image width: px.
-    pub round_trip_area: f64,
-    /// κ of the paper's H: bisector chosen in image 1, matching line found in image 2.
-    pub kappa_line2_from_line1: f64,
-    /// κ of the paper's G: bisector chosen in image 2, matching line found in image 1.
-    pub kappa_line1_from_line2: f64,
-    /// The lines it is built from.
-    #[serde(skip)]
-    pub construction: Construction,
+/// Hypotheses reported with all their figures.
+pub(super) const REPORTED: usize = 60;
+
+/// A geometry and what is known about it. All coordinates are full-size pixels.
+#[derive(Debug, Clone)]
+pub struct Estimate {
+    /// F and the epipoles.
+    pub geometry: EpipolarGeometry,
+    /// What was found out about it.
+    pub assessment: Assessment,
+    /// The search that found it; `None` for a hypothesis, which is part of one, for a geometry that follows moved
+    /// clicks, and for one from elsewhere.
+    pub trace: Option<Arc<SearchTrace>>,
 }
 
-impl Hypothesis {
-    /// The epipole in image 1.
-    pub fn epipole1(&self) -> HomogeneousPoint {
-        self.fundamental.epipole1()
-    }
+/// What was found out about a geometry. What nobody looked at is absent.
+#[derive(Debug, Clone, Default)]
+pub struct Assessment {
+    /// What the lines through two clicks say of it.
+    pub lines: Option<LineFigures>,
+    /// Patches that agree with it.
+    pub support: Option<PatchSupport>,
+    /// Advantage over the best clearly different hypothesis, relative to the better of the two: of patch support when
+    /// the search looks at patches, else of the line score. `None` when there is no other hypothesis.
+    pub margin: Option<f64>,
+    /// The fit of all seven degrees of freedom at full resolution, if there was one.
+    pub refinement: Option<Refinement>,
+    /// What the user should know.
+    pub warnings: Vec<Warning>,
+    /// How far to trust it; `None` before everything was looked at.
+    pub trust: Option<Trust>,
+}
 
-    /// The epipole in image 2.
-    pub fn epipole2(&self) -> HomogeneousPoint {
-        self.fundamental.epipole2()
-    }
+/// What a geometry was refined on.
+#[derive(Debug, Clone)]
+pub struct Refinement {
+    /// Patches matched along the epipolar lines.
+    pub matches: Vec<RefinedMatch>,
+    /// How well they determine the geometry; `None` when they do not.
+    pub uncertainty: Option<Uncertainty>,
+}
+
+/// How a geometry was found.
+#[derive(Debug, Clone)]
+pub struct SearchTrace {
+    /// The clicks it was searched from.
+    pub clicks: Clicks,
+    /// How it was computed.
+    pub method: Method,
+    /// Whose choices it was computed with.
+    pub preset: Preset,
+    /// The seed of every random choice.
+    pub seed: u64,
+    /// The pencils through each anchor, as they were compared.
+    pub pencils: Vec<Arc<ComparedPencils>>,
+    /// The best hypotheses that differ from each other, best first, as they were before refinement.
+    pub hypotheses: Vec<Estimate>,
+    /// How much was examined.
+    pub counts: SearchCounts,
+    /// Time per stage, in their order.
+    pub timings: Vec<StageTiming>,
+    /// Seconds until the first fundamental matrix.
+    pub first_seconds: f64,
+    /// Seconds in all.
+    pub seconds: f64,
 }
 
 /// How much was examined.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
-pub struct Counts {
+pub struct SearchCounts {
     /// Textured lines in image 1 through each click.
     pub lines1: Vec<usize>,
     /// Textured lines in image 2 through each click.
@@ -69,7 +104,7 @@ pub struct StageTiming {
 }
 
 /// Patches that agree with a geometry.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
 pub struct PatchSupport {
     /// Mutual best matches along the epipolar lines.
     pub matches: usize,
@@ -77,87 +112,51 @@ pub struct PatchSupport {
     pub score: f64,
 }
 
-/// A fundamental matrix and how it came about. All coordinates are full-size pixels.
-#[derive(Debug, Clone, Serialize)]
-pub struct Estimate {
-    /// `x2ᵀ F x1 = 0`.
-    pub fundamental: FundamentalMatrix,
-    /// Epipole in image 1, homogeneous, unit norm.
-    pub epipole1: HomogeneousPoint,
-    /// Epipole in image 2, homogeneous, unit norm.
-    pub epipole2: HomogeneousPoint,
-    /// Full-validation score of the result, lower is better.
-    pub score: f64,
-    /// Mean epipolar area between `l` and `GH l` over the width of image 1, px.
-    pub round_trip_area: f64,
-    /// Patches that agree with the result, if the preset looks at patches.
-    pub support: Option<PatchSupport>,
-    /// Advantage over the best clearly different hypothesis, relative to the better of the two: of patch
-    /// support when the preset uses it, else of the score. `None` when there is no other hypothesis.
-    pub margin: Option<f64>,
-    /// How it was computed.
-    pub method: Method,
-    /// Whose choices it was computed with.
-    pub preset: Preset,
-    /// The seed of every random choice.
-    pub seed: u64,
-    /// What the user should know.
-    pub warnings: Vec<Warning>,
-    /// How much was examined.
-    pub counts: Counts,
-    /// Time per stage, in their order.
-    pub timings: Vec<StageTiming>,
-    /// Seconds until the first fundamental matrix.
-    pub first_seconds: f64,
-    /// Seconds in all.
-    pub seconds: f64,
-    /// How far to trust it; `None` while it is preliminary.
-    pub trust: Option<Trust>,
-    /// How well it is determined, when it was refined.
-    #[serde(skip)]
-    pub uncertainty: Option<Uncertainty>,
+impl Estimate {
+    /// The fundamental matrix, `x2ᵀ F x1 = 0`.
+    pub fn fundamental(&self) -> &FundamentalMatrix {
+        self.geometry.fundamental()
+    }
+
+    /// The hypotheses of the search, best first; none where there was no search.
+    pub fn hypotheses(&self) -> &[Estimate] {
+        self.trace.as_ref().map_or(&[], |trace| &trace.hypotheses)
+    }
+
+    /// The matches that the refinement rests on; none where there was no refinement.
+    pub fn matches(&self) -> &[RefinedMatch] {
+        self.assessment.refinement.as_ref().map_or(&[], |refinement| &refinement.matches)
+    }
+
     /// Whether all seven degrees of freedom were refined at full resolution.
-    pub refined: bool,
-    /// The pencils through the first and the second click, as they were compared.
-    #[serde(skip)]
-    pub pencils: Option<Arc<[ComparedPencils; 2]>>,
-    /// The result with the figures and the lines of a hypothesis; `None` while it is preliminary.
-    #[serde(skip)]
-    pub examined: Option<Hypothesis>,
-    /// The best hypotheses that differ from each other, best first, as they were before refinement.
-    #[serde(skip)]
-    pub hypotheses: Vec<Hypothesis>,
-    /// The matches the refinement rests on.
-    #[serde(skip)]
-    pub matches: Vec<RefinedMatch>,
+    pub fn is_refined(&self) -> bool {
+        self.assessment.refinement.is_some()
+    }
+
+    /// How well it is determined, when it was refined.
+    pub fn uncertainty(&self) -> Option<&Uncertainty> {
+        self.assessment.refinement.as_ref()?.uncertainty.as_ref()
+    }
+
+    /// Its line score ([`LineFigures::score`]), when lines were compared.
+    pub fn line_score(&self) -> Option<f64> {
+        self.assessment.lines.as_ref()?.score
+    }
+
+    /// Its patch support, summed over matches; `None` when patches were not looked at.
+    pub fn support_score(&self) -> Option<f64> {
+        self.assessment.support.map(|support| support.score)
+    }
+
+    /// How far image 2 is rotated against image 1 at the first click, radians, as far as lines tell; else 0.
+    pub fn turn(&self) -> f64 {
+        self.assessment.lines.as_ref().map_or(0.0, |lines| lines.construction.turn())
+    }
 }
 
-impl Estimate {
-    /// An estimate that holds a matrix and nothing about how it came about: for a matrix from elsewhere.
-    pub fn of(fundamental: FundamentalMatrix, parameters: &Parameters) -> Self {
-        Self {
-            fundamental,
-            epipole1: fundamental.epipole1(),
-            epipole2: fundamental.epipole2(),
-            score: f64::NAN,
-            round_trip_area: f64::NAN,
-            support: None,
-            margin: None,
-            method: parameters.method,
-            preset: parameters.preset,
-            seed: parameters.seed,
-            warnings: Vec::new(),
-            counts: Counts::default(),
-            timings: Vec::new(),
-            first_seconds: 0.0,
-            seconds: 0.0,
-            trust: None,
-            uncertainty: None,
-            refined: false,
-            pencils: None,
-            examined: None,
-            hypotheses: Vec::new(),
-            matches: Vec::new(),
-        }
+/// A geometry that nobody has looked at: from a file, say.
+impl From<FundamentalMatrix> for Estimate {
+    fn from(fundamental: FundamentalMatrix) -> Self {
+        Self { geometry: fundamental.into(), assessment: Assessment::default(), trace: None }
     }
 }

@@ -9,8 +9,8 @@ use serde_json::{Value, json};
 use super::comparison::fit_seven;
 use super::{EvaluateError, Scene};
 use crate::estimate::{
-    Estimate, Hypothesis, Method, Monitor, Parameters, PreparedPair, Preset, Verdict, estimate,
-    estimate_prepared, examine,
+    Estimate, Method, Monitor, Parameters, PreparedPair, Preset, Verdict, estimate, estimate_prepared,
+    examine,
 };
 use crate::geometry::{FundamentalMatrix, PointPair, eight_point};
 
@@ -39,9 +39,9 @@ pub struct Outcome {
 #[derive(Debug, Clone)]
 pub struct Choice {
     /// Those generated.
-    pub generated: Vec<Hypothesis>,
+    pub generated: Vec<Estimate>,
     /// The true geometry with the same figures; `None` where it has none.
-    pub truth: Option<Hypothesis>,
+    pub truth: Option<Estimate>,
 }
 
 /// An estimate with the parameters it was made with.
@@ -157,9 +157,9 @@ impl Clicked {
         prepared: &PreparedPair,
         found: &Estimate,
     ) -> Choice {
-        let turn = found.hypotheses.first().map_or(0.0, |h| h.construction.turn());
+        let turn = found.hypotheses().first().map_or(0.0, Estimate::turn);
         let truth = examine(prepared, [clicks[0], clicks[1]], &scene.truth, turn, &self.parameters);
-        Choice { generated: found.hypotheses.clone(), truth }
+        Choice { generated: found.hypotheses().to_vec(), truth }
     }
 }
 
@@ -172,7 +172,7 @@ impl Contender for Clicked {
     }
 
     fn preset(&self) -> Option<&'static str> {
-        Some(match (self.parameters.preset, self.parameters.refine) {
+        Some(match (self.parameters.preset, self.parameters.refinement.refine) {
             (Preset::Paper, false) => "paper",
             (Preset::Paper, true) => "paper refined",
             (Preset::Robust, true) => "robust",
@@ -195,20 +195,19 @@ impl Contender for Clicked {
         let preparation = begun.elapsed().as_secs_f64();
         let found = estimate_prepared(&prepared, clicks, &self.parameters, &Monitor::silent())
             .map_err(|e| e.to_string())?;
+        let (seconds, first_seconds) =
+            found.trace.as_ref().map_or((0.0, 0.0), |t| (t.seconds, t.first_seconds));
+        let assessment = &found.assessment;
+        let reasons = assessment.trust.iter().flat_map(|t| t.reasons.iter().map(ToString::to_string));
         Ok(Outcome {
             choice: Some(self.choice(scene, clicks, &prepared, &found)),
-            fundamental: found.fundamental,
-            seconds: preparation + found.seconds,
-            first_seconds: preparation + found.first_seconds,
-            score: Some(found.score),
-            margin: found.margin,
-            verdict: found.trust.as_ref().map(|t| t.verdict),
-            warnings: found
-                .warnings
-                .iter()
-                .map(ToString::to_string)
-                .chain(found.trust.iter().flat_map(|t| t.reasons.iter().map(ToString::to_string)))
-                .collect(),
+            fundamental: *found.fundamental(),
+            seconds: preparation + seconds,
+            first_seconds: preparation + first_seconds,
+            score: found.line_score(),
+            margin: assessment.margin,
+            verdict: assessment.trust.as_ref().map(|t| t.verdict),
+            warnings: assessment.warnings.iter().map(ToString::to_string).chain(reasons).collect(),
         })
     }
 
@@ -310,7 +309,8 @@ mod tests {
     fn the_label_tells_refinement_where_it_is_not_that_of_the_preset() {
         for preset in [Preset::Paper, Preset::Robust] {
             let own = Parameters::from(preset);
-            let other = Parameters { refine: !own.refine, ..own.clone() };
+            let mut other = own.clone();
+            other.refinement.refine = !own.refinement.refine;
             let label = |p: Parameters| contenders(&["two-point".into()], &[p]).unwrap().remove(0).label();
             let plain = label(own);
             assert!(plain == "two-point paper" || plain == "two-point robust");

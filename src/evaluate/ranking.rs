@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::statistics::mean;
 use super::{Choice, Scene};
-use crate::estimate::Hypothesis;
+use crate::estimate::Estimate;
 
 /// The search of one trial. Ranks count from 1.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -27,12 +27,14 @@ impl SearchRecord {
     /// `None` without hypotheses.
     pub(super) fn new(scene: &Scene, choice: &Choice) -> Option<Self> {
         let all = &choice.generated;
-        let error = |h: &Hypothesis| mean(&scene.distances(&h.fundamental));
+        let error = |h: &Estimate| mean(&scene.distances(h.fundamental()));
         let (best, best_error) = all.iter().map(|h| (h, error(h))).min_by(|(_, a), (_, b)| a.total_cmp(b))?;
-        let by_lines = |h: &Hypothesis| 1 + all.iter().filter(|other| other.score < h.score).count();
-        let patches = all.iter().any(|h| h.support > 0.0);
-        let by_patches =
-            |h: &Hypothesis| patches.then(|| 1 + all.iter().filter(|o| o.support > h.support).count());
+        let score = |h: &Estimate| h.line_score().unwrap_or(f64::INFINITY);
+        let by_lines = |h: &Estimate| 1 + all.iter().filter(|other| score(other) < score(h)).count();
+        let patches = all.iter().any(|h| h.support_score().is_some_and(|score| score > 0.0));
+        let by_patches = |h: &Estimate| {
+            patches.then(|| 1 + all.iter().filter(|o| o.support_score() > h.support_score()).count())
+        };
         Some(Self {
             hypotheses: all.len(),
             best_error,
@@ -47,7 +49,7 @@ impl SearchRecord {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::estimate::Construction;
+    use crate::estimate::{Assessment, Construction, LineFigures, PatchSupport};
     use crate::evaluate::scene::tests::example_scene;
     use crate::geometry::FundamentalMatrix;
     use nalgebra::Matrix3;
@@ -61,15 +63,12 @@ mod tests {
             let moved = Matrix3::new(1.0, 0.0, -shift, 0.0, 1.0, 0.3 * shift, 0.0, 0.0, 1.0);
             let fundamental =
                 FundamentalMatrix::from_rank_two(moved.transpose() * scene.truth.matrix()).unwrap();
-            Hypothesis {
-                fundamental,
-                score,
-                support,
-                round_trip_area: 0.0,
-                kappa_line2_from_line1: 1.0,
-                kappa_line1_from_line2: 1.0,
-                construction: Construction::of(&fundamental, clicks, 0.0).unwrap(),
-            }
+            let construction = Construction::of(&fundamental, clicks, 0.0).unwrap();
+            let lines = LineFigures { score: Some(score), round_trip_area: Some(0.0), construction };
+            let support = PatchSupport { matches: 20, score: support };
+            let assessment =
+                Assessment { lines: Some(lines), support: Some(support), ..Assessment::default() };
+            Estimate { geometry: fundamental.into(), assessment, trace: None }
         };
         let generated =
             vec![hypothesis(40.0, 0.2, 30.0), hypothesis(-5.0, 0.4, 20.0), hypothesis(90.0, 0.3, 10.0)];

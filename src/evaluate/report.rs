@@ -48,39 +48,40 @@ pub struct TrialRecord {
 pub struct Verdicts {
     /// Results with a verdict.
     pub results: usize,
-    /// Results called right.
-    pub called_right: usize,
+    /// Results called reliable.
+    pub called_reliable: usize,
     /// Number of good ones among these.
-    pub called_right_and_good: usize,
+    pub called_reliable_and_good: usize,
     /// Results that are not good.
     pub bad: usize,
-    /// Number of these that were not called right.
-    pub bad_and_not_called_right: usize,
+    /// Number of these that were not called reliable.
+    pub bad_and_not_called_reliable: usize,
 }
 
 impl Verdicts {
     fn of(trials: &[TrialRecord], limit: f64) -> Self {
         let judged: Vec<_> = trials.iter().filter_map(|t| Some((t.verdict?, t.mean < limit))).collect();
-        let count = |called_right: bool, good: bool| {
-            judged.iter().filter(|(v, g)| (*v == Verdict::Right) == called_right && *g == good).count()
+        let count = |called_reliable: bool, good: bool| {
+            judged.iter().filter(|(v, g)| (*v == Verdict::Reliable) == called_reliable && *g == good).count()
         };
-        let (right_good, right_bad, bad_seen) = (count(true, true), count(true, false), count(false, false));
+        let (reliable_good, reliable_bad, bad_seen) =
+            (count(true, true), count(true, false), count(false, false));
         Self {
             results: judged.len(),
-            called_right: right_good + right_bad,
-            called_right_and_good: right_good,
-            bad: right_bad + bad_seen,
-            bad_and_not_called_right: bad_seen,
+            called_reliable: reliable_good + reliable_bad,
+            called_reliable_and_good: reliable_good,
+            bad: reliable_bad + bad_seen,
+            bad_and_not_called_reliable: bad_seen,
         }
     }
 
     fn sum(all: impl Iterator<Item = Self>) -> Self {
         all.fold(Self::default(), |sum, v| Self {
             results: sum.results + v.results,
-            called_right: sum.called_right + v.called_right,
-            called_right_and_good: sum.called_right_and_good + v.called_right_and_good,
+            called_reliable: sum.called_reliable + v.called_reliable,
+            called_reliable_and_good: sum.called_reliable_and_good + v.called_reliable_and_good,
             bad: sum.bad + v.bad,
-            bad_and_not_called_right: sum.bad_and_not_called_right + v.bad_and_not_called_right,
+            bad_and_not_called_reliable: sum.bad_and_not_called_reliable + v.bad_and_not_called_reliable,
         })
     }
 }

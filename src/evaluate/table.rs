@@ -143,19 +143,22 @@ pub fn verdict_sentences(report: &Report) -> Vec<String> {
 
 /// The shares whose whole is not empty.
 fn verdict_sentence(v: &Verdicts) -> String {
-    if v.called_right == 0 {
-        return format!("no result of {} was called right.", v.results);
+    if v.called_reliable == 0 {
+        return format!("no result of {} was called reliable.", v.results);
     }
-    let right = format!(
-        "{} of {} called right had an error below 1 % of the longer side",
-        v.called_right_and_good,
-        counted(v.called_right, "result")
+    let reliable = format!(
+        "{} of {} called reliable had an error below 1 % of the longer side",
+        v.called_reliable_and_good,
+        counted(v.called_reliable, "result")
     );
     if v.bad == 0 {
-        return format!("{right}; no result had a larger one.");
+        return format!("{reliable}; no result had a larger one.");
     }
-    let were = if v.bad_and_not_called_right == 1 { "was" } else { "were" };
-    format!("{right}; {} of {} with a larger one {were} not called right.", v.bad_and_not_called_right, v.bad)
+    let were = if v.bad_and_not_called_reliable == 1 { "was" } else { "were" };
+    format!(
+        "{reliable}; {} of {} with a larger one {were} not called reliable.",
+        v.bad_and_not_called_reliable, v.bad
+    )
 }
 
 /// A number of things.
@@ -281,25 +284,25 @@ mod tests {
 
     #[test]
     fn verdicts_name_no_share_of_nothing() {
-        let verdicts = |called_right_and_good, called_right, bad_and_not_called_right, bad| {
-            let results = called_right_and_good + bad;
+        let verdicts = |called_reliable_and_good, called_reliable, bad_and_not_called_reliable, bad| {
+            let results = called_reliable_and_good + bad;
             verdict_sentence(&Verdicts {
                 results,
-                called_right,
-                called_right_and_good,
+                called_reliable,
+                called_reliable_and_good,
                 bad,
-                bad_and_not_called_right,
+                bad_and_not_called_reliable,
             })
         };
-        assert_eq!(verdicts(0, 0, 3, 3), "no result of 3 was called right.");
+        assert_eq!(verdicts(0, 0, 3, 3), "no result of 3 was called reliable.");
         assert_eq!(
             verdicts(1, 1, 0, 0),
-            "1 of 1 result called right had an error below 1 % of the longer side; no result had a larger one."
+            "1 of 1 result called reliable had an error below 1 % of the longer side; no result had a larger one."
         );
         assert_eq!(
             verdicts(5, 6, 1, 2),
-            "5 of 6 results called right had an error below 1 % of the longer side; 1 of 2 with a larger one was not \
-             called right."
+            "5 of 6 results called reliable had an error below 1 % of the longer side; 1 of 2 with a larger one was not \
+             called reliable."
         );
     }
 

@@ -15,14 +15,17 @@ mod camera;
 mod conditioning;
 mod difference;
 mod eight_point;
+mod epipolar;
 mod frame;
 mod fundamental;
+mod homography;
 mod line;
 mod pencil;
 mod point;
 #[cfg(test)]
 mod random_scene;
 mod residual;
+mod robust_fit;
 mod seven_point;
 
 pub use anchored::AnchoredLine;
@@ -30,12 +33,15 @@ pub use area::{area_between_lines, regions_between_lines};
 pub use camera::Camera;
 pub use difference::epipolar_difference;
 pub use eight_point::{EightPointError, eight_point};
+pub use epipolar::EpipolarGeometry;
 pub use frame::{Frame, Segment};
 pub use fundamental::{FundamentalMatrix, NotFundamental};
+pub use homography::{homography, transfer_error};
 pub use line::Line;
 pub use pencil::{LinePair, PencilMap, pencil_angles};
 pub use point::{HomogeneousPoint, PointPair, finite_point, place_in_words, rescaled};
 pub use residual::{algebraic_residual, sampson_distance, symmetric_epipolar_distance};
+pub use robust_fit::{FundamentalFit, Matrix9, Observation, fit_fundamental};
 pub use seven_point::{SevenPointError, seven_point};
 
 /// A point in pixel coordinates.

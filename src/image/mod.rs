@@ -2,12 +2,16 @@
 
 mod corners;
 mod load;
+mod pair;
+mod patch;
 mod plane;
 mod pyramid;
 mod sampling;
 
 pub use corners::find_corners;
 pub use load::{LoadError, Picture};
+pub use pair::{PairLevel, PyramidPair};
+pub(crate) use patch::{HALF, Patch, Warp, align, correlate_all, patch, warps};
 pub use plane::GrayPlane;
 pub use pyramid::Pyramid;
 pub use sampling::Profile;

@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use super::geometry_file::{Format, ImageNote};
 use crate::estimate::{
-    Counts, Estimate, Method, Parameters, PatchSupport, Preset, StageTiming, Verdict, Warning,
+    Estimate, Method, Parameters, PatchSupport, Preset, SearchCounts, StageTiming, Verdict, Warning,
 };
 use crate::geometry::{
     FundamentalMatrix, PointPair, place_in_words, sampson_distance, symmetric_epipolar_distance,
@@ -21,10 +21,10 @@ pub struct ResultFile<'a> {
     fundamental: &'a FundamentalMatrix,
     epipole1: [f64; 3],
     epipole2: [f64; 3],
-    score: f64,
-    round_trip_area: f64,
+    score: Option<f64>,
+    round_trip_area: Option<f64>,
     margin: Option<f64>,
-    support: &'a Option<PatchSupport>,
+    support: Option<PatchSupport>,
     verdict: Option<Verdict>,
     reasons: Vec<String>,
     refined: bool,
@@ -32,10 +32,10 @@ pub struct ResultFile<'a> {
     method: Method,
     preset: Preset,
     seed: u64,
-    seconds: f64,
-    first_seconds: f64,
+    seconds: Option<f64>,
+    first_seconds: Option<f64>,
     timings: &'a [StageTiming],
-    counts: &'a Counts,
+    counts: Option<&'a SearchCounts>,
     warnings: Vec<Told<'a>>,
     images: &'a [ImageNote; 2],
     /// As given, `x1 y1 x2 y2`.
@@ -74,40 +74,46 @@ impl<'a> ResultFile<'a> {
         images: &'a [ImageNote; 2],
         parameters: &'a Parameters,
     ) -> Self {
+        let (assessment, trace) = (&found.assessment, found.trace.as_deref());
+        let trust = assessment.trust.as_ref();
         Self {
             convention: Format::Json.convention(),
-            fundamental: &found.fundamental,
-            epipole1: found.epipole1.into(),
-            epipole2: found.epipole2.into(),
-            score: found.score,
-            round_trip_area: found.round_trip_area,
-            margin: found.margin,
-            support: &found.support,
-            verdict: found.trust.as_ref().map(|t| t.verdict),
-            reasons: found.trust.iter().flat_map(|t| t.reasons.iter().map(ToString::to_string)).collect(),
-            refined: found.refined,
+            fundamental: found.fundamental(),
+            epipole1: found.geometry.epipole1().into(),
+            epipole2: found.geometry.epipole2().into(),
+            score: found.line_score(),
+            round_trip_area: assessment.lines.as_ref().and_then(|lines| lines.round_trip_area),
+            margin: assessment.margin,
+            support: assessment.support,
+            verdict: trust.map(|t| t.verdict),
+            reasons: trust.iter().flat_map(|t| t.reasons.iter().map(ToString::to_string)).collect(),
+            refined: found.is_refined(),
             matches: found
-                .matches
+                .matches()
                 .iter()
                 .map(|m| MatchFile {
                     pair: numbers(&m.pair),
                     correlation: m.correlation,
-                    residual: sampson_distance(&found.fundamental, &m.pair),
+                    residual: sampson_distance(found.fundamental(), &m.pair),
                 })
                 .collect(),
-            method: found.method,
-            preset: found.preset,
-            seed: found.seed,
-            seconds: found.seconds,
-            first_seconds: found.first_seconds,
-            timings: &found.timings,
-            counts: &found.counts,
-            warnings: found.warnings.iter().map(|w| Told { message: w.to_string(), warning: w }).collect(),
+            method: parameters.method,
+            preset: parameters.preset,
+            seed: parameters.seed,
+            seconds: trace.map(|t| t.seconds),
+            first_seconds: trace.map(|t| t.first_seconds),
+            timings: trace.map_or(&[], |t| &t.timings),
+            counts: trace.map(|t| &t.counts),
+            warnings: assessment
+                .warnings
+                .iter()
+                .map(|w| Told { message: w.to_string(), warning: w })
+                .collect(),
             images,
             pairs: pairs.iter().map(numbers).collect(),
             pair_distances: pairs
                 .iter()
-                .map(|p| symmetric_epipolar_distance(&found.fundamental, p))
+                .map(|p| symmetric_epipolar_distance(found.fundamental(), p))
                 .collect(),
             parameters,
             version: env!("CARGO_PKG_VERSION"),
@@ -123,33 +129,40 @@ fn numbers(pair: &PointPair) -> [f64; 4] {
 /// A result for people. F has all its digits, so that it can be copied.
 pub fn result_in_words(found: &Estimate, images: &[ImageNote; 2]) -> String {
     let mut text = String::from("Fundamental matrix F (x2ᵀ F x1 = 0):\n");
-    for row in found.fundamental.rows() {
+    for row in found.fundamental().rows() {
         let cells = row.map(|v| format!("{:>25}", format!("{v:e}")));
         let _ = writeln!(text, " {}", cells.join(""));
     }
-    for (k, epipole) in [found.epipole1, found.epipole2].iter().enumerate() {
+    for (k, epipole) in [found.geometry.epipole1(), found.geometry.epipole2()].iter().enumerate() {
         let place = place_in_words(epipole, images[k].frame);
         let _ = writeln!(text, "Epipole in image {}: {place}", k + 1);
     }
-    if let Some(trust) = &found.trust {
+    let assessment = &found.assessment;
+    if let Some(trust) = &assessment.trust {
         let _ = writeln!(text, "Verdict: {}", trust.verdict.label());
         for reason in &trust.reasons {
             let _ = writeln!(text, "  {reason}");
         }
     }
-    if found.refined {
-        let _ = writeln!(text, "Refined on {} patches matched along the epipolar lines", found.matches.len());
+    if found.is_refined() {
+        let matches = found.matches().len();
+        let _ = writeln!(text, "Refined on {matches} patches matched along the epipolar lines");
     }
-    let _ = writeln!(text, "Score: {:.4} (lower is better)", found.score);
-    let _ = writeln!(text, "Round trip: {:.3} px between lines and their return", found.round_trip_area);
-    let _ = match found.margin {
+    if let Some(score) = found.line_score() {
+        let _ = writeln!(text, "Score: {score:.4} (lower is better)");
+    }
+    if let Some(area) = assessment.lines.as_ref().and_then(|lines| lines.round_trip_area) {
+        let _ = writeln!(text, "Round trip: {area:.3} px between lines and their return");
+    }
+    let _ = match assessment.margin {
         Some(margin) => writeln!(text, "Margin to the best clearly different geometry: {margin:.3}"),
         None => writeln!(text, "Margin: no clearly different geometry was found"),
     };
-    for warning in &found.warnings {
+    for warning in &assessment.warnings {
         let _ = writeln!(text, "Warning: {warning}");
     }
-    let counts = &found.counts;
+    let Some(trace) = &found.trace else { return text };
+    let counts = &trace.counts;
     let _ = writeln!(
         text,
         "Examined: {} and {} lines, {} candidate line pairs, {} hypotheses, {} validated",
@@ -159,12 +172,12 @@ pub fn result_in_words(found: &Estimate, images: &[ImageNote; 2]) -> String {
         counts.hypotheses,
         counts.validated
     );
-    let stages: Vec<_> = found
+    let stages: Vec<_> = trace
         .timings
         .iter()
         .map(|t| format!("{} {:.3} s", t.stage.label().to_lowercase(), t.seconds))
         .collect();
-    let _ = writeln!(text, "Time: {:.3} s, first F after {:.3} s", found.seconds, found.first_seconds);
+    let _ = writeln!(text, "Time: {:.3} s, first F after {:.3} s", trace.seconds, trace.first_seconds);
     if !stages.is_empty() {
         let _ = writeln!(text, "      {}", stages.join(", "));
     }

@@ -77,7 +77,8 @@ fn finite_median(values: impl Iterator<Item = f32>) -> f32 {
 ///
 /// Implementations are compared only with themselves, so the unit of the cost is theirs.
 pub trait LineSimilarity: Sync {
-    /// Costs of line pairs; infinite when one of the lines misses its image. Runs on the calling thread.
+    /// Costs of many line pairs at once, in parallel; infinite when one of the lines misses its image. The cost of a
+    /// pair does not depend on what else is asked for.
     fn pair_costs(&self, pairs: &[(AnchoredLine, AnchoredLine)]) -> Vec<f32>;
 
     /// Costs of every line of one pencil against every allowed line of the other, in parallel. `stop` is
@@ -110,10 +111,6 @@ pub struct StereoSimilarity<'a> {
 impl StereoSimilarity<'_> {
     fn profiles(&self, image: usize, lines: &[AnchoredLine]) -> Vec<Profile> {
         lines.iter().map(|line| Profile::sample(self.planes[image], line, 1.0)).collect()
-    }
-
-    fn kernels(&self) -> [Kernel; 2] {
-        [Kernel::new(self.range, self.parameters), Kernel::new(self.range.reversed(), self.parameters)]
     }
 
     /// Costs of each profile of `firsts` against those profiles of `seconds` that are allowed.
@@ -155,24 +152,23 @@ impl StereoSimilarity<'_> {
 
 impl LineSimilarity for StereoSimilarity<'_> {
     fn pair_costs(&self, pairs: &[(AnchoredLine, AnchoredLine)]) -> Vec<f32> {
-        let mut costs = Vec::with_capacity(pairs.len());
-        let [mut forward, mut backward] = self.kernels();
-        for chunk in pairs.chunks(LANES) {
-            let first: Vec<Profile> =
-                chunk.iter().map(|(l, _)| Profile::sample(self.planes[0], l, 1.0)).collect();
-            let second: Vec<Profile> =
-                chunk.iter().map(|(_, l)| Profile::sample(self.planes[1], l, 1.0)).collect();
+        let kernels = || [self.range, self.range.reversed()].map(|range| Kernel::new(range, self.parameters));
+        let costs = |[forward, backward]: &mut [Kernel; 2], chunk: &[(AnchoredLine, AnchoredLine)]| {
+            let profile = |image: usize, line: &AnchoredLine| Profile::sample(self.planes[image], line, 1.0);
+            let first: Vec<Profile> = chunk.iter().map(|(line1, _)| profile(0, line1)).collect();
+            let second: Vec<Profile> = chunk.iter().map(|(_, line2)| profile(1, line2)).collect();
             let (block1, block2) = (LaneBlock::new(&first), LaneBlock::new(&second));
             let there = forward.match_lanes(&block1, &block2);
             let back = backward.match_lanes(&block2, &block1);
-            costs.extend((0..chunk.len()).map(|k| {
+            let cost = |k: usize| {
                 if first[k].is_empty() || second[k].is_empty() {
                     return f32::INFINITY;
                 }
                 0.5 * (there[k] as f32 / first[k].len() as f32 + back[k] as f32 / second[k].len() as f32)
-            }));
-        }
-        costs
+            };
+            (0..chunk.len()).map(cost).collect::<Vec<f32>>()
+        };
+        pairs.par_chunks(LANES).map_init(kernels, costs).flatten_iter().collect()
     }
 
     fn cost_matrix(

@@ -65,6 +65,15 @@ pub struct StereoParameters {
     pub ordering: Ordering,
 }
 
+/// What the stereo similarity of two images depends on besides the images.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct SimilarityParameters {
+    /// The numbers of the stereo cost.
+    pub stereo: StereoParameters,
+    /// Largest disparity tried, as a fraction of the longer image side, either way.
+    pub disparity_reach: f64,
+}
+
 impl StereoParameters {
     /// The published values: r = 50², λ = 2, α = 3.
     pub const PAPER: Self =

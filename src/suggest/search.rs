@@ -108,7 +108,7 @@ impl<'a> SearchView<'a> {
     /// A search from image `from` (0 or 1) to the other.
     pub fn new(prepared: &'a PreparedPair, from: usize) -> Self {
         let stage = |side: f64| {
-            let level = prepared.level(side);
+            let level = prepared.pyramids().level(side);
             SearchStage {
                 from: level.planes[from],
                 to: level.planes[1 - from],

@@ -22,8 +22,8 @@ fn a_rolled_camera_and_a_longer_lens_are_found() {
         let [a, b] = &pair.pictures;
         let clicks = far_apart(&pair.matches);
         let found = estimate(&a.gray, &b.gray, &clicks, &Parameters::default(), &Monitor::silent()).unwrap();
-        let error = mean_distance(&found.fundamental, &pair.matches);
-        println!("{motion:?}: {error:.3} px, {} matches", found.matches.len());
+        let error = mean_distance(found.fundamental(), &pair.matches);
+        println!("{motion:?}: {error:.3} px, {} matches", found.matches().len());
         assert!(error < 1.0, "{motion:?}: {error} px");
     }
 }
@@ -39,7 +39,7 @@ fn other_light_changes_nothing() {
         value * (0.75 - 0.25 * x as f32 / frame.width as f32) + 20.0
     });
     let found = estimate(a, &faded, &known.show_me, &Parameters::default(), &Monitor::silent()).unwrap();
-    let error = mean_distance(&found.fundamental, &known.scene.matches);
+    let error = mean_distance(found.fundamental(), &known.scene.matches);
     assert!(error < 0.7, "{error} px");
-    assert_eq!(found.trust.unwrap().verdict, Verdict::Right);
+    assert_eq!(found.assessment.trust.unwrap().verdict, Verdict::Reliable);
 }

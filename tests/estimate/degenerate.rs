@@ -25,7 +25,7 @@ fn run(images: [&GrayPlane; 2], clicks: &[PointPair], parameters: &Parameters) -
 fn is_sound(outcome: &Outcome) {
     match outcome {
         Ok(found) => {
-            let f = found.fundamental;
+            let f = found.fundamental();
             assert!(f.matrix().iter().all(|v| v.is_finite()), "{f:?}");
             assert!((f.matrix().norm() - 1.0).abs() < 1e-9, "{f:?}");
         }
@@ -36,14 +36,23 @@ fn is_sound(outcome: &Outcome) {
 /// What the user reads: that there is no result, or that it is not to be trusted.
 fn is_doubted(outcome: &Outcome) -> bool {
     outcome.as_ref().map_or(true, |found| {
-        let trust = found.trust.as_ref().expect("a final result has a verdict");
-        trust.verdict != Verdict::Right || !found.warnings.is_empty()
+        let trust = found.assessment.trust.as_ref().expect("a final result has a verdict");
+        trust.verdict != Verdict::Reliable || !found.assessment.warnings.is_empty()
     })
 }
 
 /// For messages: what spoke for the result.
 fn told(outcome: &Outcome) -> String {
-    format!("{:?}", outcome.as_ref().map(|e| (&e.trust, &e.warnings, e.margin, &e.support, e.fundamental)))
+    format!(
+        "{:?}",
+        outcome.as_ref().map(|e| (
+            &e.assessment.trust,
+            &e.assessment.warnings,
+            e.assessment.margin,
+            &e.assessment.support,
+            e.fundamental()
+        ))
+    )
 }
 
 fn both_presets() -> [Parameters; 2] {
@@ -109,7 +118,7 @@ fn the_same_view_with_other_noise_is_not_trusted() {
 }
 
 /// The same view under other light: the patches fit every geometry whose lines stay where they are, so none of
-/// them may be called right.
+/// them may be called reliable.
 #[test]
 fn the_same_view_in_other_light_is_not_trusted() {
     let [image, _] = &COURTYARD.scene.images;
@@ -123,7 +132,7 @@ fn the_same_view_in_other_light_is_not_trusted() {
 }
 
 /// A camera that only turned, or a scene that is one plane: the second image is a homography of the first, every
-/// epipole fits all matches, and so the geometry must not be called right.
+/// epipole fits all matches, and so the geometry must not be called reliable.
 #[test]
 fn a_turned_camera_is_not_trusted() {
     let [image, _] = &COURTYARD.scene.images;
@@ -170,9 +179,9 @@ fn clicks_on_one_epipolar_line_are_told() {
     assert!(apart < 4.0, "the sample has matches this nearly on one line: {apart} px");
     let outcome = known.estimate(clicks, &Parameters::default());
     is_sound(&outcome);
-    let warned = outcome
-        .as_ref()
-        .map_or(true, |found| found.warnings.iter().any(|w| matches!(w, Warning::SameEpipolarLine { .. })));
+    let warned = outcome.as_ref().map_or(true, |found| {
+        found.assessment.warnings.iter().any(|w| matches!(w, Warning::SameEpipolarLine { .. }))
+    });
     assert!(warned, "{apart:.1} px off: {}", told(&outcome));
     // The published method leaves out hypotheses whose lines nearly coincide, the right one among them, so it
     // cannot say what is wrong; but it must not be sure of what it finds instead.
@@ -193,7 +202,7 @@ fn images_of_different_size_give_the_right_geometry() {
         let clicks: Vec<_> = known.show_me.iter().map(resized).collect();
         let matches: Vec<_> = known.scene.matches.iter().map(resized).collect();
         let found = run(images, &clicks, &Parameters::default()).unwrap();
-        let error = mean_distance(&found.fundamental, &matches);
+        let error = mean_distance(found.fundamental(), &matches);
         println!("scales {scales:?}: {error:.3} px");
         // As for images of equal size, where the bound is 0.7 px; a pixel of the small image is two of the other.
         assert!(error < 1.0, "scales {scales:?}: {error}");
@@ -220,7 +229,7 @@ fn an_enlarged_image_gives_the_right_geometry() {
     let clicks: Vec<_> = known.show_me.iter().map(resized).collect();
     let matches: Vec<_> = known.scene.matches.iter().map(resized).collect();
     let found = run([a, &large], &clicks, &Parameters::default()).unwrap();
-    let error = mean_distance(&found.fundamental, &matches);
+    let error = mean_distance(found.fundamental(), &matches);
     println!("enlarged: {error:.3} px");
     // The distance is measured half in the enlarged image, so 0.7 px there becomes 0.7 · (1 + 2) / 2 px.
     assert!(error < 1.05, "{error}");
@@ -278,7 +287,11 @@ fn repeated_clicks_are_refused() {
     let too_close = |clicks: &[PointPair], method| {
         let parameters = Parameters { method, ..Parameters::default() };
         let outcome = known.estimate(clicks, &parameters);
-        assert!(matches!(outcome, Err(EstimateError::TooClose { .. })), "{:?}", outcome.map(|e| e.warnings));
+        assert!(
+            matches!(outcome, Err(EstimateError::TooClose { .. })),
+            "{:?}",
+            outcome.map(|e| e.assessment.warnings)
+        );
     };
     too_close(&[p, p], Method::TwoPoint);
     // The same point in one image only.
@@ -301,7 +314,7 @@ fn noise_gives_no_trusted_geometry() {
     }
 }
 
-/// Clicks that do not belong together: whatever comes out must not be called right.
+/// Clicks that do not belong together: whatever comes out must not be called reliable.
 #[test]
 fn exchanged_clicks_are_not_trusted() {
     let known = &COURTYARD;
@@ -331,7 +344,7 @@ fn sixteen_bit_images_give_the_right_geometry() {
         assert!(pairs.into_iter().all(|(a, b)| (a - b).abs() < 0.51 / 257.0 + 1e-4));
     }
     let found = run([&pictures[0].gray, &pictures[1].gray], &known.show_me, &Parameters::default()).unwrap();
-    let error = mean_distance(&found.fundamental, &known.scene.matches);
+    let error = mean_distance(found.fundamental(), &known.scene.matches);
     // The same as from the eight-bit files.
     assert!(error < 0.7, "{error}");
     // And eight bits of the same picture agree with sixteen.

@@ -25,7 +25,7 @@ fn errors(scenes: &[Scene], trials: usize, noise: f64) -> Vec<f64> {
             .map(|trial| {
                 let clicks = draws.clicks(trial, &draws.matches(trial, 2).unwrap());
                 estimate_prepared(&prepared, &clicks, &Parameters::default(), &Monitor::silent())
-                    .map_or(f64::INFINITY, |found| mean(&scene.distances(&found.fundamental)))
+                    .map_or(f64::INFINITY, |found| mean(&scene.distances(found.fundamental())))
             })
             .collect();
         println!("{}: {errors:.2?} px, truth itself {:.2} px", scene.name, scene.truth_error());

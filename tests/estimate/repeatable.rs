@@ -1,6 +1,6 @@
 //! The same seed gives the same bits on any number of threads.
 
-use epiline::estimate::{Estimate, Monitor, Parameters, estimate};
+use epiline::estimate::{Estimate, Monitor, Parameters, SearchCounts, estimate};
 use epiline::geometry::PointPair;
 use epiline::image::{GrayPlane, Pyramid};
 
@@ -18,18 +18,23 @@ fn on_threads(
     pool.install(|| estimate(a, b, clicks, parameters, &Monitor::silent())).unwrap()
 }
 
+fn counts(found: &Estimate) -> &SearchCounts {
+    &found.trace.as_ref().expect("a search leaves a trace").counts
+}
+
 /// Everything but the times, bit by bit.
 #[track_caller]
 fn assert_same_bits(a: &Estimate, b: &Estimate) {
-    let bits = |e: &Estimate| e.fundamental.rows().map(|row| row.map(f64::to_bits));
-    assert_eq!(bits(a), bits(b), "{:?} and {:?}", a.fundamental, b.fundamental);
-    assert_eq!(a.score.to_bits(), b.score.to_bits());
-    assert_eq!(a.margin.map(f64::to_bits), b.margin.map(f64::to_bits));
-    assert_eq!((&a.counts, &a.warnings, &a.matches), (&b.counts, &b.warnings, &b.matches));
-    assert_eq!(a.hypotheses.len(), b.hypotheses.len());
-    for (g, h) in a.hypotheses.iter().zip(&b.hypotheses) {
-        assert_eq!(g.fundamental, h.fundamental);
-        assert_eq!(g.score.to_bits(), h.score.to_bits());
+    let bits = |e: &Estimate| e.fundamental().rows().map(|row| row.map(f64::to_bits));
+    assert_eq!(bits(a), bits(b), "{:?} and {:?}", a.fundamental(), b.fundamental());
+    let figures =
+        |e: &Estimate| [e.line_score(), e.support_score(), e.assessment.margin].map(|v| v.map(f64::to_bits));
+    assert_eq!(figures(a), figures(b));
+    let found = |e: &Estimate| (e.assessment.warnings.clone(), e.matches().to_vec(), counts(e).clone());
+    assert_eq!(found(a), found(b));
+    assert_eq!(a.hypotheses().len(), b.hypotheses().len());
+    for (g, h) in a.hypotheses().iter().zip(b.hypotheses()) {
+        assert_eq!((bits(g), figures(g)), (bits(h), figures(h)));
     }
 }
 
@@ -61,8 +66,9 @@ fn another_seed_draws_other_hypotheses() {
     let with = |seed| Parameters { seed, hypotheses: 300, ..paper() };
     let run = |seed| on_threads(2, [&planes[0], &planes[1]], &clicks, &with(seed));
     let (a, b) = (run(1), run(2));
-    assert!(a.counts.candidates.iter().product::<usize>() > 600, "{:?}", a.counts);
-    let drawn = |e: &Estimate| e.hypotheses.iter().map(|h| h.score.to_bits()).collect::<Vec<_>>();
+    assert!(counts(&a).candidates.iter().product::<usize>() > 600, "{:?}", counts(&a));
+    let drawn =
+        |e: &Estimate| e.hypotheses().iter().map(|h| h.line_score().map(f64::to_bits)).collect::<Vec<_>>();
     assert_ne!(drawn(&a), drawn(&b));
     assert_same_bits(&a, &run(1));
 }

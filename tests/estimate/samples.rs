@@ -60,17 +60,22 @@ fn the_paper_preset_finds_the_geometry_roughly() {
 fn the_shown_clicks_are_accurate_and_the_result_is_sure_of_itself() {
     for known in both() {
         let found = known.estimate(&known.show_me, &Parameters::default()).unwrap();
-        let error = mean_distance(&found.fundamental, &known.scene.matches);
-        println!("{}: {error:.3} px on {} patches", known.name, found.matches.len());
+        let error = mean_distance(found.fundamental(), &known.scene.matches);
+        println!("{}: {error:.3} px on {} patches", known.name, found.matches().len());
         assert!(error <= EXACT, "{}: {error} px", known.name);
         // Of some 1,500 corners an image, a few hundred should find each other; 100 is far from chance, which
         // gives a wrong geometry a few dozen.
-        assert!(found.refined && found.matches.len() >= 100, "{}: {}", known.name, found.matches.len());
-        let trust = found.trust.as_ref().expect("a final result has a verdict");
-        assert_eq!(trust.verdict, Verdict::Right, "{}: {:?}", known.name, trust.reasons);
-        assert!(found.warnings.is_empty(), "{}: {:?}", known.name, found.warnings);
+        assert!(
+            found.is_refined() && found.matches().len() >= 100,
+            "{}: {}",
+            known.name,
+            found.matches().len()
+        );
+        let trust = found.assessment.trust.as_ref().expect("a final result has a verdict");
+        assert_eq!(trust.verdict, Verdict::Reliable, "{}: {:?}", known.name, trust.reasons);
+        assert!(found.assessment.warnings.is_empty(), "{}: {:?}", known.name, found.assessment.warnings);
         // Null vectors of a matrix of norm 1, to rounding.
-        assert!((found.fundamental.matrix() * found.epipole1).norm() < 1e-12);
-        assert!(found.fundamental.matrix().tr_mul(&found.epipole2).norm() < 1e-12);
+        assert!((found.fundamental().matrix() * found.geometry.epipole1()).norm() < 1e-12);
+        assert!(found.fundamental().matrix().tr_mul(&found.geometry.epipole2()).norm() < 1e-12);
     }
 }

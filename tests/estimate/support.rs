@@ -54,7 +54,7 @@ impl Known {
     /// Mean symmetric epipolar distance of the true matches to the estimate, px.
     pub fn error(&self, clicks: &[PointPair], parameters: &Parameters) -> f64 {
         let found = self.estimate(clicks, parameters).expect("true clicks give a geometry");
-        mean_distance(&found.fundamental, &self.scene.matches)
+        mean_distance(found.fundamental(), &self.scene.matches)
     }
 
     /// `trials` times two (or three) true matches that hold the geometry well apart: each of the first two at

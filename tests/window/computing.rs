@@ -68,7 +68,7 @@ fn the_window_stays_live_while_computing_and_shows_only_the_newest_result() {
     let inspector = window.state();
     let estimate = inspector.estimate().expect("an estimate");
     for pair in &inspector.document().pairs {
-        assert!(symmetric_epipolar_distance(&estimate.fundamental, pair) < 1e-6);
+        assert!(symmetric_epipolar_distance(estimate.fundamental(), pair) < 1e-6);
     }
 }
 

@@ -24,7 +24,7 @@ fn two_clicked_pairs_give_the_geometry() {
     assert_eq!(inspector.document().pairs.len(), 2);
     let estimate = inspector.estimate().expect("an estimate");
     for pair in &inspector.document().pairs {
-        assert!(symmetric_epipolar_distance(&estimate.fundamental, pair) < 1e-6);
+        assert!(symmetric_epipolar_distance(estimate.fundamental(), pair) < 1e-6);
     }
     window.get_by_label_contains("Epipolar geometry found from pairs p and q");
 }
@@ -65,18 +65,18 @@ fn show_me_places_two_pairs_and_undo_takes_them_back() {
 fn a_drag_moves_by_the_whole_way_and_is_one_step() {
     let mut window = sample();
     click_two_pairs(&mut window);
-    let (before, estimate) = (point(&window, P_LEFT), window.state().estimate().unwrap().fundamental);
+    let (before, estimate) = (point(&window, P_LEFT), *window.state().estimate().unwrap().fundamental());
     let from = screen(&window, P_LEFT);
     // Grabbed beside its centre, it must not jump.
     let grab = from + vec2(3.0, 2.0);
     drag(&mut window, grab, grab + vec2(40.25, -20.5), PointerButton::Primary);
     let moved = screen(&window, P_LEFT) - from;
     assert!((moved - vec2(40.25, -20.5)).length() < 0.02, "{moved:?}");
-    assert_ne!(window.state().estimate().unwrap().fundamental, estimate);
+    assert_ne!(*window.state().estimate().unwrap().fundamental(), estimate);
     window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
     settle(&mut window);
     assert_eq!(point(&window, P_LEFT), before);
-    assert_eq!(window.state().estimate().unwrap().fundamental, estimate);
+    assert_eq!(*window.state().estimate().unwrap().fundamental(), estimate);
 }
 
 #[test]

@@ -302,7 +302,7 @@ fn exports_can_be_read_again() {
     let mut window = sample();
     window.key_press(Key::S);
     settle(&mut window);
-    let f = window.state().estimate().unwrap().fundamental;
+    let f = *window.state().estimate().unwrap().fundamental();
     let pairs = window.state().document().pairs.clone();
 
     let path = files.0.path().join("g.json");

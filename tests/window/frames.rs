@@ -67,7 +67,7 @@ fn drag_in_circles(window: &mut Window, times: &RefCell<Vec<Duration>>) {
     button(window, from, PointerButton::Primary, true);
     window.step();
     times.borrow_mut().clear();
-    let fundamental = |window: &Window| window.state().estimate().map(|estimate| estimate.fundamental);
+    let fundamental = |window: &Window| window.state().estimate().map(|estimate| *estimate.fundamental());
     // When a point was moved that the geometry on the screen does not know of yet, and how long such waits were.
     let (mut waiting, mut waits) = (None, Vec::new());
     let mut shown = fundamental(window);

@@ -73,7 +73,7 @@ fn suggesting(verdict: Clarity) -> Services {
 fn the_cursor_line_is_the_epipolar_line_of_the_place_under_the_cursor() {
     let mut window = sample();
     click_two_pairs(&mut window);
-    let f = window.state().estimate().unwrap().fundamental;
+    let f = *window.state().estimate().unwrap().fundamental();
     for side in Side::BOTH {
         let cursor = at(&window, side, 0.11, -0.07);
         window.hover_at(cursor);
@@ -305,8 +305,8 @@ fn the_geometry_follows_a_dragged_point_while_the_search_is_held_up() {
     let begun = std::time::Instant::now();
     let fits = |window: &Window| {
         let inspector = window.state();
-        let f = inspector.estimate().unwrap().fundamental;
-        inspector.document().pairs.iter().all(|pair| symmetric_epipolar_distance(&f, pair) < 1e-6)
+        let f = inspector.estimate().unwrap().fundamental();
+        inspector.document().pairs.iter().all(|pair| symmetric_epipolar_distance(f, pair) < 1e-6)
     };
     while !fits(&window) {
         assert!(begun.elapsed() < PATIENCE, "the geometry does not follow");

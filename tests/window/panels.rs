@@ -8,7 +8,7 @@ use egui_kittest::kittest::Queryable;
 use epiline::app::Start;
 use epiline::app::document::Side;
 use epiline::app::focus::{LineSource, Target};
-use epiline::estimate::Parameters;
+use epiline::estimate::{Parameters, Search};
 use epiline::geometry::FundamentalMatrix;
 
 /// The sample with two pairs and a result with hypotheses and pencils.
@@ -40,15 +40,15 @@ fn choosing_a_hypothesis_changes_the_lines_until_the_result_is_wanted_again() {
     let mut window = with_result();
     press(&mut window, Key::Num4);
     let estimate = window.state().estimate().unwrap().clone();
-    let third = &estimate.hypotheses[2].fundamental;
-    assert!(shows(&window, &estimate.fundamental) && !shows(&window, third));
+    let third = &estimate.hypotheses()[2].fundamental();
+    assert!(shows(&window, estimate.fundamental()) && !shows(&window, third));
     window.get_by_label("Hypothesis 3").click();
     settle(&mut window);
     assert_eq!(window.state().focus().hypothesis(), Some(2));
-    assert!(shows(&window, third) && !shows(&window, &estimate.fundamental));
+    assert!(shows(&window, third) && !shows(&window, estimate.fundamental()));
     window.get_by_label_contains("The images show hypothesis 3, not the result");
     press(&mut window, Key::R);
-    assert!(shows(&window, &estimate.fundamental));
+    assert!(shows(&window, estimate.fundamental()));
     // A new result has other hypotheses.
     window.get_by_label("Hypothesis 2").click();
     settle(&mut window);
@@ -106,7 +106,7 @@ fn a_cell_of_the_pencils_is_pointed_at_and_a_click_inspects_its_lines() {
     let hovered = window.state().focus().hovered();
     let Some(Target::Cell { pair: 0, row, column }) = hovered else { panic!("{hovered:?}") };
     let estimate = window.state().estimate().unwrap();
-    let angles = estimate.pencils.as_ref().unwrap()[0].angles(row, column).unwrap();
+    let angles = estimate.trace.as_ref().unwrap().pencils[0].angles(row, column).unwrap();
     let right_angle = std::f64::consts::FRAC_PI_2;
     assert!(angles.iter().all(|angle| (angle - right_angle).abs() < 1e-9), "{angles:?}");
     assert!(white(&window).iter().zip(before).all(|(now, before)| *now > before), "lines in both images");
@@ -155,7 +155,8 @@ fn a_parameter_recomputes_and_undo_takes_it_back() {
     settle(&mut window);
     window.get_by_role_and_label(Role::CheckBox, "Patch support").click();
     settle(&mut window);
-    let expected = Parameters { patch_support: !before.patch_support, ..before.clone() };
+    assert_eq!(before.search, Search::Patches);
+    let expected = Parameters { search: Search::Lines, ..before.clone() };
     assert_eq!(window.state().document().parameters, expected);
     // There and back again with the same switch are two steps.
     for wanted in [&before, &expected] {
@@ -184,7 +185,7 @@ fn a_parameter_out_of_range_is_told_with_its_range_and_reset_with_all_others() {
     window.event(egui::Event::Text("99".into()));
     settle(&mut window);
     press(&mut window, Key::Enter);
-    assert!((window.state().document().parameters.line_spacing - 99.0).abs() < 1e-9);
+    assert!((window.state().document().parameters.pencils.line_spacing - 99.0).abs() < 1e-9);
     window.get_by_label("Line spacing must be between 0.5 and 16 px.");
     window.get_by_label("Reset all").click();
     settle(&mut window);
@@ -206,8 +207,8 @@ fn a_pair_left_out_is_replaced_by_the_next_one() {
     let used = window.state().document().used_pairs().unwrap();
     assert_eq!(used[1], third);
     window.get_by_label_contains("found from pairs q and r");
-    let f = window.state().estimate().unwrap().fundamental;
-    assert!(!shows(&window, &f), "no line of the pair that is left out");
+    let f = window.state().estimate().unwrap().fundamental();
+    assert!(!shows(&window, f), "no line of the pair that is left out");
     window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
     settle(&mut window);
     window.get_by_label_contains("found from pairs p and q");

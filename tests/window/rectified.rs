@@ -25,10 +25,7 @@ const GUIDE: Color32 = Color32::from_rgba_premultiplied(118, 82, 0, 131);
 
 /// The estimator finds this F, whatever is clicked.
 fn finding(fundamental: FundamentalMatrix) -> Services {
-    Services {
-        estimate: Box::new(move |request, _| Ok(Estimate::of(fundamental, &request.parameters))),
-        ..services()
-    }
+    Services { estimate: Box::new(move |_, _| Ok(Estimate::from(fundamental))), ..services() }
 }
 
 /// The sample with its true geometry and the rectified pair in the enlarged panel.

@@ -11,8 +11,8 @@ use egui_kittest::kittest::Queryable;
 use epiline::app::document::{PointRef, Side};
 use epiline::app::{Inspector, Opening, Services, Start, install_theme};
 use epiline::estimate::{
-    Candidate, ComparedPencils, Construction, Estimate, EstimateError, Hypothesis, Parameters,
-    PencilComparison,
+    Assessment, Candidate, Clicks, ComparedPencils, Construction, Estimate, EstimateError, LineFigures,
+    Parameters, PatchSupport, Refinement, SearchCounts, SearchTrace,
 };
 use epiline::geometry::{FundamentalMatrix, Point, PointPair};
 use epiline::similarity::CostMatrix;
@@ -34,15 +34,34 @@ pub fn fake_estimate(pairs: &[PointPair], parameters: &Parameters) -> Result<Est
     let e2 = line.cross(&Vector3::new(0.0, 1.0, -100.0)).try_normalize(1e-9).unwrap_or_else(Vector3::x);
     let fundamental =
         FundamentalMatrix::from_rank_two(e2.cross_matrix() * shift).ok_or(EstimateError::NoGeometry)?;
-    Ok(Estimate {
-        score: 0.25,
-        round_trip_area: 0.5,
+    let assessment = Assessment {
+        lines: Some(line_figures(&fundamental, [*p, *q], 0.25)?),
         margin: Some(0.4),
+        refinement: Some(Refinement { matches: Vec::new(), uncertainty: None }),
+        ..Assessment::default()
+    };
+    let trace = SearchTrace {
+        clicks: Clicks::for_method(pairs, parameters.method),
+        method: parameters.method,
+        preset: parameters.preset,
+        seed: parameters.seed,
+        pencils: Vec::new(),
+        hypotheses: Vec::new(),
+        counts: SearchCounts::default(),
+        timings: Vec::new(),
         first_seconds: 0.01,
         seconds: 0.02,
-        refined: true,
-        ..Estimate::of(fundamental, parameters)
-    })
+    };
+    Ok(Estimate { geometry: fundamental.into(), assessment, trace: Some(Arc::new(trace)) })
+}
+
+fn line_figures(
+    f: &FundamentalMatrix,
+    clicks: [PointPair; 2],
+    score: f64,
+) -> Result<LineFigures, EstimateError> {
+    let construction = Construction::of(f, clicks, 0.0).ok_or(EstimateError::NoGeometry)?;
+    Ok(LineFigures { score: Some(score), round_trip_area: Some(0.5), construction })
 }
 
 /// [`fake_estimate`] with three hypotheses, worst line score first, and pencils in which lines of the same
@@ -54,16 +73,13 @@ pub fn rich_estimate(pairs: &[PointPair], parameters: &Parameters) -> Result<Est
         // Another match for q, and so other lines.
         let mut moved = clicks;
         moved[1].point2.y += 40.0 * number as f64;
-        let fundamental = fake_estimate(&moved, parameters)?.fundamental;
-        Ok(Hypothesis {
-            fundamental,
-            score: 0.9 - 0.2 * number as f64,
-            support: 100.0 - 10.0 * number as f64,
-            round_trip_area: 0.5,
-            kappa_line2_from_line1: 1.0,
-            kappa_line1_from_line2: 1.0,
-            construction: Construction::of(&fundamental, clicks, 0.0).ok_or(EstimateError::NoGeometry)?,
-        })
+        let fundamental = *fake_estimate(&moved, parameters)?.fundamental();
+        let assessment = Assessment {
+            lines: Some(line_figures(&fundamental, clicks, 0.9 - 0.2 * number as f64)?),
+            support: Some(PatchSupport { matches: 30, score: 100.0 - 10.0 * number as f64 }),
+            ..Assessment::default()
+        };
+        Ok(Estimate { geometry: fundamental.into(), assessment, trace: None })
     };
     let hypotheses = (0..3).map(hypothesis).collect::<Result<Vec<_>, EstimateError>>()?;
     let compared = |click| {
@@ -76,9 +92,12 @@ pub fn rich_estimate(pairs: &[PointPair], parameters: &Parameters) -> Result<Est
             .collect();
         let candidates = angles1.iter().map(|a| Candidate { angles: [*a, *a], cost: 0.1 }).collect();
         let costs = CostMatrix::new(24, 48, costs);
-        ComparedPencils::new(click, PencilComparison { angles1, angles2, lines: [24, 24], costs, candidates })
+        Arc::new(ComparedPencils { click, angles1, angles2, lines_before: [24, 24], costs, candidates })
     };
-    Ok(Estimate { hypotheses, pencils: Some(Arc::new(clicks.map(compared))), ..estimate })
+    let trace = estimate.trace.as_deref().cloned();
+    let trace = trace
+        .map(|trace| Arc::new(SearchTrace { hypotheses, pencils: clicks.map(compared).to_vec(), ..trace }));
+    Ok(Estimate { trace, ..estimate })
 }
 
 /// Services with [`rich_estimate`] for the estimator.

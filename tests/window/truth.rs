@@ -393,8 +393,8 @@ fn the_side_panel_states_the_real_error() {
     let mut window = open_folder(files.0.path());
     press(&mut window, Key::N);
     let known = truth(&files, [0, 1]);
-    let f = window.state().estimate().unwrap().fundamental;
-    let distances = known.matches.iter().map(|pair| epiline::geometry::symmetric_epipolar_distance(&f, pair));
+    let f = window.state().estimate().unwrap().fundamental();
+    let distances = known.matches.iter().map(|pair| epiline::geometry::symmetric_epipolar_distance(f, pair));
     let error = distances.sum::<f64>() / POINTS as f64;
     window.get_by_label("True error");
     window.get_by_label(&format!("{error:.2} px (the truth: 0.00 px)"));
@@ -409,7 +409,7 @@ fn choosing_another_geometry_shows_it_in_the_whole_window() {
     press(&mut window, Key::N);
     press(&mut window, Key::Num5);
     let known = truth(&files, [0, 1]);
-    let result = window.state().estimate().unwrap().fundamental;
+    let result = *window.state().estimate().unwrap().fundamental();
     assert!(drawn(&window, ESTIMATED, &result) && !drawn(&window, ESTIMATED, &known.fundamental));
     window.get_by_label("Geometry: 8-point").click();
     settle(&mut window);

@@ -58,7 +58,9 @@ fn results_go_from_preliminary_to_final_to_stale() {
 fn following(computation: Computation) -> Computation {
     let follow = |request: &Request, starts: &[&Estimate]| {
         let start = starts.last()?;
-        Some(Estimate { seconds: request.pairs[0].point1.x, ..(*start).clone() })
+        let mut assessment = start.assessment.clone();
+        assessment.margin = Some(request.pairs[0].point1.x);
+        Some(Estimate { assessment, trace: None, ..(*start).clone() })
     };
     computation.following(Box::new(follow), Waker::default())
 }
@@ -82,7 +84,7 @@ fn geometries_follow_moved_points_until_the_search_has_its_own() {
         assert_eq!(freshness(&computation), Some(Freshness::Followed), "no flicker while it is asked");
     }
     wait(&mut computation, |c| {
-        c.result().is_some_and(|(estimate, _)| estimate.seconds.to_bits() == 4f64.to_bits())
+        c.result().is_some_and(|(estimate, _)| estimate.assessment.margin == Some(4.0))
     });
     assert_eq!(freshness(&computation), Some(Freshness::Followed));
     gate.store(true, Ordering::Relaxed);

@@ -176,7 +176,7 @@ fn pairs(scene: &Scene, with_matches: bool) -> Vec<PointPair> {
     let document = scene.document;
     let own = document.pairs.iter().enumerate().filter(|(k, _)| !document.excluded.contains(k));
     let found = scene.computation.result().filter(|_| with_matches);
-    let found = found.into_iter().flat_map(|(estimate, _)| estimate.matches.iter().map(|m| m.pair));
+    let found = found.into_iter().flat_map(|(estimate, _)| estimate.matches().iter().map(|m| m.pair));
     own.map(|(_, pair)| *pair).chain(found).collect()
 }
 
@@ -208,7 +208,7 @@ fn report(reported: Reported, scene: &Scene, images: &[ImageNote; 2]) -> Option<
             }
             for pair in &pairs {
                 let (a, b) = (pair.point1, pair.point2);
-                let distance = crate::geometry::symmetric_epipolar_distance(&estimate.fundamental, pair);
+                let distance = crate::geometry::symmetric_epipolar_distance(estimate.fundamental(), pair);
                 lines.push(format!(
                     "Point pair: ({}, {}) and ({}, {}), {distance:.3} px from its epipolar lines",
                     a.x, a.y, b.x, b.y

@@ -176,9 +176,9 @@ impl Inspector {
         let found = self.computation.result().filter(|(_, freshness)| *freshness == Freshness::Final);
         match found {
             Some((estimate, _))
-                if clicked.len() < FEWEST_MATCHES && estimate.matches.len() >= FEWEST_MATCHES =>
+                if clicked.len() < FEWEST_MATCHES && estimate.matches().len() >= FEWEST_MATCHES =>
             {
-                Matches::Found(estimate.matches.iter().map(|found| found.pair).collect())
+                Matches::Found(estimate.matches().iter().map(|found| found.pair).collect())
             }
             _ => Matches::Clicked(clicked),
         }
@@ -237,10 +237,9 @@ impl Inspector {
     /// Brings the imported geometry that is drawn in line with the document.
     pub(super) fn follow_imported(&mut self) {
         let wanted = self.document.imported.as_ref().map(|imported| imported.fundamental);
-        let own = self.exchange.imported.as_ref().map(|estimate| estimate.fundamental);
+        let own = self.exchange.imported.as_ref().map(|estimate| *estimate.fundamental());
         if wanted != own {
-            self.exchange.imported =
-                wanted.map(|fundamental| Estimate::of(fundamental, &self.document.parameters));
+            self.exchange.imported = wanted.map(Estimate::from);
         }
     }
 }

@@ -35,7 +35,7 @@ impl Inspector {
         let pictures = self.document.pictures.as_ref()?;
         let used = self.document.used().map(|pair| self.document.pairs[pair]).collect();
         Some(Comparand {
-            result: self.computation.result().map(|(estimate, _)| estimate.fundamental),
+            result: self.computation.result().map(|(estimate, _)| *estimate.fundamental()),
             shown: scene.shown().map(|shown| *shown.fundamental),
             imported: self.document.imported.as_ref().map(|imported| imported.fundamental),
             pairs: self.document.pairs.clone(),
@@ -55,7 +55,7 @@ impl Inspector {
         Some(Question {
             pictures: pictures.each_ref().map(|opened| Arc::clone(&opened.picture)),
             half: self.document.half?,
-            fundamental: final_result.map(|(estimate, _)| estimate.fundamental),
+            fundamental: final_result.map(|(estimate, _)| *estimate.fundamental()),
         })
     }
 }

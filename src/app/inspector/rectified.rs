@@ -55,7 +55,7 @@ impl Inspector {
         let scene = self.scene();
         let shown = scene.shown()?;
         let pictures = self.pictures.as_ref()?.each_ref().map(|opened| Arc::clone(&opened.picture));
-        let matches = match (scene.truth().and(self.known.as_ref()), &shown.estimate.matches) {
+        let matches = match (scene.truth().and(self.known.as_ref()), shown.estimate.matches()) {
             (Some(known), _) => Matches::True(Arc::clone(&known.truth)),
             (None, found) if !found.is_empty() => Matches::Found(found.iter().map(|m| m.pair).collect()),
             _ => Matches::Clicked(self.document.pairs.clone()),

@@ -195,7 +195,7 @@ impl Inspector {
         self.save_dialog = None;
         // Whoever asked whether to replace it has the answer.
         self.messages.retain(|message| message.actions.is_empty());
-        session.fundamental = self.estimate().map(|estimate| estimate.fundamental);
+        session.fundamental = self.estimate().map(|estimate| *estimate.fundamental());
         self.session.saver.ask(Job::Save { path, session: Box::new(session), work: Box::new(work) });
     }
 

@@ -86,11 +86,11 @@ pub fn show(ui: &mut Ui, pane: Rect, side: Side, frame: Frame, scene: &Scene, co
         Side::Left => f.epipole1(),
         Side::Right => f.epipole2(),
     };
-    let hypotheses = &shown.estimate.hypotheses;
+    let hypotheses = shown.estimate.hypotheses();
     let drawn = hypotheses.len().min(DRAWN);
     let mut nearest: Option<(usize, f32)> = None;
     for (rank, hypothesis) in hypotheses.iter().take(drawn).enumerate().rev() {
-        let (at, infinite) = disc.place(&epipole(&hypothesis.fundamental));
+        let (at, infinite) = disc.place(&epipole(hypothesis.fundamental()));
         let bright = 1.0 - rank as f32 / drawn as f32;
         let mut color = theme::HYPOTHESIS.gamma_multiply(0.2 + 0.7 * bright * bright);
         let mut size = 2.2;

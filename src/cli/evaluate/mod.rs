@@ -17,7 +17,7 @@ use super::console::tell;
 use super::error::INTERRUPTED;
 use super::output::Output;
 use super::overrides::Overrides;
-use crate::estimate::{CancelFlag, Parameters, Preset};
+use crate::estimate::{CancelFlag, Parameters, Preset, RefinementParameters};
 use crate::evaluate::{
     Plan, Protocol, Report, ReportSubject, Scene, contenders, method_names, pair_scenes, publication,
     run as run_plan, search_table, table, verdict_sentences, vgg_scenes,
@@ -196,7 +196,10 @@ fn parameters(options: &Options) -> Result<Vec<Parameters>, CliError> {
     for preset in presets {
         let parameters = Parameters { seed: options.seed, ..options.overrides.parameters(preset)? };
         if options.compare_refinement {
-            all.extend([false, true].map(|refine| Parameters { refine, ..parameters.clone() }));
+            all.extend([false, true].map(|refine| Parameters {
+                refinement: RefinementParameters { refine, ..parameters.refinement },
+                ..parameters.clone()
+            }));
         } else {
             all.push(parameters);
         }

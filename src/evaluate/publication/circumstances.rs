@@ -80,8 +80,8 @@ impl Circumstances {
             };
             (0..2).filter_map(of).fold(f64::INFINITY, f64::min)
         };
-        let pencils = sight.detail.as_ref().and_then(|d| d.estimate.pencils.clone());
-        let candidates = pencils.iter().flat_map(|pencils| pencils.iter()).zip(&lines);
+        let trace = sight.detail.as_ref().and_then(|d| d.estimate.trace.as_ref());
+        let candidates = trace.iter().flat_map(|trace| &trace.pencils).zip(&lines);
         let mistakes = sight.trial.matches.iter().zip(&sight.clicks).map(|(index, click)| {
             let meant = &scene.matches[*index];
             f64::max((meant.point1 - click.point1).norm(), (meant.point2 - click.point2).norm())
@@ -277,13 +277,13 @@ fn relative_contrast(sight: &Sight, click: &PointPair, image: usize, line: &Line
 fn candidate_distance(sight: &Sight, pencils: &ComparedPencils, lines: &[Option<Line>; 2]) -> Option<f64> {
     let [Some(line1), Some(line2)] = lines else { return None };
     let reach =
-        [0, 1].map(|image| sight.scene.images[image].frame().farthest_corner(side(pencils.click(), image)));
+        [0, 1].map(|image| sight.scene.images[image].frame().farthest_corner(side(&pencils.click, image)));
     let off = |angle: f64, line: &Line, reach: f64| {
         let direction = line.direction();
         reach * (angle.cos() * direction.y - angle.sin() * direction.x).abs()
     };
     let distances = pencils
-        .candidates()
+        .candidates
         .iter()
         .map(|c| f64::max(off(c.angles[0], line1, reach[0]), off(c.angles[1], line2, reach[1])));
     distances.min_by(f64::total_cmp)

@@ -4,7 +4,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use super::style::{CLICKS, ESTIMATED, FURTHER_CLICK, PROFILES, TRUE, click_name};
 use super::{ReportSubject, style};
-use crate::estimate::{Estimate, Hypothesis};
+use crate::estimate::{Construction, Estimate};
 use crate::evaluate::contender::Detail;
 use crate::evaluate::report::TrialRecord;
 use crate::evaluate::{Record, Scene};
@@ -49,10 +49,9 @@ impl<'a> Sight<'a> {
         self.detail.as_ref().map(|d| &d.estimate)
     }
 
-    /// The result with its lines, or the hypothesis it came from.
-    fn hypothesis(&self) -> Option<&Hypothesis> {
-        let estimate = self.estimate()?;
-        estimate.examined.as_ref().or_else(|| estimate.hypotheses.first())
+    /// The lines of the result.
+    fn construction(&self) -> Option<&Construction> {
+        Some(&self.estimate()?.assessment.lines.as_ref()?.construction)
     }
 
     /// Both images with the epipolar lines of some true matches, the matches, the clicks, and epipoles inside.
@@ -135,13 +134,14 @@ impl<'a> Sight<'a> {
     /// warping, and what to say of them.
     pub(super) fn profiles(&self) -> Option<(SvgDrawing, String)> {
         let parameters = &self.detail.as_ref()?.parameters;
-        let construction = &self.hypothesis()?.construction;
+        let construction = self.construction()?;
         let planes = [&*self.scene.images[0], &*self.scene.images[1]];
-        let (step, range) = inspection_scale(planes[0].frame(), parameters.disparity_reach);
+        let (step, range) = inspection_scale(planes[0].frame(), parameters.similarity.disparity_reach);
         let inspected =
             [construction.p(), construction.q()].into_iter().enumerate().filter_map(|(k, lines)| {
                 let (line1, line2) = construction.corresponding(&lines.line1, &lines.line2)?;
-                let warped = inspect_lines(planes, [&line1, &line2], step, range, &parameters.stereo);
+                let warped =
+                    inspect_lines(planes, [&line1, &line2], step, range, &parameters.similarity.stereo);
                 let samples = warped.profile1.len();
                 (samples > 1).then(|| (k, warped.matching.cost as f64 / samples as f64, warped))
             });
@@ -193,36 +193,33 @@ impl<'a> Sight<'a> {
         if let Some(margin) = trial.margin {
             fact("Margin", format!("{:.0} % to the best clearly different geometry", 100.0 * margin));
         }
-        if let Some(hypothesis) = self.hypothesis() {
-            fact("Line score", format!("{:.4} (lower is better)", hypothesis.score));
-            fact(
-                "Round trip",
-                format!(
-                    "{:.2} px mean area between l and GH l over the image width",
-                    hypothesis.round_trip_area
-                ),
-            );
-        }
         if let Some(estimate) = self.estimate() {
-            if let Some(support) = &estimate.support {
+            let assessment = &estimate.assessment;
+            if let Some(score) = estimate.line_score() {
+                fact("Line score", format!("{score:.4} (lower is better)"));
+            }
+            if let Some(area) = assessment.lines.as_ref().and_then(|lines| lines.round_trip_area) {
+                fact("Round trip", format!("{area:.2} px mean area between l and GH l over the image width"));
+            }
+            if let Some(support) = &assessment.support {
                 fact("Patch support", format!("{:.1} from {} patches", support.score, support.matches));
             }
-            if estimate.refined {
+            if estimate.is_refined() {
+                let matches = estimate.matches().len();
+                fact("Refined", format!("on {matches} patches matched along the epipolar lines"));
+            }
+            if let Some(counts) = estimate.trace.as_ref().map(|trace| &trace.counts) {
+                let candidates: Vec<String> = counts.candidates.iter().map(ToString::to_string).collect();
                 fact(
-                    "Refined",
-                    format!("on {} patches matched along the epipolar lines", estimate.matches.len()),
+                    "Examined",
+                    format!(
+                        "{} candidate line pairs through the clicks, {} hypotheses, {} validated",
+                        candidates.join(" + "),
+                        counts.hypotheses,
+                        counts.validated
+                    ),
                 );
             }
-            let counts = &estimate.counts;
-            fact(
-                "Examined",
-                format!(
-                    "{} candidate line pairs through the clicks, {} hypotheses, {} validated",
-                    counts.candidates.iter().map(ToString::to_string).collect::<Vec<_>>().join(" + "),
-                    counts.hypotheses,
-                    counts.validated
-                ),
-            );
         }
         let rows = self.fundamental.rows().map(|row| row.map(|v| format!("{v:.6e}")).join(", "));
         fact("F", rows.join("; "));

@@ -176,7 +176,7 @@ impl FileExport {
                         });
                     formats.response.labelled_by(label.id);
                 });
-                let count = scene.computation.result().map_or(0, |(estimate, _)| estimate.matches.len());
+                let count = scene.computation.result().map_or(0, |(estimate, _)| estimate.matches().len());
                 if count > 0 {
                     row(ui, "", |ui| {
                         ui.checkbox(

@@ -3,9 +3,8 @@
 use egui::{Button, ComboBox, DragValue, Grid, Label, RichText, Ui, Vec2, vec2};
 
 use crate::app::command::Command;
-use crate::app::settings::{SETTINGS, Setting, Value};
 use crate::app::theme;
-use crate::estimate::{Parameters, Stage};
+use crate::estimate::{PARAMETERS, ParameterEntry, ParameterValue, Parameters, Stage};
 
 /// Size of the field of a number.
 const FIELD: Vec2 = vec2(112.0, 22.0);
@@ -16,15 +15,15 @@ pub fn is_any_changed(stage: Stage, parameters: &Parameters) -> bool {
     of(stage).any(|setting| !setting.is_same(parameters, &defaults))
 }
 
-fn of(stage: Stage) -> impl Iterator<Item = &'static Setting> {
-    SETTINGS.iter().filter(move |setting| setting.stage == stage)
+fn of(stage: Stage) -> impl Iterator<Item = &'static ParameterEntry> {
+    PARAMETERS.iter().filter(move |setting| setting.stage == stage)
 }
 
 /// Shows the parameters of a step.
 pub fn show(ui: &mut Ui, stage: Stage, parameters: &Parameters, commands: &mut Vec<Command>) {
     Grid::new(("parameters", stage.label())).num_columns(3).spacing([8.0, 3.0]).show(ui, |ui| {
         for setting in of(stage) {
-            let tooltip = format!("{} {}", setting.tooltip, setting.range_text(parameters));
+            let tooltip = format!("{} {}", setting.tooltip, setting.range_text(parameters.preset));
             let label = ui.label(setting.name).on_hover_text(tooltip.as_str());
             edit(ui, setting, parameters, label.id, &tooltip, commands);
             reset(ui, setting, parameters, commands);
@@ -40,7 +39,7 @@ pub fn show(ui: &mut Ui, stage: Stage, parameters: &Parameters, commands: &mut V
 /// The field of a parameter. All of a drag is one step of the history, anything else is a step of its own.
 fn edit(
     ui: &mut Ui,
-    setting: &Setting,
+    setting: &ParameterEntry,
     parameters: &Parameters,
     label: egui::Id,
     tooltip: &str,
@@ -48,8 +47,8 @@ fn edit(
 ) {
     let mut changed = parameters.clone();
     let (response, is_changed) = match setting.value {
-        Value::Number { unit, range: [least, most], decimals, get, set } => {
-            let before = get(parameters);
+        ParameterValue::Number { unit, of_unit, range: [least, most], decimals, get, set, .. } => {
+            let before = get(parameters) / of_unit;
             let mut value = before;
             let speed = (before.abs() / 100.0).max(0.1f64.powi(decimals as i32));
             let field = DragValue::new(&mut value)
@@ -61,18 +60,21 @@ fn edit(
             let response = ui.add(field);
             if response.dragged() {
                 // A drag stops at the ends; what is typed is taken as it is, and told when it is wrong.
-                value = value.clamp(least, most);
+                value = value.clamp(least / of_unit, most / of_unit);
             }
-            set(&mut changed, value);
+            // The end of a range must not be exceeded by a rounding when its unit changes.
+            let near = |end: f64| (value * of_unit - end).abs() < 1e-9;
+            let end = [least, most].into_iter().find(|end| setting.is_converted() && near(*end));
+            set(&mut changed, end.unwrap_or(value * of_unit));
             (response, value.to_bits() != before.to_bits())
         }
-        Value::Switch { get, set } => {
+        ParameterValue::Switch { get, set } => {
             let mut on = get(parameters);
             let response = ui.checkbox(&mut on, "");
             set(&mut changed, on);
             (response, on != get(parameters))
         }
-        Value::Choice { names, get, set } => {
+        ParameterValue::Choice { names, get, set } => {
             let before = get(parameters);
             let mut chosen = before;
             let response = ComboBox::from_id_salt(setting.name).width(FIELD.x).show_index(
@@ -97,12 +99,12 @@ fn edit(
     response.labelled_by(label).on_hover_text(tooltip);
 }
 
-fn set_parameters(setting: &Setting, to: Parameters, commands: &mut Vec<Command>) {
+fn set_parameters(setting: &ParameterEntry, to: Parameters, commands: &mut Vec<Command>) {
     commands.push(Command::SetParameters { setting: setting.name, to: Box::new(to) });
 }
 
 /// Takes one parameter back to its default.
-fn reset(ui: &mut Ui, setting: &Setting, parameters: &Parameters, commands: &mut Vec<Command>) {
+fn reset(ui: &mut Ui, setting: &ParameterEntry, parameters: &Parameters, commands: &mut Vec<Command>) {
     let defaults = Parameters::from(parameters.preset);
     if setting.is_same(parameters, &defaults) {
         ui.label("");
@@ -112,7 +114,7 @@ fn reset(ui: &mut Ui, setting: &Setting, parameters: &Parameters, commands: &mut
     response.widget_info(|| {
         egui::WidgetInfo::labeled(egui::Role::Button, true, format!("Reset {}", setting.name))
     });
-    let tooltip = format!("Back to {}.", setting.default_text(parameters));
+    let tooltip = format!("Back to {}.", setting.default_text(parameters.preset));
     if response.on_hover_text(tooltip).clicked() {
         let mut changed = parameters.clone();
         setting.copy(&defaults, &mut changed);

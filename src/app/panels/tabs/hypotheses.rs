@@ -9,7 +9,7 @@ use crate::app::command::Command;
 use crate::app::focus::Target;
 use crate::app::scene::Scene;
 use crate::app::verdict::epipole_text;
-use crate::estimate::Hypothesis;
+use crate::estimate::{Construction, Estimate};
 use crate::geometry::{Frame, HomogeneousPoint, finite_point};
 
 /// Registered in [`super::TABS`].
@@ -123,16 +123,16 @@ fn show(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
 
 /// The rows: the result, once it is final, then the hypotheses by rank.
 struct Listed<'a> {
-    result: Option<&'a Hypothesis>,
-    hypotheses: &'a [Hypothesis],
+    result: Option<&'a Estimate>,
+    hypotheses: &'a [Estimate],
 }
 
 impl<'a> Listed<'a> {
     fn new(scene: &Scene<'a>) -> Self {
-        let estimate = scene.computation.result().map(|(estimate, _)| estimate);
+        let estimate = scene.computation.searched();
         Self {
-            result: estimate.and_then(|estimate| estimate.examined.as_ref()),
-            hypotheses: estimate.map_or(&[], |estimate| &estimate.hypotheses),
+            result: estimate.filter(|estimate| estimate.assessment.trust.is_some()),
+            hypotheses: estimate.map_or(&[], |estimate| estimate.hypotheses()),
         }
     }
 
@@ -145,7 +145,7 @@ impl<'a> Listed<'a> {
         row.checked_sub(usize::from(self.result.is_some()))
     }
 
-    fn hypothesis(&self, row: usize) -> &'a Hypothesis {
+    fn hypothesis(&self, row: usize) -> &'a Estimate {
         match (self.number(row), self.result) {
             (None, Some(result)) => result,
             (number, _) => &self.hypotheses[number.unwrap_or(0)],
@@ -153,37 +153,44 @@ impl<'a> Listed<'a> {
     }
 }
 
-fn key(hypothesis: &Hypothesis, row: usize, column: usize, frames: Option<[Frame; 2]>) -> f64 {
+fn key(hypothesis: &Estimate, row: usize, column: usize, frames: Option<[Frame; 2]>) -> f64 {
     let away = |epipole: &HomogeneousPoint, side: usize| {
         let centre = frames.map_or(crate::geometry::Point::origin(), |frames| frames[side].centre());
         finite_point(epipole).map_or(f64::INFINITY, |point| (point - centre).norm())
     };
     match column {
         0 => row as f64,
-        1 => hypothesis.support,
-        2 => hypothesis.score,
-        3 => hypothesis.round_trip_area,
+        1 => hypothesis.support_score().unwrap_or(f64::NAN),
+        2 => hypothesis.line_score().unwrap_or(f64::NAN),
+        3 => round_trip_area(hypothesis),
         4 => ratio(hypothesis),
-        5 => away(&hypothesis.epipole1(), 0),
-        _ => away(&hypothesis.epipole2(), 1),
+        5 => away(&hypothesis.geometry.epipole1(), 0),
+        _ => away(&hypothesis.geometry.epipole2(), 1),
     }
 }
 
-fn ratio(hypothesis: &Hypothesis) -> f64 {
-    hypothesis.kappa_line2_from_line1 / hypothesis.kappa_line1_from_line2
+fn ratio(hypothesis: &Estimate) -> f64 {
+    let construction = hypothesis.assessment.lines.as_ref().map(|lines| &lines.construction);
+    let backward = construction.and_then(Construction::kappa_line1_from_line2);
+    construction
+        .zip(backward)
+        .map_or(f64::NAN, |(construction, backward)| construction.kappa_line2_from_line1() / backward)
 }
 
-fn text(hypothesis: &Hypothesis, column: usize) -> String {
+fn round_trip_area(hypothesis: &Estimate) -> f64 {
+    hypothesis.assessment.lines.as_ref().and_then(|lines| lines.round_trip_area).unwrap_or(f64::NAN)
+}
+
+fn text(hypothesis: &Estimate, column: usize) -> String {
     let figure = |value: f64, decimals: usize| {
         if value.is_finite() { format!("{value:.decimals$}") } else { String::new() }
     };
     match column {
-        1 if hypothesis.support > 0.0 => figure(hypothesis.support, 1),
-        1 => String::new(),
-        2 => figure(hypothesis.score, 3),
-        3 => figure(hypothesis.round_trip_area, 2),
+        1 => figure(hypothesis.support_score().unwrap_or(f64::NAN), 1),
+        2 => figure(hypothesis.line_score().unwrap_or(f64::NAN), 3),
+        3 => figure(round_trip_area(hypothesis), 2),
         4 => figure(ratio(hypothesis), 3),
-        5 => epipole_text(&hypothesis.epipole1(), None),
-        _ => epipole_text(&hypothesis.epipole2(), None),
+        5 => epipole_text(&hypothesis.geometry.epipole1(), None),
+        _ => epipole_text(&hypothesis.geometry.epipole2(), None),
     }
 }

@@ -72,7 +72,7 @@ impl<'a> Matrix<'a> {
     /// The cell at a place: that of a candidate near it, or else the one whose lines are nearest, if they were
     /// compared.
     pub fn cell_at(&self, plot: Rect, position: Pos2) -> Option<[usize; 2]> {
-        let candidates = self.pencils.candidates().iter().take(MARKED);
+        let candidates = self.pencils.candidates.iter().take(MARKED);
         let distance = |angles| self.place(plot, angles).distance(position);
         let near = candidates.min_by(|a, b| distance(a.angles).total_cmp(&distance(b.angles)));
         if let Some(candidate) = near.filter(|candidate| distance(candidate.angles) <= SNAP) {
@@ -81,17 +81,17 @@ impl<'a> Matrix<'a> {
         let across = f64::from((position.x - plot.min.x) / plot.width());
         let up = f64::from((plot.max.y - position.y) / plot.height());
         let angle1 = across.clamp(0.0, 1.0) * PI;
-        let row = nearest(self.pencils.angles1(), angle1)?;
-        let turned = self.pencils.angles1()[row] + (2.0 * up - 1.0) * self.picture.extent;
-        let column = nearest(self.pencils.angles2(), turned.rem_euclid(TAU))?;
-        self.pencils.costs().at(row, column).is_finite().then_some([row, column])
+        let row = nearest(&self.pencils.angles1, angle1)?;
+        let turned = self.pencils.angles1[row] + (2.0 * up - 1.0) * self.picture.extent;
+        let column = nearest(&self.pencils.angles2, turned.rem_euclid(TAU))?;
+        self.pencils.costs.at(row, column).is_finite().then_some([row, column])
     }
 
     /// What a cell is, in words.
     pub fn describe(&self, cell: [usize; 2]) -> String {
         let [row, column] = cell;
         let Some(angles) = self.pencils.angles(row, column) else { return String::new() };
-        let candidates = self.pencils.candidates().iter();
+        let candidates = self.pencils.candidates.iter();
         let rank = candidates.map(|candidate| self.pencils.cell(candidate)).position(|at| at == Some(cell));
         let rank = rank.map_or(String::new(), |rank| format!("\nMutual best, rank {}", rank + 1));
         format!(
@@ -99,7 +99,7 @@ impl<'a> Matrix<'a> {
             angles[0].to_degrees(),
             angles[1].to_degrees(),
             turn(angles).to_degrees(),
-            self.pencils.costs().at(row, column)
+            self.pencils.costs.at(row, column)
         )
     }
 
@@ -116,7 +116,7 @@ impl<'a> Matrix<'a> {
             painter.circle_stroke(at, radius, Stroke::new(width + 1.6, theme::HALO));
             painter.circle_stroke(at, radius, Stroke::new(width, color));
         };
-        for candidate in self.pencils.candidates().iter().take(MARKED) {
+        for candidate in self.pencils.candidates.iter().take(MARKED) {
             ring(self.place(plot, candidate.angles), 2.5, Color32::WHITE);
         }
         if let Some((line1, line2)) = shown {
@@ -186,17 +186,17 @@ fn nearest(values: &[f64], wanted: f64) -> Option<usize> {
 
 /// The matrix as pixels, one a pair of lines, transparent where nothing was compared, with the largest turn.
 fn painted(pencils: &ComparedPencils) -> (ColorImage, f64) {
-    let costs = pencils.costs();
+    let costs = &pencils.costs;
     let cells = || {
-        let rows = pencils.angles1().iter().enumerate();
+        let rows = pencils.angles1.iter().enumerate();
         rows.flat_map(|(row, angle1)| {
-            let columns = pencils.angles2().iter().enumerate();
+            let columns = pencils.angles2.iter().enumerate();
             columns.map(move |(column, angle2)| ([*angle1, *angle2], costs.at(row, column)))
         })
         .filter(|(_, cost)| cost.is_finite())
     };
     let mut finite: Vec<f32> = cells().map(|(_, cost)| cost).collect();
-    let [lines1, lines2] = pencils.lines_before().map(|lines| lines.max(1));
+    let [lines1, lines2] = pencils.lines_before.map(|lines| lines.max(1));
     if finite.is_empty() {
         return (ColorImage::filled([1, 1], Color32::TRANSPARENT), PI);
     }

@@ -25,12 +25,12 @@ fn draw(canvas: &Canvas) {
     let Some(pencils) = canvas.scene.computation.pencils() else { return };
     for pencil in pencils {
         let click = match canvas.side {
-            Side::Left => pencil.click().point1,
-            Side::Right => pencil.click().point2,
+            Side::Left => pencil.click.point1,
+            Side::Right => pencil.click.point2,
         };
-        let drawn = pencil.candidates().len().min(DRAWN);
+        let drawn = pencil.candidates.len().min(DRAWN);
         // The best one last, on top.
-        for (rank, candidate) in pencil.candidates().iter().take(drawn).enumerate().rev() {
+        for (rank, candidate) in pencil.candidates.iter().take(drawn).enumerate().rev() {
             let likeness = 1.0 - rank as f32 / drawn.max(1) as f32;
             let line = AnchoredLine::at_angle(click, candidate.angles[canvas.side.index()]).line();
             let color = heat::color(likeness).gamma_multiply(0.35 + 0.55 * likeness);

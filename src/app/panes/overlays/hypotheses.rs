@@ -6,7 +6,7 @@ use super::{Canvas, Overlay, Pointing, Visibility};
 use crate::app::document::Side;
 use crate::app::focus::Target;
 use crate::app::theme;
-use crate::estimate::Hypothesis;
+use crate::estimate::Estimate;
 use crate::geometry::{HomogeneousPoint, Vector, finite_point};
 
 /// Registered in [`super::OVERLAYS`].
@@ -25,12 +25,12 @@ const DRAWN: usize = 20;
 
 fn draw(canvas: &Canvas) {
     let Some((shown, opacity)) = canvas.shown() else { return };
-    let drawn = shown.estimate.hypotheses.len().min(DRAWN);
+    let drawn = shown.estimate.hypotheses().len().min(DRAWN);
     let lit = match canvas.scene.focus.hovered() {
         Some(Target::Hypothesis(number)) => Some(number),
         _ => None,
     };
-    for (rank, hypothesis) in shown.estimate.hypotheses.iter().take(drawn).enumerate().rev() {
+    for (rank, hypothesis) in shown.estimate.hypotheses().iter().take(drawn).enumerate().rev() {
         let bright = 1.0 - rank as f32 / drawn as f32;
         mark(
             canvas,
@@ -40,7 +40,7 @@ fn draw(canvas: &Canvas) {
         );
     }
     for number in shown.hypothesis.map(|(number, _)| number).into_iter().chain(lit) {
-        if let Some(hypothesis) = shown.estimate.hypotheses.get(number) {
+        if let Some(hypothesis) = shown.estimate.hypotheses().get(number) {
             mark(canvas, hypothesis, theme::SELECTED, 1.5);
         }
     }
@@ -49,7 +49,7 @@ fn draw(canvas: &Canvas) {
 /// The hypothesis whose mark is at a place of the screen.
 pub fn at(canvas: &Canvas, position: Pos2) -> Option<Pointing> {
     let (shown, _) = canvas.shown()?;
-    let hypotheses = shown.estimate.hypotheses.iter().take(DRAWN).enumerate();
+    let hypotheses = shown.estimate.hypotheses().iter().take(DRAWN).enumerate();
     let near = hypotheses.filter_map(|(number, hypothesis)| {
         let distance = place(canvas, hypothesis).0.distance(position);
         (distance < theme::GRAB_RADIUS).then_some((number, distance))
@@ -58,7 +58,7 @@ pub fn at(canvas: &Canvas, position: Pos2) -> Option<Pointing> {
     Some(Pointing { target: Target::Hypothesis(number), distance })
 }
 
-fn mark(canvas: &Canvas, hypothesis: &Hypothesis, color: Color32, size: f32) {
+fn mark(canvas: &Canvas, hypothesis: &Estimate, color: Color32, size: f32) {
     let (at, outwards) = place(canvas, hypothesis);
     let corners = match outwards {
         None => {
@@ -78,10 +78,10 @@ fn mark(canvas: &Canvas, hypothesis: &Hypothesis, color: Color32, size: f32) {
 }
 
 /// Where its mark is; with a direction when it is an arrow at the edge.
-fn place(canvas: &Canvas, hypothesis: &Hypothesis) -> (Pos2, Option<Vec2>) {
+fn place(canvas: &Canvas, hypothesis: &Estimate) -> (Pos2, Option<Vec2>) {
     let epipole = match canvas.side {
-        Side::Left => hypothesis.epipole1(),
-        Side::Right => hypothesis.epipole2(),
+        Side::Left => hypothesis.geometry.epipole1(),
+        Side::Right => hypothesis.geometry.epipole2(),
     };
     let visible = canvas.transform.rect.intersect(canvas.painter.clip_rect());
     if let Some(at) = finite_point(&epipole).map(|point| canvas.transform.screen_from_image(point))

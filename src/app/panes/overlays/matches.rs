@@ -22,7 +22,7 @@ pub const OVERLAY: Overlay = Overlay {
 fn draw(canvas: &Canvas) {
     let Some((shown, opacity)) = canvas.shown() else { return };
     let visible = canvas.painter.clip_rect();
-    for (number, matched) in shown.estimate.matches.iter().enumerate() {
+    for (number, matched) in shown.estimate.matches().iter().enumerate() {
         let at = canvas.transform.screen_from_image(own(canvas, matched));
         if !visible.contains(at) {
             continue;
@@ -37,7 +37,7 @@ fn draw(canvas: &Canvas) {
 /// The match at a place of the screen.
 pub fn at(canvas: &Canvas, position: Pos2) -> Option<Pointing> {
     let (shown, _) = canvas.shown()?;
-    let distances = shown.estimate.matches.iter().enumerate().map(|(number, matched)| {
+    let distances = shown.estimate.matches().iter().enumerate().map(|(number, matched)| {
         (number, canvas.transform.screen_from_image(own(canvas, matched)).distance(position))
     });
     let (number, distance) = distances.min_by(|a, b| a.1.total_cmp(&b.1))?;

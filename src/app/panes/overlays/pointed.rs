@@ -29,9 +29,9 @@ fn draw(canvas: &Canvas) {
         }
         Some(Target::Hypothesis(number)) => {
             let Some((shown, _)) = canvas.shown() else { return };
-            let Some(hypothesis) = shown.estimate.hypotheses.get(number) else { return };
+            let Some(hypothesis) = shown.estimate.hypotheses().get(number) else { return };
             for (_, other) in scene.document.points(canvas.side.other()) {
-                if let Some(line) = canvas.line_from_other(&hypothesis.fundamental, other) {
+                if let Some(line) = canvas.line_from_other(hypothesis.fundamental(), other) {
                     canvas.line(&line, theme::LINE_WIDTH, theme::HYPOTHESIS);
                 }
             }
@@ -42,7 +42,7 @@ fn draw(canvas: &Canvas) {
             }
         }
         Some(Target::Match(number)) => {
-            let matched = canvas.shown().and_then(|(shown, _)| shown.estimate.matches.get(number).copied());
+            let matched = canvas.shown().and_then(|(shown, _)| shown.estimate.matches().get(number).copied());
             if let Some(matched) = matched {
                 ring(
                     canvas,

@@ -22,7 +22,7 @@ const DRAWN: usize = 300;
 
 fn draw(canvas: &Canvas) {
     let Some((shown, opacity)) = canvas.shown() else { return };
-    let matches = &shown.estimate.matches;
+    let matches = shown.estimate.matches();
     for matched in matches.iter().step_by(matches.len().div_ceil(DRAWN).max(1)) {
         let pair = &matched.pair;
         let (point, other) = match canvas.side {

@@ -29,7 +29,7 @@ const LEAST: f32 = 1.2;
 fn draw(canvas: &Canvas) {
     let Some((shown, opacity)) = canvas.shown() else { return };
     // The covariance belongs to the result.
-    let (None, None, Some(uncertainty)) = (shown.hypothesis, shown.contestant, &shown.estimate.uncertainty)
+    let (None, None, Some(uncertainty)) = (shown.hypothesis, shown.contestant, shown.estimate.uncertainty())
     else {
         return;
     };

@@ -1,0 +1,157 @@
+//! Inputs from which no geometry follows, told before any work is done, and results that deserve a warning.
+
+use crate::estimate::{Clicks, EstimateError, Method, PreparedPair, Warning};
+use crate::geometry::{Frame, FundamentalMatrix, Line, PointPair};
+use crate::image::GrayPlane;
+
+/// Smallest image side in px that is worth comparing lines in.
+pub const SMALLEST_SIDE: usize = 32;
+/// Clicks nearer than this, px, cannot hold a geometry apart.
+const CLOSEST: f64 = 4.0;
+/// Mean absolute difference below which two images are one picture, grey levels.
+const IDENTICAL: f64 = 0.8;
+/// Standard deviation below which an image is flat, grey levels.
+const FLAT: f64 = 1.0;
+/// Longer side that images are looked at for this, px: noise of single pixels is averaged away.
+const LOOK_SIDE: f64 = 256.0;
+/// A click nearer to the other's epipolar line than this fraction of the longer side leaves the epipoles loose: there an
+/// error of a click turns the lines twenty times as far as at the other end of the image.
+const SAME_LINE: f64 = 0.05;
+/// Clicks nearer to each other than this fraction of the longer side turn the lines a lot when they are off.
+const CLOSE: f64 = 0.08;
+
+/// Checks the point pairs against the images and each other.
+pub(in crate::estimate) fn check_points(
+    frames: [Frame; 2],
+    pairs: &[PointPair],
+    method: Method,
+) -> Result<(), EstimateError> {
+    let needed = method.pairs_needed();
+    if pairs.len() < needed {
+        return Err(EstimateError::TooFewPairs { found: pairs.len(), needed });
+    }
+    for (image, frame) in frames.iter().enumerate() {
+        if frame.width.min(frame.height) < SMALLEST_SIDE {
+            let (width, height) = (frame.width, frame.height);
+            return Err(EstimateError::TooSmall { image: image + 1, width, height, smallest: SMALLEST_SIDE });
+        }
+    }
+    for (k, pair) in pairs.iter().enumerate() {
+        if !pair.is_finite() {
+            return Err(EstimateError::NotFinite { pair: k + 1 });
+        }
+        for (image, point) in [pair.point1, pair.point2].into_iter().enumerate() {
+            let frame = frames[image];
+            if !frame.contains(point) {
+                return Err(EstimateError::Outside {
+                    pair: k + 1,
+                    image: image + 1,
+                    x: point.x,
+                    y: point.y,
+                    width: frame.width,
+                    height: frame.height,
+                });
+            }
+        }
+    }
+    for (k, b) in pairs.iter().take(needed).enumerate() {
+        for (j, a) in pairs.iter().take(k).enumerate() {
+            for (image, distance) in
+                [(b.point1 - a.point1).norm(), (b.point2 - a.point2).norm()].into_iter().enumerate()
+            {
+                if distance < CLOSEST {
+                    return Err(EstimateError::TooClose {
+                        first: j + 1,
+                        second: k + 1,
+                        image: image + 1,
+                        distance,
+                    });
+                }
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Checks that the images hold something to compare, and two different things.
+pub(in crate::estimate) fn check_images(prepared: &PreparedPair) -> Result<(), EstimateError> {
+    let level = prepared.pyramids().level(LOOK_SIDE);
+    for (image, plane) in level.planes.iter().enumerate() {
+        if plane.contrast() < FLAT {
+            return Err(EstimateError::Flat { image: image + 1 });
+        }
+    }
+    let [a, b] = level.planes;
+    if a.frame() == b.frame() && mean_difference(a, b) < IDENTICAL {
+        return Err(EstimateError::NoParallax);
+    }
+    Ok(())
+}
+
+fn mean_difference(a: &GrayPlane, b: &GrayPlane) -> f64 {
+    let sum: f64 = a.values().iter().zip(b.values()).map(|(x, y)| f64::from((x - y).abs())).sum();
+    sum / a.values().len() as f64
+}
+
+/// Warnings about where the clicks are, given the result.
+pub(in crate::estimate) fn click_warnings(
+    f: &FundamentalMatrix,
+    frames: [Frame; 2],
+    clicks: &Clicks,
+) -> Vec<Warning> {
+    let anchors = clicks.anchors();
+    let [p, q, ..] = anchors.as_slice() else { return Vec::new() };
+    let mut warnings = Vec::new();
+    let far = |line: Option<Line>, point| line.map_or(0.0, |l| l.distance(point));
+    let apart1 =
+        far(f.line1_from_point2(p.point2), q.point1).min(far(f.line1_from_point2(q.point2), p.point1));
+    let apart2 =
+        far(f.line2_from_point1(p.point1), q.point2).min(far(f.line2_from_point1(q.point1), p.point2));
+    let relative1 = apart1 / frames[0].longer_side();
+    let relative2 = apart2 / frames[1].longer_side();
+    if relative1.min(relative2) < SAME_LINE {
+        let distance = if relative1 < relative2 { apart1 } else { apart2 };
+        warnings.push(Warning::SameEpipolarLine { distance });
+    }
+    let separation = (p.point1 - q.point1).norm().min((p.point2 - q.point2).norm());
+    if separation < CLOSE * frames[0].longer_side() {
+        warnings.push(Warning::CloseClicks { distance: separation });
+    }
+    warnings
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn check(pairs: &[[f64; 4]]) -> Result<(), EstimateError> {
+        let pairs: Vec<_> = pairs.iter().map(|[a, b, c, d]| PointPair::new(*a, *b, *c, *d)).collect();
+        check_points([Frame::new(100, 80); 2], &pairs, Method::TwoPoint)
+    }
+
+    #[test]
+    fn each_bad_point_pair_is_named() {
+        let good = [10.0, 10.0, 20.0, 10.0];
+        let other = [60.0, 60.0, 50.0, 60.0];
+        assert_eq!(check(&[good, other]), Ok(()));
+        assert_eq!(check(&[good]), Err(EstimateError::TooFewPairs { found: 1, needed: 2 }));
+        assert_eq!(check(&[good, [f64::NAN, 0.0, 0.0, 0.0]]), Err(EstimateError::NotFinite { pair: 2 }));
+        assert!(matches!(
+            check(&[good, [60.0, 60.0, 50.0, 80.0]]),
+            Err(EstimateError::Outside { pair: 2, image: 2, .. })
+        ));
+        assert!(matches!(
+            check(&[good, [60.0, 60.0, 21.0, 10.0]]),
+            Err(EstimateError::TooClose { image: 2, .. })
+        ));
+    }
+
+    #[test]
+    fn flat_and_identical_images_are_refused() {
+        let frame = Frame::new(120, 90);
+        let texture = GrayPlane::from_fn(frame, |x, y| ((x * x + 3 * y * x + y) % 251) as f32);
+        let flat = GrayPlane::from_fn(frame, |_, _| 80.0);
+        assert_eq!(check_images(&PreparedPair::new(&texture, &flat)), Err(EstimateError::Flat { image: 2 }));
+        assert_eq!(check_images(&PreparedPair::new(&texture, &texture)), Err(EstimateError::NoParallax));
+    }
+}

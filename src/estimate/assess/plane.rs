@@ -1,0 +1,81 @@
+//! Whether one plane, or a turn of the camera alone, explains the matches: then a homography maps them all, and
+//! every epipole fits (Hartley & Zisserman, §11.9.2).
+
+use nalgebra::Matrix3;
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+use rayon::prelude::*;
+
+use crate::geometry::{PointPair, homography, transfer_error};
+
+/// Samples drawn: four matches of a plane that holds a third of them are among 300 with a probability of 97 %.
+const SAMPLES: u64 = 300;
+/// Rounds of refitting to all matches within the tolerance.
+const REFITS: usize = 3;
+
+/// The homography that most matches follow within `tolerance` px in image 2, and how many do; `None` for fewer than
+/// eight matches.
+pub(in crate::estimate) fn largest_plane(
+    matches: &[PointPair],
+    tolerance: f64,
+    seed: u64,
+) -> Option<(Matrix3<f64>, usize)> {
+    if matches.len() < 8 {
+        return None;
+    }
+    let inliers = |h: &Matrix3<f64>| -> Vec<PointPair> {
+        matches.iter().filter(|m| transfer_error(h, m) < tolerance).copied().collect()
+    };
+    let from_sample = |k: u64| -> Option<(Matrix3<f64>, usize)> {
+        let mut rng = Pcg64Mcg::seed_from_u64(seed.wrapping_mul(SAMPLES).wrapping_add(k));
+        let sample: [PointPair; 4] = std::array::from_fn(|_| matches[rng.random_range(0..matches.len())]);
+        let mut h = homography(&sample)?;
+        let mut best = None;
+        for _ in 0..=REFITS {
+            let on_plane = inliers(&h);
+            if best.is_none_or(|(_, most)| on_plane.len() > most) {
+                best = Some((h, on_plane.len()));
+            }
+            match (on_plane.len() > 8).then(|| homography(&on_plane)).flatten() {
+                Some(better) => h = better,
+                None => break,
+            }
+        }
+        best
+    };
+    let planes: Vec<_> = (0..SAMPLES).into_par_iter().map(from_sample).collect();
+    // The first of the best ones, whatever the threads.
+    planes.into_iter().flatten().reduce(|best, next| if next.1 > best.1 { next } else { best })
+}
+
+/// Largest share of the matches, 0 to 1, found to follow one homography within `tolerance` px in image 2.
+pub(super) fn share_on_one_plane(matches: &[PointPair], tolerance: f64, seed: u64) -> f64 {
+    largest_plane(matches, tolerance, seed).map_or(0.0, |(_, most)| most as f64 / matches.len() as f64)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Camera;
+    use nalgebra::Point3;
+
+    fn scene(depth: impl Fn(f64) -> f64) -> Vec<PointPair> {
+        let (camera1, camera2) = Camera::example_pair();
+        (0..80)
+            .map(|k| {
+                let t = f64::from(k);
+                let x = Point3::new((t * 0.9).sin() * 2.0, (t * 1.7).cos() * 1.5, depth(t));
+                PointPair { point1: camera1.project(&x).unwrap(), point2: camera2.project(&x).unwrap() }
+            })
+            .collect()
+    }
+
+    #[test]
+    fn a_plane_is_recognised_and_depth_is_not_one() {
+        let plane = scene(|t| 5.0 + 0.3 * (t * 0.9).sin());
+        assert!(share_on_one_plane(&plane, 1.0, 0) > 0.99);
+        let deep = scene(|t| 5.0 + 2.0 * (t * 2.3).sin());
+        assert!(share_on_one_plane(&deep, 1.0, 0) < 0.5);
+        assert!(share_on_one_plane(&plane[..4], 1.0, 0) < 0.01, "too few to say");
+    }
+}

@@ -1,0 +1,288 @@
+//! Every number the estimator can be given, in groups that belong to its stages, and its default in each preset. Unit,
+//! range and a sentence about each stand in the [table](PARAMETERS).
+
+mod table;
+
+use serde::{Deserialize, Deserializer, Serialize};
+
+use super::EstimateError;
+use crate::similarity::{SimilarityParameters, StereoParameters};
+
+pub use table::{PARAMETERS, ParameterEntry, ParameterValue, parameters_as_markdown};
+
+/// Whose choices to use.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Preset {
+    /// As published, with the corrections of the documentation.
+    Paper,
+    /// What measured best on real images.
+    #[default]
+    Robust,
+}
+
+impl Preset {
+    /// Both presets.
+    pub const ALL: [Self; 2] = [Self::Paper, Self::Robust];
+
+    /// Its name on the command line and in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Paper => "paper",
+            Self::Robust => "robust",
+        }
+    }
+}
+
+/// How the geometry is found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Method {
+    /// Two point pairs; the third line pair is searched.
+    #[default]
+    TwoPoint,
+    /// Three point pairs; the third gives the third line pair.
+    ThreePoint,
+}
+
+impl Method {
+    /// Both methods.
+    pub const ALL: [Self; 2] = [Self::TwoPoint, Self::ThreePoint];
+
+    /// Its name on the command line and in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::TwoPoint => "two-point",
+            Self::ThreePoint => "three-point",
+        }
+    }
+
+    /// Point pairs it takes.
+    pub fn pairs_needed(self) -> usize {
+        match self {
+            Self::TwoPoint => 2,
+            Self::ThreePoint => 3,
+        }
+    }
+}
+
+/// What chooses among the combinations of candidate line pairs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Search {
+    /// Lines alone, as published: bisectors, round trip, validation over both images.
+    Lines,
+    /// Small image patches: they vote for κ, and their support ranks.
+    Patches,
+}
+
+impl Search {
+    /// Both searches.
+    pub const ALL: [Self; 2] = [Self::Lines, Self::Patches];
+}
+
+/// How a hypothesis is scored by the lines of its two pencils.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum LineScore {
+    /// Summed stereo cost per sample, as published.
+    Cost,
+    /// The same divided by the cost of deliberately mismatched lines of the same pencils.
+    AgainstMismatched,
+}
+
+/// What the pencils through a click depend on, besides the line similarity.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct PencilParameters {
+    /// Longer side of the images the pencils are compared at, px: the pyramid level nearest to it is taken.
+    pub coarse_side: f64,
+    /// Neighbouring lines of a pencil are at most this far apart at the farthest corner, px of that level.
+    pub line_spacing: f64,
+    /// Largest in-plane rotation between the images, radians.
+    pub rotation: f64,
+    /// Lines with less texture than this fraction of the pencil's median are dropped.
+    pub texture: f64,
+    /// Divide the costs of the pencil × pencil matrix by the medians of their row and column.
+    pub normalise: bool,
+    /// Candidates are line pairs that are among each other's `mutual` best.
+    pub mutual: usize,
+}
+
+/// How the lines of a hypothesis are validated.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct ValidationParameters {
+    /// Fraction of the hypotheses, by round-trip area, that goes through full validation.
+    pub validated: f64,
+    /// Lines per direction in full validation.
+    #[serde(rename = "validation_lines")]
+    pub lines: usize,
+    /// How full validation scores a hypothesis.
+    pub line_score: LineScore,
+}
+
+/// How the search with patches goes on from its proposals.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct PatchParameters {
+    /// Most rounds in which new hypotheses are drawn from the matches of the best ones; fewer when they stop
+    /// bringing more support.
+    pub resampling: usize,
+    /// In these rounds, also draw epipoles from what lies off the largest planes.
+    pub parallax: bool,
+}
+
+/// How all seven degrees of freedom are refined.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct RefinementParameters {
+    /// Refine at full resolution on patches matched along the epipolar lines.
+    pub refine: bool,
+    /// Best hypotheses that are refined; the one that comes out best is the result.
+    pub refined: usize,
+}
+
+/// All parameters of an estimate. [`Parameters::from`] a [`Preset`] gives its defaults; the table in the
+/// documentation of [`crate::estimate`] explains where the presets differ and why.
+///
+/// In files the groups lie flat: `line_spacing`, not `pencils.line_spacing`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Parameters {
+    /// The preset these started from.
+    pub preset: Preset,
+    /// How the geometry is found.
+    pub method: Method,
+    /// Seed of every random choice.
+    pub seed: u64,
+    /// How two lines are compared.
+    #[serde(flatten)]
+    pub similarity: SimilarityParameters,
+    /// Which lines are compared.
+    #[serde(flatten)]
+    pub pencils: PencilParameters,
+    /// Epipole hypotheses drawn from the candidates.
+    pub hypotheses: usize,
+    /// How hypotheses are validated on lines.
+    #[serde(flatten)]
+    pub validation: ValidationParameters,
+    /// What chooses among the combinations of candidates.
+    #[serde(alias = "patch_support", deserialize_with = "search_or_flag")]
+    pub search: Search,
+    /// How the search with patches goes on.
+    #[serde(flatten)]
+    pub patches: PatchParameters,
+    /// How the best hypotheses are refined.
+    #[serde(flatten)]
+    pub refinement: RefinementParameters,
+    /// Standard deviation of a click, px.
+    pub click_sigma: f64,
+}
+
+/// Earlier versions wrote whether patches choose, under the name `patch_support`.
+fn search_or_flag<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Search, D::Error> {
+    #[derive(Deserialize)]
+    #[serde(untagged, expecting = "expected lines or patches")]
+    enum Written {
+        Name(Search),
+        Flag(bool),
+    }
+    Ok(match Written::deserialize(deserializer)? {
+        Written::Name(search) => search,
+        Written::Flag(true) => Search::Patches,
+        Written::Flag(false) => Search::Lines,
+    })
+}
+
+impl From<Preset> for Parameters {
+    fn from(preset: Preset) -> Self {
+        let paper = Self {
+            preset,
+            method: Method::default(),
+            seed: 0,
+            similarity: SimilarityParameters { stereo: StereoParameters::PAPER, disparity_reach: 0.125 },
+            pencils: PencilParameters {
+                coarse_side: 192.0,
+                line_spacing: 2.0,
+                rotation: std::f64::consts::FRAC_PI_4,
+                texture: 0.25,
+                normalise: false,
+                mutual: 1,
+            },
+            hypotheses: 2000,
+            validation: ValidationParameters { validated: 0.05, lines: 24, line_score: LineScore::Cost },
+            search: Search::Lines,
+            patches: PatchParameters { resampling: 5, parallax: true },
+            refinement: RefinementParameters { refine: false, refined: 8 },
+            click_sigma: 1.0,
+        };
+        match preset {
+            Preset::Paper => paper,
+            Preset::Robust => Self {
+                similarity: SimilarityParameters {
+                    stereo: StereoParameters {
+                        lambda: 400,
+                        alpha: 2000,
+                        outside: 1500,
+                        ..StereoParameters::PAPER
+                    },
+                    disparity_reach: 0.16,
+                },
+                pencils: PencilParameters { normalise: true, mutual: 5, ..paper.pencils },
+                hypotheses: 12_000,
+                validation: ValidationParameters {
+                    validated: 1.0,
+                    line_score: LineScore::AgainstMismatched,
+                    ..paper.validation
+                },
+                search: Search::Patches,
+                refinement: RefinementParameters { refine: true, ..paper.refinement },
+                ..paper
+            },
+        }
+    }
+}
+
+impl Default for Parameters {
+    fn default() -> Self {
+        Self::from(Preset::default())
+    }
+}
+
+impl Parameters {
+    /// Checks every number against its range.
+    pub fn check(&self) -> Result<(), EstimateError> {
+        PARAMETERS.iter().try_for_each(|entry| entry.check(self))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parameters_lie_flat_in_files_and_those_of_earlier_versions_are_read() {
+        let parameters = Parameters { seed: u64::MAX - 5, ..Parameters::default() };
+        let mut data = serde_json::to_value(&parameters).unwrap();
+        assert_eq!(data["stereo"]["lambda"], 400);
+        assert_eq!((&data["line_spacing"], &data["validation_lines"]), (&2.0.into(), &24.into()));
+        assert_eq!(data["search"], "patches");
+        assert_eq!(serde_json::from_value::<Parameters>(data.clone()).unwrap(), parameters);
+        let object = data.as_object_mut().unwrap();
+        object.remove("search");
+        for (flag, search) in [(true, Search::Patches), (false, Search::Lines)] {
+            data["patch_support"] = flag.into();
+            assert_eq!(serde_json::from_value::<Parameters>(data.clone()).unwrap().search, search);
+        }
+        data["patch_support"] = "maybe".into();
+        assert!(serde_json::from_value::<Parameters>(data).is_err());
+    }
+
+    #[test]
+    fn numbers_out_of_range_are_named_with_what_is_allowed() {
+        let mut parameters = Parameters::default();
+        assert_eq!(parameters.check(), Ok(()));
+        parameters.pencils.line_spacing = 100.0;
+        let told = parameters.check().unwrap_err().to_string();
+        assert_eq!(told, "parameter line spacing is 100: it must be between 0.5 and 16 px");
+        parameters = Parameters::default();
+        parameters.pencils.rotation = f64::NAN;
+        assert!(parameters.check().unwrap_err().to_string().ends_with("it must be between 0 and π"));
+    }
+}

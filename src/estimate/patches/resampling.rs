@@ -1,0 +1,213 @@
+//! New hypotheses from the matches that support the best ones so far.
+//!
+//! A geometry that fits a dominant plane and a few chance matches has almost as much support as the right one,
+//! and refitting it to its own matches leads nowhere else. Two ways lead out:
+//!
+//! - **small samples** of the pooled matches of the best hypotheses, together with the clicks, solved by the
+//!   eight-point algorithm;
+//! - **plane and parallax** (Hartley & Zisserman, section 13.3; Chum, Werner & Matas 2005): with the homography
+//!   `H` of the largest plane known, every point off the plane gives a line through the epipole of image 2,
+//!   `Hx1 × x2`, so two of them determine `F = [e2]× H`.
+
+use nalgebra::{Matrix3, Vector3};
+use rand::{Rng, RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+use rayon::prelude::*;
+
+use super::Proposal;
+use super::support::{BAND, Support};
+use crate::estimate::assess::largest_plane;
+use crate::estimate::{EstimateError, Monitor};
+use crate::geometry::{FundamentalMatrix, PointPair, eight_point, transfer_error};
+
+/// Hypotheses whose matches are pooled.
+const POOLED: usize = 6;
+/// Width of the band the pool is taken from, px.
+const POOL_BAND: f64 = 8.0;
+/// Matches drawn from the pool into a sample.
+const DRAWN: usize = 6;
+/// Samples drawn of each kind.
+const SAMPLES: usize = 1500;
+/// Best hypotheses whose largest plane is looked at.
+const PLANES: usize = 3;
+/// How near to where a plane maps it a match on that plane is, px of the level.
+const ON_PLANE: f64 = 2.0;
+/// How far from there a match off the plane is, px.
+const OFF_PLANE: f64 = 5.0;
+/// Correlation of the matches off the plane that are drawn.
+const ALIKE: f32 = 0.8;
+/// Share of the leader's support that a geometry near a better one has before it is polished.
+const PROMISING: f64 = 0.4;
+
+/// How a round of samples is drawn.
+pub(in crate::estimate) struct Drawing<'a> {
+    /// In pixels of the level.
+    pub clicks: &'a [PointPair],
+    /// Whether planes are looked at, too.
+    pub parallax: bool,
+    pub seed: u64,
+}
+
+/// Hypotheses from small samples and from planes, best first, in pixels of the level of `support`.
+pub(in crate::estimate) fn resample(
+    support: &Support,
+    best: &[Proposal],
+    drawing: &Drawing,
+    monitor: &Monitor,
+) -> Result<Vec<Proposal>, EstimateError> {
+    let Some(leader) = best.first() else { return Ok(Vec::new()) };
+    let Drawing { clicks, parallax, seed } = *drawing;
+    let promising = |f: FundamentalMatrix| {
+        let own = support.measure(&f);
+        let angles = leader.angles;
+        (own.score > PROMISING * leader.support.score).then_some(Proposal {
+            fundamental: f,
+            support: own,
+            angles,
+        })
+    };
+    let draw = |kind: u64, make: &(dyn Fn(&mut Pcg64Mcg) -> Option<FundamentalMatrix> + Sync)| {
+        let samples = SAMPLES as u64;
+        let found: Vec<Proposal> = (0..samples)
+            .into_par_iter()
+            .filter(|_| !monitor.is_cancelled())
+            .filter_map(|k| {
+                let number = kind.wrapping_mul(samples).wrapping_add(k);
+                let mut rng = Pcg64Mcg::seed_from_u64(seed.wrapping_mul(samples * 16).wrapping_add(number));
+                promising(make(&mut rng)?)
+            })
+            .collect();
+        found
+    };
+    let mut found = Vec::new();
+    let pool = pooled(support, best);
+    if pool.len() >= 2 * DRAWN {
+        found.extend(draw(0, &|rng| sample(&pool, clicks, rng)));
+    }
+    for (k, hypothesis) in best.iter().take(if parallax { PLANES } else { 0 }).enumerate() {
+        let matches: Vec<PointPair> =
+            support.matches(&hypothesis.fundamental, BAND).iter().map(|m| m.pair).collect();
+        if let Some((h, _)) = largest_plane(&matches, ON_PLANE, seed) {
+            let parallax = Parallax::new(support, h, clicks);
+            found.extend(draw(1 + k as u64, &|rng| parallax.sample(rng)));
+        }
+    }
+    monitor.check()?;
+    Proposal::sort(&mut found);
+    Ok(found)
+}
+
+/// The matches of the best hypotheses, each once.
+fn pooled(support: &Support, best: &[Proposal]) -> Vec<PointPair> {
+    let mut pool: Vec<PointPair> = Vec::new();
+    for hypothesis in best.iter().take(POOLED) {
+        for m in support.matches(&hypothesis.fundamental, POOL_BAND) {
+            if !pool.contains(&m.pair) {
+                pool.push(m.pair);
+            }
+        }
+    }
+    pool
+}
+
+fn sample(pool: &[PointPair], clicks: &[PointPair], rng: &mut impl Rng) -> Option<FundamentalMatrix> {
+    let mut sample: Vec<PointPair> = clicks.to_vec();
+    while sample.len() < DRAWN + clicks.len() {
+        let pair = pool[rng.random_range(0..pool.len())];
+        if !sample.contains(&pair) {
+            sample.push(pair);
+        }
+    }
+    eight_point(&sample).ok()
+}
+
+/// A plane and what may lie off it.
+struct Parallax {
+    homography: Matrix3<f64>,
+    /// Lines of image 2 through the epipole, if the match is right: those of the look-alikes.
+    lines: Vec<Vector3<f64>>,
+    /// The same of the clicks.
+    clicks: Vec<Vector3<f64>>,
+}
+
+impl Parallax {
+    fn new(support: &Support, homography: Matrix3<f64>, clicks: &[PointPair]) -> Self {
+        let mut matches: Vec<PointPair> = Vec::new();
+        for group in support.pairs().chunk_by(|a, b| a.corner1 == b.corner1) {
+            // A corner with any look-alike where the plane maps it is taken to lie on the plane.
+            let off = group.iter().all(|m| transfer_error(&homography, &support.pair(m)) > OFF_PLANE);
+            // Grouped by corner, the best look-alike first.
+            if let Some(first) = group.first().filter(|m| off && m.correlation > ALIKE) {
+                matches.push(support.pair(first));
+            }
+        }
+        let clicks: Vec<PointPair> =
+            clicks.iter().filter(|c| transfer_error(&homography, c) > OFF_PLANE).copied().collect();
+        Self::of_matches(homography, &matches, &clicks)
+    }
+
+    /// From matches and clicks off the plane.
+    fn of_matches(homography: Matrix3<f64>, matches: &[PointPair], clicks: &[PointPair]) -> Self {
+        let line = |m: &PointPair| {
+            (homography * m.point1.to_homogeneous()).cross(&m.point2.to_homogeneous()).normalize()
+        };
+        Self {
+            homography,
+            lines: matches.iter().map(line).collect(),
+            clicks: clicks.iter().map(line).collect(),
+        }
+    }
+
+    /// `F` of two lines, one of them of a click in every other sample, if one is off the plane.
+    fn sample(&self, rng: &mut impl Rng) -> Option<FundamentalMatrix> {
+        let from = |list: &[Vector3<f64>], rng: &mut dyn FnMut(usize) -> usize| {
+            (!list.is_empty()).then(|| list[rng(list.len())])
+        };
+        let mut below = |n: usize| rng.random_range(0..n);
+        let first = if below(2) == 0 { from(&self.clicks, &mut below) } else { None };
+        let first = first.or_else(|| from(&self.lines, &mut below))?;
+        let epipole2 = first.cross(&from(&self.lines, &mut below)?);
+        FundamentalMatrix::from_rank_two(epipole2.try_normalize(1e-9)?.cross_matrix() * self.homography)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::{Camera, symmetric_epipolar_distance};
+    use nalgebra::Point3;
+
+    /// The match of the scene point above (k, l) at a depth.
+    fn seen(k: u32, l: u32, depth: f64) -> PointPair {
+        let (camera1, camera2) = Camera::example_pair();
+        let x = Point3::new(f64::from(k) * 0.4 - 1.2, f64::from(l) * 0.3 - 0.8, depth);
+        PointPair { point1: camera1.project(&x).unwrap(), point2: camera2.project(&x).unwrap() }
+    }
+
+    #[test]
+    fn a_plane_and_two_matches_off_it_are_the_whole_geometry() {
+        let wall: Vec<PointPair> = (0..36).map(|k| seen(k % 6, k / 6, 6.0)).collect();
+        let (homography, on_wall) = largest_plane(&wall, 0.1, 0).unwrap();
+        assert_eq!(on_wall, wall.len());
+        let (one, other) = (seen(1, 4, 4.0), seen(5, 2, 4.5));
+        assert!(transfer_error(&homography, &one) > OFF_PLANE);
+        // Samples of one match twice give nothing; all others give the geometry.
+        for clicks in [&[][..], &[other][..]] {
+            let parallax = Parallax::of_matches(homography, &[one, other], clicks);
+            let mut rng = Pcg64Mcg::seed_from_u64(3);
+            let found: Vec<_> = (0..20).filter_map(|_| parallax.sample(&mut rng)).collect();
+            assert!((3..20).contains(&found.len()), "{}", found.len());
+            for f in found {
+                for probe in [seen(3, 3, 3.5), seen(0, 5, 9.0), wall[17]] {
+                    assert!(symmetric_epipolar_distance(&f, &probe) < 1e-4);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn without_matches_off_the_plane_there_is_nothing_to_draw() {
+        let parallax = Parallax::of_matches(Matrix3::identity(), &[], &[]);
+        assert!(parallax.sample(&mut Pcg64Mcg::seed_from_u64(0)).is_none());
+    }
+}

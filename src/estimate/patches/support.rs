@@ -1,0 +1,246 @@
+//! Patch support: a second witness beside the lines.
+//!
+//! One-dimensional intensities along a line can be matched wrongly; two-dimensional patches much less often.
+//! Corners of both images and the correlation of the patches around them are computed once per image pair;
+//! then the support of any `F` is what agrees with it: the mutual best matches among corners within a few
+//! pixels of each other's epipolar lines, each counting by how far its correlation exceeds a threshold.
+
+use rayon::prelude::*;
+
+use crate::estimate::PatchSupport;
+use crate::geometry::{FundamentalMatrix, Line, Point, PointPair};
+use crate::image::{GrayPlane, HALF, Patch, Warp, correlate_all, find_corners, patch};
+
+/// How far a supporting corner may be from the epipolar line of its partner, px of the level: corners are found to a
+/// pixel in each image, and the geometry is not refined yet.
+pub(in crate::estimate) const BAND: f64 = 2.0;
+/// Correlations below this say nothing.
+pub(super) const FLOOR: f32 = 0.6;
+
+/// Patch support at one size of the images.
+#[derive(Debug)]
+pub(in crate::estimate) struct SupportLevel {
+    /// Size over full size, of each image.
+    pub scales: [f64; 2],
+    /// In pixels of that size.
+    pub support: Support,
+}
+
+/// Corners of two images and which of their patches look alike.
+#[derive(Debug, Clone)]
+pub(in crate::estimate) struct Support {
+    corners: [Vec<Point>; 2],
+    /// Pairs of corner indices with their correlation, those above [`FLOOR`], grouped by corner of image 1.
+    pairs: Vec<Putative>,
+    /// The same with the positions of the corners of image 2, laid out for the vector units.
+    groups: Vec<Group>,
+}
+
+/// The look-alikes in image 2 of one corner of image 1.
+#[derive(Debug, Clone, Default)]
+struct Group {
+    /// Positions, padded with points that lie on no line to a multiple of [`LANES`].
+    x: Vec<f32>,
+    y: Vec<f32>,
+    partners: Vec<(u32, f32)>,
+}
+
+const LANES: usize = 8;
+/// Patches of image 1 compared in one pass over those of image 2.
+const AT_ONCE: usize = 16;
+/// Far from every epipolar line that crosses an image.
+const NOWHERE: f32 = 1e9;
+/// Look-alikes kept for a corner, the best ones.
+const PER_CORNER: usize = 16;
+
+/// Two corners whose patches look alike.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(in crate::estimate) struct Putative {
+    pub corner1: u32,
+    pub corner2: u32,
+    pub correlation: f32,
+}
+
+/// A supporting match and its correlation.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(in crate::estimate) struct SupportingMatch {
+    pub pair: PointPair,
+    pub correlation: f32,
+}
+
+impl Support {
+    /// Finds up to `count` corners an image and compares all their patches, those of image 2 under each warp.
+    pub fn new(planes: [&GrayPlane; 2], count: usize, warps: &[Warp]) -> Self {
+        let corners = planes.map(|plane| find_corners(plane, count, HALF + 1));
+        let (names, firsts): (Vec<u32>, Vec<Patch>) = corners[0]
+            .iter()
+            .enumerate()
+            .filter_map(|(i, c)| Some((i as u32, patch(planes[0], *c, &Warp::identity())?)))
+            .unzip();
+        // Every corner of image 2 under every warp, flat ones left out.
+        let (owners, seconds): (Vec<u32>, Vec<Patch>) = corners[1]
+            .par_iter()
+            .enumerate()
+            .flat_map_iter(|(j, c)| {
+                warps.iter().filter_map(move |warp| Some((j as u32, patch(planes[1], *c, warp)?)))
+            })
+            .unzip();
+        let pairs: Vec<Putative> = firsts
+            .par_chunks(AT_ONCE)
+            .zip(names.par_chunks(AT_ONCE))
+            .map_init(Vec::new, |correlations, (few, names)| {
+                correlate_all(few, &seconds, correlations);
+                let rows = correlations.chunks_exact(seconds.len().max(1));
+                names.iter().zip(rows).flat_map(|(name, row)| look_alikes(*name, &owners, row)).collect()
+            })
+            .flat_map_iter(|alike: Vec<Putative>| alike)
+            .collect();
+        let groups = grouped(&pairs, &corners);
+        Self { corners, pairs, groups }
+    }
+
+    pub fn pairs(&self) -> &[Putative] {
+        &self.pairs
+    }
+
+    /// Where the two corners of a putative match are.
+    pub fn pair(&self, m: &Putative) -> PointPair {
+        PointPair { point1: self.corners[0][m.corner1 as usize], point2: self.corners[1][m.corner2 as usize] }
+    }
+
+    pub fn corners(&self, image: usize) -> &[Point] {
+        &self.corners[image]
+    }
+
+    /// The mutual best matches within `band` px of each other's epipolar lines.
+    pub fn matches(&self, f: &FundamentalMatrix, band: f64) -> Vec<SupportingMatch> {
+        let lines1: Vec<_> = self.corners[1].iter().map(|c| f.line1_from_point2(*c)).collect();
+        let mut best1 = vec![(FLOOR, u32::MAX); self.corners[0].len()];
+        let mut best2 = vec![(FLOOR, u32::MAX); self.corners[1].len()];
+        for (i, group) in self.groups.iter().enumerate() {
+            let Some(line2) = f.line2_from_point1(self.corners[0][i]) else { continue };
+            let [a, b, c] = [0, 1, 2].map(|k| line2.coefficients()[k] as f32);
+            for (chunk, (x, y)) in group.x.chunks_exact(LANES).zip(group.y.chunks_exact(LANES)).enumerate() {
+                // Nearly all are far from the line: eight at a time, then the few that are near.
+                let mut distances = [0f32; LANES];
+                for k in 0..LANES {
+                    distances[k] = (a * x[k] + b * y[k] + c).abs();
+                }
+                for (k, distance) in distances.iter().enumerate() {
+                    if *distance > band as f32 {
+                        continue;
+                    }
+                    let (j, correlation) = group.partners[chunk * LANES + k];
+                    let near = |line1: &Line| line1.distance(self.corners[0][i]) <= band;
+                    if !lines1[j as usize].as_ref().is_some_and(near) {
+                        continue;
+                    }
+                    if correlation > best1[i].0 {
+                        best1[i] = (correlation, j);
+                    }
+                    if correlation > best2[j as usize].0 {
+                        best2[j as usize] = (correlation, i as u32);
+                    }
+                }
+            }
+        }
+        best1
+            .iter()
+            .enumerate()
+            .filter(|(i, (_, j))| *j != u32::MAX && best2[*j as usize].1 == *i as u32)
+            .map(|(i, (correlation, j))| SupportingMatch {
+                pair: PointPair { point1: self.corners[0][i], point2: self.corners[1][*j as usize] },
+                correlation: *correlation,
+            })
+            .collect()
+    }
+
+    /// How many matches agree with a geometry, and by how much their correlation exceeds the floor in all.
+    pub fn measure(&self, f: &FundamentalMatrix) -> PatchSupport {
+        let matches = self.matches(f, BAND);
+        let score = matches.iter().map(|m| f64::from(m.correlation - FLOOR)).sum();
+        PatchSupport { matches: matches.len(), score }
+    }
+}
+
+/// The best look-alikes of one corner of image 1, from its correlations with every warped patch.
+fn look_alikes(corner1: u32, owners: &[u32], correlations: &[f32]) -> Vec<Putative> {
+    let mut alike: Vec<Putative> = Vec::new();
+    for (corner2, correlation) in owners.iter().copied().zip(correlations.iter().copied()) {
+        if correlation <= FLOOR {
+            continue;
+        }
+        // Warps of one corner stand together: the best one speaks for it.
+        match alike.last_mut() {
+            Some(last) if last.corner2 == corner2 => last.correlation = last.correlation.max(correlation),
+            _ => alike.push(Putative { corner1, corner2, correlation }),
+        }
+    }
+    alike.sort_by(|a, b| b.correlation.total_cmp(&a.correlation).then(a.corner2.cmp(&b.corner2)));
+    alike.truncate(PER_CORNER);
+    alike
+}
+
+fn grouped(pairs: &[Putative], corners: &[Vec<Point>; 2]) -> Vec<Group> {
+    let mut groups = vec![Group::default(); corners[0].len()];
+    for pair in pairs {
+        let group = &mut groups[pair.corner1 as usize];
+        let point = corners[1][pair.corner2 as usize];
+        group.x.push(point.x as f32);
+        group.y.push(point.y as f32);
+        group.partners.push((pair.corner2, pair.correlation));
+    }
+    for group in &mut groups {
+        let padded = group.x.len().next_multiple_of(LANES);
+        group.x.resize(padded, NOWHERE);
+        // Unequal coordinates keep the padding off diagonal lines too.
+        group.y.resize(padded, -2.7 * NOWHERE);
+        group.partners.resize(padded, (0, 0.0));
+    }
+    groups
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Frame;
+    use nalgebra::Matrix3;
+
+    /// Two views of one texture, the second shifted along the rows by 6 px.
+    fn planes() -> [GrayPlane; 2] {
+        let texture = |x: usize, y: usize| {
+            let cell =
+                ((x / 5) as u64).wrapping_mul(0x9E37_79B9) ^ ((y / 6) as u64).wrapping_mul(0x85EB_CA6B);
+            (cell.wrapping_mul(0xC2B2_AE35_85EB_CA77) >> 56) as f32
+        };
+        let frame = Frame::new(160, 120);
+        [GrayPlane::from_fn(frame, texture), GrayPlane::from_fn(frame, |x, y| texture(x + 6, y))]
+    }
+
+    fn rows(shift: f64) -> FundamentalMatrix {
+        let m = Matrix3::new(0.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 1.0, shift);
+        FundamentalMatrix::from_rank_two(m).unwrap()
+    }
+
+    #[test]
+    fn the_right_geometry_has_most_support_and_its_matches_are_right() {
+        let [a, b] = planes();
+        let support = Support::new([&a, &b], 200, &[Warp::identity()]);
+        let right = support.measure(&rows(0.0)).score;
+        for wrong in [rows(7.0), rows(-15.0)] {
+            let other = support.measure(&wrong).score;
+            assert!(right > 1.5 * other, "{right} against {other}");
+        }
+        let matches = support.matches(&rows(0.0), 2.0);
+        let true_matches =
+            matches.iter().filter(|m| (m.pair.point1.x - m.pair.point2.x - 6.0).abs() < 0.5).count();
+        assert!(true_matches * 10 > matches.len() * 8, "{true_matches} of {}", matches.len());
+    }
+
+    #[test]
+    fn images_without_corners_have_no_support() {
+        let flat = GrayPlane::from_fn(Frame::new(60, 60), |_, _| 9.0);
+        let support = Support::new([&flat, &flat], 50, &[Warp::identity()]);
+        assert!(support.matches(&rows(0.0), 3.0).is_empty());
+    }
+}
