@@ -35,10 +35,9 @@ fn main() {
             let planes: [&GrayPlane; 2] = [pyramids[0].level(level), pyramids[1].level(level)];
             let frame = planes[0].frame();
             let scale = 0.5f64.powi(level as i32);
-            let at = |p: Point| Point::new((p.x + 0.5) * scale - 0.5, (p.y + 0.5) * scale - 0.5);
-            let click = sample.show_me[0];
-            let lines1 = pencil(frame, at(click.point1), parameters.pencils.line_spacing, false);
-            let lines2 = pencil(frame, at(click.point2), parameters.pencils.line_spacing, true);
+            let click = sample.show_me[0].rescaled([scale; 2]);
+            let lines1 = pencil(frame, click.point1, parameters.pencils.line_spacing, false);
+            let lines2 = pencil(frame, click.point2, parameters.pencils.line_spacing, true);
             let reach = (parameters.similarity.disparity_reach * frame.longer_side()).round() as i32;
             let similarity = StereoSimilarity {
                 planes,

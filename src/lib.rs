@@ -53,21 +53,32 @@
 //!
 //! # Features
 //!
-//! `inspector` (on by default) is the window, the module `app`, with all of its dependencies. Without it the
-//! library and the command line remain.
+//! With `default-features = false` there is what an estimate takes: [`geometry`], [`image`], [`similarity`],
+//! [`mod@estimate`], and [`suggest`], [`rectify`] and [`convention`] beside it. On top of that, all on by default:
+//!
+//! | feature | modules | what it brings |
+//! |---|---|---|
+//! | `files` | `io`, `synthetic::Sample` | readers and writers of JSON, YAML, XML and `.npy` arrays |
+//! | `evaluate` (with `files`) | `evaluate`, `publish` | measuring estimators, reports in HTML and Markdown |
+//! | `cli` (with `evaluate`) | `cli` | the command line and the program `epiline` |
+//! | `inspector` (with `evaluate`) | `app` | the window |
 //!
 //! `ARCHITECTURE.md` shows the layout of the code and how to add to it.
 
 #[cfg(feature = "inspector")]
 pub mod app;
 mod cancel;
+#[cfg(feature = "cli")]
 pub mod cli;
 pub mod convention;
 pub mod estimate;
+#[cfg(feature = "evaluate")]
 pub mod evaluate;
 pub mod geometry;
 pub mod image;
+#[cfg(feature = "files")]
 pub mod io;
+#[cfg(feature = "evaluate")]
 pub mod publish;
 pub mod rectify;
 pub mod similarity;

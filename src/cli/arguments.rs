@@ -1,12 +1,15 @@
 //! Kinds of values on the command line, and options that several commands share.
 
-use clap::ValueEnum;
+use std::path::PathBuf;
+
 use clap::builder::PossibleValue;
+use clap::{Args, ValueEnum};
 
 use super::CliError;
 use crate::estimate::{Method, Preset};
 use crate::evaluate::Protocol;
 use crate::geometry::{Point, PointPair};
+use crate::image::Picture;
 use crate::io::{Format, PictureFormat};
 use crate::rectify;
 use crate::synthetic::Sample;
@@ -35,8 +38,35 @@ pub(super) fn point(text: &str) -> Result<Point, String> {
     Ok(Point::new(number(x)?, number(y)?))
 }
 
+/// Two image files, or a built-in pair in their place.
+#[derive(Debug, Args)]
+pub(super) struct ImagePair {
+    /// Left image
+    #[arg(required_unless_present = "sample", requires = "right")]
+    left: Option<PathBuf>,
+    /// Right image
+    right: Option<PathBuf>,
+    /// Use a built-in pair instead of two files; where matches are of use, its true ones
+    #[arg(long, value_name = "NAME", conflicts_with = "left", num_args = 0..=1, default_missing_value = "")]
+    sample: Option<String>,
+}
+
+impl ImagePair {
+    /// The two pictures, and the true matches of a built-in pair.
+    pub(super) fn load(&self) -> Result<([Picture; 2], Option<Vec<PointPair>>), CliError> {
+        match (&self.sample, &self.left, &self.right) {
+            (Some(name), ..) => {
+                let sample = built_in(name)?.load();
+                Ok((sample.pictures, Some(sample.matches)))
+            }
+            (None, Some(left), Some(right)) => Ok(([Picture::open(left)?, Picture::open(right)?], None)),
+            _ => Err(CliError::Arguments("two images are needed, LEFT and RIGHT".into())),
+        }
+    }
+}
+
 /// The built-in pair of that name, the default one when there is no name.
-pub(super) fn built_in(name: &str) -> Result<Sample, CliError> {
+fn built_in(name: &str) -> Result<Sample, CliError> {
     let found = if name.is_empty() { Some(Sample::default()) } else { Sample::from_name(name) };
     found.ok_or_else(|| {
         let known = Sample::ALL.map(Sample::name).join(", ");

@@ -19,7 +19,7 @@ use crate::io::{Format, GeometryFile};
 /// from (0, 0), (0.5, 0.5) and (1, 1), and for images of another size, and ranks these readings by the median distance
 /// of the matches to their epipolar lines. The exit status is 1 when none fits.
 #[derive(Debug, Args)]
-pub(super) struct Arguments {
+pub(super) struct CheckArguments {
     #[command(flatten)]
     input: GeometryInput,
     /// Write F as it is to be read, with the matches, for any of the programs; standard output when it is -
@@ -38,7 +38,7 @@ pub(super) struct Arguments {
 
 /// The content of a result file.
 #[derive(Serialize)]
-struct ResultFile<'a> {
+struct CheckFile<'a> {
     /// The matrix as it is to be read, in the convention of this program; null when no reading fits.
     fundamental: Option<FundamentalMatrix>,
     reading: Option<Reading>,
@@ -51,7 +51,7 @@ struct ResultFile<'a> {
 }
 
 /// Ranks the readings, writes the files, prints the table.
-pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
+pub(super) fn run(arguments: &CheckArguments) -> Result<(), CliError> {
     let output = Output::prepare(arguments.json.as_deref())?;
     let corrected = GeometryOutput::prepare_optional(arguments.output.as_deref(), arguments.format)?;
     if corrected.as_ref().is_some_and(GeometryOutput::is_piped) && matches!(output, Output::Piped) {
@@ -65,10 +65,10 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
         );
         return Err(CliError::Arguments(problem));
     };
-    let check = check_convention(&given, format.origin(), &file.pairs)?;
+    let check = check_convention(&given, &file.pairs)?;
     let (best, sentence) = (check.best(), check.sentence());
     let believed = check.fits().then_some(best);
-    let result = ResultFile {
+    let result = CheckFile {
         fundamental: believed.map(|b| b.fundamental),
         reading: believed.map(|b| b.reading),
         fits: check.fits(),

@@ -11,7 +11,7 @@ use crate::io::Format;
 
 /// Convert F, cameras, homographies and point pairs between file formats and their conventions
 #[derive(Debug, Args)]
-pub(super) struct Arguments {
+pub(super) struct ConvertArguments {
     #[command(flatten)]
     input: GeometryInput,
     /// File to write, standard output when it is -
@@ -23,7 +23,7 @@ pub(super) struct Arguments {
 }
 
 /// Reads, writes, says what was converted.
-pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
+pub(super) fn run(arguments: &ConvertArguments) -> Result<(), CliError> {
     let output = GeometryOutput::prepare(&arguments.output, arguments.format)?;
     let (file, format) = arguments.input.read()?;
     output.write(&file)?;

@@ -28,7 +28,7 @@ pub enum CliError {
     /// Nothing could be evaluated.
     #[error(transparent)]
     Evaluate(#[from] EvaluateError),
-    /// There is no suggestion.
+    /// No place could be suggested.
     #[error(transparent)]
     Suggest(#[from] SuggestError),
     /// The convention of a matrix could not be checked.

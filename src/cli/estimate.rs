@@ -23,7 +23,7 @@ use crate::synthetic::Sample;
 /// Estimate the fundamental matrix of two images from two or three point pairs
 #[derive(Debug, Args)]
 #[command(allow_negative_numbers = true)]
-pub(super) struct Arguments {
+pub(super) struct EstimateArguments {
     /// Left image
     #[arg(required_unless_present = "sample", requires = "right")]
     left: Option<PathBuf>,
@@ -61,13 +61,13 @@ pub(super) struct Arguments {
 }
 
 /// The images and the clicks on them.
-struct Input {
+struct EstimateInput {
     pictures: [Picture; 2],
     pairs: Vec<PointPair>,
 }
 
 /// Estimates, writes the JSON file, prints the summary.
-pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
+pub(super) fn run(arguments: &EstimateArguments) -> Result<(), CliError> {
     let output = Output::prepare(arguments.json.as_deref())?;
     let export = GeometryOutput::prepare_optional(arguments.export.as_deref(), arguments.format)?;
     if export.as_ref().is_some_and(GeometryOutput::is_piped) && matches!(output, Output::Piped) {
@@ -90,11 +90,11 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
 }
 
 /// Reads the images; counts the pairs before, which is quicker.
-fn input(arguments: &Arguments, needed: usize) -> Result<Input, CliError> {
+fn input(arguments: &EstimateArguments, needed: usize) -> Result<EstimateInput, CliError> {
     let found = arguments.pairs.len();
     match (&arguments.sample, &arguments.left, &arguments.right) {
         (Some(name), ..) => sample(name, needed, &arguments.pairs),
-        (None, Some(left), Some(right)) if found >= needed => Ok(Input {
+        (None, Some(left), Some(right)) if found >= needed => Ok(EstimateInput {
             pictures: [Picture::open(left)?, Picture::open(right)?],
             pairs: arguments.pairs.clone(),
         }),
@@ -104,7 +104,7 @@ fn input(arguments: &Arguments, needed: usize) -> Result<Input, CliError> {
 }
 
 /// A built-in pair, with its own points unless some are given.
-fn sample(name: &str, needed: usize, pairs: &[PointPair]) -> Result<Input, CliError> {
+fn sample(name: &str, needed: usize, pairs: &[PointPair]) -> Result<EstimateInput, CliError> {
     let found = if name.is_empty() { Some(Sample::default()) } else { Sample::from_name(name) };
     let Some(sample) = found else {
         let known = Sample::ALL.map(Sample::name).join(", ");
@@ -113,11 +113,11 @@ fn sample(name: &str, needed: usize, pairs: &[PointPair]) -> Result<Input, CliEr
     let pair = sample.load();
     let own = pair.show_me.into_iter().chain([pair.third]).take(needed);
     let pairs = if pairs.is_empty() { own.collect() } else { pairs.to_vec() };
-    Ok(Input { pictures: pair.pictures, pairs })
+    Ok(EstimateInput { pictures: pair.pictures, pairs })
 }
 
 /// The estimate, its progress told on standard error.
-fn watched(input: &Input, parameters: &Parameters) -> Result<Estimate, EstimateError> {
+fn watched(input: &EstimateInput, parameters: &Parameters) -> Result<Estimate, EstimateError> {
     let started = Instant::now();
     let is_first = AtomicBool::new(true);
     let monitor = Monitor::new(CancelFlag::default(), |news| {
@@ -137,7 +137,7 @@ fn watched(input: &Input, parameters: &Parameters) -> Result<Estimate, EstimateE
 }
 
 /// What other programs can use of it: the clicks, and behind them the matches that the refinement found.
-fn geometry_file(found: &Estimate, input: &Input) -> GeometryFile {
+fn geometry_file(found: &Estimate, input: &EstimateInput) -> GeometryFile {
     GeometryFile {
         fundamental: Some(*found.fundamental()),
         pairs: input.pairs.iter().copied().chain(found.matches().iter().map(|m| m.pair)).collect(),

@@ -9,7 +9,7 @@ use super::console::{print, tell};
 use crate::image::Picture;
 use crate::io::{Format, GeometryFile, ImageNote, OutputFile, read_camera, read_point_pairs};
 
-/// Where a geometry comes from.
+/// Source of a geometry.
 #[derive(Debug, Args)]
 pub(super) struct GeometryInput {
     /// File with F or two cameras, in any format; or the camera (.P) of image 1
@@ -60,7 +60,7 @@ pub(super) fn image_notes(pictures: &[Picture; 2]) -> [ImageNote; 2] {
     [0, 1].map(|k| ImageNote { name: pictures[k].name.clone(), frame: pictures[k].frame() })
 }
 
-/// Where a geometry goes: a file, checked before the work begins, or standard output.
+/// Destination of a geometry: a file, checked before the work begins, or standard output.
 #[derive(Debug)]
 pub(super) struct GeometryOutput {
     /// `None` is standard output.
@@ -82,7 +82,7 @@ impl GeometryOutput {
         Ok(Self { file: if is_piped { None } else { Some(OutputFile::prepare(path)?) }, format })
     }
 
-    /// The same of what may not be asked for.
+    /// An output that need not be asked for.
     pub(super) fn prepare_optional(
         path: Option<&Path>,
         format: Option<Format>,
@@ -95,7 +95,7 @@ impl GeometryOutput {
         self.file.is_none()
     }
 
-    /// Where it is and what it is, for people.
+    /// Place and format, for people.
     pub(super) fn place(&self) -> String {
         match &self.file {
             Some(file) => format!("{} ({})", file.path().display(), self.format.label()),

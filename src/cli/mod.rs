@@ -30,19 +30,19 @@ pub use error::{CliError, INTERNAL_ERROR};
 #[command(name = "epiline", version, args_conflicts_with_subcommands = true)]
 pub struct CommandLine {
     #[command(subcommand)]
-    command: Option<Command>,
+    command: Option<CliCommand>,
     #[command(flatten)]
-    window: window::Arguments,
+    window: window::WindowArguments,
 }
 
 #[derive(Debug, Subcommand)]
-enum Command {
-    Check(check::Arguments),
-    Convert(convert::Arguments),
-    Estimate(Box<estimate::Arguments>),
-    Evaluate(evaluate::Arguments),
-    Rectify(rectify::Arguments),
-    Suggest(suggest::Arguments),
+enum CliCommand {
+    Check(check::CheckArguments),
+    Convert(convert::ConvertArguments),
+    Estimate(Box<estimate::EstimateArguments>),
+    Evaluate(evaluate::EvaluateArguments),
+    Rectify(rectify::RectifyArguments),
+    Suggest(suggest::SuggestArguments),
 }
 
 impl CommandLine {
@@ -50,12 +50,12 @@ impl CommandLine {
     pub fn run(self) -> Result<(), CliError> {
         match self.command {
             None => window::run(self.window),
-            Some(Command::Check(arguments)) => check::run(&arguments),
-            Some(Command::Convert(arguments)) => convert::run(&arguments),
-            Some(Command::Estimate(arguments)) => estimate::run(&arguments),
-            Some(Command::Evaluate(arguments)) => evaluate::run(&arguments),
-            Some(Command::Rectify(arguments)) => rectify::run(&arguments),
-            Some(Command::Suggest(arguments)) => suggest::run(&arguments),
+            Some(CliCommand::Check(arguments)) => check::run(&arguments),
+            Some(CliCommand::Convert(arguments)) => convert::run(&arguments),
+            Some(CliCommand::Estimate(arguments)) => estimate::run(&arguments),
+            Some(CliCommand::Evaluate(arguments)) => evaluate::run(&arguments),
+            Some(CliCommand::Rectify(arguments)) => rectify::run(&arguments),
+            Some(CliCommand::Suggest(arguments)) => suggest::run(&arguments),
         }
     }
 }

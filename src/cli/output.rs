@@ -8,7 +8,7 @@ use super::CliError;
 use super::console::{print, tell};
 use crate::io::OutputFile;
 
-/// Where a command's JSON and its text for people go.
+/// Destination of a command's JSON and its text for people.
 #[derive(Debug)]
 pub(super) enum Output {
     /// Text to standard output, no JSON.
@@ -20,7 +20,7 @@ pub(super) enum Output {
 }
 
 impl Output {
-    /// From the value of `--json`; fails when the file cannot be written.
+    /// Output for the value of `--json`; fails when the file cannot be written.
     pub(super) fn prepare(json: Option<&Path>) -> Result<Self, CliError> {
         Ok(match json {
             None => Self::Text,

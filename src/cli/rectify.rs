@@ -6,22 +6,17 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::CliError;
-use super::arguments::{built_in, megapixels, on_threads, threads};
+use super::arguments::{ImagePair, megapixels, on_threads, threads};
 use super::console::print;
 use crate::cancel::CancelFlag;
-use crate::geometry::PointPair;
-use crate::image::Picture;
 use crate::io::{PictureFormat, RectifiedFiles, RectifiedOptions, read_fundamental, read_point_pairs};
 use crate::rectify::{Distortion, Limits, Method, Rectification, rectify};
 
 /// Redraw both images so that corresponding points are in the same row
 #[derive(Debug, Args)]
-pub(super) struct Arguments {
-    /// Left image
-    #[arg(required_unless_present = "sample", requires = "right")]
-    left: Option<PathBuf>,
-    /// Right image
-    right: Option<PathBuf>,
+pub(super) struct RectifyArguments {
+    #[command(flatten)]
+    images: ImagePair,
     /// The fundamental matrix: a result of estimate or any other file that holds one
     #[arg(long, value_name = "FILE")]
     fundamental: PathBuf,
@@ -49,20 +44,19 @@ pub(super) struct Arguments {
     /// Threads to use, all cores by default
     #[arg(long, value_parser = threads)]
     threads: Option<usize>,
-    /// Use a built-in pair instead of two files, with its true matches
-    #[arg(long, value_name = "NAME", conflicts_with = "left", num_args = 0..=1, default_missing_value = "")]
-    sample: Option<String>,
 }
 
 /// Rectifies, writes the folder, prints what came out.
-pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
+pub(super) fn run(arguments: &RectifyArguments) -> Result<(), CliError> {
     let options = RectifiedOptions {
         format: arguments.format,
         guide_spacing: arguments.guide_lines,
         maps: arguments.maps,
     };
     let fundamental = read_fundamental(&arguments.fundamental)?;
-    let (pictures, matches) = input(arguments)?;
+    let given = arguments.matches.as_deref().map(read_point_pairs).transpose()?;
+    let (pictures, known) = arguments.images.load()?;
+    let matches = given.or(known).unwrap_or_default();
     let limits = arguments.max_megapixels.map_or_else(Limits::default, |pixels| Limits { pixels });
     let frames = [pictures[0].frame(), pictures[1].frame()];
     let rectification = rectify(&fundamental, frames, &matches, arguments.method, &limits)?;
@@ -79,21 +73,6 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
         files.write(&rectification, &fundamental, originals, [left, right], &mut |_| true)?;
     }
     print(&summary(&rectification, &files))
-}
-
-/// The images and the matches that are known.
-fn input(arguments: &Arguments) -> Result<([Picture; 2], Vec<PointPair>), CliError> {
-    let given = arguments.matches.as_deref().map(read_point_pairs).transpose()?;
-    match (&arguments.sample, &arguments.left, &arguments.right) {
-        (Some(name), ..) => {
-            let sample = built_in(name)?.load();
-            Ok((sample.pictures, given.unwrap_or(sample.matches)))
-        }
-        (None, Some(left), Some(right)) => {
-            Ok(([Picture::open(left)?, Picture::open(right)?], given.unwrap_or_default()))
-        }
-        _ => Err(CliError::Arguments("two images are needed, LEFT and RIGHT".into())),
-    }
 }
 
 /// What came out, for people.

@@ -7,29 +7,25 @@ use clap::{Args, ValueEnum};
 use serde::Serialize;
 
 use super::CliError;
-use super::arguments::{built_in, on_threads, pixels, point, threads};
+use super::arguments::{ImagePair, on_threads, pixels, point, threads};
 use super::output::Output;
 use crate::estimate::PreparedPair;
 use crate::geometry::{FundamentalMatrix, Point};
-use crate::image::Picture;
 use crate::io::read_fundamental;
 use crate::suggest::{ClickedImage, SuggestParameters, Suggestions, suggest};
 
 /// Suggest where a point of one image is in the other
 #[derive(Debug, Args)]
 #[command(allow_negative_numbers = true)]
-pub(super) struct Arguments {
-    /// Left image
-    #[arg(required_unless_present = "sample", requires = "right")]
-    left: Option<PathBuf>,
-    /// Right image
-    right: Option<PathBuf>,
+pub(super) struct SuggestArguments {
+    #[command(flatten)]
+    images: ImagePair,
     /// The point, pixels
     #[arg(long, value_name = "X,Y", value_parser = point, allow_hyphen_values = true)]
     at: Point,
     /// The image the point is in
-    #[arg(long = "in", value_enum, default_value_t = Side::Left, value_name = "IMAGE")]
-    side: Side,
+    #[arg(long = "in", value_enum, default_value_t = ImageSide::Left, value_name = "IMAGE")]
+    side: ImageSide,
     /// Search along the epipolar line of this fundamental matrix: a result of estimate, nine numbers, or any other format
     #[arg(long, value_name = "FILE")]
     fundamental: Option<PathBuf>,
@@ -42,42 +38,39 @@ pub(super) struct Arguments {
     /// Write the result as JSON, to standard output when it is -
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
-    /// Use a built-in pair instead of two files
-    #[arg(long, value_name = "NAME", conflicts_with = "left", num_args = 0..=1, default_missing_value = "")]
-    sample: Option<String>,
 }
 
 /// One of the two images.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, Serialize)]
 #[serde(rename_all = "kebab-case")]
-enum Side {
+enum ImageSide {
     /// The first image
     Left,
     /// The second image
     Right,
 }
 
-impl From<Side> for ClickedImage {
-    fn from(side: Side) -> Self {
+impl From<ImageSide> for ClickedImage {
+    fn from(side: ImageSide) -> Self {
         match side {
-            Side::Left => Self::First,
-            Side::Right => Self::Second,
+            ImageSide::Left => Self::First,
+            ImageSide::Right => Self::Second,
         }
     }
 }
 
 /// Suggests, writes the JSON file, prints the candidates.
-pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
+pub(super) fn run(arguments: &SuggestArguments) -> Result<(), CliError> {
     let output = Output::prepare(arguments.json.as_deref())?;
     let fundamental = arguments.fundamental.as_deref().map(read_fundamental).transpose()?;
-    let [image1, image2] = pictures(arguments)?;
+    let ([image1, image2], _) = arguments.images.load()?;
     let parameters = SuggestParameters { band: arguments.band, ..SuggestParameters::default() };
     let clicked = ClickedImage::from(arguments.side);
     let found = on_threads(arguments.threads, || {
         let prepared = PreparedPair::new(&image1.gray, &image2.gray);
         suggest(&prepared, arguments.at, clicked, fundamental.as_ref(), &parameters)
     })??;
-    let result = ResultFile {
+    let result = SuggestionFile {
         at: arguments.at,
         side: arguments.side,
         fundamental,
@@ -91,20 +84,12 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
     output.write(&result, &table(&found, arguments.at, clicked))
 }
 
-fn pictures(arguments: &Arguments) -> Result<[Picture; 2], CliError> {
-    match (&arguments.sample, &arguments.left, &arguments.right) {
-        (Some(name), ..) => Ok(built_in(name)?.load().pictures),
-        (None, Some(left), Some(right)) => Ok([Picture::open(left)?, Picture::open(right)?]),
-        _ => Err(CliError::Arguments("two images are needed, LEFT and RIGHT".into())),
-    }
-}
-
 /// The content of a result file. Positions are `[x, y]` in px, angles radians.
 #[derive(Serialize)]
-struct ResultFile<'a> {
+struct SuggestionFile<'a> {
     at: Point,
     #[serde(rename = "in")]
-    side: Side,
+    side: ImageSide,
     fundamental: Option<FundamentalMatrix>,
     clear: bool,
     message: String,

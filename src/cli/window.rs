@@ -10,7 +10,7 @@ use crate::geometry::PointPair;
 
 /// What the window opens with.
 #[derive(Debug, Args)]
-pub(super) struct Arguments {
+pub(super) struct WindowArguments {
     /// Two images to open, or a session (.json), or one folder with ground truth (VGG layout, or pairs NAMEA.*, NAMEB.* with NAME.txt);
     /// without them the built-in sample opens
     #[arg(value_names = ["LEFT", "RIGHT"], num_args = 0..=2)]
@@ -24,13 +24,13 @@ pub(super) struct Arguments {
 }
 
 /// Opens the window and returns when it is closed.
-pub(super) fn run(arguments: Arguments) -> Result<(), CliError> {
+pub(super) fn run(arguments: WindowArguments) -> Result<(), CliError> {
     let what = match &arguments.images[..] {
-        [] => Shown::Sample,
-        [left, right] => Shown::Images(left.clone(), right.clone()),
-        [folder] if folder.is_dir() => Shown::Folder(folder.clone()),
+        [] => WindowContent::Sample,
+        [left, right] => WindowContent::Images(left.clone(), right.clone()),
+        [folder] if folder.is_dir() => WindowContent::Folder(folder.clone()),
         [file] if file.extension().is_some_and(|e| e.eq_ignore_ascii_case("json")) => {
-            Shown::Session(file.clone())
+            WindowContent::Session(file.clone())
         }
         _ => {
             let problem = "two images are needed, LEFT and RIGHT, or a session (.json), or one folder with ground truth; one \
@@ -43,7 +43,7 @@ pub(super) fn run(arguments: Arguments) -> Result<(), CliError> {
 
 /// What the window opens with.
 #[cfg_attr(not(feature = "inspector"), expect(dead_code, reason = "there is no window to tell"))]
-enum Shown {
+enum WindowContent {
     Sample,
     Images(PathBuf, PathBuf),
     Folder(PathBuf),
@@ -52,20 +52,20 @@ enum Shown {
 
 /// Hands over to the window.
 #[cfg(feature = "inspector")]
-fn open(what: Shown, pairs: Vec<PointPair>, imports: Vec<PathBuf>) -> Result<(), CliError> {
+fn open(what: WindowContent, pairs: Vec<PointPair>, imports: Vec<PathBuf>) -> Result<(), CliError> {
     use crate::app::{Opening, Start, run};
     let opening = match what {
-        Shown::Sample => Opening::Sample,
-        Shown::Images(left, right) => Opening::Files(left, right),
-        Shown::Folder(folder) => Opening::Folder(folder),
-        Shown::Session(file) => Opening::Session(file),
+        WindowContent::Sample => Opening::Sample,
+        WindowContent::Images(left, right) => Opening::Files(left, right),
+        WindowContent::Folder(folder) => Opening::Folder(folder),
+        WindowContent::Session(file) => Opening::Session(file),
     };
     run(Start { opening, pairs, imports }).map_err(|error| CliError::Window(error.to_string()))
 }
 
 /// Without the window there is only the command line.
 #[cfg(not(feature = "inspector"))]
-fn open(_what: Shown, _pairs: Vec<PointPair>, _imports: Vec<PathBuf>) -> Result<(), CliError> {
+fn open(_what: WindowContent, _pairs: Vec<PointPair>, _imports: Vec<PathBuf>) -> Result<(), CliError> {
     Err(CliError::Window(
         "this build has no window; use the commands estimate and evaluate, or build with the feature inspector"
             .into(),

@@ -20,11 +20,11 @@ const SCALE_STEP: f64 = 0.03;
 const MOST_MATCHES: usize = 4000;
 /// A median below this fits, px.
 const FITS: f64 = 2.0;
-/// In large images, where matches are less exact in pixels: this share of the extent of the matches.
+/// Limit in large images, where matches are less exact in pixels: this share of the extent of the matches.
 const FITS_SHARE: f64 = 0.002;
 /// Standard errors between two readings that are told apart. About a hundred are compared.
 const CLEARLY: f64 = 4.0;
-/// And the difference must be worth a word: this share of what the better one leaves.
+/// Difference that is worth a word: this share of what the better one leaves.
 const MATERIAL: f64 = 0.1;
 /// A reading that does not fit is told from one that does, however few the matches, if its median is so many times as
 /// large.
@@ -72,11 +72,9 @@ pub struct ConventionCheck {
 }
 
 /// Tries all readings of a matrix on matches in the convention of this program. `given` is the matrix as it was
-/// read, on the assumption that the centre of its upper left pixel is `(assumed_origin, assumed_origin)`
-/// (see [`Format::origin`](crate::io::Format::origin)).
+/// read.
 pub fn check_convention(
     given: &FundamentalMatrix,
-    assumed_origin: f64,
     matches: &[PointPair],
 ) -> Result<ConventionCheck, CheckError> {
     if matches.len() < FEWEST_MATCHES {
@@ -91,7 +89,7 @@ pub fn check_convention(
     let limit = FITS.max(FITS_SHARE * extent(&matches));
 
     let mut readings: Vec<RankedReading> = Vec::new();
-    for reading in candidates(given, assumed_origin, &matches) {
+    for reading in candidates(given, &matches) {
         let Some(ranked) = RankedReading::new(reading, given, &matches, limit) else { continue };
         // Simpler ones come first, so the first name of a matrix is the simplest.
         if !readings.iter().any(|other| other.is_same(&ranked)) {
@@ -120,12 +118,11 @@ fn believe(readings: &mut Vec<RankedReading>, limit: f64) {
 }
 
 /// All readings to try, those with fewer changes first.
-fn candidates(given: &FundamentalMatrix, assumed_origin: f64, matches: &[PointPair]) -> Vec<Reading> {
-    let as_read = Reading::as_read(assumed_origin);
+fn candidates(given: &FundamentalMatrix, matches: &[PointPair]) -> Vec<Reading> {
     let mut readings = Vec::new();
     for (transposed, axes_exchanged) in [(false, false), (true, false), (false, true), (true, true)] {
         for origin in ORIGINS {
-            let turned = Reading { transposed, axes_exchanged, origin, ..as_read };
+            let turned = Reading { transposed, axes_exchanged, origin, ..Reading::AS_READ };
             let near = |a: f64, b: f64| (a / b).ln().abs() < SCALE_STEP;
             let found = estimated_scale(given, turned, matches);
             let found = found.filter(|s| !SCALES.iter().any(|known| near(*s, *known)));
@@ -294,7 +291,7 @@ impl ConventionCheck {
 
 /// Readings that cannot be told apart are named up to this many.
 const NAMED: usize = 3;
-/// With more of them than this, some reading was bound to fit.
+/// Number of alike readings beyond which some was bound to fit.
 const BY_CHANCE: usize = 12;
 
 /// Pixels with as many digits as matter.

@@ -18,7 +18,7 @@
 
 mod check;
 mod reading;
-#[cfg(test)]
+#[cfg(all(test, feature = "files"))]
 mod tests;
 
 pub use check::{CheckError, ConventionCheck, RankedReading, check_convention};

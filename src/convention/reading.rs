@@ -19,28 +19,19 @@ pub struct Reading {
     pub origin: f64,
     /// Size of the images that the matrix is for, over the size of those in which the matches are.
     pub scale: f64,
-    /// What the origin was taken for when the matrix was read.
-    #[serde(skip)]
-    pub(super) assumed_origin: f64,
 }
 
 impl Reading {
     /// The matrix means what it was taken for.
-    pub(super) fn as_read(assumed_origin: f64) -> Self {
-        Self { transposed: false, axes_exchanged: false, origin: assumed_origin, scale: 1.0, assumed_origin }
-    }
+    pub(super) const AS_READ: Self =
+        Self { transposed: false, axes_exchanged: false, origin: 0.0, scale: 1.0 };
 
-    /// How many things differ from how the matrix was read.
+    /// Number of things that differ from how the matrix was read.
     pub fn changes(&self) -> usize {
-        [
-            self.transposed,
-            self.axes_exchanged,
-            self.origin.to_bits() != self.assumed_origin.to_bits(),
-            self.scale.to_bits() != 1f64.to_bits(),
-        ]
-        .into_iter()
-        .filter(|changed| *changed)
-        .count()
+        [self.transposed, self.axes_exchanged, self.origin > 0.0, self.scale.to_bits() != 1f64.to_bits()]
+            .into_iter()
+            .filter(|changed| *changed)
+            .count()
     }
 
     /// Whether two readings differ in the origin at most.
@@ -51,7 +42,7 @@ impl Reading {
     /// `F` in the convention of this program, if the given one, taken as it stands, is to be read like this. `None`
     /// where numbers overflow.
     pub fn apply(&self, given: &FundamentalMatrix) -> Option<FundamentalMatrix> {
-        let shift = 0.5 * self.scale - 0.5 + self.origin - self.assumed_origin;
+        let shift = 0.5 * self.scale - 0.5 + self.origin;
         let s = self.scale;
         let given_from_ours = if self.axes_exchanged {
             Matrix3::new(0.0, s, shift, s, 0.0, shift, 0.0, 0.0, 1.0)
@@ -61,9 +52,7 @@ impl Reading {
         let matrix = if self.transposed { given.matrix().transpose() } else { *given.matrix() };
         FundamentalMatrix::from_rank_two(given_from_ours.transpose() * matrix * given_from_ours)
     }
-}
 
-impl Reading {
     /// The reading in a few words, for lists in which its full name would be too long.
     pub fn brief(&self) -> String {
         self.in_words("transposed")
@@ -80,7 +69,7 @@ impl Reading {
         if self.axes_exchanged {
             words.push("x and y exchanged".to_owned());
         }
-        if self.origin.to_bits() != self.assumed_origin.to_bits() {
+        if self.origin > 0.0 {
             words.push(format!("pixels counted from ({0}, {0})", self.origin));
         }
         if self.scale.to_bits() != 1f64.to_bits() {

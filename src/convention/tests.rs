@@ -50,8 +50,7 @@ fn readings() -> Vec<Reading> {
     for (transposed, axes_exchanged) in [(false, false), (true, false), (false, true), (true, true)] {
         for origin in [0.0, 0.5, 1.0] {
             for scale in [1.0, 0.5, 4.0, 0.71] {
-                let as_read = Reading::as_read(0.0);
-                readings.push(Reading { transposed, axes_exchanged, origin, scale, ..as_read });
+                readings.push(Reading { transposed, axes_exchanged, origin, scale });
             }
         }
     }
@@ -63,7 +62,7 @@ fn readings() -> Vec<Reading> {
 fn every_reading_is_found_where_it_matters() {
     for (seed, reading) in readings().into_iter().enumerate() {
         let (f, matches) = truth(2.8, 400, seed as u64);
-        let check = check_convention(&written(&f, &reading), 0.0, &matches).unwrap();
+        let check = check_convention(&written(&f, &reading), &matches).unwrap();
         let best = check.best();
         let found = &best.reading;
         let sentence = check.sentence();
@@ -100,7 +99,7 @@ fn origins_that_cannot_be_told_are_named() {
     let mut untold = 0;
     for (seed, reading) in readings().into_iter().enumerate() {
         let (f, matches) = truth(0.1, 60, seed as u64);
-        let check = check_convention(&written(&f, &reading), 0.0, &matches).unwrap();
+        let check = check_convention(&written(&f, &reading), &matches).unwrap();
         let sentence = check.sentence();
         let credible: Vec<_> =
             std::iter::once(check.best()).chain(check.alike()).map(|r| r.reading).collect();
@@ -119,17 +118,13 @@ fn origins_that_cannot_be_told_are_named() {
 #[test]
 fn as_read_is_said_plainly() {
     let (f, matches) = truth(2.8, 100, 1);
-    let check = check_convention(&f, 0.0, &matches).unwrap();
+    let check = check_convention(&f, &matches).unwrap();
     assert_eq!(check.best().reading.changes(), 0);
     let sentence = check.sentence();
     assert!(
         sentence.starts_with("The geometry fits as read. Half of the 100 matches lie within 0."),
         "{sentence}"
     );
-    // The file was in another convention, which its reader knew.
-    let ones = Reading { origin: 1.0, ..Reading::as_read(1.0) };
-    let check = check_convention(&f, 1.0, &matches).unwrap();
-    assert_eq!(check.best().reading, ones);
     let wrong = check.readings.iter().find(|r| r.reading.changes() == 1 && r.reading.transposed).unwrap();
     assert!(wrong.told_apart && wrong.reading.to_string().starts_with("transposed"));
 }
@@ -139,7 +134,7 @@ fn as_read_is_said_plainly() {
 fn few_matches_tell_what_fits_from_what_is_far_off() {
     for seed in 0..40 {
         let (f, matches) = truth(2.8, 9, seed);
-        let check = check_convention(&f, 0.0, &matches).unwrap();
+        let check = check_convention(&f, &matches).unwrap();
         let best = check.best();
         assert!(check.fits(), "{}", check.sentence());
         for other in &check.readings {
@@ -154,8 +149,8 @@ fn few_matches_tell_what_fits_from_what_is_far_off() {
 #[test]
 fn what_fits_worse_is_not_said_not_to_fit() {
     let (f, matches) = truth(2.8, 400, 3);
-    let corner = written(&f, &Reading { origin: 1.0, ..Reading::as_read(0.0) });
-    let check = check_convention(&corner, 0.0, &matches).unwrap();
+    let corner = written(&f, &Reading { origin: 1.0, ..Reading::AS_READ });
+    let check = check_convention(&corner, &matches).unwrap();
     let (as_read, sentence) = (check.as_read().unwrap(), check.sentence());
     assert!(as_read.told_apart && as_read.median < check.limit, "{sentence}");
     assert!(sentence.starts_with("The geometry fits worse as read ("), "{sentence}");
@@ -167,7 +162,7 @@ fn nothing_fits_matches_of_other_images() {
     let mut random = Pcg64Mcg::seed_from_u64(5);
     let mut next = || 700.0 * random.random::<f64>();
     let matches: Vec<_> = (0..200).map(|_| PointPair::new(next(), next(), next(), next())).collect();
-    let check = check_convention(&f, 0.0, &matches).unwrap();
+    let check = check_convention(&f, &matches).unwrap();
     assert!(!check.fits());
     let sentence = check.sentence();
     assert!(sentence.starts_with("No reading fits"), "{sentence}");
@@ -185,7 +180,7 @@ fn the_same_thing_is_listed_once() {
             PointPair::new(x, y, x + 3.0 + f64::from(k % 7), y + 0.1 * f64::from(k % 3))
         })
         .collect();
-    let check = check_convention(&f, 0.0, &matches).unwrap();
+    let check = check_convention(&f, &matches).unwrap();
     assert_eq!(
         check.readings.len(),
         2,
@@ -199,16 +194,16 @@ fn the_same_thing_is_listed_once() {
 #[test]
 fn too_few_and_broken_matches_are_refused() {
     let (f, matches) = truth(0.1, 8, 1);
-    assert!(check_convention(&f, 0.0, &matches).is_ok());
-    let error = check_convention(&f, 0.0, &matches[..7]).unwrap_err();
+    assert!(check_convention(&f, &matches).is_ok());
+    let error = check_convention(&f, &matches[..7]).unwrap_err();
     assert!(error.to_string().contains("at least 8 matches, 7 were given"), "{error}");
     let mut broken = matches;
     broken[3].point2.x = f64::NAN;
-    assert_eq!(check_convention(&f, 0.0, &broken).unwrap_err(), CheckError::NotFinite);
+    assert_eq!(check_convention(&f, &broken).unwrap_err(), CheckError::NotFinite);
     // Far beyond any image, and all at one place: an answer, whatever it says.
     let far = [PointPair::new(1e300, -1e300, 1e300, 1e300); 9];
-    let _ = check_convention(&f, 0.0, &far).unwrap().sentence();
-    let _ = check_convention(&f, 0.0, &[PointPair::new(1.0, 2.0, 3.0, 4.0); 9]).unwrap().sentence();
+    let _ = check_convention(&f, &far).unwrap().sentence();
+    let _ = check_convention(&f, &[PointPair::new(1.0, 2.0, 3.0, 4.0); 9]).unwrap().sentence();
 }
 
 /// Views of the VGG model house with their cameras, where they are there.
@@ -222,10 +217,10 @@ fn the_cameras_of_the_house_are_as_read() {
     let set = crate::io::VggFolder::open(&folder).unwrap();
     for view in 0..set.cameras.len() - 1 {
         let f = Camera::fundamental(&set.cameras[view], &set.cameras[view + 1]).unwrap();
-        let check = check_convention(&f, 0.0, &set.matches(view, view + 1)).unwrap();
+        let check = check_convention(&f, &set.matches(view, view + 1)).unwrap();
         println!("{view}-{}: {}", view + 1, check.sentence());
         assert!(check.fits() && check.best().reading.changes() == 0, "{}", check.sentence());
-        let turned = check_convention(&f.swapped(), 0.0, &set.matches(view, view + 1)).unwrap();
+        let turned = check_convention(&f.swapped(), &set.matches(view, view + 1)).unwrap();
         println!("  transposed: {}", turned.sentence());
         let found = turned.best().reading;
         assert!(found.transposed && found.changes() == 1, "{}", turned.sentence());

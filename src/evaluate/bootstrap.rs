@@ -27,15 +27,15 @@ const FEWEST: usize = 6;
 /// A 95 % interval, px. Infinite numbers are written as `null`.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Interval {
-    /// Its lower end.
+    /// Lower end.
     pub low: f64,
-    /// Its upper end, infinite where failures reach into it.
+    /// Upper end, infinite where failures reach into it.
     pub high: f64,
 }
 
 /// The errors of one contender on one pair.
 #[derive(Debug, Clone)]
-pub(super) struct Sample<'a> {
+pub(super) struct PairErrors<'a> {
     /// Name of the pair.
     pub(super) pair: &'a str,
     /// One a trial, px; infinite where there is no F.
@@ -44,7 +44,7 @@ pub(super) struct Sample<'a> {
 
 /// Interval of the median over pairs of the medians of their trials; with one pair, of its median. `None` where a
 /// pair has fewer than six trials.
-pub(super) fn interval(samples: &[Sample], seed: u64) -> Option<Interval> {
+pub(super) fn interval(samples: &[PairErrors], seed: u64) -> Option<Interval> {
     if samples.is_empty() || samples.iter().any(|s| s.errors.len() < FEWEST) {
         return None;
     }
@@ -57,7 +57,7 @@ pub(super) fn interval(samples: &[Sample], seed: u64) -> Option<Interval> {
     Some(Interval { low: place(0.5 * (1.0 - INSIDE)), high: place(0.5 * (1.0 + INSIDE)) })
 }
 
-fn resampled_medians(sample: &Sample, seed: u64) -> Vec<f64> {
+fn resampled_medians(sample: &PairErrors, seed: u64) -> Vec<f64> {
     let mut random = generator(seed, sample.pair, Purpose::Bootstrap, 0);
     let errors = &sample.errors;
     (0..DRAWS)
@@ -74,7 +74,7 @@ mod tests {
     use super::*;
 
     fn of(errors: &[f64], seed: u64) -> Option<Interval> {
-        interval(&[Sample { pair: "a", errors: errors.to_vec() }], seed)
+        interval(&[PairErrors { pair: "a", errors: errors.to_vec() }], seed)
     }
 
     /// Different numbers between 0 and 1 without order, median ½.
@@ -89,8 +89,8 @@ mod tests {
         assert!(of(&errors[..6], 1).is_some());
         assert_eq!(of(&errors[..5], 1), None);
         assert_eq!(interval(&[], 1), None);
-        let good = Sample { pair: "a", errors: errors.clone() };
-        let small = Sample { pair: "b", errors: errors[..5].to_vec() };
+        let good = PairErrors { pair: "a", errors: errors.clone() };
+        let small = PairErrors { pair: "b", errors: errors[..5].to_vec() };
         assert_eq!(interval(&[good, small], 1), None);
     }
 
@@ -117,7 +117,7 @@ mod tests {
         let pairs: Vec<_> = ["a", "b", "c", "d", "e", "f", "g", "h", "i"]
             .into_iter()
             .enumerate()
-            .map(|(k, pair)| Sample { pair, errors: numbers(10, 37 * k) })
+            .map(|(k, pair)| PairErrors { pair, errors: numbers(10, 37 * k) })
             .collect();
         let nine = width(interval(&pairs, 3));
         assert!(few > 1.5 * nine, "{few} {nine}");

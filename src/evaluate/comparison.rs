@@ -13,7 +13,7 @@ use crate::geometry::{
 
 /// An F fitted to point pairs.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Fit {
+pub struct PointFit {
     /// The matrix.
     pub fundamental: FundamentalMatrix,
     /// How many pairs it was fitted to.
@@ -25,7 +25,7 @@ pub struct Fit {
 /// Why there is none. Each message is a sentence without its end.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 pub enum FitError {
-    /// There are too few pairs.
+    /// Too few pairs.
     #[error("needs {missing} more pair{}", if *.missing == 1 { "" } else { "s" })]
     TooFew {
         /// How many are missing.
@@ -41,7 +41,7 @@ pub enum FitError {
 
 /// The seven-point algorithm on the first seven of the pairs; of its real solutions the one with the least mean
 /// symmetric epipolar distance of the points it is `judged` by.
-pub fn fit_seven(pairs: &[PointPair], judged: &[PointPair]) -> Result<Fit, FitError> {
+pub fn fit_seven(pairs: &[PointPair], judged: &[PointPair]) -> Result<PointFit, FitError> {
     let Some(seven) = pairs.first_chunk::<7>() else {
         return Err(FitError::TooFew { missing: 7 - pairs.len() });
     };
@@ -50,15 +50,15 @@ pub fn fit_seven(pairs: &[PointPair], judged: &[PointPair]) -> Result<Fit, FitEr
     let count = solutions.len();
     let best = solutions.into_iter().map(|f| (error(&f), f)).min_by(|a, b| a.0.total_cmp(&b.0));
     let (_, fundamental) = best.ok_or(SevenPointError::Degenerate)?;
-    Ok(Fit { fundamental, pairs: 7, solutions: count })
+    Ok(PointFit { fundamental, pairs: 7, solutions: count })
 }
 
 /// The normalised eight-point algorithm on all of the pairs, eight or more.
-pub fn fit_eight(pairs: &[PointPair]) -> Result<Fit, FitError> {
+pub fn fit_eight(pairs: &[PointPair]) -> Result<PointFit, FitError> {
     if pairs.len() < 8 {
         return Err(FitError::TooFew { missing: 8 - pairs.len() });
     }
-    Ok(Fit { fundamental: eight_point(pairs)?, pairs: pairs.len(), solutions: 1 })
+    Ok(PointFit { fundamental: eight_point(pairs)?, pairs: pairs.len(), solutions: 1 })
 }
 
 /// How far points are from a geometry, in their order, px. Infinite where no distance is defined.
@@ -71,7 +71,7 @@ pub struct Distances {
 }
 
 impl Distances {
-    /// Those of all the points.
+    /// Distances of all the points.
     pub fn of(f: &FundamentalMatrix, points: &[PointPair]) -> Self {
         // At both epipoles 0/0 would vanish from means and maxima.
         let defined = |distance: f64| if distance.is_nan() { f64::INFINITY } else { distance };
@@ -89,16 +89,16 @@ pub struct Spread {
     pub count: usize,
     /// The middle one, px.
     pub median: f64,
-    /// Their mean, px.
+    /// Mean distance, px.
     pub mean: f64,
     /// The largest, px.
     pub max: f64,
-    /// Which part is below 1 px, 0 to 1.
+    /// Share below 1 px, 0 to 1.
     pub below_one: f64,
 }
 
 impl Spread {
-    /// That of some distances; `None` when there are none.
+    /// The figures of some distances; `None` when there are none.
     pub fn of(distances: &[f64]) -> Option<Self> {
         let max = distances.iter().copied().max_by(f64::total_cmp)?;
         Some(Self {
@@ -147,7 +147,7 @@ mod tests {
     #[test]
     fn says_how_many_pairs_are_missing() {
         let scene = example_scene("scene", 7);
-        let words = |result: Result<Fit, FitError>| result.unwrap_err().to_string();
+        let words = |result: Result<PointFit, FitError>| result.unwrap_err().to_string();
         assert_eq!(words(fit_seven(&scene.matches[..2], &[])), "needs 5 more pairs");
         assert_eq!(words(fit_eight(&scene.matches)), "needs 1 more pair");
         assert!(words(fit_seven(&[scene.matches[0]; 7], &[])).contains("infinitely many"));

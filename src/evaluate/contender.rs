@@ -6,13 +6,13 @@ use std::time::Instant;
 
 use serde_json::{Value, json};
 
-use super::statistics::mean;
+use super::comparison::fit_seven;
 use super::{EvaluateError, Scene};
 use crate::estimate::{
     Estimate, Method, Monitor, Parameters, PreparedPair, Preset, Verdict, estimate, estimate_prepared,
     examine,
 };
-use crate::geometry::{FundamentalMatrix, PointPair, eight_point, seven_point};
+use crate::geometry::{FundamentalMatrix, PointPair, eight_point};
 
 /// What a contender found in one trial.
 #[derive(Debug, Clone)]
@@ -237,15 +237,8 @@ impl Contender for SevenPoint {
 
     fn estimate(&self, scene: &Scene, clicks: &[PointPair]) -> Result<Outcome, String> {
         let begun = Instant::now();
-        let solutions = seven_point(clicks).map_err(|e| e.to_string())?;
-        let seconds = begun.elapsed().as_secs_f64();
-        let error = |f: &FundamentalMatrix| mean(&scene.distances(f));
-        solutions
-            .into_iter()
-            .map(|f| (error(&f), f))
-            .min_by(|a, b| a.0.total_cmp(&b.0))
-            .map(|(_, f)| from_points(f, seconds))
-            .ok_or_else(|| "the seven-point algorithm found no solution".to_owned())
+        let fit = fit_seven(clicks, &scene.matches).map_err(|e| e.to_string())?;
+        Ok(from_points(fit.fundamental, begun.elapsed().as_secs_f64()))
     }
 }
 
@@ -285,7 +278,9 @@ fn from_points(fundamental: FundamentalMatrix, seconds: f64) -> Outcome {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::evaluate::mean;
     use crate::evaluate::scene::tests::example_scene;
+    use crate::geometry::seven_point;
 
     fn only(name: &str) -> Box<dyn Contender> {
         contenders(&[name.to_owned()], &[Parameters::default()]).unwrap().remove(0)

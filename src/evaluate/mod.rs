@@ -43,11 +43,11 @@ mod statistics;
 mod table;
 
 pub use bootstrap::Interval;
-pub use comparison::{Distances, Fit, FitError, Spread, fit_eight, fit_seven};
+pub use comparison::{Distances, FitError, PointFit, Spread, fit_eight, fit_seven};
 pub use contender::{Choice, Contender, Detail, METHODS, MethodEntry, Outcome, contenders, method_names};
 pub use printed::PrintedErrors;
 pub use protocol::{Draws, KnownPair, Protocol};
-pub use publication::{Subject, publication};
+pub use publication::{ReportSubject, publication};
 pub use ranking::SearchRecord;
 pub use report::{Overall, Record, Report, Settings, Shares, TrialRecord, Verdicts};
 pub use run::{Plan, TrialDone, run};

@@ -23,7 +23,7 @@ pub(super) const OFF_LINE: f64 = 0.12;
 /// What the choice of clicks depends on: all that is known about an image pair, but not its pixels.
 #[derive(Debug, Clone, Copy)]
 pub struct KnownPair<'a> {
-    /// Its name.
+    /// Name of the pair.
     pub name: &'a str,
     /// The sizes of the images.
     pub frames: [Frame; 2],
@@ -73,7 +73,7 @@ impl KnownPair<'_> {
 pub enum Protocol {
     /// Any matches at least 30 px apart in both images.
     Paper,
-    /// These, and each point at least 12 % of the longer side away from the other's true epipolar line, in
+    /// Points of `Paper`, and each at least 12 % of the longer side away from the other's true epipolar line, in
     /// both images: nearer ones leave the epipoles (nearly) undetermined.
     WellPosed,
     /// Well-posed, but the second pair is a mistake: its point in image 2 is that of another match. No geometry
@@ -82,7 +82,7 @@ pub enum Protocol {
 }
 
 impl Protocol {
-    /// Its name on the command line and in files.
+    /// Name on the command line and in files.
     pub fn name(self) -> &'static str {
         match self {
             Self::Paper => "paper",
@@ -97,7 +97,7 @@ impl Protocol {
     }
 }
 
-/// At least the spacing apart in both images.
+/// Whether two matches are at least the spacing apart in both images.
 fn apart(p: &PointPair, q: &PointPair) -> bool {
     (p.point1 - q.point1).norm() >= SPACING && (p.point2 - q.point2).norm() >= SPACING
 }

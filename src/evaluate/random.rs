@@ -6,15 +6,15 @@ use rand_pcg::Pcg64Mcg;
 /// What random numbers are for: each purpose has its own sequence.
 #[derive(Clone, Copy)]
 pub(super) enum Purpose {
-    /// Which two matches are clicked.
+    /// Choice of the two matches that are clicked.
     Combinations,
-    /// Which further ones.
+    /// Choice of further matches.
     Further,
     /// How far off.
     Noise,
-    /// Where a wrong click goes.
+    /// Choice of where a wrong click goes.
     Mistake,
-    /// Which trials a resampled median is made of.
+    /// Choice of the trials that make a resampled median.
     Bootstrap,
 }
 

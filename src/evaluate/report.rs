@@ -3,7 +3,7 @@
 use serde::Serialize;
 use serde_json::Value;
 
-use super::bootstrap::{self, Interval, Sample};
+use super::bootstrap::{self, Interval, PairErrors};
 use super::ranking::SearchRecord;
 use super::statistics::{mean, median, share_below};
 use super::{Contender, Plan, Scene};
@@ -15,7 +15,7 @@ use crate::geometry::FundamentalMatrix;
 pub struct TrialRecord {
     /// Number of the trial, from 0.
     pub trial: usize,
-    /// Which true matches were clicked, counted from 0.
+    /// Numbers of the true matches that were clicked, from 0.
     pub matches: Vec<usize>,
     /// Where, as `x1 y1 x2 y2`, noise included, px.
     pub clicks: Vec<[f64; 4]>,
@@ -50,11 +50,11 @@ pub struct Verdicts {
     pub results: usize,
     /// Results called reliable.
     pub called_reliable: usize,
-    /// Of these, good ones.
+    /// Number of good ones among these.
     pub called_reliable_and_good: usize,
     /// Results that are not good.
     pub bad: usize,
-    /// Of these, those not called reliable.
+    /// Number of these that were not called reliable.
     pub bad_and_not_called_reliable: usize,
 }
 
@@ -86,7 +86,7 @@ impl Verdicts {
     }
 }
 
-/// Which part of the trials, 0 to 1, is better than a limit; failures are not.
+/// Share of the trials, 0 to 1, that is better than a limit; failures are not.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Shares {
     /// Error below 1 px.
@@ -144,7 +144,7 @@ impl Record {
         trials: Vec<TrialRecord>,
     ) -> Self {
         let errors = errors(&trials);
-        let sample = Sample { pair: &scene.name, errors: errors.clone() };
+        let sample = PairErrors { pair: &scene.name, errors: errors.clone() };
         let seconds: Vec<f64> = trials.iter().map(|t| t.seconds).collect();
         let first: Vec<f64> = trials.iter().filter_map(|t| t.first_seconds).collect();
         let size = |k: usize| [scene.images[k].frame().width, scene.images[k].frame().height];
@@ -218,7 +218,7 @@ impl Overall {
         let made: Vec<_> = records.iter().filter(|r| !r.trials.is_empty()).collect();
         let trials = || made.iter().flat_map(|r| r.trials.iter());
         let samples: Vec<_> =
-            made.iter().map(|r| Sample { pair: &r.pair, errors: errors(&r.trials) }).collect();
+            made.iter().map(|r| PairErrors { pair: &r.pair, errors: errors(&r.trials) }).collect();
         let printed: Option<Vec<f64>> = made.iter().map(|r| r.printed).collect();
         let errors: Vec<f64> = trials().map(|t| t.mean).collect();
         let medians: Vec<f64> = made.iter().map(|r| r.median).collect();

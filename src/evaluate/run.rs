@@ -41,13 +41,13 @@ pub struct TrialDone {
     pub pair: String,
     /// Method and preset.
     pub contender: String,
-    /// Its error, px; infinite without an F.
+    /// Error of the trial, px; infinite without an F.
     pub error: f64,
 }
 
 /// One trial of one contender on one scene.
 #[derive(Debug, Clone)]
-struct Job {
+struct TrialJob {
     scene: usize,
     contender: usize,
     trial: usize,
@@ -107,7 +107,7 @@ fn plan_jobs(
     contenders: &[Box<dyn Contender>],
     plan: &Plan,
     draws: &[Draws],
-) -> (Vec<Job>, Vec<String>) {
+) -> (Vec<TrialJob>, Vec<String>) {
     let mut jobs = Vec::new();
     let mut notes = Vec::new();
     for (scene, draws) in draws.iter().enumerate() {
@@ -125,7 +125,7 @@ fn plan_jobs(
             let before = jobs.len();
             jobs.extend((0..draws.trials()).filter_map(|trial| {
                 let matches = draws.matches(trial, who.clicks_needed())?;
-                Some(Job { scene, contender, trial, matches })
+                Some(TrialJob { scene, contender, trial, matches })
             }));
             let missing = draws.trials() - (jobs.len() - before);
             if missing > 0 {
@@ -146,7 +146,7 @@ fn run_jobs(
     contenders: &[Box<dyn Contender>],
     plan: &Plan,
     draws: &[Draws],
-    jobs: &[Job],
+    jobs: &[TrialJob],
     progress: &(dyn Fn(&TrialDone) + Sync),
     stop: &CancelFlag,
 ) -> Result<Vec<(usize, TrialRecord)>, EvaluateError> {
@@ -186,7 +186,7 @@ fn run_jobs(
 }
 
 /// One trial. A panic of the contender is a failed trial, not the end of an hour's work.
-fn run_trial(scene: &Scene, contender: &dyn Contender, draws: &Draws, job: &Job) -> TrialRecord {
+fn run_trial(scene: &Scene, contender: &dyn Contender, draws: &Draws, job: &TrialJob) -> TrialRecord {
     let clicks = draws.clicks(job.trial, &job.matches);
     let started = Instant::now();
     let outcome = catch_unwind(AssertUnwindSafe(|| contender.estimate(scene, &clicks)))

@@ -62,7 +62,7 @@ pub enum EvaluateError {
 /// An image pair with true matches and a true F.
 #[derive(Debug, Clone)]
 pub struct Scene {
-    /// Its name, unique within a run.
+    /// Name, unique within a run.
     pub name: String,
     /// The images.
     pub images: [Arc<GrayPlane>; 2],
@@ -160,7 +160,7 @@ pub fn pair_scenes(folder: &Path, only: &[String]) -> Result<Vec<Scene>, Evaluat
         .collect()
 }
 
-/// Those whose name is among `only`, in their own order; all when `only` is empty.
+/// Scenes whose name is among `only`, in their own order; all when `only` is empty.
 fn chosen<T>(all: Vec<T>, only: &[String], name: impl Fn(&T) -> &String) -> Result<Vec<T>, EvaluateError> {
     if let Some(unknown) = only.iter().find(|asked| all.iter().all(|t| name(t) != *asked)) {
         let known = all.iter().map(|t| name(t).as_str()).collect::<Vec<_>>().join(", ");

@@ -24,7 +24,7 @@ pub fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
 }
 
-/// Which part of the values, 0 to 1, is below the limit; NaN when there are none.
+/// Share of the values below the limit, 0 to 1; NaN when there are none.
 pub fn share_below(values: &[f64], limit: f64) -> f64 {
     values.iter().filter(|v| **v < limit).count() as f64 / values.len() as f64
 }

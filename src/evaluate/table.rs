@@ -89,7 +89,7 @@ fn headings(printed: bool) -> Vec<String> {
 /// The column of what is printed, right of the median and its interval.
 const AFTER_INTERVAL: usize = 6;
 
-/// Where the search and its rankings stand, one row a pair and contender that chooses: medians of the trials.
+/// Ranks of the search, one row a pair and contender that chooses: medians of the trials.
 /// Empty when none does.
 pub fn search_table(report: &Report) -> String {
     let headings = [

@@ -34,9 +34,9 @@ pub enum NotFundamental {
 
 /// Third over second singular value in conditioned coordinates. Matrices rounded to two digits stay below it.
 const MOST_THIRD: f64 = 0.05;
-/// The same in pixels, where homographies have a thousandth.
+/// Third over second singular value in pixels, where homographies have a thousandth.
 const CLEAR_IN_PIXELS: f64 = 1e-4;
-/// Of images whose size is unknown, px.
+/// Assumed side of images whose size is unknown, px.
 const TYPICAL: Frame = Frame { width: 1000, height: 1000 };
 
 impl FundamentalMatrix {
@@ -77,7 +77,7 @@ impl FundamentalMatrix {
         std::array::from_fn(|r| std::array::from_fn(|c| self.0[(r, c)]))
     }
 
-    /// From numbers of unknown origin, in pixels of images of the given sizes (1000×1000 px where they are unknown). A
+    /// A matrix from numbers of unknown origin, in pixels of images of the given sizes (1000×1000 px where they are unknown). A
     /// matrix of rank 3 that is nearly one of rank 2 (rounded, or estimated without that constraint) is brought to the
     /// nearest one in conditioned coordinates, which keeps its lines; the [`rows`](Self::rows) of a fundamental
     /// matrix give that matrix again, bit for bit.
@@ -114,7 +114,7 @@ impl FundamentalMatrix {
             .ok_or(NotFundamental::RankBelowTwo)
     }
 
-    /// From nested rows, as [`from_numbers`](Self::from_numbers) for images of unknown size.
+    /// A matrix from nested rows, as [`from_numbers`](Self::from_numbers) for images of unknown size.
     pub fn from_rows(rows: [[f64; 3]; 3]) -> Result<Self, NotFundamental> {
         Self::from_numbers(Matrix3::from_fn(|r, c| rows[r][c]), None)
     }
@@ -289,8 +289,7 @@ mod tests {
         let g = f.rescaled(0.5, 0.25).unwrap();
         let x = nalgebra::Point3::new(0.3, -0.2, 5.0);
         let (a, b) = (camera1.project(&x).unwrap(), camera2.project(&x).unwrap());
-        let resized = |p: Point, s: f64| Point::new((p.x + 0.5) * s - 0.5, (p.y + 0.5) * s - 0.5);
-        let pair = PointPair { point1: resized(a, 0.5), point2: resized(b, 0.25) };
+        let pair = PointPair { point1: a, point2: b }.rescaled([0.5, 0.25]);
         assert!(symmetric_epipolar_distance(&g, &pair) < 1e-9);
     }
 }

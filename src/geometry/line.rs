@@ -69,7 +69,7 @@ impl Line {
         point - self.0.xy() * self.signed_distance(point)
     }
 
-    /// The same points, opposite orientation.
+    /// The line with the opposite orientation.
     #[must_use]
     pub fn reversed(&self) -> Self {
         Self(-self.0)

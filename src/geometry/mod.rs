@@ -38,7 +38,7 @@ pub use frame::{Frame, Segment};
 pub use fundamental::{FundamentalMatrix, NotFundamental};
 pub use homography::{homography, transfer_error};
 pub use line::Line;
-pub use pencil::{LinePair, PencilMap, fit_pencil_map, pencil_angles};
+pub use pencil::{LinePair, PencilMap, pencil_angles};
 pub use point::{HomogeneousPoint, PointPair, finite_point, place_in_words, rescaled};
 pub use residual::{algebraic_residual, sampson_distance, symmetric_epipolar_distance};
 pub use robust_fit::{FundamentalFit, Matrix9, Observation, fit_fundamental};

@@ -17,7 +17,7 @@
 //! line's positive side is the side of the other click. Then κ > 0 keeps the lines that pass between the
 //! two clicks in image 1 between them in image 2, as it must be for points in front of both cameras.
 
-use nalgebra::{Matrix2, Vector2};
+use nalgebra::Vector2;
 
 use super::{FundamentalMatrix, Line, Point, PointPair};
 
@@ -55,7 +55,7 @@ impl PencilMap {
         }
     }
 
-    /// The same bases with another κ.
+    /// The map of the same bases with another κ.
     #[must_use]
     pub fn with_kappa(self, kappa: f64) -> Self {
         Self { kappa, ..self }
@@ -137,33 +137,6 @@ impl PencilMap {
     }
 }
 
-/// Fits the 2×2 map `c2 ∝ M c1` of pencil coordinates to three or more correspondences by DLT; `None`
-/// when they do not determine it. Frobenius norm 1.
-pub fn fit_pencil_map(pairs: &[(Vector2<f64>, Vector2<f64>)]) -> Option<Matrix2<f64>> {
-    if pairs.len() < 3 {
-        return None;
-    }
-    // c2 × (M c1) = 0, one equation a pair, on coordinates of unit length so that each counts alike.
-    let mut normal = nalgebra::Matrix4::<f64>::zeros();
-    for (c1, c2) in pairs {
-        let (a, b) = (c1.try_normalize(0.0)?, c2.try_normalize(0.0)?);
-        let row = nalgebra::Vector4::new(b.y * a.x, b.y * a.y, -b.x * a.x, -b.x * a.y);
-        normal += row * row.transpose();
-    }
-    let eigen = normal.symmetric_eigen();
-    let order = {
-        let mut order = [0, 1, 2, 3];
-        order.sort_by(|i, j| eigen.eigenvalues[*i].total_cmp(&eigen.eigenvalues[*j]));
-        order
-    };
-    // A second null direction means that fewer than three different lines were given.
-    if eigen.eigenvalues[order[1]] < 1e-12 * eigen.eigenvalues[order[3]] {
-        return None;
-    }
-    let m = eigen.eigenvectors.column(order[0]);
-    Some(Matrix2::new(m[0], m[1], m[2], m[3]))
-}
-
 /// Directions of a pencil of undirected lines through `centre`: angles in `[0, π)`, neighbouring lines at
 /// most `spacing` px apart at distance `reach` px.
 pub fn pencil_angles(reach: f64, spacing: f64) -> Vec<f64> {
@@ -209,21 +182,6 @@ mod tests {
             let g = map.with_kappa(kappa).fundamental().unwrap();
             assert!((f.matrix() - g.matrix()).norm() < 1e-9);
         }
-    }
-
-    #[test]
-    fn the_fitted_map_agrees_with_kappa() {
-        let (_, map, points) = example();
-        let kappa = map.kappa_from_point_pair(&points[2]).unwrap();
-        let correspondences: Vec<_> =
-            points.iter().map(|p| (map.coordinates1(p.point1), map.coordinates2(p.point2))).collect();
-        for n in [3, 12] {
-            let m = fit_pencil_map(&correspondences[..n]).unwrap();
-            assert!(m[(0, 1)].abs() < 1e-9 && m[(1, 0)].abs() < 1e-9);
-            assert!((m[(1, 1)] / m[(0, 0)] / kappa - 1.0).abs() < 1e-7);
-        }
-        assert!(fit_pencil_map(&correspondences[..2]).is_none());
-        assert!(fit_pencil_map(&[correspondences[3]; 5]).is_none());
     }
 
     #[test]

@@ -25,13 +25,13 @@ impl PointPair {
         Self { point1: Point::new(x1, y1), point2: Point::new(x2, y2) }
     }
 
-    /// The same pair with the images exchanged.
+    /// The pair with the images exchanged.
     #[must_use]
     pub fn swapped(self) -> Self {
         Self { point1: self.point2, point2: self.point1 }
     }
 
-    /// The same pair after both images were resized by these factors.
+    /// The pair after both images were resized, see [`rescaled`].
     #[must_use]
     pub fn rescaled(&self, scales: [f64; 2]) -> Self {
         Self { point1: rescaled(self.point1, scales[0]), point2: rescaled(self.point2, scales[1]) }
@@ -43,10 +43,10 @@ impl PointPair {
     }
 }
 
-/// A point after its image was resized by a factor: corners of pixels stay corners, so centres map as
+/// A point after its image was resized by `scale` (new size over old size): pixel centres map as
 /// `x' = (x + ½)·scale − ½`.
-pub fn rescaled(point: Point, scale: f64) -> Point {
-    Point::new((point.x + 0.5) * scale - 0.5, (point.y + 0.5) * scale - 0.5)
+pub fn rescaled(p: Point, scale: f64) -> Point {
+    Point::new((p.x + 0.5) * scale - 0.5, (p.y + 0.5) * scale - 0.5)
 }
 
 /// The pixel position of a homogeneous point, or `None` when it is at infinity or beyond 10⁹ px.

@@ -34,7 +34,7 @@ impl RandomScene {
         self.seen(count, |_, _, depth| depth)
     }
 
-    /// The same of points on one slanted plane.
+    /// Exact images of `count` points on one slanted plane.
     pub(super) fn planar_pairs(&mut self, count: usize) -> Vec<PointPair> {
         self.seen(count, |x, y, _| 6.0 + 0.4 * x - 0.3 * y)
     }

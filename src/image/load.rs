@@ -15,7 +15,7 @@ use crate::geometry::Frame;
 pub struct Picture {
     /// What to call it: the file name, or the name of a built-in sample.
     pub name: String,
-    /// Where it came from, if from a file.
+    /// Path of the file that it came from, if any.
     pub path: Option<PathBuf>,
     /// Pixels with the depth and channels of the file.
     pub pixels: DynamicImage,
@@ -102,7 +102,7 @@ impl Picture {
         Ok(Self { name, path, pixels, gray })
     }
 
-    /// Its size.
+    /// Width and height.
     pub fn frame(&self) -> Frame {
         self.gray.frame()
     }

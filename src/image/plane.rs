@@ -28,7 +28,7 @@ impl GrayPlane {
         Self { frame, values }
     }
 
-    /// Its size.
+    /// Width and height.
     pub fn frame(&self) -> Frame {
         self.frame
     }

@@ -11,12 +11,12 @@ pub enum PictureFormat {
     /// 8 and 16 bits, with alpha.
     #[default]
     Png,
-    /// The same, and floating-point pixels.
+    /// 8 and 16 bits and floating point, with alpha.
     Tiff,
 }
 
 impl PictureFormat {
-    /// All of them.
+    /// Every format.
     pub const ALL: [Self; 2] = [Self::Png, Self::Tiff];
 
     /// The extension of its files, without a dot.

@@ -12,7 +12,7 @@ const MOST_BYTES: u64 = 256 << 20;
 /// Why a file or folder could not be read. Each message is one sentence for the user.
 #[derive(Debug, Error)]
 pub enum ReadError {
-    /// It is missing or may not be read.
+    /// The file is missing or may not be read.
     #[error("cannot read {path}: {reason}")]
     Open {
         /// The file or folder.

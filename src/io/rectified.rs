@@ -41,7 +41,7 @@ pub enum RectifiedError {
     /// A picture cannot be encoded.
     #[error(transparent)]
     Picture(#[from] PictureError),
-    /// It was stopped.
+    /// Writing was stopped.
     #[error("stopped; files that were written before stay")]
     Cancelled,
     /// A picture would take the place of what it is made from.
@@ -132,7 +132,7 @@ impl RectifiedFiles {
         Ok(())
     }
 
-    /// Where everything is, in the order of writing.
+    /// Paths of all files, in the order of writing.
     pub fn paths(&self) -> Vec<PathBuf> {
         let maps = self.maps.iter().flatten();
         self.pictures

@@ -37,13 +37,13 @@ pub enum SessionError {
     /// The file could not be read.
     #[error(transparent)]
     Read(#[from] ReadError),
-    /// It is something else.
+    /// The file is something else.
     #[error("{path} is not a session of Epiline")]
     Foreign {
         /// The file.
         path: String,
     },
-    /// It is larger than any session.
+    /// The file is larger than any session.
     #[error("{path} is too large to be a session of Epiline ({megabytes} MB)")]
     TooLarge {
         /// The file.
@@ -51,7 +51,7 @@ pub enum SessionError {
         /// Its size.
         megabytes: u64,
     },
-    /// It comes from a later program.
+    /// The file comes from a later program.
     #[error(
         "{path} was saved by a newer Epiline (version {version} of the format, this program knows {SESSION_VERSION}): \
          update Epiline to open it"
@@ -59,7 +59,7 @@ pub enum SessionError {
     Newer {
         /// The file.
         path: String,
-        /// Its version.
+        /// Version of its format.
         version: u64,
     },
     /// Something in it is missing or not as it should be.
@@ -80,7 +80,7 @@ pub enum ImageSource {
     File {
         /// Relative to the folder of the session where there is such a path; with `/` between folders.
         path: String,
-        /// Of its bytes, hexadecimal.
+        /// SHA-256 of its bytes, hexadecimal.
         sha256: String,
     },
     /// One of the two pictures of a built-in sample.
@@ -93,7 +93,7 @@ pub enum ImageSource {
 /// An image of a session.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ImageReference {
-    /// Where it comes from.
+    /// Origin of the image.
     #[serde(flatten)]
     pub source: ImageSource,
     /// Its size, px.
@@ -125,7 +125,7 @@ pub struct SessionFile<T> {
 
 /// The fields of the file.
 #[derive(Serialize)]
-struct Written<'a, T> {
+struct WrittenSession<'a, T> {
     format: &'static str,
     version: u64,
     program: &'static str,
@@ -136,9 +136,9 @@ struct Written<'a, T> {
     content: &'a T,
 }
 
-/// The same as read.
+/// A session file as read.
 #[derive(Deserialize)]
-struct Found<T> {
+struct ReadSession<T> {
     images: [ImageReference; 2],
     #[serde(default)]
     fundamental: Option<FundamentalMatrix>,
@@ -148,7 +148,7 @@ struct Found<T> {
 impl<T: Serialize> SessionFile<T> {
     /// The whole file.
     pub fn to_text(&self) -> Result<String, serde_json::Error> {
-        let written = Written {
+        let written = WrittenSession {
             format: FORMAT,
             version: SESSION_VERSION,
             program: env!("CARGO_PKG_VERSION"),
@@ -196,7 +196,7 @@ impl<T: DeserializeOwned> SessionFile<T> {
                 return Err(SessionError::Damaged { path: shown(), problem });
             }
         }
-        let Found { images, fundamental, content } = serde_json::from_value(value).map_err(damaged)?;
+        let ReadSession { images, fundamental, content } = serde_json::from_value(value).map_err(damaged)?;
         Ok(Self { images, fundamental, content })
     }
 }

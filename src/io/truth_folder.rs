@@ -16,11 +16,11 @@ use super::vgg::VggFolder;
 pub struct TruthFolder {
     path: PathBuf,
     names: Vec<String>,
-    layout: Layout,
+    layout: FolderLayout,
 }
 
 #[derive(Debug, Clone)]
-enum Layout {
+enum FolderLayout {
     Views(VggFolder),
     Pairs(Vec<PairFiles>),
 }
@@ -30,11 +30,14 @@ impl TruthFolder {
     pub fn open(path: &Path) -> Result<Self, ReadError> {
         let entries = read_folder(path)?;
         let is_vgg = entries.iter().any(|entry| entry.extension().is_some_and(|e| e == "nview-corners"));
-        let layout =
-            if is_vgg { Layout::Views(VggFolder::open(path)?) } else { Layout::Pairs(find_pairs(path)?) };
+        let layout = if is_vgg {
+            FolderLayout::Views(VggFolder::open(path)?)
+        } else {
+            FolderLayout::Pairs(find_pairs(path)?)
+        };
         let images: Vec<&PathBuf> = match &layout {
-            Layout::Views(set) => set.images.iter().collect(),
-            Layout::Pairs(pairs) => pairs.iter().flat_map(|files| &files.images).collect(),
+            FolderLayout::Views(set) => set.images.iter().collect(),
+            FolderLayout::Pairs(pairs) => pairs.iter().flat_map(|files| &files.images).collect(),
         };
         if images.is_empty() {
             let problem = "no image pairs with ground truth found, expected a VGG folder (PREFIX.NNN.P, \
@@ -47,7 +50,7 @@ impl TruthFolder {
         Ok(Self { path: path.to_owned(), names, layout })
     }
 
-    /// Where it is.
+    /// Path of the folder.
     pub fn path(&self) -> &Path {
         &self.path
     }
@@ -59,20 +62,13 @@ impl TruthFolder {
 
     /// Whether any two views are a pair.
     pub fn pairs_freely(&self) -> bool {
-        matches!(self.layout, Layout::Views(_))
+        matches!(self.layout, FolderLayout::Views(_))
     }
 
     /// Whether two views are a pair.
     pub fn is_pair(&self, [view1, view2]: [usize; 2]) -> bool {
         let exist = view1.max(view2) < self.names.len();
         exist && if self.pairs_freely() { view1 != view2 } else { view1 % 2 == 0 && view2 == view1 + 1 }
-    }
-
-    /// The pair of two views by their names, if they are one.
-    pub fn pair_of(&self, names: &[String; 2]) -> Option<[usize; 2]> {
-        let number = |name: &String| self.names.iter().position(|other| other == name);
-        let pair = [number(&names[0])?, number(&names[1])?];
-        self.is_pair(pair).then_some(pair)
     }
 
     /// The pair behind another, or the one before it: of a sequence of views the next two as far apart.
@@ -85,8 +81,8 @@ impl TruthFolder {
     /// What a pair is called.
     pub fn pair_name(&self, [view1, view2]: [usize; 2]) -> String {
         match &self.layout {
-            Layout::Views(_) => format!("{} and {}", self.names[view1], self.names[view2]),
-            Layout::Pairs(pairs) => pairs[view1 / 2].name.clone(),
+            FolderLayout::Views(_) => format!("{} and {}", self.names[view1], self.names[view2]),
+            FolderLayout::Pairs(pairs) => pairs[view1 / 2].name.clone(),
         }
     }
 
@@ -96,8 +92,8 @@ impl TruthFolder {
     /// When there is no such view.
     pub fn image(&self, view: usize) -> &Path {
         match &self.layout {
-            Layout::Views(set) => &set.images[view],
-            Layout::Pairs(pairs) => &pairs[view / 2].images[view % 2],
+            FolderLayout::Views(set) => &set.images[view],
+            FolderLayout::Pairs(pairs) => &pairs[view / 2].images[view % 2],
         }
     }
 
@@ -107,8 +103,8 @@ impl TruthFolder {
     /// When the views do not exist.
     pub fn truth(&self, pair: [usize; 2]) -> Result<GroundTruth, TruthError> {
         match &self.layout {
-            Layout::Views(set) => GroundTruth::of_views(set, pair),
-            Layout::Pairs(pairs) => GroundTruth::of_pair(&pairs[pair[0] / 2]),
+            FolderLayout::Views(set) => GroundTruth::of_views(set, pair),
+            FolderLayout::Pairs(pairs) => GroundTruth::of_pair(&pairs[pair[0] / 2]),
         }
     }
 }
@@ -148,8 +144,6 @@ mod tests {
         assert_eq!(set.neighbour([1, 2], true), None);
         assert_eq!(set.neighbour([0, 1], false), None);
         assert_eq!(set.neighbour([1, 0], true), Some([2, 1]));
-        assert_eq!(set.pair_of(&["set.002", "set.000"].map(str::to_owned)), Some([2, 0]));
-        assert_eq!(set.pair_of(&["set.002", "set.002"].map(str::to_owned)), None);
         let truth = set.truth([0, 2]).unwrap();
         assert_eq!((&truth.name[..], truth.origin), ("0-2", TruthOrigin::Cameras));
         assert_eq!(

@@ -1,15 +1,15 @@
 //! What a document consists of.
 
-use super::plot::Drawing;
+use super::plot::SvgDrawing;
 
 /// A document of numbered tables and figures under headings. All texts are plain.
 #[derive(Debug, Clone)]
-pub struct Document {
-    /// Its title.
+pub struct Publication {
+    /// Title on top of it.
     pub title: String,
     /// One line below the title.
     pub subtitle: String,
-    /// Its content.
+    /// Content in order.
     pub blocks: Vec<Block>,
 }
 
@@ -29,14 +29,14 @@ pub enum Block {
     /// Names with their values, without number or caption.
     Facts(Vec<(String, String)>),
     /// A table.
-    Table(Table),
+    Table(TextTable),
     /// A figure.
     Figure(Figure),
 }
 
 /// A table with a caption.
 #[derive(Debug, Clone)]
-pub struct Table {
+pub struct TextTable {
     /// What it shows.
     pub caption: String,
     /// Names of the columns.
@@ -55,12 +55,12 @@ pub struct Figure {
     /// Name of its file where it has one: lower-case letters, digits and `-`.
     pub name: String,
     /// The drawing.
-    pub drawing: Drawing,
+    pub drawing: SvgDrawing,
     /// What it shows.
     pub caption: String,
 }
 
-impl Document {
+impl Publication {
     /// A document without content.
     pub fn new(title: impl Into<String>, subtitle: impl Into<String>) -> Self {
         Self { title: title.into(), subtitle: subtitle.into(), blocks: Vec::new() }
@@ -99,12 +99,12 @@ impl Document {
     }
 
     /// Appends a table.
-    pub fn table(&mut self, table: Table) {
+    pub fn table(&mut self, table: TextTable) {
         self.blocks.push(Block::Table(table));
     }
 
     /// Appends a figure.
-    pub fn figure(&mut self, name: impl Into<String>, drawing: Drawing, caption: impl Into<String>) {
+    pub fn figure(&mut self, name: impl Into<String>, drawing: SvgDrawing, caption: impl Into<String>) {
         self.blocks.push(Block::Figure(Figure { name: name.into(), drawing, caption: caption.into() }));
     }
 
@@ -129,9 +129,9 @@ pub(super) mod tests {
     use maud::html as markup;
 
     /// A document with one block of each kind and two figures, which says `text` everywhere.
-    pub(in crate::publish) fn example(text: &str) -> Document {
-        let drawing = Drawing::new(20.0, 10.0, markup! { text x="1" y="9" { (text) } });
-        let mut document = Document::new(text, text);
+    pub(in crate::publish) fn example(text: &str) -> Publication {
+        let drawing = SvgDrawing::new(20.0, 10.0, markup! { text x="1" y="9" { (text) } });
+        let mut document = Publication::new(text, text);
         document.section(text);
         document.figure("first", drawing.clone(), text);
         document.subsection(text);
@@ -140,7 +140,7 @@ pub(super) mod tests {
         document.list(vec![text.to_owned()]);
         document.facts(vec![(text.to_owned(), text.to_owned())]);
         let cells = || vec![text.to_owned(), "1.5".to_owned()];
-        document.table(Table {
+        document.table(TextTable {
             caption: text.to_owned(),
             headings: cells(),
             rows: vec![cells(), cells()],
@@ -153,7 +153,7 @@ pub(super) mod tests {
 
     #[test]
     fn an_empty_list_is_none() {
-        let mut document = Document::new("", "");
+        let mut document = Publication::new("", "");
         document.list(Vec::new());
         assert!(document.blocks.is_empty());
     }

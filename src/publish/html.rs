@@ -2,7 +2,7 @@
 
 use maud::{DOCTYPE, Markup, PreEscaped, html as markup};
 
-use super::{Block, Document, Figure, Table};
+use super::{Block, Figure, Publication, TextTable};
 
 const STYLE: &str = include_str!("style.css");
 
@@ -10,7 +10,7 @@ const STYLE: &str = include_str!("style.css");
 const NARROW: usize = 9;
 
 /// The whole page.
-pub fn html(document: &Document) -> String {
+pub fn html(document: &Publication) -> String {
     let page = markup! {
         (DOCTYPE)
         html lang="en" {
@@ -54,7 +54,7 @@ fn block_markup(number: usize, block: &Block) -> Markup {
     }
 }
 
-fn table_markup(number: usize, table: &Table) -> Markup {
+fn table_markup(number: usize, table: &TextTable) -> Markup {
     let class = |column: usize| if column < table.words { "word" } else { "number" };
     markup! {
         div.table.wide[table.headings.len() > NARROW] {

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use super::{Block, Document, Table};
+use super::{Block, Publication, TextTable};
 
 /// The files of a Markdown document.
 #[derive(Debug, Clone)]
@@ -16,7 +16,7 @@ pub struct MarkdownFiles {
 /// The text, and the figures it shows from a folder beside it.
 ///
 /// `folder` is the name of that folder, of characters that mean nothing in an address.
-pub fn markdown(document: &Document, folder: &str) -> MarkdownFiles {
+pub fn markdown(document: &Publication, folder: &str) -> MarkdownFiles {
     let mut text = format!("# {}\n\n{}\n", escaped(&document.title), escaped(&document.subtitle));
     let mut figures = Vec::new();
     for (number, block) in document.numbered() {
@@ -43,7 +43,7 @@ pub fn markdown(document: &Document, folder: &str) -> MarkdownFiles {
     MarkdownFiles { text, figures }
 }
 
-fn write_table(text: &mut String, number: usize, table: &Table) -> std::fmt::Result {
+fn write_table(text: &mut String, number: usize, table: &TextTable) -> std::fmt::Result {
     let line = |cells: &[String]| {
         let cells: Vec<_> = cells.iter().map(|cell| escaped(cell)).collect();
         format!("| {} |", cells.join(" | "))

@@ -1,7 +1,7 @@
 //! Documents of text, tables and figures, written as one HTML page or as Markdown with its figures beside it.
 //!
-//! A [`Document`] says what is in it and in which order; [`html`] and [`markdown`] say how that looks and decide
-//! nothing else, so the two cannot differ. Figures are SVG [`plot::Drawing`]s in both. Every text that goes in is
+//! A [`Publication`] says what is in it and in which order; [`html`] and [`markdown`] say how that looks and decide
+//! nothing else, so the two cannot differ. Figures are [`plot::SvgDrawing`]s in both. Every text that goes in is
 //! plain text: what has a meaning in HTML, SVG or Markdown is escaped by the writers.
 //!
 //! Nothing here knows what is written about.
@@ -11,6 +11,6 @@ mod html;
 mod markdown;
 pub mod plot;
 
-pub use document::{Block, Document, Figure, Table};
+pub use document::{Block, Figure, Publication, TextTable};
 pub use html::html;
 pub use markdown::{MarkdownFiles, markdown};

@@ -20,7 +20,7 @@ pub struct Description<'a> {
     convention: &'static str,
     /// The rectified pictures' width and height.
     size: Frame,
-    /// By which factor they are smaller than they should be.
+    /// Factor by which the pictures are smaller than they should be.
     scale: f64,
     original_sizes: [Frame; 2],
     fundamental: FundamentalMatrix,
@@ -38,7 +38,7 @@ pub struct Description<'a> {
 }
 
 impl Rectification {
-    /// This rectification for a file.
+    /// Description of this rectification for a file.
     pub fn description(&self, fundamental: &FundamentalMatrix, originals: [Frame; 2]) -> Description<'_> {
         let homography = |k: usize| {
             let h = self.maps[k].homography()?;

@@ -6,7 +6,7 @@ use crate::geometry::Frame;
 /// No picture is wider or higher than this, px: more than most programs open.
 const LONGEST_SIDE: f64 = 60_000.0;
 
-/// From low to high.
+/// Range of numbers, from low to high.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Range {
     pub(super) low: f64,
@@ -33,7 +33,7 @@ impl Range {
     }
 }
 
-/// From the first to the last pixel centre of a picture, px.
+/// Range from the first to the last pixel centre of a picture, px.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Extent {
     pub(super) width: f64,

@@ -101,7 +101,7 @@ impl RowErrors {
     }
 }
 
-/// Those of some ascending numbers that lie within three times the width of the middle half beside it (Tukey's outer
+/// Numbers, of some ascending ones, that lie within three times the width of the middle half beside it (Tukey's outer
 /// fences); the width counts as at least [`NARROW`]. Never empty.
 fn near(ascending: &[f64]) -> &[f64] {
     let last = ascending.len() - 1;

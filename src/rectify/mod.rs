@@ -37,7 +37,7 @@ use crate::cancel::CancelFlag;
 use crate::geometry::Frame;
 use image::DynamicImage;
 
-/// Which way to rectify.
+/// A way to rectify.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Method {
@@ -51,10 +51,10 @@ pub enum Method {
 }
 
 impl Method {
-    /// All of them, in the order in which they are offered.
+    /// Every way, in the order in which they are offered.
     pub const ALL: [Self; 3] = [Self::Auto, Self::Planar, Self::Polar];
 
-    /// Its name on the command line and in files.
+    /// Name on the command line and in files.
     pub fn name(self) -> &'static str {
         match self {
             Self::Auto => "auto",
@@ -89,7 +89,7 @@ pub struct Rectification {
     pub maps: [ImageMap; 2],
     /// Size of both pictures.
     pub size: Frame,
-    /// By which factor the pictures are smaller than they should be; 1 unless a limit was met.
+    /// Factor by which the pictures are smaller than they should be; 1 unless a limit was met.
     pub scale: f64,
     /// How good it is.
     pub measures: Measures,

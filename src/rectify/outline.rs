@@ -2,7 +2,7 @@
 
 use crate::geometry::{Frame, Point, Vector};
 
-/// From the middle of the left side to that of the right one, and from the middle of the upper side to that of the
+/// Lines from the middle of the left side to that of the right one, and from the middle of the upper side to that of the
 /// lower one, where a map takes them.
 pub(super) fn middle_lines(frame: Frame, map: impl Fn(Point) -> Option<Point>) -> Option<[Vector; 2]> {
     let c = frame.centre();

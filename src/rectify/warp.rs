@@ -15,7 +15,7 @@ pub(super) fn warp(
     cancel: &CancelFlag,
 ) -> Option<DynamicImage> {
     let frame = Frame::new(original.width() as usize, original.height() as usize);
-    let job = Job { map, frame, size, cancel };
+    let job = WarpJob { map, frame, size, cancel };
     Some(match original {
         DynamicImage::ImageLuma8(b) => job.opaque::<Luma<u8>, LumaA<u8>, 1, 2>(b)?.into(),
         DynamicImage::ImageLumaA8(b) => job.transparent::<LumaA<u8>, 2>(b)?.into(),
@@ -32,17 +32,17 @@ pub(super) fn warp(
 }
 
 /// One value of a pixel. Positions are `f64`; values mix in `f32`, which holds 16 bits and more.
-trait Sample: image::Primitive + Send + Sync {
+trait WarpSample: image::Primitive + Send + Sync {
     /// What full opacity is.
     const OPAQUE: Self;
-    /// As a number.
+    /// The value as a number.
     fn number(self) -> f32;
     /// The nearest value.
     fn nearest(number: f32) -> Self;
 }
 
 macro_rules! whole_numbers {
-    ($($t:ty),*) => { $(impl Sample for $t {
+    ($($t:ty),*) => { $(impl WarpSample for $t {
         const OPAQUE: Self = <$t>::MAX;
         #[inline]
         fn number(self) -> f32 {
@@ -57,7 +57,7 @@ macro_rules! whole_numbers {
 }
 whole_numbers!(u8, u16);
 
-impl Sample for f32 {
+impl WarpSample for f32 {
     const OPAQUE: Self = 1.0;
     #[inline]
     fn number(self) -> f32 {
@@ -71,20 +71,20 @@ impl Sample for f32 {
 
 type Buffer<P> = ImageBuffer<P, Vec<<P as Pixel>::Subpixel>>;
 
-struct Job<'a> {
+struct WarpJob<'a> {
     map: &'a ImageMap,
     frame: Frame,
     size: Frame,
     cancel: &'a CancelFlag,
 }
 
-impl Job<'_> {
-    /// From `N` opaque channels to `M = N + 1`.
+impl WarpJob<'_> {
+    /// Draws from `N` opaque channels to `M = N + 1`.
     fn opaque<P, Q, const N: usize, const M: usize>(&self, original: &Buffer<P>) -> Option<Buffer<Q>>
     where
         P: Pixel,
         Q: Pixel<Subpixel = P::Subpixel>,
-        P::Subpixel: Sample,
+        P::Subpixel: WarpSample,
     {
         let samples: &[P::Subpixel] = original.as_raw();
         self.draw::<P::Subpixel, M>(|cell| {
@@ -105,7 +105,7 @@ impl Job<'_> {
     fn transparent<P, const N: usize>(&self, original: &Buffer<P>) -> Option<Buffer<P>>
     where
         P: Pixel,
-        P::Subpixel: Sample,
+        P::Subpixel: WarpSample,
     {
         let samples: &[P::Subpixel] = original.as_raw();
         self.draw::<P::Subpixel, N>(|cell| {
@@ -129,7 +129,7 @@ impl Job<'_> {
     }
 
     /// All pixels of `M` channels; those without an original stay zero, which is transparent.
-    fn draw<T: Sample, const M: usize>(&self, mix: impl Fn(&Cell) -> [T; M] + Sync) -> Option<Vec<T>> {
+    fn draw<T: WarpSample, const M: usize>(&self, mix: impl Fn(&Cell) -> [T; M] + Sync) -> Option<Vec<T>> {
         let mut raw = vec![T::nearest(0.0); self.size.width * self.size.height * M];
         raw.par_chunks_exact_mut(self.size.width * M).enumerate().try_for_each(|(y, row)| {
             if self.cancel.is_cancelled() {
@@ -153,7 +153,7 @@ struct Cell {
     first: usize,
     /// Pixels from a row to the next.
     width: usize,
-    /// From the upper left one, 0 to 1.
+    /// Offset from the upper left one, 0 to 1.
     fraction: [f32; 2],
 }
 

@@ -32,25 +32,25 @@ mod parameters;
 mod result;
 mod search;
 mod template;
-#[cfg(test)]
+#[cfg(all(test, feature = "evaluate"))]
 mod tests;
 
 pub use error::SuggestError;
 pub use parameters::SuggestParameters;
-pub use result::{ClickedImage, Suggestion, Suggestions, Verdict};
+pub use result::{Clarity, ClickedImage, Suggestion, Suggestions};
 
 use crate::estimate::PreparedPair;
 use crate::geometry::{FundamentalMatrix, Line, Point};
-use search::{Candidate, Quest, View};
+use search::{FoundPlace, Quest, SearchView};
 use template::Pose;
 
 /// Images smaller than this hold no patch at a reduced size, px.
 const SMALLEST_SIDE: usize = 24;
 /// Mismatch that says nothing, as noise and interpolation cause it: two perfect places are equals.
 const NOISE: f64 = 1e-3;
-/// Between the rotations that are tried, radians.
+/// Step between the rotations that are tried, radians.
 const ROTATION_STEP: f64 = std::f64::consts::PI / 12.0;
-/// Between the scales that are tried.
+/// Ratio between the scales that are tried.
 const SCALE_STEP: f64 = 1.19;
 
 /// Suggests the match of a point that was clicked in one image, full-size pixels; near its epipolar line when
@@ -76,7 +76,7 @@ pub fn suggest(
         }
         None => None,
     };
-    let view = View::new(prepared, clicked.index());
+    let view = SearchView::new(prepared, clicked.index());
     if view.is_flat(point) {
         return Err(SuggestError::Flat);
     }
@@ -87,7 +87,7 @@ pub fn suggest(
         return Err(SuggestError::NothingAlike { image: other.number() });
     };
 
-    let way_back = View::new(prepared, other.index());
+    let way_back = SearchView::new(prepared, other.index());
     let at = best.placement.at;
     let back_line = fundamental.and_then(|f| epipolar_line(f, other, at));
     let turned_back = Pose::of(&best.placement.affine).inverse();
@@ -143,7 +143,7 @@ fn poses(around: Pose, steps: i32) -> Vec<Pose> {
     Pose::grid(&rotations, &scales)
 }
 
-fn suggestion(view: &View, point: Point, candidate: &Candidate) -> Suggestion {
+fn suggestion(view: &SearchView, point: Point, candidate: &FoundPlace) -> Suggestion {
     let placement = view.finished(point, candidate);
     let pose = Pose::of(&placement.affine);
     Suggestion {

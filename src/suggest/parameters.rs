@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::Verdict;
+use super::Clarity;
 
 /// Choices of [`suggest`](super::suggest()).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -41,16 +41,16 @@ impl SuggestParameters {
         ambiguity: f64,
         return_distance: Option<f64>,
         longer_side: f64,
-    ) -> Verdict {
+    ) -> Clarity {
         let near = self.return_pixels.max(self.return_share * longer_side);
         if correlation < self.least_correlation {
-            Verdict::Weak
+            Clarity::Weak
         } else if ambiguity >= self.most_ambiguity {
-            Verdict::Ambiguous
+            Clarity::Ambiguous
         } else if return_distance.is_none_or(|d| d > near) {
-            Verdict::NoReturn
+            Clarity::NoReturn
         } else {
-            Verdict::Clear
+            Clarity::Clear
         }
     }
 }

@@ -58,13 +58,13 @@ pub struct Suggestions {
     /// image, px. `None` when the way back found nothing.
     pub return_distance: Option<f64>,
     /// Whether to trust the best candidate.
-    pub verdict: Verdict,
+    pub verdict: Clarity,
 }
 
 /// Whether the best candidate can be trusted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Verdict {
+pub enum Clarity {
     /// One place stands out, and the way back leads to the click.
     Clear,
     /// The best place does not look much like the click.
@@ -78,11 +78,11 @@ pub enum Verdict {
 impl Suggestions {
     /// The best candidate if it can be trusted.
     pub fn clear(&self) -> Option<&Suggestion> {
-        if self.verdict == Verdict::Clear { self.candidates.first() } else { None }
+        if self.verdict == Clarity::Clear { self.candidates.first() } else { None }
     }
 }
 
-impl fmt::Display for Verdict {
+impl fmt::Display for Clarity {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         f.write_str(match self {
             Self::Clear => "Clear: one place stands out, and its own match is the point",

@@ -23,7 +23,7 @@ const SEPARATION: f64 = 0.005;
 
 /// The two images at one size, in the order of the search.
 #[derive(Clone, Copy)]
-struct Stage<'a> {
+struct SearchStage<'a> {
     from: &'a GrayPlane,
     to: &'a GrayPlane,
     /// Size over full size.
@@ -32,14 +32,14 @@ struct Stage<'a> {
 }
 
 /// The images seen from the one that was clicked.
-pub(super) struct View<'a> {
-    stages: Vec<Stage<'a>>,
-    full: Stage<'a>,
+pub(super) struct SearchView<'a> {
+    stages: Vec<SearchStage<'a>>,
+    full: SearchStage<'a>,
 }
 
 /// Where the match may lie, full-size pixels.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Candidate {
+pub(super) struct FoundPlace {
     pub placement: Placement,
     /// Correlation of the patches, mean of all levels, −1 to 1.
     pub correlation: f64,
@@ -54,7 +54,7 @@ pub(super) struct Quest<'a> {
     pub band: Option<(Line, f64)>,
 }
 
-impl Stage<'_> {
+impl SearchStage<'_> {
     fn placement(&self, full: &Placement) -> Placement {
         Placement {
             at: rescaled(full.at, self.to_scale),
@@ -84,7 +84,7 @@ impl Stage<'_> {
         let frame = self.to.frame();
         let region = match &quest.band {
             None => Region::whole(frame),
-            Some((line, band)) => match resized_line(line, self.to_scale) {
+            Some((line, band)) => match rescaled_line(line, self.to_scale) {
                 // At least the pixels on either side of the line.
                 Some(line) => Region::band(frame, &line, (band * self.to_scale).max(1.0)),
                 None => return Vec::new(),
@@ -104,12 +104,12 @@ impl Stage<'_> {
     }
 }
 
-impl<'a> View<'a> {
-    /// From image `from` (0 or 1) to the other.
+impl<'a> SearchView<'a> {
+    /// A search from image `from` (0 or 1) to the other.
     pub fn new(prepared: &'a PreparedPair, from: usize) -> Self {
         let stage = |side: f64| {
             let level = prepared.pyramids().level(side);
-            Stage {
+            SearchStage {
                 from: level.planes[from],
                 to: level.planes[1 - from],
                 from_scale: level.scales[from],
@@ -130,20 +130,20 @@ impl<'a> View<'a> {
     }
 
     /// Places that look like the click, best first, each separate from the others.
-    pub fn candidates(&self, quest: &Quest) -> Vec<Candidate> {
+    pub fn candidates(&self, quest: &Quest) -> Vec<FoundPlace> {
         // Along a line there is time for the large image too.
         let searched = if quest.band.is_some() { LEVELS } else { 2 };
         let starts: Vec<(usize, Placement)> = (0..searched)
             .flat_map(|k| self.stages[k].peaks(quest).into_iter().map(move |p| (k, p)))
             .collect();
-        let mut found: Vec<Candidate> =
+        let mut found: Vec<FoundPlace> =
             starts.par_iter().filter_map(|(k, start)| self.followed(quest, *k, *start)).collect();
         // Stable: equals stay in the order they were found in, which does not depend on threads.
         found.sort_by(|a, b| b.correlation.total_cmp(&a.correlation));
         let apart = SEPARATION * self.longer_side();
-        let mut separate: Vec<Candidate> = Vec::new();
+        let mut separate: Vec<FoundPlace> = Vec::new();
         for candidate in found {
-            let near = |c: &Candidate| (c.placement.at - candidate.placement.at).norm() < apart;
+            let near = |c: &FoundPlace| (c.placement.at - candidate.placement.at).norm() < apart;
             if !separate.iter().any(near) {
                 separate.push(candidate);
             }
@@ -152,7 +152,7 @@ impl<'a> View<'a> {
     }
 
     /// A place aligned at its own level and all finer ones.
-    fn followed(&self, quest: &Quest, level: usize, start: Placement) -> Option<Candidate> {
+    fn followed(&self, quest: &Quest, level: usize, start: Placement) -> Option<FoundPlace> {
         let mut full = start;
         for stage in &self.stages[level..] {
             full = stage.full(&stage.aligner(quest.at).align(stage.placement(&full))?);
@@ -162,25 +162,25 @@ impl<'a> View<'a> {
         {
             return None;
         }
-        let correlation = |stage: &Stage| stage.aligner(quest.at).correlation(&stage.placement(&full));
+        let correlation = |stage: &SearchStage| stage.aligner(quest.at).correlation(&stage.placement(&full));
         let correlation = self.stages.iter().map(correlation).sum::<f64>() / LEVELS as f64;
-        Some(Candidate { placement: full, correlation })
+        Some(FoundPlace { placement: full, correlation })
     }
 
     /// A pose between the full-size images as one between the small ones, which may be reduced unequally.
     pub fn level_pose(&self, pose: Pose) -> Pose {
-        let Stage { from_scale, to_scale, .. } = self.stages[0];
+        let SearchStage { from_scale, to_scale, .. } = self.stages[0];
         Pose { scale: pose.scale * to_scale / from_scale, ..pose }
     }
 
     /// The candidate at the full size of the images.
-    pub fn finished(&self, at: Point, candidate: &Candidate) -> Placement {
+    pub fn finished(&self, at: Point, candidate: &FoundPlace) -> Placement {
         let aligned = self.full.aligner(at).align(self.full.placement(&candidate.placement));
         aligned.map_or(candidate.placement, |placement| self.full.full(&placement))
     }
 }
 
-fn resized_line(line: &Line, scale: f64) -> Option<Line> {
+fn rescaled_line(line: &Line, scale: f64) -> Option<Line> {
     let foot = rescaled(line.foot(Point::origin()), scale);
     Line::through(foot, foot + line.direction())
 }

@@ -23,7 +23,7 @@ pub(super) struct Pose {
 /// Values with mean zero and norm one.
 pub(super) struct Template {
     pub values: [f32; SIDE * SIDE],
-    /// From the middle of the template to the click, px of the other image; zero except near borders.
+    /// Offset from the middle of the template to the click, px of the other image; zero except near borders.
     pub offset: Vector,
     pub pose: Pose,
 }

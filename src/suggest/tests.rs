@@ -116,7 +116,7 @@ fn repeated_things_are_called_ambiguous_and_flat_ones_flat() {
     let tiles = GrayPlane::from_fn(frame, |x, y| blobs((x % 80) as f64, (y % 60) as f64));
     let prepared = PreparedPair::new(&tiles, &tiles);
     let found = free(&prepared, Point::new(200.0, 150.0), ClickedImage::First).unwrap();
-    assert_ne!(found.verdict, Verdict::Clear, "{found:?}");
+    assert_ne!(found.verdict, Clarity::Clear, "{found:?}");
     assert!(found.candidates.len() > 1 && found.ambiguity > 0.9, "{found:?}");
 
     let half = GrayPlane::from_fn(frame, |x, y| if x < 200 { 90.0 } else { blobs(x as f64, y as f64) });

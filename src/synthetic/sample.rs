@@ -1,15 +1,10 @@
 //! The pairs that come with the program, stored as pictures with their exact geometry.
 
-use image::RgbImage;
 use nalgebra::Matrix3x4;
 use serde::{Deserialize, Serialize};
 
-use super::landmarks::landmarks;
-use super::render::{Quality, render_with};
-use super::scene::Scene;
-use super::{alley, courtyard};
 use crate::geometry::{Camera, Frame, FundamentalMatrix, PointPair};
-use crate::image::{GrayPlane, Picture};
+use crate::image::Picture;
 
 /// A built-in pair.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
@@ -69,10 +64,10 @@ pub struct SampleFile {
 pub const SAMPLE_FRAME: Frame = Frame { width: 768, height: 576 };
 
 impl Sample {
-    /// All of them, the default first.
+    /// Every sample, the default first.
     pub const ALL: [Self; 2] = [Self::Courtyard, Self::Alley];
 
-    /// Its name on the command line and in file names.
+    /// Name on the command line and in file names.
     pub fn name(self) -> &'static str {
         match self {
             Self::Courtyard => "courtyard",
@@ -128,84 +123,16 @@ impl Sample {
             Self::Alley => files!("alley"),
         }
     }
-
-    /// The scene and its cameras for a picture size.
-    pub fn scene(self, frame: Frame) -> Option<(Scene, [Camera; 2])> {
-        match self {
-            Self::Courtyard => Some((courtyard::scene(), courtyard::cameras(frame)?)),
-            Self::Alley => Some((alley::scene(), alley::cameras(frame)?)),
-        }
-    }
-
-    fn words(self) -> (&'static str, &'static str) {
-        match self {
-            Self::Courtyard => (
-                "Courtyard",
-                "A fountain in a courtyard, seen from two places side by side: the epipoles lie far outside \
-                 the pictures.",
-            ),
-            Self::Alley => (
-                "Alley",
-                "An alley with an archway, seen before and after a step forward: both epipoles lie inside \
-                 the pictures.",
-            ),
-        }
-    }
-
-    /// Renders the pair anew; minutes of work. `None` when no landmarks were found.
-    pub fn make(self, quality: &Quality) -> Option<([RgbImage; 2], SampleFile)> {
-        let (scene, cameras) = self.scene(SAMPLE_FRAME)?;
-        let picture = |k: usize| {
-            let quality = Quality { seed: quality.seed + 1 + k as u64, ..*quality };
-            render_with(&scene, &cameras[k], SAMPLE_FRAME, &quality)
-        };
-        let pictures = [picture(0)?, picture(1)?];
-        let file = self.describe(&pictures)?;
-        Some((pictures, file))
-    }
-
-    /// The geometry, and landmarks found in the rendered pictures. `None` when no three are separated.
-    pub fn describe(self, pictures: &[RgbImage; 2]) -> Option<SampleFile> {
-        let frame = SAMPLE_FRAME;
-        let (scene, cameras) = self.scene(frame)?;
-        let plane = |p: &RgbImage| {
-            GrayPlane::from_fn(frame, |x, y| {
-                let [r, g, b] = p.get_pixel(x as u32, y as u32).0.map(f32::from);
-                0.2126 * r + 0.7152 * g + 0.0722 * b
-            })
-        };
-        let planes = [plane(&pictures[0]), plane(&pictures[1])];
-        let found = landmarks(&scene, &cameras, frame, [&planes[0], &planes[1]])?;
-        let rows = |c: &Camera| std::array::from_fn(|r| std::array::from_fn(|k| c.matrix()[(r, k)]));
-        let (title, description) = self.words();
-        Some(SampleFile {
-            name: self.name().to_owned(),
-            title: title.to_owned(),
-            description: description.to_owned(),
-            fundamental: Camera::fundamental(&cameras[0], &cameras[1])?,
-            camera1: rows(&cameras[0]),
-            camera2: rows(&cameras[1]),
-            matches: found.matches.iter().map(row).collect(),
-            show_me: [row(&found.show_me[0]), row(&found.show_me[1])],
-            third: row(&found.third),
-        })
-    }
 }
 
 fn pair(row: &[f64; 4]) -> PointPair {
     PointPair::new(row[0], row[1], row[2], row[3])
 }
 
-fn row(pair: &PointPair) -> [f64; 4] {
-    [pair.point1.x, pair.point1.y, pair.point2.x, pair.point2.y]
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::geometry::{finite_point, symmetric_epipolar_distance};
-    use crate::synthetic::landmarks::{SEPARATION, separation};
-    use crate::synthetic::true_match;
 
     #[test]
     fn names_lead_back() {
@@ -227,30 +154,6 @@ mod tests {
             for m in s.matches.iter().chain(&s.show_me).chain([&s.third]) {
                 // Coordinates of 10³ px and entries of F known to 10⁻¹⁶ leave this much.
                 assert!(symmetric_epipolar_distance(&s.fundamental, m) < 1e-6);
-            }
-        }
-    }
-
-    #[test]
-    fn files_belong_to_the_scenes() {
-        for sample in Sample::ALL {
-            let s = sample.load();
-            let (scene, cameras) = sample.scene(SAMPLE_FRAME).unwrap();
-            for m in &s.matches {
-                let again = true_match(&scene, &cameras[0], &cameras[1], SAMPLE_FRAME, m.point1).unwrap();
-                assert!((again.point2 - m.point2).norm() < 1e-6);
-            }
-        }
-    }
-
-    #[test]
-    fn shown_matches_are_separated() {
-        for sample in Sample::ALL {
-            let s = sample.load();
-            let [p, q] = s.show_me;
-            let least = SEPARATION * SAMPLE_FRAME.longer_side();
-            for (a, b) in [(p, q), (p, s.third), (q, s.third)] {
-                assert!(separation(&s.fundamental, &a, &b) > least);
             }
         }
     }

@@ -12,7 +12,7 @@ use epiline::app::model::focus::LineSource;
 use epiline::app::model::look::Look;
 use epiline::app::{Services, Start};
 use epiline::geometry::{Point, symmetric_epipolar_distance};
-use epiline::suggest::{Suggestion, Suggestions, Verdict};
+use epiline::suggest::{Clarity, Suggestion, Suggestions};
 
 const CURSOR_LINE: Color32 = Color32::from_rgb(240, 228, 66);
 const FIRST_PIN: Color32 = Color32::from_rgb(230, 110, 40);
@@ -52,7 +52,7 @@ fn loupe(window: &Window) -> Option<egui::Rect> {
     })
 }
 
-fn suggesting(verdict: Verdict) -> Services {
+fn suggesting(verdict: Clarity) -> Services {
     Services {
         suggest: Box::new(move |question| {
             let position = question.half.point + epiline::geometry::Vector::new(12.5, -3.0);
@@ -121,7 +121,7 @@ fn the_inspect_tool_pins_line_pairs_and_escape_leaves_it() {
 
 #[test]
 fn enter_accepts_a_clear_suggestion_only() {
-    for (verdict, accepted) in [(Verdict::Clear, true), (Verdict::Ambiguous, false)] {
+    for (verdict, accepted) in [(Clarity::Clear, true), (Clarity::Ambiguous, false)] {
         let mut window = window(Start::default(), suggesting(verdict));
         let left = at(&window, Side::Left, -0.1, 0.1);
         click(&mut window, left);

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::revision;
 use super::shared::Shared;
-use crate::evaluate::{Distances, Fit, FitError, KnownPair, Spread, fit_eight, fit_seven};
+use crate::evaluate::{Distances, FitError, KnownPair, PointFit, Spread, fit_eight, fit_seven};
 use crate::geometry::{Frame, FundamentalMatrix, PointPair};
 use crate::io::GroundTruth;
 
@@ -103,7 +103,7 @@ pub struct ComparisonQuestion {
 #[derive(Debug, Clone)]
 pub struct Compared {
     /// It, or in words why there is none.
-    pub fit: Result<Fit, String>,
+    pub fit: Result<PointFit, String>,
     /// Of every point, px; empty where there is no geometry.
     pub distances: Vec<f64>,
     /// Of the points that are not left out.
@@ -142,14 +142,14 @@ impl Comparison {
 impl ComparisonQuestion {
     /// Compares.
     pub fn answer(&self) -> Comparison {
-        let truth = self.truth.as_ref().map(|truth| &**truth);
+        let truth = self.truth.as_deref();
         let (measured, points) = match (self.subject.measured, truth) {
             (PointSet::TrueMatches, Some(truth)) => (PointSet::TrueMatches, &truth.matches),
             _ => (PointSet::Pairs, &self.pairs),
         };
         let counts = |k: usize| measured == PointSet::TrueMatches || !self.excluded.contains(&k);
         let counted: Vec<PointPair> = (0..points.len()).filter(|k| counts(*k)).map(|k| points[k]).collect();
-        let known = |fundamental: &FundamentalMatrix, pairs: usize| Fit {
+        let known = |fundamental: &FundamentalMatrix, pairs: usize| PointFit {
             fundamental: *fundamental,
             pairs,
             solutions: 1,
@@ -199,11 +199,7 @@ impl ComparisonQuestion {
     /// What 7-point and 8-point are fitted to: the clicked pairs, or the clicks of the estimate with as many true
     /// matches as eight points take, drawn as in an evaluation.
     fn fitted(&self) -> Result<Vec<PointPair>, String> {
-        let Some(truth) = self
-            .truth
-            .as_ref()
-            .map(|truth| &**truth)
-            .filter(|_| self.subject.fitted == PointSet::TrueMatches)
+        let Some(truth) = self.truth.as_deref().filter(|_| self.subject.fitted == PointSet::TrueMatches)
         else {
             let included = self.pairs.iter().enumerate().filter(|(k, _)| !self.excluded.contains(k));
             return Ok(included.map(|(_, pair)| *pair).collect());
@@ -215,7 +211,7 @@ impl ComparisonQuestion {
         Ok(self.used.iter().copied().chain(further.into_iter().map(|k| matches[k])).collect())
     }
 
-    fn in_words(&self, fit: Result<Fit, FitError>) -> Result<Fit, String> {
+    fn in_words(&self, fit: Result<PointFit, FitError>) -> Result<PointFit, String> {
         fit.map_err(|error| match error {
             FitError::TooFew { .. } => error.to_string(),
             FitError::Seven(_) | FitError::Eight(_) if self.subject.fitted == PointSet::Pairs => {

@@ -68,6 +68,7 @@ impl Work {
     }
 
     /// Brings what a file says into the limits of the images, and paths back to whole ones.
+    #[must_use]
     pub fn made_valid(mut self, frames: [Frame; 2], path: &Path) -> Self {
         if let Some(TruthSource::Folder { folder, .. }) = &mut self.document.truth {
             *folder = resolve(&folder.to_string_lossy(), path);

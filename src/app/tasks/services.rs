@@ -101,7 +101,7 @@ impl PreparedCache {
 
 fn pick_file() -> Option<PathBuf> {
     let extensions = ["png", "jpg", "jpeg", "tif", "tiff", "bmp", "pgm", "ppm", "pnm", "pbm", "webp"];
-    let others = ["json", "txt", "csv", "tsv", "dat", "yml", "yaml", "xml", "m", "colmap", "P"];
+    let others = ["json", "txt", "csv", "tsv", "dat", "yml", "yaml", "xml", "P"];
     let dialog = rfd::FileDialog::new().set_title("Open a file").add_filter("Images", &extensions);
     dialog.add_filter("Sessions, point pairs, matrices", &others).add_filter("All files", &["*"]).pick_file()
 }

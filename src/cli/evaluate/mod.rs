@@ -19,19 +19,19 @@ use super::output::Output;
 use super::overrides::Overrides;
 use crate::estimate::{CancelFlag, Parameters, Preset, RefinementParameters};
 use crate::evaluate::{
-    Plan, Protocol, Report, Scene, Subject, contenders, method_names, pair_scenes, publication,
+    Plan, Protocol, Report, ReportSubject, Scene, contenders, method_names, pair_scenes, publication,
     run as run_plan, search_table, table, verdict_sentences, vgg_scenes,
 };
 
 /// Measure estimators on image pairs with known geometry
 #[derive(Debug, Args)]
-pub(super) struct Arguments {
+pub(super) struct EvaluateArguments {
     #[command(subcommand)]
-    source: Source,
+    source: PairSource,
 }
 
 #[derive(Debug, Subcommand)]
-enum Source {
+enum PairSource {
     /// Views with cameras and tracks: PREFIX.NNN.pgm, .P, .corners and PREFIX.nview-corners
     #[command(allow_negative_numbers = true)]
     Vgg {
@@ -114,10 +114,10 @@ struct ReportFile<'a> {
 }
 
 /// Evaluates, writes the JSON file, prints the table.
-pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
+pub(super) fn run(arguments: &EvaluateArguments) -> Result<(), CliError> {
     let (layout, folder, step, options) = match &arguments.source {
-        Source::Vgg { folder, step, options } => ("vgg", folder, Some(*step), options),
-        Source::Pairs { folder, options } => ("pairs", folder, None, options),
+        PairSource::Vgg { folder, step, options } => ("vgg", folder, Some(*step), options),
+        PairSource::Pairs { folder, options } => ("pairs", folder, None, options),
     };
     let output = Output::prepare(options.json.as_deref())?;
     let report_folder = options.report.as_deref().map(ReportFolder::prepare).transpose()?;
@@ -152,7 +152,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
     if let Some(report_folder) = report_folder {
         let name = last_name(folder);
         let command = command(&arguments.source);
-        let subject = Subject {
+        let subject = ReportSubject {
             report: &report,
             scenes: &scenes,
             contenders: &contenders,
@@ -209,10 +209,10 @@ fn parameters(options: &Options) -> Result<Vec<Parameters>, CliError> {
 
 /// The command that makes the same run anywhere: every option that changes a figure, the folder without what is
 /// above it.
-fn command(source: &Source) -> String {
+fn command(source: &PairSource) -> String {
     let (kind, folder, step, options) = match source {
-        Source::Vgg { folder, step, options } => ("vgg", folder, Some(*step), options),
-        Source::Pairs { folder, options } => ("pairs", folder, None, options),
+        PairSource::Vgg { folder, step, options } => ("vgg", folder, Some(*step), options),
+        PairSource::Pairs { folder, options } => ("pairs", folder, None, options),
     };
     let mut words = vec!["epiline evaluate".to_owned(), kind.to_owned(), quoted(&last_name(folder))];
     let mut option = |name: &str, value: String| words.push(format!("--{name} {value}"));
@@ -242,7 +242,7 @@ fn last_name(path: &Path) -> String {
     named.file_name().map_or_else(|| "folder".to_owned(), |name| name.to_string_lossy().into_owned())
 }
 
-/// As a shell takes it for one word.
+/// A word as a shell takes it for one.
 fn quoted(word: &str) -> String {
     let plain = |c: char| c.is_alphanumeric() || "-_=.,/+".contains(c);
     if !word.is_empty() && word.chars().all(plain) {
@@ -292,12 +292,12 @@ mod tests {
         use clap::Parser;
 
         #[derive(Parser)]
-        struct Line {
+        struct EvaluateLine {
             #[command(flatten)]
-            arguments: Arguments,
+            arguments: EvaluateArguments,
         }
         let words = "x vgg /some/where/house --trials 3 --preset paper,robust --set mutual=2 --refine=false --report out";
-        let told = command(&Line::parse_from(words.split(' ')).arguments.source);
+        let told = command(&EvaluateLine::parse_from(words.split(' ')).arguments.source);
         assert_eq!(
             told,
             "epiline evaluate vgg house --step 1 --protocol well-posed --preset paper,robust --methods two-point \

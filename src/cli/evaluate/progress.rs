@@ -41,7 +41,7 @@ impl ProgressLine {
         if self.watched { tell_in_place(line) } else { tell(line) }
     }
 
-    /// Of the pictures of the report, which come after the trials; a log is told once.
+    /// Progress of the pictures of the report, which come after the trials; a log is told once.
     pub(super) fn hear_drawing(&self, done: usize, total: usize) {
         if self.watched {
             tell_in_place(format_args!("Drawing the report: {done} of {total} pairs"));

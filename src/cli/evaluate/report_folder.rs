@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use crate::cli::CliError;
 use crate::io::OutputFile;
-use crate::publish::{Document, html, markdown};
+use crate::publish::{Publication, html, markdown};
 
 /// Name of the folder of figures beside the Markdown text.
 const FIGURES: &str = "figures";
@@ -41,7 +41,7 @@ impl ReportFolder {
     }
 
     /// Writes the page, the figures, and last the text that shows them.
-    pub(super) fn write(&self, document: &Document) -> Result<(), CliError> {
+    pub(super) fn write(&self, document: &Publication) -> Result<(), CliError> {
         self.html.write(html(document).as_bytes())?;
         let files = markdown(document, FIGURES);
         for (name, content) in &files.figures {

@@ -36,7 +36,7 @@ pub(super) struct Circumstances {
     off_line: f64,
     /// Angle between their true epipolar lines in each image, radians.
     angle: [f64; 2],
-    /// Which of them is nearest to a true epipole, in which image, and how far from it.
+    /// The click nearest to a true epipole, in which image, and how far from it.
     epipole: Option<(usize, usize, f64)>,
     /// Contrast along the true line of each in the image where it is weaker, over the median contrast of the lines
     /// through the same point.

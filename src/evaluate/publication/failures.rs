@@ -1,9 +1,9 @@
 //! Trials without a result, with their reasons.
 
-use super::Subject;
-use crate::publish::{Document, Table};
+use super::ReportSubject;
+use crate::publish::{Publication, TextTable};
 
-pub(super) fn write(subject: &Subject, document: &mut Document) {
+pub(super) fn write(subject: &ReportSubject, document: &mut Publication) {
     document.section("Trials without a result");
     // Method and reason with the trials, in the order in which they first occur.
     let mut groups: Vec<(String, &str, Vec<String>)> = Vec::new();
@@ -28,7 +28,7 @@ pub(super) fn write(subject: &Subject, document: &mut Document) {
         });
         return;
     }
-    document.table(Table {
+    document.table(TextTable {
         caption: "Every trial that gave no fundamental matrix, and why.".to_owned(),
         headings: ["method", "reason", "where", "trials"].map(str::to_owned).to_vec(),
         rows: groups

@@ -16,10 +16,10 @@ mod worst;
 
 use super::table::{counted, verdict_sentences};
 use super::{Contender, Protocol, Record, Report, Scene};
-use crate::publish::Document;
+use crate::publish::Publication;
 
 /// What a document is made from.
-pub struct Subject<'a> {
+pub struct ReportSubject<'a> {
     /// What came out.
     pub report: &'a Report,
     /// The scenes of the run.
@@ -32,7 +32,7 @@ pub struct Subject<'a> {
     pub command: &'a str,
 }
 
-impl Subject<'_> {
+impl ReportSubject<'_> {
     /// The record of a scene and a contender.
     fn record(&self, scene: usize, contender: usize) -> &Record {
         &self.report.records[scene * self.contenders.len() + contender]
@@ -58,12 +58,12 @@ impl Subject<'_> {
 const TWO_POINT: &str = "two-point";
 
 /// The document. `progress` hears how many of how many scenes have been drawn.
-pub fn publication(subject: &Subject, progress: &dyn Fn(usize, usize)) -> Document {
+pub fn publication(subject: &ReportSubject, progress: &dyn Fn(usize, usize)) -> Publication {
     let plan = &subject.report.parameters.plan;
     let (made, planned) = (subject.report.trials_made, subject.report.trials_planned);
     let stopped =
         if made < planned { format!(" · stopped after {made} of {planned} trials") } else { String::new() };
-    let mut document = Document::new(
+    let mut document = Publication::new(
         format!("Epipolar geometry from clicked points: {}", subject.name),
         format!(
             "Epiline {} · {}, {} each{stopped} · protocol {} · click noise {} px · seed {}",
@@ -91,7 +91,7 @@ pub fn publication(subject: &Subject, progress: &dyn Fn(usize, usize)) -> Docume
 }
 
 /// What was run and what is measured.
-fn introduction(subject: &Subject, document: &mut Document) {
+fn introduction(subject: &ReportSubject, document: &mut Publication) {
     let plan = &subject.report.parameters.plan;
     document.section("What was run");
     document.command(subject.command);
@@ -146,7 +146,7 @@ mod tests {
         }
     }
 
-    fn document(scenes: &[Scene], contenders: &[Box<dyn Contender>], stop: &CancelFlag) -> Document {
+    fn document(scenes: &[Scene], contenders: &[Box<dyn Contender>], stop: &CancelFlag) -> Publication {
         let plan = Plan {
             protocol: Protocol::Paper,
             trials: 3,
@@ -157,7 +157,7 @@ mod tests {
         };
         let report = run(scenes, contenders, &plan, &|_| (), stop).unwrap();
         let subject =
-            Subject { report: &report, scenes, contenders, name: "set", command: "epiline evaluate" };
+            ReportSubject { report: &report, scenes, contenders, name: "set", command: "epiline evaluate" };
         publication(&subject, &|_, _| ())
     }
 

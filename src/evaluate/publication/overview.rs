@@ -1,16 +1,16 @@
 //! All trials of all methods: tables and plots of the errors.
 
-use super::{Subject, style};
+use super::{ReportSubject, style};
 use crate::evaluate::median;
 use crate::evaluate::report::Record;
 use crate::evaluate::table::{Summary, has_printed, label, pixels, range, share};
 use crate::publish::plot::{Distribution, Strip, StripGroup, cumulative, strips};
-use crate::publish::{Document, Table};
+use crate::publish::{Publication, TextTable};
 
 /// Errors that matter, px.
 const LIMITS: [f64; 2] = [1.0, 3.0];
 
-pub(super) fn write(subject: &Subject, document: &mut Document) {
+pub(super) fn write(subject: &ReportSubject, document: &mut Publication) {
     document.section("Errors");
     document.table(medians(subject));
     let distributions: Vec<_> = (0..subject.contenders.len()).map(|c| distribution(subject, c)).collect();
@@ -31,7 +31,7 @@ pub(super) fn write(subject: &Subject, document: &mut Document) {
         ),
     );
     let Summary { headings, rows, groups, remarks } = Summary::new(subject.report);
-    document.table(Table {
+    document.table(TextTable {
         caption: "All figures: errors in px, with a 95 % bootstrap interval of the median, times in seconds of a trial \
                   until the result and until the first geometry."
             .to_owned(),
@@ -44,24 +44,24 @@ pub(super) fn write(subject: &Subject, document: &mut Document) {
 }
 
 /// Pairs against methods, as the published experiment has it.
-fn medians(subject: &Subject) -> Table {
+fn medians(subject: &ReportSubject) -> TextTable {
     let report = subject.report;
     // The columns of a method, then what is printed of it.
     let mut headings = vec!["pair".to_owned()];
-    let mut columns: Vec<Column> = Vec::new();
+    let mut columns: Vec<MedianColumn> = Vec::new();
     for (c, contender) in subject.contenders.iter().enumerate() {
         headings.push(contender.label());
-        columns.push(Column::Ours(c));
+        columns.push(MedianColumn::Ours(c));
         let last = subject.contenders.get(c + 1).is_none_or(|next| next.method() != contender.method());
         if last && (0..subject.scenes.len()).any(|s| subject.record(s, c).printed.is_some()) {
             headings.push(format!("{}, printed", contender.method()));
-            columns.push(Column::Printed(c));
+            columns.push(MedianColumn::Printed(c));
         }
     }
     let row = |name: &str, ours: &dyn Fn(usize) -> String, printed: &dyn Fn(usize) -> String| {
         let cells = columns.iter().map(|column| match column {
-            Column::Ours(c) => ours(*c),
-            Column::Printed(c) => printed(*c),
+            MedianColumn::Ours(c) => ours(*c),
+            MedianColumn::Printed(c) => printed(*c),
         });
         std::iter::once(name.to_owned()).chain(cells).collect::<Vec<_>>()
     };
@@ -95,7 +95,7 @@ fn medians(subject: &Subject) -> Table {
     };
     rows.push(row("turned by", &turned, &nothing));
     rows.push(row("no result", &|c| cell(overall(c).map(|o| o.failures.to_string())), &nothing));
-    Table {
+    TextTable {
         caption: "Median error of the trials of each pair, px; below, the median over pairs with its 95 % bootstrap \
                   interval over the draws of clicks, the share of trials below 1 and 3 px, the median angle by which the \
                   epipolar lines of the true matches are turned against the true ones, and the trials without a result."
@@ -108,7 +108,7 @@ fn medians(subject: &Subject) -> Table {
 }
 
 /// A column of the table of medians.
-enum Column {
+enum MedianColumn {
     /// Our figures of a contender.
     Ours(usize),
     /// What is printed of its method.
@@ -116,7 +116,7 @@ enum Column {
 }
 
 /// All trials of a contender.
-fn distribution(subject: &Subject, contender: usize) -> Distribution {
+fn distribution(subject: &ReportSubject, contender: usize) -> Distribution {
     let records = (0..subject.scenes.len()).map(|s| subject.record(s, contender));
     Distribution {
         name: subject.contenders[contender].label(),
@@ -126,7 +126,7 @@ fn distribution(subject: &Subject, contender: usize) -> Distribution {
 }
 
 /// One group a pair, one row a contender.
-fn groups(subject: &Subject) -> Vec<StripGroup> {
+fn groups(subject: &ReportSubject) -> Vec<StripGroup> {
     let strip = |record: &Record, c: usize| Strip {
         name: label(&record.method, record.preset.as_deref()),
         stroke: style::stroke(subject, c),

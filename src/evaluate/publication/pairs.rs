@@ -1,11 +1,11 @@
 //! A section for every pair, with a representative trial.
 
-use super::Subject;
+use super::ReportSubject;
 use super::sight::Sight;
 use crate::evaluate::report::TrialRecord;
-use crate::publish::Document;
+use crate::publish::Publication;
 
-pub(super) fn write(subject: &Subject, document: &mut Document, progress: &dyn Fn(usize, usize)) {
+pub(super) fn write(subject: &ReportSubject, document: &mut Publication, progress: &dyn Fn(usize, usize)) {
     let Some(contender) = subject.shown() else { return };
     let label = subject.contenders[contender].label();
     document.section("Pairs");
@@ -29,7 +29,7 @@ pub(super) fn write(subject: &Subject, document: &mut Document, progress: &dyn F
     }
 }
 
-fn show(sight: &Sight, number: usize, label: &str, document: &mut Document) {
+fn show(sight: &Sight, number: usize, label: &str, document: &mut Publication) {
     let (name, trial) = (&sight.scene.name, sight.trial.trial + 1);
     document.figure(
         format!("pair-{:02}-lines", number + 1),

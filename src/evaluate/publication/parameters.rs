@@ -2,10 +2,10 @@
 
 use serde_json::Value;
 
-use super::Subject;
-use crate::publish::{Document, Table};
+use super::ReportSubject;
+use crate::publish::{Publication, TextTable};
 
-pub(super) fn write(subject: &Subject, document: &mut Document) {
+pub(super) fn write(subject: &ReportSubject, document: &mut Publication) {
     // One column for each set of numbers; methods share those of a preset.
     let mut columns: Vec<(String, Vec<(String, String)>)> = Vec::new();
     for contender in subject.contenders {
@@ -24,7 +24,7 @@ pub(super) fn write(subject: &Subject, document: &mut Document) {
         };
         std::iter::once(name.clone()).chain(columns.iter().map(|(_, numbers)| value(numbers))).collect()
     });
-    let table = Table {
+    let table = TextTable {
         caption:
             "Parameters of the estimator by preset, named as for the option --set. Angles are in radians."
                 .to_owned(),

@@ -3,13 +3,13 @@
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use super::style::{CLICKS, ESTIMATED, FURTHER_CLICK, PROFILES, TRUE, click_name};
-use super::{Subject, style};
+use super::{ReportSubject, style};
 use crate::estimate::{Construction, Estimate};
 use crate::evaluate::contender::Detail;
 use crate::evaluate::report::TrialRecord;
 use crate::evaluate::{Record, Scene};
 use crate::geometry::{FundamentalMatrix, Point, PointPair, finite_point, place_in_words};
-use crate::publish::plot::{Curve, Drawing, Mark, MarkedPicture, Panel, Sign, Stroke, curves, pictures};
+use crate::publish::plot::{Curve, Mark, MarkedPicture, Panel, Sign, Stroke, SvgDrawing, curves, pictures};
 use crate::similarity::{WarpedProfile, inspect_lines, inspection_scale};
 
 /// Lines of true matches that are drawn: more would hide the picture.
@@ -29,7 +29,7 @@ pub(super) struct Sight<'a> {
 impl<'a> Sight<'a> {
     /// Runs the estimator once more; `None` for a trial without an F.
     pub(super) fn new(
-        subject: &Subject<'a>,
+        subject: &ReportSubject<'a>,
         scene: usize,
         contender: usize,
         trial: &'a TrialRecord,
@@ -55,7 +55,7 @@ impl<'a> Sight<'a> {
     }
 
     /// Both images with the epipolar lines of some true matches, the matches, the clicks, and epipoles inside.
-    pub(super) fn picture(&self) -> Drawing {
+    pub(super) fn picture(&self) -> SvgDrawing {
         let matches = self.spread_matches();
         let mut epipole_inside = false;
         let both = [0, 1].map(|image| {
@@ -132,7 +132,7 @@ impl<'a> Sight<'a> {
 
     /// The intensities of the better matching of the line pairs through the first two clicks, before and after
     /// warping, and what to say of them.
-    pub(super) fn profiles(&self) -> Option<(Drawing, String)> {
+    pub(super) fn profiles(&self) -> Option<(SvgDrawing, String)> {
         let parameters = &self.detail.as_ref()?.parameters;
         let construction = self.construction()?;
         let planes = [&*self.scene.images[0], &*self.scene.images[1]];
@@ -254,7 +254,7 @@ pub(super) fn side(pair: &PointPair, image: usize) -> Point {
     if image == 0 { pair.point1 } else { pair.point2 }
 }
 
-fn profile_plot(warped: &WarpedProfile, step: f64) -> Drawing {
+fn profile_plot(warped: &WarpedProfile, step: f64) -> SvgDrawing {
     let x = |sample: i32| f64::from(sample) * step;
     let curve = |image: usize, points: Vec<(f64, Option<f64>)>| Curve {
         name: format!("line of image {}", image + 1),

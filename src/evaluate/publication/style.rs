@@ -1,6 +1,6 @@
 //! Colours and lines, the same in all figures.
 
-use super::Subject;
+use super::ReportSubject;
 use crate::publish::plot::{COLORS, Stroke};
 
 /// True lines upon a picture.
@@ -16,7 +16,7 @@ pub(super) const PROFILES: [&str; 2] = ["#1a1a1a", "#d55e00"];
 
 /// How the curve of a contender is drawn: a colour for each method and preset, dashed where refinement is not that
 /// of the preset.
-pub(super) fn stroke(subject: &Subject, contender: usize) -> Stroke {
+pub(super) fn stroke(subject: &ReportSubject, contender: usize) -> Stroke {
     let kind = |c: usize| {
         let contender = &subject.contenders[c];
         (contender.method(), contender.preset().and_then(|preset| preset.split(' ').next()))

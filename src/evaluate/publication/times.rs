@@ -1,11 +1,11 @@
 //! How long a trial takes.
 
-use super::{Subject, counted};
+use super::{ReportSubject, counted};
 use crate::evaluate::table::seconds;
 use crate::evaluate::{median, quantile};
-use crate::publish::{Document, Table};
+use crate::publish::{Publication, TextTable};
 
-pub(super) fn write(subject: &Subject, document: &mut Document) {
+pub(super) fn write(subject: &ReportSubject, document: &mut Publication) {
     let plan = &subject.report.parameters.plan;
     let rows = (0..subject.contenders.len()).map(|c| {
         let trials = || (0..subject.scenes.len()).flat_map(move |s| &subject.record(s, c).trials);
@@ -21,7 +21,7 @@ pub(super) fn write(subject: &Subject, document: &mut Document) {
         ]
     });
     document.section("Time");
-    document.table(Table {
+    document.table(TextTable {
         caption: format!(
             "Seconds of a trial on {}, {} at once, preparation of the images included.",
             counted(plan.threads_per_trial, "thread"),

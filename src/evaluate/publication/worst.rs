@@ -2,29 +2,29 @@
 
 use super::circumstances::Circumstances;
 use super::sight::Sight;
-use super::{Subject, TWO_POINT};
+use super::{ReportSubject, TWO_POINT};
 use crate::evaluate::report::TrialRecord;
 use crate::evaluate::table::pixels;
-use crate::publish::{Document, Table};
+use crate::publish::{Publication, TextTable};
 
 /// Trials that are shown.
 const SHOWN: usize = 3;
 
 /// A trial and whose it is.
 #[derive(Clone, Copy)]
-struct Place<'a> {
+struct WorstTrial<'a> {
     scene: usize,
     contender: usize,
     trial: &'a TrialRecord,
 }
 
-pub(super) fn write(subject: &Subject, document: &mut Document) {
+pub(super) fn write(subject: &ReportSubject, document: &mut Publication) {
     let worst_first = |contenders: &[usize]| {
-        let mut places: Vec<Place> = contenders
+        let mut places: Vec<WorstTrial> = contenders
             .iter()
             .flat_map(|&contender| (0..subject.scenes.len()).map(move |scene| (scene, contender)))
             .flat_map(|(scene, contender)| {
-                subject.record(scene, contender).trials.iter().map(move |trial| Place {
+                subject.record(scene, contender).trials.iter().map(move |trial| WorstTrial {
                     scene,
                     contender,
                     trial,
@@ -61,8 +61,8 @@ pub(super) fn write(subject: &Subject, document: &mut Document) {
 }
 
 /// The first few of which no two have the same clicks.
-fn different_clicks<'a>(places: &[Place<'a>]) -> Vec<Place<'a>> {
-    let mut chosen: Vec<Place> = Vec::new();
+fn different_clicks<'a>(places: &[WorstTrial<'a>]) -> Vec<WorstTrial<'a>> {
+    let mut chosen: Vec<WorstTrial> = Vec::new();
     for place in places {
         if chosen.len() < SHOWN
             && !chosen.iter().any(|c| c.scene == place.scene && c.trial.trial == place.trial.trial)
@@ -74,8 +74,8 @@ fn different_clicks<'a>(places: &[Place<'a>]) -> Vec<Place<'a>> {
 }
 
 /// The worst trial of each contender in a row.
-fn comparison<'a>(subject: &Subject, places: impl Iterator<Item = Place<'a>>) -> Table {
-    let rows = places.map(|Place { scene, contender, trial }| {
+fn comparison<'a>(subject: &ReportSubject, places: impl Iterator<Item = WorstTrial<'a>>) -> TextTable {
+    let rows = places.map(|WorstTrial { scene, contender, trial }| {
         vec![
             subject.contenders[contender].label(),
             subject.scenes[scene].name.clone(),
@@ -85,7 +85,7 @@ fn comparison<'a>(subject: &Subject, places: impl Iterator<Item = Place<'a>>) ->
             trial.search.map_or_else(|| "-".to_owned(), |search| pixels(search.best_error)),
         ]
     });
-    Table {
+    TextTable {
         caption:
             "The worst trial of each: its error, and that of the best hypothesis the search had kept, px."
                 .to_owned(),
@@ -98,7 +98,13 @@ fn comparison<'a>(subject: &Subject, places: impl Iterator<Item = Place<'a>>) ->
     }
 }
 
-fn show(subject: &Subject, sight: &Sight, place: Place, number: usize, document: &mut Document) {
+fn show(
+    subject: &ReportSubject,
+    sight: &Sight,
+    place: WorstTrial,
+    number: usize,
+    document: &mut Publication,
+) {
     let (label, name, trial) =
         (subject.contenders[place.contender].label(), &sight.scene.name, sight.trial.trial + 1);
     let circumstances = Circumstances::of(sight);

@@ -7,10 +7,10 @@ use nalgebra::Matrix3;
 
 use super::quantity::Quantity;
 use super::{Format, GeometryFile, ImageNote};
-use crate::geometry::{Camera, FundamentalMatrix, Point, PointPair, symmetric_epipolar_distance};
+use crate::geometry::{FundamentalMatrix, Point, PointPair, symmetric_epipolar_distance};
 
 /// The shift from pixels of this program to those of a format.
-pub(super) fn shift(origin: f64) -> Matrix3<f64> {
+fn shift(origin: f64) -> Matrix3<f64> {
     Matrix3::new(1.0, 0.0, origin, 0.0, 1.0, origin, 0.0, 0.0, 1.0)
 }
 
@@ -20,7 +20,7 @@ pub(super) struct NamedRows {
     pub(super) rows: Vec<Vec<f64>>,
 }
 
-/// The same in one list, with the number of its columns.
+/// A matrix with its name in one list, with the number of its columns.
 pub(super) struct NamedTable {
     pub(super) quantity: Quantity,
     pub(super) columns: usize,
@@ -40,7 +40,7 @@ pub(super) struct SelfCheck {
 }
 
 /// The content, converted and rounded as it will stand in the file.
-pub(super) struct Written<'a> {
+pub(super) struct WrittenGeometry<'a> {
     pub(super) format: Format,
     pub(super) matrices: Vec<NamedRows>,
     pub(super) pairs: Vec<PointPair>,
@@ -48,7 +48,7 @@ pub(super) struct Written<'a> {
     pub(super) check: Option<SelfCheck>,
 }
 
-impl<'a> Written<'a> {
+impl<'a> WrittenGeometry<'a> {
     pub(super) fn new(file: &'a GeometryFile, format: Format) -> Self {
         let origin = format.origin();
         let (there, back) = (shift(origin), shift(-origin));
@@ -94,7 +94,7 @@ impl<'a> Written<'a> {
         tables
     }
 
-    /// Who wrote the file, its convention, and the self-check, a sentence a line.
+    /// Sentences about who wrote the file, its convention and the self-check, one a line.
     pub(super) fn preamble(&self) -> Vec<String> {
         let mut lines = vec![format!(
             "Epipolar geometry of two images, written by epiline {}.",
@@ -126,7 +126,7 @@ impl SelfCheck {
 }
 
 /// `F` for pixels moved by `origin` along both axes.
-pub(super) fn moved_fundamental(f: &FundamentalMatrix, origin: f64) -> Option<FundamentalMatrix> {
+fn moved_fundamental(f: &FundamentalMatrix, origin: f64) -> Option<FundamentalMatrix> {
     if origin == 0.0 {
         return Some(*f);
     }
@@ -135,14 +135,9 @@ pub(super) fn moved_fundamental(f: &FundamentalMatrix, origin: f64) -> Option<Fu
 }
 
 /// A pair for pixels moved by `origin`.
-pub(super) fn moved_pair(pair: &PointPair, origin: f64) -> PointPair {
+fn moved_pair(pair: &PointPair, origin: f64) -> PointPair {
     let moved = |p: Point| Point::new(p.x + origin, p.y + origin);
     PointPair { point1: moved(pair.point1), point2: moved(pair.point2) }
-}
-
-/// A camera for pixels moved by `origin`.
-pub(super) fn moved_camera(camera: &Camera, origin: f64) -> Option<Camera> {
-    Camera::from_matrix(shift(origin) * camera.matrix())
 }
 
 /// Nested rows.
@@ -150,14 +145,10 @@ fn rows<const C: usize>(matrix: &nalgebra::SMatrix<f64, 3, C>) -> Vec<Vec<f64>> 
     matrix.row_iter().map(|row| row.iter().copied().collect()).collect()
 }
 
-/// The shortest digits that read back as the same number; always with a point or an exponent.
-pub(super) fn number(value: f64) -> String {
-    format!("{value:?}")
-}
-
-/// Numbers separated by something.
+/// Numbers separated by something, each with the shortest digits that read back as the same number and always with a
+/// point or an exponent.
 pub(super) fn numbers(values: &[f64], separator: &str) -> String {
-    values.iter().map(|v| number(*v)).collect::<Vec<_>>().join(separator)
+    values.iter().map(|v| format!("{v:?}")).collect::<Vec<_>>().join(separator)
 }
 
 /// `x1 y1 x2 y2`.

@@ -3,21 +3,20 @@
 use nalgebra::{Matrix3, Matrix3x4};
 use serde_json::{Map, Value};
 
-use super::coordinates::{moved_camera, moved_fundamental, moved_pair, shift};
 use super::quantity::Quantity;
-use super::{Format, GeometryFile, ImageNote, Problem, Wanted};
-use crate::geometry::{Camera, FundamentalMatrix, NotFundamental, PointPair};
+use super::{BareNumbers, GeometryFile, ImageNote, Problem};
+use crate::geometry::{Camera, FundamentalMatrix, PointPair};
 
 /// Numbers in rows and columns. Every row is full, and every number finite.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Table {
+pub(super) struct NumberTable {
     rows: usize,
     columns: usize,
     /// Row by row.
     numbers: Vec<f64>,
 }
 
-impl Table {
+impl NumberTable {
     /// A table of `columns` columns; the error says what does not fit.
     pub(super) fn new(rows: usize, columns: usize, numbers: Vec<f64>) -> Result<Self, String> {
         match numbers.iter().find(|v| !v.is_finite()) {
@@ -65,13 +64,13 @@ impl Table {
 /// What was found in a file, in its own coordinates.
 #[derive(Debug, Default)]
 pub(super) struct Fields {
-    tables: Vec<(Quantity, Table)>,
+    tables: Vec<(Quantity, NumberTable)>,
     images: [Option<ImageNote>; 2],
 }
 
 impl Fields {
     /// Notes a table. Another one of the same quantity must have the same numbers.
-    pub(super) fn add(&mut self, quantity: Quantity, table: Table) -> Result<(), Problem> {
+    pub(super) fn add(&mut self, quantity: Quantity, table: NumberTable) -> Result<(), Problem> {
         match self.table(quantity) {
             Some(known) if known.numbers != table.numbers => {
                 return Err(Problem::whole(there_twice(quantity.symbol())));
@@ -82,12 +81,6 @@ impl Fields {
         Ok(())
     }
 
-    /// Notes a table in place of another one of the same quantity, as a script does that assigns twice.
-    pub(super) fn assign(&mut self, quantity: Quantity, table: Table) {
-        self.tables.retain(|(known, _)| *known != quantity);
-        self.tables.push((quantity, table));
-    }
-
     /// Notes image 1 (`index` 0) or 2.
     pub(super) fn add_image(&mut self, index: usize, image: ImageNote) {
         if let Some(place) = self.images.get_mut(index) {
@@ -96,17 +89,17 @@ impl Fields {
     }
 
     /// Numbers without a name: nine are `F`, rows of four point pairs.
-    pub(super) fn add_bare(&mut self, table: Table, wanted: Wanted) -> Result<(), Problem> {
+    pub(super) fn add_bare(&mut self, table: NumberTable, wanted: BareNumbers) -> Result<(), Problem> {
         let quantity = match (table.numbers.len(), table.columns) {
             (9, _) => Quantity::Fundamental,
-            (24, 4) if wanted == Wanted::Geometry => {
+            (24, 4) if wanted == BareNumbers::Geometry => {
                 let (first, second) = table.numbers.split_at(12);
                 for (quantity, numbers) in [(Quantity::Camera1, first), (Quantity::Camera2, second)] {
-                    self.add(quantity, Table { rows: 3, columns: 4, numbers: numbers.to_vec() })?;
+                    self.add(quantity, NumberTable { rows: 3, columns: 4, numbers: numbers.to_vec() })?;
                 }
                 return Ok(());
             }
-            (_, 4) if wanted == Wanted::Anything => Quantity::Pairs,
+            (_, 4) if wanted == BareNumbers::Anything => Quantity::Pairs,
             (count, _) => {
                 return Err(Problem::whole(format!(
                     "expected the nine numbers of a fundamental matrix, found {count}"
@@ -116,7 +109,7 @@ impl Fields {
         self.add(quantity, table)
     }
 
-    fn table(&self, quantity: Quantity) -> Option<&Table> {
+    fn table(&self, quantity: Quantity) -> Option<&NumberTable> {
         self.tables.iter().find(|(q, _)| *q == quantity).map(|(_, t)| t)
     }
 
@@ -124,7 +117,7 @@ impl Fields {
     pub(super) fn from_value(value: &Value) -> Result<Self, Problem> {
         let mut fields = Self::default();
         let Some(object) = value.as_object() else {
-            fields.add_bare(table(value).map_err(Problem::whole)?, Wanted::Anything)?;
+            fields.add_bare(table(value).map_err(Problem::whole)?, BareNumbers::Anything)?;
             return Ok(fields);
         };
         for (name, value) in object {
@@ -150,28 +143,24 @@ impl Fields {
         Ok(fields)
     }
 
-    /// The content in the convention of this program.
-    pub(super) fn interpret(self, format: Format) -> Result<GeometryFile, Problem> {
-        let back = -format.origin();
+    /// The quantities as what they are.
+    pub(super) fn interpret(self) -> Result<GeometryFile, Problem> {
         let frames = match &self.images {
             [Some(image1), Some(image2)] => Some([image1.frame, image2.frame]),
             _ => None,
         };
         let fundamental = self.get(Quantity::Fundamental, |table| {
-            let f = FundamentalMatrix::from_numbers(table.matrix3()?, frames).map_err(|e| e.to_string())?;
-            moved_fundamental(&f, back).ok_or_else(|| NotFundamental::RankBelowTwo.to_string())
+            FundamentalMatrix::from_numbers(table.matrix3()?, frames).map_err(|e| e.to_string())
         })?;
-        let camera = |table: &Table| {
+        let camera = |table: &NumberTable| {
             Camera::from_matrix(Matrix3x4::from_row_slice(table.matrix(3, 4)?))
-                .and_then(|camera| moved_camera(&camera, back))
                 .ok_or_else(|| "this matrix is not a camera (its rank is below 3)".to_owned())
         };
-        let homography = |table: &Table| Ok(shift(back) * table.matrix3()? * shift(-back));
         let file = GeometryFile {
             fundamental,
             cameras: self.both([Quantity::Camera1, Quantity::Camera2], camera)?,
-            homographies: self.both([Quantity::Homography1, Quantity::Homography2], homography)?,
-            pairs: self.pairs()?.iter().map(|p| moved_pair(p, back)).collect(),
+            homographies: self.both([Quantity::Homography1, Quantity::Homography2], NumberTable::matrix3)?,
+            pairs: self.pairs()?,
             images: match self.images {
                 [Some(image1), Some(image2)] => Some([image1, image2]),
                 _ => None,
@@ -194,7 +183,7 @@ impl Fields {
     fn get<T>(
         &self,
         quantity: Quantity,
-        read: impl Fn(&Table) -> Result<T, String>,
+        read: impl Fn(&NumberTable) -> Result<T, String>,
     ) -> Result<Option<T>, Problem> {
         let named = |e: String| {
             // The old sentences about a file that is nothing but a matrix need no name.
@@ -208,7 +197,7 @@ impl Fields {
     fn both<T>(
         &self,
         [first, second]: [Quantity; 2],
-        read: impl Fn(&Table) -> Result<T, String>,
+        read: impl Fn(&NumberTable) -> Result<T, String>,
     ) -> Result<Option<[T; 2]>, Problem> {
         match (self.get(first, &read)?, self.get(second, &read)?) {
             (Some(a), Some(b)) => Ok(Some([a, b])),
@@ -223,13 +212,13 @@ impl Fields {
 
     /// Point pairs, from rows of four or from a list an image.
     fn pairs(&self) -> Result<Vec<PointPair>, Problem> {
-        let four = |table: &Table| {
+        let four = |table: &NumberTable| {
             Ok(table.rows_of(4)?.map(|r| PointPair::new(r[0], r[1], r[2], r[3])).collect::<Vec<_>>())
         };
         if let Some(pairs) = self.get(Quantity::Pairs, four)? {
             return Ok(pairs);
         }
-        let two = |table: &Table| Ok(table.rows_of(2)?.map(|r| [r[0], r[1]]).collect::<Vec<_>>());
+        let two = |table: &NumberTable| Ok(table.rows_of(2)?.map(|r| [r[0], r[1]]).collect::<Vec<_>>());
         let Some([points1, points2]) = self.both([Quantity::Points1, Quantity::Points2], two)? else {
             return Ok(Vec::new());
         };
@@ -263,23 +252,23 @@ fn is_rows(value: &Value) -> bool {
 }
 
 /// A table from nested rows, from a flat list, or from a matrix of OpenCV.
-fn table(value: &Value) -> Result<Table, String> {
+fn table(value: &Value) -> Result<NumberTable, String> {
     match value {
         Value::Object(_) => opencv_matrix(value),
         Value::Array(rows) if !rows.is_empty() && is_rows(value) => {
             let rows = rows.iter().map(list).collect::<Result<Vec<_>, _>>()?;
-            Table::from_rows(&rows)
+            NumberTable::from_rows(&rows)
         }
         Value::Array(_) | Value::String(_) => {
             let numbers = list(value)?;
-            Table::new(1, numbers.len(), numbers)
+            NumberTable::new(1, numbers.len(), numbers)
         }
         _ => Err("this is not a list of rows".into()),
     }
 }
 
 /// `{rows, cols, dt, data}`, or `sizes` in place of rows and columns. Channels count as columns.
-fn opencv_matrix(value: &Value) -> Result<Table, String> {
+fn opencv_matrix(value: &Value) -> Result<NumberTable, String> {
     let size = |name: &str| value.get(name).and_then(whole);
     let numbers = list(value.get("data").ok_or("this is no matrix, it has no data")?)?;
     let channels = match value.get("dt") {
@@ -301,7 +290,7 @@ fn opencv_matrix(value: &Value) -> Result<Table, String> {
     };
     // N×1 and 1×N points of two channels are the same to OpenCV.
     let (rows, columns) = if rows == 1 && channels > 1 { (columns, rows) } else { (rows, columns) };
-    Table::new(rows, columns.checked_mul(channels).ok_or("it is too large")?, numbers)
+    NumberTable::new(rows, columns.checked_mul(channels).ok_or("it is too large")?, numbers)
 }
 
 /// A count.

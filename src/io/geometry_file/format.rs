@@ -4,7 +4,6 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use super::colmap;
 use super::quantity::Quantity;
 
 /// A kind of file.
@@ -19,42 +18,16 @@ pub enum Format {
     OpencvYaml,
     /// OpenCV `FileStorage`, XML.
     OpencvXml,
-    /// A script for MATLAB and Octave.
+    /// A script for MATLAB and Octave, written only.
     Matlab,
-    /// Text in the conventions of COLMAP.
-    Colmap,
 }
 
-/// Words that are no names in MATLAB.
-const MATLAB_KEYWORDS: [&str; 20] = [
-    "break",
-    "case",
-    "catch",
-    "classdef",
-    "continue",
-    "else",
-    "elseif",
-    "end",
-    "for",
-    "function",
-    "global",
-    "if",
-    "otherwise",
-    "parfor",
-    "persistent",
-    "return",
-    "spmd",
-    "switch",
-    "try",
-    "while",
-];
 /// What a script assigns besides the names of quantities.
 const MATLAB_ALSO_ASSIGNED: [&str; 6] = ["F_vgg", "tform1", "tform2", "image1", "image2", "self_check"];
 
 impl Format {
-    /// All of them.
-    pub const ALL: [Self; 6] =
-        [Self::Json, Self::Text, Self::OpencvYaml, Self::OpencvXml, Self::Matlab, Self::Colmap];
+    /// Every format.
+    pub const ALL: [Self; 5] = [Self::Json, Self::Text, Self::OpencvYaml, Self::OpencvXml, Self::Matlab];
 
     /// The name on the command line.
     pub fn name(self) -> &'static str {
@@ -64,7 +37,6 @@ impl Format {
             Self::OpencvYaml => "opencv-yaml",
             Self::OpencvXml => "opencv-xml",
             Self::Matlab => "matlab",
-            Self::Colmap => "colmap",
         }
     }
 
@@ -76,7 +48,6 @@ impl Format {
             Self::OpencvYaml => "OpenCV FileStorage (YAML)",
             Self::OpencvXml => "OpenCV FileStorage (XML)",
             Self::Matlab => "MATLAB, Octave and VGG",
-            Self::Colmap => "COLMAP",
         }
     }
 
@@ -88,7 +59,6 @@ impl Format {
             Self::OpencvYaml => "yml",
             Self::OpencvXml => "xml",
             Self::Matlab => "m",
-            Self::Colmap => "colmap",
         }
     }
 
@@ -115,9 +85,6 @@ impl Format {
         }
         let mut lines = text.lines().map(str::trim).filter(|l| !l.is_empty() && !l.starts_with(['#', '%']));
         let Some(first) = lines.clone().next() else { return Self::Text };
-        if colmap::is_row(first) {
-            return Self::Colmap;
-        }
         if is_word_before(first, ':') {
             return Self::OpencvYaml;
         }
@@ -133,11 +100,10 @@ impl Format {
         }
         let name = path.file_stem()?.to_string_lossy();
         let is_variable = name.starts_with(|c: char| c.is_ascii_alphabetic())
-            && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
-            && !MATLAB_KEYWORDS.contains(&&*name);
+            && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
         if !is_variable {
             return Some(format!(
-                "MATLAB cannot run a script called {name}: give it a name of letters, digits and _ that begins with a letter and is no keyword"
+                "MATLAB cannot run a script called {name}: give it a name of letters, digits and _ that begins with a letter"
             ));
         }
         let is_assigned = Quantity::named(&name).is_some() || MATLAB_ALSO_ASSIGNED.contains(&&*name);
@@ -150,12 +116,11 @@ impl Format {
     pub fn origin(self) -> f64 {
         match self {
             Self::Json | Self::Text | Self::OpencvYaml | Self::OpencvXml => 0.0,
-            Self::Colmap => 0.5,
             Self::Matlab => 1.0,
         }
     }
 
-    /// Its convention in words, one sentence an entry, in ASCII.
+    /// Sentences that say its convention, in ASCII.
     pub fn convention(self) -> Vec<String> {
         let origin = self.origin();
         let mut sentences = vec![
@@ -181,10 +146,6 @@ impl Format {
                 "F is that of estimateFundamentalMatrix and epipolarLine, [p2 1] * F * [p1 1]' = 0 for points as rows, and of vgg_F_from_P.",
                 "F_vgg is its transpose, which vgg_gui_F and vgg_F_from_7pts_2img have.",
                 "H1 and H2 act on columns (projtform2d); tform1 and tform2 are their transposes, which act on rows (projective2d, maketform).",
-            ],
-            Self::Colmap => &[
-                "F belongs into the table two_view_geometries in this order if image 1 has the smaller image_id; otherwise transpose it and exchange the columns of the matches.",
-                "E needs the calibration and is not given; H1 and H2 rectify the images, they are not the H of two_view_geometries, which maps image 1 to image 2.",
             ],
         }
     }
@@ -224,7 +185,6 @@ mod tests {
             ("% c\n\nF = [1 2", Format::Matlab),
             ("F=[1 2", Format::Matlab),
             ("clear all\nF = [1 2", Format::Matlab),
-            ("# c\nF 1 2 3 4 5 6 7 8 9", Format::Colmap),
             ("# c\nF\n1 2 3", Format::Text),
             ("1 2 3 4", Format::Text),
             ("x1,y1,x2,y2\n1,2,3,4", Format::Text),

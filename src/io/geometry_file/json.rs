@@ -6,7 +6,7 @@ use serde::de::{Deserializer, Error, MapAccess, Visitor};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 
-use super::coordinates::{Written, pair_numbers};
+use super::coordinates::{WrittenGeometry, pair_numbers};
 use super::fields::{Fields, insert};
 use super::quantity::Quantity;
 use super::{ImageNote, Problem};
@@ -24,7 +24,7 @@ struct File<'a> {
     self_check: Option<Value>,
 }
 
-pub(super) fn write(written: &Written) -> String {
+pub(super) fn write(written: &WrittenGeometry) -> String {
     let value = |quantity, rows: &[Vec<f64>]| match quantity {
         Quantity::Epipole1 | Quantity::Epipole2 => json!(rows.concat()),
         _ => json!(rows),
@@ -64,9 +64,9 @@ struct Object(Map<String, Value>);
 
 impl<'de> Deserialize<'de> for Object {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct Fields;
+        struct ObjectVisitor;
 
-        impl<'de> Visitor<'de> for Fields {
+        impl<'de> Visitor<'de> for ObjectVisitor {
             type Value = Object;
 
             fn expecting(&self, text: &mut Formatter) -> fmt::Result {
@@ -82,6 +82,6 @@ impl<'de> Deserialize<'de> for Object {
             }
         }
 
-        deserializer.deserialize_map(Fields)
+        deserializer.deserialize_map(ObjectVisitor)
     }
 }

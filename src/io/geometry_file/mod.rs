@@ -5,10 +5,9 @@
 //! | [`Json`](Format::Json) | this program, scripts | `x2ᵀ F x1 = 0` | (0, 0) |
 //! | [`Text`](Format::Text) | people, `awk` | `x2ᵀ F x1 = 0` | (0, 0) |
 //! | [`OpencvYaml`](Format::OpencvYaml), [`OpencvXml`](Format::OpencvXml) | `cv::FileStorage` | `x2ᵀ F x1 = 0` | (0, 0) |
-//! | [`Matlab`](Format::Matlab) | MATLAB, Octave, the VGG toolbox | `x2ᵀ F x1 = 0`, and `F_vgg` transposed | (1, 1) |
-//! | [`Colmap`](Format::Colmap) | what fills a COLMAP database | `x2ᵀ F x1 = 0` | (0.5, 0.5) |
+//! | [`Matlab`](Format::Matlab), written only | MATLAB, Octave, the VGG toolbox | `x2ᵀ F x1 = 0`, and `F_vgg` transposed | (1, 1) |
 //!
-//! A [`GeometryFile`] is in the convention of this program, whatever the file is in: writing and reading convert.
+//! A [`GeometryFile`] is in the convention of this program; writing converts.
 //! Every file says its convention in words and carries a self-check: the distances of its own point pairs to
 //! their epipolar lines, from the numbers as they stand in the file. Numbers are written with as many digits as
 //! bring back the same `f64`.
@@ -16,7 +15,6 @@
 //! Pitfall: a reader knows the convention of a format, not what somebody did before writing a file. Whether a
 //! matrix means what its format says is for [`crate::convention`] to find out, with matches.
 
-mod colmap;
 mod coordinates;
 mod fields;
 mod format;
@@ -34,7 +32,7 @@ use std::path::Path;
 use nalgebra::Matrix3;
 use serde::{Deserialize, Serialize};
 
-use self::coordinates::Written;
+use self::coordinates::WrittenGeometry;
 use self::fields::Fields;
 use super::number::rows;
 use super::output::{OutputFile, WriteError};
@@ -46,9 +44,9 @@ pub use self::format::Format;
 /// The name and the size of an image.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ImageNote {
-    /// Its file name.
+    /// File name, without folders.
     pub name: String,
-    /// Its size, px.
+    /// Width and height, px.
     #[serde(flatten)]
     pub frame: Frame,
 }
@@ -80,14 +78,13 @@ impl GeometryFile {
 
     /// The whole content of a file.
     pub fn to_text(&self, format: Format) -> String {
-        let written = Written::new(self, format);
+        let written = WrittenGeometry::new(self, format);
         match format {
             Format::Json => json::write(&written),
             Format::Text => text::write(&written),
             Format::OpencvYaml => opencv_yaml::write(&written),
             Format::OpencvXml => opencv_xml::write(&written),
             Format::Matlab => matlab::write(&written),
-            Format::Colmap => colmap::write(&written),
         }
     }
 
@@ -96,20 +93,20 @@ impl GeometryFile {
         OutputFile::prepare(path)?.write(self.to_text(format).as_bytes())
     }
 
-    /// Reads a file of any of the formats; which one, its content tells. Bare numbers are taken too: nine are
+    /// Reads a file of any of the formats but MATLAB's; which one, its content tells. Bare numbers are taken too: nine are
     /// an `F` row by row, rows of four are point pairs.
     pub fn read(path: &Path) -> Result<(Self, Format), ReadError> {
-        Self::read_for(path, Wanted::Anything)
+        Self::read_for(path, BareNumbers::Anything)
     }
 
-    /// The same from a text.
+    /// Reads a text of any of the formats but MATLAB's.
     pub fn parse(text: &str) -> Result<(Self, Format), Problem> {
-        Self::parse_for(text, Wanted::Anything)
+        Self::parse_for(text, BareNumbers::Anything)
     }
 
     /// Reads a file that is to hold `F` or two cameras: six bare rows of four numbers are cameras.
     pub fn read_geometry(path: &Path) -> Result<(Self, Format), ReadError> {
-        let (file, format) = Self::read_for(path, Wanted::Geometry)?;
+        let (file, format) = Self::read_for(path, BareNumbers::Geometry)?;
         if file.geometry().is_none() {
             let problem = match &file.cameras {
                 Some(_) => "the two cameras have the same centre, so there is no fundamental matrix",
@@ -122,7 +119,7 @@ impl GeometryFile {
         Ok((file, format))
     }
 
-    fn read_for(path: &Path, wanted: Wanted) -> Result<(Self, Format), ReadError> {
+    fn read_for(path: &Path, wanted: BareNumbers) -> Result<(Self, Format), ReadError> {
         let text = read_text(path)?;
         Self::parse_for(&text, wanted).map_err(|Problem { line, problem }| match line {
             Some(line) => ReadError::line(path, line, problem),
@@ -130,23 +127,25 @@ impl GeometryFile {
         })
     }
 
-    fn parse_for(text: &str, wanted: Wanted) -> Result<(Self, Format), Problem> {
+    fn parse_for(text: &str, wanted: BareNumbers) -> Result<(Self, Format), Problem> {
         let format = Format::of_content(text);
         let fields: Fields = match format {
             Format::Json => json::read(text)?,
             Format::Text => text::read(text, wanted)?,
             Format::OpencvYaml => opencv_yaml::read(text)?,
             Format::OpencvXml => opencv_xml::read(text)?,
-            Format::Matlab => matlab::read(text)?,
-            Format::Colmap => colmap::read(text)?,
+            Format::Matlab => return Err(Problem::whole(MATLAB_SCRIPT)),
         };
-        Ok((fields.interpret(format)?, format))
+        Ok((fields.interpret()?, format))
     }
 }
 
+/// What to do with a script, which only MATLAB can evaluate.
+const MATLAB_SCRIPT: &str = "this is a MATLAB script, which is written but not read: save the numbers as text, writematrix(F, 'F.txt', 'Delimiter', ' ')";
+
 /// What somebody expects of bare numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Wanted {
+enum BareNumbers {
     Anything,
     Geometry,
 }

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use roxmltree::{Document, Node, ParsingOptions};
 use serde_json::{Map, Value};
 
-use super::coordinates::{NamedTable, Written, numbers, one_line};
+use super::coordinates::{NamedTable, WrittenGeometry, numbers, one_line};
 use super::fields::{Fields, insert};
 use super::{Format, ImageNote, Problem};
 
@@ -14,7 +14,7 @@ const DEEPEST: usize = 32;
 /// Elements, attributes and texts of a file; numbers are none.
 const MOST_NODES: u32 = 1_000_000;
 
-pub(super) fn write(written: &Written) -> String {
+pub(super) fn write(written: &WrittenGeometry) -> String {
     debug_assert_eq!(written.format, Format::OpencvXml);
     let mut text = String::from("<?xml version=\"1.0\"?>\n<opencv_storage>\n");
     for line in written.preamble() {

@@ -8,14 +8,14 @@ use std::fmt::Write;
 use saphyr_parser::{Event, Parser, ScalarStyle};
 use serde_json::{Map, Value};
 
-use super::coordinates::{NamedTable, Written, numbers, one_line};
+use super::coordinates::{NamedTable, WrittenGeometry, numbers, one_line};
 use super::fields::{Fields, insert};
 use super::{Format, ImageNote, Problem};
 
 /// Levels of lists in lists. Matrices need three.
 const DEEPEST: usize = 32;
 
-pub(super) fn write(written: &Written) -> String {
+pub(super) fn write(written: &WrittenGeometry) -> String {
     debug_assert_eq!(written.format, Format::OpencvYaml);
     let mut text = String::from("%YAML:1.0\n---\n");
     for line in written.preamble() {

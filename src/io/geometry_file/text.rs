@@ -14,15 +14,15 @@
 
 use std::fmt::Write;
 
-use super::coordinates::{Written, numbers, one_line, pair_numbers};
-use super::fields::{Fields, Table};
+use super::coordinates::{WrittenGeometry, numbers, one_line, pair_numbers};
+use super::fields::{Fields, NumberTable};
 use super::quantity::Quantity;
-use super::{ImageNote, Problem, Wanted};
+use super::{BareNumbers, ImageNote, Problem};
 use crate::geometry::Frame;
 use crate::io::number::{cells, finite_numbers, rows};
 use crate::io::point_pairs::parse_point_pairs;
 
-pub(super) fn write(written: &Written) -> String {
+pub(super) fn write(written: &WrittenGeometry) -> String {
     let mut text = String::new();
     for line in written.preamble() {
         let _ = writeln!(text, "# {line}");
@@ -46,7 +46,7 @@ pub(super) fn write(written: &Written) -> String {
     text
 }
 
-pub(super) fn read(text: &str, wanted: Wanted) -> Result<Fields, Problem> {
+pub(super) fn read(text: &str, wanted: BareNumbers) -> Result<Fields, Problem> {
     let is_named = |row: &str| heading(row).is_some() || image_number(row).is_some();
     if !rows(text).next().is_some_and(|(_, row)| is_named(row)) {
         return bare(text, wanted);
@@ -55,8 +55,8 @@ pub(super) fn read(text: &str, wanted: Wanted) -> Result<Fields, Problem> {
     let mut current: Option<(Quantity, Vec<Vec<f64>>)> = None;
     let close = |section: Option<(Quantity, Vec<Vec<f64>>)>, fields: &mut Fields| {
         let Some((quantity, rows)) = section else { return Ok(()) };
-        let table =
-            Table::from_rows(&rows).map_err(|e| Problem::whole(format!("{}: {e}", quantity.symbol())))?;
+        let table = NumberTable::from_rows(&rows)
+            .map_err(|e| Problem::whole(format!("{}: {e}", quantity.symbol())))?;
         fields.add(quantity, table)
     };
     for (line, row) in rows(text) {
@@ -104,22 +104,22 @@ fn image(row: &str) -> Result<ImageNote, String> {
 }
 
 /// Numbers without names.
-fn bare(text: &str, wanted: Wanted) -> Result<Fields, Problem> {
+fn bare(text: &str, wanted: BareNumbers) -> Result<Fields, Problem> {
     let mut fields = Fields::default();
     let count = rows(text).map(|(_, row)| cells(row).count()).sum::<usize>();
-    if wanted == Wanted::Anything && count != 9 {
+    if wanted == BareNumbers::Anything && count != 9 {
         let pairs = parse_point_pairs(text).map_err(|e| Problem::at(e.line, e.problem))?;
         let numbers: Vec<f64> = pairs.iter().flat_map(pair_numbers).collect();
-        fields.add(Quantity::Pairs, Table::new(pairs.len(), 4, numbers).map_err(Problem::whole)?)?;
+        fields.add(Quantity::Pairs, NumberTable::new(pairs.len(), 4, numbers).map_err(Problem::whole)?)?;
         return Ok(fields);
     }
     let lists = rows(text)
         .map(|(line, row)| finite_numbers(row).map_err(|e| Problem::at(line, e)))
         .collect::<Result<Vec<_>, _>>()?;
     // Nine numbers may be spread over the lines in any way.
-    let table = Table::from_rows(&lists).or_else(|_| {
+    let table = NumberTable::from_rows(&lists).or_else(|_| {
         let numbers = lists.concat();
-        Table::new(1, numbers.len(), numbers)
+        NumberTable::new(1, numbers.len(), numbers)
     });
     fields.add_bare(table.map_err(Problem::whole)?, wanted)?;
     Ok(fields)

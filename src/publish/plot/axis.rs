@@ -126,7 +126,7 @@ impl Area {
         }
     }
 
-    /// These with labels and the name of the quantity with its unit.
+    /// Grid, ticks and labels below, and the name of the quantity with its unit.
     pub(super) fn horizontal(&self, scale: &Scale, name: &str) -> Markup {
         markup! {
             (self.ticks(scale))

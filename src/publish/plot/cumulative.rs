@@ -4,7 +4,7 @@ use maud::html as markup;
 
 use super::axis::{Area, Scale};
 use super::legend::{ROW, Sign, column};
-use super::{Drawing, Stroke, WIDTH, n, path, text_width};
+use super::{Stroke, SvgDrawing, WIDTH, n, path, text_width};
 
 /// Values of one kind. What is not finite counts, and lies beyond the right end of the axis.
 #[derive(Debug, Clone)]
@@ -19,7 +19,7 @@ pub struct Distribution {
 
 /// One curve a distribution: the share of its values, in per cent, that are not above the value on the axis.
 /// Dotted lines stand at the `limits`, in px.
-pub fn cumulative(all: &[Distribution], quantity: &str, share_of: &str, limits: &[f64]) -> Drawing {
+pub fn cumulative(all: &[Distribution], quantity: &str, share_of: &str, limits: &[f64]) -> SvgDrawing {
     let scale = Scale::decades(all.iter().flat_map(|d| d.values.iter().copied()));
     let names = all.iter().map(|d| text_width(&d.name)).fold(0.0, f64::max);
     let height = f64::max(360.0, 60.0 + ROW * all.len() as f64);
@@ -38,7 +38,7 @@ pub fn cumulative(all: &[Distribution], quantity: &str, share_of: &str, limits: 
         }
         (column(&legend, area.right + 18.0, area.top + 8.0))
     };
-    Drawing::new(WIDTH, height, content)
+    SvgDrawing::new(WIDTH, height, content)
 }
 
 /// The corners of the curve, as value and share, from the left end of the axis to the right one.

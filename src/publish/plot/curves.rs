@@ -4,14 +4,14 @@ use maud::html as markup;
 
 use super::axis::{Area, Scale};
 use super::legend::{Sign, row};
-use super::{Drawing, FAINT, Stroke, TEXT, WIDTH, n, path};
+use super::{FAINT, Stroke, SvgDrawing, TEXT, WIDTH, n, path};
 
 /// One panel.
 #[derive(Debug, Clone)]
 pub struct Panel {
     /// What stands above it.
     pub title: String,
-    /// Its curves.
+    /// Curves in it.
     pub curves: Vec<Curve>,
 }
 
@@ -22,7 +22,7 @@ pub struct Curve {
     pub name: String,
     /// How it is drawn.
     pub stroke: Stroke,
-    /// Its points from left to right; without a second number it has a gap.
+    /// Points from left to right; without a second number it has a gap.
     pub points: Vec<(f64, Option<f64>)>,
 }
 
@@ -30,7 +30,7 @@ pub struct Curve {
 const PANEL: f64 = 150.0;
 
 /// All panels with the same scales. Curves of the same name are one entry of the legend.
-pub fn curves(panels: &[Panel], across: &str, up: &str, range: [f64; 2]) -> Drawing {
+pub fn curves(panels: &[Panel], across: &str, up: &str, range: [f64; 2]) -> SvgDrawing {
     let xs = || panels.iter().flat_map(|p| &p.curves).flat_map(|c| c.points.iter().map(|p| p.0));
     let (low, high) = xs().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
     let scale = if low <= high { Scale::linear(low, high) } else { Scale::linear(0.0, 1.0) };
@@ -61,7 +61,7 @@ pub fn curves(panels: &[Panel], across: &str, up: &str, range: [f64; 2]) -> Draw
             }
         }
     };
-    Drawing::new(WIDTH, area(last).bottom + 22.0 + 2.0 * TEXT, content)
+    SvgDrawing::new(WIDTH, area(last).bottom + 22.0 + 2.0 * TEXT, content)
 }
 
 /// The stretches between gaps.

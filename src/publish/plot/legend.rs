@@ -23,7 +23,7 @@ pub enum Sign {
 
 /// Room for a sign.
 const SIGN: f64 = 26.0;
-/// From one entry to the next in a column.
+/// Distance from one entry to the next in a column.
 pub(super) const ROW: f64 = TEXT + 6.0;
 
 /// Entries one below the other, the first one's middle at `top`.

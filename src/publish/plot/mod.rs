@@ -40,9 +40,9 @@ pub(super) const GRID: &str = "#e2e2e2";
 /// How a line is drawn.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stroke {
-    /// Its colour.
+    /// Colour of the line.
     pub color: &'static str,
-    /// Its width.
+    /// Width of the line.
     pub width: f64,
     /// Whether it has gaps.
     pub dashed: bool,
@@ -62,19 +62,19 @@ impl Stroke {
 
 /// A drawing that a document can show.
 #[derive(Debug, Clone)]
-pub struct Drawing {
+pub struct SvgDrawing {
     width: f64,
     height: f64,
     content: Markup,
 }
 
-impl Drawing {
+impl SvgDrawing {
     /// Elements in a rectangle from (0, 0) to the given size.
     pub(super) fn new(width: f64, height: f64, content: Markup) -> Self {
         Self { width, height, content }
     }
 
-    /// As an element of an HTML page; `label` is for those who cannot see it.
+    /// An element of an HTML page; `label` is for those who cannot see it.
     pub fn inline(&self, label: &str) -> Markup {
         markup! {
             svg xmlns="http://www.w3.org/2000/svg" viewBox={ "0 0 " (n(self.width)) " " (n(self.height)) }
@@ -87,7 +87,7 @@ impl Drawing {
         }
     }
 
-    /// As a file of its own.
+    /// A file of its own.
     pub fn file(&self, label: &str) -> String {
         let declaration = PreEscaped("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n");
         markup! { (declaration) (self.inline(label)) "\n" }.into_string()

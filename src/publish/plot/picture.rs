@@ -8,7 +8,7 @@ use image::{ExtendedColorType, GrayImage, Luma};
 use maud::{Markup, html as markup};
 
 use super::legend::{Sign, row};
-use super::{Drawing, FAINT, Stroke, TEXT, WIDTH, n};
+use super::{FAINT, Stroke, SvgDrawing, TEXT, WIDTH, n};
 use crate::geometry::{Frame, Point};
 use crate::image::GrayPlane;
 
@@ -16,7 +16,7 @@ use crate::image::GrayPlane;
 const PIXELS: u32 = 640;
 /// Quality of its compression, 0 to 100.
 const QUALITY: u8 = 82;
-/// Between two pictures.
+/// Gap between two pictures.
 const GAP: f64 = 12.0;
 
 /// Something upon a picture, in its pixels.
@@ -24,34 +24,34 @@ const GAP: f64 = 12.0;
 pub enum Mark {
     /// A straight line.
     Line {
-        /// Its ends.
+        /// Both ends.
         ends: [Point; 2],
         /// How it is drawn, upon a dark edge.
         stroke: Stroke,
     },
     /// A small circle with a label.
     Dot {
-        /// Its centre.
+        /// Centre of the mark.
         at: Point,
         /// What stands beside it.
         label: String,
-        /// Its colour.
+        /// Colour of the mark.
         color: &'static str,
     },
     /// A cross in a circle with a label.
     Cross {
-        /// Its centre.
+        /// Centre of the mark.
         at: Point,
         /// What stands beside it.
         label: String,
-        /// Its colour.
+        /// Colour of the mark.
         color: &'static str,
     },
     /// A square.
     Square {
-        /// Its centre.
+        /// Centre of the mark.
         at: Point,
-        /// Its colour.
+        /// Colour of the mark.
         color: &'static str,
     },
 }
@@ -64,7 +64,7 @@ pub struct MarkedPicture {
     frame: Frame,
     /// Grey JPEG as a data URI.
     pixels: String,
-    /// From the lowest to the topmost.
+    /// Marks from the lowest to the topmost.
     pub marks: Vec<Mark>,
 }
 
@@ -149,7 +149,7 @@ fn label_at(x: f64, y: f64, text: &str, color: &str) -> Markup {
 }
 
 /// The pictures from left to right, equally wide, with a legend below.
-pub fn pictures(all: &[MarkedPicture], legend: &[(Sign, String)]) -> Drawing {
+pub fn pictures(all: &[MarkedPicture], legend: &[(Sign, String)]) -> SvgDrawing {
     let count = all.len().max(1) as f64;
     let width = (WIDTH - GAP * (count - 1.0)) / count;
     let top = 8.0 + TEXT;
@@ -158,7 +158,7 @@ pub fn pictures(all: &[MarkedPicture], legend: &[(Sign, String)]) -> Drawing {
         @for (k, picture) in all.iter().enumerate() { (picture.markup(k as f64 * (width + GAP), top, width)) }
         (row(legend, 0.0, top + height + 16.0))
     };
-    Drawing::new(WIDTH, top + height + 16.0 + TEXT, content)
+    SvgDrawing::new(WIDTH, top + height + 16.0 + TEXT, content)
 }
 
 /// The picture at most [`PIXELS`] wide.

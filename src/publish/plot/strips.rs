@@ -4,7 +4,7 @@ use maud::{Markup, html as markup};
 
 use super::axis::{Area, Scale};
 use super::legend::{ROW, Sign, column, diamond, upright};
-use super::{Drawing, FAINT, GRID, Stroke, TEXT, WIDTH, n, text_width};
+use super::{FAINT, GRID, Stroke, SvgDrawing, TEXT, WIDTH, n, text_width};
 
 /// Rows that belong together.
 #[derive(Debug, Clone)]
@@ -24,9 +24,9 @@ pub struct Strip {
     pub stroke: Stroke,
     /// The values; those that are not finite are counted at the right end.
     pub values: Vec<f64>,
-    /// Their middle, drawn upright.
+    /// Middle of the values, drawn upright.
     pub middle: f64,
-    /// From where to where the middle may lie, drawn as a bar.
+    /// Range in which the middle may lie, drawn as a bar.
     pub interval: Option<[f64; 2]>,
     /// A value from elsewhere, drawn as a diamond.
     pub reference: Option<f64>,
@@ -37,7 +37,7 @@ const ROOMY: f64 = 15.0;
 const NARROW: f64 = 9.5;
 /// Rows that fill a page when they are narrow.
 const MANY: usize = 45;
-/// Between two groups.
+/// Gap between two groups.
 const GAP: f64 = 9.0;
 
 /// All groups from top to bottom; `middle` and `reference` are what the legend says of these signs.
@@ -47,7 +47,7 @@ pub fn strips(
     middle: &str,
     reference: &str,
     limits: &[f64],
-) -> Drawing {
+) -> SvgDrawing {
     let all = || groups.iter().flat_map(|g| g.strips.iter());
     let scale = Scale::decades(all().flat_map(|s| s.values.iter().copied().chain(s.reference)));
     let rows = groups.first().map_or(&[][..], |g| &g.strips);
@@ -79,7 +79,7 @@ pub fn strips(
         }
         (column(&legend, area.right + 42.0, area.top + 8.0))
     };
-    Drawing::new(WIDTH, area.bottom + 52.0, content)
+    SvgDrawing::new(WIDTH, area.bottom + 52.0, content)
 }
 
 fn dot_sign(strip: &Strip) -> Sign {

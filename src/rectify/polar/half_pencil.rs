@@ -105,7 +105,7 @@ pub(super) fn direction(angle: f64) -> Vector {
     Vector::new(angle.cos(), angle.sin())
 }
 
-/// The same angle, as near to another as full turns allow.
+/// An angle with full turns added until it is as near to another as they allow.
 pub(super) fn near(angle: f64, to: f64) -> f64 {
     to + (angle - to + PI).rem_euclid(TAU) - PI
 }

@@ -72,7 +72,7 @@ impl PolarMap {
 pub(super) struct Polar {
     pub(super) maps: [PolarMap; 2],
     pub(super) frame: Frame,
-    /// By which factor the picture is smaller than it should be.
+    /// Factor by which the picture is smaller than it should be.
     pub(super) scale: f64,
     /// Nothing told which halves of the lines correspond.
     pub(super) orientation_assumed: bool,

@@ -18,7 +18,7 @@ pub(super) struct Orientation {
 }
 
 impl Orientation {
-    /// From the matches where there are any, else from where the images lie, else by assuming that half lines do not
+    /// Orientation from the matches where there are any, else from where the images lie, else by assuming that half lines do not
     /// turn by more than 90°.
     pub(super) fn find(f: &FundamentalMatrix, pencils: [&HalfPencil; 2], matches: &[PointPair]) -> Self {
         let [pencil1, pencil2] = pencils;

@@ -1,4 +1,4 @@
-//! ExportKind is written for other programs: chosen here, composed and written in a thread.
+//! What is written for other programs: chosen here, composed and written in a thread.
 
 use std::path::PathBuf;
 

@@ -116,19 +116,19 @@ impl ImportQuestion {
         if geometry.is_none() && pairs.is_empty() {
             return Err("none of its point pairs lies on the images that are open".to_owned());
         }
-        let matrix = geometry.map(|fundamental| self.checked(fundamental, format, &pairs));
+        let matrix = geometry.map(|fundamental| self.checked(fundamental, &pairs));
         Ok(ImportFound { name, format, pairs, matrix, notes })
     }
 
     /// What the matches at hand say; where they are too few, those of the file.
-    fn checked(&self, fundamental: FundamentalMatrix, format: Format, own: &[PointPair]) -> ImportedMatrix {
+    fn checked(&self, fundamental: FundamentalMatrix, own: &[PointPair]) -> ImportedMatrix {
         let at_hand = self.matches.pairs();
         let (matches, pairs) = if at_hand.len() < FEWEST_MATCHES && own.len() >= FEWEST_MATCHES {
             ("point pairs of the file itself", own)
         } else {
             (self.matches.name(), at_hand)
         };
-        let check = check_convention(&fundamental, format.origin(), pairs).ok();
+        let check = check_convention(&fundamental, pairs).ok();
         // Without any reading that can be had in numbers there is nothing to choose from.
         let check = check.filter(|check| !check.readings.is_empty());
         ImportedMatrix { fundamental, check, matches, count: pairs.len() }

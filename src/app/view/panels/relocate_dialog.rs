@@ -53,7 +53,7 @@ impl RelocateDialog {
 
     /// Shows the window; returns whether it stays open.
     pub fn show(&mut self, ctx: &egui::Context, commands: &mut Vec<Command>) -> bool {
-        let open = dialog(ctx, "Find the images", 560.0, |ui| {
+        dialog(ctx, "Find the images", 560.0, |ui| {
             let session = &self.relocation.session;
             let what = if session.recovers {
                 "The work that was not saved".to_owned()
@@ -106,7 +106,6 @@ impl RelocateDialog {
             if all_there && ui.input(|input| input.key_pressed(Key::Enter)) {
                 commands.push(self.again(false));
             }
-        });
-        open
+        })
     }
 }

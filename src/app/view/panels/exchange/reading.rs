@@ -47,7 +47,7 @@ impl ReadingDialog {
 
     /// Shows the window; returns whether it stays open.
     pub fn show(&mut self, ctx: &egui::Context, commands: &mut Vec<Command>) -> bool {
-        let open = dialog(ctx, "How is this matrix meant?", 680.0, |ui| {
+        dialog(ctx, "How is this matrix meant?", 680.0, |ui| {
             let ImportFound { name, format, .. } = &self.found;
             ui.weak(format!("A fundamental matrix from {name}, read as {}.", format.label()));
             ui.add_space(6.0);
@@ -61,8 +61,7 @@ impl ReadingDialog {
                 ui.add_space(6.0);
             }
             ui.horizontal(|ui| self.buttons(ui, commands));
-        });
-        open
+        })
     }
 
     fn verdict(&mut self, ui: &mut Ui) {

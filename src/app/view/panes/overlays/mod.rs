@@ -95,7 +95,7 @@ pub fn pointed_at(canvas: &Canvas, position: Pos2) -> Option<Target> {
 }
 
 /// The true matches that are drawn over the images, with their places in the list.
-pub fn true_matches_shown<'a>(model: &'a Model) -> impl Iterator<Item = (usize, &'a PointPair)> + use<'a> {
+pub fn true_matches_shown(model: &Model) -> impl Iterator<Item = (usize, &PointPair)> {
     let shown = model.look.shows(OverlayId::TrueMatches);
     true_matches::drawn(model).filter(move |_| shown)
 }

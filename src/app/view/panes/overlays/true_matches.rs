@@ -27,7 +27,7 @@ const SIZES: [f32; 2] = [3.4, 2.2];
 const FEW: usize = 80;
 
 /// Those that are drawn, with their places in the list.
-pub fn drawn<'a>(model: &'a Model) -> impl Iterator<Item = (usize, &'a PointPair)> + use<'a> {
+pub fn drawn(model: &Model) -> impl Iterator<Item = (usize, &PointPair)> {
     let matches: &[PointPair] = model.truth().map_or(&[], |truth| &truth.matches);
     matches.iter().enumerate().step_by(matches.len().div_ceil(DRAWN).max(1))
 }

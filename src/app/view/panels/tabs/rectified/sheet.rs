@@ -18,7 +18,7 @@ const MARK: f32 = 4.0;
 
 /// The row of the cursor, wherever in the window that is.
 pub struct SheetRow {
-    /// SheetPlace in the pictures, px of them.
+    /// Place in the pictures, px of them.
     at: Point,
     /// Whose picture the place belongs to; `None` for both.
     side: Option<Side>,

@@ -121,8 +121,6 @@ pub enum Pattern {
     Azulejo([Rgb; 2]),
     /// A printed sheet: picture, headline and text. Paper, ink and spot colours; its width and height, m.
     Print([Rgb; 3], [f64; 2]),
-    /// A page of a book or plain sheet with nothing but mottle.
-    Plain(Rgb),
 }
 
 /// A pattern and what the light needs to know beside it.
@@ -174,9 +172,6 @@ impl Material {
             Pattern::Cloth(cloth) => cloth.look(spot),
             Pattern::Azulejo(colours) => made::azulejo(spot, colours),
             Pattern::Print(colours, size) => made::print(spot, colours, *size),
-            Pattern::Plain(colour) => {
-                Look::dull(*colour * (1.0 + 0.06 * spot.fractal(0.2, 3) + 0.05 * spot.fractal(0.02, 4)), 0.0)
-            }
         }
     }
 

@@ -103,6 +103,7 @@ impl Scene {
     }
 
     /// All objects.
+    #[cfg(test)]
     pub fn objects(&self) -> &[Object] {
         &self.objects
     }

@@ -3,8 +3,8 @@
 use super::matches::{texture, true_match};
 use super::ray::Eye;
 use super::scene::Scene;
-use crate::geometry::{Camera, Frame, FundamentalMatrix, Point, PointPair};
-use crate::image::GrayPlane;
+use epiline::geometry::{Camera, Frame, FundamentalMatrix, Point, PointPair, Vector};
+use epiline::image::GrayPlane;
 
 /// Separation of two shown matches from each other's epipolar lines, as a share of the longer side.
 pub const SEPARATION: f64 = 0.12;
@@ -38,16 +38,11 @@ fn cornerness(plane: &GrayPlane, x: usize, y: usize) -> f64 {
 
 /// Correlation of the 11×11 px around the two points of a pair, −1 ..= 1.
 fn likeness(planes: [&GrayPlane; 2], pair: &PointPair) -> f64 {
-    let window =
-        |plane: &GrayPlane, p: Point| -> Vec<f64> {
-            (0..121)
-                .map(|k| {
-                    f64::from(plane.sample(
-                        p + crate::geometry::Vector::new(f64::from(k % 11 - 5), f64::from(k / 11 - 5)),
-                    ))
-                })
-                .collect()
-        };
+    let window = |plane: &GrayPlane, p: Point| -> Vec<f64> {
+        (0..121)
+            .map(|k| f64::from(plane.sample(p + Vector::new(f64::from(k % 11 - 5), f64::from(k / 11 - 5)))))
+            .collect()
+    };
     let centred = |v: Vec<f64>| {
         let mean = v.iter().sum::<f64>() / v.len() as f64;
         v.into_iter().map(|x| x - mean).collect::<Vec<_>>()

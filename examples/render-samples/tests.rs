@@ -3,9 +3,17 @@
 use nalgebra::{Point3, Vector2, Vector3};
 
 use super::build::{Axes, Builder};
+use super::landmarks::{SEPARATION, separation};
+use super::light::Light;
+use super::matches::true_match;
+use super::ray::Ray;
+use super::render::render;
+use super::scene::Scene;
+use super::shape::{Opening, Outline, Shape};
 use super::texture::{Pattern, srgb};
-use super::{Light, Opening, Outline, Ray, Scene, Shape, true_match, true_matches};
-use crate::geometry::{Camera, Frame, Point};
+use super::{courtyard, setting};
+use epiline::geometry::{Camera, Frame, Point};
+use epiline::synthetic::{SAMPLE_FRAME, Sample};
 
 fn ray(origin: [f64; 3], direction: [f64; 3]) -> Ray {
     Ray { origin: Point3::from(origin), direction: Vector3::from(direction).normalize() }
@@ -135,7 +143,8 @@ fn hidden_points_are_not_matches() {
     assert!((matched(260.0, 40.0).unwrap().point2 - Point::new(220.0, 40.0)).norm() < 1e-9);
     assert!(matched(150.0, 149.5).is_none(), "behind the screen for camera 2");
     assert!(matched(30.0, 149.5).is_none(), "left of image 2");
-    for m in true_matches(&scene, &c1, &c2, frame, 200, 4) {
+    for k in 0..200u32 {
+        let Some(m) = matched(f64::from(k % 20) * 20.0, f64::from(k / 20) * 30.0) else { continue };
         let disparity = m.point1.x - m.point2.x;
         let wall = (disparity - 40.0).abs() < 1e-9;
         assert!(wall || (disparity - 80.0).abs() < 1e-9);
@@ -146,7 +155,7 @@ fn hidden_points_are_not_matches() {
 
 #[test]
 fn the_tree_finds_what_trying_every_object_finds() {
-    let scene = super::test_scene(2);
+    let scene = courtyard::scene();
     for k in 0..400 {
         let t = f64::from(k);
         let r = ray([0.0, 0.0, 1.5], [(t * 0.7).sin() * 0.6, 1.0, (t * 1.1).cos() * 0.4]);
@@ -164,7 +173,30 @@ fn an_empty_scene_is_all_sky() {
     let scene = Scene::new(Vec::new(), Vec::new(), Light::day(Vector3::z()));
     assert!(scene.intersect(&ray([0.0; 3], [0.0, 1.0, 0.1])).is_none());
     let frame = Frame::new(20, 15);
-    assert!(true_matches(&scene, &camera(0.0), &camera(1.0), frame, 10, 1).is_empty());
-    assert!(super::render(&scene, &camera(0.0), frame).is_some());
-    assert!(super::render(&scene, &camera(0.0), Frame::new(0, 0)).is_some());
+    assert!(true_match(&scene, &camera(0.0), &camera(1.0), frame, Point::new(10.0, 7.0)).is_none());
+    assert!(render(&scene, &camera(0.0), frame, 1).is_some());
+    assert!(render(&scene, &camera(0.0), Frame::new(0, 0), 1).is_some());
+}
+
+#[test]
+fn rendering_is_repeatable_on_any_number_of_threads() {
+    let picture = || render(&courtyard::scene(), &camera(0.0), Frame::new(12, 9), 9).unwrap();
+    let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap().install(picture);
+    assert!(picture() == alone);
+}
+
+#[test]
+fn the_shipped_files_belong_to_the_scenes() {
+    for sample in Sample::ALL {
+        let shipped = sample.load();
+        let (scene, [camera1, camera2], _) = setting(sample, SAMPLE_FRAME).unwrap();
+        for m in &shipped.matches {
+            let again = true_match(&scene, &camera1, &camera2, SAMPLE_FRAME, m.point1).unwrap();
+            assert!((again.point2 - m.point2).norm() < 1e-6);
+        }
+        let [p, q] = shipped.show_me;
+        for (a, b) in [(p, q), (p, shipped.third), (q, shipped.third)] {
+            assert!(separation(&shipped.fundamental, &a, &b) > SEPARATION * SAMPLE_FRAME.longer_side());
+        }
+    }
 }

@@ -3,7 +3,7 @@
 use nalgebra::Vector2;
 
 use super::{Look, Rgb, Spot, mix, pick, srgb};
-use crate::synthetic::noise::{fractal, gradient_noise, hash, smoothstep, unit};
+use crate::noise::{fractal, gradient_noise, hash, smoothstep, unit};
 
 /// Stones or bricks laid in courses, or cells of random stones.
 #[derive(Debug, Clone)]

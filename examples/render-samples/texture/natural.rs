@@ -3,7 +3,7 @@
 use nalgebra::Vector2;
 
 use super::{Look, Rgb, Spot, mix, srgb};
-use crate::synthetic::noise::{cell, smoothstep, unit};
+use crate::noise::{cell, smoothstep, unit};
 
 /// Limestone: mottled, pitted, with grey and orange lichen.
 pub fn stone(spot: &Spot, colour: Rgb) -> Look {

@@ -9,31 +9,16 @@ use super::light::{Directions, radiance};
 use super::ray::Eye;
 use super::scene::Scene;
 use super::texture::Rgb;
-use crate::geometry::{Camera, Frame, Point};
+use epiline::geometry::{Camera, Frame, Point};
 
-/// How much work goes into a picture.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Quality {
-    /// Samples along each side of a pixel, on a regular grid.
-    pub supersampling: usize,
-    /// Ambient directions for each sample; with none the ambient light is that of open ground.
-    pub ambient_rays: usize,
-    /// Whether small relief of the surfaces tilts them against the light.
-    pub relief: bool,
-    /// Standard deviation of the sensor noise, grey levels.
-    pub noise: f64,
-    /// Darkening of the corners, as a fraction.
-    pub vignetting: f64,
-    /// Seed of the noise: give the two pictures of a pair different ones.
-    pub seed: u64,
-}
-
-impl Default for Quality {
-    fn default() -> Self {
-        Self { supersampling: 4, ambient_rays: 4, relief: true, noise: 0.8, vignetting: 0.14, seed: 0 }
-    }
-}
-
+/// Samples along each side of a pixel, on a regular grid.
+const SUPERSAMPLING: usize = 4;
+/// Ambient directions for each sample.
+const AMBIENT_RAYS: usize = 4;
+/// Standard deviation of the sensor noise, grey levels.
+const NOISE: f64 = 0.8;
+/// Darkening of the corners, as a fraction.
+const VIGNETTING: f64 = 0.14;
 /// Side of the square a pixel averages over, px: more than one, as behind a real lens, and it spares aliasing.
 const APERTURE: f64 = 1.4;
 /// Luma weights, ITU-R BT.709.
@@ -41,22 +26,18 @@ const LUMA: Rgb = Rgb::new(0.2126, 0.7152, 0.0722);
 /// The tone curve works on each channel and so exaggerates colours; this takes it back.
 const SATURATION: f64 = 0.82;
 
-/// Renders with the default quality. `None` when the camera's centre is at infinity.
-pub fn render(scene: &Scene, camera: &Camera, frame: Frame) -> Option<RgbImage> {
-    render_with(scene, camera, frame, &Quality::default())
-}
-
-/// Renders in parallel; the pixels do not depend on the number of threads.
-pub fn render_with(scene: &Scene, camera: &Camera, frame: Frame, quality: &Quality) -> Option<RgbImage> {
+/// Renders in parallel; the pixels do not depend on the number of threads. The seed is that of the noise: give the
+/// two pictures of a pair different ones. `None` when the camera's centre is at infinity.
+pub fn render(scene: &Scene, camera: &Camera, frame: Frame, seed: u64) -> Option<RgbImage> {
     let eye = Eye::new(camera)?;
-    let side = quality.supersampling.max(1);
-    let directions = Directions::table(&scene.light, side * side, quality.ambient_rays);
+    let side = SUPERSAMPLING;
+    let directions = Directions::table(&scene.light, side * side, AMBIENT_RAYS);
     let sample = eye.pixel_angle() / side as f64;
     let (centre, half) = (frame.centre(), frame.diagonal() / 2.0);
     let mut bytes = vec![0u8; 3 * frame.width * frame.height];
     bytes.par_chunks_mut((3 * frame.width).max(1)).enumerate().for_each(|(y, row)| {
         // A generator per row keeps the noise independent of the order of the rows.
-        let seed = quality.seed.wrapping_mul(0x9E37_79B9_7F4A_7C15).wrapping_add(y as u64);
+        let seed = seed.wrapping_mul(0x9E37_79B9_7F4A_7C15).wrapping_add(y as u64);
         let mut rng = Pcg32::seed_from_u64(seed);
         for (x, pixel) in row.chunks_exact_mut(3).enumerate() {
             let mut sum = Rgb::zeros();
@@ -64,14 +45,14 @@ pub fn render_with(scene: &Scene, camera: &Camera, frame: Frame, quality: &Quali
                 let offset = |i: usize| APERTURE * ((i as f64 + 0.5) / side as f64 - 0.5);
                 let p = Point::new(x as f64 + offset(k % side), y as f64 + offset(k / side));
                 // Highlights are cut before averaging, or edges against them would not be smooth.
-                sum += radiance(scene, &eye.ray(p), set, sample, quality.relief).map(|c| c.min(4.0));
+                sum += radiance(scene, &eye.ray(p), set, sample).map(|c| c.min(4.0));
             }
             let r = (Point::new(x as f64, y as f64) - centre).norm() / half;
-            let factor = scene.light.exposure * (1.0 - quality.vignetting * r * r);
+            let factor = scene.light.exposure * (1.0 - VIGNETTING * r * r);
             let exposed = sum * (factor / directions.len() as f64);
             let linear = Rgb::repeat(exposed.dot(&LUMA)) * (1.0 - SATURATION) + exposed * SATURATION;
             for (value, light) in pixel.iter_mut().zip(linear.iter()) {
-                let level = 255.0 * tone(*light) + quality.noise * normal(&mut rng);
+                let level = 255.0 * tone(*light) + NOISE * normal(&mut rng);
                 *value = level.round().clamp(0.0, 255.0) as u8;
             }
         }

@@ -97,8 +97,7 @@ impl Directions {
 }
 
 /// Light that comes back along a ray. `sample` is the angle between neighbouring subsamples.
-/// Without `relief` surfaces are smooth, which takes a third of the time.
-pub fn radiance(scene: &Scene, ray: &Ray, directions: &Directions, sample: f64, relief: bool) -> Rgb {
+pub fn radiance(scene: &Scene, ray: &Ray, directions: &Directions, sample: f64) -> Rgb {
     let Some(hit) = scene.intersect(ray) else {
         return scene.light.sky(&ray.direction, sample);
     };
@@ -110,8 +109,7 @@ pub fn radiance(scene: &Scene, ray: &Ray, directions: &Directions, sample: f64, 
         sample: hit.distance * sample / slant,
         seed: scene.object(hit.object).seed,
     };
-    let (look, slope) =
-        if relief { material.look_and_slope(&spot) } else { (material.look(&spot), Vector2::zeros()) };
+    let (look, slope) = material.look_and_slope(&spot);
     let [u, v] = hit.surface.tangents;
     let normal = (flat - u * slope.x - v * slope.y).normalize();
     let lifted = hit.point + flat * 1e-4;
@@ -148,12 +146,6 @@ fn ambient(scene: &Scene, hit: &Hit, normal: &Vector3<f64>, directions: &Directi
     let axis = (flat + normal * 0.7).normalize();
     let [x, y] = across(&axis);
     let light = &scene.light;
-    if directions.ambient.is_empty() {
-        // An open sky above and sunlit ground below.
-        let above = 0.5 + 0.5 * normal.z;
-        return (light.zenith + light.horizon) * (0.14 + 0.2 * above)
-            + light.sun_colour * (0.06 * (1.0 - above));
-    }
     let mut sum = Rgb::zeros();
     for local in &directions.ambient {
         let direction = x * local.x + y * local.y + axis * local.z;

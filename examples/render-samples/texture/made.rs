@@ -3,7 +3,7 @@
 use nalgebra::Vector2;
 
 use super::{Look, Rgb, Spot, mix, pick, srgb};
-use crate::synthetic::noise::{fractal, hash, smoothstep, unit};
+use crate::noise::{fractal, hash, smoothstep, unit};
 
 /// Boards along the first coordinate (or the second, if upright).
 #[derive(Debug, Clone)]

@@ -13,7 +13,7 @@ use super::light::Light;
 use super::scene::Scene;
 use super::shape::{Opening, Outline};
 use super::texture::{Masonry, Pattern, srgb};
-use crate::geometry::{Camera, Frame};
+use epiline::geometry::{Camera, Frame};
 
 /// The two cameras: the second 70 cm further on, a little to the right and higher, both epipoles inside.
 pub fn cameras(frame: Frame) -> Option<[Camera; 2]> {

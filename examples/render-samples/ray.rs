@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix3, Point3, Vector3};
 
-use crate::geometry::{Camera, Point};
+use epiline::geometry::{Camera, Point};
 
 /// A half line in the scene.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -57,8 +57,8 @@ impl Eye {
         self.pixel_angle
     }
 
-    /// Whether a scene point lies in front of the camera.
-    pub fn sees_in_front(&self, camera: &Camera, point: &Point3<f64>) -> bool {
+    /// Whether a scene point lies in front of a camera.
+    pub fn sees_in_front(camera: &Camera, point: &Point3<f64>) -> bool {
         let m = camera.matrix().fixed_columns::<3>(0).into_owned();
         (camera.matrix() * point.to_homogeneous()).z * m.determinant() > 0.0
     }
@@ -70,14 +70,21 @@ mod tests {
 
     #[test]
     fn the_ray_of_a_projected_point_passes_through_it() {
-        let (camera, _) = Camera::example_pair();
+        let camera = Camera::looking_at(
+            Point3::new(-0.4, 0.0, 0.0),
+            Point3::new(0.1, 0.0, 6.0),
+            Vector3::new(0.0, -1.0, 0.05),
+            800.0,
+            Point::new(383.5, 287.5),
+        )
+        .unwrap();
         let eye = Eye::new(&camera).unwrap();
         for k in 0..20 {
             let t = f64::from(k);
             let x = Point3::new(t.sin(), (2.0 * t).cos(), 5.0 + (3.0 * t).sin());
             let ray = eye.ray(camera.project(&x).unwrap());
             let along = (x - eye.centre()).dot(&ray.direction);
-            assert!(along > 0.0 && eye.sees_in_front(&camera, &x));
+            assert!(along > 0.0 && Eye::sees_in_front(&camera, &x));
             assert!((ray.at(along) - x).norm() < 1e-9);
         }
         assert!((eye.pixel_angle() - 1.0 / 800.0).abs() < 1e-9);

@@ -14,7 +14,7 @@ use super::light::Light;
 use super::scene::Scene;
 use super::shape::{Opening, Outline, Shape};
 use super::texture::{Masonry, Pattern, srgb};
-use crate::geometry::{Camera, Frame};
+use epiline::geometry::{Camera, Frame};
 
 /// The two cameras: 42 cm apart, a little toed in, the second slightly raised and rolled.
 pub fn cameras(frame: Frame) -> Option<[Camera; 2]> {
