@@ -50,7 +50,7 @@ impl ExportKind {
             Self::Pairs => "The point pairs that are not left out.",
             Self::Report => "The result of the estimate: F, verdict, figures, matches, parameters, times.",
             Self::Profile => "Intensities, shifts and costs along the inspected line pair, as a table.",
-            Self::View => "ExportKind is on the screen, as a picture.",
+            Self::View => "What is on the screen, as a picture.",
         }
     }
 

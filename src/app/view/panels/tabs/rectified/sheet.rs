@@ -29,7 +29,7 @@ pub struct SheetRow {
 impl SheetRow {
     /// Of a place in a rectified picture.
     pub fn under_cursor(model: &Model, drawn: &DrawnPair, side: Option<Side>, at: Point) -> Self {
-        let mut text = format!("SheetRow {:.0}", row_number(drawn, at.y));
+        let mut text = format!("Row {:.0}", row_number(drawn, at.y));
         for own in Side::BOTH.into_iter().filter(|own| side.is_none_or(|side| side == *own)) {
             let point = drawn.shown.maps[own.index()].original_from_rectified(at);
             let frame = model.document.frame(own);
@@ -43,7 +43,7 @@ impl SheetRow {
     /// Of a place in an original image; `None` where the pictures do not go.
     pub fn of_original(drawn: &DrawnPair, side: Side, point: Point) -> Option<Self> {
         let at = drawn.shown.maps[side.index()].rectified_from_original(point)?;
-        Some(Self { at, side: Some(side), text: format!("SheetRow {:.0}", row_number(drawn, at.y)) })
+        Some(Self { at, side: Some(side), text: format!("Row {:.0}", row_number(drawn, at.y)) })
     }
 }
 
