@@ -65,8 +65,10 @@ fn results_go_from_preliminary_to_final_to_stale() {
     computing.follow(fake::request(1.0));
     assert!(!computing.state.is_running(), "nothing changed");
     computing.follow(fake::request(2.0));
-    // Nothing follows them here.
-    wait(&mut computing, |c| freshness(c) == Some(Freshness::Stale));
+    assert_eq!(freshness(&computing.state), Some(Freshness::Followed));
+    // The news that nothing follows them.
+    computing.state.take_followed(2, None);
+    assert_eq!(freshness(&computing.state), Some(Freshness::Stale));
     computing.tasks.follow(&mut computing.state, None);
     assert!(!computing.state.is_running() && freshness(&computing.state).is_none());
 }
