@@ -14,9 +14,12 @@
 //! | hypotheses | candidate line pairs of both clicks | two line pairs and one number κ each: epipoles, a map between the pencils, an `F` | [`geometry::PencilMap`] |
 //! | validation | hypotheses | the same, scored on lines over the whole of both images, and on patches | [`estimate::SearchTrace`] |
 //! | refinement | the best ones | `F` at full resolution | [`estimate::Estimate`] |
+//! | features | where that leaves doubts, covariant features of both images | geometries and views that they propose, ranked and refined alike | [`features`], [`estimate::covariant`] |
+//! | judgement | the result, its matches, its rivals | a verdict with its reasons | [`estimate::Trust`] |
 //!
 //! Each stage is a pure function of its input, the parameters and a seed; [`estimate::Monitor`] hears of its
-//! progress and can stop it. How the stages work, in equations, is told in [`mod@estimate`].
+//! progress and can stop it. How the stages work, in equations, is told in `docs/estimator.md`; what every parameter
+//! means, in `docs/parameters.md`.
 //!
 //! # An estimate
 //!
@@ -74,6 +77,7 @@ pub mod convention;
 pub mod estimate;
 #[cfg(feature = "evaluate")]
 pub mod evaluate;
+pub mod features;
 pub mod geometry;
 pub mod image;
 #[cfg(feature = "files")]

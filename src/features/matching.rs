@@ -1,0 +1,241 @@
+//! Mutual nearest neighbours of two sets of features.
+//!
+//! The distance of two descriptors is Euclidean, in integers, so every machine ranks alike. A match joins two features
+//! each of which is nearest to the other. Its **ratio** is the distance to the nearest over that to the next one *that
+//! lies elsewhere* (Lowe 2004, section 7.1; Mishkin, Matas & Perdoch 2015: "first geometrically inconsistent"), the larger
+//! of both directions: near zero for what is unique, near one for what repeats. There is no test of it: who draws
+//! matches can prefer low ratios, who counts them can weigh them.
+
+use multiversion::multiversion;
+use rayon::prelude::*;
+
+use super::descriptor::{Descriptor, ENTRIES};
+use super::{Feature, FeatureSet};
+use crate::geometry::PointPair;
+
+/// Two features that are each other's nearest.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FeatureMatch {
+    /// Index of the feature in image 1.
+    pub feature1: usize,
+    /// Index of the feature in image 2.
+    pub feature2: usize,
+    /// Where they are.
+    pub pair: PointPair,
+    /// Distance of the descriptors over the distance to the next best elsewhere, 0 to 1.
+    pub ratio: f64,
+}
+
+/// Neighbours remembered for a feature: the nearest, and enough others that one of them lies elsewhere.
+const KEPT: usize = 4;
+/// Two features closer than this many times the scale of one are at the same place.
+const SAME_PLACE: f64 = 3.0;
+/// Features that one task matches.
+const CHUNK: usize = 64;
+
+type Neighbours = [(i32, u32); KEPT];
+type Wide = [i16; ENTRIES];
+
+/// All mutual nearest neighbours, lowest ratio first; of several at the same two places the first.
+pub fn match_features(set1: &FeatureSet, set2: &FeatureSet) -> Vec<FeatureMatch> {
+    let [near2, near1] = [
+        neighbours(set1.descriptors(), set2.descriptors()),
+        neighbours(set2.descriptors(), set1.descriptors()),
+    ];
+    let (features1, features2) = (set1.features(), set2.features());
+    let mut matches: Vec<FeatureMatch> = near2
+        .iter()
+        .enumerate()
+        .filter_map(|(i, to2)| {
+            let j = to2[0].1 as usize;
+            let to1 = near1.get(j).filter(|to1| to1[0].1 as usize == i)?;
+            Some(FeatureMatch {
+                feature1: i,
+                feature2: j,
+                pair: PointPair { point1: features1[i].position, point2: features2[j].position },
+                ratio: ratio(to2, features2).max(ratio(to1, features1)),
+            })
+        })
+        .collect();
+    matches.sort_by(|a, b| a.ratio.total_cmp(&b.ratio).then(a.feature1.cmp(&b.feature1)));
+    // A blob with several orientations is matched once for each.
+    let mut seen = std::collections::HashSet::new();
+    matches.retain(|m| {
+        let p = m.pair;
+        seen.insert([p.point1.x, p.point1.y, p.point2.x, p.point2.y].map(f64::to_bits))
+    });
+    matches
+}
+
+/// Mutual nearest neighbours among the candidates in image 2 of each feature of image 1, whose ratio (among the
+/// candidates alone, both ways) is at most `largest`.
+pub fn match_candidates(
+    sets: [&FeatureSet; 2],
+    candidates: &[Vec<usize>],
+    largest: f64,
+) -> Vec<FeatureMatch> {
+    let (features1, features2) = (sets[0].features(), sets[1].features());
+    let none = [(i32::MAX, u32::MAX); KEPT];
+    let mut near1 = vec![none; features2.len()];
+    let near2: Vec<Neighbours> = candidates
+        .iter()
+        .enumerate()
+        .map(|(i, candidates)| {
+            let mut nearest = none;
+            for &j in candidates {
+                let distance = squared_distance(&sets[0].descriptors()[i], &sets[1].descriptors()[j]);
+                insert(&mut nearest, distance, j as u32);
+                insert(&mut near1[j], distance, i as u32);
+            }
+            nearest
+        })
+        .collect();
+    near2
+        .iter()
+        .enumerate()
+        .filter_map(|(i, to2)| {
+            let j = to2[0].1 as usize;
+            let to1 = near1.get(j).filter(|to1| to1[0].1 as usize == i)?;
+            let ratio = ratio(to2, features2).max(ratio(to1, features1));
+            let pair = PointPair { point1: features1[i].position, point2: features2[j].position };
+            (ratio <= largest).then_some(FeatureMatch { feature1: i, feature2: j, pair, ratio })
+        })
+        .collect()
+}
+
+fn squared_distance(a: &Descriptor, b: &Descriptor) -> i32 {
+    a.iter().zip(b).map(|(x, y)| (i32::from(*x) - i32::from(*y)).pow(2)).sum()
+}
+
+fn insert(neighbours: &mut Neighbours, distance: i32, index: u32) {
+    if distance < neighbours[KEPT - 1].0 {
+        let place = neighbours.iter().position(|n| distance < n.0).unwrap_or(KEPT - 1);
+        neighbours[place..].rotate_right(1);
+        neighbours[place] = (distance, index);
+    }
+}
+
+/// Distance to the nearest over the distance to the next that is elsewhere.
+fn ratio(neighbours: &Neighbours, features: &[Feature]) -> f64 {
+    let nearest = &features[neighbours[0].1 as usize];
+    let elsewhere = neighbours[1..].iter().find(|(_, index)| {
+        features
+            .get(*index as usize)
+            .is_none_or(|f| (f.position - nearest.position).norm() > SAME_PLACE * f.scale.max(nearest.scale))
+    });
+    // With all of them at the same place, the next is at least as far as the last of them.
+    let next = elsewhere.unwrap_or(&neighbours[KEPT - 1]).0;
+    (f64::from(neighbours[0].0.max(0)) / f64::from(next.max(1))).sqrt().min(1.0)
+}
+
+/// The nearest descriptors to each of `from` among `to`: squared distance and index.
+fn neighbours(from: &[Descriptor], to: &[Descriptor]) -> Vec<Neighbours> {
+    let wide = |set: &[Descriptor]| -> Vec<Wide> { set.iter().map(|d| d.map(i16::from)).collect() };
+    let to = wide(to);
+    let lengths: Vec<i32> = to.iter().map(|d| dot(d, d)).collect();
+    from.par_chunks(CHUNK).flat_map_iter(|chunk| nearest(&wide(chunk), &to, &lengths)).collect()
+}
+
+#[inline]
+fn dot(a: &Wide, b: &Wide) -> i32 {
+    a.iter().zip(b).map(|(x, y)| i32::from(*x) * i32::from(*y)).sum()
+}
+
+/// Descriptors of `to` that stay in the cache while a chunk passes by.
+const BLOCK: usize = 64;
+
+#[multiversion(targets("x86_64+avx512f+avx512bw+avx512vl+avx2", "x86_64+avx2", "aarch64+neon"))]
+fn nearest(from: &[Wide], to: &[Wide], lengths: &[i32]) -> Vec<Neighbours> {
+    let mut found = vec![[(i32::MAX, u32::MAX); KEPT]; from.len()];
+    for (block, (to, lengths)) in to.chunks(BLOCK).zip(lengths.chunks(BLOCK)).enumerate() {
+        for (descriptor, neighbours) in from.iter().zip(&mut found) {
+            let mut distances = [0i32; BLOCK];
+            for (distance, (other, length)) in distances.iter_mut().zip(to.iter().zip(lengths)) {
+                *distance = length - 2 * dot(descriptor, other);
+            }
+            for (k, distance) in distances[..to.len()].iter().enumerate() {
+                insert(neighbours, *distance, (block * BLOCK + k) as u32);
+            }
+        }
+    }
+    for (descriptor, neighbours) in from.iter().zip(&mut found) {
+        let length = dot(descriptor, descriptor);
+        for neighbour in neighbours.iter_mut().filter(|n| n.0 != i32::MAX) {
+            neighbour.0 += length;
+        }
+    }
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Point;
+
+    /// Descriptors that differ, each at a place of its own.
+    fn set(count: usize, seed: usize) -> FeatureSet {
+        let mut set = FeatureSet::default();
+        for k in 0..count {
+            let descriptor = std::array::from_fn(|i| ((i * (k + seed) * 7919 + i * i * 31) % 97) as u8);
+            let feature = Feature {
+                position: Point::new(40.0 * k as f64, 0.0),
+                scale: 2.0,
+                orientation: 0.0,
+                response: 9.0,
+            };
+            set.push(feature, descriptor);
+        }
+        set
+    }
+
+    #[test]
+    fn finds_the_same_neighbours_as_the_definition() {
+        let (a, b) = (set(150, 1), set(131, 60));
+        let distance = |x: &Descriptor, y: &Descriptor| -> i32 {
+            x.iter().zip(y).map(|(a, b)| (i32::from(*a) - i32::from(*b)).pow(2)).sum()
+        };
+        for (from, found) in a.descriptors().iter().zip(neighbours(a.descriptors(), b.descriptors())) {
+            let mut all: Vec<(i32, u32)> =
+                b.descriptors().iter().enumerate().map(|(j, to)| (distance(from, to), j as u32)).collect();
+            all.sort_unstable();
+            assert_eq!(found[..], all[..KEPT]);
+        }
+    }
+
+    #[test]
+    fn equal_sets_match_one_to_one_with_ratio_zero() {
+        let a = set(60, 3);
+        let matches = match_features(&a, &a);
+        assert_eq!(matches.len(), 60);
+        assert!(matches.iter().all(|m| m.feature1 == m.feature2 && m.ratio == 0.0));
+    }
+
+    #[test]
+    fn few_or_no_features_are_no_trouble() {
+        let none = FeatureSet::default();
+        assert!(match_features(&none, &none).is_empty());
+        assert!(match_features(&set(3, 1), &none).is_empty());
+        assert_eq!(match_features(&set(1, 1), &set(1, 1)).len(), 1);
+    }
+
+    #[test]
+    fn a_twin_at_the_same_place_is_no_rival_but_one_elsewhere_is() {
+        let one = set(1, 5);
+        let (feature, descriptor) = (one.features()[0], one.descriptors()[0]);
+        let mut nearly = descriptor;
+        nearly[5] += 3;
+        let mut far = descriptor;
+        far.rotate_right(8);
+        let with_twin = |offset: f64| {
+            let mut set = FeatureSet::default();
+            let mut shifted = descriptor;
+            shifted[0] += 2;
+            set.push(feature, shifted);
+            set.push(Feature { position: Point::new(offset, 0.0), ..feature }, nearly);
+            set.push(Feature { position: Point::new(900.0, 0.0), ..feature }, far);
+            match_features(&one, &set)[0].ratio
+        };
+        assert!((with_twin(100.0) - 2.0 / 3.0).abs() < 1e-9);
+        assert!(with_twin(1.0) < 0.2);
+    }
+}

@@ -1,0 +1,248 @@
+//! Gaussian scale space in octaves (Lowe 2004, section 3).
+//!
+//! ```text
+//!     L(σ) = G(σ) * I,    σᵢ = σ₀ · 2^(i/S),   i = 0 … S + 2
+//! ```
+//!
+//! After each doubling of σ every second pixel is dropped, and the next octave begins. Pixel `(i, j)` of every
+//! octave lies at `(i, j) · spacing` of the picture: all octaves share the centre of the first pixel, the doubled
+//! one too, so no position is off by a fraction of a pixel.
+
+use multiversion::multiversion;
+use rayon::prelude::*;
+
+use crate::geometry::Frame;
+use crate::image::GrayPlane;
+
+/// Levels σ₀·2^(i/S) per octave in which features are looked for (S in the equations).
+pub(super) const INTERVALS: usize = 3;
+/// Smoothing of the first level of an octave, px of that octave (σ₀).
+pub(super) const BASE_SIGMA: f64 = 1.6;
+/// Smoothing that a camera's picture has already, px.
+const CAMERA_SIGMA: f64 = 0.5;
+/// Shorter side, px, below which no octave is made.
+const SMALLEST_SIDE: usize = 16;
+/// Kernels reach this many σ, beyond which a Gaussian holds 10⁻⁴ of its mass.
+const KERNEL_REACH: f64 = 4.0;
+/// Rows that one task smooths.
+const STRIP: usize = 16;
+
+/// The levels of one octave.
+#[derive(Debug, Clone)]
+pub(super) struct Octave {
+    /// Distance of neighbouring pixels, px of the picture.
+    pub spacing: f64,
+    /// `INTERVALS + 3` planes of equal size, σ growing by `2^(1/INTERVALS)`.
+    pub levels: Vec<GrayPlane>,
+}
+
+impl Octave {
+    /// The octave that begins with `base`, which is smoothed by [`BASE_SIGMA`].
+    fn new(base: GrayPlane, spacing: f64) -> Self {
+        let mut levels = vec![base];
+        for i in 1..INTERVALS + 3 {
+            let [before, now] = [i - 1, i].map(level_sigma);
+            levels.push(smoothed(&levels[i - 1], (now * now - before * before).sqrt()));
+        }
+        Self { spacing, levels }
+    }
+
+    /// The first plane of the octave after this: σ has doubled, every second pixel is dropped.
+    fn next_base(&self) -> GrayPlane {
+        decimated(&self.levels[INTERVALS])
+    }
+
+    /// Size of its planes.
+    pub fn frame(&self) -> Frame {
+        self.levels[0].frame()
+    }
+}
+
+/// Smoothing of a level, px of the octave; levels may be fractions.
+pub(super) fn sigma_at(level: f64) -> f64 {
+    BASE_SIGMA * (level / INTERVALS as f64).exp2()
+}
+
+fn level_sigma(level: usize) -> f64 {
+    sigma_at(level as f64)
+}
+
+/// All octaves of a picture, one at a time, finest first: each is handed to `visit`. The first is of twice the
+/// picture's size if that has at most `largest` pixels, else of the picture's size, half of it and so on.
+pub(super) fn for_each_octave(plane: &GrayPlane, largest: usize, mut visit: impl FnMut(Octave)) {
+    let Frame { width, height } = plane.frame();
+    if width.min(height) < SMALLEST_SIDE {
+        return;
+    }
+    let (mut base, mut spacing, mut sigma) = if 4 * width * height <= largest {
+        (doubled(plane), 0.5, 2.0 * CAMERA_SIGMA)
+    } else {
+        (plane.clone(), 1.0, CAMERA_SIGMA)
+    };
+    loop {
+        base = smoothed(&base, (BASE_SIGMA * BASE_SIGMA - sigma * sigma).sqrt());
+        if base.values().len() <= largest {
+            break;
+        }
+        (base, spacing, sigma) = (decimated(&base), 2.0 * spacing, 0.5 * BASE_SIGMA);
+    }
+    while base.frame().width.min(base.frame().height) >= SMALLEST_SIDE {
+        let octave = Octave::new(base, spacing);
+        base = octave.next_base();
+        spacing *= 2.0;
+        visit(octave);
+    }
+}
+
+/// Every second pixel of every second row.
+fn decimated(plane: &GrayPlane) -> GrayPlane {
+    let frame = Frame::new(plane.frame().width.div_ceil(2), plane.frame().height.div_ceil(2));
+    let values = (0..frame.height).flat_map(|y| plane.row(2 * y).iter().step_by(2).copied()).collect();
+    GrayPlane::new(frame, values)
+}
+
+/// Twice the size by bilinear interpolation: pixel `i` lies at `i/2`.
+fn doubled(plane: &GrayPlane) -> GrayPlane {
+    let Frame { width, height } = plane.frame();
+    let frame = Frame::new(2 * width - 1, 2 * height - 1);
+    let mut values = vec![0.0; frame.width * frame.height];
+    values.par_chunks_mut(frame.width).enumerate().for_each(|(y, out)| {
+        let (top, below) = (plane.row(y / 2), plane.row(y.div_ceil(2)));
+        for x in 0..width {
+            out[2 * x] = 0.5 * (top[x] + below[x]);
+        }
+        for x in 0..width - 1 {
+            out[2 * x + 1] = 0.5 * (out[2 * x] + out[2 * x + 2]);
+        }
+    });
+    GrayPlane::new(frame, values)
+}
+
+/// The plane under a Gaussian of this σ, px; mirrored at its borders.
+fn smoothed(plane: &GrayPlane, sigma: f64) -> GrayPlane {
+    let frame = plane.frame();
+    let kernel = half_kernel(sigma, frame);
+    let mut values = vec![0.0; frame.width * frame.height];
+    values.par_chunks_mut(STRIP * frame.width).enumerate().for_each(|(strip, out)| {
+        smooth_rows(plane, &kernel, strip * STRIP, out);
+    });
+    GrayPlane::new(frame, values)
+}
+
+/// The middle and one side of a normalised Gaussian kernel, no wider than mirroring allows.
+fn half_kernel(sigma: f64, frame: Frame) -> Vec<f32> {
+    let reach = ((KERNEL_REACH * sigma).ceil() as usize).min(frame.width.min(frame.height) - 1);
+    let weights: Vec<f64> = (0..=reach).map(|k| (-0.5 * (k as f64 / sigma).powi(2)).exp()).collect();
+    let sum = 2.0 * weights.iter().sum::<f64>() - weights[0];
+    weights.iter().map(|w| (w / sum) as f32).collect()
+}
+
+/// Columns smoothed at once: their sums stay in registers while the kernel passes by.
+const BLOCK: usize = 32;
+
+/// Smooths the rows from `first` on, as many as `out` holds: down the columns into a row of its own, then along it.
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx2", "x86_64+avx2", "aarch64+neon"))]
+fn smooth_rows(plane: &GrayPlane, kernel: &[f32], first: usize, out: &mut [f32]) {
+    let Frame { width, height } = plane.frame();
+    let reach = kernel.len() - 1;
+    // Whole blocks: what lies behind the mirrored border is summed up and not used.
+    let mut padded = vec![0f32; width.next_multiple_of(BLOCK) + 2 * reach];
+    for (k, out) in out.chunks_exact_mut(width).enumerate() {
+        let y = first + k;
+        // A pair of rows the same distance above and below, mirrored into the picture.
+        let rows = |d: usize| {
+            let above = y.abs_diff(d);
+            let below = if y + d < height { y + d } else { 2 * (height - 1) - (y + d) };
+            [plane.row(above), plane.row(below)]
+        };
+        let down = &mut padded[reach..reach + width];
+        for (block, sums) in down.chunks_mut(BLOCK).enumerate() {
+            let from = block * BLOCK;
+            let mut total = [0f32; BLOCK];
+            for (d, weight) in kernel.iter().enumerate() {
+                let weight = if d == 0 { 0.5 * weight } else { *weight };
+                let [above, below] = rows(d);
+                if let (Some(above), Some(below)) =
+                    (above.get(from..from + BLOCK), below.get(from..from + BLOCK))
+                {
+                    for i in 0..BLOCK {
+                        total[i] += weight * (above[i] + below[i]);
+                    }
+                } else {
+                    for i in 0..sums.len() {
+                        total[i] += weight * (above[from + i] + below[from + i]);
+                    }
+                }
+            }
+            sums.copy_from_slice(&total[..sums.len()]);
+        }
+        for d in 1..=reach {
+            padded[reach - d] = padded[reach + d];
+            padded[reach + width - 1 + d] = padded[reach + width - 1 - d];
+        }
+        for (block, out) in out.chunks_mut(BLOCK).enumerate() {
+            let from = block * BLOCK;
+            let mut total = [0f32; BLOCK];
+            for (d, weight) in kernel.iter().enumerate() {
+                let weight = if d == 0 { 0.5 * weight } else { *weight };
+                let left = &padded[from + reach - d..][..BLOCK];
+                let right = &padded[from + reach + d..][..BLOCK];
+                for i in 0..BLOCK {
+                    total[i] += weight * (left[i] + right[i]);
+                }
+            }
+            out.copy_from_slice(&total[..out.len()]);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn wave(x: f64, y: f64, k: f64) -> f32 {
+        (120.0 + 50.0 * (k * x).cos() * (k * y).cos()) as f32
+    }
+
+    /// A Gaussian damps a wave of frequency k by exp(−k²σ²/2) in each direction.
+    #[test]
+    fn a_wave_is_damped_as_gauss_says() {
+        let k = std::f64::consts::PI / 10.0;
+        // 30 and 10 half waves: mirrored without a kink; and a width that is no multiple of a block.
+        let frame = Frame::new(301, 101);
+        let plane = GrayPlane::from_fn(frame, |x, y| wave(x as f64, y as f64, k));
+        for sigma in [0.8, 1.5, 3.0] {
+            let out = smoothed(&plane, sigma);
+            let damping = (-k * k * sigma * sigma).exp();
+            for (x, y) in [(0, 0), (300, 100), (150, 50), (17, 93), (299, 3)] {
+                let expected = 120.0 + damping * (f64::from(plane.at(x, y)) - 120.0);
+                assert!((f64::from(out.at(x, y)) - expected).abs() < 0.05, "{sigma} {x} {y}");
+            }
+        }
+    }
+
+    #[test]
+    fn narrow_planes_are_smoothed_too() {
+        let plane = GrayPlane::from_fn(Frame::new(16, 40), |x, y| (x + y) as f32);
+        let out = smoothed(&plane, 1.0);
+        assert!((out.at(8, 20) - 28.0).abs() < 1e-3);
+        let flat = smoothed(&GrayPlane::from_fn(Frame::new(19, 17), |_, _| 7.0), 6.0);
+        assert!(flat.values().iter().all(|v| (v - 7.0).abs() < 1e-4));
+    }
+
+    #[test]
+    fn octaves_begin_where_asked_and_share_their_origin() {
+        let plane = GrayPlane::from_fn(Frame::new(200, 120), |x, y| (3 * x + y) as f32);
+        for (largest, spacing, count) in [(usize::MAX, 0.5, 4), (24_000, 1.0, 3), (23_999, 2.0, 2)] {
+            let mut octaves = Vec::new();
+            for_each_octave(&plane, largest, |octave| octaves.push(octave));
+            assert_eq!((octaves[0].spacing, octaves.len()), (spacing, count));
+            for octave in &octaves {
+                // Smoothing keeps a ramp away from the borders, so its value tells the place.
+                let (x, y) = (octave.frame().width / 2, octave.frame().height / 2);
+                let expected = octave.spacing * (3 * x + y) as f64;
+                assert!((f64::from(octave.levels[0].at(x, y)) - expected).abs() < 0.1, "{largest}");
+            }
+        }
+    }
+}
