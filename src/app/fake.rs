@@ -11,7 +11,7 @@ use crate::estimate::{
     Refinement, SearchCounts, SearchTrace, Stage,
 };
 use crate::geometry::{FundamentalMatrix, PointPair};
-use crate::image::Picture;
+use crate::image::{Picture, RelativeView};
 
 /// The estimate of a computation that reports one preliminary result.
 pub fn estimate(request: &EstimateRequest, monitor: &Monitor) -> Result<Estimate, EstimateError> {
@@ -41,7 +41,9 @@ pub fn result(pairs: &[PointPair], parameters: &Parameters) -> Option<Estimate> 
     let refinement = Some(Refinement { matches: Vec::new(), uncertainty: None });
     let assessment = Assessment { lines, margin: Some(0.4), refinement, ..Assessment::default() };
     let trace = SearchTrace {
-        clicks: Clicks::for_method(pairs, parameters.method),
+        clicks: Clicks::for_search(pairs, parameters.method, parameters.search),
+        view: RelativeView::UPRIGHT,
+        features: false,
         method: parameters.method,
         preset: parameters.preset,
         seed: parameters.seed,

@@ -20,7 +20,7 @@ use crate::image::Picture;
 use crate::io::{Format, GeometryFile, ResultFile, result_in_words};
 use crate::synthetic::Sample;
 
-/// Estimate the fundamental matrix of two images from two or three point pairs
+/// Estimate the fundamental matrix of two images from two or more point pairs
 #[derive(Debug, Args)]
 #[command(allow_negative_numbers = true)]
 pub(super) struct EstimateArguments {
@@ -29,7 +29,7 @@ pub(super) struct EstimateArguments {
     left: Option<PathBuf>,
     /// Right image
     right: Option<PathBuf>,
-    /// The same scene point in both images, pixels; give two or three
+    /// The same scene point in both images, pixels; give two or more (the preset paper takes three at most)
     #[arg(long = "pair", value_name = "X1,Y1,X2,Y2", value_parser = point_pair, allow_hyphen_values = true)]
     pairs: Vec<PointPair>,
     /// Whose choices to use

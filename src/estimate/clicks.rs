@@ -1,16 +1,16 @@
 //! The clicked point pairs and what each of them is for.
 
-use super::Method;
+use super::{Method, Search};
 use crate::geometry::PointPair;
 
 /// What a clicked pair is for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum ClickRole {
-    /// Pencils of lines pass through it, and it takes part in every fit.
+    /// A pair that pencils of lines pass through, and that takes part in every fit.
     Anchor,
-    /// It takes part in every fit, and gives κ where a search needs it.
+    /// A pair that takes part in every fit, and gives κ where a search needs it.
     Observed,
-    /// It is only measured.
+    /// A pair that is only measured.
     Check,
 }
 
@@ -28,18 +28,19 @@ pub struct Click {
 pub struct Clicks(Vec<Click>);
 
 impl Clicks {
-    /// The roles that a method gives to pairs: the first two are anchors, the others it needs are observed, the rest
-    /// is only measured.
-    pub fn for_method(pairs: &[PointPair], method: Method) -> Self {
-        let role = |k: usize| match k {
-            0 | 1 => ClickRole::Anchor,
-            k if k < method.pairs_needed() => ClickRole::Observed,
-            _ => ClickRole::Check,
+    /// The roles that a search gives to pairs: the first two are anchors. The published search takes as many more as its
+    /// method needs and only measures the rest; the one with patches uses all of them.
+    pub fn for_search(pairs: &[PointPair], method: Method, search: Search) -> Self {
+        let role = |k: usize| match (k, search) {
+            (0 | 1, _) => ClickRole::Anchor,
+            (_, Search::Patches) => ClickRole::Observed,
+            (k, Search::Lines) if k < method.pairs_needed() => ClickRole::Observed,
+            (_, Search::Lines) => ClickRole::Check,
         };
         Self(pairs.iter().enumerate().map(|(k, pair)| Click { pair: *pair, role: role(k) }).collect())
     }
 
-    /// All of them.
+    /// The clicks in their order.
     pub fn iter(&self) -> impl Iterator<Item = &Click> {
         self.0.iter()
     }
@@ -79,14 +80,16 @@ mod tests {
     use super::*;
 
     #[test]
-    fn pairs_beyond_those_a_method_needs_are_only_measured() {
+    fn the_published_search_takes_what_its_method_needs_and_the_one_with_patches_takes_all() {
         let pairs: Vec<PointPair> = (0..4).map(|k| PointPair::new(f64::from(k), 0.0, 0.0, 0.0)).collect();
-        let two = Clicks::for_method(&pairs, Method::TwoPoint);
+        let two = Clicks::for_search(&pairs, Method::TwoPoint, Search::Lines);
         assert_eq!((two.len(), two.anchors(), two.observed()), (4, pairs[..2].to_vec(), pairs[..2].to_vec()));
         assert_eq!(two.third(), None);
-        let three = Clicks::for_method(&pairs, Method::ThreePoint);
+        let three = Clicks::for_search(&pairs, Method::ThreePoint, Search::Lines);
         assert_eq!((three.anchors(), three.observed()), (pairs[..2].to_vec(), pairs[..3].to_vec()));
         assert_eq!(three.third(), Some(pairs[2]));
-        assert!(Clicks::for_method(&[], Method::TwoPoint).is_empty());
+        let all = Clicks::for_search(&pairs, Method::TwoPoint, Search::Patches);
+        assert_eq!((all.anchors(), all.observed()), (pairs[..2].to_vec(), pairs.clone()));
+        assert!(Clicks::for_search(&[], Method::TwoPoint, Search::Lines).is_empty());
     }
 }

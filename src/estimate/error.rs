@@ -27,7 +27,7 @@ pub enum EstimateError {
     Outside {
         /// Number of the pair, from 1.
         pair: usize,
-        /// 1 or 2.
+        /// Number of the image, 1 or 2.
         image: usize,
         /// x of the point, px.
         x: f64,
@@ -47,15 +47,15 @@ pub enum EstimateError {
         first: usize,
         /// Number of the second pair, from 1.
         second: usize,
-        /// 1 or 2.
+        /// Number of the image, 1 or 2.
         image: usize,
-        /// Their distance, px.
+        /// Distance of the clicks, px.
         distance: f64,
     },
     /// The image is too small for lines to be compared.
     #[error("image {image} is {width}×{height} pixels, too small: at least {smallest}×{smallest} are needed")]
     TooSmall {
-        /// 1 or 2.
+        /// Number of the image, 1 or 2.
         image: usize,
         /// Width, px.
         width: usize,
@@ -67,13 +67,13 @@ pub enum EstimateError {
     /// An image of (nearly) one intensity.
     #[error("image {image} is (nearly) uniform, so lines cannot be compared: use an image with texture")]
     Flat {
-        /// 1 or 2.
+        /// Number of the image, 1 or 2.
         image: usize,
     },
     /// A parameter is out of range.
     #[error("parameter {name} is {value}: it must be {allowed}")]
     Parameter {
-        /// Its name.
+        /// Name of the parameter.
         name: String,
         /// The value given.
         value: String,
@@ -125,7 +125,7 @@ pub enum Warning {
         "the two clicks are only {distance:.0} px apart: points farther from each other give a steadier result"
     )]
     CloseClicks {
-        /// Their distance, px.
+        /// Distance of the clicks, px.
         distance: f64,
     },
     /// Few lines have texture.

@@ -37,7 +37,7 @@ pub fn follow<'a>(
     if pairs.len() < parameters.method.pairs_needed() {
         return None;
     }
-    let clicks = Clicks::for_method(pairs, parameters.method);
+    let clicks = Clicks::for_search(pairs, parameters.method, parameters.search);
     let (fundamental, support) = match parameters.search {
         Search::Patches => {
             let (f, support) = refitted(prepared, starts, &clicks.observed(), parameters.click_sigma)?;
@@ -56,15 +56,20 @@ fn refitted<'a>(
     clicks: &[PointPair],
     click_sigma: f64,
 ) -> Option<(FundamentalMatrix, PatchSupport)> {
-    let fine = prepared.fine_support();
-    let [s1, s2] = fine.scales;
-    let (at_level, support) = starts
+    let pyramids = prepared.pyramids();
+    let (patches, at_level, support) = starts
         .into_iter()
         .filter_map(|start| {
-            let at_level: FundamentalMatrix = start.fundamental().rescaled(s1, s2)?;
-            Some((at_level, fine.support.measure(&at_level)))
+            // Patches are compared as the search that found it did.
+            let patches = prepared.patches_of(start);
+            let fine = patches.fine(pyramids);
+            let at_level: FundamentalMatrix = start.fundamental().rescaled(fine.scales[0], fine.scales[1])?;
+            let support = fine.support.measure(&at_level);
+            Some((patches, at_level, support))
         })
-        .max_by(|a, b| a.1.score.total_cmp(&b.1.score))?;
+        .max_by(|a, b| a.2.score.total_cmp(&b.2.score))?;
+    let fine = patches.fine(pyramids);
+    let [s1, s2] = fine.scales;
     if support.matches < LEAST_MATCHES {
         return None;
     }
@@ -85,4 +90,87 @@ fn refitted<'a>(
 fn through_clicks(start: &Estimate, clicks: &Clicks) -> Option<FundamentalMatrix> {
     let anchors = *clicks.anchors().first_chunk::<2>()?;
     Construction::of(start.fundamental(), anchors, start.turn())?.fundamental()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Preset;
+    use super::super::exact::{ExactScene, FRAME, rows};
+    use super::*;
+    use crate::geometry::{Vector, symmetric_epipolar_distance};
+    use crate::image::GrayPlane;
+
+    fn prepared(scene: &ExactScene) -> PreparedPair {
+        let [plane1, plane2] = scene.planes();
+        PreparedPair::new(&plane1, &plane2)
+    }
+
+    /// The clicks, the first one moved away in image 2.
+    fn moved(scene: &ExactScene, by: Vector) -> Vec<PointPair> {
+        let [p, q] = scene.clicks();
+        vec![PointPair { point2: p.point2 + by, ..p }, q]
+    }
+
+    #[test]
+    fn the_most_supported_start_is_refitted_and_claims_nothing_else() {
+        let scene = ExactScene::aside();
+        let prepared = prepared(&scene);
+        let [near, wrong] = [scene.disturbed(0.7), rows(0.0)].map(Estimate::from);
+        let before = scene.error(near.fundamental());
+        let parameters = Parameters::default();
+        for starts in [[&near, &wrong], [&wrong, &near]] {
+            let found = follow(&prepared, starts, &scene.clicks(), &parameters).unwrap();
+            let after = scene.error(found.fundamental());
+            // Corners are found to a pixel; some hundred of them.
+            assert!(after < 0.5 && after < 0.5 * before, "{before} px before, {after} px after");
+            let Assessment { lines, support, margin, refinement, warnings, trust } = found.assessment;
+            assert!(support.unwrap().matches > 60 && found.trace.is_none());
+            assert!(lines.is_none() && margin.is_none() && refinement.is_none() && trust.is_none());
+            assert!(warnings.is_empty());
+        }
+        // A click that is mistaken by far does not take the geometry along, but has its say.
+        let far = moved(&scene, Vector::new(0.0, 30.0));
+        let [still, dragged] = [&scene.clicks()[..], &far]
+            .map(|clicks| *follow(&prepared, [&near], clicks, &parameters).unwrap().fundamental());
+        assert_ne!(still, dragged);
+        assert!(scene.error(&dragged) < 1.0, "{} px", scene.error(&dragged));
+    }
+
+    #[test]
+    fn lines_alone_turn_with_the_clicks_from_the_newest_start() {
+        let scene = ExactScene::aside();
+        let prepared = prepared(&scene);
+        let parameters = Parameters::from(Preset::Paper);
+        let [truth, wrong] = [scene.fundamental(), rows(3.0)].map(Estimate::from);
+        let clicks = moved(&scene, Vector::new(2.0, 4.0));
+        let found = follow(&prepared, [&wrong, &truth], &clicks, &parameters).unwrap();
+        for click in &clicks {
+            assert!(symmetric_epipolar_distance(found.fundamental(), click) < 1e-6);
+        }
+        assert!(scene.error(found.fundamental()) < 6.0, "not far from the newest one");
+        assert!(found.assessment.support.is_none() && found.assessment.lines.is_none());
+        let other = follow(&prepared, [&truth, &wrong], &clicks, &parameters).unwrap();
+        assert!(scene.error(other.fundamental()) > 2.0 * scene.error(found.fundamental()));
+        let still = follow(&prepared, [&truth], &scene.clicks(), &parameters).unwrap();
+        assert!((still.fundamental().matrix() - truth.fundamental().matrix()).norm() < 1e-9);
+    }
+
+    #[test]
+    fn too_few_clicks_starts_or_matches_leave_it_to_the_search() {
+        let scene = ExactScene::aside();
+        let (prepared, start) = (prepared(&scene), Estimate::from(scene.fundamental()));
+        let parameters = Parameters::default();
+        let clicks = scene.clicks();
+        assert!(follow(&prepared, [&start], &clicks, &parameters).is_some());
+        assert!(follow(&prepared, [&start], &clicks[..1], &parameters).is_none());
+        assert!(follow(&prepared, [], &clicks, &parameters).is_none());
+        let three = Parameters { method: super::super::Method::ThreePoint, ..parameters.clone() };
+        assert!(follow(&prepared, [&start], &clicks, &three).is_none());
+        // Texture in one small part only: nothing supports anything.
+        let [plane1, plane2] = scene.planes().map(|plane| {
+            GrayPlane::from_fn(FRAME, |x, y| if x < 40 && y < 40 { plane.at(x, y) } else { 90.0 })
+        });
+        let bare = PreparedPair::new(&plane1, &plane2);
+        assert!(follow(&bare, [&start], &clicks, &parameters).is_none());
+    }
 }

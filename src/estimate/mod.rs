@@ -1,13 +1,18 @@
 //! From clicked point pairs to a fundamental matrix, with everything that led to it.
 //!
 //! [`estimate`] is the driver: propose → rank → refine → judge. What lines say stands in `lines`, what patches say in
-//! `patches`, how far a result is to be trusted in `assess`. An [`Estimate`] is a geometry with what was found out about
-//! it and, if a search found it, the trace of that search.
+//! `patches`, what covariant features propose in [`covariant`], how far a result is to be trusted in `assess`. An
+//! [`Estimate`] is a geometry with what was found out about it and, if a search found it, the trace of that search.
+//!
+//! The method in equations is `docs/estimator.md`; `docs/parameters.md` lists every parameter.
 
 mod assess;
 mod clicks;
+pub mod covariant;
 mod driver;
 mod error;
+#[cfg(test)]
+mod exact;
 mod follow;
 mod lines;
 mod monitor;
@@ -16,6 +21,7 @@ mod patches;
 mod prepared;
 mod record;
 mod result;
+mod views;
 
 pub use crate::cancel::CancelFlag;
 pub use assess::{EpipoleEllipse, Reason, SMALLEST_SIDE, Trust, Uncertainty, Verdict, examine};

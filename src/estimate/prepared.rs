@@ -1,13 +1,14 @@
 //! What is computed once per image pair, whatever the clicks: pyramids, what patches need, compared pencils.
 
 use std::collections::VecDeque;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use super::lines::ComparedPencils;
-use super::patches::{PatchLevels, SupportLevel};
-use super::{EstimateError, Parameters, PencilParameters};
+use super::patches::{FeatureSupport, PatchLevels};
+use super::{Estimate, EstimateError, Parameters, PencilParameters};
+use crate::features::{FeatureMatch, FeatureParameters, FeatureSet, find_features, match_features};
 use crate::geometry::{Frame, PointPair};
-use crate::image::{GrayPlane, PyramidPair};
+use crate::image::{GrayPlane, PyramidPair, RelativeView};
 use crate::similarity::{PictureSource, SimilarityParameters, SimilaritySource};
 
 /// Two images made ready for estimates. Keep it while the images stay the same: moving a click then costs only
@@ -15,19 +16,28 @@ use crate::similarity::{PictureSource, SimilarityParameters, SimilaritySource};
 #[derive(Debug)]
 pub struct PreparedPair {
     pyramids: PyramidPair,
-    patches: PatchLevels,
+    upright: Arc<PatchLevels>,
+    features: OnceLock<MatchedFeatures>,
+    /// The latest views with features, newest first.
+    views: Mutex<VecDeque<Arc<PatchLevels>>>,
     pencils: PencilCache,
 }
 
 /// Levels smaller than this are never used, px.
 const SMALLEST_LEVEL: f64 = 48.0;
+/// Standard deviation of the place of a feature, in its scales: what two pictures of one thing leave open.
+const FEATURE_SIGMA: f64 = 0.25;
+/// Views kept besides the upright one: some ten megabytes each.
+const VIEWS_KEPT: usize = 3;
 
 impl PreparedPair {
     /// Builds the pyramids, in parallel; everything else when it is first needed.
     pub fn new(image1: &GrayPlane, image2: &GrayPlane) -> Self {
         Self {
             pyramids: PyramidPair::new(image1, image2, SMALLEST_LEVEL),
-            patches: PatchLevels::default(),
+            upright: Arc::new(PatchLevels::new(RelativeView::UPRIGHT, Vec::new())),
+            features: OnceLock::new(),
+            views: Mutex::default(),
             pencils: PencilCache::default(),
         }
     }
@@ -42,27 +52,78 @@ impl PreparedPair {
         &self.pyramids
     }
 
-    pub(super) fn patches(&self) -> &PatchLevels {
-        &self.patches
+    /// The covariant features of both images and their matches.
+    pub(super) fn features(&self) -> &MatchedFeatures {
+        self.features.get_or_init(|| {
+            let planes = self.pyramids.level(f64::INFINITY).planes;
+            let find = |image: usize| find_features(planes[image], &FeatureParameters::default());
+            let (first, second) = rayon::join(|| find(0), || find(1));
+            let matches = match_features(&first, &second);
+            MatchedFeatures { sets: [first, second], matches }
+        })
     }
 
-    pub(super) fn fine_support(&self) -> &SupportLevel {
-        self.patches.fine(&self.pyramids)
+    /// Patches compared upright, without features.
+    pub(super) fn upright_patches(&self) -> Arc<PatchLevels> {
+        Arc::clone(&self.upright)
     }
 
-    /// What lines are compared in.
-    pub(super) fn similarity_source(&self, parameters: &Parameters) -> Box<dyn SimilaritySource + '_> {
-        Box::new(PictureSource { pyramids: &self.pyramids, parameters: parameters.similarity })
+    /// The patches under a view with the matches of features beside them.
+    pub(super) fn patches_with_features(&self, view: RelativeView) -> Arc<PatchLevels> {
+        // Entries are whole whatever happened to a thread that held the lock.
+        let mut views = self.views.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(kept) = views.iter().find(|patches| patches.view() == view) {
+            return Arc::clone(kept);
+        }
+        let patches = Arc::new(PatchLevels::new(view, self.features().supports()));
+        views.truncate(VIEWS_KEPT - 1);
+        views.push_front(Arc::clone(&patches));
+        patches
+    }
+
+    /// The patches that the search which found an estimate looked at.
+    pub(super) fn patches_of(&self, found: &Estimate) -> Arc<PatchLevels> {
+        match &found.trace {
+            Some(trace) if trace.features => self.patches_with_features(trace.view),
+            _ => self.upright_patches(),
+        }
+    }
+
+    /// What lines are compared in, under a view.
+    pub(super) fn similarity_source(
+        &self,
+        view: RelativeView,
+        parameters: &Parameters,
+    ) -> Box<dyn SimilaritySource + '_> {
+        Box::new(PictureSource { pyramids: &self.pyramids, view, parameters: parameters.similarity })
     }
 
     /// The pencils through a click (full-size pixels): those compared before, or what `compare` finds.
     pub(super) fn pencils(
         &self,
         click: &PointPair,
+        view: RelativeView,
         parameters: &Parameters,
         compare: impl FnOnce() -> Result<ComparedPencils, EstimateError>,
     ) -> Result<Arc<ComparedPencils>, EstimateError> {
-        self.pencils.get((parameters.similarity, parameters.pencils), click, compare)
+        self.pencils.get((view, parameters.similarity, parameters.pencils), click, compare)
+    }
+}
+
+/// Covariant features of both images, and which of them are each other's nearest.
+#[derive(Debug)]
+pub(super) struct MatchedFeatures {
+    pub sets: [FeatureSet; 2],
+    pub matches: Vec<FeatureMatch>,
+}
+
+impl MatchedFeatures {
+    fn supports(&self) -> Vec<FeatureSupport> {
+        let support = |m: &FeatureMatch| {
+            let sigma = FEATURE_SIGMA * self.sets[0].features()[m.feature1].scale;
+            FeatureSupport::new(m.pair, sigma, m.ratio)
+        };
+        self.matches.iter().map(support).collect()
     }
 }
 
@@ -71,7 +132,7 @@ impl PreparedPair {
 struct PencilCache(Mutex<VecDeque<(PencilKey, Arc<ComparedPencils>)>>);
 
 /// What pencils depend on besides the images and the click.
-type PencilKey = (SimilarityParameters, PencilParameters);
+type PencilKey = (RelativeView, SimilarityParameters, PencilParameters);
 
 /// Compared pencils kept: some hundred kilobytes each.
 const COMPARISONS_KEPT: usize = 4;
@@ -116,7 +177,7 @@ mod tests {
         let mut compared = 0;
         let mut ask = |x: f64, parameters: &Parameters| {
             let click = PointPair::new(x, 1.0, 2.0, 3.0);
-            let found = prepared.pencils(&click, parameters, || {
+            let found = prepared.pencils(&click, RelativeView::UPRIGHT, parameters, || {
                 compared += 1;
                 Ok(empty(click))
             });
@@ -135,7 +196,8 @@ mod tests {
         }
         assert_eq!(ask(0.0, &usual), 7);
         let click = PointPair::new(9.0, 9.0, 9.0, 9.0);
-        let stopped = prepared.pencils(&click, &usual, || Err(EstimateError::Cancelled));
+        let stopped =
+            prepared.pencils(&click, RelativeView::UPRIGHT, &usual, || Err(EstimateError::Cancelled));
         assert_eq!(stopped.unwrap_err(), EstimateError::Cancelled);
     }
 }

@@ -4,6 +4,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use super::lines::ComparedPencils;
+use super::patches::PatchLevels;
 use super::{
     Clicks, Estimate, EstimateError, Monitor, Parameters, Progress, SearchCounts, SearchTrace, Stage,
     StageTiming, Warning,
@@ -81,12 +82,13 @@ impl<'a> SearchRecord<'a> {
     pub fn preliminary(
         &mut self,
         found: Estimate,
+        patches: &PatchLevels,
         hypotheses: &[Estimate],
         clicks: &Clicks,
         parameters: &Parameters,
     ) {
         self.first_seconds.get_or_insert(self.begun.elapsed().as_secs_f64());
-        let trace = Some(Arc::new(self.trace(clicks, hypotheses.to_vec(), parameters)));
+        let trace = Some(Arc::new(self.trace(clicks, patches, hypotheses.to_vec(), parameters)));
         self.monitor.report(Progress::Preliminary(Box::new(Estimate { trace, ..found })));
     }
 
@@ -97,10 +99,18 @@ impl<'a> SearchRecord<'a> {
     }
 
     /// The notes so far, with the hypotheses.
-    pub fn trace(&self, clicks: &Clicks, hypotheses: Vec<Estimate>, parameters: &Parameters) -> SearchTrace {
+    pub fn trace(
+        &self,
+        clicks: &Clicks,
+        patches: &PatchLevels,
+        hypotheses: Vec<Estimate>,
+        parameters: &Parameters,
+    ) -> SearchTrace {
         let seconds = self.begun.elapsed().as_secs_f64();
         SearchTrace {
             clicks: clicks.clone(),
+            view: patches.view(),
+            features: patches.has_features(),
             method: parameters.method,
             preset: parameters.preset,
             seed: parameters.seed,

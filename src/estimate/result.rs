@@ -11,6 +11,7 @@ use super::{
     Clicks, ComparedPencils, LineFigures, Method, Preset, RefinedMatch, Stage, Trust, Uncertainty, Warning,
 };
 use crate::geometry::{EpipolarGeometry, FundamentalMatrix};
+use crate::image::RelativeView;
 
 /// Hypotheses reported with all their figures.
 pub(super) const REPORTED: usize = 60;
@@ -59,9 +60,13 @@ pub struct Refinement {
 pub struct SearchTrace {
     /// The clicks it was searched from.
     pub clicks: Clicks,
+    /// How the images were taken to be turned and scaled against each other.
+    pub view: RelativeView,
+    /// Whether covariant features were looked at beside patches.
+    pub features: bool,
     /// How it was computed.
     pub method: Method,
-    /// Whose choices it was computed with.
+    /// The choices it was computed with.
     pub preset: Preset,
     /// The seed of every random choice.
     pub seed: u64,
@@ -138,14 +143,20 @@ impl Estimate {
         self.assessment.refinement.as_ref()?.uncertainty.as_ref()
     }
 
-    /// Its line score ([`LineFigures::score`]), when lines were compared.
+    /// Line score ([`LineFigures::score`]), when lines were compared.
     pub fn line_score(&self) -> Option<f64> {
         self.assessment.lines.as_ref()?.score
     }
 
-    /// Its patch support, summed over matches; `None` when patches were not looked at.
+    /// Patch support, summed over matches; `None` when patches were not looked at.
     pub fn support_score(&self) -> Option<f64> {
         self.assessment.support.map(|support| support.score)
+    }
+
+    /// How the images were taken to be turned and scaled against each other by the search that found it; upright where
+    /// there was none.
+    pub fn view(&self) -> RelativeView {
+        self.trace.as_ref().map_or(RelativeView::UPRIGHT, |trace| trace.view)
     }
 
     /// How far image 2 is rotated against image 1 at the first click, radians, as far as lines tell; else 0.

@@ -100,21 +100,27 @@ pub struct MethodEntry {
 }
 
 /// All methods.
-pub const METHODS: [MethodEntry; 4] = [
+pub const METHODS: [MethodEntry; 7] = [
     MethodEntry {
         name: "two-point",
         has_presets: true,
         build: |parameters| {
-            Box::new(Clicked { parameters: Parameters { method: Method::TwoPoint, ..parameters } })
+            Box::new(Clicked { clicks: 2, parameters: Parameters { method: Method::TwoPoint, ..parameters } })
         },
     },
     MethodEntry {
         name: "three-point",
         has_presets: true,
         build: |parameters| {
-            Box::new(Clicked { parameters: Parameters { method: Method::ThreePoint, ..parameters } })
+            Box::new(Clicked {
+                clicks: 3,
+                parameters: Parameters { method: Method::ThreePoint, ..parameters },
+            })
         },
     },
+    MethodEntry { name: "four-clicks", has_presets: true, build: |parameters| more_clicks(4, parameters) },
+    MethodEntry { name: "five-clicks", has_presets: true, build: |parameters| more_clicks(5, parameters) },
+    MethodEntry { name: "eight-clicks", has_presets: true, build: |parameters| more_clicks(8, parameters) },
     MethodEntry { name: "seven-point", has_presets: false, build: |_| Box::new(SevenPoint) },
     MethodEntry { name: "eight-point", has_presets: false, build: |_| Box::new(EightPoint) },
 ];
@@ -146,7 +152,14 @@ pub fn contenders(
 
 /// The program's own estimator.
 struct Clicked {
+    clicks: usize,
     parameters: Parameters,
+}
+
+/// The program's own estimator from more clicks than it needs.
+fn more_clicks(clicks: usize, mut parameters: Parameters) -> Box<dyn Contender> {
+    parameters.method = Method::TwoPoint;
+    Box::new(Clicked { clicks, parameters })
 }
 
 impl Clicked {
@@ -157,17 +170,19 @@ impl Clicked {
         prepared: &PreparedPair,
         found: &Estimate,
     ) -> Choice {
-        let turn = found.hypotheses().first().map_or(0.0, Estimate::turn);
-        let truth = examine(prepared, [clicks[0], clicks[1]], &scene.truth, turn, &self.parameters);
+        let truth = examine(prepared, [clicks[0], clicks[1]], &scene.truth, found, &self.parameters);
         Choice { generated: found.hypotheses().to_vec(), truth }
     }
 }
 
 impl Contender for Clicked {
     fn method(&self) -> &'static str {
-        match self.parameters.method {
-            Method::TwoPoint => "two-point",
-            Method::ThreePoint => "three-point",
+        match self.clicks {
+            2 => "two-point",
+            3 => "three-point",
+            4 => "four-clicks",
+            5 => "five-clicks",
+            _ => "eight-clicks",
         }
     }
 
@@ -181,7 +196,7 @@ impl Contender for Clicked {
     }
 
     fn clicks_needed(&self) -> usize {
-        self.parameters.method.pairs_needed()
+        self.clicks
     }
 
     fn parameters(&self) -> Value {
@@ -325,7 +340,8 @@ mod tests {
         };
         assert_eq!(
             error.to_string(),
-            "there is no method called magic; there are two-point, three-point, seven-point, eight-point"
+            "there is no method called magic; there are two-point, three-point, four-clicks, five-clicks, \
+             eight-clicks, seven-point, eight-point"
         );
     }
 

@@ -60,7 +60,7 @@ pub(super) fn has_printed(report: &Report) -> bool {
     report.records.iter().any(|r| r.printed.is_some())
 }
 
-/// The [`Summary`] as plain text, with remarks and notes.
+/// The summary as plain text, with remarks and notes.
 pub fn table(report: &Report) -> String {
     let summary = Summary::new(report);
     let body_end = 1 + summary.groups.last().copied().unwrap_or(0);

@@ -75,7 +75,7 @@ impl Line {
         Self(-self.0)
     }
 
-    /// This line with the orientation that puts `point` on its positive side.
+    /// The line with the orientation that puts `point` on its positive side.
     #[must_use]
     pub fn with_positive_side(&self, point: Point) -> Self {
         if self.signed_distance(point) < 0.0 { self.reversed() } else { *self }

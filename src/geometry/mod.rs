@@ -23,7 +23,7 @@ mod line;
 mod pencil;
 mod point;
 #[cfg(test)]
-mod random_scene;
+pub(crate) mod random_scene;
 mod residual;
 mod robust_fit;
 mod seven_point;

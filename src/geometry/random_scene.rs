@@ -7,13 +7,13 @@ use rand_pcg::Pcg64Mcg;
 use super::{Camera, Frame, FundamentalMatrix, Point, PointPair};
 
 /// Images of 768×576 px, focal length 800 px, a baseline of about a fifth of the depth, points 4 to 9 away.
-pub(super) struct RandomScene {
+pub(crate) struct RandomScene {
     cameras: [Camera; 2],
     random: Pcg64Mcg,
 }
 
 impl RandomScene {
-    pub(super) fn new(seed: u64) -> Self {
+    pub(crate) fn new(seed: u64) -> Self {
         let mut random = Pcg64Mcg::seed_from_u64(seed);
         let mut camera = |x: f64| {
             let mut near = |v: f64| v + random.random_range(-0.3..0.3);
@@ -25,17 +25,17 @@ impl RandomScene {
         Self { cameras: [camera(-0.6), camera(0.6)], random }
     }
 
-    pub(super) fn fundamental(&self) -> FundamentalMatrix {
+    pub(crate) fn fundamental(&self) -> FundamentalMatrix {
         Camera::fundamental(&self.cameras[0], &self.cameras[1]).unwrap()
     }
 
     /// Exact images of `count` points all over the common field of view.
-    pub(super) fn pairs(&mut self, count: usize) -> Vec<PointPair> {
+    pub(crate) fn pairs(&mut self, count: usize) -> Vec<PointPair> {
         self.seen(count, |_, _, depth| depth)
     }
 
     /// Exact images of `count` points on one slanted plane.
-    pub(super) fn planar_pairs(&mut self, count: usize) -> Vec<PointPair> {
+    pub(crate) fn planar_pairs(&mut self, count: usize) -> Vec<PointPair> {
         self.seen(count, |x, y, _| 6.0 + 0.4 * x - 0.3 * y)
     }
 
@@ -57,7 +57,7 @@ impl RandomScene {
     }
 
     /// The pairs with Gaussian noise of standard deviation `sigma` px on every coordinate (Box and Muller).
-    pub(super) fn disturbed(&mut self, pairs: &[PointPair], sigma: f64) -> Vec<PointPair> {
+    pub(crate) fn disturbed(&mut self, pairs: &[PointPair], sigma: f64) -> Vec<PointPair> {
         let mut moved = |p: Point| {
             let radius = sigma * (-2.0 * (1.0 - self.random.random::<f64>()).ln()).sqrt();
             let angle = std::f64::consts::TAU * self.random.random::<f64>();

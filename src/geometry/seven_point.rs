@@ -20,7 +20,7 @@ use super::{FundamentalMatrix, PointPair};
 /// Why seven point pairs gave no fundamental matrix.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 pub enum SevenPointError {
-    /// Another number of pairs.
+    /// The number of pairs is another one.
     #[error("the seven-point algorithm needs exactly 7 point pairs, {0} were given")]
     Count(usize),
     /// The points coincide, or the configuration leaves infinitely many matrices.

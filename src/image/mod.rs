@@ -10,8 +10,8 @@ mod sampling;
 
 pub use corners::find_corners;
 pub use load::{LoadError, Picture};
-pub use pair::{PairLevel, PyramidPair};
-pub(crate) use patch::{HALF, Patch, Warp, align, correlate_all, patch, warps};
+pub use pair::{PairLevel, PyramidPair, RelativeView};
+pub(crate) use patch::{HALF, Patch, Warp, align, correlate_all, patch, warps_around};
 pub use plane::GrayPlane;
 pub use pyramid::Pyramid;
 pub use sampling::Profile;

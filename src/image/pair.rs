@@ -1,7 +1,23 @@
-//! Both images of a pair at the sizes of their pyramids.
+//! Both images of a pair at the sizes of their pyramids, and how they are turned and scaled against each other.
+
+use nalgebra::Matrix2;
 
 use super::{GrayPlane, Pyramid};
 use crate::geometry::{Frame, PointPair};
+
+/// How things look in image 2 against image 1, roughly: turned and enlarged.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RelativeView {
+    /// How much larger things are in image 2, full-size pixels; `None` when they fill like shares of both images.
+    pub scale: Option<f64>,
+    /// How far they are turned, radians, from the x axis to the y axis.
+    pub rotation: f64,
+}
+
+impl RelativeView {
+    /// Neither turned nor, in proportion to the sizes of the images, scaled.
+    pub const UPRIGHT: Self = Self { scale: None, rotation: 0.0 };
+}
 
 /// The pyramids of two images.
 #[derive(Debug)]
@@ -31,13 +47,29 @@ impl PyramidPair {
     /// The levels nearest to a longer side of `side` px (full size when that is infinite), chosen for each image
     /// apart, so that images of different size are compared at like sizes.
     pub fn level(&self, side: f64) -> PairLevel<'_> {
-        let numbers = self.0.each_ref().map(|pyramid| {
+        self.level_seen(side, RelativeView::UPRIGHT)
+    }
+
+    /// The levels at which things are of like size in both images under a view: neither is larger than asked for, nor
+    /// finer than the image that shows less.
+    pub fn level_seen(&self, side: f64, view: RelativeView) -> PairLevel<'_> {
+        let nearest = |image: usize, side: f64| {
+            let pyramid = &self.0[image];
             let off = |k: &usize| {
                 let own = pyramid.level(*k).frame().longer_side();
                 if side.is_finite() { (own / side).ln().abs() } else { -own }
             };
             (0..pyramid.len()).min_by(|a, b| off(a).total_cmp(&off(b))).unwrap_or(0)
-        });
+        };
+        let mut numbers = [0, 1].map(|image| nearest(image, side));
+        if let Some(scale) = view.scale {
+            // Things are larger by 2ᵏ in image 2, so it is halved as often more than image 1.
+            let more = scale.log2().round() as i64;
+            let [k1, k2] = numbers.map(|k| k as i64);
+            let first = k1.max(k2 - more).max(0).max(-more);
+            numbers = [first, first + more].map(|k| k.max(0) as usize);
+            numbers = [0, 1].map(|image| numbers[image].min(self.0[image].len() - 1));
+        }
         PairLevel {
             planes: [0, 1].map(|image| self.0[image].level(numbers[image])),
             scales: numbers.map(|k| 0.5f64.powi(k as i32)),
@@ -49,6 +81,13 @@ impl PairLevel<'_> {
     /// Sizes of the images at this level.
     pub fn frames(&self) -> [Frame; 2] {
         self.planes.map(GrayPlane::frame)
+    }
+
+    /// How offsets in image 1 become offsets in image 2 under a view, in pixels of this level.
+    pub fn warp(&self, view: RelativeView) -> Matrix2<f64> {
+        let scale = view.scale.map_or(1.0, |scale| scale * self.scales[1] / self.scales[0]);
+        let (sin, cos) = view.rotation.sin_cos();
+        Matrix2::new(cos, -sin, sin, cos) * scale
     }
 
     /// A full-size point pair in this level's pixels.
@@ -69,6 +108,11 @@ mod tests {
         assert_eq!(level.scales.map(f64::to_bits), [0.25f64, 1.0].map(f64::to_bits));
         assert_eq!(level.frames(), [Frame::new(200, 100); 2]);
         assert_eq!(pair.level(f64::INFINITY).frames()[0].width, 800);
+        // Half as large in image 2: image 1 is taken at half its size.
+        let view = RelativeView { scale: Some(0.5), rotation: 0.0 };
+        let seen = pair.level_seen(f64::INFINITY, view);
+        assert_eq!(seen.frames().map(|frame| frame.width), [400, 200]);
+        assert!((seen.warp(view)[(0, 0)] - 1.0).abs() < 1e-12);
         let resized = level.resized(&PointPair::new(1.5, 1.5, 7.0, 8.0));
         assert_eq!(resized, PointPair::new(0.0, 0.0, 7.0, 8.0));
     }

@@ -21,7 +21,7 @@ pub(crate) type Warp = Matrix2<f64>;
 
 /// Warps tried when nothing is known about the surface: the identity, turns by 20°, scale by 4/3, and the
 /// foreshortening of a wall seen from another side. Between them, correlation falls off slowly enough.
-pub(crate) fn warps() -> Vec<Warp> {
+fn warps() -> Vec<Warp> {
     let turned = |degrees: f64, scale: f64| {
         let (sin, cos) = degrees.to_radians().sin_cos();
         Warp::new(cos, -sin, sin, cos) * scale
@@ -41,6 +41,12 @@ pub(crate) fn warps() -> Vec<Warp> {
         }
     }
     all
+}
+
+/// [`warps`] after the one that both images have in common.
+pub(crate) fn warps_around(common: &Warp) -> Vec<Warp> {
+    let all = warps();
+    if *common == Warp::identity() { all } else { all.iter().map(|warp| common * warp).collect() }
 }
 
 /// The patch around a point under a warp, by bilinear interpolation; `None` where it is flat.

@@ -194,7 +194,7 @@ fn sweep<const K: usize, const ONE: bool>(
     totals
 }
 
-/// One sample: all disparities.
+/// A step along the lines by one sample: all disparities.
 #[inline(always)]
 #[expect(clippy::inline_always, reason = "must be compiled once per instruction set, inside `run_block`")]
 #[expect(clippy::too_many_arguments, reason = "the hot loop's registers, named")]

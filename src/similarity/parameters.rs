@@ -9,7 +9,7 @@ pub enum Ordering {
     /// Matched positions `i + dᵢ` never go back: `dᵢ₊₁ ≥ dᵢ − 1`. The usual ordering constraint of stereo.
     #[default]
     Positions,
-    /// Any change.
+    /// Changes of any size.
     Free,
     /// `dᵢ₊₁ ≥ dᵢ`, as the paper prints it. It also forbids surfaces that come nearer along the line.
     Disparities,

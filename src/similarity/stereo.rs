@@ -76,8 +76,8 @@ fn reach_plainly(row: &[u16], parameters: &StereoParameters, reached: &mut [u16]
     }
 }
 
-/// The same: all jumps as far as the ordering allows cost α at most, so their cheapest start is a running
-/// minimum; only those that cost less are looked at one by one.
+/// What it costs to reach each state, quickly: all jumps as far as the ordering allows cost α at most, so their
+/// cheapest start is a running minimum; only those that cost less are looked at one by one.
 fn reach_quickly(row: &[u16], parameters: &StereoParameters, reached: &mut [u16]) {
     let near =
         (1..row.len() as u64).take_while(|c| u64::from(parameters.lambda) * c * c < parameters.alpha.into());

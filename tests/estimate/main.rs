@@ -10,3 +10,4 @@ mod repeatable;
 mod samples;
 mod support;
 mod watched;
+mod wide;

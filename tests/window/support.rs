@@ -15,6 +15,7 @@ use epiline::estimate::{
     Parameters, PatchSupport, Refinement, SearchCounts, SearchTrace,
 };
 use epiline::geometry::{FundamentalMatrix, Point, PointPair};
+use epiline::image::RelativeView;
 use epiline::similarity::CostMatrix;
 use epiline::suggest::SuggestError;
 use nalgebra::{Matrix3, Vector3};
@@ -41,7 +42,9 @@ pub fn fake_estimate(pairs: &[PointPair], parameters: &Parameters) -> Result<Est
         ..Assessment::default()
     };
     let trace = SearchTrace {
-        clicks: Clicks::for_method(pairs, parameters.method),
+        clicks: Clicks::for_search(pairs, parameters.method, parameters.search),
+        view: RelativeView::UPRIGHT,
+        features: false,
         method: parameters.method,
         preset: parameters.preset,
         seed: parameters.seed,

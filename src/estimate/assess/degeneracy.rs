@@ -113,9 +113,10 @@ pub(in crate::estimate) fn click_warnings(
         let distance = if relative1 < relative2 { apart1 } else { apart2 };
         warnings.push(Warning::SameEpipolarLine { distance });
     }
-    let separation = (p.point1 - q.point1).norm().min((p.point2 - q.point2).norm());
-    if separation < CLOSE * frames[0].longer_side() {
-        warnings.push(Warning::CloseClicks { distance: separation });
+    let apart = [(p.point1 - q.point1).norm(), (p.point2 - q.point2).norm()];
+    let is_close = |image: &usize| apart[*image] < CLOSE * frames[*image].longer_side();
+    if let Some(distance) = (0..2).filter(is_close).map(|image| apart[image]).min_by(f64::total_cmp) {
+        warnings.push(Warning::CloseClicks { distance });
     }
     warnings
 }
@@ -123,6 +124,9 @@ pub(in crate::estimate) fn click_warnings(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::estimate::Search;
+    use crate::estimate::exact::rows;
+    use nalgebra::Matrix3;
 
     fn check(pairs: &[[f64; 4]]) -> Result<(), EstimateError> {
         let pairs: Vec<_> = pairs.iter().map(|[a, b, c, d]| PointPair::new(*a, *b, *c, *d)).collect();
@@ -153,5 +157,50 @@ mod tests {
         let flat = GrayPlane::from_fn(frame, |_, _| 80.0);
         assert_eq!(check_images(&PreparedPair::new(&texture, &flat)), Err(EstimateError::Flat { image: 2 }));
         assert_eq!(check_images(&PreparedPair::new(&texture, &texture)), Err(EstimateError::NoParallax));
+    }
+
+    /// Warnings about two clicks, `x, y` each, and a third far away that is no anchor.
+    fn warned(f: &FundamentalMatrix, frames: [Frame; 2], p: [f64; 4], q: [f64; 4]) -> Vec<Warning> {
+        let pair = |c: [f64; 4]| PointPair::new(c[0], c[1], c[2], c[3]);
+        let clicks = [pair(p), pair(q), pair([1.0, 1.0, 1.0, 1.0])];
+        click_warnings(f, frames, &Clicks::for_search(&clicks, Method::ThreePoint, Search::Lines))
+    }
+
+    #[test]
+    fn clicks_on_one_line_and_clicks_side_by_side_are_told() {
+        let frames = [Frame::new(400, 300); 2];
+        let p = [100.0, 100.0, 80.0, 100.0];
+        let ask = |x: f64, y: f64| warned(&rows(0.0), frames, p, [x, y, x - 20.0, y]);
+        assert_eq!(ask(300.0, 120.1), []);
+        assert!(
+            matches!(ask(300.0, 119.9)[..], [Warning::SameEpipolarLine { distance }] if (distance - 19.9).abs() < 1e-9)
+        );
+        assert!(
+            matches!(ask(300.0, 80.1)[..], [Warning::SameEpipolarLine { distance }] if (distance - 19.9).abs() < 1e-9)
+        );
+        assert_eq!(ask(100.0, 132.1), []);
+        assert!(
+            matches!(ask(100.0, 131.9)[..], [Warning::CloseClicks { distance }] if (distance - 31.9).abs() < 1e-9)
+        );
+        assert_eq!(ask(110.0, 105.0).len(), 2);
+        // In one image is enough.
+        let beside2 = warned(&rows(0.0), frames, p, [300.0, 125.0, 85.0, 125.0]);
+        assert!(matches!(beside2[..], [Warning::CloseClicks { .. }]));
+        assert_eq!(click_warnings(&rows(0.0), frames, &Clicks::default()), []);
+    }
+
+    #[test]
+    fn distances_count_in_the_size_of_their_own_image() {
+        // Image 2 shows the same at half the size: y1 = 2 y2.
+        let half =
+            FundamentalMatrix::from_rank_two(Matrix3::new(0.0, 0.0, 0.0, 0.0, 0.0, -2.0, 0.0, 1.0, 0.0));
+        let frames = [Frame::new(400, 300), Frame::new(200, 150)];
+        let ask = |x: f64, y: f64| {
+            warned(&half.unwrap(), frames, [100.0, 100.0, 50.0, 50.0], [x, y, 0.5 * x, 0.5 * y])
+        };
+        assert_eq!(ask(300.0, 121.0), [], "10.5 px of 200 as 21 px of 400");
+        assert!(matches!(ask(300.0, 119.0)[..], [Warning::SameEpipolarLine { .. }]));
+        assert_eq!(ask(100.0, 133.0), [], "16.5 px of 200 as 33 px of 400");
+        assert!(matches!(ask(100.0, 131.0)[..], [Warning::CloseClicks { .. }]));
     }
 }

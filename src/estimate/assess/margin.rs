@@ -47,3 +47,76 @@ pub(in crate::estimate) fn margin(
         }
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::estimate::exact::rows;
+    use crate::estimate::lines::{Construction, LineFigures};
+    use crate::estimate::{Assessment, PatchSupport};
+    use nalgebra::Matrix3;
+
+    /// Clearly different are geometries 4 px apart, contradicting are matches 2 px off.
+    const FRAMES: [Frame; 2] = [Frame { width: 400, height: 300 }; 2];
+
+    fn supported(f: FundamentalMatrix, score: f64) -> Estimate {
+        let support = Some(PatchSupport { matches: 100, score });
+        let assessment = Assessment { support, ..Assessment::default() };
+        Estimate { assessment, ..Estimate::from(f) }
+    }
+
+    fn with_lines(f: FundamentalMatrix, score: Option<f64>) -> Estimate {
+        let clicks = [PointPair::new(100.0, 50.0, 90.0, 50.0), PointPair::new(300.0, 250.0, 280.0, 250.0)];
+        let construction = Construction::of(&f, clicks, 0.0).unwrap();
+        let lines = Some(LineFigures { score, round_trip_area: None, construction });
+        Estimate { assessment: Assessment { lines, ..Assessment::default() }, ..Estimate::from(f) }
+    }
+
+    fn of(hypotheses: &[Estimate], matches: &[PointPair], search: Search) -> Option<f64> {
+        margin(&rows(0.0), hypotheses, matches, FRAMES, search)
+    }
+
+    fn close(a: Option<f64>, b: f64) -> bool {
+        a.is_some_and(|a| (a - b).abs() < 1e-12)
+    }
+
+    #[test]
+    fn near_copies_are_no_rivals_and_the_first_clearly_different_geometry_is() {
+        assert_eq!(of(&[], &[], Search::Patches), None);
+        // Lines of rows that leave the image count less, so the threshold is met to some tenths of a pixel.
+        let near = [supported(rows(0.0), 100.0), supported(rows(3.5), 95.0)];
+        assert_eq!(of(&near, &[], Search::Patches), None);
+        let [best, copy] = near;
+        let all = [best, copy, supported(rows(4.5), 80.0), supported(rows(60.0), 90.0)];
+        assert!(close(of(&all, &[], Search::Patches), 0.2));
+        // A rival may have more of what a result is refined from.
+        let better = [supported(rows(0.0), 100.0), supported(rows(60.0), 125.0)];
+        assert!(close(of(&better, &[], Search::Patches), -0.25));
+        assert!(close(of(&[supported(rows(60.0), 0.0)], &[], Search::Patches), 0.0), "no support at all");
+    }
+
+    #[test]
+    fn a_rival_contradicts_more_than_half_of_the_matches() {
+        // Lines 5 % farther from the top edge: matches there agree, those below do not.
+        let m = Matrix3::new(0.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 1.05, 0.0);
+        let zoomed = FundamentalMatrix::from_rank_two(m).unwrap();
+        let at = |y: f64| PointPair::new(100.0, y, 120.0, y);
+        let hypotheses = [supported(rows(0.0), 100.0), supported(zoomed, 70.0)];
+        let half = [at(10.0), at(20.0), at(200.0), at(250.0)];
+        assert_eq!(of(&hypotheses, &half, Search::Patches), None);
+        assert!(close(of(&hypotheses, &half[1..], Search::Patches), 0.3));
+        let shifted = |shift| [supported(rows(0.0), 100.0), supported(rows(shift), 70.0)];
+        assert_eq!(of(&shifted(1.99), &half, Search::Patches), None);
+        assert!(close(of(&shifted(2.01), &half, Search::Patches), 0.3));
+    }
+
+    #[test]
+    fn lines_compare_costs_relative_to_the_worse_one() {
+        let hypotheses = [with_lines(rows(0.0), Some(0.5)), with_lines(rows(60.0), Some(0.8))];
+        assert!(close(of(&hypotheses, &[], Search::Lines), 0.375));
+        let [best, other] = hypotheses;
+        assert!(close(of(&[other, best], &[], Search::Lines), 0.0), "the first one is the rival itself");
+        let missing = [with_lines(rows(0.0), None), with_lines(rows(60.0), Some(0.8))];
+        assert!(of(&missing, &[], Search::Lines).unwrap().is_nan(), "a missing figure is no advantage");
+    }
+}

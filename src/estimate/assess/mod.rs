@@ -3,6 +3,7 @@
 mod degeneracy;
 mod examination;
 mod margin;
+mod parallax;
 mod plane;
 mod trust;
 mod uncertainty;
@@ -15,13 +16,17 @@ pub use uncertainty::{EpipoleEllipse, Uncertainty};
 pub(super) use degeneracy::{check_images, check_points};
 pub(super) use plane::largest_plane;
 
+use super::patches::PatchLevels;
 use super::{
     Assessment, Clicks, Estimate, Parameters, PatchSupport, PreparedPair, Refinement, Search, Warning,
 };
 use crate::geometry::{FundamentalMatrix, PointPair, sampson_distance};
+use crate::similarity::SimilaritySource;
+use examination::Examiner;
 use margin::margin;
-use plane::share_on_one_plane;
-use trust::Evidence;
+use nalgebra::Matrix3;
+use parallax::OffPlane;
+use trust::{Evidence, PlaneEvidence};
 
 /// How near a match must be to a homography to be explained by it, px in an image of up to [`PLANE_SIDE`] px, more in
 /// proportion in larger ones, where corners are found less precisely: three deviations of a refined match.
@@ -31,6 +36,8 @@ const PLANE_SIDE: f64 = 800.0;
 /// What a geometry is judged by, besides itself.
 pub(super) struct Judge<'a> {
     pub prepared: &'a PreparedPair,
+    pub source: &'a dyn SimilaritySource,
+    pub patches: &'a PatchLevels,
     pub clicks: &'a Clicks,
     pub parameters: &'a Parameters,
     /// The geometries that were found, best first.
@@ -60,17 +67,13 @@ impl Judge<'_> {
         supporting: &[PointPair],
         refinement: Option<Refinement>,
     ) -> Assessment {
-        let Self { prepared, parameters, .. } = *self;
+        let Self { prepared, source, patches, parameters, .. } = *self;
+        let examiner = Examiner { prepared, source, patches, parameters };
         // The figures of the result itself, not of the hypothesis it was refined from.
         let turn = self.hypotheses.first().map_or(0.0, Estimate::turn);
         let anchors = self.clicks.anchors();
-        let lines = anchors
-            .first_chunk::<2>()
-            .and_then(|anchors| examination::line_figures(prepared, *anchors, f, turn, parameters));
-        let support = match parameters.search {
-            Search::Patches => examination::patch_support(prepared, f),
-            Search::Lines => None,
-        };
+        let lines = anchors.first_chunk::<2>().and_then(|anchors| examiner.line_figures(*anchors, f, turn));
+        let support = examiner.patch_support(f);
         let margin = self.margin(f, supporting);
         let trust = Some(self.trust(f, margin, refinement.as_ref()));
         Assessment { lines, support, margin, refinement, warnings: self.warnings(f), trust }
@@ -83,6 +86,25 @@ impl Judge<'_> {
     fn warnings(&self, f: &FundamentalMatrix) -> Vec<Warning> {
         let of_clicks = degeneracy::click_warnings(f, self.prepared.frames(), self.clicks);
         self.warnings.iter().cloned().chain(of_clicks).collect()
+    }
+
+    /// What one plane explains, and what lies off it.
+    fn plane(&self, f: &FundamentalMatrix, matches: &[PointPair], tolerance: f64) -> Option<PlaneEvidence> {
+        let (h, most) = largest_plane(matches, tolerance, self.parameters.seed)?;
+        let share = most as f64 / matches.len() as f64;
+        let fine = self.patches.fine(self.prepared.pyramids());
+        let [s1, s2] = fine.scales;
+        let at_level = |s: f64| {
+            let shift = 0.5 * s - 0.5;
+            Matrix3::new(s, 0.0, shift, 0.0, s, shift, 0.0, 0.0, 1.0)
+        };
+        let at_fine = at_level(s2) * h * at_level(s1).try_inverse()?;
+        let side = s1 * self.prepared.frames()[0].longer_side();
+        let distinctive = OffPlane::new(&fine.support, &f.rescaled(s1, s2)?, &at_fine, side);
+        let refined = OffPlane::refined(matches, f, &h, tolerance, self.prepared.frames()[0].longer_side());
+        // Either may hold the epipoles: what is seen from afar, or what is seen finely.
+        let off = if refined.chance < distinctive.chance { refined } else { distinctive };
+        Some(PlaneEvidence { share, chance: off.chance, groups: off.groups, agreeing: off.agreeing })
     }
 
     fn trust(&self, f: &FundamentalMatrix, margin: Option<f64>, refinement: Option<&Refinement>) -> Trust {
@@ -102,7 +124,7 @@ impl Judge<'_> {
             click_sigma: parameters.click_sigma,
             margin,
             deviation,
-            on_one_plane: share_on_one_plane(&matches, tolerance, parameters.seed),
+            plane: self.plane(f, &matches, tolerance),
             side,
         })
     }

@@ -48,15 +48,11 @@ pub(in crate::estimate) fn largest_plane(
     planes.into_iter().flatten().reduce(|best, next| if next.1 > best.1 { next } else { best })
 }
 
-/// Largest share of the matches, 0 to 1, found to follow one homography within `tolerance` px in image 2.
-pub(super) fn share_on_one_plane(matches: &[PointPair], tolerance: f64, seed: u64) -> f64 {
-    largest_plane(matches, tolerance, seed).map_or(0.0, |(_, most)| most as f64 / matches.len() as f64)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::geometry::Camera;
+    use crate::geometry::random_scene::RandomScene;
     use nalgebra::Point3;
 
     fn scene(depth: impl Fn(f64) -> f64) -> Vec<PointPair> {
@@ -73,9 +69,40 @@ mod tests {
     #[test]
     fn a_plane_is_recognised_and_depth_is_not_one() {
         let plane = scene(|t| 5.0 + 0.3 * (t * 0.9).sin());
-        assert!(share_on_one_plane(&plane, 1.0, 0) > 0.99);
+        let share = |matches: &[PointPair]| {
+            largest_plane(matches, 1.0, 0).map_or(0.0, |(_, most)| most as f64 / matches.len() as f64)
+        };
+        assert!(share(&plane) > 0.99);
         let deep = scene(|t| 5.0 + 2.0 * (t * 2.3).sin());
-        assert!(share_on_one_plane(&deep, 1.0, 0) < 0.5);
-        assert!(share_on_one_plane(&plane[..4], 1.0, 0) < 0.01, "too few to say");
+        assert!(share(&deep) < 0.5);
+        assert!(share(&plane[..4]) < 0.01, "too few to say");
+    }
+
+    #[test]
+    fn of_two_planes_the_larger_one_is_found_whole_whatever_the_seed() {
+        let mut random = RandomScene::new(4);
+        let (wall, elsewhere) = (random.planar_pairs(40), random.pairs(25));
+        let all: Vec<PointPair> = elsewhere.iter().chain(&wall).copied().collect();
+        let truth = homography(&wall).unwrap();
+        // A few of the others are near the plane by chance.
+        let on_wall = all.iter().filter(|m| transfer_error(&truth, m) < 0.5).count();
+        assert!((40..46).contains(&on_wall), "{on_wall}");
+        for seed in 0..5 {
+            let (h, most) = largest_plane(&all, 0.5, seed).unwrap();
+            assert_eq!(most, on_wall, "seed {seed}");
+            assert!(wall.iter().all(|m| transfer_error(&h, m) < 0.5), "seed {seed}");
+        }
+        assert!(largest_plane(&wall[..7], 0.5, 0).is_none() && largest_plane(&wall[..8], 0.5, 0).is_some());
+    }
+
+    #[test]
+    fn the_tolerance_decides_what_a_plane_explains() {
+        let mut random = RandomScene::new(8);
+        let wall = random.planar_pairs(60);
+        let noisy = random.disturbed(&wall, 1.0);
+        // The transfer error holds the noise of both images: √2 px a coordinate, beyond 5 px one in 500.
+        let [loose, tight] =
+            [5.0, 0.5].map(|tolerance| largest_plane(&noisy, tolerance, 0).map_or(0, |(_, most)| most));
+        assert!(loose > 57 && tight < 30, "{loose} {tight} of 60");
     }
 }

@@ -4,7 +4,7 @@
 //! epipolar lines at full resolution, whether the clicks lie on their lines, how much better the result is than
 //! the best clearly different geometry, and how firmly the matches hold the lines. A result is called reliable
 //! when none of them speaks against it. The thresholds are round numbers from results whose truth is known,
-//! right and wrong clicks alike; see the documentation of the estimator for the figures.
+//! right and wrong clicks alike; see `docs/measurements.md` for the figures.
 
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
@@ -13,12 +13,12 @@ use thiserror::Error;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Verdict {
-    /// Everything that was looked at speaks for it.
+    /// Everything that was looked at speaks for the result.
     #[serde(alias = "right")]
     Reliable,
-    /// Something speaks against it.
+    /// Something speaks against the result.
     Doubtful,
-    /// It contradicts the images or the clicks.
+    /// The result contradicts the images or the clicks.
     #[serde(alias = "wrong")]
     Unreliable,
 }
@@ -68,11 +68,15 @@ pub enum Reason {
     },
     /// Nearly all matches follow one homography.
     #[error(
-        "{percent} % of the matches fit one plane or a turn of the camera, so the epipoles are hardly determined: use views from places farther apart, or a scene with more depth"
+        "{percent} % of the matches fit one plane or a turn of the camera, and of {groups} things beside it that moved, {agreeing} agree on where the epipolar lines meet: use views from places farther apart, or a scene with more depth and nothing that moves"
     )]
     OnePlane {
         /// Percent of the matches.
         percent: u32,
+        /// Groups of matches off it that move alike.
+        groups: usize,
+        /// How many of these agree with the epipoles.
+        agreeing: usize,
     },
     /// The matches leave the epipolar lines loose.
     #[error("the matches leave the epipolar lines uncertain by {deviation:.1} px")]
@@ -102,8 +106,32 @@ const CLICK_DEVIATIONS_WRONG: f64 = 12.0;
 const CLEAR_MARGIN: f64 = 0.2;
 /// Share of the matches on one plane from which on the epipoles hang on a handful of matches.
 const ONE_PLANE: f64 = 0.95;
+/// Share from which on what lies off the plane has to hold the epipoles by itself.
+const MOSTLY_PLANE: f64 = 0.5;
+/// Probability that what lies off the plane agrees by chance, at most: one of a thousand results may be called reliable
+/// for it.
+const BY_CHANCE: f64 = 1e-3;
 /// Loosest epipolar lines, as a fraction of the longer side.
 const LOOSEST: f64 = 0.002;
+
+/// What one homography explains of the matches, and what the rest says of the epipoles.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct PlaneEvidence {
+    /// Share of the matches that it explains, 0 to 1.
+    pub share: f64,
+    /// Groups of distinctive matches off it that move alike, and how many of them agree with F.
+    pub groups: usize,
+    pub agreeing: usize,
+    /// Probability that so many agree by chance, beyond those that an epipole always fits.
+    pub chance: f64,
+}
+
+impl PlaneEvidence {
+    /// Whether the epipoles hang on the plane alone.
+    fn leaves_the_epipoles_open(&self) -> bool {
+        self.share > ONE_PLANE || self.share > MOSTLY_PLANE && self.chance > BY_CHANCE
+    }
+}
 
 /// What a verdict rests on.
 #[derive(Debug, Clone, Copy)]
@@ -120,8 +148,8 @@ pub(super) struct Evidence<'a> {
     pub margin: Option<f64>,
     /// Median standard deviation of the epipolar lines at the matches, px.
     pub deviation: Option<f64>,
-    /// Share of the matches that one homography explains, 0 to 1.
-    pub on_one_plane: f64,
+    /// The largest plane, where there are matches.
+    pub plane: Option<PlaneEvidence>,
     /// Longer side of image 1, px.
     pub side: f64,
 }
@@ -155,8 +183,9 @@ impl Trust {
         if let Some(deviation) = evidence.deviation.filter(|d| *d > LOOSEST * evidence.side) {
             reasons.push(Reason::Loose { deviation });
         }
-        if evidence.on_one_plane > ONE_PLANE {
-            reasons.push(Reason::OnePlane { percent: (100.0 * evidence.on_one_plane) as u32 });
+        if let Some(plane) = evidence.plane.filter(PlaneEvidence::leaves_the_epipoles_open) {
+            let PlaneEvidence { share, groups, agreeing, .. } = plane;
+            reasons.push(Reason::OnePlane { percent: (100.0 * share) as u32, groups, agreeing });
         }
         // A mistaken click beside a geometry that everything else speaks for is no more than that: patches have
         // outvoted it. With anything else against it, the result is unreliable.
@@ -182,7 +211,7 @@ mod tests {
         click_sigma: 1.0,
         margin: Some(0.5),
         deviation: Some(0.05),
-        on_one_plane: 0.4,
+        plane: Some(PlaneEvidence { share: 0.4, groups: 9, agreeing: 1, chance: 1.0 }),
         side: 768.0,
     };
 
@@ -194,6 +223,8 @@ mod tests {
     fn a_result_is_reliable_only_when_nothing_speaks_against_it() {
         assert_eq!(Trust::judge(&GOOD), Trust { verdict: Verdict::Reliable, reasons: Vec::new() });
         assert_eq!(verdict(Evidence { margin: None, ..GOOD }), Verdict::Reliable);
+        let plane = |share, chance| Some(PlaneEvidence { share, groups: 9, agreeing: 7, chance });
+        assert_eq!(verdict(Evidence { plane: plane(0.6, 1e-4), ..GOOD }), Verdict::Reliable);
         for worse in [
             Evidence { patches: false, matches: None, ..GOOD },
             Evidence { matches: None, ..GOOD },
@@ -201,7 +232,8 @@ mod tests {
             Evidence { clicks: &[0.5, 5.0], ..GOOD },
             Evidence { margin: Some(0.05), ..GOOD },
             Evidence { deviation: Some(3.0), ..GOOD },
-            Evidence { on_one_plane: 0.98, ..GOOD },
+            Evidence { plane: plane(0.98, 0.0), ..GOOD },
+            Evidence { plane: plane(0.6, 0.01), ..GOOD },
         ] {
             assert_eq!(verdict(worse), Verdict::Doubtful);
         }
@@ -218,5 +250,68 @@ mod tests {
     fn reasons_name_the_pair_and_the_distance() {
         let trust = Trust::judge(&Evidence { clicks: &[0.5, 5.04], ..GOOD });
         assert!(trust.reasons[0].to_string().starts_with("point pair 2 is 5.0 px off"));
+    }
+
+    /// Both sides of every threshold, as near as the kind of number allows.
+    #[test]
+    fn each_threshold_is_where_its_constant_says() {
+        let reasons = |evidence: Evidence| Trust::judge(&evidence).reasons;
+        let plane = |share, chance| Some(PlaneEvidence { share, groups: 9, agreeing: 2, chance });
+        let next = |v: f64| v * (1.0 + 1e-12);
+        let before = |v: f64| v * (1.0 - 1e-12);
+        let silent = [
+            Evidence { matches: Some(ENOUGH_MATCHES), ..GOOD },
+            Evidence { clicks: &[CLICK_DEVIATIONS], ..GOOD },
+            Evidence { clicks: &[2.0 * CLICK_DEVIATIONS], click_sigma: 2.0, ..GOOD },
+            Evidence { margin: Some(CLEAR_MARGIN), ..GOOD },
+            Evidence { deviation: Some(LOOSEST * GOOD.side), ..GOOD },
+            Evidence { deviation: None, ..GOOD },
+            Evidence { plane: plane(ONE_PLANE, BY_CHANCE), ..GOOD },
+            Evidence { plane: plane(MOSTLY_PLANE, 1.0), ..GOOD },
+            Evidence { plane: None, ..GOOD },
+        ];
+        for evidence in silent {
+            assert_eq!(reasons(evidence), [], "{evidence:?}");
+        }
+        let off = next(CLICK_DEVIATIONS);
+        let few = ENOUGH_MATCHES - 1;
+        let (margin, deviation) = (before(CLEAR_MARGIN), next(LOOSEST * GOOD.side));
+        let told = [
+            (Evidence { matches: Some(few), ..GOOD }, Reason::FewMatches { matches: few }),
+            (Evidence { clicks: &[0.1, off], ..GOOD }, Reason::ClickOff { pair: 2, distance: off }),
+            (
+                Evidence { clicks: &[0.5 * off], click_sigma: 0.5, ..GOOD },
+                Reason::ClickOff { pair: 1, distance: 0.5 * off },
+            ),
+            (Evidence { margin: Some(margin), ..GOOD }, Reason::Ambiguous { margin }),
+            (Evidence { deviation: Some(deviation), ..GOOD }, Reason::Loose { deviation }),
+            (
+                Evidence { plane: plane(next(ONE_PLANE), 0.0), ..GOOD },
+                Reason::OnePlane { percent: 95, groups: 9, agreeing: 2 },
+            ),
+            (
+                Evidence { plane: plane(next(MOSTLY_PLANE), next(BY_CHANCE)), ..GOOD },
+                Reason::OnePlane { percent: 50, groups: 9, agreeing: 2 },
+            ),
+        ];
+        for (evidence, reason) in told {
+            assert_eq!(reasons(evidence), [reason], "{evidence:?}");
+            assert_eq!(verdict(evidence), Verdict::Doubtful, "{evidence:?}");
+        }
+    }
+
+    #[test]
+    fn too_few_matches_and_far_clicks_with_anything_else_are_unreliable() {
+        assert_eq!(verdict(Evidence { matches: Some(FAR_TOO_FEW), ..GOOD }), Verdict::Doubtful);
+        assert_eq!(verdict(Evidence { matches: Some(FAR_TOO_FEW - 1), ..GOOD }), Verdict::Unreliable);
+        let [at, beyond] = [CLICK_DEVIATIONS_WRONG, CLICK_DEVIATIONS_WRONG * (1.0 + 1e-12)];
+        for (distance, expected) in [(at, Verdict::Doubtful), (beyond, Verdict::Unreliable)] {
+            let clicks = [distance, 0.0];
+            assert_eq!(verdict(Evidence { clicks: &clicks, margin: Some(0.1), ..GOOD }), expected);
+            assert_eq!(verdict(Evidence { clicks: &clicks, ..GOOD }), Verdict::Doubtful, "outvoted");
+        }
+        // Lines alone: not refined is what is expected there, and no second reason.
+        let lines = Evidence { patches: false, matches: None, ..GOOD };
+        assert_eq!(Trust::judge(&lines).reasons, [Reason::NotChecked]);
     }
 }

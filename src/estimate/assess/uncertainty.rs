@@ -42,7 +42,7 @@ impl Uncertainty {
         Some(self.deviation(x1, on_line, normal) / self.scales[1])
     }
 
-    /// The same for the epipolar line of `point2` in image 1, where it passes nearest to `point1`.
+    /// Standard deviation, px, of the epipolar line of `point2` in image 1, where it passes nearest to `point1`.
     pub fn line1_deviation(&self, point2: Point, point1: Point) -> Option<f64> {
         let (x1, x2) = (self.level(point1, 0), self.level(point2, 1));
         let on_line = self.fundamental.line1_from_point2(x2)?.foot(x1);
@@ -107,5 +107,140 @@ impl Uncertainty {
             angle: direction.y.atan2(direction.x),
         };
         ellipse.half_axes.iter().all(|v| v.is_finite()).then_some(ellipse)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::estimate::exact::{ExactScene, rows};
+    use crate::geometry::random_scene::RandomScene;
+    use crate::geometry::{Line, Observation, fit_fundamental};
+
+    /// Row by row, as the covariance has them.
+    fn entries(m: &Matrix3<f64>) -> SVector<f64, 9> {
+        SVector::from_fn(|k, _| m[(k / 3, k % 3)])
+    }
+
+    /// A covariance along one direction: what a shift of camera 2 does.
+    fn along_a_motion() -> (ExactScene, [f64; 3], Matrix9, f64) {
+        let (place, step) = ([-0.25, 0.12, 1.2], 1e-5);
+        let at = |s: f64| ExactScene::moved([place[0] + s, place[1] - 2.0 * s, place[2]]);
+        let change = (at(step).fundamental().matrix() - at(-step).fundamental().matrix()) / 2.0;
+        let v = entries(&change);
+        (at(0.0), place, v * v.transpose(), step)
+    }
+
+    #[test]
+    fn an_epipole_that_can_move_one_way_has_an_ellipse_that_way() {
+        let (scene, place, covariance, step) = along_a_motion();
+        let uncertainty = Uncertainty::new(&scene.fundamental(), &covariance, [1.0; 2]);
+        let moved = ExactScene::moved([place[0] + step, place[1] - 2.0 * step, place[2]]).fundamental();
+        for (ellipse, before, after) in [
+            (uncertainty.epipole1(), scene.fundamental().epipole1(), moved.epipole1()),
+            (uncertainty.epipole2(), scene.fundamental().epipole2(), moved.epipole2()),
+        ] {
+            let ellipse = ellipse.unwrap();
+            let (before, after) = (finite_point(&before).unwrap(), finite_point(&after).unwrap());
+            let motion = after - before;
+            assert!((ellipse.centre - before).norm() < 1e-9);
+            // To first order: the step is a hundred-thousandth of the distances.
+            assert!((ellipse.half_axes[0] / motion.norm() - 1.0).abs() < 1e-3, "{ellipse:?} {motion}");
+            assert!(ellipse.half_axes[1] < 1e-3 * ellipse.half_axes[0]);
+            let along = Vector2::new(ellipse.angle.cos(), ellipse.angle.sin());
+            assert!(along.perp(&motion).abs() < 1e-3 * motion.norm());
+        }
+    }
+
+    #[test]
+    fn figures_are_in_full_size_pixels_wherever_the_matrix_was_fitted() {
+        let (scene, _, covariance, _) = along_a_motion();
+        let f = scene.fundamental();
+        let [full, half] = [[1.0; 2], [1.0, 0.5]].map(|scales| Uncertainty::new(&f, &covariance, scales));
+        let (ellipse, doubled) = (full.epipole2().unwrap(), half.epipole2().unwrap());
+        assert!((doubled.centre - rescaled(ellipse.centre, 2.0)).norm() < 1e-9);
+        assert!((doubled.half_axes[0] / ellipse.half_axes[0] - 2.0).abs() < 1e-9);
+        assert_eq!(full.epipole1(), half.epipole1(), "image 1 has its own scale");
+        let pair = scene.pairs(3)[2];
+        let at_half = PointPair { point2: rescaled(pair.point2, 2.0), ..pair };
+        let [a, b] = [(full, pair), (half, at_half)]
+            .map(|(u, m)| [u.line2_deviation(m.point1, m.point2), u.line1_deviation(m.point2, m.point1)]);
+        assert!((b[0].unwrap() / a[0].unwrap() - 2.0).abs() < 1e-9);
+        assert!((b[1].unwrap() / a[1].unwrap() - 1.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn epipoles_at_infinity_have_no_ellipse_and_epipoles_no_line() {
+        let uncertainty = Uncertainty::new(&rows(0.0), &(Matrix9::identity() * 1e-8), [1.0; 2]);
+        assert_eq!((uncertainty.epipole1(), uncertainty.epipole2()), (None, None));
+        let (point1, point2) = (Point::new(50.0, 60.0), Point::new(40.0, 60.0));
+        assert!(uncertainty.line2_deviation(point1, point2).unwrap() > 0.0);
+        let inside = Matrix3::new(0.0, -1.0, 3.0, 1.0, 0.0, -4.0, -3.0, 4.0, 0.0);
+        let inside = FundamentalMatrix::from_rank_two(inside).unwrap();
+        let uncertainty = Uncertainty::new(&inside, &Matrix9::identity(), [1.0; 2]);
+        assert_eq!(uncertainty.line2_deviation(Point::new(4.0, 3.0), point2), None);
+        assert_eq!(uncertainty.median_line2_deviation(&[]), None);
+    }
+
+    #[test]
+    fn the_median_is_over_the_matches() {
+        let (scene, _, covariance, _) = along_a_motion();
+        let uncertainty = Uncertainty::new(&scene.fundamental(), &covariance, [1.0; 2]);
+        let pairs = scene.pairs(7);
+        let each = pairs.iter().map(|m| uncertainty.line2_deviation(m.point1, m.point2).unwrap());
+        let median = uncertainty.median_line2_deviation(&pairs).unwrap();
+        let below = each.clone().filter(|deviation| *deviation < median).count();
+        assert!(each.clone().any(|deviation| deviation.total_cmp(&median).is_eq()));
+        assert_eq!(below, 3);
+    }
+
+    /// Matches with noise, fitted again and again: the scatter of what comes out is what each fit says of itself.
+    #[test]
+    fn ellipses_and_line_deviations_are_the_scatter_under_noise() {
+        let scene = ExactScene::forward();
+        let (f, exact) = (scene.fundamental(), scene.pairs(80));
+        let truth = [f.epipole1(), f.epipole2()].map(|e| finite_point(&e).unwrap());
+        let probe = scene.seen(-0.5, 0.4, 6.0);
+        let (line1, line2) =
+            (f.line1_from_point2(probe.point2).unwrap(), f.line2_from_point1(probe.point1).unwrap());
+        let [on1, on2] = [line1.foot(probe.point1), line2.foot(probe.point2)];
+        let mut noise = RandomScene::new(11);
+        let (sigma, runs) = (0.2, 200);
+        // Squares of what was seen and of what was predicted: epipoles along and across, lines.
+        let (mut seen, mut predicted) = ([[0.0; 2]; 3], [[0.0; 2]; 3]);
+        for _ in 0..runs {
+            let observed = noise.disturbed(&exact, sigma);
+            let observations: Vec<_> = observed.iter().map(|m| Observation { pair: *m, sigma }).collect();
+            let fit = fit_fundamental(&f, &observations, 6.0).unwrap();
+            let uncertainty = Uncertainty::new(&fit.fundamental, &fit.covariance.unwrap(), [1.0; 2]);
+            let ellipses = [uncertainty.epipole1(), uncertainty.epipole2()];
+            for (image, ellipse) in ellipses.into_iter().enumerate() {
+                let ellipse = ellipse.unwrap();
+                let along = Vector2::new(ellipse.angle.cos(), ellipse.angle.sin());
+                let off = ellipse.centre - truth[image];
+                let parts = [off.dot(&along), off.perp(&along)];
+                for axis in 0..2 {
+                    seen[image][axis] += parts[axis].powi(2);
+                    predicted[image][axis] += ellipse.half_axes[axis].powi(2);
+                }
+            }
+            let found = [
+                fit.fundamental.line1_from_point2(probe.point2).map(|line: Line| line.distance(on1)),
+                fit.fundamental.line2_from_point1(probe.point1).map(|line: Line| line.distance(on2)),
+            ];
+            let deviations = [
+                uncertainty.line1_deviation(probe.point2, probe.point1),
+                uncertainty.line2_deviation(probe.point1, probe.point2),
+            ];
+            for image in 0..2 {
+                seen[2][image] += found[image].unwrap().powi(2);
+                predicted[2][image] += deviations[image].unwrap().powi(2);
+            }
+        }
+        for (seen, predicted) in seen.into_iter().flatten().zip(predicted.into_iter().flatten()) {
+            // A deviation from 200 runs is itself known to 5 %; four times that.
+            let ratio: f64 = (seen / predicted).sqrt();
+            assert!((0.8..1.2).contains(&ratio), "measured over predicted deviation {ratio}");
+        }
     }
 }

@@ -30,7 +30,7 @@ pub struct RoundTrip {
 }
 
 impl Construction {
-    /// From the directions at the clicks, full-size pixels, with κ of H, and κ of G if it is known.
+    /// The construction from the directions at the clicks, full-size pixels, with κ of H, and κ of G if it is known.
     pub(crate) fn new(
         angles: &PencilAngles,
         clicks: [PointPair; 2],

@@ -68,3 +68,77 @@ impl LineExaminer<'_> {
             .collect()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::estimate::exact::{ExactScene, ExactSource};
+    use crate::estimate::{Parameters, Preset};
+    use crate::geometry::FundamentalMatrix;
+    use crate::similarity::SimilaritySource;
+
+    fn figures(
+        f: FundamentalMatrix,
+        clicks: [PointPair; 2],
+        side: f64,
+        of: &[PencilAngles],
+    ) -> Vec<Option<LineFigures>> {
+        let (source, monitor) = (ExactSource(f), Monitor::silent());
+        let parameters = Parameters::from(Preset::Paper).validation;
+        let similarity = source.at(side);
+        LineExaminer { similarity: &similarity, clicks, parameters: &parameters, monitor: &monitor }
+            .figures(of)
+    }
+
+    #[test]
+    fn figures_keep_their_order_and_degenerate_geometries_have_none() {
+        let scene = ExactScene::aside();
+        let truth = scene.angles();
+        let reversed = PencilAngles { q: [truth.q[0], truth.q[1] + std::f64::consts::PI], ..truth };
+        let turned = PencilAngles { p: [truth.p[0], truth.p[1] + 0.3], ..truth };
+        let found = figures(scene.fundamental(), scene.clicks(), 320.0, &[reversed, turned, truth]);
+        let [None, Some(turned), Some(right)] = found.as_slice() else { panic!("{found:?}") };
+        assert!(right.score.unwrap() < 1e-3 && turned.score.unwrap() > 0.1);
+        assert!(right.round_trip_area.unwrap() < 0.5 * turned.round_trip_area.unwrap());
+    }
+
+    #[test]
+    fn figures_are_in_full_size_pixels_at_every_size() {
+        let scene = ExactScene::aside();
+        let (truth, clicks) = (scene.angles(), scene.clicks());
+        let turned = PencilAngles { p: [truth.p[0], truth.p[1] + 0.3], ..truth };
+        for side in [320.0, 160.0] {
+            let found = figures(scene.fundamental(), clicks, side, &[truth, turned]);
+            for (figures, angles) in found.iter().zip([truth, turned]) {
+                let LineFigures { round_trip_area: area, construction, .. } = figures.as_ref().unwrap();
+                for (pair, click) in [(construction.p(), clicks[0]), (construction.q(), clicks[1])] {
+                    let off = pair.line1.distance(click.point1).max(pair.line2.distance(click.point2));
+                    assert!(off < 1e-9, "the lines pass through the clicks in full size");
+                }
+                assert!((construction.turn() - (angles.p[1] - angles.p[0])).abs() < 1e-12);
+                // The same lines at full size: an area over a width is a length, and scales as one.
+                let frame = crate::estimate::exact::FRAME;
+                let pencils = PencilPair::new(&angles, clicks).unwrap();
+                let forward = construction.kappa_line2_from_line1();
+                let ratio = forward / construction.kappa_line1_from_line2().unwrap();
+                let expected = round_trip_area(&pencils, ratio, frame);
+                // Pixel centres, not corners, bound the sampled part: half a pixel of 160 at the ends.
+                let area = area.unwrap();
+                assert!((area - expected).abs() < 0.02 * expected + 1e-9, "{area} {expected} at {side}");
+            }
+            let right = found[0].as_ref().unwrap();
+            // Both bisectors were searched in steps of 2 px of the level.
+            let kappa = right.construction.kappa_line2_from_line1();
+            assert!((kappa / truth.kappa).ln().abs() < 0.1 && kappa.to_bits() != truth.kappa.to_bits());
+        }
+    }
+
+    #[test]
+    fn before_validation_only_the_lines_are_known() {
+        let scene = ExactScene::aside();
+        let figures = unvalidated_figures(&scene.angles(), scene.clicks()).unwrap();
+        assert!(figures.score.is_none() && figures.round_trip_area.is_none());
+        assert!(figures.construction.kappa_line1_from_line2().is_none());
+        assert!((figures.construction.kappa_line2_from_line1() - scene.angles().kappa).abs() < 1e-12);
+    }
+}

@@ -24,8 +24,8 @@ pub(crate) struct PencilAngles {
 }
 
 impl PencilAngles {
-    /// Those of a matrix: its epipolar lines at the clicks. Of the two ways to direct the lines of image 2, the
-    /// one that is turned by about `turn` radians against image 1. `None` when `f` degenerates at a click.
+    /// Directions and κ of a matrix: its epipolar lines at the clicks. Of the two ways to direct the lines of image 2,
+    /// the one that is turned by about `turn` radians against image 1. `None` when `f` degenerates at a click.
     pub fn of(f: &FundamentalMatrix, clicks: &[PointPair; 2], turn: f64) -> Option<Self> {
         let (e1, e2) = (f.epipole1(), f.epipole2());
         let angle = |epipole: &HomogeneousPoint, point: Point| {
@@ -103,15 +103,16 @@ impl PencilPair {
             let e = a.intersection(b).try_normalize(0.0)?;
             let agrees =
                 |point, angle: f64| direction(&e, point).dot(&Vector::new(angle.cos(), angle.sin())) > 0.0;
-            match (agrees(at_p, angle_p), agrees(at_q, angle_q)) {
-                (true, true) => Some(e),
-                (false, false) => Some(-e),
-                _ => None,
-            }
+            let (at_p, at_q) = (agrees(at_p, angle_p), agrees(at_q, angle_q));
+            Some((if at_p { e } else { -e }, at_p == at_q))
         };
-        let e1 = oriented(&pair_p.line1, &pair_q.line1, p.point1, angles.p[0], q.point1, angles.q[0])?;
-        let e2 = oriented(&pair_p.line2, &pair_q.line2, p.point2, angles.p[1], q.point2, angles.q[1])?;
-        Some(Self { clicks, map, epipoles: [e1, e2] })
+        let (e1, alike1) =
+            oriented(&pair_p.line1, &pair_q.line1, p.point1, angles.p[0], q.point1, angles.q[0])?;
+        let (e2, alike2) =
+            oriented(&pair_p.line2, &pair_q.line2, p.point2, angles.p[1], q.point2, angles.q[1])?;
+        // Of an epipole between the clicks one line points to it and the other away, in both images: the second pair of
+        // lines is then meant the other way round.
+        (alike1 == alike2).then_some(Self { clicks, map, epipoles: [e1, e2] })
     }
 
     pub fn fundamental(&self) -> Option<FundamentalMatrix> {
@@ -160,7 +161,8 @@ impl PencilPair {
             .collect()
     }
 
-    /// The same from image 2; the first of each pair is still the line of image 1.
+    /// About `count` epipolar lines of image 2, spread evenly over it, each with its partner: the first of each pair is
+    /// still the line of image 1.
     pub fn spread_over_image2(&self, frame2: Frame, count: usize) -> Vec<(AnchoredLine, AnchoredLine)> {
         self.swapped()
             .spread_over_image1(frame2, count)
@@ -282,6 +284,11 @@ mod tests {
         assert!(PencilPair::new(&angles, clicks).is_some());
         let reversed = PencilAngles { p: [0.1, 0.1], q: [-0.1, -0.1 + PI], kappa: 1.0 };
         assert!(PencilPair::new(&reversed, clicks).is_none());
+        // A line pair has no direction of its own: both of one click turned round are the same geometry.
+        let turned = PencilAngles { p: [0.1, 0.1], q: [-0.1 + PI, -0.1 + PI], kappa: 1.0 };
+        let [same, other] =
+            [angles, turned].map(|a| PencilPair::new(&a, clicks).unwrap().fundamental().unwrap());
+        assert!((same.matrix() - other.matrix()).norm() < 1e-12);
     }
 
     #[test]

@@ -56,7 +56,7 @@ impl ComparedPencils {
             angles.iter().map(|a| AnchoredLine::at_angle(point, *a)).collect()
         };
         let allowed = |i: usize, j: usize| {
-            let turn = (angles2[j] - angles1[i]).rem_euclid(TAU);
+            let turn = (angles2[j] - angles1[i] - source.rotation()).rem_euclid(TAU);
             // The lines are evenly spread, so that a turn may equal the limit but for rounding.
             turn.min(TAU - turn) <= parameters.rotation + 1e-9
         };

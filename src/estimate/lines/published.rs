@@ -144,3 +144,102 @@ pub(in crate::estimate) fn refine(
     let refined = PencilPair::new(&angles, clicks).and_then(|pencils| pencils.fundamental());
     Ok(refined.unwrap_or(*ranked.hypotheses[0].fundamental()))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::estimate::exact::{ExactScene, ExactSource};
+    use crate::estimate::lines::Candidate;
+    use crate::estimate::{LineScore, PencilParameters, Preset, ValidationParameters};
+    use crate::geometry::symmetric_epipolar_distance;
+
+    /// Pencils that were compared on exact lines, the candidates a few of the nearest.
+    fn compared(scene: &ExactScene, parameters: &Parameters) -> [ComparedPencils; 2] {
+        let source = ExactSource(scene.fundamental());
+        scene.clicks().map(|click| {
+            ComparedPencils::new(&source, &click, &parameters.pencils, &Monitor::silent()).unwrap()
+        })
+    }
+
+    fn parameters() -> Parameters {
+        let paper = Parameters::from(Preset::Paper);
+        // Exact lines have few mutual best ones.
+        let pencils = PencilParameters { mutual: 5, ..paper.pencils };
+        Parameters { hypotheses: 200, pencils, ..paper }
+    }
+
+    #[test]
+    fn on_exact_lines_the_search_finds_the_geometry() {
+        let scene = ExactScene::aside();
+        let (parameters, monitor) = (parameters(), Monitor::silent());
+        let source = ExactSource(scene.fundamental());
+        let similarity = source.at(parameters.pencils.coarse_side);
+        let pencils = compared(&scene, &parameters);
+        let drafts = propose(&similarity, pencils.each_ref(), None, &parameters, &monitor).unwrap();
+        assert!(drafts.is_sorted_by(|a, b| a.round_trip <= b.round_trip));
+        assert!(drafts.len() > 5, "{} drafts", drafts.len());
+        let ranked = rank(&similarity, drafts, scene.clicks(), &parameters, &monitor).unwrap();
+        let scores: Vec<f64> = ranked.hypotheses.iter().filter_map(Estimate::line_score).collect();
+        assert!(scores.len() == ranked.hypotheses.len() && scores.is_sorted());
+        let error = scene.error(ranked.hypotheses[0].fundamental());
+        // Lines of a pencil are 2 px of 192 apart at the far corner: up to 1.7 px of 320 off at each end.
+        assert!(error < 3.0, "{error} px");
+        let refined = refine(&source, &ranked, scene.clicks(), &parameters, &monitor).unwrap();
+        let after = scene.error(&refined);
+        assert!(after < 0.7 * error.max(0.3), "{error} px before, {after} px after");
+        for click in scene.clicks() {
+            assert!(symmetric_epipolar_distance(&refined, &click) < 1e-6, "clicks are held for exact");
+        }
+    }
+
+    #[test]
+    fn a_third_pair_gives_kappa_both_ways() {
+        let scene = ExactScene::aside();
+        let (parameters, monitor) = (parameters(), Monitor::silent());
+        let source = ExactSource(scene.fundamental());
+        let similarity = source.at(parameters.pencils.coarse_side);
+        let third = scene.seen(0.3, -0.5, 5.0);
+        let mut pencils = compared(&scene, &parameters);
+        // The true directions among them.
+        let truth = scene.angles();
+        for (compared, angles) in pencils.iter_mut().zip([truth.p, truth.q]) {
+            compared.candidates.insert(0, Candidate { angles, cost: 0.0 });
+        }
+        let drafts = propose(&similarity, pencils.each_ref(), Some(&third), &parameters, &monitor).unwrap();
+        for draft in &drafts {
+            assert_eq!(draft.angles.kappa.to_bits(), draft.kappa_backward.to_bits());
+            assert!(draft.round_trip < 1e-9, "both maps are the same: {} px", draft.round_trip);
+            let found = PencilPair::new(&draft.angles, scene.clicks()).unwrap().fundamental().unwrap();
+            assert!(symmetric_epipolar_distance(&found, &third) < 1e-6);
+        }
+        let is_right = |draft: &&Draft| PencilAngles { kappa: truth.kappa, ..draft.angles } == truth;
+        let right = drafts.iter().find(is_right).unwrap();
+        assert!((right.angles.kappa / truth.kappa - 1.0).abs() < 1e-6);
+        assert_eq!(validated(&drafts, true, &parameters), drafts.len(), "the round trip selects none");
+    }
+
+    #[test]
+    fn a_share_of_the_hypotheses_is_validated_and_ten_at_least() {
+        let scene = ExactScene::aside();
+        let draft = Draft { angles: scene.angles(), kappa_backward: 1.0, round_trip: 0.0 };
+        let share = |count: usize, validated: f64| {
+            let validation = ValidationParameters { validated, lines: 24, line_score: LineScore::Cost };
+            super::validated(&vec![draft.clone(); count], false, &Parameters { validation, ..parameters() })
+        };
+        assert_eq!([share(1000, 0.05), share(1001, 0.05), share(100, 0.05)], [50, 51, LEAST_VALIDATED]);
+        assert_eq!([share(7, 0.05), share(7, 1.0), share(0, 1.0)], [7, 7, 0]);
+    }
+
+    #[test]
+    fn clicks_on_each_others_lines_propose_nothing() {
+        let rows = PencilAngles { p: [0.0; 2], q: [0.0; 2], kappa: 1.0 };
+        let frames = [Frame::new(400, 300); 2];
+        // A diagonal of 500 px, of which 2 % are 10 px, at the nearer of both images.
+        let spread = |y1: f64, y2: f64| {
+            let clicks = [PointPair::new(100.0, 100.0, 80.0, 100.0), PointPair::new(300.0, y1, 280.0, y2)];
+            is_spread(&PencilPair::new(&rows, clicks).unwrap(), &clicks, frames)
+        };
+        assert!(spread(110.1, 110.1) && spread(89.9, 89.9));
+        assert!(!spread(109.9, 200.0) && !spread(200.0, 109.9) && !spread(90.1, 20.0));
+    }
+}

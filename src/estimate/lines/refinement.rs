@@ -97,3 +97,44 @@ fn moved(angles: &PencilAngles, step: f64, rng: &mut Pcg64Mcg) -> PencilAngles {
         kappa: angles.kappa * (2.0 * draw()).exp(),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cancel::CancelFlag;
+    use crate::estimate::Preset;
+    use crate::estimate::exact::{ExactScene, ExactSource};
+
+    #[test]
+    fn five_numbers_that_are_a_little_off_come_nearer_and_the_seed_decides() {
+        for scene in [ExactScene::aside(), ExactScene::forward()] {
+            let (source, clicks, truth) = (ExactSource(scene.fundamental()), scene.clicks(), scene.angles());
+            let start = PencilAngles {
+                p: [truth.p[0] + 0.01, truth.p[1]],
+                q: [truth.q[0], truth.q[1] - 0.01],
+                kappa: 1.05 * truth.kappa,
+            };
+            let error = |angles: &PencilAngles| {
+                scene.error(&PencilPair::new(angles, clicks).unwrap().fundamental().unwrap())
+            };
+            let refine = |seed: u64| {
+                let parameters = Parameters { seed, ..Parameters::from(Preset::Paper) };
+                refine_on_lines(&source, &start, &clicks, &parameters, &Monitor::silent()).unwrap()
+            };
+            for seed in [0, 1] {
+                let found = refine(seed);
+                assert_eq!(found, refine(seed));
+                assert!(error(&found) < 0.5 * error(&start), "{} px of {}", error(&found), error(&start));
+            }
+            assert_ne!(refine(0), refine(1));
+            // Nothing is better than the truth.
+            let parameters = Parameters::from(Preset::Paper);
+            let stays = refine_on_lines(&source, &truth, &clicks, &parameters, &Monitor::silent()).unwrap();
+            assert!(error(&stays) < 0.1, "{} px", error(&stays));
+            let flag = CancelFlag::default();
+            flag.cancel();
+            let stopped = refine_on_lines(&source, &start, &clicks, &parameters, &Monitor::new(flag, |_| ()));
+            assert_eq!(stopped, Err(EstimateError::Cancelled));
+        }
+    }
+}

@@ -10,11 +10,11 @@ use crate::similarity::{SimilarityParameters, StereoParameters};
 
 pub use table::{PARAMETERS, ParameterEntry, ParameterValue, parameters_as_markdown};
 
-/// Whose choices to use.
+/// The choices of an estimate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Preset {
-    /// As published, with the corrections of the documentation.
+    /// The published choices, with the corrections of `docs/estimator.md`.
     Paper,
     /// What measured best on real images.
     #[default]
@@ -25,7 +25,7 @@ impl Preset {
     /// Both presets.
     pub const ALL: [Self; 2] = [Self::Paper, Self::Robust];
 
-    /// Its name on the command line and in files.
+    /// Name on the command line and in files.
     pub fn name(self) -> &'static str {
         match self {
             Self::Paper => "paper",
@@ -49,7 +49,7 @@ impl Method {
     /// Both methods.
     pub const ALL: [Self; 2] = [Self::TwoPoint, Self::ThreePoint];
 
-    /// Its name on the command line and in files.
+    /// Name on the command line and in files.
     pub fn name(self) -> &'static str {
         match self {
             Self::TwoPoint => "two-point",
@@ -87,7 +87,7 @@ impl Search {
 pub enum LineScore {
     /// Summed stereo cost per sample, as published.
     Cost,
-    /// The same divided by the cost of deliberately mismatched lines of the same pencils.
+    /// Stereo cost divided by that of deliberately mismatched lines of the same pencils.
     AgainstMismatched,
 }
 
@@ -126,7 +126,7 @@ pub struct PatchParameters {
     /// Most rounds in which new hypotheses are drawn from the matches of the best ones; fewer when they stop
     /// bringing more support.
     pub resampling: usize,
-    /// In these rounds, also draw epipoles from what lies off the largest planes.
+    /// Also draw, in these rounds, epipoles from what lies off the largest planes.
     pub parallax: bool,
 }
 
@@ -139,8 +139,8 @@ pub struct RefinementParameters {
     pub refined: usize,
 }
 
-/// All parameters of an estimate. [`Parameters::from`] a [`Preset`] gives its defaults; the table in the
-/// documentation of [`crate::estimate`] explains where the presets differ and why.
+/// All parameters of an estimate. [`Parameters::from`] a [`Preset`] gives its defaults;
+/// `docs/parameters.md` lists them, `docs/estimator.md` explains where the presets differ and why.
 ///
 /// In files the groups lie flat: `line_spacing`, not `pencils.line_spacing`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -10,13 +10,13 @@ use crate::similarity::Ordering;
 
 /// A parameter as a person sets it.
 pub struct ParameterEntry {
-    /// Its name in files and on the command line; `outer.inner` when it is nested.
+    /// Name in files and on the command line; `outer.inner` when it is nested.
     pub key: &'static str,
     /// The step of the algorithm it belongs to.
     pub stage: Stage,
     /// What it is called in the window.
     pub name: &'static str,
-    /// One sentence about it.
+    /// Sentence about it.
     pub tooltip: &'static str,
     /// What kind of value it has.
     pub value: ParameterValue,
@@ -28,7 +28,7 @@ pub enum ParameterValue {
     Number {
         /// The unit it is shown in, with the space before it.
         unit: &'static str,
-        /// Its value in files for one of that unit: `π/180` for an angle shown in degrees.
+        /// Value in files for one of that unit: `π/180` for an angle shown in degrees.
         of_unit: f64,
         /// Values that make sense, as in files.
         range: [f64; 2],
@@ -48,9 +48,9 @@ pub enum ParameterValue {
         /// Sets it.
         set: fn(&mut Parameters, bool),
     },
-    /// One of a few.
+    /// A choice among a few.
     Choice {
-        /// Their names.
+        /// Names of the choices.
         names: &'static [&'static str],
         /// Reads which one it is.
         get: fn(&Parameters) -> usize,
@@ -73,7 +73,7 @@ const fn number(
     ParameterEntry { key, stage, name, tooltip, value }
 }
 
-/// All of them, in the order of the steps.
+/// Every parameter, in the order of the steps.
 pub const PARAMETERS: [ParameterEntry; 23] = [
     number(
         (

@@ -3,11 +3,11 @@
 use std::sync::OnceLock;
 
 use super::refinement::{Refined, RefinementLevel};
-use super::support::{Support, SupportLevel};
+use super::support::{FLOOR, Support, SupportLevel, SupportingMatch};
 use super::voting::KappaVoting;
 use crate::estimate::Monitor;
-use crate::geometry::{FundamentalMatrix, PointPair};
-use crate::image::{PyramidPair, warps};
+use crate::geometry::{FundamentalMatrix, Observation, PointPair};
+use crate::image::{PyramidPair, RelativeView, warps_around};
 
 /// Longer side of the images patch support is computed on first, px.
 const COARSE_SIDE: f64 = 384.0;
@@ -22,9 +22,31 @@ const VOTES_PER_CORNER: usize = 3;
 /// Longer sides of the levels `F` is refined at, px; the last one is full size.
 const REFINEMENT_SIDES: [f64; 2] = [800.0, f64::INFINITY];
 
-/// The patches of an image pair at all sizes, each made when it is first needed.
-#[derive(Debug, Default)]
+/// A match of covariant features that supports a geometry beside those of corners.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(in crate::estimate) struct FeatureSupport {
+    /// Full-size pixels.
+    pub pair: PointPair,
+    /// Standard deviation of a coordinate, px of image 1.
+    pub sigma: f64,
+    /// What it is worth, on the scale of correlations of patches.
+    pub correlation: f32,
+}
+
+impl FeatureSupport {
+    /// A match whose descriptors' distance is this share of that to the next best. What is as near to another place says
+    /// nothing, as a correlation at the floor; what is unique is worth a correlation of 1.
+    pub fn new(pair: PointPair, sigma: f64, ratio: f64) -> Self {
+        Self { pair, sigma, correlation: FLOOR + (1.0 - FLOOR) * (1.0 - ratio).clamp(0.0, 1.0) as f32 }
+    }
+}
+
+/// The patches of an image pair under a view, at all sizes, each made when it is first needed.
+#[derive(Debug)]
 pub(in crate::estimate) struct PatchLevels {
+    view: RelativeView,
+    /// Matches of covariant features that support beside corners.
+    features: Vec<FeatureSupport>,
     coarse: OnceLock<SupportLevel>,
     voting: OnceLock<KappaVoting>,
     fine: OnceLock<SupportLevel>,
@@ -32,9 +54,31 @@ pub(in crate::estimate) struct PatchLevels {
 }
 
 impl PatchLevels {
+    /// Levels of which nothing is made yet. `features` are in full-size pixels.
+    pub fn new(view: RelativeView, features: Vec<FeatureSupport>) -> Self {
+        Self {
+            view,
+            features,
+            coarse: OnceLock::new(),
+            voting: OnceLock::new(),
+            fine: OnceLock::new(),
+            refinement: Default::default(),
+        }
+    }
+
+    /// How the images are turned and scaled against each other.
+    pub fn view(&self) -> RelativeView {
+        self.view
+    }
+
+    /// Whether covariant features support beside corners.
+    pub fn has_features(&self) -> bool {
+        !self.features.is_empty()
+    }
+
     /// Support where proposals are made.
     pub fn coarse(&self, pyramids: &PyramidPair) -> &SupportLevel {
-        self.coarse.get_or_init(|| support(pyramids, COARSE_SIDE, COARSE_CORNERS))
+        self.coarse.get_or_init(|| self.support(pyramids, COARSE_SIDE, COARSE_CORNERS))
     }
 
     /// The corner pairs of the coarse level that vote for κ.
@@ -44,7 +88,7 @@ impl PatchLevels {
 
     /// Support where proposals are ranked.
     pub fn fine(&self, pyramids: &PyramidPair) -> &SupportLevel {
-        self.fine.get_or_init(|| support(pyramids, FINE_SIDE, FINE_CORNERS))
+        self.fine.get_or_init(|| self.support(pyramids, FINE_SIDE, FINE_CORNERS))
     }
 
     /// Refines `f` level by level up to full size; `None` when there are too few matches at the first, or when stopped.
@@ -56,15 +100,17 @@ impl PatchLevels {
         click_sigma: f64,
         monitor: &Monitor,
     ) -> Option<Refined> {
+        let clicks: Vec<Observation> =
+            clicks.iter().map(|pair| Observation { pair: *pair, sigma: click_sigma }).collect();
         let mut refined: Option<Refined> = None;
         let mut done = None;
         for (side, stage) in REFINEMENT_SIDES.iter().zip(&self.refinement) {
-            let level = pyramids.level(*side);
+            let level = pyramids.level_seen(*side, self.view);
             if done == Some(level.scales) {
                 break;
             }
             let start = refined.as_ref().map_or(*f, |r| r.fundamental);
-            match stage.refine(&level, &start, clicks, click_sigma, monitor) {
+            match stage.refine(&level, self.view, &self.features, &start, &clicks, monitor) {
                 Some(result) => refined = Some(result),
                 None => break,
             }
@@ -72,9 +118,16 @@ impl PatchLevels {
         }
         refined
     }
-}
 
-fn support(pyramids: &PyramidPair, side: f64, corners: usize) -> SupportLevel {
-    let level = pyramids.level(side);
-    SupportLevel { scales: level.scales, support: Support::new(level.planes, corners, &warps()) }
+    fn support(&self, pyramids: &PyramidPair, side: f64, corners: usize) -> SupportLevel {
+        let level = pyramids.level_seen(side, self.view);
+        let warps = warps_around(&level.warp(self.view));
+        let at_level = |m: &FeatureSupport| SupportingMatch {
+            pair: m.pair.rescaled(level.scales),
+            correlation: m.correlation,
+        };
+        let features = self.features.iter().map(at_level).collect();
+        let support = Support::new(level.planes, corners, &warps).with_features(features);
+        SupportLevel { scales: level.scales, support }
+    }
 }

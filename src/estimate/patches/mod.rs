@@ -14,9 +14,9 @@ mod voting;
 
 pub use refinement::RefinedMatch;
 
-pub(super) use levels::PatchLevels;
+pub(super) use levels::{FeatureSupport, PatchLevels};
 pub(super) use polish::LEAST_CLICK_SIGMA;
-pub(super) use rank::{different, hypotheses, rank};
+pub(super) use rank::{different, hypotheses, rank, rank_fine};
 pub(super) use refinement::Refined;
 pub(super) use search::{Proposal, propose, unvalidated};
-pub(super) use support::{BAND, SupportLevel};
+pub(super) use support::{BAND, Support, SupportLevel};

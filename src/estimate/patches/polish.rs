@@ -15,9 +15,9 @@ pub(super) struct Polishing {
     pub bands: &'static [f64],
 }
 
-/// At the level where the proposals come from.
+/// Polishing at the level where the proposals come from.
 pub(super) const COARSE: Polishing = Polishing { count: 40, bands: &[6.0, 4.0, 2.5, 1.5, 1.5] };
-/// At the next finer level, from the results of the coarser one.
+/// Polishing at the next finer level, from the results of the coarser one.
 pub(super) const FINE: Polishing = Polishing { count: 24, bands: &[6.0, 3.0, 1.5] };
 
 /// Standard deviations that a band is wide: matches beyond one of them lose influence.
@@ -80,4 +80,102 @@ fn climb(
         }
     }
     f
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cancel::CancelFlag;
+    use crate::estimate::exact::{ExactScene, rows};
+    use crate::estimate::patches::support::Support;
+
+    /// True matches and a third as many that are none.
+    fn level(scene: &ExactScene) -> SupportLevel {
+        let pairs = scene.pairs(60);
+        let wrong = (0..20).map(|k| PointPair { point2: pairs[(k * 11 + 5) % 60].point2, ..pairs[k] });
+        let all: Vec<_> = pairs.iter().map(|m| (*m, 0.9)).chain(wrong.map(|m| (m, 0.65))).collect();
+        SupportLevel { scales: [1.0; 2], support: Support::of_matches(&all) }
+    }
+
+    fn start(scene: &ExactScene, level: &SupportLevel, fundamental: FundamentalMatrix) -> Proposal {
+        Proposal { angles: scene.angles(), support: level.support.measure(&fundamental), fundamental }
+    }
+
+    fn polished(
+        level: &SupportLevel,
+        starts: &[Proposal],
+        clicks: &[PointPair],
+        click_sigma: f64,
+    ) -> Vec<Proposal> {
+        polish(level, starts, &COARSE, clicks, click_sigma, &Monitor::silent()).unwrap()
+    }
+
+    #[test]
+    fn a_geometry_some_pixels_off_climbs_to_its_matches() {
+        for scene in [ExactScene::aside(), ExactScene::forward()] {
+            let level = level(&scene);
+            let begin = start(&scene, &level, scene.disturbed(1.5));
+            let before = scene.error(&begin.fundamental);
+            assert!(before > 1.0, "{before} px");
+            let found = polished(&level, std::slice::from_ref(&begin), &scene.clicks(), 1.0);
+            // A few wrong matches in the last band of 1.5 px pull a little.
+            let after = scene.error(&found[0].fundamental);
+            assert!(after < 0.1, "{before} px before, {after} px after");
+            assert!(found[0].support.matches >= 58 && found[0].support.score > begin.support.score);
+        }
+    }
+
+    #[test]
+    fn climbs_that_meet_are_one_and_the_best_comes_first() {
+        let scene = ExactScene::aside();
+        let level = level(&scene);
+        let hopeless = start(&scene, &level, rows(1000.0));
+        let starts = [
+            hopeless.clone(),
+            start(&scene, &level, scene.disturbed(1.0)),
+            start(&scene, &level, scene.disturbed(-1.0)),
+        ];
+        let found = polished(&level, &starts, &scene.clicks(), 1.0);
+        assert_eq!(found.len(), 2);
+        assert!(found[0].support.score > 10.0);
+        assert_eq!(found[1].fundamental, hopeless.fundamental, "without matches it stays what it was");
+        let first = Polishing { count: 1, ..COARSE };
+        let of_one = polish(&level, &starts, &first, &scene.clicks(), 1.0, &Monitor::silent()).unwrap();
+        assert_eq!(of_one.len(), 1);
+    }
+
+    #[test]
+    fn a_geometry_is_kept_when_refitting_loses_support() {
+        let scene = ExactScene::aside();
+        let level = level(&scene);
+        // As if it had more support than any refit can reach.
+        let mut best = start(&scene, &level, scene.disturbed(1.0));
+        best.support.score = 1e3;
+        let found = polished(&level, std::slice::from_ref(&best), &scene.clicks(), 1.0);
+        assert_eq!(found[0].fundamental, best.fundamental);
+    }
+
+    #[test]
+    fn clicks_take_part_no_more_precisely_than_the_level_shows() {
+        let scene = ExactScene::aside();
+        let level = level(&scene);
+        let starts = [start(&scene, &level, scene.disturbed(1.5))];
+        let [p, q] = scene.clicks();
+        let off = [PointPair { point2: p.point2 + nalgebra::Vector2::new(0.0, 3.0), ..p }, q];
+        let with = |sigma: f64| polished(&level, &starts, &off, sigma)[0].fundamental;
+        assert_eq!(with(1e-3), with(LEAST_CLICK_SIGMA));
+        let [firm, loose] = [with(1e-3), with(50.0)].map(|f| scene.error(&f));
+        assert!(loose < firm && firm < 1.0, "{loose} {firm}");
+    }
+
+    #[test]
+    fn a_stop_is_an_error() {
+        let scene = ExactScene::aside();
+        let level = level(&scene);
+        let starts = [start(&scene, &level, scene.disturbed(0.5))];
+        let flag = CancelFlag::default();
+        flag.cancel();
+        let stopped = polish(&level, &starts, &COARSE, &[], 1.0, &Monitor::new(flag, |_| ()));
+        assert_eq!(stopped.unwrap_err(), EstimateError::Cancelled);
+    }
 }

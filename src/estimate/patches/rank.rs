@@ -30,14 +30,27 @@ pub(in crate::estimate) fn rank(
         let support = fine.support.measure(&fundamental);
         Some(Proposal { fundamental, support, angles: proposal.angles })
     };
-    let mut starts: Vec<Proposal> = polished.par_iter().filter_map(at_fine).collect();
+    let starts: Vec<Proposal> = polished.par_iter().filter_map(at_fine).collect();
+    let proposed: Vec<Proposal> = proposals.par_iter().filter_map(at_fine).collect();
+    rank_fine(fine, starts, proposed, clicks, parameters, monitor)
+}
+
+/// The starts polished, with what resampling the matches of the best adds, and what was proposed besides; best first. All
+/// are in pixels of the level, `clicks` in full-size pixels.
+pub(in crate::estimate) fn rank_fine(
+    fine: &SupportLevel,
+    mut starts: Vec<Proposal>,
+    proposed: Vec<Proposal>,
+    clicks: &[PointPair],
+    parameters: &Parameters,
+    monitor: &Monitor,
+) -> Result<Vec<Proposal>, EstimateError> {
     Proposal::sort(&mut starts);
     let polish_fine =
         |starts: &[Proposal]| polish(fine, starts, &FINE, clicks, parameters.click_sigma, monitor);
     let mut ranked = polish_fine(&starts)?;
     // The rest stay in the list as they are, and so does what was proposed: among them are the runners-up.
     ranked.extend(starts.drain(starts.len().min(FINE.count)..));
-    let proposed: Vec<Proposal> = proposals.par_iter().filter_map(at_fine).collect();
     ranked.extend(proposed);
     let at_level: Vec<PointPair> = clicks.iter().map(|click| click.rescaled(fine.scales)).collect();
     for round in 0..parameters.patches.resampling as u64 {
@@ -116,4 +129,113 @@ pub(in crate::estimate) fn hypotheses(
             Some(Estimate { geometry: proposal.full_size(fine.scales)?.into(), assessment, trace: None })
         })
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::estimate::exact::{ExactScene, ExactSource, rows};
+    use crate::estimate::{Preset, ValidationParameters};
+    use crate::geometry::FundamentalMatrix;
+    use crate::similarity::SimilaritySource;
+    use nalgebra::Matrix3;
+
+    fn proposal(support: &Support, fundamental: FundamentalMatrix) -> Proposal {
+        let angles = PencilAngles { p: [0.0; 2], q: [0.0; 2], kappa: 1.0 };
+        Proposal { angles, support: support.measure(&fundamental), fundamental }
+    }
+
+    /// Matches on rows at these heights.
+    fn on_rows(heights: impl Iterator<Item = f64>, shift: f64) -> Vec<(PointPair, f32)> {
+        heights.enumerate().map(|(k, y)| (PointPair::new(9.0 * k as f64, y, 200.0, y + shift), 0.9)).collect()
+    }
+
+    #[test]
+    fn who_explains_four_fifths_of_a_better_one_is_left_out() {
+        // Lines 10 % farther down in image 2: 3 px off at about 30 px.
+        let zoomed = Matrix3::new(0.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 1.1, 0.0);
+        let zoomed = FundamentalMatrix::from_rank_two(zoomed).unwrap();
+        for (far, kept) in [(3, 1), (4, 2), (10, 2)] {
+            let heights = (0..20).map(|k| if k < 20 - far { f64::from(k) } else { 60.0 + f64::from(k) });
+            let support = Support::of_matches(&on_rows(heights, 0.0));
+            let ranked = [rows(0.0), zoomed].map(|f| proposal(&support, f));
+            assert_eq!(ranked[0].support.matches, 20);
+            assert_eq!(different(&support, &ranked, 9).len(), kept, "{far} of 20 are far");
+        }
+    }
+
+    #[test]
+    fn different_geometries_stay_in_their_order_up_to_a_count() {
+        let mut matches = on_rows((0..30).map(|k| 3.0 * f64::from(k)), 0.0);
+        matches.extend(on_rows((0..20).map(|k| 3.0 * f64::from(k)), 50.0));
+        matches.extend(on_rows((0..10).map(|k| 3.0 * f64::from(k)), 100.0));
+        let support = Support::of_matches(&matches);
+        // 2.9 and 3.1 px from the first: about the distance that says nothing new.
+        let shifts = [0.0, NEAR - 0.1, 50.0, NEAR + 0.1, 51.0, 100.0];
+        let ranked = shifts.map(|shift| proposal(&support, rows(shift)));
+        let kept = |count: usize| -> Vec<FundamentalMatrix> {
+            different(&support, &ranked, count).iter().map(|proposal| proposal.fundamental).collect()
+        };
+        assert_eq!(kept(9), [0.0, 50.0, NEAR + 0.1, 100.0].map(rows));
+        assert_eq!(kept(2), [0.0, 50.0].map(rows));
+        assert!(different(&support, &[], 9).is_empty());
+    }
+
+    /// Exact matches at half and at full size, with as many look-alikes that are none.
+    fn levels(scene: &ExactScene) -> [SupportLevel; 2] {
+        let pairs = scene.pairs(60);
+        [0.5, 1.0].map(|scale| {
+            let at = |k: usize| pairs[k % 60].rescaled([scale; 2]);
+            let wrong = (0..60).map(|k| (PointPair { point2: at(k * 11 + 5).point2, ..at(k) }, 0.65));
+            let all: Vec<_> = (0..60).map(|k| (at(k), 0.9)).chain(wrong).collect();
+            SupportLevel { scales: [scale; 2], support: Support::of_matches(&all) }
+        })
+    }
+
+    #[test]
+    fn the_geometry_near_the_truth_ends_first_and_exact() {
+        let scene = ExactScene::aside();
+        let [coarse, fine] = &levels(&scene);
+        let parameters = Parameters { seed: 3, ..Parameters::default() };
+        let near = scene.disturbed(2.0).rescaled(0.5, 0.5).unwrap();
+        let proposals: Vec<Proposal> =
+            [rows(0.0), near, rows(-7.0)].map(|f| proposal(&coarse.support, f)).into();
+        let monitor = Monitor::silent();
+        let ranked =
+            || super::rank(coarse, fine, &proposals, &scene.clicks(), &parameters, &monitor).unwrap();
+        let first = ranked();
+        assert!(first.is_sorted_by(|a, b| a.support.score >= b.support.score));
+        let error = scene.error(&first[0].fundamental);
+        assert!(error < 0.1 && first[0].support.matches >= 60, "{error} px");
+        let matrices = |list: &[Proposal]| list.iter().map(|p| p.fundamental).collect::<Vec<_>>();
+        assert_eq!(matrices(&first), matrices(&ranked()), "the seed decides");
+    }
+
+    #[test]
+    fn proposals_become_hypotheses_in_full_size_with_figures_of_their_lines() {
+        let scene = ExactScene::aside();
+        let fine = &levels(&scene)[0];
+        let (source, monitor) = (ExactSource(scene.fundamental()), Monitor::silent());
+        let similarity = source.at(192.0);
+        let parameters: ValidationParameters = Parameters::from(Preset::Paper).validation;
+        let examiner = LineExaminer {
+            similarity: &similarity,
+            clicks: scene.clicks(),
+            parameters: &parameters,
+            monitor: &monitor,
+        };
+        let truth = scene.fundamental().rescaled(0.5, 0.5).unwrap();
+        let wrong = scene.disturbed(6.0).rescaled(0.5, 0.5).unwrap();
+        let proposals =
+            [wrong, truth].map(|f| Proposal { angles: scene.angles(), ..proposal(&fine.support, f) });
+        let found = super::hypotheses(&examiner, &proposals, fine);
+        assert_eq!(found.len(), 2);
+        assert!((found[1].fundamental().matrix() - scene.fundamental().matrix()).norm() < 1e-9);
+        for (hypothesis, proposal) in found.iter().zip(&proposals) {
+            assert_eq!(hypothesis.assessment.support, Some(proposal.support));
+            assert!(hypothesis.trace.is_none() && hypothesis.assessment.trust.is_none());
+        }
+        let scores: Vec<f64> = found.iter().filter_map(Estimate::line_score).collect();
+        assert!(scores[1] < 1e-2 && scores[0] > 10.0 * scores[1], "{scores:?}");
+    }
 }

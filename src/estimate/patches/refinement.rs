@@ -10,18 +10,30 @@ use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::support::FLOOR;
+use super::levels::FeatureSupport;
+use super::support::{FLOOR, is_within};
 use crate::estimate::{Monitor, Refinement, Uncertainty};
 use crate::geometry::{FundamentalMatrix, Observation, Point, PointPair, fit_fundamental, sampson_distance};
-use crate::image::{HALF, PairLevel, Patch, Warp, align, correlate_all, find_corners, patch, warps};
+use crate::image::{
+    HALF, PairLevel, Patch, RelativeView, Warp, align, correlate_all, find_corners, patch, warps_around,
+};
 
 /// A match found along the epipolar lines, full-size pixels.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct RefinedMatch {
     /// Where it is, image 2 to a fraction of a pixel.
     pub pair: PointPair,
-    /// Correlation of its patches, −1 to 1.
+    /// Correlation of its patches, −1 to 1; of features what their being alike, and like nothing else, is worth on that
+    /// scale.
     pub correlation: f32,
+}
+
+impl FeatureSupport {
+    /// The match in pixels of a level, with its standard deviation there.
+    fn at(&self, scales: [f64; 2]) -> (RefinedMatch, f64) {
+        let found = RefinedMatch { pair: self.pair.rescaled(scales), correlation: self.correlation };
+        (found, (self.sigma * scales[0]).max(MATCH_SIGMA))
+    }
 }
 
 /// Corners and patches of one level, computed once per image pair.
@@ -59,7 +71,7 @@ const BANDS: [f64; 3] = [4.0, 2.0, 1.2];
 const MATCH_SIGMA: f64 = 0.3;
 /// Standard deviations of a match that its band is wide: a match beyond one of them loses influence in the fit.
 const BAND_DEVIATIONS: f64 = 3.0;
-/// The same at least, in standard deviations of a match: nearer ones are as good as any.
+/// Least width of the band, in standard deviations of a match: nearer ones are as good as any.
 const LEAST_SCALE: f64 = 1.5;
 /// Fewer matches than this determine nothing.
 const LEAST_MATCHES: usize = 16;
@@ -76,10 +88,10 @@ pub(in crate::estimate) struct Refined {
 }
 
 impl RefinementLevel {
-    fn features(&self, level: &PairLevel) -> &[Vec<Feature>; 2] {
+    fn features(&self, level: &PairLevel, view: RelativeView) -> &[Vec<Feature>; 2] {
         self.features.get_or_init(|| {
             let of = |image: usize| -> Vec<Feature> {
-                let tried = if image == 0 { vec![Warp::identity()] } else { warps() };
+                let tried = if image == 0 { vec![Warp::identity()] } else { warps_around(&level.warp(view)) };
                 find_corners(level.planes[image], CORNERS, HALF + 2)
                     .into_par_iter()
                     .filter_map(|point| {
@@ -96,48 +108,57 @@ impl RefinementLevel {
         })
     }
 
-    /// Refines `f` (full size) at this level; `None` when too few matches support it there. `click_sigma` is in
-    /// full-size pixels.
+    /// Refines `f` (full size) at this level; `None` when too few matches support it there. Clicks and
+    /// features are in full-size pixels.
     pub fn refine(
         &self,
         level: &PairLevel,
+        view: RelativeView,
+        features: &[FeatureSupport],
         f: &FundamentalMatrix,
-        clicks: &[PointPair],
-        click_sigma: f64,
+        clicks: &[Observation],
         monitor: &Monitor,
     ) -> Option<Refined> {
         let [s1, s2] = level.scales;
         let mut current = f.rescaled(s1, s2)?;
-        let mut matches = Vec::new();
+        let features: Vec<(RefinedMatch, f64)> = features.iter().map(|m| m.at(level.scales)).collect();
+        // Each with its standard deviation.
+        let mut matches: Vec<(RefinedMatch, f64)> = Vec::new();
         let mut covariance = None;
         for band in BANDS {
             if monitor.is_cancelled() {
                 return None;
             }
-            matches = self.guided_matches(level, &current, band);
+            let guided = self.guided_matches(level, self.features(level, view), &current, band);
+            matches = guided.into_iter().map(|m| (m, MATCH_SIGMA)).collect();
+            matches.extend(features.iter().filter(|(m, _)| is_within(&current, &m.pair, band)));
             if matches.len() < LEAST_MATCHES {
                 return None;
             }
             let observations: Vec<Observation> = matches
                 .iter()
-                .map(|m| Observation { pair: m.pair, sigma: MATCH_SIGMA })
+                .map(|(m, sigma)| Observation { pair: m.pair, sigma: *sigma })
                 .chain(clicks.iter().map(|c| Observation {
-                    pair: level.resized(c),
+                    pair: level.resized(&c.pair),
                     // Never below the level's own precision.
-                    sigma: (click_sigma * s1).max(MATCH_SIGMA),
+                    sigma: (c.sigma * s1).max(MATCH_SIGMA),
                 }))
                 .collect();
             let scale = (band / BAND_DEVIATIONS / MATCH_SIGMA).max(LEAST_SCALE);
             let fitted = fit_fundamental(&current, &observations, scale)?;
             (current, covariance) = (fitted.fundamental, fitted.covariance);
         }
-        matches.retain(|m| sampson_distance(&current, &m.pair) < BANDS[BANDS.len() - 1]);
-        let fits =
-            |m: &RefinedMatch| 1.0 / (1.0 + (sampson_distance(&current, &m.pair) / MATCH_SIGMA).powi(2));
-        let weight = matches.iter().map(|m| f64::from(m.correlation - FLOOR) * fits(m)).sum();
-        for m in &mut matches {
-            m.pair = m.pair.rescaled([1.0 / s1, 1.0 / s2]);
-        }
+        matches.retain(|(m, _)| sampson_distance(&current, &m.pair) < BANDS[BANDS.len() - 1]);
+        let fits = |m: &RefinedMatch, sigma: f64| {
+            1.0 / (1.0 + (sampson_distance(&current, &m.pair) / sigma).powi(2))
+        };
+        let weight =
+            matches.iter().map(|(m, sigma)| f64::from(m.correlation - FLOOR) * fits(m, *sigma)).sum();
+        let full_size = [1.0 / s1, 1.0 / s2];
+        let matches = matches
+            .into_iter()
+            .map(|(m, _)| RefinedMatch { pair: m.pair.rescaled(full_size), ..m })
+            .collect();
         Some(Refined {
             fundamental: current.rescaled(1.0 / s1, 1.0 / s2)?,
             refinement: Refinement {
@@ -150,8 +171,14 @@ impl RefinementLevel {
 
     /// Mutual best matches among corners within `band` px of each other's epipolar lines, sub-pixel positions
     /// in image 2; all in the level's pixels.
-    fn guided_matches(&self, level: &PairLevel, f: &FundamentalMatrix, band: f64) -> Vec<RefinedMatch> {
-        let [features1, features2] = self.features(level);
+    fn guided_matches(
+        &self,
+        level: &PairLevel,
+        features: &[Vec<Feature>; 2],
+        f: &FundamentalMatrix,
+        band: f64,
+    ) -> Vec<RefinedMatch> {
+        let [features1, features2] = features;
         let lines1: Vec<_> = features2.iter().map(|b| f.line1_from_point2(b.point)).collect();
         // Best partner of each corner of image 1 with its warp, then of each corner of image 2.
         let best1: Vec<Option<(usize, usize, f32)>> = features1
@@ -191,7 +218,7 @@ impl RefinementLevel {
                 Some((Alike { feature1: i as u32, feature2: j as u32, warp: warp as u8 }, correlation))
             })
             .collect();
-        let positions = self.positions(level, &mutual);
+        let positions = self.positions(level, features, &mutual);
         mutual
             .iter()
             .zip(positions)
@@ -204,8 +231,12 @@ impl RefinementLevel {
 
     /// Sub-pixel positions in image 2, those not known yet computed in parallel; `None` where the surroundings do
     /// not fit after all.
-    fn positions(&self, level: &PairLevel, mutual: &[(Alike, f32)]) -> Vec<Option<Point>> {
-        let [features1, features2] = self.features(level);
+    fn positions(
+        &self,
+        level: &PairLevel,
+        [features1, features2]: &[Vec<Feature>; 2],
+        mutual: &[(Alike, f32)],
+    ) -> Vec<Option<Point>> {
         let known = |alike: &Alike| self.known().get(alike).copied();
         let fresh: Vec<(Alike, Option<Point>)> = mutual
             .iter()
@@ -227,5 +258,109 @@ impl RefinementLevel {
     fn known(&self) -> MutexGuard<'_, HashMap<Alike, Option<Point>>> {
         // Entries are whole whatever happened to a thread that held the lock.
         self.aligned.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cancel::CancelFlag;
+    use crate::estimate::exact::{ExactScene, FRAME};
+    use crate::image::{GrayPlane, PyramidPair};
+    use nalgebra::Matrix3;
+
+    fn refined(
+        pyramids: &PyramidPair,
+        side: f64,
+        f: &FundamentalMatrix,
+        clicks: &[PointPair],
+    ) -> Option<Refined> {
+        let clicks: Vec<_> = clicks.iter().map(|pair| Observation { pair: *pair, sigma: 1.0 }).collect();
+        let (level, view) = (pyramids.level(side), RelativeView::UPRIGHT);
+        RefinementLevel::default().refine(&level, view, &[], f, &clicks, &Monitor::silent())
+    }
+
+    #[test]
+    fn a_textured_pair_gives_its_geometry_and_matches_to_a_fraction_of_a_pixel() {
+        let scene = ExactScene::aside();
+        let [plane1, plane2] = scene.planes();
+        let pyramids = PyramidPair::new(&plane1, &plane2, 48.0);
+        let start = scene.disturbed(1.0);
+        let before = scene.error(&start);
+        assert!(before > 1.0, "{before} px");
+        let found = refined(&pyramids, f64::INFINITY, &start, &scene.clicks()).unwrap();
+        let after = scene.error(&found.fundamental);
+        // Some hundred matches to a tenth of a pixel each.
+        assert!(after < 0.1, "{before} px before, {after} px after");
+        let matches = &found.refinement.matches;
+        assert!(matches.len() > 100, "{}", matches.len());
+        let mut off: Vec<f64> =
+            matches.iter().map(|m| (scene.partner(m.pair.point1) - m.pair.point2).norm()).collect();
+        off.sort_by(f64::total_cmp);
+        assert!(off[off.len() / 2] < 0.1, "median {} px", off[off.len() / 2]);
+        let right = off.iter().filter(|distance| **distance < 0.5).count();
+        assert!(10 * right > 9 * off.len(), "{right} of {}", off.len());
+        let in_band = |m: &RefinedMatch| sampson_distance(&found.fundamental, &m.pair) < BANDS[2];
+        assert!(matches.iter().all(|m| m.correlation > LEAST_CORRELATION && in_band(m)));
+        // What it says of itself: the lines are off by about their deviation.
+        let pairs: Vec<PointPair> = matches.iter().map(|m| m.pair).collect();
+        let uncertainty = found.refinement.uncertainty.as_ref().unwrap();
+        let deviation = uncertainty.median_line2_deviation(&pairs).unwrap();
+        assert!(deviation > 0.1 * after && deviation < 10.0 * after, "{deviation} px said, {after} px seen");
+        // The right geometry weighs more than one that no depth explains, if that finds matches at all.
+        let columns = Matrix3::new(0.0, 0.0, -1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 40.0);
+        let columns = FundamentalMatrix::from_rank_two(columns).unwrap();
+        let wrong = refined(&pyramids, f64::INFINITY, &columns, &[]).map_or(0.0, |r| r.weight);
+        assert!(found.weight > 2.0 * wrong, "{} {wrong}", found.weight);
+    }
+
+    #[test]
+    fn results_are_in_full_size_pixels_at_every_level() {
+        let scene = ExactScene::aside();
+        let [plane1, plane2] = scene.planes();
+        let pyramids = PyramidPair::new(&plane1, &plane2, 48.0);
+        let found = refined(&pyramids, 160.0, &scene.disturbed(0.5), &scene.clicks()).unwrap();
+        let after = scene.error(&found.fundamental);
+        assert!(after < 0.5, "{after} px");
+        let matches = &found.refinement.matches;
+        assert!(matches.iter().all(|m| FRAME.contains(m.pair.point1) && FRAME.contains(m.pair.point2)));
+        let right =
+            matches.iter().filter(|m| (scene.partner(m.pair.point1) - m.pair.point2).norm() < 1.0).count();
+        assert!(10 * right > 8 * matches.len(), "{right} of {}", matches.len());
+        assert!(matches.iter().any(|m| m.pair.point1.x > 200.0), "not of the level");
+    }
+
+    #[test]
+    fn what_was_aligned_once_stays_the_same_whatever_came_between() {
+        let scene = ExactScene::aside();
+        let [plane1, plane2] = scene.planes();
+        let pyramids = PyramidPair::new(&plane1, &plane2, 48.0);
+        let level = pyramids.level(f64::INFINITY);
+        let shared = RefinementLevel::default();
+        let view = RelativeView::UPRIGHT;
+        let run =
+            |f: &FundamentalMatrix| shared.refine(&level, view, &[], f, &[], &Monitor::silent()).unwrap();
+        let start = scene.disturbed(0.5);
+        let first = run(&start);
+        run(&scene.disturbed(-1.0));
+        let again = run(&start);
+        assert_eq!(first.fundamental, again.fundamental);
+        assert_eq!(first.refinement.matches, again.refinement.matches);
+    }
+
+    #[test]
+    fn without_matches_or_when_stopped_there_is_no_refinement() {
+        let scene = ExactScene::aside();
+        let flat = GrayPlane::from_fn(FRAME, |_, _| 80.0);
+        let nothing = PyramidPair::new(&flat, &flat, 48.0);
+        assert!(refined(&nothing, f64::INFINITY, &scene.fundamental(), &scene.clicks()).is_none());
+        let [plane1, plane2] = scene.planes();
+        let pyramids = PyramidPair::new(&plane1, &plane2, 48.0);
+        let flag = CancelFlag::default();
+        flag.cancel();
+        let stopped = Monitor::new(flag, |_| ());
+        let level = pyramids.level(f64::INFINITY);
+        let (f, view) = (scene.fundamental(), RelativeView::UPRIGHT);
+        assert!(RefinementLevel::default().refine(&level, view, &[], &f, &[], &stopped).is_none());
     }
 }

@@ -41,7 +41,7 @@ const PROMISING: f64 = 0.4;
 
 /// How a round of samples is drawn.
 pub(in crate::estimate) struct Drawing<'a> {
-    /// In pixels of the level.
+    /// Clicks in pixels of the level.
     pub clicks: &'a [PointPair],
     /// Whether planes are looked at, too.
     pub parallax: bool,
@@ -126,7 +126,7 @@ struct Parallax {
     homography: Matrix3<f64>,
     /// Lines of image 2 through the epipole, if the match is right: those of the look-alikes.
     lines: Vec<Vector3<f64>>,
-    /// The same of the clicks.
+    /// Lines of image 2 through the epipole: those of the clicks.
     clicks: Vec<Vector3<f64>>,
 }
 
@@ -146,7 +146,7 @@ impl Parallax {
         Self::of_matches(homography, &matches, &clicks)
     }
 
-    /// From matches and clicks off the plane.
+    /// The plane with the lines of matches and clicks off it.
     fn of_matches(homography: Matrix3<f64>, matches: &[PointPair], clicks: &[PointPair]) -> Self {
         let line = |m: &PointPair| {
             (homography * m.point1.to_homogeneous()).cross(&m.point2.to_homogeneous()).normalize()
@@ -174,6 +174,10 @@ impl Parallax {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::cancel::CancelFlag;
+    use crate::estimate::exact::ExactScene;
+    use crate::estimate::lines::PencilAngles;
+    use crate::geometry::homography;
     use crate::geometry::{Camera, symmetric_epipolar_distance};
     use nalgebra::Point3;
 
@@ -209,5 +213,83 @@ mod tests {
     fn without_matches_off_the_plane_there_is_nothing_to_draw() {
         let parallax = Parallax::of_matches(Matrix3::identity(), &[], &[]);
         assert!(parallax.sample(&mut Pcg64Mcg::seed_from_u64(0)).is_none());
+    }
+
+    /// A scene that is mostly one wall, what lies off it, and a geometry that fits the wall alone.
+    fn trap() -> (ExactScene, Support, Proposal) {
+        let scene = ExactScene::aside();
+        let wall: Vec<PointPair> = (0..60)
+            .map(|k| {
+                let (x, y) = (f64::from(k % 10) * 0.3 - 1.4, f64::from(k / 10) * 0.35 - 0.9);
+                scene.seen(x, y, 6.0 + 0.1 * x)
+            })
+            .collect();
+        let off = (0..16).map(|k| {
+            let (x, y) = (f64::from(k % 4) * 0.5 - 0.7, f64::from(k / 4) * 0.4 - 0.5);
+            scene.seen(x, y, 4.0 + 0.05 * f64::from(k))
+        });
+        let all: Vec<_> = wall.iter().copied().chain(off).map(|pair| (pair, 0.9)).collect();
+        let support = Support::of_matches(&all);
+        // Every epipole fits a plane: any will do.
+        let h = homography(&wall).unwrap();
+        let f = Vector3::new(100.0, -700.0, 1.0).cross_matrix() * h;
+        let fundamental = FundamentalMatrix::from_rank_two(f).unwrap();
+        let angles = PencilAngles { p: [0.0; 2], q: [0.0; 2], kappa: 1.0 };
+        let leader = Proposal { angles, support: support.measure(&fundamental), fundamental };
+        assert!((60..68).contains(&leader.support.matches), "{}", leader.support.matches);
+        (scene, support, leader)
+    }
+
+    fn drawn(support: &Support, leader: &Proposal, drawing: &Drawing) -> Vec<Proposal> {
+        resample(support, std::slice::from_ref(leader), drawing, &Monitor::silent()).unwrap()
+    }
+
+    #[test]
+    fn a_plane_and_what_lies_off_it_lead_out_of_a_trap() {
+        let (scene, support, leader) = trap();
+        let clicks = scene.clicks();
+        let all = Drawing { clicks: &clicks, parallax: true, seed: 1 };
+        let found = drawn(&support, &leader, &all);
+        assert!(found.is_sorted_by(|a, b| a.support.score >= b.support.score));
+        assert!(found.iter().all(|f| f.support.score > PROMISING * leader.support.score));
+        assert_eq!(found[0].support.matches, 76);
+        // Exact matches up to the plane, which is fitted.
+        assert!(scene.error(&found[0].fundamental) < 0.5, "{}", scene.error(&found[0].fundamental));
+        let without = drawn(&support, &leader, &Drawing { parallax: false, ..all });
+        let right = |list: &[Proposal]| list.iter().filter(|f| scene.error(&f.fundamental) < 0.5).count();
+        assert!(right(&found) > 2 * right(&without).max(50), "{} {}", right(&found), right(&without));
+    }
+
+    #[test]
+    fn small_samples_of_the_pool_are_solved_with_the_clicks() {
+        let scene = ExactScene::aside();
+        let matches: Vec<_> = scene.pairs(40).into_iter().map(|pair| (pair, 0.9)).collect();
+        let support = Support::of_matches(&matches);
+        let fundamental = scene.disturbed(1.5);
+        let angles = scene.angles();
+        let leader = Proposal { angles, support: support.measure(&fundamental), fundamental };
+        let clicks = scene.clicks();
+        let found = drawn(&support, &leader, &Drawing { clicks: &clicks, parallax: false, seed: 2 });
+        // Exact matches: every sample that determines a matrix gives the true one.
+        assert!(found.len() > SAMPLES / 2 && scene.error(&found[0].fundamental) < 1e-4);
+        let pool = pooled(&support, &[leader.clone(), leader]);
+        assert!(pool.len() <= 40 && pool.iter().enumerate().all(|(k, m)| !pool[..k].contains(m)));
+    }
+
+    #[test]
+    fn the_seed_decides_and_nothing_comes_of_nothing() {
+        let (scene, support, leader) = trap();
+        let clicks = scene.clicks();
+        let matrices = |seed: u64| -> Vec<FundamentalMatrix> {
+            let drawing = Drawing { clicks: &clicks, parallax: true, seed };
+            drawn(&support, &leader, &drawing).iter().map(|f| f.fundamental).collect()
+        };
+        assert!(matrices(1) == matrices(1) && matrices(1) != matrices(2));
+        let drawing = Drawing { clicks: &clicks, parallax: true, seed: 1 };
+        assert!(resample(&support, &[], &drawing, &Monitor::silent()).unwrap().is_empty());
+        let flag = CancelFlag::default();
+        flag.cancel();
+        let stopped = resample(&support, &[leader], &drawing, &Monitor::new(flag, |_| ()));
+        assert_eq!(stopped.unwrap_err(), EstimateError::Cancelled);
     }
 }

@@ -1,4 +1,4 @@
-//! Patch support: a second witness beside the lines.
+//! Patch support: what small patches say of a geometry, beside the lines.
 //!
 //! One-dimensional intensities along a line can be matched wrongly; two-dimensional patches much less often.
 //! Corners of both images and the correlation of the patches around them are computed once per image pair;
@@ -22,7 +22,7 @@ pub(super) const FLOOR: f32 = 0.6;
 pub(in crate::estimate) struct SupportLevel {
     /// Size over full size, of each image.
     pub scales: [f64; 2],
-    /// In pixels of that size.
+    /// Corners and look-alikes, in pixels of that size.
     pub support: Support,
 }
 
@@ -32,8 +32,10 @@ pub(in crate::estimate) struct Support {
     corners: [Vec<Point>; 2],
     /// Pairs of corner indices with their correlation, those above [`FLOOR`], grouped by corner of image 1.
     pairs: Vec<Putative>,
-    /// The same with the positions of the corners of image 2, laid out for the vector units.
+    /// Pairs with the positions of the corners of image 2, laid out for the vector units.
     groups: Vec<Group>,
+    /// Matches of covariant features, which stand beside those of the corners.
+    features: Vec<SupportingMatch>,
 }
 
 /// The look-alikes in image 2 of one corner of image 1.
@@ -50,6 +52,9 @@ const LANES: usize = 8;
 const AT_ONCE: usize = 16;
 /// Far from every epipolar line that crosses an image.
 const NOWHERE: f32 = 1e9;
+/// Correlation of a distinctive match, and how much less that of the next look-alike is.
+const DISTINCTIVE: f32 = 0.8;
+const DISTINCTIVE_BY: f32 = 0.1;
 /// Look-alikes kept for a corner, the best ones.
 const PER_CORNER: usize = 16;
 
@@ -96,11 +101,38 @@ impl Support {
             .flat_map_iter(|alike: Vec<Putative>| alike)
             .collect();
         let groups = grouped(&pairs, &corners);
-        Self { corners, pairs, groups }
+        Self { corners, pairs, groups, features: Vec::new() }
+    }
+
+    /// Support with matches of covariant features beside those of the corners.
+    #[must_use]
+    pub fn with_features(self, features: Vec<SupportingMatch>) -> Self {
+        Self { features, ..self }
     }
 
     pub fn pairs(&self) -> &[Putative] {
         &self.pairs
+    }
+
+    /// Matches that stand out whatever the geometry: each corner looks like the other, and like no other as much.
+    pub fn distinctive(&self) -> Vec<PointPair> {
+        let mut best2 = vec![(0.0, u32::MAX); self.corners[1].len()];
+        for pair in &self.pairs {
+            let best = &mut best2[pair.corner2 as usize];
+            if pair.correlation > best.0 {
+                *best = (pair.correlation, pair.corner1);
+            }
+        }
+        self.pairs
+            .chunk_by(|a, b| a.corner1 == b.corner1)
+            .filter_map(|group| {
+                // The best look-alike comes first.
+                let (best, next) = (group.first()?, group.get(1).map_or(FLOOR, |m| m.correlation));
+                let stands_out = best.correlation > DISTINCTIVE && best.correlation > next + DISTINCTIVE_BY;
+                let is_mutual = best2[best.corner2 as usize].1 == best.corner1;
+                (stands_out && is_mutual).then(|| self.pair(best))
+            })
+            .collect()
     }
 
     /// Where the two corners of a putative match are.
@@ -152,6 +184,7 @@ impl Support {
                 pair: PointPair { point1: self.corners[0][i], point2: self.corners[1][*j as usize] },
                 correlation: *correlation,
             })
+            .chain(self.features.iter().filter(|m| is_within(f, &m.pair, band)).copied())
             .collect()
     }
 
@@ -161,6 +194,12 @@ impl Support {
         let score = matches.iter().map(|m| f64::from(m.correlation - FLOOR)).sum();
         PatchSupport { matches: matches.len(), score }
     }
+}
+
+/// Whether both points of a pair are within `band` px of each other's epipolar lines.
+pub(super) fn is_within(f: &FundamentalMatrix, pair: &PointPair, band: f64) -> bool {
+    f.line2_from_point1(pair.point1).is_some_and(|line| line.distance(pair.point2) <= band)
+        && f.line1_from_point2(pair.point2).is_some_and(|line| line.distance(pair.point1) <= band)
 }
 
 /// The best look-alikes of one corner of image 1, from its correlations with every warped patch.
@@ -201,8 +240,32 @@ fn grouped(pairs: &[Putative], corners: &[Vec<Point>; 2]) -> Vec<Group> {
 }
 
 #[cfg(test)]
+impl Support {
+    /// Corners of which those at these indices look alike, to test without pictures.
+    pub fn of_look_alikes(corners: [Vec<Point>; 2], pairs: Vec<Putative>) -> Self {
+        let groups = grouped(&pairs, &corners);
+        Self { corners, pairs, groups, features: Vec::new() }
+    }
+
+    /// Corners of which each has one look-alike.
+    pub fn of_matches(matches: &[(PointPair, f32)]) -> Self {
+        let corners = [
+            matches.iter().map(|(m, _)| m.point1).collect(),
+            matches.iter().map(|(m, _)| m.point2).collect(),
+        ];
+        let putative = |(k, (_, correlation)): (usize, &(PointPair, f32))| Putative {
+            corner1: k as u32,
+            corner2: k as u32,
+            correlation: *correlation,
+        };
+        Self::of_look_alikes(corners, matches.iter().enumerate().map(putative).collect())
+    }
+}
+
+#[cfg(test)]
 mod tests {
     use super::*;
+    use crate::estimate::exact::rows as rows_below;
     use crate::geometry::Frame;
     use nalgebra::Matrix3;
 
@@ -242,5 +305,83 @@ mod tests {
         let flat = GrayPlane::from_fn(Frame::new(60, 60), |_, _| 9.0);
         let support = Support::new([&flat, &flat], 50, &[Warp::identity()]);
         assert!(support.matches(&rows(0.0), 3.0).is_empty());
+    }
+
+    /// Look-alikes by the heights of their corners: index and y in both images, correlation.
+    fn at_heights(y1: &[f64], y2: &[f64], alike: &[(u32, u32, f32)]) -> Support {
+        let corners = [y1, y2].map(|all| all.iter().map(|y| Point::new(90.0 + 0.1 * y, *y)).collect());
+        let putative = |(corner1, corner2, correlation): &(u32, u32, f32)| Putative {
+            corner1: *corner1,
+            corner2: *corner2,
+            correlation: *correlation,
+        };
+        Support::of_look_alikes(corners, alike.iter().map(putative).collect())
+    }
+
+    #[test]
+    fn a_match_counts_up_to_the_band_and_no_farther() {
+        // Positions are compared in 32 bits: a thousandth of a pixel is far more than their rounding.
+        for (offset, expected) in
+            [(0.0, 1), (BAND - 1e-3, 1), (BAND + 1e-3, 0), (1e-3 - BAND, 1), (-1e-3 - BAND, 0)]
+        {
+            let support = at_heights(&[140.0], &[140.0 + 5.0 + offset], &[(0, 0, 0.85)]);
+            let found = support.measure(&rows_below(5.0));
+            assert_eq!(found.matches, expected, "{offset} px off");
+            let score = expected as f64 * f64::from(0.85 - FLOOR);
+            assert!((found.score - score).abs() < 1e-12);
+            assert_eq!(support.matches(&rows_below(5.0), BAND + 1.0).len(), 1, "a wider band holds it");
+        }
+    }
+
+    #[test]
+    fn the_band_holds_in_both_images() {
+        // y1 = 2 y2: what is 1.5 px off in image 2 is 3 px off in image 1.
+        let zoomed = Matrix3::new(0.0, 0.0, 0.0, 0.0, 0.0, -2.0, 0.0, 1.0, 0.0);
+        let f = FundamentalMatrix::from_rank_two(zoomed).unwrap();
+        for (y2, expected) in [(20.9, 1), (21.5, 0)] {
+            let support = at_heights(&[40.0], &[y2], &[(0, 0, 0.9)]);
+            assert_eq!(support.matches(&f, BAND).len(), expected);
+            let swapped = at_heights(&[y2], &[40.0], &[(0, 0, 0.9)]);
+            assert_eq!(swapped.matches(&f.swapped(), BAND).len(), expected);
+        }
+    }
+
+    #[test]
+    fn matches_are_the_best_of_both_their_corners() {
+        let heights = [100.0, 101.0, 200.0];
+        // The first corner's best partner prefers the second one; its next best is not taken instead.
+        let alike = [(0, 0, 0.9), (0, 1, 0.95), (1, 1, 0.97), (2, 2, 0.7)];
+        let support = at_heights(&heights, &heights, &alike);
+        let found = support.measure(&rows_below(0.0));
+        assert_eq!(found.matches, 2);
+        assert!((found.score - f64::from(0.97 - FLOOR) - f64::from(0.7 - FLOOR)).abs() < 1e-12);
+        // Where the better look-alike is off the line, the next one counts.
+        let support = at_heights(&heights, &[100.0, 150.0, 200.0], &alike);
+        let pairs: Vec<PointPair> = support.matches(&rows_below(0.0), BAND).iter().map(|m| m.pair).collect();
+        assert_eq!(pairs.iter().map(|m| m.point2.y as i32).collect::<Vec<_>>(), [100, 200]);
+    }
+
+    #[test]
+    fn every_look_alike_of_a_corner_is_looked_at() {
+        // More than the vector units take at a time, the last one alone on the line.
+        let count = 2 * LANES as u32 + 3;
+        let heights: Vec<f64> = (0..count).map(|k| 200.0 - 10.0 * f64::from(k)).collect();
+        let alike: Vec<_> = (0..count).map(|k| (0, k, 0.9 - 0.01 * k as f32)).collect();
+        let support = at_heights(&[heights[count as usize - 1]], &heights, &alike);
+        let found = support.matches(&rows_below(0.0), BAND);
+        assert_eq!(found.len(), 1);
+        assert!((found[0].correlation - (0.9 - 0.01 * (count - 1) as f32)).abs() < 1e-6);
+    }
+
+    #[test]
+    fn of_the_warps_of_a_corner_the_best_one_speaks_and_few_corners_are_kept() {
+        let owners: Vec<u32> = (0..PER_CORNER as u32 + 4).flat_map(|j| [j, j]).collect();
+        let correlations: Vec<f32> = owners.iter().enumerate().map(|(k, _)| 0.59 + 0.01 * k as f32).collect();
+        let found = look_alikes(7, &owners, &correlations);
+        assert_eq!(found.len(), PER_CORNER);
+        let last = owners.len() - 1;
+        assert_eq!(found[0], Putative { corner1: 7, corner2: owners[last], correlation: correlations[last] });
+        assert!(found.is_sorted_by(|a, b| a.correlation > b.correlation));
+        assert!(look_alikes(7, &[0, 0], &[FLOOR, 0.1]).is_empty());
     }
 }

@@ -35,7 +35,7 @@ pub(in crate::estimate) struct KappaVoting {
 #[derive(Debug, Clone)]
 pub(in crate::estimate) struct CandidateVotes {
     candidate: Candidate,
-    /// Its bracket of ln κ; not a number where the voter has no vote.
+    /// Bracket of ln κ for each voter; not a number where it has no vote.
     terms: Vec<f32>,
     /// Inverse distance of the voter's point from the line of image 2, px⁻¹.
     inverse: Vec<f32>,
@@ -55,13 +55,6 @@ pub(in crate::estimate) struct VoteCount {
 pub(in crate::estimate) struct VotedKappa {
     pub angles: PencilAngles,
     pub votes: f32,
-}
-
-impl CandidateVotes {
-    /// Directions of the candidate's lines.
-    pub fn angles(&self) -> [f64; 2] {
-        self.candidate.angles
-    }
 }
 
 impl KappaVoting {
@@ -105,21 +98,6 @@ impl KappaVoting {
             })
             .unzip();
         CandidateVotes { candidate: *candidate, terms, inverse, line2 }
-    }
-
-    /// The votes for a given κ.
-    pub fn count_for(&self, p: &CandidateVotes, q: &CandidateVotes, band: f32, kappa: f64) -> VotedKappa {
-        let cosine = p.line2.coefficients().xy().dot(&q.line2.coefficients().xy()) as f32;
-        let target = kappa.ln() as f32;
-        let votes = (0..self.look_alikes.len())
-            .filter(|k| {
-                let (a, b) = (p.inverse[*k], q.inverse[*k]);
-                let half = band * (a * a + b * b - 2.0 * cosine * a * b).max(0.0).sqrt();
-                (p.terms[*k] + q.terms[*k] - target).abs() <= half
-            })
-            .map(|k| self.look_alikes[k].1)
-            .sum();
-        VotedKappa { angles: PencilAngles { p: p.candidate.angles, q: q.candidate.angles, kappa }, votes }
     }
 
     /// Counts the votes of one combination. `band` is how far, in px, a point of image 2 may be from its
@@ -168,5 +146,116 @@ impl KappaVoting {
         let middle = bin as f32 + width as f32 / 2.0;
         let kappa = f64::from(LOWEST + middle * BIN).exp();
         VotedKappa { angles: PencilAngles { p: p.candidate.angles, q: q.candidate.angles, kappa }, votes }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::estimate::exact::ExactScene;
+    use crate::geometry::Point;
+
+    const BAND: f32 = 2.0;
+    const WEIGHT: f32 = 0.25;
+
+    fn voting(pairs: &[PointPair]) -> KappaVoting {
+        KappaVoting { look_alikes: pairs.iter().map(|pair| (*pair, WEIGHT)).collect() }
+    }
+
+    /// The votes of two candidates with these directions.
+    fn votes(voting: &KappaVoting, clicks: &[PointPair; 2], p: [f64; 2], q: [f64; 2]) -> [CandidateVotes; 2] {
+        let candidate = |angles| Candidate { angles, cost: 1.0 };
+        [
+            voting.candidate_votes(&candidate(p), &clicks[0], &clicks[1], true),
+            voting.candidate_votes(&candidate(q), &clicks[1], &clicks[0], false),
+        ]
+    }
+
+    fn counted(voting: &KappaVoting, clicks: &[PointPair; 2], p: [f64; 2], q: [f64; 2]) -> VotedKappa {
+        let [p, q] = votes(voting, clicks, p, q);
+        voting.count(&p, &q, BAND, &mut VoteCount::default())
+    }
+
+    /// Every vote with every other's partner.
+    fn mixed(pairs: &[PointPair]) -> Vec<PointPair> {
+        let other = |k: usize| pairs[(k * 7 + 3) % pairs.len()].point2;
+        pairs.iter().enumerate().map(|(k, pair)| PointPair { point2: other(k), ..*pair }).collect()
+    }
+
+    #[test]
+    fn true_matches_vote_for_the_true_kappa_among_as_many_wrong_ones() {
+        for scene in [ExactScene::aside(), ExactScene::forward()] {
+            let (truth, clicks, pairs) = (scene.angles(), scene.clicks(), scene.pairs(50));
+            let alone = counted(&voting(&pairs), &clicks, truth.p, truth.q);
+            assert_eq!((alone.angles.p, alone.angles.q), (truth.p, truth.q));
+            // All votes are centred on the truth, and the middle of the bins they share is within one of it.
+            assert!((alone.angles.kappa / truth.kappa).ln().abs() < f64::from(BIN), "{}", alone.angles.kappa);
+            // Those next to a click's line say little and may not count.
+            assert!(alone.votes > 0.8 * 50.0 * WEIGHT && alone.votes < 50.01 * WEIGHT, "{}", alone.votes);
+            let both: Vec<PointPair> = pairs.iter().copied().chain(mixed(&pairs)).collect();
+            let among = counted(&voting(&both), &clicks, truth.p, truth.q);
+            // Wrong ones may shift the plateau within the widths of the votes.
+            assert!((among.angles.kappa / truth.kappa).ln().abs() < 3.0 * f64::from(BIN));
+            assert!(among.votes >= alone.votes - 1e-3);
+            let wrong = counted(&voting(&pairs), &clicks, [truth.p[0], truth.p[1] + 0.3], truth.q);
+            assert!(wrong.votes < 0.8 * alone.votes, "{} {}", wrong.votes, alone.votes);
+        }
+    }
+
+    #[test]
+    fn points_on_opposite_sides_of_a_line_have_no_vote() {
+        let clicks = [PointPair::new(100.0, 50.0, 90.0, 50.0), PointPair::new(200.0, 200.0, 180.0, 200.0)];
+        let at =
+            |y1: f64, y2: f64| PointPair { point1: Point::new(150.0, y1), point2: Point::new(140.0, y2) };
+        let pairs = [at(120.0, 120.0), at(120.0, 30.0), at(30.0, 30.0), at(50.5, 120.0), at(120.0, 50.5)];
+        let voting = voting(&pairs);
+        let [p, q] = votes(&voting, &clicks, [0.0; 2], [0.0; 2]);
+        let has_vote = |votes: &CandidateVotes| votes.terms.iter().map(|t| t.is_finite()).collect::<Vec<_>>();
+        // Nor have those within a pixel of it, whose distance is mostly error.
+        assert_eq!(has_vote(&p), [true, false, true, false, false]);
+        assert_eq!(has_vote(&q), [true; 5]);
+        let found = counted(&voting, &clicks, [0.0; 2], [0.0; 2]);
+        assert!((found.votes - 2.0 * WEIGHT).abs() < 1e-6 && found.angles.kappa.ln().abs() < f64::from(BIN));
+    }
+
+    #[test]
+    fn kappa_is_the_ratio_of_ratios_of_distances() {
+        let clicks = [PointPair::new(100.0, 50.0, 90.0, 40.0), PointPair::new(200.0, 200.0, 180.0, 220.0)];
+        for kappa in [2.0, 0.6] {
+            // Rows: (d2 from p over d1 from p) over (d2 from q over d1 from q) is κ.
+            let pairs: Vec<PointPair> = (0..12)
+                .map(|k| {
+                    let y1 = 80.0 + 8.0 * f64::from(k);
+                    let ratio = kappa * (y1 - 50.0) / (200.0 - y1);
+                    PointPair::new(150.0, y1, 140.0, (40.0 + 220.0 * ratio) / (1.0 + ratio))
+                })
+                .collect();
+            let found = counted(&voting(&pairs), &clicks, [0.0; 2], [0.0; 2]);
+            assert!((found.votes - 12.0 * WEIGHT).abs() < 1e-6);
+            assert!((found.angles.kappa / kappa).ln().abs() < f64::from(BIN), "{}", found.angles.kappa);
+        }
+    }
+
+    #[test]
+    fn votes_that_are_too_wide_say_nothing() {
+        let clicks = [PointPair::new(100.0, 50.0, 90.0, 50.0), PointPair::new(200.0, 200.0, 180.0, 200.0)];
+        // A point 2.5 px from the line: the band is then some ±0.8 of ln κ, beyond half a unit.
+        for (y, expected) in [(52.5, 0.0), (60.0, WEIGHT)] {
+            let voting = voting(&[PointPair::new(150.0, y, 140.0, y)]);
+            let found = counted(&voting, &clicks, [0.0; 2], [0.0; 2]);
+            assert!((found.votes - expected).abs() < 1e-6, "{y}: {}", found.votes);
+        }
+    }
+
+    #[test]
+    fn a_few_look_alikes_of_each_corner_vote_by_their_excess() {
+        let corners = [vec![Point::new(10.0, 20.0)], (0..4).map(|k| Point::new(f64::from(k), 0.0)).collect()];
+        let alike =
+            |corner2, correlation| super::super::support::Putative { corner1: 0, corner2, correlation };
+        let pairs = vec![alike(0, 0.7), alike(1, 0.9), alike(2, 0.9), alike(3, 0.8)];
+        let voting = KappaVoting::new(&Support::of_look_alikes(corners, pairs), 3);
+        let found: Vec<(f64, f32)> = voting.look_alikes.iter().map(|(m, w)| (m.point2.x, *w)).collect();
+        let excess = |correlation: f32| correlation - FLOOR;
+        assert_eq!(found, [(1.0, excess(0.9)), (2.0, excess(0.9)), (3.0, excess(0.8))]);
     }
 }

@@ -1,0 +1,202 @@
+//! How often a pair without parallax is called reliable: its epipoles are determined by nothing, so it never should be.
+//!
+//! Makes pairs from any photographs, seeded: a camera that stands still while pasted things move, the same darker and noisy,
+//! one that only turns, unrelated pictures under the same captions, two halves that move apart, a smooth warp, a strong
+//! lens; and estimates from two points of what does not move.
+//!
+//! `cargo run --release --example measure-no-parallax -- PAIRS_A_KIND PICTURE PICTURE...`
+
+use std::path::Path;
+
+use epiline::estimate::{Monitor, Parameters, Verdict, estimate};
+use epiline::geometry::{Frame, Point, PointPair, Vector};
+use epiline::image::{GrayPlane, Picture};
+use nalgebra::{Matrix3, Rotation3, Vector3};
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+
+/// Size of the pairs, px.
+const FRAME: Frame = Frame { width: 768, height: 576 };
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Kind {
+    Static,
+    Darker,
+    Turned,
+    Captions,
+    Halves,
+    Warp,
+    Lens,
+}
+
+const KINDS: [Kind; 7] =
+    [Kind::Static, Kind::Darker, Kind::Turned, Kind::Captions, Kind::Halves, Kind::Warp, Kind::Lens];
+
+/// A thing cut out of a picture, where it is pasted in each image.
+struct Thing {
+    picture: usize,
+    from: Point,
+    at: [Point; 2],
+    half: Vector,
+}
+
+impl Thing {
+    /// Where a pixel of an image comes from, if it shows this thing.
+    fn source(&self, image: usize, p: Point) -> Option<Point> {
+        let d = p - self.at[image];
+        (d.x.abs() < self.half.x && d.y.abs() < self.half.y).then(|| self.from + d)
+    }
+}
+
+struct Made {
+    images: [GrayPlane; 2],
+    clicks: Vec<PointPair>,
+}
+
+fn make(kind: Kind, pictures: &[GrayPlane], rng: &mut Pcg64Mcg) -> Made {
+    let (first, second) = (rng.random_range(0..pictures.len()), rng.random_range(0..pictures.len()));
+    let count = rng.random_range(5..=30);
+    let things: Vec<Thing> = match kind {
+        Kind::Static | Kind::Darker | Kind::Turned => {
+            (0..count).map(|_| thing(pictures.len(), rng)).collect()
+        }
+        Kind::Captions => (0..rng.random_range(3..=6)).map(|_| caption(pictures.len(), rng)).collect(),
+        Kind::Halves | Kind::Warp | Kind::Lens => Vec::new(),
+    };
+    let turn = turn(rng);
+    let (shift, wave, lens) = (
+        Vector::new(rng.random_range(4.0..20.0), rng.random_range(-6.0..6.0)),
+        (rng.random_range(3.0..10.0), rng.random_range(0.01..0.03), rng.random_range(0.0..6.0)),
+        rng.random_range(-0.15..0.15),
+    );
+    let background = if kind == Kind::Captions { second } else { first };
+    // Where a pixel of image 2 comes from in the picture behind everything.
+    let behind = |p: Point| match kind {
+        Kind::Turned => mapped(&turn, p),
+        Kind::Halves if p.x < 0.5 * FRAME.width as f64 => p + shift,
+        Kind::Halves => p - shift,
+        Kind::Warp => p + Vector::new((wave.1 * p.y + wave.2).sin(), (wave.1 * p.x).cos()) * wave.0,
+        Kind::Lens => {
+            let d = (p - FRAME.centre()) / FRAME.longer_side() * 2.0;
+            FRAME.centre() + d * (1.0 + lens * d.norm_squared()) * (0.5 * FRAME.longer_side())
+        }
+        Kind::Static | Kind::Darker | Kind::Captions => p,
+    };
+    let gain = if kind == Kind::Darker { 0.6 } else { 1.0 };
+    let noise = if kind == Kind::Darker { 4.0 } else { 1.0 };
+    let mut draw = |image: usize, base: usize, from: &dyn Fn(Point) -> Point| {
+        let mut values = Vec::with_capacity(FRAME.width * FRAME.height);
+        for k in 0..FRAME.width * FRAME.height {
+            let p = Point::new((k % FRAME.width) as f64, (k / FRAME.width) as f64);
+            let source = things.iter().rev().find_map(|t| Some((t.picture, t.source(image, p)?)));
+            let (picture, at) = source.unwrap_or_else(|| (base, from(p)));
+            let value = f64::from(pictures[picture].sample(wrapped(at, pictures[picture].frame())));
+            let noise: f64 = noise * (rng.random_range(-1.0..1.0) + rng.random_range(-1.0..1.0));
+            let value = if image == 1 { gain * value } else { value };
+            values.push((value + noise).clamp(0.0, 255.0) as f32);
+        }
+        GrayPlane::new(FRAME, values)
+    };
+    let images = [draw(0, first, &|p| p), draw(1, background, &behind)];
+    // Two points of the background, or of captions, far from each other; image 2 is where image 1's point went.
+    let inverse = |p: Point| {
+        let mut q = p;
+        for _ in 0..50 {
+            q += p - behind(q);
+        }
+        q
+    };
+    let mut clicks: Vec<PointPair> = Vec::new();
+    while clicks.len() < 2 {
+        let p = Point::new(rng.random_range(60.0..700.0), rng.random_range(60.0..500.0));
+        let far = clicks.iter().all(|c| (c.point1 - p).norm() > 250.0);
+        let q = inverse(p);
+        let fits = (behind(q) - p).norm() < 0.1 && FRAME.contains(q);
+        if far && fits {
+            clicks.push(PointPair { point1: p, point2: q });
+        }
+    }
+    Made { images, clicks }
+}
+
+fn thing(pictures: usize, rng: &mut Pcg64Mcg) -> Thing {
+    let at = Point::new(rng.random_range(60.0..700.0), rng.random_range(60.0..510.0));
+    let moved = Vector::new(rng.random_range(-40.0..40.0), rng.random_range(-40.0..40.0));
+    Thing {
+        picture: rng.random_range(0..pictures),
+        from: Point::new(rng.random_range(80.0..600.0), rng.random_range(80.0..400.0)),
+        at: [at, at + moved],
+        half: Vector::new(rng.random_range(15.0..50.0), rng.random_range(15.0..50.0)),
+    }
+}
+
+/// A wide, low thing at the same place in both images.
+fn caption(pictures: usize, rng: &mut Pcg64Mcg) -> Thing {
+    let at = Point::new(rng.random_range(200.0..560.0), rng.random_range(60.0..510.0));
+    Thing {
+        at: [at, at],
+        half: Vector::new(rng.random_range(80.0..180.0), rng.random_range(12.0..40.0)),
+        ..thing(pictures, rng)
+    }
+}
+
+/// The homography from image 2 to image 1 of a camera that turns by some degrees.
+fn turn(rng: &mut Pcg64Mcg) -> Matrix3<f64> {
+    let k = Matrix3::new(800.0, 0.0, 383.5, 0.0, 800.0, 287.5, 0.0, 0.0, 1.0);
+    let mut angle = |most: f64| rng.random_range(-most..most);
+    let rotation = Rotation3::new(Vector3::new(angle(0.08), angle(0.08), angle(0.15)));
+    k * rotation.matrix() * k.try_inverse().expect("a camera has a focal length")
+}
+
+fn mapped(h: &Matrix3<f64>, p: Point) -> Point {
+    let q = h * p.to_homogeneous();
+    Point::new(q.x / q.z, q.y / q.z)
+}
+
+/// Pictures repeat beyond their borders, mirrored.
+fn wrapped(p: Point, frame: Frame) -> Point {
+    let fold = |v: f64, most: f64| {
+        let v = v.rem_euclid(2.0 * most.max(1.0));
+        if v > most { 2.0 * most - v } else { v }
+    };
+    Point::new(fold(p.x, frame.right()), fold(p.y, frame.bottom()))
+}
+
+fn main() {
+    let mut arguments = std::env::args().skip(1);
+    let count: u64 = arguments.next().and_then(|n| n.parse().ok()).unwrap_or(5);
+    let pictures: Vec<GrayPlane> = arguments
+        .map(|path| Picture::open(Path::new(&path)).unwrap_or_else(|error| panic!("{path}: {error}")).gray)
+        .collect();
+    assert!(!pictures.is_empty(), "give some photographs");
+    println!(
+        "{:<10} {:>6} {:>9} {:>9} {:>11} {:>7}",
+        "kind", "pairs", "reliable", "doubtful", "unreliable", "none"
+    );
+    let mut all = 0;
+    let mut trusted = 0;
+    for kind in KINDS {
+        let mut counts = [0; 4];
+        for k in 0..count {
+            let mut rng = Pcg64Mcg::seed_from_u64(k * 100 + kind as u64);
+            let made = make(kind, &pictures, &mut rng);
+            let [a, b] = &made.images;
+            let found = estimate(a, b, &made.clicks, &Parameters::default(), &Monitor::silent());
+            let verdict = found.ok().and_then(|found| found.assessment.trust).map(|trust| trust.verdict);
+            counts[match verdict {
+                Some(Verdict::Reliable) => 0,
+                Some(Verdict::Doubtful) => 1,
+                Some(Verdict::Unreliable) => 2,
+                None => 3,
+            }] += 1;
+        }
+        let [reliable, doubtful, unreliable, none] = counts;
+        println!(
+            "{:<10} {count:>6} {reliable:>9} {doubtful:>9} {unreliable:>11} {none:>7}",
+            format!("{kind:?}")
+        );
+        all += count;
+        trusted += reliable;
+    }
+    println!("{trusted} of {all} called reliable");
+}

@@ -1,0 +1,122 @@
+//! Fundamental matrices from as few constraints as possible, fast: tens of thousands are made.
+//!
+//! A point pair gives one linear equation in the nine entries, `x2ᵀ F x1 = 0`. A match of covariant features gives a
+//! second one (after Barath & Kukelova 2022): moved by `v1` along its orientation in image 1, the point moves by `v2`,
+//! turned and scaled as the two features are, in image 2, and the epipolar constraint holds there to first order,
+//!
+//! ```text
+//!     v2ᵀ (F x1) + v1ᵀ (Fᵀ x2) = 0 .
+//! ```
+//!
+//! Seven equations leave a pencil of matrices, of which those of rank 2 are taken.
+
+use nalgebra::{Matrix3, SVector};
+
+/// Coefficients of one equation in the entries of F, row by row.
+pub(super) type Equation = [f64; 9];
+
+/// `x2ᵀ F x1 = 0` for conditioned coordinates `x1 y1 x2 y2`.
+pub(super) fn point_equation([x1, y1, x2, y2]: [f64; 4]) -> Equation {
+    [x2 * x1, x2 * y1, x2, y2 * x1, y2 * y1, y2, x1, y1, 1.0]
+}
+
+/// The derivative of the epipolar constraint along `v1` in image 1 and `v2` in image 2.
+pub(super) fn frame_equation([x1, y1, x2, y2]: [f64; 4], v1: [f64; 2], v2: [f64; 2]) -> Equation {
+    let ([u1, w1], [u2, w2]) = (v1, v2);
+    [u2 * x1 + x2 * u1, u2 * y1 + x2 * w1, u2, w2 * x1 + y2 * u1, w2 * y1 + y2 * w1, w2, u1, w1, 0.0]
+}
+
+/// All matrices of rank 2 that satisfy seven equations; none when these are dependent.
+pub(super) fn solve_seven(equations: &[Equation; 7]) -> Vec<Matrix3<f64>> {
+    let Some([f, g]) = null_space(equations) else { return Vec::new() };
+    // det(f + t (g − f)) = 0 sampled at four places gives the cubic; the pencil is turned so that its ends differ.
+    let column = |m: &Matrix3<f64>, k: usize| m.column(k).into_owned();
+    let mixed = |g: &Matrix3<f64>, h: &Matrix3<f64>| -> f64 {
+        (0..3).map(|k| column(h, k).dot(&column(g, (k + 1) % 3).cross(&column(g, (k + 2) % 3)))).sum()
+    };
+    let (cubic, constant) = (f.determinant(), g.determinant());
+    let (f, g, cubic, constant) =
+        if cubic.abs() >= constant.abs() { (f, g, cubic, constant) } else { (g, f, constant, cubic) };
+    if cubic.abs() < 1e-15 {
+        return Vec::new();
+    }
+    real_roots([constant / cubic, mixed(&g, &f) / cubic, mixed(&f, &g) / cubic])
+        .into_iter()
+        .map(|mu| f * mu + g)
+        .map(|m| m / m.norm())
+        .collect()
+}
+
+/// Two orthonormal matrices that satisfy all seven equations, by elimination with full pivoting.
+fn null_space(equations: &[Equation; 7]) -> Option<[Matrix3<f64>; 2]> {
+    let mut rows = *equations;
+    let mut columns: [usize; 9] = std::array::from_fn(|k| k);
+    for step in 0..7 {
+        let (mut best, mut at) = (0.0, (step, step));
+        for (r, row) in rows.iter().enumerate().skip(step) {
+            for (c, value) in row.iter().enumerate().skip(step) {
+                if value.abs() > best {
+                    (best, at) = (value.abs(), (r, c));
+                }
+            }
+        }
+        if best < 1e-9 {
+            return None;
+        }
+        rows.swap(step, at.0);
+        for row in &mut rows {
+            row.swap(step, at.1);
+        }
+        columns.swap(step, at.1);
+        let pivot = rows[step];
+        for (r, row) in rows.iter_mut().enumerate() {
+            if r != step {
+                let factor = row[step] / pivot[step];
+                for c in step..9 {
+                    row[c] -= factor * pivot[c];
+                }
+            }
+        }
+    }
+    let vector = |free: usize| {
+        let mut v = SVector::<f64, 9>::zeros();
+        v[columns[free]] = 1.0;
+        for k in 0..7 {
+            v[columns[k]] = -rows[k][free] / rows[k][k];
+        }
+        v
+    };
+    let first = vector(7).normalize();
+    let second = vector(8);
+    let second = (second - first * first.dot(&second)).normalize();
+    Some([first, second].map(|v| Matrix3::from_fn(|r, c| v[3 * r + c])))
+}
+
+/// The real roots of `μ³ + c2 μ² + c1 μ + c0` in closed form, each improved by a step of Newton's method.
+fn real_roots([c0, c1, c2]: [f64; 3]) -> Vec<f64> {
+    let shift = c2 / 3.0;
+    let p = c1 / 3.0 - shift * shift;
+    let q = shift * (shift * shift - 0.5 * c1) + 0.5 * c0;
+    let discriminant = q * q + p * p * p;
+    let roots = if discriminant > 0.0 {
+        // One root; of the two cube roots the one without cancellation is computed.
+        let u = -q.signum() * (q.abs() + discriminant.sqrt()).cbrt();
+        vec![if u == 0.0 { 0.0 } else { u - p / u }]
+    } else {
+        let radius = 2.0 * (-p).max(0.0).sqrt();
+        let cosine = if p == 0.0 { 1.0 } else { (-q / (-p).powf(1.5)).clamp(-1.0, 1.0) };
+        let third = cosine.acos() / 3.0;
+        (0..3).map(|k| radius * (third - f64::from(k) * std::f64::consts::TAU / 3.0).cos()).collect()
+    };
+    roots
+        .into_iter()
+        .map(|root| {
+            let mu = root - shift;
+            let value = ((mu + c2) * mu + c1) * mu + c0;
+            let slope = (3.0 * mu + 2.0 * c2) * mu + c1;
+            let step = value / slope;
+            if step.is_finite() && step.abs() < 1e-3 * (1.0 + mu.abs()) { mu - step } else { mu }
+        })
+        .filter(|mu| mu.is_finite())
+        .collect()
+}

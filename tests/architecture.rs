@@ -1,0 +1,381 @@
+//! The picture in ARCHITECTURE.md against the code: who imports whom.
+//!
+//! A block of the document whose first line is `arrows FOLDER` draws what is in that folder, each line a folder or file
+//! with those that it imports. The test reads every `crate::` and `super::` path of the code without its tests, and
+//! fails on an arrow that the picture does not have and on one that the code does not have. Arrows go downwards: what can
+//! be drawn like that has no circle. One that goes upwards is marked by `↑`, which between the folders of `src` none may.
+
+use std::collections::{BTreeMap, HashMap, HashSet};
+use std::path::{Path, PathBuf};
+
+const DOCUMENT: &str = "ARCHITECTURE.md";
+/// Marks an arrow that goes upwards in the picture.
+const UP: char = '↑';
+
+#[test]
+fn the_picture_has_the_arrows_of_the_code_and_no_others() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let document = std::fs::read_to_string(root.join(DOCUMENT)).expect("the document is beside Cargo.toml");
+    let pictures = Picture::all(&document);
+    assert!(pictures.iter().any(|picture| picture.folder.is_empty()), "{DOCUMENT} has a picture of src");
+    let sources = Source::all(&root.join("src"));
+    let complaints: Vec<String> =
+        pictures.iter().flat_map(|picture| picture.complaints(&picture.arrows_of(&sources))).collect();
+    assert!(complaints.is_empty(), "{}", complaints.join("\n"));
+}
+
+#[test]
+fn imports_are_read_as_rust_reads_them() {
+    let code = "
+        //! [`crate::nowhere`]
+        use crate::{cancel::CancelFlag, geometry::{Line, pencil}};
+        pub(in crate::estimate) fn f(s: &str) -> super::Found { g(\"crate::nowhere\", '\\'', super::super::io::VALUE) }
+        #[cfg(test)]
+        use crate::nowhere;
+        #[cfg(test)]
+        mod tests { fn f() { crate::nowhere::g() } }
+        #[cfg(test)]
+        mod scene;
+        fn last() -> crate::image::Picture {}";
+    let source = Source::new(PathBuf::from("src/estimate/lines/x.rs"), code);
+    let found: Vec<(String, usize)> = source.imports.iter().map(|i| (i.path.join("::"), i.line)).collect();
+    let expected = [
+        ("cancel::CancelFlag", 3),
+        ("geometry::Line", 3),
+        ("geometry::pencil", 3),
+        ("estimate", 4),
+        ("estimate::lines::Found", 4),
+        ("estimate::io::VALUE", 4),
+        ("image::Picture", 11),
+    ];
+    assert_eq!(found, expected.map(|(path, line)| (path.to_owned(), line)));
+    assert_eq!(source.test_modules, ["scene"]);
+}
+
+#[test]
+fn complaints_name_the_place() {
+    let document = "\n```arrows src\na -> b, c\nb\nc -> b\n```\n";
+    let picture = Picture::all(document).remove(0);
+    let sources = [
+        Source::new(PathBuf::from("src/a/mod.rs"), "use crate::b::X;\nuse crate::d::Y;"),
+        Source::new(PathBuf::from("src/b.rs"), ""),
+        Source::new(PathBuf::from("src/d.rs"), ""),
+    ];
+    assert_eq!(
+        picture.complaints(&picture.arrows_of(&sources)),
+        [
+            "src/a/mod.rs:2: `a -> d` is not in ARCHITECTURE.md",
+            "ARCHITECTURE.md:3: `a -> c` is not in the code",
+            "ARCHITECTURE.md:5: `c -> b` is not in the code",
+            "ARCHITECTURE.md:5: `c -> b` goes upwards",
+            "ARCHITECTURE.md: `d` is missing from the picture of src",
+        ]
+    );
+    let within = "```arrows src/e\na -> b\nb -> ↑a\n```\n";
+    let picture = Picture::all(within).remove(0);
+    let sources = [
+        Source::new(PathBuf::from("src/e/mod.rs"), "pub use a::A;\npub use b::B;\npub struct Own;"),
+        Source::new(PathBuf::from("src/e/a.rs"), "use super::{B, Own};"),
+        Source::new(PathBuf::from("src/e/b.rs"), "use super::A;"),
+    ];
+    assert_eq!(picture.complaints(&picture.arrows_of(&sources)), [""; 0]);
+}
+
+/// One folder of the code as the document draws it.
+struct Picture {
+    /// Names from `src` down, none for `src` itself.
+    folder: Vec<String>,
+    /// What is in the folder, from top to bottom, with what it imports and the line of the document.
+    rows: Vec<(String, Vec<String>, usize)>,
+}
+
+/// Who imports whom in a folder, with the first place where; also what is there and imports nothing.
+struct Arrows {
+    places: BTreeMap<(String, String), String>,
+    members: Vec<String>,
+}
+
+impl Picture {
+    /// All pictures of the document.
+    fn all(document: &str) -> Vec<Self> {
+        let mut pictures: Vec<Self> = Vec::new();
+        let mut inside = false;
+        for (number, line) in document.lines().enumerate() {
+            if let Some(folder) = line.strip_prefix("```arrows ") {
+                let folder = folder.trim().split('/').skip(1).map(str::to_owned).collect();
+                pictures.push(Self { folder, rows: Vec::new() });
+                inside = true;
+            } else if line.starts_with("```") {
+                inside = false;
+            } else if inside && let Some(picture) = pictures.last_mut() {
+                let (from, to) = line.split_once("->").unwrap_or((line, ""));
+                let to = to.split(',').map(|name| name.trim().to_owned()).filter(|name| !name.is_empty());
+                picture.rows.push((from.trim().to_owned(), to.collect(), number + 1));
+            }
+        }
+        pictures
+    }
+
+    /// The arrows that the code has in this folder.
+    fn arrows_of(&self, sources: &[Source]) -> Arrows {
+        let depth = self.folder.len();
+        let inside =
+            |path: &[String]| path.starts_with(&self.folder).then(|| path.get(depth).cloned()).flatten();
+        let mut members: Vec<String> = sources.iter().filter_map(|source| inside(&source.module)).collect();
+        members.sort();
+        members.dedup();
+        // What the folder's own file passes on belongs to where it comes from.
+        let passed_on: HashMap<&str, &[String]> = sources
+            .iter()
+            .filter(|source| source.module == self.folder)
+            .flat_map(|source| &source.imports)
+            .filter_map(|import| Some((import.path.last()?.as_str(), import.path.as_slice())))
+            .collect();
+        let mut places = BTreeMap::new();
+        for source in sources {
+            let Some(from) = inside(&source.module) else { continue };
+            for import in &source.imports {
+                let Some(name) = inside(&import.path) else { continue };
+                let to = match passed_on.get(name.as_str()) {
+                    _ if members.contains(&name) => Some(name),
+                    Some(path) => inside(path),
+                    // What is defined in the folder's own file is common to all in it.
+                    None => None,
+                };
+                let Some(to) = to.filter(|to| *to != from) else { continue };
+                places
+                    .entry((from.clone(), to))
+                    .or_insert_with(|| format!("{}:{}", source.file.display(), import.line));
+            }
+        }
+        Arrows { places, members }
+    }
+
+    /// Everything in which picture and code differ.
+    fn complaints(&self, arrows: &Arrows) -> Vec<String> {
+        let row = |name: &str| self.rows.iter().position(|(from, _, _)| from == name);
+        let mut complaints = Vec::new();
+        for ((from, to), place) in &arrows.places {
+            if !self
+                .rows
+                .iter()
+                .any(|(name, drawn, _)| name == from && drawn.iter().any(|d| d.trim_start_matches(UP) == to))
+            {
+                complaints.push(format!("{place}: `{from} -> {to}` is not in {DOCUMENT}"));
+            }
+        }
+        for (k, (from, drawn, line)) in self.rows.iter().enumerate() {
+            for to in drawn {
+                let name = to.trim_start_matches(UP);
+                let complain = |what: &str| format!("{DOCUMENT}:{line}: `{from} -> {to}` {what}");
+                if !arrows.places.contains_key(&(from.clone(), name.to_owned())) {
+                    complaints.push(complain("is not in the code"));
+                }
+                let upwards = row(name).is_none_or(|below| below <= k);
+                if upwards != to.starts_with(UP) || upwards && self.folder.is_empty() {
+                    complaints.push(complain(if upwards { "goes upwards" } else { "goes downwards" }));
+                }
+            }
+        }
+        let folder = [&["src".to_owned()], self.folder.as_slice()].concat().join("/");
+        for name in arrows.members.iter().filter(|name| row(name).is_none()) {
+            complaints.push(format!("{DOCUMENT}: `{name}` is missing from the picture of {folder}"));
+        }
+        complaints
+    }
+}
+
+/// A path that the code names, from the root of the crate.
+#[derive(Debug)]
+struct Import {
+    path: Vec<String>,
+    line: usize,
+}
+
+/// A file of the crate.
+struct Source {
+    file: PathBuf,
+    /// Names from the root of the crate.
+    module: Vec<String>,
+    imports: Vec<Import>,
+    /// Modules in files of their own that only tests have.
+    test_modules: Vec<String>,
+}
+
+impl Source {
+    /// All files below a folder but those of tests.
+    fn all(src: &Path) -> Vec<Self> {
+        let mut files = Vec::new();
+        let mut folders = vec![src.to_owned()];
+        while let Some(folder) = folders.pop() {
+            for entry in std::fs::read_dir(&folder).expect("src can be read") {
+                let path = entry.expect("src can be read").path();
+                if path.is_dir() {
+                    folders.push(path);
+                } else if path.extension().is_some_and(|e| e == "rs") {
+                    files.push(path);
+                }
+            }
+        }
+        files.sort();
+        let root = src.parent().expect("src is in the repository");
+        let sources: Vec<Self> = files
+            .iter()
+            .map(|file| {
+                let code = std::fs::read_to_string(file).expect("the code can be read");
+                Self::new(file.strip_prefix(root).expect("it was found there").to_owned(), &code)
+            })
+            .collect();
+        let tests: HashSet<Vec<String>> = sources
+            .iter()
+            .flat_map(|s| {
+                s.test_modules.iter().map(|name| [s.module.as_slice(), std::slice::from_ref(name)].concat())
+            })
+            .collect();
+        let of_tests = |s: &Source| {
+            s.file.to_string_lossy().ends_with("tests.rs")
+                || (1..=s.module.len()).any(|n| tests.contains(&s.module[..n]))
+        };
+        sources.into_iter().filter(|s| !of_tests(s)).collect()
+    }
+
+    fn new(file: PathBuf, code: &str) -> Self {
+        let mut module: Vec<String> =
+            file.with_extension("").iter().skip(1).map(|name| name.to_string_lossy().into_owned()).collect();
+        if module.last().is_some_and(|name| name == "mod" || name == "lib") {
+            module.pop();
+        }
+        let (tokens, test_modules) = without_tests(&tokens(code));
+        let imports = imports(&tokens, &module);
+        Self { file, module, imports, test_modules }
+    }
+}
+
+type Token = (String, usize);
+
+/// Names, numbers and `::` as they are, any other character by itself; no comments, strings or characters. With lines.
+fn tokens(code: &str) -> Vec<Token> {
+    let all: Vec<char> = code.chars().collect();
+    let starts = |at: usize, what: &str| what.chars().enumerate().all(|(k, c)| all.get(at + k) == Some(&c));
+    let is_name = |c: &char| c.is_alphanumeric() || *c == '_';
+    let mut tokens: Vec<Token> = Vec::new();
+    let (mut at, mut line) = (0, 1);
+    while at < all.len() {
+        let begun = at;
+        let first = line;
+        if starts(at, "//") {
+            at += all[at..].iter().position(|c| *c == '\n').unwrap_or(all.len() - at);
+        } else if all[at] == '"' {
+            let hashes = all[..at].iter().rev().take_while(|c| **c == '#').count();
+            let raw = all.get(at.wrapping_sub(hashes + 1)) == Some(&'r');
+            let end = if raw { format!("\"{}", "#".repeat(hashes)) } else { "\"".to_owned() };
+            at += 1;
+            while at < all.len() && !starts(at, &end) {
+                at += if all[at] == '\\' && !raw { 2 } else { 1 };
+            }
+            at += end.len();
+        } else if all[at] == '\'' && (all.get(at + 1) == Some(&'\\') || all.get(at + 2) == Some(&'\'')) {
+            at += 2;
+            at += all[at..].iter().position(|c| *c == '\'').map_or(0, |end| end + 1);
+        } else if is_name(&all[at]) {
+            at += all[at..].iter().take_while(|c| is_name(c)).count();
+            tokens.push((all[begun..at].iter().collect(), first));
+        } else {
+            at += if starts(at, "::") { 2 } else { 1 };
+            let token: String = all[begun..at].iter().collect();
+            if !token.trim().is_empty() {
+                tokens.push((token, first));
+            }
+        }
+        let at_most = at.min(all.len());
+        line += all[begun..at_most].iter().filter(|c| **c == '\n').count();
+    }
+    tokens
+}
+
+/// The tokens without items that only tests have, and the modules among those that are files.
+fn without_tests(tokens: &[Token]) -> (Vec<Token>, Vec<String>) {
+    let is = |at: usize, what: &[&str]| {
+        what.iter().enumerate().all(|(k, token)| tokens.get(at + k).is_some_and(|(t, _)| t == token))
+    };
+    let mut kept = Vec::new();
+    let mut modules = Vec::new();
+    let mut at = 0;
+    while at < tokens.len() {
+        if !is(at, &["#", "[", "cfg", "(", "test", ")", "]"]) {
+            kept.push(tokens[at].clone());
+            at += 1;
+            continue;
+        }
+        at += 7;
+        let begun = at;
+        let mut depth = 0;
+        while at < tokens.len() {
+            let token = tokens[at].0.as_str();
+            at += 1;
+            match token {
+                "{" | "(" | "[" => depth += 1,
+                "}" | ")" | "]" => depth -= 1,
+                _ => {}
+            }
+            if depth == 0 && (token == ";" || token == "}") {
+                break;
+            }
+        }
+        if let [.., (keyword, _), (name, _), (end, _)] = &tokens[begun..at]
+            && keyword == "mod"
+            && end == ";"
+        {
+            modules.push(name.clone());
+        }
+    }
+    (kept, modules)
+}
+
+/// Every path that is imported, and every one that is written out from the crate or the module above.
+fn imports(tokens: &[Token], module: &[String]) -> Vec<Import> {
+    let is = |at: usize, what: &str| tokens.get(at).is_some_and(|(token, _)| token == what);
+    let mut found = Vec::new();
+    let mut at = 0;
+    while at < tokens.len() {
+        let written_out = ["crate", "super"].iter().any(|name| is(at, name))
+            && is(at + 1, "::")
+            && !(at > 0 && is(at - 1, "::"));
+        // `use<…>` is part of a type.
+        if is(at, "use") && !is(at + 1, "<") {
+            at = tree(tokens, at + 1, module.to_vec(), &mut found);
+        } else if written_out {
+            at = tree(tokens, at, module.to_vec(), &mut found);
+        } else {
+            at += 1;
+        }
+    }
+    found
+}
+
+/// The paths of a tree of imports that begins here, below a path; says where it ends.
+fn tree(tokens: &[Token], mut at: usize, mut path: Vec<String>, found: &mut Vec<Import>) -> usize {
+    let is = |at: usize, what: &str| tokens.get(at).is_some_and(|(token, _)| token == what);
+    while let Some((token, line)) = tokens.get(at) {
+        at += 1;
+        match token.as_str() {
+            "{" => {
+                while at < tokens.len() && !is(at, "}") {
+                    at = if is(at, ",") { at + 1 } else { tree(tokens, at, path.clone(), found) };
+                }
+                return at + 1;
+            }
+            // Programs and examples call the crate by its name.
+            "crate" | "epiline" => path.clear(),
+            "super" => drop(path.pop()),
+            "self" => {}
+            name => path.push(name.to_owned()),
+        }
+        if !is(at, "::") {
+            found.push(Import { path, line: *line });
+            return if is(at, "as") { at + 2 } else { at };
+        }
+        at += 1;
+    }
+    at
+}
