@@ -21,6 +21,7 @@ mod patches;
 mod prepared;
 mod record;
 mod result;
+mod search;
 mod views;
 
 pub use crate::cancel::CancelFlag;
