@@ -18,7 +18,7 @@ pub fn estimate(request: &EstimateRequest, monitor: &Monitor) -> Result<Estimate
     let result = result(&request.pairs, &request.parameters).ok_or(EstimateError::NoGeometry)?;
     monitor.report(Progress::Started(Stage::Pencils));
     monitor.report(Progress::Preliminary(Box::new(result.clone())));
-    monitor.check()?;
+    monitor.cancel().check()?;
     Ok(result)
 }
 

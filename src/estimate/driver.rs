@@ -57,7 +57,8 @@ fn run(
     check_images(prepared)?;
     let source = prepared.similarity_source(RelativeView::UPRIGHT, parameters);
     let patches = prepared.upright_patches();
-    let input = Input { prepared, source: &*source, patches: &patches, clicks: &clicks, parameters, monitor };
+    let cancel = monitor.cancel();
+    let input = Input { prepared, source: &*source, patches: &patches, clicks: &clicks, parameters, cancel };
     let mut record = SearchRecord::new(begun, monitor);
     let best = match parameters.search {
         Search::Lines => {
@@ -89,8 +90,8 @@ fn wider(input: &Input, record: &mut SearchRecord) -> Result<Judged, EstimateErr
     if upright.as_ref().is_ok_and(Judged::is_reliable) {
         return upright;
     }
-    let Input { prepared, clicks, parameters, monitor, .. } = *input;
-    monitor.check()?;
+    let Input { prepared, clicks, parameters, cancel, .. } = *input;
+    cancel.check()?;
     let features = prepared.features();
     let observed = clicks.observed();
     let evidence = FeatureEvidence {
@@ -103,7 +104,7 @@ fn wider(input: &Input, record: &mut SearchRecord) -> Result<Judged, EstimateErr
     let search = FeatureSearchParameters { seed: parameters.seed, ..FeatureSearchParameters::default() };
     let proposed: Vec<FundamentalMatrix> =
         hypotheses_from_features(&evidence, &search).into_iter().map(|h| h.fundamental).collect();
-    monitor.check()?;
+    cancel.check()?;
     let mut views: Vec<RelativeView> = Vec::new();
     for view in proposed.iter().filter_map(|f| view_of(f, features, prepared.frames())) {
         if views.len() < VIEWS && !views.iter().any(|known| is_same(known, &view)) {
@@ -174,7 +175,7 @@ fn by_features(
     proposed: &[FundamentalMatrix],
     rivals: &[Estimate],
 ) -> Result<Option<Found>, EstimateError> {
-    let Input { prepared, patches: levels, clicks, parameters, monitor, .. } = *input;
+    let Input { prepared, patches: levels, clicks, parameters, cancel, .. } = *input;
     let anchors = clicks.anchors();
     let Some(anchors) = anchors.first_chunk::<2>() else { return Ok(None) };
     let fine = levels.fine(prepared.pyramids());
@@ -183,7 +184,7 @@ fn by_features(
         proposed.iter().filter_map(|f| Proposal::of(f, *anchors, turn, fine)).collect();
     // What was found upright competes under the same support.
     let rivals = rivals.iter().filter_map(|h| Proposal::of(h.fundamental(), *anchors, h.turn(), fine));
-    let ranked = patches::rank_fine(fine, starts, rivals.collect(), &clicks.observed(), parameters, monitor)?;
+    let ranked = patches::rank_fine(fine, starts, rivals.collect(), &clicks.observed(), parameters, cancel)?;
     if ranked.is_empty() {
         return Ok(None);
     }

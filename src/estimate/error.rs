@@ -3,6 +3,8 @@
 use serde::Serialize;
 use thiserror::Error;
 
+use crate::cancel::Cancelled;
+
 /// Why no fundamental matrix was estimated. Each message is one sentence: what happened, what to do.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum EstimateError {
@@ -99,6 +101,12 @@ pub enum EstimateError {
     /// A newer request or the user stopped the computation.
     #[error("the computation was cancelled")]
     Cancelled,
+}
+
+impl From<Cancelled> for EstimateError {
+    fn from(_: Cancelled) -> Self {
+        Self::Cancelled
+    }
 }
 
 impl EstimateError {

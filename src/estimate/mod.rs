@@ -22,20 +22,24 @@ mod prepared;
 mod record;
 mod result;
 mod search;
+mod stage;
+mod trust;
 mod views;
 
 pub use crate::cancel::CancelFlag;
-pub use assess::{EpipoleEllipse, Reason, SMALLEST_SIDE, Trust, Uncertainty, Verdict, examine};
+pub use assess::{SMALLEST_SIDE, examine};
 pub use clicks::{Click, ClickRole, Clicks};
 pub use driver::{estimate, estimate_prepared};
 pub use error::{EstimateError, Warning};
 pub use follow::follow;
 pub use lines::{Candidate, ComparedPencils, Construction, LineFigures, RoundTrip, lines_at};
-pub use monitor::{Monitor, Progress, Stage};
+pub use monitor::{Monitor, Progress};
 pub use parameters::{
     LineScore, Method, PARAMETERS, ParameterEntry, ParameterValue, Parameters, PatchParameters,
     PencilParameters, Preset, RefinementParameters, Search, ValidationParameters, parameters_as_markdown,
 };
-pub use patches::RefinedMatch;
+pub use patches::{EpipoleEllipse, PatchSupport, RefinedMatch, Refinement, Uncertainty};
 pub use prepared::PreparedPair;
-pub use result::{Assessment, Estimate, PatchSupport, Refinement, SearchCounts, SearchTrace, StageTiming};
+pub use result::{Assessment, Estimate, SearchCounts, SearchTrace, StageTiming};
+pub use stage::Stage;
+pub use trust::{Reason, Trust, Verdict};

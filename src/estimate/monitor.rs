@@ -2,43 +2,8 @@
 
 use std::sync::Arc;
 
-use serde::Serialize;
-
-use super::{ComparedPencils, Estimate, EstimateError};
+use super::{ComparedPencils, Estimate, Stage};
 use crate::cancel::CancelFlag;
-
-/// The steps of the algorithm in their order.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Stage {
-    /// Grey pyramids of both images.
-    Pyramid,
-    /// Lines through the clicks and their similarity matrices.
-    Pencils,
-    /// Epipole hypotheses from candidate pairs, with the forward and backward maps.
-    Hypotheses,
-    /// Full validation of the best ones.
-    Validation,
-    /// Local refinement, coarse to fine.
-    Refinement,
-}
-
-impl Stage {
-    /// All stages in order.
-    pub const ALL: [Self; 5] =
-        [Self::Pyramid, Self::Pencils, Self::Hypotheses, Self::Validation, Self::Refinement];
-
-    /// What the user reads while it runs.
-    pub fn label(self) -> &'static str {
-        match self {
-            Self::Pyramid => "Image pyramid",
-            Self::Pencils => "Line pencils",
-            Self::Hypotheses => "Epipole hypotheses",
-            Self::Validation => "Validation",
-            Self::Refinement => "Refinement",
-        }
-    }
-}
 
 /// News from a running computation.
 #[derive(Debug)]
@@ -72,12 +37,8 @@ impl<'a> Monitor<'a> {
         (self.sink)(progress);
     }
 
-    /// An error when a stop was asked for; long loops call it often.
-    pub(crate) fn check(&self) -> Result<(), EstimateError> {
-        if self.cancel.is_cancelled() { Err(EstimateError::Cancelled) } else { Ok(()) }
-    }
-
-    pub(crate) fn is_cancelled(&self) -> bool {
-        self.cancel.is_cancelled()
+    /// What long loops ask whether to go on.
+    pub(crate) fn cancel(&self) -> &CancelFlag {
+        &self.cancel
     }
 }

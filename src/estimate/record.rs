@@ -46,7 +46,7 @@ impl<'a> SearchRecord<'a> {
         self.end_stage();
         self.stage = stage;
         self.monitor.report(Progress::Started(stage));
-        self.monitor.check()
+        Ok(self.monitor.cancel().check()?)
     }
 
     fn end_stage(&mut self) {
@@ -95,7 +95,7 @@ impl<'a> SearchRecord<'a> {
     /// Ends the last stage, unless a stop was asked for.
     pub fn finish(&mut self) -> Result<(), EstimateError> {
         self.end_stage();
-        self.monitor.check()
+        Ok(self.monitor.cancel().check()?)
     }
 
     /// The notes so far, with the hypotheses.

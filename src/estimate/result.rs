@@ -7,8 +7,10 @@ use std::sync::Arc;
 
 use serde::Serialize;
 
+use super::patches::Hypothesis;
 use super::{
-    Clicks, ComparedPencils, LineFigures, Method, Preset, RefinedMatch, Stage, Trust, Uncertainty, Warning,
+    Clicks, ComparedPencils, LineFigures, Method, PatchSupport, Preset, RefinedMatch, Refinement, Stage,
+    Trust, Uncertainty, Warning,
 };
 use crate::geometry::{EpipolarGeometry, FundamentalMatrix};
 use crate::image::RelativeView;
@@ -44,15 +46,6 @@ pub struct Assessment {
     pub warnings: Vec<Warning>,
     /// How far to trust it; `None` before everything was looked at.
     pub trust: Option<Trust>,
-}
-
-/// What a geometry was refined on.
-#[derive(Debug, Clone)]
-pub struct Refinement {
-    /// Patches matched along the epipolar lines.
-    pub matches: Vec<RefinedMatch>,
-    /// How well they determine the geometry; `None` when they do not.
-    pub uncertainty: Option<Uncertainty>,
 }
 
 /// How a geometry was found.
@@ -108,16 +101,13 @@ pub struct StageTiming {
     pub seconds: f64,
 }
 
-/// Patches that agree with a geometry.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
-pub struct PatchSupport {
-    /// Mutual best matches along the epipolar lines.
-    pub matches: usize,
-    /// Sum over them of the correlation in excess of 0.6.
-    pub score: f64,
-}
-
 impl Estimate {
+    /// A geometry that a search proposed, with what lines and patches say of it.
+    pub(super) fn proposed(f: FundamentalMatrix, lines: LineFigures, support: Option<PatchSupport>) -> Self {
+        let assessment = Assessment { lines: Some(lines), support, ..Assessment::default() };
+        Self { geometry: f.into(), assessment, trace: None }
+    }
+
     /// The fundamental matrix, `x2ᵀ F x1 = 0`.
     pub fn fundamental(&self) -> &FundamentalMatrix {
         self.geometry.fundamental()
@@ -162,6 +152,12 @@ impl Estimate {
     /// How far image 2 is rotated against image 1 at the first click, radians, as far as lines tell; else 0.
     pub fn turn(&self) -> f64 {
         self.assessment.lines.as_ref().map_or(0.0, |lines| lines.construction.turn())
+    }
+}
+
+impl From<Hypothesis> for Estimate {
+    fn from(Hypothesis { fundamental, lines, support }: Hypothesis) -> Self {
+        Self::proposed(fundamental, lines, Some(support))
     }
 }
 

@@ -4,12 +4,14 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::assess::{Judge, Verdict};
-use super::lines::{ComparedPencils, LineExaminer, draw_pairs, published};
+use super::assess::Judge;
+use super::lines::{ComparedPencils, LineExaminer, LineFigures, draw_pairs, published};
 use super::patches::{self, PatchLevels, Proposal, Refined};
 use super::record::SearchRecord;
 use super::result::{Assessment, REPORTED};
-use super::{Clicks, Estimate, EstimateError, Monitor, Parameters, PatchSupport, PreparedPair, Stage};
+use super::trust::Verdict;
+use super::{Clicks, Estimate, EstimateError, Parameters, PatchSupport, PreparedPair, Stage};
+use crate::cancel::CancelFlag;
 use crate::geometry::{FundamentalMatrix, PointPair};
 use crate::similarity::SimilaritySource;
 
@@ -24,7 +26,7 @@ pub(super) struct Input<'a> {
     pub patches: &'a Arc<PatchLevels>,
     pub clicks: &'a Clicks,
     pub parameters: &'a Parameters,
-    pub monitor: &'a Monitor<'a>,
+    pub cancel: &'a CancelFlag,
 }
 
 /// What a search found.
@@ -58,36 +60,38 @@ impl Judged {
 /// The search as published: bisectors and round trips propose, lines over both images rank, and the five numbers of the
 /// best one are refined on lines.
 pub(super) fn by_lines(input: &Input, record: &mut SearchRecord) -> Result<Found, EstimateError> {
-    let Input { source, clicks, parameters, monitor, .. } = *input;
+    let Input { source, clicks, parameters, cancel, .. } = *input;
     let similarity = source.at(parameters.pencils.coarse_side);
     let (anchors, pencils) = compared(input, record)?;
 
     record.enter(Stage::Hypotheses)?;
     let third = clicks.third();
     let pencils = pencils.each_ref().map(AsRef::as_ref);
-    let mut drafts = published::propose(&similarity, pencils, third.as_ref(), parameters, monitor)?;
+    let mut drafts = published::propose(&similarity, pencils, third.as_ref(), parameters, cancel)?;
     record.counts.hypotheses = drafts.len();
     drafts.truncate(published::validated(&drafts, third.is_some(), parameters));
     record.counts.validated = drafts.len();
 
     record.enter(Stage::Validation)?;
-    let ranked = published::rank(&similarity, drafts, anchors, parameters, monitor)?;
-    let best = *ranked.hypotheses[0].fundamental();
-    input.report(record, best, &ranked.hypotheses, None);
+    let ranked = published::rank(&similarity, drafts, anchors, REPORTED, parameters, cancel)?;
+    let proposed =
+        |(f, lines): &(FundamentalMatrix, LineFigures)| Estimate::proposed(*f, lines.clone(), None);
+    let hypotheses: Vec<Estimate> = ranked.hypotheses.iter().map(proposed).collect();
+    input.report(record, ranked.hypotheses[0].0, &hypotheses, None);
 
     record.enter(Stage::Refinement)?;
-    let fundamental = published::refine(source, &ranked, anchors, parameters, monitor)?;
-    let starts = std::iter::once(fundamental).chain(ranked.hypotheses.iter().map(|h| *h.fundamental()));
+    let fundamental = published::refine(source, &ranked, anchors, parameters, cancel)?;
+    let starts = std::iter::once(fundamental).chain(ranked.hypotheses.iter().map(|(f, _)| *f));
     let refined = input.refined(starts)?;
     let matches = refined.iter().flat_map(|refined| &refined.refinement.matches);
     let supporting = matches.map(|m| m.pair).collect();
-    Ok(Found { fundamental, hypotheses: ranked.hypotheses, supporting, refined })
+    Ok(Found { fundamental, hypotheses, supporting, refined })
 }
 
 /// The search with patches: they vote for the κ of combinations of candidate lines, their support ranks, and matches
 /// along the epipolar lines refine.
 pub(super) fn by_patches(input: &Input, record: &mut SearchRecord) -> Result<Found, EstimateError> {
-    let Input { prepared, patches: levels, clicks, parameters, monitor, .. } = *input;
+    let Input { prepared, patches: levels, clicks, parameters, cancel, .. } = *input;
     let pyramids = prepared.pyramids();
     let (coarse, voting) = (levels.coarse(pyramids), levels.voting(pyramids));
     let (anchors, pencils) = compared(input, record)?;
@@ -96,14 +100,16 @@ pub(super) fn by_patches(input: &Input, record: &mut SearchRecord) -> Result<Fou
     let candidates = pencils.each_ref().map(|compared| compared.candidates.as_slice());
     let propose = |count: usize| {
         let drawn = draw_pairs(candidates, count, parameters.seed);
-        patches::propose(coarse, voting, &drawn, &anchors, monitor)
+        patches::propose(coarse, voting, &drawn, &anchors, cancel)
     };
     // A few of them first, so that there is something to draw at once.
     let quick = propose(parameters.hypotheses.min(QUICK))?;
     if let Some(first) = quick.first()
         && let Some(fundamental) = first.full_size(coarse.scales)
     {
-        let hypotheses = patches::unvalidated(&quick, coarse.scales, anchors);
+        let to_draw = quick.iter().take(REPORTED);
+        let hypotheses: Vec<Estimate> =
+            to_draw.filter_map(|p| Some(p.unvalidated(coarse.scales, anchors)?.into())).collect();
         input.report(record, fundamental, &hypotheses, Some(first.support));
     }
     let proposals = propose(parameters.hypotheses)?;
@@ -112,7 +118,7 @@ pub(super) fn by_patches(input: &Input, record: &mut SearchRecord) -> Result<Fou
 
     record.enter(Stage::Validation)?;
     let fine = levels.fine(pyramids);
-    let ranked = patches::rank(coarse, fine, &proposals, &clicks.observed(), parameters, monitor)?;
+    let ranked = patches::rank(coarse, fine, &proposals, &clicks.observed(), parameters, cancel)?;
     let (hypotheses, leader) = input.hypotheses(anchors, &ranked)?;
     input.report(record, *hypotheses[0].fundamental(), &hypotheses, Some(leader.support));
 
@@ -125,10 +131,10 @@ fn compared(
     input: &Input,
     record: &mut SearchRecord,
 ) -> Result<([PointPair; 2], [Arc<ComparedPencils>; 2]), EstimateError> {
-    let Input { prepared, source, patches, clicks, parameters, monitor } = *input;
+    let Input { prepared, source, patches, clicks, parameters, cancel } = *input;
     record.enter(Stage::Pencils)?;
     let compare = |click: &PointPair| {
-        let compare = || ComparedPencils::new(source, click, &parameters.pencils, monitor);
+        let compare = || ComparedPencils::new(source, click, &parameters.pencils, cancel);
         prepared.pencils(click, patches.view(), parameters, compare)
     };
     let anchors = clicks.anchors();
@@ -151,16 +157,17 @@ impl Input<'_> {
         anchors: [PointPair; 2],
         ranked: &'p [Proposal],
     ) -> Result<(Vec<Estimate>, &'p Proposal), EstimateError> {
-        let Input { prepared, source, patches: levels, parameters, monitor, .. } = *self;
+        let Input { prepared, source, patches: levels, parameters, cancel, .. } = *self;
         let fine = levels.fine(prepared.pyramids());
         let different = patches::different(&fine.support, ranked, REPORTED);
-        monitor.check()?;
+        cancel.check()?;
         let similarity = source.at(parameters.pencils.coarse_side);
         let validation = &parameters.validation;
         let examiner =
-            LineExaminer { similarity: &similarity, clicks: anchors, parameters: validation, monitor };
+            LineExaminer { similarity: &similarity, clicks: anchors, parameters: validation, cancel };
         let hypotheses = patches::hypotheses(&examiner, &different, fine);
-        monitor.check()?;
+        let hypotheses: Vec<Estimate> = hypotheses.into_iter().map(Estimate::from).collect();
+        cancel.check()?;
         let leader = ranked.first().filter(|_| !hypotheses.is_empty());
         Ok((hypotheses, leader.ok_or(EstimateError::NoGeometry)?))
     }
@@ -217,18 +224,18 @@ impl Input<'_> {
         &self,
         starts: impl Iterator<Item = FundamentalMatrix>,
     ) -> Result<Option<Refined>, EstimateError> {
-        let Input { prepared, patches, clicks, parameters, monitor, .. } = *self;
+        let Input { prepared, patches, clicks, parameters, cancel, .. } = *self;
         let (observed, refinement) = (clicks.observed(), &parameters.refinement);
         let refine = |f: FundamentalMatrix| {
             let sigma = parameters.click_sigma;
-            patches.refine(prepared.pyramids(), &f, &observed, sigma, monitor)
+            patches.refine(prepared.pyramids(), &f, &observed, sigma, cancel)
         };
         let best = starts
             .take(if refinement.refine { refinement.refined } else { 0 })
-            .take_while(|_| !monitor.is_cancelled())
+            .take_while(|_| !cancel.is_cancelled())
             .filter_map(refine)
             .max_by(|a, b| a.weight.total_cmp(&b.weight));
-        monitor.check()?;
+        cancel.check()?;
         Ok(best)
     }
 }

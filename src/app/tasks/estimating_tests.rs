@@ -44,7 +44,7 @@ fn gated(gate: &Arc<AtomicBool>) -> Computing {
     Computing::new(Box::new(move |request, monitor| {
         let result = fake::estimate(request, monitor)?;
         while !gate.load(Ordering::Relaxed) {
-            monitor.check()?;
+            monitor.cancel().check()?;
             std::thread::sleep(Duration::from_millis(1));
         }
         Ok(result)

@@ -1,8 +1,9 @@
 //! The figures of any geometry, as if it had been among the hypotheses.
 
+use crate::cancel::CancelFlag;
 use crate::estimate::lines::{LineExaminer, LineFigures, PencilAngles};
 use crate::estimate::patches::{BAND, PatchLevels, SupportLevel};
-use crate::estimate::{Assessment, Estimate, Monitor, Parameters, PatchSupport, PreparedPair, Search};
+use crate::estimate::{Assessment, Estimate, Parameters, PatchSupport, PreparedPair, Search};
 use crate::geometry::{FundamentalMatrix, PointPair};
 use crate::similarity::SimilaritySource;
 
@@ -39,8 +40,8 @@ impl Examiner<'_> {
             angles = PencilAngles::nearest(&at_fine, &own, &angles, pairs).unwrap_or(angles);
         }
         let similarity = self.source.at(self.parameters.pencils.coarse_side);
-        let (parameters, monitor) = (&self.parameters.validation, &Monitor::silent());
-        let examiner = LineExaminer { similarity: &similarity, clicks, parameters, monitor };
+        let (parameters, cancel) = (&self.parameters.validation, &CancelFlag::default());
+        let examiner = LineExaminer { similarity: &similarity, clicks, parameters, cancel };
         examiner.figures(&[angles]).pop().flatten()
     }
 

@@ -4,21 +4,16 @@ mod degeneracy;
 mod examination;
 mod margin;
 mod parallax;
-mod plane;
-mod trust;
-mod uncertainty;
 
 pub use degeneracy::SMALLEST_SIDE;
 pub use examination::examine;
-pub use trust::{Reason, Trust, Verdict};
-pub use uncertainty::{EpipoleEllipse, Uncertainty};
 
 pub(super) use degeneracy::{check_images, check_points};
-pub(super) use plane::largest_plane;
 
-use super::patches::PatchLevels;
+use super::patches::{PatchLevels, largest_plane};
+use super::trust::{Evidence, PlaneEvidence};
 use super::{
-    Assessment, Clicks, Estimate, Parameters, PatchSupport, PreparedPair, Refinement, Search, Warning,
+    Assessment, Clicks, Estimate, Parameters, PatchSupport, PreparedPair, Refinement, Search, Trust, Warning,
 };
 use crate::geometry::{FundamentalMatrix, PointPair, sampson_distance};
 use crate::similarity::SimilaritySource;
@@ -26,7 +21,6 @@ use examination::Examiner;
 use margin::margin;
 use nalgebra::Matrix3;
 use parallax::OffPlane;
-use trust::{Evidence, PlaneEvidence};
 
 /// How near a match must be to a homography to be explained by it, px in an image of up to [`PLANE_SIDE`] px, more in
 /// proportion in larger ones, where corners are found less precisely: three deviations of a refined match.

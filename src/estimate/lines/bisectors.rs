@@ -5,7 +5,7 @@ use nalgebra::Vector2;
 use rayon::prelude::*;
 
 use super::pencil_pair::PencilPair;
-use crate::estimate::Monitor;
+use crate::cancel::CancelFlag;
 use crate::geometry::{AnchoredLine, Frame, PencilMap, PointPair, area_between_lines};
 use crate::similarity::LineSimilarity;
 
@@ -30,10 +30,10 @@ pub(super) fn bisector_kappas(
     similarity: &dyn LineSimilarity,
     hypotheses: &[PencilPair],
     clicks: &[PointPair; 2],
-    monitor: &Monitor,
+    cancel: &CancelFlag,
 ) -> Vec<Option<(f64, f64)>> {
     let mut kappas = Vec::with_capacity(hypotheses.len());
-    for few in hypotheses.chunks(AT_ONCE).take_while(|_| !monitor.is_cancelled()) {
+    for few in hypotheses.chunks(AT_ONCE).take_while(|_| !cancel.is_cancelled()) {
         let trials: Vec<Option<[Vec<Trial>; 2]>> =
             few.par_iter().map(|pencils| trials(pencils, clicks)).collect();
         let all: Vec<_> =
@@ -105,7 +105,6 @@ pub(super) fn round_trip_area(pencils: &PencilPair, ratio: f64, frame1: Frame) -
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cancel::CancelFlag;
     use crate::estimate::exact::{ExactScene, FRAME, LinesBy, exact_lines};
     use crate::estimate::lines::PencilAngles;
     use crate::geometry::{FundamentalMatrix, Line, Point};
@@ -116,7 +115,7 @@ mod tests {
         hypotheses: &[PencilPair],
         clicks: &[PointPair; 2],
     ) -> Vec<Option<(f64, f64)>> {
-        bisector_kappas(&exact_lines(f, [FRAME; 2]), hypotheses, clicks, &Monitor::silent())
+        bisector_kappas(&exact_lines(f, [FRAME; 2]), hypotheses, clicks, &CancelFlag::default())
     }
 
     /// The true pencils with a κ that says nothing, and the same with the lines of the first click turned in image 2.
@@ -204,11 +203,11 @@ mod tests {
         let similarity = LinesBy(|_: &AnchoredLine, line2: &AnchoredLine| {
             if line2.line().coefficients().dot(&epipole2).abs() < 1e-9 { f32::INFINITY } else { 1.0 }
         });
-        let found = bisector_kappas(&similarity, &all, &clicks, &Monitor::silent());
+        let found = bisector_kappas(&similarity, &all, &clicks, &CancelFlag::default());
         assert_eq!(found.iter().map(Option::is_some).collect::<Vec<_>>(), [true, false, true]);
         let flag = CancelFlag::default();
         flag.cancel();
-        assert_eq!(bisector_kappas(&similarity, &all, &clicks, &Monitor::new(flag, |_| ())), []);
+        assert_eq!(bisector_kappas(&similarity, &all, &clicks, &flag), []);
     }
 
     #[test]

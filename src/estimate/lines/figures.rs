@@ -3,7 +3,8 @@
 use super::bisectors::{bisector_kappas, round_trip_area};
 use super::score::line_scores;
 use super::{Construction, PencilAngles, PencilPair};
-use crate::estimate::{Monitor, ValidationParameters};
+use crate::cancel::CancelFlag;
+use crate::estimate::ValidationParameters;
 use crate::geometry::PointPair;
 use crate::similarity::ScaledSimilarity;
 
@@ -34,7 +35,7 @@ pub(in crate::estimate) struct LineExaminer<'a> {
     /// Full-size pixels.
     pub clicks: [PointPair; 2],
     pub parameters: &'a ValidationParameters,
-    pub monitor: &'a Monitor<'a>,
+    pub cancel: &'a CancelFlag,
 }
 
 impl LineExaminer<'_> {
@@ -47,8 +48,8 @@ impl LineExaminer<'_> {
             geometries.iter().map(|angles| PencilPair::new(angles, clicks)).collect();
         let valid: Vec<PencilPair> = pencils.iter().flatten().cloned().collect();
         let (lines, kind) = (self.parameters.lines, self.parameters.line_score);
-        let scores = line_scores(&**similarity, &valid, *frames, lines, kind, self.monitor);
-        let kappas = bisector_kappas(&**similarity, &valid, &clicks, self.monitor);
+        let scores = line_scores(&**similarity, &valid, *frames, lines, kind, self.cancel);
+        let kappas = bisector_kappas(&**similarity, &valid, &clicks, self.cancel);
         let mut measured = valid.iter().zip(scores).zip(kappas);
         geometries
             .iter()
@@ -83,11 +84,10 @@ mod tests {
         side: f64,
         of: &[PencilAngles],
     ) -> Vec<Option<LineFigures>> {
-        let (source, monitor) = (ExactSource(f), Monitor::silent());
+        let (source, cancel) = (ExactSource(f), CancelFlag::default());
         let parameters = Parameters::from(Preset::Paper).validation;
         let similarity = source.at(side);
-        LineExaminer { similarity: &similarity, clicks, parameters: &parameters, monitor: &monitor }
-            .figures(of)
+        LineExaminer { similarity: &similarity, clicks, parameters: &parameters, cancel: &cancel }.figures(of)
     }
 
     #[test]

@@ -3,7 +3,8 @@
 use std::f64::consts::{PI, TAU};
 
 use super::SHORTEST_LINE;
-use crate::estimate::{EstimateError, Monitor, PencilParameters};
+use crate::cancel::CancelFlag;
+use crate::estimate::{EstimateError, PencilParameters};
 use crate::geometry::{AnchoredLine, Frame, Point, PointPair, pencil_angles};
 use crate::similarity::{CostMatrix, LineSimilarity, SimilaritySource};
 
@@ -41,7 +42,7 @@ impl ComparedPencils {
         source: &dyn SimilaritySource,
         click: &PointPair,
         parameters: &PencilParameters,
-        monitor: &Monitor,
+        cancel: &CancelFlag,
     ) -> Result<Self, EstimateError> {
         let level = source.at(parameters.coarse_side);
         let (similarity, frames, at) = (&*level.lines, level.frames, level.resized(click));
@@ -64,9 +65,9 @@ impl ComparedPencils {
             &lines(at.point1, &angles1),
             &lines(at.point2, &angles2),
             &allowed,
-            &|| monitor.is_cancelled(),
+            &|| cancel.is_cancelled(),
         );
-        monitor.check()?;
+        cancel.check()?;
         let costs = if parameters.normalise { costs.normalised() } else { costs };
         let mut candidates: Vec<Candidate> = mutual_best(&costs, parameters.mutual)
             .into_iter()

@@ -7,8 +7,8 @@ use super::bisectors::{bisector_kappas, round_trip_area};
 use super::refinement::refine_on_lines;
 use super::score::line_scores;
 use super::{ComparedPencils, Construction, LineFigures, PencilAngles, PencilPair, draw_pairs};
-use crate::estimate::result::REPORTED;
-use crate::estimate::{Assessment, Estimate, EstimateError, Monitor, Parameters};
+use crate::cancel::CancelFlag;
+use crate::estimate::{EstimateError, Parameters};
 use crate::geometry::{Frame, FundamentalMatrix, LinePair, PointPair};
 use crate::similarity::{ScaledSimilarity, SimilaritySource};
 
@@ -36,7 +36,7 @@ pub(in crate::estimate) fn propose(
     pencils: [&ComparedPencils; 2],
     third: Option<&PointPair>,
     parameters: &Parameters,
-    monitor: &Monitor,
+    cancel: &CancelFlag,
 ) -> Result<Vec<Draft>, EstimateError> {
     let clicks = pencils.map(|compared| similarity.resized(&compared.click));
     let third = third.map(|pair| similarity.resized(pair));
@@ -57,9 +57,9 @@ pub(in crate::estimate) fn propose(
             let of_third = |pencils: &PencilPair| pencils.map().kappa_from_point_pair(&third);
             pencils.iter().map(|pencils| of_third(pencils).map(|kappa| (kappa, kappa))).collect()
         }
-        None => bisector_kappas(&*similarity.lines, &pencils, &clicks, monitor),
+        None => bisector_kappas(&*similarity.lines, &pencils, &clicks, cancel),
     };
-    monitor.check()?;
+    cancel.check()?;
     let mut drafts: Vec<Draft> = (angles, pencils, kappas)
         .into_par_iter()
         .filter_map(|(angles, pencils, kappas)| {
@@ -91,26 +91,28 @@ fn is_spread(pencils: &PencilPair, clicks: &[PointPair; 2], frames: [Frame; 2]) 
 
 /// What full validation leaves.
 pub(in crate::estimate) struct Validated {
-    /// The best hypotheses, best first, full-size pixels.
-    pub hypotheses: Vec<Estimate>,
+    /// The best hypotheses, best first, full-size pixels, with their figures.
+    pub hypotheses: Vec<(FundamentalMatrix, LineFigures)>,
     /// The five numbers of the best one.
     best: PencilAngles,
 }
 
-/// Ranks drafts by the score of their lines over both images. `clicks` are in full-size pixels.
+/// Ranks drafts by the score of their lines over both images, and keeps the best `count`. `clicks` are in full-size
+/// pixels.
 pub(in crate::estimate) fn rank(
     similarity: &ScaledSimilarity,
     drafts: Vec<Draft>,
     clicks: [PointPair; 2],
+    count: usize,
     parameters: &Parameters,
-    monitor: &Monitor,
+    cancel: &CancelFlag,
 ) -> Result<Validated, EstimateError> {
     let at_level = clicks.map(|click| similarity.resized(&click));
     let (drafts, pencils): (Vec<Draft>, Vec<PencilPair>) =
         drafts.into_iter().filter_map(|d| PencilPair::new(&d.angles, at_level).map(|p| (d, p))).unzip();
     let (lines, kind) = (parameters.validation.lines, parameters.validation.line_score);
-    let scores = line_scores(&*similarity.lines, &pencils, similarity.frames, lines, kind, monitor);
-    monitor.check()?;
+    let scores = line_scores(&*similarity.lines, &pencils, similarity.frames, lines, kind, cancel);
+    cancel.check()?;
     let mut scored: Vec<(f64, Draft)> =
         scores.into_iter().zip(drafts).filter(|(score, _)| score.is_finite()).collect();
     scored.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -122,10 +124,9 @@ pub(in crate::estimate) fn rank(
             round_trip_area: Some(draft.round_trip / similarity.scales[0]),
             construction,
         };
-        let assessment = Assessment { lines: Some(lines), ..Assessment::default() };
-        Some(Estimate { geometry: fundamental.into(), assessment, trace: None })
+        Some((fundamental, lines))
     };
-    let hypotheses: Vec<Estimate> = scored.iter().take(REPORTED).filter_map(hypothesis).collect();
+    let hypotheses: Vec<_> = scored.iter().take(count).filter_map(hypothesis).collect();
     if hypotheses.is_empty() {
         return Err(EstimateError::NoGeometry);
     }
@@ -138,11 +139,11 @@ pub(in crate::estimate) fn refine(
     ranked: &Validated,
     clicks: [PointPair; 2],
     parameters: &Parameters,
-    monitor: &Monitor,
+    cancel: &CancelFlag,
 ) -> Result<FundamentalMatrix, EstimateError> {
-    let angles = refine_on_lines(source, &ranked.best, &clicks, parameters, monitor)?;
+    let angles = refine_on_lines(source, &ranked.best, &clicks, parameters, cancel)?;
     let refined = PencilPair::new(&angles, clicks).and_then(|pencils| pencils.fundamental());
-    Ok(refined.unwrap_or(*ranked.hypotheses[0].fundamental()))
+    Ok(refined.unwrap_or(ranked.hypotheses[0].0))
 }
 
 #[cfg(test)]
@@ -157,7 +158,7 @@ mod tests {
     fn compared(scene: &ExactScene, parameters: &Parameters) -> [ComparedPencils; 2] {
         let source = ExactSource(scene.fundamental());
         scene.clicks().map(|click| {
-            ComparedPencils::new(&source, &click, &parameters.pencils, &Monitor::silent()).unwrap()
+            ComparedPencils::new(&source, &click, &parameters.pencils, &CancelFlag::default()).unwrap()
         })
     }
 
@@ -171,20 +172,20 @@ mod tests {
     #[test]
     fn on_exact_lines_the_search_finds_the_geometry() {
         let scene = ExactScene::aside();
-        let (parameters, monitor) = (parameters(), Monitor::silent());
+        let (parameters, cancel) = (parameters(), CancelFlag::default());
         let source = ExactSource(scene.fundamental());
         let similarity = source.at(parameters.pencils.coarse_side);
         let pencils = compared(&scene, &parameters);
-        let drafts = propose(&similarity, pencils.each_ref(), None, &parameters, &monitor).unwrap();
+        let drafts = propose(&similarity, pencils.each_ref(), None, &parameters, &cancel).unwrap();
         assert!(drafts.is_sorted_by(|a, b| a.round_trip <= b.round_trip));
         assert!(drafts.len() > 5, "{} drafts", drafts.len());
-        let ranked = rank(&similarity, drafts, scene.clicks(), &parameters, &monitor).unwrap();
-        let scores: Vec<f64> = ranked.hypotheses.iter().filter_map(Estimate::line_score).collect();
+        let ranked = rank(&similarity, drafts, scene.clicks(), 60, &parameters, &cancel).unwrap();
+        let scores: Vec<f64> = ranked.hypotheses.iter().filter_map(|(_, lines)| lines.score).collect();
         assert!(scores.len() == ranked.hypotheses.len() && scores.is_sorted());
-        let error = scene.error(ranked.hypotheses[0].fundamental());
+        let error = scene.error(&ranked.hypotheses[0].0);
         // Lines of a pencil are 2 px of 192 apart at the far corner: up to 1.7 px of 320 off at each end.
         assert!(error < 3.0, "{error} px");
-        let refined = refine(&source, &ranked, scene.clicks(), &parameters, &monitor).unwrap();
+        let refined = refine(&source, &ranked, scene.clicks(), &parameters, &cancel).unwrap();
         let after = scene.error(&refined);
         assert!(after < 0.7 * error.max(0.3), "{error} px before, {after} px after");
         for click in scene.clicks() {
@@ -195,7 +196,7 @@ mod tests {
     #[test]
     fn a_third_pair_gives_kappa_both_ways() {
         let scene = ExactScene::aside();
-        let (parameters, monitor) = (parameters(), Monitor::silent());
+        let (parameters, cancel) = (parameters(), CancelFlag::default());
         let source = ExactSource(scene.fundamental());
         let similarity = source.at(parameters.pencils.coarse_side);
         let third = scene.seen(0.3, -0.5, 5.0);
@@ -205,7 +206,7 @@ mod tests {
         for (compared, angles) in pencils.iter_mut().zip([truth.p, truth.q]) {
             compared.candidates.insert(0, Candidate { angles, cost: 0.0 });
         }
-        let drafts = propose(&similarity, pencils.each_ref(), Some(&third), &parameters, &monitor).unwrap();
+        let drafts = propose(&similarity, pencils.each_ref(), Some(&third), &parameters, &cancel).unwrap();
         for draft in &drafts {
             assert_eq!(draft.angles.kappa.to_bits(), draft.kappa_backward.to_bits());
             assert!(draft.round_trip < 1e-9, "both maps are the same: {} px", draft.round_trip);

@@ -10,7 +10,8 @@ use rand_pcg::Pcg64Mcg;
 
 use super::score::line_scores;
 use super::{PencilAngles, PencilPair};
-use crate::estimate::{EstimateError, LineScore, Monitor, Parameters};
+use crate::cancel::CancelFlag;
+use crate::estimate::{EstimateError, LineScore, Parameters};
 use crate::geometry::PointPair;
 use crate::similarity::{ScaledSimilarity, SimilaritySource};
 
@@ -33,7 +34,7 @@ pub(super) fn refine_on_lines(
     start: &PencilAngles,
     clicks: &[PointPair; 2],
     parameters: &Parameters,
-    monitor: &Monitor,
+    cancel: &CancelFlag,
 ) -> Result<PencilAngles, EstimateError> {
     let mut best = *start;
     // Other numbers than those that drew the hypotheses.
@@ -44,7 +45,7 @@ pub(super) fn refine_on_lines(
         let level = source.at(side);
         if done != Some(level.scales) {
             done = Some(level.scales);
-            best = refine_at(&level, &best, clicks, parameters.validation.line_score, &mut rng, monitor)?;
+            best = refine_at(&level, &best, clicks, parameters.validation.line_score, &mut rng, cancel)?;
         }
         if side >= FINEST {
             return Ok(best);
@@ -59,15 +60,15 @@ fn refine_at(
     clicks: &[PointPair; 2],
     kind: LineScore,
     rng: &mut Pcg64Mcg,
-    monitor: &Monitor,
+    cancel: &CancelFlag,
 ) -> Result<PencilAngles, EstimateError> {
     let clicks = clicks.each_ref().map(|click| level.resized(click));
     // Infinite where the lines degenerate.
     let scores = |all: &[PencilAngles]| -> Result<Vec<f64>, EstimateError> {
         let pencils: Vec<_> = all.iter().map(|angles| PencilPair::new(angles, clicks)).collect();
         let valid: Vec<PencilPair> = pencils.iter().flatten().cloned().collect();
-        let scores = line_scores(&*level.lines, &valid, level.frames, LINES, kind, monitor);
-        monitor.check()?;
+        let scores = line_scores(&*level.lines, &valid, level.frames, LINES, kind, cancel);
+        cancel.check()?;
         let mut scores = scores.into_iter();
         let score = |valid: &Option<PencilPair>| valid.as_ref().and_then(|_| scores.next());
         Ok(pencils.iter().map(score).map(|score| score.unwrap_or(f64::INFINITY)).collect())
@@ -101,7 +102,6 @@ fn moved(angles: &PencilAngles, step: f64, rng: &mut Pcg64Mcg) -> PencilAngles {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cancel::CancelFlag;
     use crate::estimate::Preset;
     use crate::estimate::exact::{ExactScene, ExactSource};
 
@@ -119,7 +119,7 @@ mod tests {
             };
             let refine = |seed: u64| {
                 let parameters = Parameters { seed, ..Parameters::from(Preset::Paper) };
-                refine_on_lines(&source, &start, &clicks, &parameters, &Monitor::silent()).unwrap()
+                refine_on_lines(&source, &start, &clicks, &parameters, &CancelFlag::default()).unwrap()
             };
             for seed in [0, 1] {
                 let found = refine(seed);
@@ -129,11 +129,12 @@ mod tests {
             assert_ne!(refine(0), refine(1));
             // Nothing is better than the truth.
             let parameters = Parameters::from(Preset::Paper);
-            let stays = refine_on_lines(&source, &truth, &clicks, &parameters, &Monitor::silent()).unwrap();
+            let stays =
+                refine_on_lines(&source, &truth, &clicks, &parameters, &CancelFlag::default()).unwrap();
             assert!(error(&stays) < 0.1, "{} px", error(&stays));
             let flag = CancelFlag::default();
             flag.cancel();
-            let stopped = refine_on_lines(&source, &start, &clicks, &parameters, &Monitor::new(flag, |_| ()));
+            let stopped = refine_on_lines(&source, &start, &clicks, &parameters, &flag);
             assert_eq!(stopped, Err(EstimateError::Cancelled));
         }
     }

@@ -9,7 +9,8 @@
 use rayon::prelude::*;
 
 use super::pencil_pair::PencilPair;
-use crate::estimate::{LineScore, Monitor};
+use crate::cancel::CancelFlag;
+use crate::estimate::LineScore;
 use crate::geometry::{AnchoredLine, Frame};
 use crate::similarity::LineSimilarity;
 
@@ -31,11 +32,11 @@ pub(super) fn line_scores(
     frames: [Frame; 2],
     lines: usize,
     kind: LineScore,
-    monitor: &Monitor,
+    cancel: &CancelFlag,
 ) -> Vec<f64> {
     let outside = similarity.outside_cost();
     let mut scores = Vec::with_capacity(geometries.len());
-    for few in geometries.chunks(AT_ONCE).take_while(|_| !monitor.is_cancelled()) {
+    for few in geometries.chunks(AT_ONCE).take_while(|_| !cancel.is_cancelled()) {
         let spread: Vec<Vec<Weighed>> =
             few.par_iter().map(|pencils| spread(pencils, frames, lines, kind)).collect();
         let pairs: Vec<_> = spread.iter().flatten().map(|weighed| weighed.pair).collect();
@@ -106,7 +107,7 @@ mod tests {
     }
 
     fn scores(similarity: &dyn LineSimilarity, of: &[PencilPair], lines: usize, kind: LineScore) -> Vec<f64> {
-        line_scores(similarity, of, FRAMES, lines, kind, &Monitor::silent())
+        line_scores(similarity, of, FRAMES, lines, kind, &CancelFlag::default())
     }
 
     #[test]
@@ -185,7 +186,7 @@ mod tests {
         assert!(two.iter().all(|score| score.is_infinite()), "{two:?}");
         let flag = crate::cancel::CancelFlag::default();
         flag.cancel();
-        let stopped = Monitor::new(flag, |_| ());
+        let stopped = flag;
         assert_eq!(line_scores(&similarity, &all, FRAMES, LINES, LineScore::Cost, &stopped), [0.0; 0]);
     }
 

@@ -3,9 +3,9 @@
 use std::sync::OnceLock;
 
 use super::refinement::{Refined, RefinementLevel};
-use super::support::{FLOOR, Support, SupportLevel, SupportingMatch};
+use super::support::{FeatureSupport, Support, SupportLevel, SupportingMatch};
 use super::voting::KappaVoting;
-use crate::estimate::Monitor;
+use crate::cancel::CancelFlag;
 use crate::geometry::{FundamentalMatrix, Observation, PointPair};
 use crate::image::{PyramidPair, RelativeView, warps_around};
 
@@ -21,25 +21,6 @@ const FINE_CORNERS: usize = 1500;
 const VOTES_PER_CORNER: usize = 3;
 /// Longer sides of the levels `F` is refined at, px; the last one is full size.
 const REFINEMENT_SIDES: [f64; 2] = [800.0, f64::INFINITY];
-
-/// A match of covariant features that supports a geometry beside those of corners.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(in crate::estimate) struct FeatureSupport {
-    /// Full-size pixels.
-    pub pair: PointPair,
-    /// Standard deviation of a coordinate, px of image 1.
-    pub sigma: f64,
-    /// What it is worth, on the scale of correlations of patches.
-    pub correlation: f32,
-}
-
-impl FeatureSupport {
-    /// A match whose descriptors' distance is this share of that to the next best. What is as near to another place says
-    /// nothing, as a correlation at the floor; what is unique is worth a correlation of 1.
-    pub fn new(pair: PointPair, sigma: f64, ratio: f64) -> Self {
-        Self { pair, sigma, correlation: FLOOR + (1.0 - FLOOR) * (1.0 - ratio).clamp(0.0, 1.0) as f32 }
-    }
-}
 
 /// The patches of an image pair under a view, at all sizes, each made when it is first needed.
 #[derive(Debug)]
@@ -98,7 +79,7 @@ impl PatchLevels {
         f: &FundamentalMatrix,
         clicks: &[PointPair],
         click_sigma: f64,
-        monitor: &Monitor,
+        cancel: &CancelFlag,
     ) -> Option<Refined> {
         let clicks: Vec<Observation> =
             clicks.iter().map(|pair| Observation { pair: *pair, sigma: click_sigma }).collect();
@@ -110,7 +91,7 @@ impl PatchLevels {
                 break;
             }
             let start = refined.as_ref().map_or(*f, |r| r.fundamental);
-            match stage.refine(&level, self.view, &self.features, &start, &clicks, monitor) {
+            match stage.refine(&level, self.view, &self.features, &start, &clicks, cancel) {
                 Some(result) => refined = Some(result),
                 None => break,
             }

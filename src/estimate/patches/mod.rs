@@ -4,19 +4,24 @@
 //! Line similarity proposes (see [`super::lines`]), patches dispose.
 
 mod levels;
+mod plane;
 mod polish;
 mod rank;
 mod refinement;
 mod resampling;
 mod search;
 mod support;
+mod uncertainty;
 mod voting;
 
-pub use refinement::RefinedMatch;
+pub use refinement::{RefinedMatch, Refinement};
+pub use support::PatchSupport;
+pub use uncertainty::{EpipoleEllipse, Uncertainty};
 
-pub(super) use levels::{FeatureSupport, PatchLevels};
+pub(super) use levels::PatchLevels;
+pub(super) use plane::largest_plane;
 pub(super) use polish::LEAST_CLICK_SIGMA;
 pub(super) use rank::{different, hypotheses, rank, rank_fine};
 pub(super) use refinement::Refined;
-pub(super) use search::{Proposal, propose, unvalidated};
-pub(super) use support::{BAND, Support, SupportLevel};
+pub(super) use search::{Hypothesis, Proposal, propose};
+pub(super) use support::{BAND, FeatureSupport, Support, SupportLevel};

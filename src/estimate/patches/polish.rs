@@ -4,7 +4,8 @@ use rayon::prelude::*;
 
 use super::Proposal;
 use super::support::SupportLevel;
-use crate::estimate::{EstimateError, Monitor};
+use crate::cancel::CancelFlag;
+use crate::estimate::EstimateError;
 use crate::geometry::{FundamentalMatrix, Observation, PointPair, fit_fundamental};
 
 /// How the proposals of one level are polished.
@@ -36,7 +37,7 @@ pub(super) fn polish(
     how: &Polishing,
     clicks: &[PointPair],
     click_sigma: f64,
-    monitor: &Monitor,
+    cancel: &CancelFlag,
 ) -> Result<Vec<Proposal>, EstimateError> {
     let sigma = (click_sigma * level.scales[0]).max(LEAST_CLICK_SIGMA);
     let clicks: Vec<Observation> =
@@ -45,7 +46,7 @@ pub(super) fn polish(
         .par_iter()
         .take(how.count)
         .map(|start| {
-            if monitor.is_cancelled() {
+            if cancel.is_cancelled() {
                 return start.clone();
             }
             let fundamental = climb(level, &start.fundamental, how.bands, &clicks);
@@ -54,7 +55,7 @@ pub(super) fn polish(
             if is_better { Proposal { fundamental, support, ..start.clone() } } else { start.clone() }
         })
         .collect();
-    monitor.check()?;
+    cancel.check()?;
     Proposal::sort(&mut polished);
     polished.dedup_by(|b, a| (a.fundamental.matrix() - b.fundamental.matrix()).norm() < SAME);
     Ok(polished)
@@ -85,7 +86,6 @@ fn climb(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cancel::CancelFlag;
     use crate::estimate::exact::{ExactScene, rows};
     use crate::estimate::patches::support::Support;
 
@@ -107,7 +107,7 @@ mod tests {
         clicks: &[PointPair],
         click_sigma: f64,
     ) -> Vec<Proposal> {
-        polish(level, starts, &COARSE, clicks, click_sigma, &Monitor::silent()).unwrap()
+        polish(level, starts, &COARSE, clicks, click_sigma, &CancelFlag::default()).unwrap()
     }
 
     #[test]
@@ -140,7 +140,7 @@ mod tests {
         assert!(found[0].support.score > 10.0);
         assert_eq!(found[1].fundamental, hopeless.fundamental, "without matches it stays what it was");
         let first = Polishing { count: 1, ..COARSE };
-        let of_one = polish(&level, &starts, &first, &scene.clicks(), 1.0, &Monitor::silent()).unwrap();
+        let of_one = polish(&level, &starts, &first, &scene.clicks(), 1.0, &CancelFlag::default()).unwrap();
         assert_eq!(of_one.len(), 1);
     }
 
@@ -175,7 +175,7 @@ mod tests {
         let starts = [start(&scene, &level, scene.disturbed(0.5))];
         let flag = CancelFlag::default();
         flag.cancel();
-        let stopped = polish(&level, &starts, &COARSE, &[], 1.0, &Monitor::new(flag, |_| ()));
+        let stopped = polish(&level, &starts, &COARSE, &[], 1.0, &flag);
         assert_eq!(stopped.unwrap_err(), EstimateError::Cancelled);
     }
 }

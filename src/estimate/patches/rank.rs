@@ -2,12 +2,13 @@
 
 use rayon::prelude::*;
 
-use super::Proposal;
 use super::polish::{COARSE, FINE, polish};
 use super::resampling::{Drawing, resample};
 use super::support::{BAND, Support, SupportLevel};
+use super::{Hypothesis, Proposal};
+use crate::cancel::CancelFlag;
 use crate::estimate::lines::{LineExaminer, PencilAngles};
-use crate::estimate::{Assessment, Estimate, EstimateError, Monitor, Parameters};
+use crate::estimate::{EstimateError, Parameters};
 use crate::geometry::{PointPair, symmetric_epipolar_distance};
 
 /// Growth of the best support in a round of resampling below which it is the last one.
@@ -21,9 +22,9 @@ pub(in crate::estimate) fn rank(
     proposals: &[Proposal],
     clicks: &[PointPair],
     parameters: &Parameters,
-    monitor: &Monitor,
+    cancel: &CancelFlag,
 ) -> Result<Vec<Proposal>, EstimateError> {
-    let polished = polish(coarse, proposals, &COARSE, clicks, parameters.click_sigma, monitor)?;
+    let polished = polish(coarse, proposals, &COARSE, clicks, parameters.click_sigma, cancel)?;
     let ratios = [fine.scales[0] / coarse.scales[0], fine.scales[1] / coarse.scales[1]];
     let at_fine = |proposal: &Proposal| {
         let fundamental = proposal.fundamental.rescaled(ratios[0], ratios[1])?;
@@ -32,7 +33,7 @@ pub(in crate::estimate) fn rank(
     };
     let starts: Vec<Proposal> = polished.par_iter().filter_map(at_fine).collect();
     let proposed: Vec<Proposal> = proposals.par_iter().filter_map(at_fine).collect();
-    rank_fine(fine, starts, proposed, clicks, parameters, monitor)
+    rank_fine(fine, starts, proposed, clicks, parameters, cancel)
 }
 
 /// The starts polished, with what resampling the matches of the best adds, and what was proposed besides; best first. All
@@ -43,11 +44,11 @@ pub(in crate::estimate) fn rank_fine(
     proposed: Vec<Proposal>,
     clicks: &[PointPair],
     parameters: &Parameters,
-    monitor: &Monitor,
+    cancel: &CancelFlag,
 ) -> Result<Vec<Proposal>, EstimateError> {
     Proposal::sort(&mut starts);
     let polish_fine =
-        |starts: &[Proposal]| polish(fine, starts, &FINE, clicks, parameters.click_sigma, monitor);
+        |starts: &[Proposal]| polish(fine, starts, &FINE, clicks, parameters.click_sigma, cancel);
     let mut ranked = polish_fine(&starts)?;
     // The rest stay in the list as they are, and so does what was proposed: among them are the runners-up.
     ranked.extend(starts.drain(starts.len().min(FINE.count)..));
@@ -62,7 +63,7 @@ pub(in crate::estimate) fn rank_fine(
             // Rounds must not repeat each other, with any seed.
             seed: parameters.seed.wrapping_mul(64).wrapping_add(round),
         };
-        let polished = polish_fine(&resample(&fine.support, &ranked, &drawing, monitor)?)?;
+        let polished = polish_fine(&resample(&fine.support, &ranked, &drawing, cancel)?)?;
         let after = polished.first().map_or(0.0, |best| best.support.score);
         ranked.extend(polished);
         if after < SETTLED * before {
@@ -108,7 +109,7 @@ pub(in crate::estimate) fn hypotheses(
     examiner: &LineExaminer,
     proposals: &[Proposal],
     fine: &SupportLevel,
-) -> Vec<Estimate> {
+) -> Vec<Hypothesis> {
     let own = examiner.clicks.map(|click| click.rescaled(fine.scales));
     // κ where the scene is.
     let angles: Vec<PencilAngles> = proposals
@@ -124,9 +125,8 @@ pub(in crate::estimate) fn hypotheses(
         .iter()
         .zip(examiner.figures(&angles))
         .filter_map(|(proposal, lines)| {
-            let assessment =
-                Assessment { lines: Some(lines?), support: Some(proposal.support), ..Assessment::default() };
-            Some(Estimate { geometry: proposal.full_size(fine.scales)?.into(), assessment, trace: None })
+            let fundamental = proposal.full_size(fine.scales)?;
+            Some(Hypothesis { fundamental, lines: lines?, support: proposal.support })
         })
         .collect()
 }
@@ -200,9 +200,8 @@ mod tests {
         let near = scene.disturbed(2.0).rescaled(0.5, 0.5).unwrap();
         let proposals: Vec<Proposal> =
             [rows(0.0), near, rows(-7.0)].map(|f| proposal(&coarse.support, f)).into();
-        let monitor = Monitor::silent();
-        let ranked =
-            || super::rank(coarse, fine, &proposals, &scene.clicks(), &parameters, &monitor).unwrap();
+        let cancel = CancelFlag::default();
+        let ranked = || super::rank(coarse, fine, &proposals, &scene.clicks(), &parameters, &cancel).unwrap();
         let first = ranked();
         assert!(first.is_sorted_by(|a, b| a.support.score >= b.support.score));
         let error = scene.error(&first[0].fundamental);
@@ -215,14 +214,14 @@ mod tests {
     fn proposals_become_hypotheses_in_full_size_with_figures_of_their_lines() {
         let scene = ExactScene::aside();
         let fine = &levels(&scene)[0];
-        let (source, monitor) = (ExactSource(scene.fundamental()), Monitor::silent());
+        let (source, cancel) = (ExactSource(scene.fundamental()), CancelFlag::default());
         let similarity = source.at(192.0);
         let parameters: ValidationParameters = Parameters::from(Preset::Paper).validation;
         let examiner = LineExaminer {
             similarity: &similarity,
             clicks: scene.clicks(),
             parameters: &parameters,
-            monitor: &monitor,
+            cancel: &cancel,
         };
         let truth = scene.fundamental().rescaled(0.5, 0.5).unwrap();
         let wrong = scene.disturbed(6.0).rescaled(0.5, 0.5).unwrap();
@@ -230,12 +229,11 @@ mod tests {
             [wrong, truth].map(|f| Proposal { angles: scene.angles(), ..proposal(&fine.support, f) });
         let found = super::hypotheses(&examiner, &proposals, fine);
         assert_eq!(found.len(), 2);
-        assert!((found[1].fundamental().matrix() - scene.fundamental().matrix()).norm() < 1e-9);
+        assert!((found[1].fundamental.matrix() - scene.fundamental().matrix()).norm() < 1e-9);
         for (hypothesis, proposal) in found.iter().zip(&proposals) {
-            assert_eq!(hypothesis.assessment.support, Some(proposal.support));
-            assert!(hypothesis.trace.is_none() && hypothesis.assessment.trust.is_none());
+            assert_eq!(hypothesis.support, proposal.support);
         }
-        let scores: Vec<f64> = found.iter().filter_map(Estimate::line_score).collect();
+        let scores: Vec<f64> = found.iter().filter_map(|hypothesis| hypothesis.lines.score).collect();
         assert!(scores[1] < 1e-2 && scores[0] > 10.0 * scores[1], "{scores:?}");
     }
 }

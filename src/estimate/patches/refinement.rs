@@ -10,9 +10,9 @@ use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::levels::FeatureSupport;
-use super::support::{FLOOR, is_within};
-use crate::estimate::{Monitor, Refinement, Uncertainty};
+use super::support::{FLOOR, FeatureSupport, is_within};
+use super::uncertainty::Uncertainty;
+use crate::cancel::CancelFlag;
 use crate::geometry::{FundamentalMatrix, Observation, Point, PointPair, fit_fundamental, sampson_distance};
 use crate::image::{
     HALF, PairLevel, Patch, RelativeView, Warp, align, correlate_all, find_corners, patch, warps_around,
@@ -26,6 +26,15 @@ pub struct RefinedMatch {
     /// Correlation of its patches, −1 to 1; of features what their being alike, and like nothing else, is worth on that
     /// scale.
     pub correlation: f32,
+}
+
+/// What a geometry was refined on.
+#[derive(Debug, Clone)]
+pub struct Refinement {
+    /// Patches matched along the epipolar lines.
+    pub matches: Vec<RefinedMatch>,
+    /// How well they determine the geometry; `None` when they do not.
+    pub uncertainty: Option<Uncertainty>,
 }
 
 impl FeatureSupport {
@@ -117,7 +126,7 @@ impl RefinementLevel {
         features: &[FeatureSupport],
         f: &FundamentalMatrix,
         clicks: &[Observation],
-        monitor: &Monitor,
+        cancel: &CancelFlag,
     ) -> Option<Refined> {
         let [s1, s2] = level.scales;
         let mut current = f.rescaled(s1, s2)?;
@@ -126,7 +135,7 @@ impl RefinementLevel {
         let mut matches: Vec<(RefinedMatch, f64)> = Vec::new();
         let mut covariance = None;
         for band in BANDS {
-            if monitor.is_cancelled() {
+            if cancel.is_cancelled() {
                 return None;
             }
             let guided = self.guided_matches(level, self.features(level, view), &current, band);
@@ -264,7 +273,6 @@ impl RefinementLevel {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cancel::CancelFlag;
     use crate::estimate::exact::{ExactScene, FRAME};
     use crate::image::{GrayPlane, PyramidPair};
     use nalgebra::Matrix3;
@@ -277,7 +285,7 @@ mod tests {
     ) -> Option<Refined> {
         let clicks: Vec<_> = clicks.iter().map(|pair| Observation { pair: *pair, sigma: 1.0 }).collect();
         let (level, view) = (pyramids.level(side), RelativeView::UPRIGHT);
-        RefinementLevel::default().refine(&level, view, &[], f, &clicks, &Monitor::silent())
+        RefinementLevel::default().refine(&level, view, &[], f, &clicks, &CancelFlag::default())
     }
 
     #[test]
@@ -339,7 +347,7 @@ mod tests {
         let shared = RefinementLevel::default();
         let view = RelativeView::UPRIGHT;
         let run =
-            |f: &FundamentalMatrix| shared.refine(&level, view, &[], f, &[], &Monitor::silent()).unwrap();
+            |f: &FundamentalMatrix| shared.refine(&level, view, &[], f, &[], &CancelFlag::default()).unwrap();
         let start = scene.disturbed(0.5);
         let first = run(&start);
         run(&scene.disturbed(-1.0));
@@ -358,7 +366,7 @@ mod tests {
         let pyramids = PyramidPair::new(&plane1, &plane2, 48.0);
         let flag = CancelFlag::default();
         flag.cancel();
-        let stopped = Monitor::new(flag, |_| ());
+        let stopped = flag;
         let level = pyramids.level(f64::INFINITY);
         let (f, view) = (scene.fundamental(), RelativeView::UPRIGHT);
         assert!(RefinementLevel::default().refine(&level, view, &[], &f, &[], &stopped).is_none());

@@ -15,9 +15,10 @@ use rand_pcg::Pcg64Mcg;
 use rayon::prelude::*;
 
 use super::Proposal;
+use super::plane::largest_plane;
 use super::support::{BAND, Support};
-use crate::estimate::assess::largest_plane;
-use crate::estimate::{EstimateError, Monitor};
+use crate::cancel::CancelFlag;
+use crate::estimate::EstimateError;
 use crate::geometry::{FundamentalMatrix, PointPair, eight_point, transfer_error};
 
 /// Hypotheses whose matches are pooled.
@@ -53,7 +54,7 @@ pub(in crate::estimate) fn resample(
     support: &Support,
     best: &[Proposal],
     drawing: &Drawing,
-    monitor: &Monitor,
+    cancel: &CancelFlag,
 ) -> Result<Vec<Proposal>, EstimateError> {
     let Some(leader) = best.first() else { return Ok(Vec::new()) };
     let Drawing { clicks, parallax, seed } = *drawing;
@@ -70,7 +71,7 @@ pub(in crate::estimate) fn resample(
         let samples = SAMPLES as u64;
         let found: Vec<Proposal> = (0..samples)
             .into_par_iter()
-            .filter(|_| !monitor.is_cancelled())
+            .filter(|_| !cancel.is_cancelled())
             .filter_map(|k| {
                 let number = kind.wrapping_mul(samples).wrapping_add(k);
                 let mut rng = Pcg64Mcg::seed_from_u64(seed.wrapping_mul(samples * 16).wrapping_add(number));
@@ -92,7 +93,7 @@ pub(in crate::estimate) fn resample(
             found.extend(draw(1 + k as u64, &|rng| parallax.sample(rng)));
         }
     }
-    monitor.check()?;
+    cancel.check()?;
     Proposal::sort(&mut found);
     Ok(found)
 }
@@ -174,7 +175,6 @@ impl Parallax {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cancel::CancelFlag;
     use crate::estimate::exact::ExactScene;
     use crate::estimate::lines::PencilAngles;
     use crate::geometry::homography;
@@ -241,7 +241,7 @@ mod tests {
     }
 
     fn drawn(support: &Support, leader: &Proposal, drawing: &Drawing) -> Vec<Proposal> {
-        resample(support, std::slice::from_ref(leader), drawing, &Monitor::silent()).unwrap()
+        resample(support, std::slice::from_ref(leader), drawing, &CancelFlag::default()).unwrap()
     }
 
     #[test]
@@ -286,10 +286,10 @@ mod tests {
         };
         assert!(matrices(1) == matrices(1) && matrices(1) != matrices(2));
         let drawing = Drawing { clicks: &clicks, parallax: true, seed: 1 };
-        assert!(resample(&support, &[], &drawing, &Monitor::silent()).unwrap().is_empty());
+        assert!(resample(&support, &[], &drawing, &CancelFlag::default()).unwrap().is_empty());
         let flag = CancelFlag::default();
         flag.cancel();
-        let stopped = resample(&support, &[leader], &drawing, &Monitor::new(flag, |_| ()));
+        let stopped = resample(&support, &[leader], &drawing, &flag);
         assert_eq!(stopped.unwrap_err(), EstimateError::Cancelled);
     }
 }

@@ -9,11 +9,11 @@ use std::cmp::Ordering;
 
 use rayon::prelude::*;
 
-use super::support::{BAND, SupportLevel};
+use super::support::{BAND, PatchSupport, SupportLevel};
 use super::voting::{CandidateVotes, KappaVoting, VoteCount, VotedKappa};
-use crate::estimate::lines::{Candidate, PencilAngles, PencilPair, unvalidated_figures};
-use crate::estimate::result::REPORTED;
-use crate::estimate::{Assessment, Estimate, EstimateError, Monitor, PatchSupport};
+use crate::cancel::CancelFlag;
+use crate::estimate::EstimateError;
+use crate::estimate::lines::{Candidate, LineFigures, PencilAngles, PencilPair, unvalidated_figures};
 use crate::geometry::{FundamentalMatrix, PointPair};
 
 /// A hypothesis at one level.
@@ -24,6 +24,17 @@ pub(in crate::estimate) struct Proposal {
     /// The matrix, in pixels of the level.
     pub fundamental: FundamentalMatrix,
     /// What agrees with it at the level.
+    pub support: PatchSupport,
+}
+
+/// A proposal in full-size pixels.
+#[derive(Debug, Clone)]
+pub(in crate::estimate) struct Hypothesis {
+    /// The matrix.
+    pub fundamental: FundamentalMatrix,
+    /// What the lines say of it.
+    pub lines: LineFigures,
+    /// What agrees with it at the level it was proposed at.
     pub support: PatchSupport,
 }
 
@@ -46,6 +57,12 @@ impl Proposal {
         Some(Self { angles: PencilAngles::of(f, &clicks, turn)?, fundamental, support })
     }
 
+    /// Itself before its lines are compared. `clicks` are in full-size pixels, `scales` those of the level.
+    pub fn unvalidated(&self, scales: [f64; 2], clicks: [PointPair; 2]) -> Option<Hypothesis> {
+        let lines = unvalidated_figures(&self.angles, clicks)?;
+        Some(Hypothesis { fundamental: self.full_size(scales)?, lines, support: self.support })
+    }
+
     /// The matrix in full-size pixels.
     pub fn full_size(&self, scales: [f64; 2]) -> Option<FundamentalMatrix> {
         self.fundamental.rescaled(1.0 / scales[0], 1.0 / scales[1])
@@ -66,7 +83,7 @@ pub(in crate::estimate) fn propose(
     voting: &KappaVoting,
     drawn: &[(Candidate, Candidate)],
     clicks: &[PointPair; 2],
-    monitor: &Monitor,
+    cancel: &CancelFlag,
 ) -> Result<Vec<Proposal>, EstimateError> {
     let clicks = clicks.each_ref().map(|click| click.rescaled(coarse.scales));
     let [p, q] = &clicks;
@@ -82,14 +99,14 @@ pub(in crate::estimate) fn propose(
     let mut voted: Vec<VotedKappa> = drawn
         .par_iter()
         .map_init(VoteCount::default, |counting, (p, q)| {
-            if monitor.is_cancelled() {
+            if cancel.is_cancelled() {
                 return None;
             }
             Some(voting.count(votes_of(p, &votes_p), votes_of(q, &votes_q), BAND as f32, counting))
         })
         .flatten()
         .collect();
-    monitor.check()?;
+    cancel.check()?;
     voted.sort_by(|a, b| b.votes.total_cmp(&a.votes));
     voted.truncate(THINNING * EXACT);
     let mut proposals: Vec<Proposal> = thinned(&voted, EXACT)
@@ -103,7 +120,7 @@ pub(in crate::estimate) fn propose(
             })
         })
         .collect();
-    monitor.check()?;
+    cancel.check()?;
     Proposal::sort(&mut proposals);
     Ok(proposals)
 }
@@ -138,28 +155,9 @@ fn thinned(voted: &[VotedKappa], count: usize) -> Vec<VotedKappa> {
     kept
 }
 
-/// The best proposals in full-size pixels before their lines are compared, to draw at once. `clicks` are in full-size
-/// pixels, `scales` those of the level.
-pub(in crate::estimate) fn unvalidated(
-    proposals: &[Proposal],
-    scales: [f64; 2],
-    clicks: [PointPair; 2],
-) -> Vec<Estimate> {
-    let hypothesis = |proposal: &Proposal| {
-        let assessment = Assessment {
-            lines: Some(unvalidated_figures(&proposal.angles, clicks)?),
-            support: Some(proposal.support),
-            ..Assessment::default()
-        };
-        Some(Estimate { geometry: proposal.full_size(scales)?.into(), assessment, trace: None })
-    };
-    proposals.iter().take(REPORTED).filter_map(hypothesis).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cancel::CancelFlag;
     use crate::estimate::exact::ExactScene;
     use crate::estimate::patches::support::Support;
 
@@ -197,7 +195,7 @@ mod tests {
     }
 
     /// Exact matches at half size, and candidates among which the true directions are the last but one.
-    fn proposed(scene: &ExactScene, monitor: &Monitor) -> Result<Vec<Proposal>, EstimateError> {
+    fn proposed(scene: &ExactScene, cancel: &CancelFlag) -> Result<Vec<Proposal>, EstimateError> {
         let matches: Vec<_> = scene.pairs(60).iter().map(|m| (m.rescaled([0.5; 2]), 0.9)).collect();
         let coarse = SupportLevel { scales: [0.5; 2], support: Support::of_matches(&matches) };
         let voting = KappaVoting::new(&coarse.support, 3);
@@ -206,13 +204,13 @@ mod tests {
         let of = |angles: [f64; 2], turn: f64| Candidate { angles: [angles[0], angles[1] + turn], cost: 1.0 };
         let drawn: Vec<(Candidate, Candidate)> =
             turns.iter().flat_map(|a| turns.iter().map(|b| (of(truth.p, *a), of(truth.q, *b)))).collect();
-        propose(&coarse, &voting, &drawn, &scene.clicks(), monitor)
+        propose(&coarse, &voting, &drawn, &scene.clicks(), cancel)
     }
 
     #[test]
     fn the_combination_that_matches_support_comes_first() {
         for scene in [ExactScene::aside(), ExactScene::forward()] {
-            let found = proposed(&scene, &Monitor::silent()).unwrap();
+            let found = proposed(&scene, &CancelFlag::default()).unwrap();
             assert!(found.len() > 5 && found.is_sorted_by(|a, b| a.support.score >= b.support.score));
             let (best, truth) = (&found[0], scene.angles());
             assert_eq!((best.angles.p, best.angles.q), (truth.p, truth.q));
@@ -227,7 +225,7 @@ mod tests {
     fn a_stopped_search_proposes_nothing() {
         let flag = CancelFlag::default();
         flag.cancel();
-        let stopped = proposed(&ExactScene::aside(), &Monitor::new(flag, |_| ()));
+        let stopped = proposed(&ExactScene::aside(), &flag);
         assert_eq!(stopped.unwrap_err(), EstimateError::Cancelled);
     }
 }

@@ -7,15 +7,24 @@
 
 use rayon::prelude::*;
 
-use crate::estimate::PatchSupport;
 use crate::geometry::{FundamentalMatrix, Line, Point, PointPair};
 use crate::image::{GrayPlane, HALF, Patch, Warp, correlate_all, find_corners, patch};
+use serde::Serialize;
 
 /// How far a supporting corner may be from the epipolar line of its partner, px of the level: corners are found to a
 /// pixel in each image, and the geometry is not refined yet.
 pub(in crate::estimate) const BAND: f64 = 2.0;
 /// Correlations below this say nothing.
 pub(super) const FLOOR: f32 = 0.6;
+
+/// Patches that agree with a geometry.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+pub struct PatchSupport {
+    /// Mutual best matches along the epipolar lines.
+    pub matches: usize,
+    /// Sum over them of the correlation in excess of 0.6.
+    pub score: f64,
+}
 
 /// Patch support at one size of the images.
 #[derive(Debug)]
@@ -71,6 +80,25 @@ pub(in crate::estimate) struct Putative {
 pub(in crate::estimate) struct SupportingMatch {
     pub pair: PointPair,
     pub correlation: f32,
+}
+
+/// A match of covariant features that supports a geometry beside those of corners.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(in crate::estimate) struct FeatureSupport {
+    /// Full-size pixels.
+    pub pair: PointPair,
+    /// Standard deviation of a coordinate, px of image 1.
+    pub sigma: f64,
+    /// What it is worth, on the scale of correlations of patches.
+    pub correlation: f32,
+}
+
+impl FeatureSupport {
+    /// A match whose descriptors' distance is this share of that to the next best. What is as near to another place says
+    /// nothing, as a correlation at the floor; what is unique is worth a correlation of 1.
+    pub fn new(pair: PointPair, sigma: f64, ratio: f64) -> Self {
+        Self { pair, sigma, correlation: FLOOR + (1.0 - FLOOR) * (1.0 - ratio).clamp(0.0, 1.0) as f32 }
+    }
 }
 
 impl Support {

@@ -1,0 +1,36 @@
+//! The steps of the algorithm, by which it reports, counts time and groups its parameters.
+
+use serde::Serialize;
+
+/// The steps of the algorithm in their order.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Stage {
+    /// Grey pyramids of both images.
+    Pyramid,
+    /// Lines through the clicks and their similarity matrices.
+    Pencils,
+    /// Epipole hypotheses from candidate pairs, with the forward and backward maps.
+    Hypotheses,
+    /// Full validation of the best ones.
+    Validation,
+    /// Local refinement, coarse to fine.
+    Refinement,
+}
+
+impl Stage {
+    /// All stages in order.
+    pub const ALL: [Self; 5] =
+        [Self::Pyramid, Self::Pencils, Self::Hypotheses, Self::Validation, Self::Refinement];
+
+    /// What the user reads while it runs.
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::Pyramid => "Image pyramid",
+            Self::Pencils => "Line pencils",
+            Self::Hypotheses => "Epipole hypotheses",
+            Self::Validation => "Validation",
+            Self::Refinement => "Refinement",
+        }
+    }
+}
