@@ -1,10 +1,10 @@
-//! Square patches: normalised correlation and sub-pixel alignment.
+//! Square patches and their normalised correlation.
 
 use multiversion::multiversion;
-use nalgebra::{Matrix2, SMatrix, SVector};
+use nalgebra::Matrix2;
 
 use super::GrayPlane;
-use crate::geometry::{Point, Vector};
+use crate::geometry::Point;
 
 /// Half width of a patch: 11×11 pixels.
 pub(crate) const HALF: usize = 5;
@@ -83,12 +83,6 @@ pub(crate) fn patch(plane: &GrayPlane, centre: Point, warp: &Warp) -> Option<Pat
     (norm > 1e-3).then_some(patch)
 }
 
-/// Offsets of a patch's pixels from its centre, row by row.
-fn offsets() -> impl Iterator<Item = Vector> {
-    let half = HALF as i32;
-    (-half..=half).flat_map(move |y| (-half..=half).map(move |x| Vector::new(f64::from(x), f64::from(y))))
-}
-
 /// Correlations, −1 to 1, of each of a few normalised patches with many: those of the first patch, then those of
 /// the second, and so on. The few stay in the first-level cache while the many pass by once.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx2", "x86_64+avx2", "aarch64+neon"))]
@@ -109,55 +103,6 @@ pub(crate) fn correlate_all(few: &[Patch], many: &[Patch], out: &mut Vec<f32>) {
     }
 }
 
-/// The position in the second plane near `start2` whose surroundings, under a warp that is adjusted too, fit
-/// those of `point1` in the first plane best: least squares over six affine numbers, gain and offset (Lucas &
-/// Kanade 1981; Baker & Matthews 2004). `None` when it does not settle within 1.5 px of the start.
-pub(crate) fn align(
-    planes: [&GrayPlane; 2],
-    point1: Point,
-    start2: Point,
-    warp: &Warp,
-) -> Option<(Point, Warp)> {
-    let reference: Vec<f64> = offsets().map(|offset| f64::from(planes[0].sample(point1 + offset))).collect();
-    let (mut at, mut warp) = (start2, *warp);
-    for _ in 0..ITERATIONS {
-        let mut normal = SMatrix::<f64, 8, 8>::zeros();
-        let mut right = SVector::<f64, 8>::zeros();
-        for (offset, reference) in offsets().zip(&reference) {
-            let p = at + warp * offset;
-            let value = |dx: f64, dy: f64| f64::from(planes[1].sample(Point::new(p.x + dx, p.y + dy)));
-            let (gx, gy) =
-                (0.5 * (value(1.0, 0.0) - value(-1.0, 0.0)), 0.5 * (value(0.0, 1.0) - value(0.0, -1.0)));
-            // gain·I1 + offset − ∇I2·(shift + ΔW·offset) = I2, the warp in units of the half width.
-            let (x, y) = (offset.x / HALF as f64, offset.y / HALF as f64);
-            let row =
-                SVector::<f64, 8>::from([-gx, -gy, -gx * x, -gx * y, -gy * x, -gy * y, *reference, 1.0]);
-            normal += row * row.transpose();
-            right += row * value(0.0, 0.0);
-        }
-        // A little damping of the warp keeps patches with one direction of texture from sliding.
-        for k in 2..6 {
-            normal[(k, k)] += WARP_DAMPING;
-        }
-        let solution = normal.cholesky()?.solve(&right);
-        let step = Vector::new(solution[0], solution[1]);
-        at += step;
-        warp += Warp::new(solution[2], solution[3], solution[4], solution[5]) / HALF as f64;
-        if !step.norm().is_finite() || (at - start2).norm() > 1.5 || !(0.2..4.0).contains(&warp.determinant())
-        {
-            return None;
-        }
-        if step.norm() < 0.01 {
-            return Some((at, warp));
-        }
-    }
-    None
-}
-
-/// Squared grey levels: about the texture of one grey level a pixel over a whole patch.
-const WARP_DAMPING: f64 = 500.0;
-const ITERATIONS: usize = 10;
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -165,34 +110,6 @@ mod tests {
 
     fn texture(x: f64, y: f64) -> f32 {
         (120.0 + 50.0 * (0.41 * x).sin() * (0.37 * y).cos() + 30.0 * (0.23 * x + 0.31 * y).sin()) as f32
-    }
-
-    #[test]
-    fn alignment_finds_a_fraction_of_a_pixel_under_a_change_of_brightness() {
-        let frame = Frame::new(60, 60);
-        let plane1 = GrayPlane::from_fn(frame, |x, y| texture(x as f64, y as f64));
-        let (dx, dy) = (0.37, -0.61);
-        let plane2 = GrayPlane::from_fn(frame, |x, y| 0.8 * texture(x as f64 - dx, y as f64 - dy) + 12.0);
-        let corner = Point::new(30.0, 28.0);
-        let (found, _) = align([&plane1, &plane2], corner, corner, &Warp::identity()).unwrap();
-        assert!((found - Point::new(30.0 + dx, 28.0 + dy)).norm() < 0.03, "{found}");
-    }
-
-    #[test]
-    fn alignment_follows_a_turned_and_scaled_surface() {
-        let frame = Frame::new(80, 80);
-        let truth = Warp::new(1.1, -0.25, 0.2, 1.15);
-        let (from, to) = (Point::new(40.0, 38.0), Point::new(41.3, 39.6));
-        let plane1 = GrayPlane::from_fn(frame, |x, y| texture(x as f64, y as f64));
-        let inverse = truth.try_inverse().unwrap();
-        let plane2 = GrayPlane::from_fn(frame, |x, y| {
-            let p = from + inverse * (Point::new(x as f64, y as f64) - to);
-            texture(p.x, p.y)
-        });
-        let nearest = Warp::new(0.95, -0.3, 0.3, 0.95);
-        let (found, warp) = align([&plane1, &plane2], from, Point::new(41.0, 40.0), &nearest).unwrap();
-        assert!((found - to).norm() < 0.03, "{found}");
-        assert!((warp - truth).norm() < 0.05, "{warp}");
     }
 
     #[test]
@@ -207,7 +124,5 @@ mod tests {
         correlate_all(&[a], &[b, a], &mut found);
         assert!(found.iter().all(|c| (c - 1.0).abs() < 1e-4));
         assert!(patch(&GrayPlane::from_fn(frame, |_, _| 5.0), at, &Warp::identity()).is_none());
-        let flat = GrayPlane::from_fn(frame, |_, _| 5.0);
-        assert!(align([&flat, &flat], at, at, &Warp::identity()).is_none());
     }
 }

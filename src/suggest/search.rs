@@ -2,12 +2,12 @@
 
 use rayon::prelude::*;
 
-use super::alignment::{Aligner, Placement};
+use super::alignment::Aligner;
 use super::correlation::{Region, Windows};
 use super::template::{Pose, Template};
 use crate::estimate::PreparedPair;
 use crate::geometry::{Line, Point, rescaled};
-use crate::image::GrayPlane;
+use crate::image::{GrayPlane, Placement};
 
 /// Longer sides of the levels candidates are compared at, px; with halved levels they are from 1/√2 to √2 times
 /// that. A patch of fixed size shows some 6 %, 3 % and 1.5 % of the image: the surroundings tell repeated things

@@ -15,7 +15,8 @@ use super::uncertainty::Uncertainty;
 use crate::cancel::CancelFlag;
 use crate::geometry::{FundamentalMatrix, Observation, Point, PointPair, fit_fundamental, sampson_distance};
 use crate::image::{
-    HALF, PairLevel, Patch, RelativeView, Warp, align, correlate_all, find_corners, patch, warps_around,
+    Alignment, HALF, PairLevel, Patch, Placement, RelativeView, Warp, align, correlate_all, find_corners,
+    patch, warps_around,
 };
 
 /// A match found along the epipolar lines, full-size pixels.
@@ -255,8 +256,9 @@ impl RefinementLevel {
             .map(|(alike, _)| {
                 let a = &features1[alike.feature1 as usize];
                 let b = &features2[alike.feature2 as usize];
-                let found = align(level.planes, a.point, b.point, &b.warps[alike.warp as usize]);
-                (*alike, found.map(|(point2, _)| point2))
+                let start = Placement { at: b.point, affine: b.warps[alike.warp as usize] };
+                let found = align(level.planes, a.point, start, &Alignment::STRICT);
+                (*alike, found.map(|placement| placement.at))
             })
             .collect();
         let mut known = self.known();
