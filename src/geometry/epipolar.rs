@@ -1,6 +1,6 @@
 //! The epipolar geometry of two images: F with its epipoles.
 
-use super::{FundamentalMatrix, HomogeneousPoint};
+use super::{Frame, FundamentalMatrix, HomogeneousPoint, finite_point};
 
 /// A fundamental matrix and its epipoles, computed once. It says nothing of how it came about.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -30,5 +30,31 @@ impl EpipolarGeometry {
 impl From<FundamentalMatrix> for EpipolarGeometry {
     fn from(fundamental: FundamentalMatrix) -> Self {
         Self { fundamental, epipole1: fundamental.epipole1(), epipole2: fundamental.epipole2() }
+    }
+}
+
+/// Where an epipole is: a position, or a direction when it is infinitely far.
+pub fn place_in_words(epipole: &HomogeneousPoint, frame: Frame) -> String {
+    if let Some(p) = finite_point(epipole) {
+        let side = if frame.contains(p) { "inside" } else { "outside" };
+        format!("({:.2}, {:.2}) px, {side} the image", p.x, p.y)
+    } else {
+        let angle = epipole.y.atan2(epipole.x).to_degrees().rem_euclid(180.0);
+        format!("infinitely far, lines run at {angle:.2}° to the x axis (y is down)")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn epipoles_are_places_or_directions() {
+        let frame = Frame::new(100, 50);
+        let told = |x, y, z| place_in_words(&HomogeneousPoint::new(x, y, z), frame);
+        assert_eq!(told(20.0, 10.0, 2.0), "(10.00, 5.00) px, inside the image");
+        assert_eq!(told(-1000.0, 10.0, 1.0), "(-1000.00, 10.00) px, outside the image");
+        assert!(told(-1.0, 0.0, 0.0).contains("0.00° to the x axis"));
+        assert!(told(0.0, -1.0, 0.0).contains("90.00°"));
     }
 }

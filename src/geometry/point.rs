@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-use super::{Frame, Point};
+use super::Point;
 
 /// A point of the projective plane as a homogeneous triple, defined up to scale.
 ///
@@ -55,17 +55,6 @@ pub fn finite_point(p: &HomogeneousPoint) -> Option<Point> {
     (p.z.abs() * 1e9 > scale).then(|| Point::new(p.x / p.z, p.y / p.z))
 }
 
-/// Where an epipole is: a position, or a direction when it is infinitely far.
-pub fn place_in_words(epipole: &HomogeneousPoint, frame: Frame) -> String {
-    if let Some(p) = finite_point(epipole) {
-        let side = if frame.contains(p) { "inside" } else { "outside" };
-        format!("({:.2}, {:.2}) px, {side} the image", p.x, p.y)
-    } else {
-        let angle = epipole.y.atan2(epipole.x).to_degrees().rem_euclid(180.0);
-        format!("infinitely far, lines run at {angle:.2}° to the x axis (y is down)")
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -76,14 +65,5 @@ mod tests {
         assert!(finite_point(&HomogeneousPoint::new(0.0, 0.0, 0.0)).is_none());
         let p = finite_point(&HomogeneousPoint::new(-4.0, 2.0, -2.0));
         assert_eq!(p, Some(Point::new(2.0, -1.0)));
-    }
-    #[test]
-    fn epipoles_are_places_or_directions() {
-        let frame = Frame::new(100, 50);
-        let told = |x, y, z| place_in_words(&HomogeneousPoint::new(x, y, z), frame);
-        assert_eq!(told(20.0, 10.0, 2.0), "(10.00, 5.00) px, inside the image");
-        assert_eq!(told(-1000.0, 10.0, 1.0), "(-1000.00, 10.00) px, outside the image");
-        assert!(told(-1.0, 0.0, 0.0).contains("0.00° to the x axis"));
-        assert!(told(0.0, -1.0, 0.0).contains("90.00°"));
     }
 }
