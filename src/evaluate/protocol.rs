@@ -10,7 +10,6 @@ use std::f64::consts::TAU;
 use rand::{Rng, RngExt};
 use serde::{Deserialize, Serialize};
 
-use super::Scene;
 use super::random::{Purpose, generator};
 use crate::geometry::{Frame, FundamentalMatrix, Point, PointPair};
 
@@ -97,6 +96,23 @@ impl Protocol {
     }
 }
 
+/// How trials are drawn and run.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Plan {
+    /// How clicks are chosen.
+    pub protocol: Protocol,
+    /// Trials a pair.
+    pub trials: usize,
+    /// Standard deviation of the click noise in each coordinate, px.
+    pub noise: f64,
+    /// Seed of the draws.
+    pub seed: u64,
+    /// Trials that run at the same time.
+    pub trials_at_once: usize,
+    /// Threads of each. Separate pools keep the time of one trial free of work for another.
+    pub threads_per_trial: usize,
+}
+
 /// Whether two matches are at least the spacing apart in both images.
 fn apart(p: &PointPair, q: &PointPair) -> bool {
     (p.point1 - q.point1).norm() >= SPACING && (p.point2 - q.point2).norm() >= SPACING
@@ -136,13 +152,9 @@ pub struct Draws<'a> {
 }
 
 impl<'a> Draws<'a> {
-    /// Chooses the matches of up to `trials` trials; fewer when there are not enough combinations.
-    pub fn new(scene: &'a Scene, protocol: Protocol, trials: usize, noise: f64, seed: u64) -> Self {
-        Self::among(scene.known(), protocol, trials, noise, seed)
-    }
-
-    /// [`Draws::new`] where there is no scene. Takes time and memory in the square of the number of matches.
-    pub fn among(known: KnownPair<'a>, protocol: Protocol, trials: usize, noise: f64, seed: u64) -> Self {
+    /// Chooses the matches of up to `trials` trials; fewer when there are not enough combinations. Takes time and memory
+    /// in the square of the number of matches.
+    pub fn new(known: KnownPair<'a>, protocol: Protocol, trials: usize, noise: f64, seed: u64) -> Self {
         let matches = known.matches;
         let visible: Vec<_> = (0..matches.len()).filter(|k| known.shows(&matches[*k])).collect();
         let mut firsts: Vec<[usize; 2]> = visible
@@ -227,6 +239,7 @@ fn disturbed(point: Point, sigma: f64, frame: Frame, random: &mut impl Rng) -> P
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::evaluate::Scene;
     use crate::evaluate::scene::tests::example_scene;
 
     const BOTH: [Protocol; 2] = [Protocol::Paper, Protocol::WellPosed];
@@ -235,7 +248,7 @@ mod tests {
     fn spacing_rules_hold_for_all_clicks() {
         let scene = example_scene("scene", 60);
         for protocol in BOTH {
-            let draws = Draws::new(&scene, protocol, 200, 0.0, 7);
+            let draws = Draws::new(scene.known(), protocol, 200, 0.0, 7);
             assert!(draws.trials() >= 50, "{}", draws.trials());
             for trial in 0..draws.trials() {
                 let clicks = draws.clicks(trial, &draws.matches(trial, 3).unwrap());
@@ -259,8 +272,8 @@ mod tests {
     fn trials_do_not_depend_on_their_number_or_on_further_clicks() {
         let scene = example_scene("scene", 40);
         for noise in [0.0, 1.5] {
-            let few = Draws::new(&scene, Protocol::Paper, 5, noise, 3);
-            let many = Draws::new(&scene, Protocol::Paper, 50, noise, 3);
+            let few = Draws::new(scene.known(), Protocol::Paper, 5, noise, 3);
+            let many = Draws::new(scene.known(), Protocol::Paper, 50, noise, 3);
             for trial in (0..5).rev() {
                 let two = few.matches(trial, 2).unwrap();
                 let three = many.matches(trial, 3).unwrap();
@@ -273,7 +286,7 @@ mod tests {
     #[test]
     fn trials_are_all_different_and_follow_seed_and_name() {
         let scene = example_scene("scene", 40);
-        let draw = |scene: &Scene, seed| Draws::new(scene, Protocol::Paper, 30, 0.0, seed).firsts;
+        let draw = |scene: &Scene, seed| Draws::new(scene.known(), Protocol::Paper, 30, 0.0, seed).firsts;
         let first = draw(&scene, 1);
         let mut distinct = first.clone();
         distinct.sort_unstable();
@@ -288,19 +301,19 @@ mod tests {
     fn no_more_trials_than_combinations_and_no_third_where_there_is_none() {
         let mut scene = example_scene("scene", 60);
         scene.matches.truncate(2);
-        let draws = Draws::new(&scene, Protocol::Paper, 10, 0.0, 0);
+        let draws = Draws::new(scene.known(), Protocol::Paper, 10, 0.0, 0);
         assert_eq!(draws.trials(), 1);
         assert_eq!(draws.matches(0, 3), None);
         assert_eq!(draws.matches(1, 2), None);
         scene.matches.truncate(1);
-        assert_eq!(Draws::new(&scene, Protocol::Paper, 10, 0.0, 0).trials(), 0);
+        assert_eq!(Draws::new(scene.known(), Protocol::Paper, 10, 0.0, 0).trials(), 0);
     }
 
     #[test]
     fn a_wrong_click_is_on_another_match_and_nothing_else_changes() {
         let scene = example_scene("scene", 60);
-        let right = Draws::new(&scene, Protocol::WellPosed, 40, 0.0, 5);
-        let wrong = Draws::new(&scene, Protocol::WrongClick, 40, 0.0, 5);
+        let right = Draws::new(scene.known(), Protocol::WellPosed, 40, 0.0, 5);
+        let wrong = Draws::new(scene.known(), Protocol::WrongClick, 40, 0.0, 5);
         assert!(right.trials() >= 20 && right.trials() == wrong.trials());
         for trial in 0..right.trials() {
             let matches = right.matches(trial, 3).unwrap();
@@ -315,7 +328,7 @@ mod tests {
     #[test]
     fn noise_has_the_asked_size_and_stays_inside() {
         let scene = example_scene("scene", 60);
-        let draws = Draws::new(&scene, Protocol::Paper, 400, 2.0, 11);
+        let draws = Draws::new(scene.known(), Protocol::Paper, 400, 2.0, 11);
         let mut squares = Vec::new();
         for trial in 0..draws.trials() {
             let matches = draws.matches(trial, 2).unwrap();
@@ -330,7 +343,7 @@ mod tests {
         // 3,200 numbers give σ to about 1.3 %; clamping at the border takes a little away.
         assert!((sigma - 2.0).abs() < 0.15, "{sigma}");
 
-        let wild = Draws::new(&scene, Protocol::Paper, 50, 5000.0, 11);
+        let wild = Draws::new(scene.known(), Protocol::Paper, 50, 5000.0, 11);
         for trial in 0..wild.trials() {
             assert!(
                 wild.clicks(trial, &wild.matches(trial, 2).unwrap()).iter().all(|c| scene.known().shows(c))

@@ -4,31 +4,13 @@ use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
-use serde::Serialize;
 use serde_json::json;
 
 use super::ranking::SearchRecord;
 use super::report::{Overall, Record, Report, Settings, TrialRecord};
 use super::statistics::{mean, median};
-use super::{Contender, Draws, EvaluateError, Outcome, Protocol, Scene};
+use super::{Contender, Draws, EvaluateError, Outcome, Plan, Scene};
 use crate::estimate::CancelFlag;
-
-/// How trials are drawn and run.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Plan {
-    /// How clicks are chosen.
-    pub protocol: Protocol,
-    /// Trials a pair.
-    pub trials: usize,
-    /// Standard deviation of the click noise in each coordinate, px.
-    pub noise: f64,
-    /// Seed of the draws.
-    pub seed: u64,
-    /// Trials that run at the same time.
-    pub trials_at_once: usize,
-    /// Threads of each. Separate pools keep the time of one trial free of work for another.
-    pub threads_per_trial: usize,
-}
 
 /// News of a finished trial.
 #[derive(Debug, Clone, PartialEq)]
@@ -65,8 +47,10 @@ pub fn run(
     progress: &(dyn Fn(&TrialDone) + Sync),
     stop: &CancelFlag,
 ) -> Result<Report, EvaluateError> {
-    let draws: Vec<_> =
-        scenes.iter().map(|s| Draws::new(s, plan.protocol, plan.trials, plan.noise, plan.seed)).collect();
+    let draws: Vec<_> = scenes
+        .iter()
+        .map(|s| Draws::new(s.known(), plan.protocol, plan.trials, plan.noise, plan.seed))
+        .collect();
     let (jobs, mut notes) = plan_jobs(scenes, contenders, plan, &draws);
     let finished = run_jobs(scenes, contenders, plan, &draws, &jobs, progress, stop)?;
     let trials_made = finished.len();
@@ -232,6 +216,7 @@ fn run_trial(scene: &Scene, contender: &dyn Contender, draws: &Draws, job: &Tria
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::evaluate::Protocol;
     use crate::evaluate::scene::tests::example_scene;
     use crate::geometry::PointPair;
 

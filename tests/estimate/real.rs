@@ -20,7 +20,7 @@ fn errors(scenes: &[Scene], trials: usize, noise: f64) -> Vec<f64> {
     let mut all = Vec::new();
     for scene in scenes {
         let prepared = PreparedPair::new(&scene.images[0], &scene.images[1]);
-        let draws = Draws::new(scene, Protocol::WellPosed, trials, noise, 5);
+        let draws = Draws::new(scene.known(), Protocol::WellPosed, trials, noise, 5);
         let errors: Vec<f64> = (0..trials)
             .map(|trial| {
                 let clicks = draws.clicks(trial, &draws.matches(trial, 2).unwrap());

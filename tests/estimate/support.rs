@@ -60,7 +60,7 @@ impl Known {
     /// `trials` times two (or three) true matches that hold the geometry well apart: each of the first two at
     /// least 12 % of the image off the other's epipolar line.
     pub fn well_posed(&self, trials: usize, count: usize) -> Vec<Vec<PointPair>> {
-        let draws = Draws::new(&self.scene, Protocol::WellPosed, trials, 0.0, 1);
+        let draws = Draws::new(self.scene.known(), Protocol::WellPosed, trials, 0.0, 1);
         assert_eq!(draws.trials(), trials, "the sample has so many well-posed pairs");
         (0..trials).map(|t| draws.clicks(t, &draws.matches(t, count).expect("a further match"))).collect()
     }

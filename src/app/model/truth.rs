@@ -44,7 +44,7 @@ impl KnownTruth {
         let all = &self.truth.matches;
         let some: Vec<PointPair> =
             all.iter().step_by(all.len().div_ceil(DRAWN_FROM).max(1)).copied().collect();
-        let draws = Draws::among(self.pair(frames, &some), protocol, 1, 0.0, seed);
+        let draws = Draws::new(self.pair(frames, &some), protocol, 1, 0.0, seed);
         Some(draws.clicks(0, &draws.matches(0, count)?))
     }
 }
