@@ -3,8 +3,8 @@
 use nalgebra::{Matrix3, Matrix3x4};
 use serde_json::{Map, Value};
 
+use super::content::{BareNumbers, GeometryFile, ImageNote, Problem};
 use super::quantity::Quantity;
-use super::{BareNumbers, GeometryFile, ImageNote, Problem};
 use crate::geometry::{Camera, FundamentalMatrix, PointPair};
 
 /// Numbers in rows and columns. Every row is full, and every number finite.

@@ -15,6 +15,7 @@
 //! Pitfall: a reader knows the convention of a format, not what somebody did before writing a file. Whether a
 //! matrix means what its format says is for [`crate::convention`] to find out, with matches.
 
+mod content;
 mod coordinates;
 mod fields;
 mod format;
@@ -29,53 +30,18 @@ mod text;
 
 use std::path::Path;
 
-use nalgebra::Matrix3;
-use serde::{Deserialize, Serialize};
-
+use self::content::BareNumbers;
 use self::coordinates::WrittenGeometry;
 use self::fields::Fields;
 use super::number::rows;
 use super::output::{OutputFile, WriteError};
 use super::read::{ReadError, read_text};
-use crate::geometry::{Camera, Frame, FundamentalMatrix, PointPair};
+use crate::geometry::{FundamentalMatrix, PointPair};
 
+pub use self::content::{GeometryFile, ImageNote, Problem};
 pub use self::format::Format;
 
-/// The name and the size of an image.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub struct ImageNote {
-    /// File name, without folders.
-    pub name: String,
-    /// Width and height, px.
-    #[serde(flatten)]
-    pub frame: Frame,
-}
-
-/// What such a file holds, in the convention of this program: `x2ᵀ F x1 = 0`, the centre of the upper left pixel
-/// is (0, 0). Every part may be missing; all numbers are finite.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct GeometryFile {
-    /// `F`.
-    pub fundamental: Option<FundamentalMatrix>,
-    /// The projection matrices `P1` and `P2`; they imply an `F` where none is given.
-    pub cameras: Option<[Camera; 2]>,
-    /// `rectified ∝ H original`, for image 1 and image 2, both in pixels.
-    pub homographies: Option<[Matrix3<f64>; 2]>,
-    /// Points of the same scene point, px.
-    pub pairs: Vec<PointPair>,
-    /// The two images.
-    pub images: Option<[ImageNote; 2]>,
-}
-
 impl GeometryFile {
-    /// `F`, of the cameras where there is no other.
-    pub fn geometry(&self) -> Option<FundamentalMatrix> {
-        self.fundamental.or_else(|| {
-            let [camera1, camera2] = self.cameras.as_ref()?;
-            Camera::fundamental(camera1, camera2)
-        })
-    }
-
     /// The whole content of a file.
     pub fn to_text(&self, format: Format) -> String {
         let written = WrittenGeometry::new(self, format);
@@ -143,13 +109,6 @@ impl GeometryFile {
 /// What to do with a script, which only MATLAB can evaluate.
 const MATLAB_SCRIPT: &str = "this is a MATLAB script, which is written but not read: save the numbers as text, writematrix(F, 'F.txt', 'Delimiter', ' ')";
 
-/// What somebody expects of bare numbers.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum BareNumbers {
-    Anything,
-    Geometry,
-}
-
 /// Reads `F` from a file of any [`Format`], of its two cameras if there is no other; or from nine bare numbers
 /// row by row, or six rows of four (two cameras).
 pub fn read_fundamental(path: &Path) -> Result<FundamentalMatrix, ReadError> {
@@ -167,24 +126,4 @@ pub fn read_point_pairs(path: &Path) -> Result<Vec<PointPair>, ReadError> {
         other => other?,
     };
     if file.pairs.is_empty() { Err(none()) } else { Ok(file.pairs) }
-}
-
-/// What is wrong with the content of a file, one clause.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("{problem}")]
-pub struct Problem {
-    /// Number of the line, from 1, where there is one to name.
-    pub line: Option<usize>,
-    /// What was expected and what was found.
-    pub problem: String,
-}
-
-impl Problem {
-    fn whole(problem: impl Into<String>) -> Self {
-        Self { line: None, problem: problem.into() }
-    }
-
-    fn at(line: usize, problem: impl Into<String>) -> Self {
-        Self { line: Some(line), problem: problem.into() }
-    }
 }

@@ -1,5 +1,7 @@
 use super::*;
 use crate::geometry::symmetric_epipolar_distance;
+use crate::geometry::{Camera, Frame};
+use nalgebra::Matrix3;
 use proptest::prelude::*;
 
 fn example() -> GeometryFile {

@@ -1,0 +1,69 @@
+//! What is in a geometry file, whatever its format.
+
+use nalgebra::Matrix3;
+use serde::{Deserialize, Serialize};
+
+use crate::geometry::{Camera, Frame, FundamentalMatrix, PointPair};
+
+/// The name and the size of an image.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct ImageNote {
+    /// File name, without folders.
+    pub name: String,
+    /// Width and height, px.
+    #[serde(flatten)]
+    pub frame: Frame,
+}
+
+/// What such a file holds, in the convention of this program: `x2ᵀ F x1 = 0`, the centre of the upper left pixel
+/// is (0, 0). Every part may be missing; all numbers are finite.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct GeometryFile {
+    /// `F`.
+    pub fundamental: Option<FundamentalMatrix>,
+    /// The projection matrices `P1` and `P2`; they imply an `F` where none is given.
+    pub cameras: Option<[Camera; 2]>,
+    /// `rectified ∝ H original`, for image 1 and image 2, both in pixels.
+    pub homographies: Option<[Matrix3<f64>; 2]>,
+    /// Points of the same scene point, px.
+    pub pairs: Vec<PointPair>,
+    /// The two images.
+    pub images: Option<[ImageNote; 2]>,
+}
+
+impl GeometryFile {
+    /// `F`, of the cameras where there is no other.
+    pub fn geometry(&self) -> Option<FundamentalMatrix> {
+        self.fundamental.or_else(|| {
+            let [camera1, camera2] = self.cameras.as_ref()?;
+            Camera::fundamental(camera1, camera2)
+        })
+    }
+}
+
+/// What somebody expects of bare numbers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum BareNumbers {
+    Anything,
+    Geometry,
+}
+
+/// What is wrong with the content of a file, one clause.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{problem}")]
+pub struct Problem {
+    /// Number of the line, from 1, where there is one to name.
+    pub line: Option<usize>,
+    /// What was expected and what was found.
+    pub problem: String,
+}
+
+impl Problem {
+    pub(super) fn whole(problem: impl Into<String>) -> Self {
+        Self { line: None, problem: problem.into() }
+    }
+
+    pub(super) fn at(line: usize, problem: impl Into<String>) -> Self {
+        Self { line: Some(line), problem: problem.into() }
+    }
+}
