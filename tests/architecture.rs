@@ -3,14 +3,15 @@
 //! A block of the document whose first line is `arrows FOLDER` draws what is in that folder, each line a folder or file
 //! with those that it imports. The test reads every `crate::` and `super::` path of the code without its tests, and
 //! fails on an arrow that the picture does not have and on one that the code does not have. Arrows go downwards: what can
-//! be drawn like that has no circle. One that goes upwards is marked by `↑`, which between the folders of `src` none may.
+//! be drawn like that has no circle.
+//!
+//! File by file, whatever the document draws: what a folder's own file passes on belongs to the file that defines it, and
+//! no more than two files may import each other.
 
-use std::collections::{BTreeMap, HashMap, HashSet};
+use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 use std::path::{Path, PathBuf};
 
 const DOCUMENT: &str = "ARCHITECTURE.md";
-/// Marks an arrow that goes upwards in the picture.
-const UP: char = '↑';
 
 #[test]
 fn the_picture_has_the_arrows_of_the_code_and_no_others() {
@@ -22,6 +23,28 @@ fn the_picture_has_the_arrows_of_the_code_and_no_others() {
     let complaints: Vec<String> =
         pictures.iter().flat_map(|picture| picture.complaints(&picture.arrows_of(&sources))).collect();
     assert!(complaints.is_empty(), "{}", complaints.join("\n"));
+}
+
+#[test]
+fn no_more_than_two_files_import_each_other() {
+    let sources = Source::all(&Path::new(env!("CARGO_MANIFEST_DIR")).join("src"));
+    let circles: Vec<String> =
+        circles(&sources).iter().filter(|c| c.len() > 2).map(|c| c.join(", ")).collect();
+    assert!(circles.is_empty(), "these import each other in a circle:\n{}", circles.join("\n"));
+}
+
+#[test]
+fn circles_are_found_through_what_folders_pass_on() {
+    let file = |path: &str, code: &str| Source::new(PathBuf::from(path), code);
+    let sources = [
+        file("src/lib.rs", "pub mod e; pub mod f;"),
+        file("src/e/mod.rs", "mod a; mod b; pub use a::A; pub(crate) use b::B; pub struct Own;"),
+        file("src/e/a.rs", "use super::{B, Own};"),
+        file("src/e/b.rs", "use crate::f::F; use super::Own; use std::fmt::Write;"),
+        file("src/f.rs", "use crate::e::A; use crate::e::Own;"),
+    ];
+    assert_eq!(circles(&sources), [["src/e/a.rs", "src/e/b.rs", "src/f.rs"]]);
+    assert_eq!(circles(&sources[..4]), [[""; 0]; 0]);
 }
 
 #[test]
@@ -71,12 +94,12 @@ fn complaints_name_the_place() {
             "ARCHITECTURE.md: `d` is missing from the picture of src",
         ]
     );
-    let within = "```arrows src/e\na -> b\nb -> ↑a\n```\n";
+    let within = "```arrows src/e\na -> b\nb\n```\n";
     let picture = Picture::all(within).remove(0);
     let sources = [
         Source::new(PathBuf::from("src/e/mod.rs"), "pub use a::A;\npub use b::B;\npub struct Own;"),
         Source::new(PathBuf::from("src/e/a.rs"), "use super::{B, Own};"),
-        Source::new(PathBuf::from("src/e/b.rs"), "use super::A;"),
+        Source::new(PathBuf::from("src/e/b.rs"), "use super::Own;"),
     ];
     assert_eq!(picture.complaints(&picture.arrows_of(&sources)), [""; 0]);
 }
@@ -156,24 +179,18 @@ impl Picture {
         let row = |name: &str| self.rows.iter().position(|(from, _, _)| from == name);
         let mut complaints = Vec::new();
         for ((from, to), place) in &arrows.places {
-            if !self
-                .rows
-                .iter()
-                .any(|(name, drawn, _)| name == from && drawn.iter().any(|d| d.trim_start_matches(UP) == to))
-            {
+            if !self.rows.iter().any(|(name, drawn, _)| name == from && drawn.contains(to)) {
                 complaints.push(format!("{place}: `{from} -> {to}` is not in {DOCUMENT}"));
             }
         }
         for (k, (from, drawn, line)) in self.rows.iter().enumerate() {
             for to in drawn {
-                let name = to.trim_start_matches(UP);
                 let complain = |what: &str| format!("{DOCUMENT}:{line}: `{from} -> {to}` {what}");
-                if !arrows.places.contains_key(&(from.clone(), name.to_owned())) {
+                if !arrows.places.contains_key(&(from.clone(), to.clone())) {
                     complaints.push(complain("is not in the code"));
                 }
-                let upwards = row(name).is_none_or(|below| below <= k);
-                if upwards != to.starts_with(UP) || upwards && self.folder.is_empty() {
-                    complaints.push(complain(if upwards { "goes upwards" } else { "goes downwards" }));
+                if row(to).is_none_or(|below| below <= k) {
+                    complaints.push(complain("goes upwards"));
                 }
             }
         }
@@ -185,11 +202,62 @@ impl Picture {
     }
 }
 
+/// The files that import each other, directly or through others, each circle once; files by their paths.
+fn circles(sources: &[Source]) -> Vec<Vec<String>> {
+    let by_module: HashMap<&[String], usize> =
+        sources.iter().enumerate().map(|(k, source)| (source.module.as_slice(), k)).collect();
+    let imported: Vec<BTreeSet<usize>> = sources
+        .iter()
+        .map(|source| {
+            let own = source.imports.iter().filter(|import| !import.is_passed_on);
+            own.filter_map(|import| defined_in(&import.path, sources, &by_module)).collect()
+        })
+        .collect();
+    let reached: Vec<BTreeSet<usize>> = (0..sources.len())
+        .map(|from| {
+            let (mut reached, mut next) = (BTreeSet::new(), vec![from]);
+            while let Some(file) = next.pop() {
+                next.extend(imported[file].iter().filter(|to| reached.insert(**to)));
+            }
+            reached
+        })
+        .collect();
+    let circles: BTreeSet<Vec<String>> = (0..sources.len())
+        .map(|file| {
+            let back =
+                reached[file].iter().filter(|other| **other != file && reached[**other].contains(&file));
+            let all: BTreeSet<usize> = back.copied().chain([file]).collect();
+            all.into_iter().map(|k| sources[k].file.display().to_string()).collect()
+        })
+        .filter(|circle: &Vec<String>| circle.len() > 1)
+        .collect();
+    circles.into_iter().collect()
+}
+
+/// The file that defines what a path names, found through what other files pass on.
+fn defined_in(path: &[String], sources: &[Source], by_module: &HashMap<&[String], usize>) -> Option<usize> {
+    let mut path = path;
+    // A chain of files that pass things on ends; one that goes round would be no Rust.
+    for _ in 0..10 {
+        let (depth, file) = (0..=path.len()).rev().find_map(|n| Some((n, *by_module.get(&path[..n])?)))?;
+        let passed_on = path.get(depth).and_then(|name| {
+            sources[file].imports.iter().find(|i| i.path.last() == Some(name) && i.path.as_slice() != path)
+        });
+        match passed_on {
+            Some(import) => path = &import.path,
+            None => return Some(file),
+        }
+    }
+    None
+}
+
 /// A path that the code names, from the root of the crate.
 #[derive(Debug)]
 struct Import {
     path: Vec<String>,
     line: usize,
+    /// Whether others import it from here.
+    is_passed_on: bool,
 }
 
 /// A file of the crate.
@@ -343,7 +411,10 @@ fn imports(tokens: &[Token], module: &[String]) -> Vec<Import> {
             && !(at > 0 && is(at - 1, "::"));
         // `use<…>` is part of a type.
         if is(at, "use") && !is(at + 1, "<") {
+            let begun = found.len();
+            let is_passed_on = at > 0 && (is(at - 1, "pub") || is(at - 1, ")"));
             at = tree(tokens, at + 1, module.to_vec(), &mut found);
+            found[begun..].iter_mut().for_each(|import| import.is_passed_on = is_passed_on);
         } else if written_out {
             at = tree(tokens, at, module.to_vec(), &mut found);
         } else {
@@ -372,7 +443,7 @@ fn tree(tokens: &[Token], mut at: usize, mut path: Vec<String>, found: &mut Vec<
             name => path.push(name.to_owned()),
         }
         if !is(at, "::") {
-            found.push(Import { path, line: *line });
+            found.push(Import { path, line: *line, is_passed_on: false });
             return if is(at, "as") { at + 2 } else { at };
         }
         at += 1;

@@ -1,7 +1,6 @@
-//! What is written for other programs: chosen here, composed and written in a thread.
+//! What is written for other programs: taken from the model here, composed and written in a thread.
 
-use std::path::PathBuf;
-
+use super::order::{ExportKind, ExportOrder, ReportFormat};
 use super::profile;
 use crate::app::model::Model;
 use crate::app::model::rectified::RectifyQuestion;
@@ -9,51 +8,7 @@ use crate::geometry::PointPair;
 use crate::io::{Format, GeometryFile, ImageNote, ResultFile, result_in_words};
 use crate::rectify::Limits;
 
-/// What is written.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum ExportKind {
-    /// F and the epipoles of the geometry shown, the point pairs, the homographies that rectify.
-    #[default]
-    Geometry,
-    /// The point pairs alone.
-    Pairs,
-    /// The result of the estimate with everything about it.
-    Report,
-    /// The intensities along the inspected line pair.
-    Profile,
-    /// What is on the screen.
-    View,
-}
-
 impl ExportKind {
-    /// All of them, in the order in which they are offered.
-    pub const ALL: [Self; 5] = [Self::Geometry, Self::Pairs, Self::Report, Self::Profile, Self::View];
-
-    /// What it is called.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Geometry => "Geometry",
-            Self::Pairs => "Pairs alone",
-            Self::Report => "Report",
-            Self::Profile => "Profile",
-            Self::View => "Picture",
-        }
-    }
-
-    /// One sentence about what is in the file.
-    pub fn tooltip(self) -> &'static str {
-        match self {
-            Self::Geometry => {
-                "F and epipoles of the geometry that the window shows, the point pairs, and the homographies that \
-                 rectify the images where one each does."
-            }
-            Self::Pairs => "The point pairs that are not left out.",
-            Self::Report => "The result of the estimate: F, verdict, figures, matches, parameters, times.",
-            Self::Profile => "Intensities, shifts and costs along the inspected line pair, as a table.",
-            Self::View => "What is on the screen, as a picture.",
-        }
-    }
-
     /// Why it cannot be written now, if that is so.
     pub fn missing(self, model: &Model) -> Option<&'static str> {
         let (there, why) = match self {
@@ -71,56 +26,6 @@ impl ExportKind {
             Self::View => (model.document.pictures.is_some(), "No images are open."),
         };
         (!there).then_some(why)
-    }
-}
-
-/// Which part of the window.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum ViewPart {
-    /// Both images with what is drawn over them.
-    #[default]
-    Images,
-    /// All of it.
-    Window,
-}
-
-/// How the report is written.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum ReportFormat {
-    /// For people.
-    #[default]
-    Text,
-    /// For scripts.
-    Json,
-}
-
-/// What is to be written, and where.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ExportOrder {
-    /// The file.
-    pub path: PathBuf,
-    /// What is written.
-    pub what: ExportKind,
-    /// The format of geometry and point pairs.
-    pub format: Format,
-    /// Whether the matches that the result rests on go along with the point pairs.
-    pub with_matches: bool,
-    /// How the report is written.
-    pub reported: ReportFormat,
-    /// Which part of the screen is the view.
-    pub part: ViewPart,
-}
-
-impl Default for ExportOrder {
-    fn default() -> Self {
-        Self {
-            path: PathBuf::new(),
-            what: ExportKind::default(),
-            format: Format::Json,
-            with_matches: false,
-            reported: ReportFormat::default(),
-            part: ViewPart::default(),
-        }
     }
 }
 

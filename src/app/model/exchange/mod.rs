@@ -2,10 +2,12 @@
 
 mod exporting;
 mod importing;
+mod order;
 mod profile;
 mod source;
 
-pub use exporting::{ExportContent, ExportKind, ExportOrder, ReportFormat, ViewPart, content};
+pub use exporting::{ExportContent, content};
 pub use importing::{ImportFound, ImportQuestion, ImportedMatrix, PendingImport};
+pub use order::{ExportKind, ExportOrder, ReportFormat, ViewPart};
 pub use profile::CONVENTION as PROFILE_CONVENTION;
 pub use source::{ImportSource, is_importable, sources};
