@@ -1,14 +1,15 @@
 //! Every number the estimator can be given, in groups that belong to its stages, and its default in each preset. Unit,
 //! range and a sentence about each stand in the [table](PARAMETERS).
 
+mod entry;
 mod table;
 
 use serde::{Deserialize, Deserializer, Serialize};
 
-use super::EstimateError;
 use crate::similarity::{SimilarityParameters, StereoParameters};
 
-pub use table::{PARAMETERS, ParameterEntry, ParameterValue, parameters_as_markdown};
+pub use entry::{ParameterEntry, ParameterValue};
+pub use table::{PARAMETERS, parameters_as_markdown};
 
 /// The choices of an estimate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
@@ -242,13 +243,6 @@ impl From<Preset> for Parameters {
 impl Default for Parameters {
     fn default() -> Self {
         Self::from(Preset::default())
-    }
-}
-
-impl Parameters {
-    /// Checks every number against its range.
-    pub fn check(&self) -> Result<(), EstimateError> {
-        PARAMETERS.iter().try_for_each(|entry| entry.check(self))
     }
 }
 
