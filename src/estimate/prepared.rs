@@ -35,7 +35,7 @@ impl PreparedPair {
     pub fn new(image1: &GrayPlane, image2: &GrayPlane) -> Self {
         Self {
             pyramids: PyramidPair::new(image1, image2, SMALLEST_LEVEL),
-            upright: Arc::new(PatchLevels::new(RelativeView::UPRIGHT, Vec::new())),
+            upright: Arc::new(PatchLevels::new(RelativeView::UPRIGHT)),
             features: OnceLock::new(),
             views: Mutex::default(),
             pencils: PencilCache::default(),
@@ -75,7 +75,13 @@ impl PreparedPair {
         if let Some(kept) = views.iter().find(|patches| patches.view() == view) {
             return Arc::clone(kept);
         }
-        let patches = Arc::new(PatchLevels::new(view, self.features().supports()));
+        let features = self.features().supports();
+        // Corners that were compared upright are not compared once more.
+        let patches = Arc::new(if view == RelativeView::UPRIGHT {
+            self.upright.with_features(features)
+        } else {
+            PatchLevels::new(view).with_features(features)
+        });
         views.truncate(VIEWS_KEPT - 1);
         views.push_front(Arc::clone(&patches));
         patches

@@ -97,8 +97,9 @@ impl Judge<'_> {
         let distinctive = OffPlane::new(&fine.support, &f.rescaled(s1, s2)?, &at_fine, side);
         let refined = OffPlane::refined(matches, f, &h, tolerance, self.prepared.frames()[0].longer_side());
         // Either may hold the epipoles: what is seen from afar, or what is seen finely.
-        let off = if refined.chance < distinctive.chance { refined } else { distinctive };
-        Some(PlaneEvidence { share, chance: off.chance, groups: off.groups, agreeing: off.agreeing })
+        let off = if refined.by_chance < distinctive.by_chance { refined } else { distinctive };
+        let OffPlane { groups, agreeing, by_chance } = off;
+        Some(PlaneEvidence { share, by_chance, groups, agreeing })
     }
 
     fn trust(&self, f: &FundamentalMatrix, margin: Option<f64>, refinement: Option<&Refinement>) -> Trust {

@@ -1,6 +1,6 @@
 //! What patches need to be computed once per image pair, whatever the clicks: corners, correlations, votes.
 
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 use super::refinement::{Refined, RefinementLevel};
 use super::support::{FeatureSupport, Support, SupportLevel, SupportingMatch};
@@ -25,9 +25,17 @@ const REFINEMENT_SIDES: [f64; 2] = [800.0, f64::INFINITY];
 /// The patches of an image pair under a view, at all sizes, each made when it is first needed.
 #[derive(Debug)]
 pub(in crate::estimate) struct PatchLevels {
-    view: RelativeView,
+    corners: Arc<CornerLevels>,
     /// Matches of covariant features that support beside corners.
     features: Vec<FeatureSupport>,
+    /// Support where proposals are ranked, with the features.
+    with_features: OnceLock<SupportLevel>,
+}
+
+/// What corners say under a view, whether or not features stand beside them.
+#[derive(Debug)]
+struct CornerLevels {
+    view: RelativeView,
     coarse: OnceLock<SupportLevel>,
     voting: OnceLock<KappaVoting>,
     fine: OnceLock<SupportLevel>,
@@ -35,21 +43,26 @@ pub(in crate::estimate) struct PatchLevels {
 }
 
 impl PatchLevels {
-    /// Levels of which nothing is made yet. `features` are in full-size pixels.
-    pub fn new(view: RelativeView, features: Vec<FeatureSupport>) -> Self {
-        Self {
+    /// Levels of which nothing is made yet.
+    pub fn new(view: RelativeView) -> Self {
+        let corners = CornerLevels {
             view,
-            features,
             coarse: OnceLock::new(),
             voting: OnceLock::new(),
             fine: OnceLock::new(),
             refinement: Default::default(),
-        }
+        };
+        Self { corners: Arc::new(corners), features: Vec::new(), with_features: OnceLock::new() }
+    }
+
+    /// The same corners, with matches of features beside them, in full-size pixels.
+    pub fn with_features(&self, features: Vec<FeatureSupport>) -> Self {
+        Self { corners: Arc::clone(&self.corners), features, with_features: OnceLock::new() }
     }
 
     /// How the images are turned and scaled against each other.
     pub fn view(&self) -> RelativeView {
-        self.view
+        self.corners.view
     }
 
     /// Whether covariant features support beside corners.
@@ -57,19 +70,33 @@ impl PatchLevels {
         !self.features.is_empty()
     }
 
-    /// Support where proposals are made.
+    /// Support where proposals are made: of corners alone.
     pub fn coarse(&self, pyramids: &PyramidPair) -> &SupportLevel {
-        self.coarse.get_or_init(|| self.support(pyramids, COARSE_SIDE, COARSE_CORNERS))
+        let corners = &self.corners;
+        corners.coarse.get_or_init(|| corners.support(pyramids, COARSE_SIDE, COARSE_CORNERS))
     }
 
     /// The corner pairs of the coarse level that vote for κ.
     pub fn voting(&self, pyramids: &PyramidPair) -> &KappaVoting {
-        self.voting.get_or_init(|| KappaVoting::new(&self.coarse(pyramids).support, VOTES_PER_CORNER))
+        let vote = || KappaVoting::new(&self.coarse(pyramids).support, VOTES_PER_CORNER);
+        self.corners.voting.get_or_init(vote)
     }
 
-    /// Support where proposals are ranked.
+    /// Support where proposals are ranked: of corners, and of features where there are some.
     pub fn fine(&self, pyramids: &PyramidPair) -> &SupportLevel {
-        self.fine.get_or_init(|| self.support(pyramids, FINE_SIDE, FINE_CORNERS))
+        let corners = &self.corners;
+        let fine = corners.fine.get_or_init(|| corners.support(pyramids, FINE_SIDE, FINE_CORNERS));
+        if self.features.is_empty() {
+            return fine;
+        }
+        self.with_features.get_or_init(|| {
+            let at_level = |m: &FeatureSupport| SupportingMatch {
+                pair: m.pair.rescaled(fine.scales),
+                correlation: m.correlation,
+            };
+            let features = self.features.iter().map(at_level).collect();
+            SupportLevel { support: fine.support.clone().with_features(features), ..*fine }
+        })
     }
 
     /// Refines `f` level by level up to full size; `None` when there are too few matches at the first, or when stopped.
@@ -85,13 +112,13 @@ impl PatchLevels {
             clicks.iter().map(|pair| Observation { pair: *pair, sigma: click_sigma }).collect();
         let mut refined: Option<Refined> = None;
         let mut done = None;
-        for (side, stage) in REFINEMENT_SIDES.iter().zip(&self.refinement) {
-            let level = pyramids.level_seen(*side, self.view);
+        for (side, stage) in REFINEMENT_SIDES.iter().zip(&self.corners.refinement) {
+            let level = pyramids.level_seen(*side, self.view());
             if done == Some(level.scales) {
                 break;
             }
             let start = refined.as_ref().map_or(*f, |r| r.fundamental);
-            match stage.refine(&level, self.view, &self.features, &start, &clicks, cancel) {
+            match stage.refine(&level, self.view(), &self.features, &start, &clicks, cancel) {
                 Some(result) => refined = Some(result),
                 None => break,
             }
@@ -99,16 +126,12 @@ impl PatchLevels {
         }
         refined
     }
+}
 
+impl CornerLevels {
     fn support(&self, pyramids: &PyramidPair, side: f64, corners: usize) -> SupportLevel {
         let level = pyramids.level_seen(side, self.view);
         let warps = warps_around(&level.warp(self.view));
-        let at_level = |m: &FeatureSupport| SupportingMatch {
-            pair: m.pair.rescaled(level.scales),
-            correlation: m.correlation,
-        };
-        let features = self.features.iter().map(at_level).collect();
-        let support = Support::new(level.planes, corners, &warps).with_features(features);
-        SupportLevel { scales: level.scales, support }
+        SupportLevel { scales: level.scales, support: Support::new(level.planes, corners, &warps) }
     }
 }
