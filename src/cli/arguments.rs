@@ -11,7 +11,7 @@ use crate::evaluate::Protocol;
 use crate::geometry::{Point, PointPair};
 use crate::image::Picture;
 use crate::io::{Format, PictureFormat};
-use crate::rectify;
+use crate::rectify::RectifyMethod;
 use crate::synthetic::Sample;
 
 /// Four numbers separated by commas.
@@ -155,7 +155,7 @@ impl ValueEnum for Format {
     }
 }
 
-impl ValueEnum for rectify::Method {
+impl ValueEnum for RectifyMethod {
     fn value_variants<'a>() -> &'a [Self] {
         &Self::ALL
     }
