@@ -14,7 +14,7 @@ use epiline::evaluate::{Scene, pair_scenes, vgg_scenes};
 use epiline::geometry::{Camera, Frame};
 use epiline::image::GrayPlane;
 use epiline::io::{PictureFormat, encode_picture};
-use epiline::rectify::{Distortion, Limits, Method, rectify, stacked};
+use epiline::rectify::{Distortion, Limits, RectifyMethod, rectify, stacked};
 use epiline::synthetic::{Motion, Sample};
 use image::{DynamicImage, GrayImage, RgbImage};
 use serde_json::json;
@@ -58,7 +58,7 @@ fn write_pair(folder: &Path, scene: &Scene) -> Result<(), Box<dyn Error>> {
         "sizes": frames.map(|f| [f.width, f.height]),
         "matches": scene.matches.iter().map(|m| [m.point1.x, m.point1.y, m.point2.x, m.point2.y]).collect::<Vec<_>>(),
     });
-    match rectify(&scene.truth, frames, &scene.matches, Method::Planar, &Limits::default()) {
+    match rectify(&scene.truth, frames, &scene.matches, RectifyMethod::Planar, &Limits::default()) {
         Ok(found) => {
             let homographies = found.maps.each_ref().map(|map| {
                 let h = map.homography().copied().unwrap_or_default();
@@ -98,8 +98,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         if let Some(folder) = arguments.get(2) {
             write_pair(Path::new(folder), scene)?;
         }
-        let auto = rectify(&scene.truth, frames, &scene.matches, Method::Auto, &Limits::default())?;
-        for method in [Method::Planar, Method::Polar] {
+        let auto = rectify(&scene.truth, frames, &scene.matches, RectifyMethod::Auto, &Limits::default())?;
+        for method in [RectifyMethod::Planar, RectifyMethod::Polar] {
             let begun = Instant::now();
             let found = match rectify(&scene.truth, frames, &scene.matches, method, &Limits::default()) {
                 Ok(found) => found,
@@ -141,7 +141,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let mut what = String::new();
         for _ in 0..3 {
             let begun = Instant::now();
-            let found = rectify(&f, [frame; 2], &[], Method::Auto, &Limits::default())?;
+            let found = rectify(&f, [frame; 2], &[], RectifyMethod::Auto, &Limits::default())?;
             let never = CancelFlag::default();
             let drawn = [0, 1].map(|k| found.warp(k, &large, &never));
             seconds.push(begun.elapsed().as_secs_f64());

@@ -11,8 +11,8 @@ use crate::evaluate::Protocol;
 use crate::geometry::{Point, PointPair};
 use crate::image::Picture;
 use crate::io::{Format, PictureFormat};
-use crate::rectify;
-use crate::synthetic::Sample;
+use crate::rectify::RectifyMethod;
+use crate::synthetic::{Sample, SamplePair};
 
 /// Four numbers separated by commas.
 pub(super) fn point_pair(text: &str) -> Result<PointPair, String> {
@@ -46,7 +46,7 @@ pub(super) struct ImagePair {
     left: Option<PathBuf>,
     /// Right image
     right: Option<PathBuf>,
-    /// Use a built-in pair instead of two files; where matches are of use, its true ones
+    /// Use a built-in pair instead of two files; where points or matches are of use, its own
     #[arg(long, value_name = "NAME", conflicts_with = "left", num_args = 0..=1, default_missing_value = "")]
     sample: Option<String>,
 }
@@ -54,14 +54,18 @@ pub(super) struct ImagePair {
 impl ImagePair {
     /// The two pictures, and the true matches of a built-in pair.
     pub(super) fn load(&self) -> Result<([Picture; 2], Option<Vec<PointPair>>), CliError> {
-        match (&self.sample, &self.left, &self.right) {
-            (Some(name), ..) => {
-                let sample = built_in(name)?.load();
-                Ok((sample.pictures, Some(sample.matches)))
-            }
-            (None, Some(left), Some(right)) => Ok(([Picture::open(left)?, Picture::open(right)?], None)),
-            _ => Err(CliError::Arguments("two images are needed, LEFT and RIGHT".into())),
+        if let Some(sample) = self.sample()? {
+            return Ok((sample.pictures, Some(sample.matches)));
         }
+        let (Some(left), Some(right)) = (&self.left, &self.right) else {
+            return Err(CliError::Arguments("two images are needed, LEFT and RIGHT".into()));
+        };
+        Ok(([Picture::open(left)?, Picture::open(right)?], None))
+    }
+
+    /// The built-in pair, if that is to be used.
+    pub(super) fn sample(&self) -> Result<Option<SamplePair>, CliError> {
+        self.sample.as_deref().map(|name| Ok(built_in(name)?.load())).transpose()
     }
 }
 
@@ -155,7 +159,7 @@ impl ValueEnum for Format {
     }
 }
 
-impl ValueEnum for rectify::Method {
+impl ValueEnum for RectifyMethod {
     fn value_variants<'a>() -> &'a [Self] {
         &Self::ALL
     }

@@ -7,7 +7,7 @@ use std::time::Instant;
 use clap::Args;
 
 use super::CliError;
-use super::arguments::{on_threads, point_pair, threads};
+use super::arguments::{ImagePair, on_threads, point_pair, threads};
 use super::console::tell;
 use super::geometry_file::{GeometryOutput, image_notes};
 use super::output::Output;
@@ -18,17 +18,13 @@ use crate::estimate::{
 use crate::geometry::PointPair;
 use crate::image::Picture;
 use crate::io::{Format, GeometryFile, ResultFile, result_in_words};
-use crate::synthetic::Sample;
 
 /// Estimate the fundamental matrix of two images from two or more point pairs
 #[derive(Debug, Args)]
 #[command(allow_negative_numbers = true)]
 pub(super) struct EstimateArguments {
-    /// Left image
-    #[arg(required_unless_present = "sample", requires = "right")]
-    left: Option<PathBuf>,
-    /// Right image
-    right: Option<PathBuf>,
+    #[command(flatten)]
+    images: ImagePair,
     /// The same scene point in both images, pixels; give two or more (the preset paper takes three at most)
     #[arg(long = "pair", value_name = "X1,Y1,X2,Y2", value_parser = point_pair, allow_hyphen_values = true)]
     pairs: Vec<PointPair>,
@@ -53,9 +49,6 @@ pub(super) struct EstimateArguments {
     /// Format of the export, by default the one its extension stands for
     #[arg(long, value_enum, requires = "export")]
     format: Option<Format>,
-    /// Use a built-in pair instead of two files, by default with its own two points
-    #[arg(long, value_name = "NAME", conflicts_with = "left", num_args = 0..=1, default_missing_value = "")]
-    sample: Option<String>,
     #[command(flatten)]
     overrides: Overrides,
 }
@@ -89,31 +82,20 @@ pub(super) fn run(arguments: &EstimateArguments) -> Result<(), CliError> {
     output.write(&result, &result_in_words(&found, &images))
 }
 
-/// Reads the images; counts the pairs before, which is quicker.
+/// Reads the images; counts the pairs before, which is quicker. A built-in pair has points of its own.
 fn input(arguments: &EstimateArguments, needed: usize) -> Result<EstimateInput, CliError> {
-    let found = arguments.pairs.len();
-    match (&arguments.sample, &arguments.left, &arguments.right) {
-        (Some(name), ..) => sample(name, needed, &arguments.pairs),
-        (None, Some(left), Some(right)) if found >= needed => Ok(EstimateInput {
-            pictures: [Picture::open(left)?, Picture::open(right)?],
-            pairs: arguments.pairs.clone(),
-        }),
-        (None, Some(_), Some(_)) => Err(EstimateError::TooFewPairs { found, needed }.into()),
-        _ => Err(CliError::Arguments("two images are needed, LEFT and RIGHT".into())),
+    let EstimateArguments { images, pairs, .. } = arguments;
+    let found = pairs.len();
+    if let Some(sample) = images.sample()? {
+        let own = sample.show_me.into_iter().chain([sample.third]).take(needed);
+        let pairs = if pairs.is_empty() { own.collect() } else { pairs.clone() };
+        return Ok(EstimateInput { pictures: sample.pictures, pairs });
     }
-}
-
-/// A built-in pair, with its own points unless some are given.
-fn sample(name: &str, needed: usize, pairs: &[PointPair]) -> Result<EstimateInput, CliError> {
-    let found = if name.is_empty() { Some(Sample::default()) } else { Sample::from_name(name) };
-    let Some(sample) = found else {
-        let known = Sample::ALL.map(Sample::name).join(", ");
-        return Err(CliError::Arguments(format!("there is no built-in sample {name}; there are {known}")));
-    };
-    let pair = sample.load();
-    let own = pair.show_me.into_iter().chain([pair.third]).take(needed);
-    let pairs = if pairs.is_empty() { own.collect() } else { pairs.to_vec() };
-    Ok(EstimateInput { pictures: pair.pictures, pairs })
+    if found < needed {
+        return Err(EstimateError::TooFewPairs { found, needed }.into());
+    }
+    let (pictures, _) = images.load()?;
+    Ok(EstimateInput { pictures, pairs: pairs.clone() })
 }
 
 /// The estimate, its progress told on standard error.

@@ -10,7 +10,7 @@ use super::arguments::{ImagePair, megapixels, on_threads, threads};
 use super::console::print;
 use crate::cancel::CancelFlag;
 use crate::io::{PictureFormat, RectifiedFiles, RectifiedOptions, read_fundamental, read_point_pairs};
-use crate::rectify::{Distortion, Limits, Method, Rectification, rectify};
+use crate::rectify::{Distortion, Limits, Rectification, RectifyMethod, rectify};
 
 /// Redraw both images so that corresponding points are in the same row
 #[derive(Debug, Args)]
@@ -25,7 +25,7 @@ pub(super) struct RectifyArguments {
     output: PathBuf,
     /// How to rectify
     #[arg(long, value_enum, default_value_t)]
-    method: Method,
+    method: RectifyMethod,
     /// Matches to measure the rows on: a file of rows x1 y1 x2 y2
     #[arg(long, value_name = "FILE")]
     matches: Option<PathBuf>,

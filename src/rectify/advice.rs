@@ -1,7 +1,7 @@
 //! What the measures mean, in words.
 
 use super::measures::{Distortion, Measures};
-use super::{Method, Rectification, RectifyError};
+use super::{Rectification, RectifyError, RectifyMethod};
 
 /// Rows that disagree by more than this on average are worth a word, px.
 const BAD_ROWS: f64 = 1.0;
@@ -47,7 +47,7 @@ fn bent(d: &Distortion) -> Option<String> {
 
 /// What to beware of, and what to do. `misfit` is the mean distance of the matches from their lines in the images, px.
 pub(super) fn warnings(
-    method: Method,
+    method: RectifyMethod,
     measures: &Measures,
     misfit: f64,
     scale: f64,
@@ -56,7 +56,7 @@ pub(super) fn warnings(
     let mut warnings = Vec::new();
     match &measures.rows {
         // Near the epipole a polar picture is stretched: rows may lie apart where the points hardly are.
-        Some(rows) if rows.mean > BAD_ROWS && (method == Method::Planar || misfit > BAD_ROWS) => {
+        Some(rows) if rows.mean > BAD_ROWS && (method == RectifyMethod::Planar || misfit > BAD_ROWS) => {
             warnings.push(format!(
                 "Rows of matches differ by {:.1} px on average: F does not fit these matches, so add point pairs \
                  or correct them.",
@@ -77,7 +77,7 @@ pub(super) fn warnings(
             rows.matches + rows.outside
         ));
     }
-    if method == Method::Planar {
+    if method == RectifyMethod::Planar {
         for (k, distortion) in measures.distortion.iter().enumerate() {
             if let Some(what) = bent(distortion) {
                 warnings.push(format!("Image {} is left {what}, which the polar method does less.", k + 1));

@@ -3,7 +3,7 @@
 use super::extent::Extent;
 use super::map::{ImageMap, Kind};
 use super::measures::Measures;
-use super::{Limits, Method, Rectification, RectifyError, advice, planar, polar};
+use super::{Limits, Rectification, RectifyError, RectifyMethod, advice, planar, polar};
 use crate::geometry::{Frame, FundamentalMatrix, PointPair, symmetric_epipolar_distance};
 
 /// Rectifies a pair of images of the given sizes.
@@ -14,7 +14,7 @@ pub fn rectify(
     fundamental: &FundamentalMatrix,
     frames: [Frame; 2],
     matches: &[PointPair],
-    method: Method,
+    method: RectifyMethod,
     limits: &Limits,
 ) -> Result<Rectification, RectifyError> {
     if let Some(small) = frames.iter().position(|f| f.width < 2 || f.height < 2) {
@@ -24,9 +24,9 @@ pub fn rectify(
     Extent { width: 1.0, height: 1.0 }.limited(limits.pixels)?;
     let task = Task { fundamental, frames, matches, limits };
     match method {
-        Method::Planar => task.planar("it was asked for".into()),
-        Method::Polar => task.polar("it was asked for".into()),
-        Method::Auto => {
+        RectifyMethod::Planar => task.planar("it was asked for".into()),
+        RectifyMethod::Polar => task.polar("it was asked for".into()),
+        RectifyMethod::Auto => {
             let planar = match task.planar("the epipoles lie well outside both images".into()) {
                 Ok(planar) => planar,
                 Err(error @ (RectifyError::EpipoleInside { .. } | RectifyError::NoCommonPlane)) => {
@@ -61,19 +61,19 @@ impl Task<'_> {
     fn planar(&self, reason: String) -> Result<Rectification, RectifyError> {
         let (maps, size, scale) = planar::planar(self.fundamental, self.frames, self.limits.pixels)?;
         let maps = maps.map(|m| ImageMap(Kind::Planar(m)));
-        Ok(self.rectification(Method::Planar, reason, maps, size, scale, false))
+        Ok(self.rectification(RectifyMethod::Planar, reason, maps, size, scale, false))
     }
 
     fn polar(&self, reason: String) -> Result<Rectification, RectifyError> {
         let found = polar::polar(self.fundamental, self.frames, self.matches, self.limits.pixels)?;
         let maps = found.maps.map(|m| ImageMap(Kind::Polar(m)));
         let assumed = found.orientation_assumed;
-        Ok(self.rectification(Method::Polar, reason, maps, found.frame, found.scale, assumed))
+        Ok(self.rectification(RectifyMethod::Polar, reason, maps, found.frame, found.scale, assumed))
     }
 
     fn rectification(
         &self,
-        method: Method,
+        method: RectifyMethod,
         reason: String,
         maps: [ImageMap; 2],
         size: Frame,

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::{Measures, Method, PolarTable, Rectification};
+use super::{Measures, PolarTable, Rectification, RectifyMethod};
 use crate::geometry::{Frame, FundamentalMatrix};
 
 /// What stands in a description's `convention`.
@@ -15,7 +15,7 @@ const POLAR: &str = "Pixels are (x, y), x right, y down, the centre of the top-l
 /// The content of a description file. Lengths in px.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Description<'a> {
-    method: Method,
+    method: RectifyMethod,
     reason: &'a str,
     convention: &'static str,
     /// The rectified pictures' width and height.
@@ -47,7 +47,7 @@ impl Rectification {
         Description {
             method: self.method,
             reason: &self.reason,
-            convention: if self.method == Method::Polar { POLAR } else { PLANAR },
+            convention: if self.method == RectifyMethod::Polar { POLAR } else { PLANAR },
             size: self.size,
             scale: self.scale,
             original_sizes: originals,

@@ -4,7 +4,7 @@
 //! [`rectify`] computes a [`Rectification`], which maps points both ways, tells how good it is, and draws the
 //! pictures ([`Rectification::warp`]). Two methods are behind it: *planar*, one homography an image, for epipoles
 //! outside both images, and *polar*, one row for each pair of half epipolar lines, for epipoles anywhere.
-//! [`Method::Auto`] chooses and says why.
+//! [`RectifyMethod::Auto`] chooses and says why.
 //!
 //! No camera is calibrated here: the pictures are as the pair allows, right for matching along rows, not for
 //! measuring angles.
@@ -40,7 +40,7 @@ use image::DynamicImage;
 /// A way to rectify.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Method {
+pub enum RectifyMethod {
     /// Planar where it bends the images little, else polar.
     #[default]
     Auto,
@@ -50,7 +50,7 @@ pub enum Method {
     Polar,
 }
 
-impl Method {
+impl RectifyMethod {
     /// Every way, in the order in which they are offered.
     pub const ALL: [Self; 3] = [Self::Auto, Self::Planar, Self::Polar];
 
@@ -82,7 +82,7 @@ impl Default for Limits {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rectification {
     /// What was used: planar or polar.
-    pub method: Method,
+    pub method: RectifyMethod,
     /// Why this method, one sentence.
     pub reason: String,
     /// The map of each image.

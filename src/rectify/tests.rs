@@ -26,7 +26,7 @@ fn exact_pair(motion: Motion, frame: Frame) -> (FundamentalMatrix, Vec<PointPair
 
 const FRAME: Frame = Frame { width: 640, height: 480 };
 
-fn rectified(motion: Motion, method: Method) -> Result<(Rectification, Vec<PointPair>), RectifyError> {
+fn rectified(motion: Motion, method: RectifyMethod) -> Result<(Rectification, Vec<PointPair>), RectifyError> {
     let (f, matches) = exact_pair(motion, FRAME);
     rectify(&f, [FRAME; 2], &matches, method, &Limits::default()).map(|r| (r, matches))
 }
@@ -34,14 +34,14 @@ fn rectified(motion: Motion, method: Method) -> Result<(Rectification, Vec<Point
 #[test]
 fn exact_matches_come_into_the_same_row() {
     for motion in Motion::ALL {
-        for method in [Method::Planar, Method::Polar] {
+        for method in [RectifyMethod::Planar, RectifyMethod::Polar] {
             let (r, matches) = match rectified(motion, method) {
                 Err(RectifyError::EpipoleInside { .. }) if motion == Motion::Forward => continue,
                 other => other.unwrap(),
             };
             let rows = r.measures.rows.unwrap();
             // Planar rows are exact; polar ones are straight between rows a pixel apart.
-            let tolerance = if method == Method::Planar { 1e-6 } else { 0.02 };
+            let tolerance = if method == RectifyMethod::Planar { 1e-6 } else { 0.02 };
             assert!(rows.max < tolerance, "{motion:?} {method:?}: {rows:?}");
             assert!(rows.outside * 50 <= matches.len(), "{motion:?} {method:?}: {rows:?}");
         }
@@ -51,7 +51,7 @@ fn exact_matches_come_into_the_same_row() {
 #[test]
 fn maps_undo_each_other() {
     for motion in Motion::ALL {
-        let (r, matches) = rectified(motion, Method::Auto).unwrap();
+        let (r, matches) = rectified(motion, RectifyMethod::Auto).unwrap();
         for m in matches {
             for (map, p) in r.maps.iter().zip([m.point1, m.point2]) {
                 let Some(q) = map.rectified_from_original(p) else { continue };
@@ -65,7 +65,7 @@ fn maps_undo_each_other() {
 #[test]
 fn nothing_is_mirrored_and_pictures_stand_upright() {
     for motion in Motion::ALL {
-        for method in [Method::Planar, Method::Polar] {
+        for method in [RectifyMethod::Planar, RectifyMethod::Polar] {
             let Ok((r, _)) = rectified(motion, method) else { continue };
             for map in &r.maps {
                 let c = FRAME.centre();
@@ -84,8 +84,8 @@ fn nothing_is_mirrored_and_pictures_stand_upright() {
 
 #[test]
 fn a_sideways_pair_stays_as_it_is() {
-    let (r, _) = rectified(Motion::Sideways, Method::Auto).unwrap();
-    assert_eq!((r.method, r.size), (Method::Planar, FRAME));
+    let (r, _) = rectified(Motion::Sideways, RectifyMethod::Auto).unwrap();
+    assert_eq!((r.method, r.size), (RectifyMethod::Planar, FRAME));
     assert!(r.warnings.is_empty(), "{:?}", r.warnings);
     for (map, distortion) in r.maps.iter().zip(r.measures.distortion) {
         let h = map.homography().unwrap();
@@ -95,7 +95,7 @@ fn a_sideways_pair_stays_as_it_is() {
         assert!(distortion.cut + distortion.shrunk + distortion.stretched == 0.0, "{distortion:?}");
     }
     // The polar picture of it is the same, too.
-    let (polar, _) = rectified(Motion::Sideways, Method::Polar).unwrap();
+    let (polar, _) = rectified(Motion::Sideways, RectifyMethod::Polar).unwrap();
 
     assert!(polar.size.width.abs_diff(FRAME.width) <= 1 && polar.size.height.abs_diff(FRAME.height) <= 1);
 }
@@ -103,7 +103,7 @@ fn a_sideways_pair_stays_as_it_is() {
 #[test]
 fn planar_keeps_angles_and_proportions_where_it_can() {
     for motion in [Motion::Converging, Motion::Roll, Motion::Scale] {
-        let (r, _) = rectified(motion, Method::Planar).unwrap();
+        let (r, _) = rectified(motion, RectifyMethod::Planar).unwrap();
         for d in r.measures.distortion {
             assert!((d.orthogonality.unwrap() - 90.0).abs() < 2.0, "{motion:?}: {d:?}");
             assert!((d.aspect_ratio.unwrap() - 1.0).abs() < 0.2, "{motion:?}: {d:?}");
@@ -114,13 +114,13 @@ fn planar_keeps_angles_and_proportions_where_it_can() {
 
 #[test]
 fn an_epipole_inside_takes_polar_and_is_named() {
-    let (r, _) = rectified(Motion::Forward, Method::Auto).unwrap();
-    assert_eq!(r.method, Method::Polar);
+    let (r, _) = rectified(Motion::Forward, RectifyMethod::Auto).unwrap();
+    assert_eq!(r.method, RectifyMethod::Polar);
     assert!(r.reason.contains("epipole lies inside image 1"), "{}", r.reason);
     // Every row of a full turn, and all of both images.
     assert!(r.size.height > 2 * FRAME.height);
     assert!(r.measures.distortion.iter().all(|d| d.orthogonality.is_none() && d.cut < 0.05));
-    let error = rectified(Motion::Forward, Method::Planar).unwrap_err();
+    let error = rectified(Motion::Forward, RectifyMethod::Planar).unwrap_err();
     assert_eq!(error, RectifyError::EpipoleInside { image: 1 });
     assert!(error.to_string().contains("use the polar method"));
 }
@@ -135,11 +135,11 @@ fn half_lines_follow_the_matches() {
     let f = FundamentalMatrix::from_rank_two(half_turn.transpose() * f.matrix()).unwrap();
     let matches: Vec<_> =
         matches.iter().map(|m| PointPair { point1: m.point1, point2: turned(m.point2) }).collect();
-    let told = rectify(&f, [FRAME; 2], &matches, Method::Polar, &Limits::default()).unwrap();
+    let told = rectify(&f, [FRAME; 2], &matches, RectifyMethod::Polar, &Limits::default()).unwrap();
     assert!(told.measures.rows.unwrap().max < 0.02);
     assert!(told.warnings.is_empty(), "{:?}", told.warnings);
     // Without a match it is assumed that the camera was not turned, which is said.
-    let untold = rectify(&f, [FRAME; 2], &[], Method::Polar, &Limits::default()).unwrap();
+    let untold = rectify(&f, [FRAME; 2], &[], RectifyMethod::Polar, &Limits::default()).unwrap();
     assert!(untold.warnings.iter().any(|w| w.contains("give a match")), "{:?}", untold.warnings);
     assert_eq!(untold.measures.rows, None);
 }
@@ -148,9 +148,9 @@ fn half_lines_follow_the_matches() {
 fn the_limit_makes_pictures_smaller_and_says_so() {
     for motion in [Motion::Forward, Motion::Converging] {
         let (f, matches) = exact_pair(motion, FRAME);
-        let full = rectify(&f, [FRAME; 2], &matches, Method::Auto, &Limits::default()).unwrap();
+        let full = rectify(&f, [FRAME; 2], &matches, RectifyMethod::Auto, &Limits::default()).unwrap();
         let limits = Limits { pixels: 60_000 };
-        let small = rectify(&f, [FRAME; 2], &matches, Method::Auto, &limits).unwrap();
+        let small = rectify(&f, [FRAME; 2], &matches, RectifyMethod::Auto, &limits).unwrap();
         let pixels = small.size.width * small.size.height;
         assert!(pixels <= limits.pixels && pixels > limits.pixels * 9 / 10, "{motion:?}: {pixels}");
         assert!(small.scale < 1.0 && small.warnings.iter().any(|w| w.contains("limit")), "{small:?}");
@@ -163,13 +163,13 @@ fn the_limit_makes_pictures_smaller_and_says_so() {
             small.size,
             full.size
         );
-        let error = rectify(&f, [FRAME; 2], &[], Method::Auto, &Limits { pixels: 3 }).unwrap_err();
+        let error = rectify(&f, [FRAME; 2], &[], RectifyMethod::Auto, &Limits { pixels: 3 }).unwrap_err();
         assert_eq!(error, RectifyError::Limit { limit: 3 });
     }
     // An epipole a pixel off the border: the planar picture would be huge.
     let near =
         FundamentalMatrix::from_rank_two(nalgebra::Vector3::new(640.5, 240.0, 1.0).cross_matrix()).unwrap();
-    if let Ok(r) = rectify(&near, [FRAME; 2], &[], Method::Planar, &Limits::default()) {
+    if let Ok(r) = rectify(&near, [FRAME; 2], &[], RectifyMethod::Planar, &Limits::default()) {
         assert!(r.size.width * r.size.height <= Limits::default().pixels);
         assert!(r.warnings.iter().any(|w| w.contains("polar")), "{:?}", r.warnings);
     }
@@ -179,12 +179,12 @@ fn the_limit_makes_pictures_smaller_and_says_so() {
 fn tiny_images_and_foreign_geometry_are_refused() {
     let (f, _) = exact_pair(Motion::Sideways, FRAME);
     let tiny = [FRAME, Frame::new(1, 480)];
-    let refused = rectify(&f, tiny, &[], Method::Auto, &Limits::default()).unwrap_err();
+    let refused = rectify(&f, tiny, &[], RectifyMethod::Auto, &Limits::default()).unwrap_err();
     assert_eq!(refused, RectifyError::TooSmall { image: 2 });
     // Image 2 lies beyond everything that image 1 sees.
     let shift = nalgebra::Matrix3::new(1.0, 0.0, 0.0, 0.0, 1.0, -5000.0, 0.0, 0.0, 1.0);
     let beyond = FundamentalMatrix::from_rank_two(shift.transpose() * f.matrix()).unwrap();
-    for method in Method::ALL {
+    for method in RectifyMethod::ALL {
         let refused = rectify(&beyond, [FRAME; 2], &[], method, &Limits::default()).unwrap_err();
         assert_eq!(refused, RectifyError::NoCommonLines, "{method:?}");
     }
@@ -197,7 +197,7 @@ fn ramp(frame: Frame) -> GrayImage {
 
 #[test]
 fn every_kind_of_picture_keeps_its_depth_and_colours() {
-    let (r, _) = rectified(Motion::Sideways, Method::Planar).unwrap();
+    let (r, _) = rectified(Motion::Sideways, RectifyMethod::Planar).unwrap();
     let gray = ramp(FRAME);
     let never = CancelFlag::default();
     let drawn = |original: DynamicImage| r.warp(0, &original, &never).unwrap();
@@ -221,7 +221,7 @@ fn every_kind_of_picture_keeps_its_depth_and_colours() {
 
 #[test]
 fn what_the_image_does_not_reach_is_transparent() {
-    let (r, matches) = rectified(Motion::Forward, Method::Polar).unwrap();
+    let (r, matches) = rectified(Motion::Forward, RectifyMethod::Polar).unwrap();
     let gray = ramp(FRAME);
     let picture = r.warp(0, &gray.clone().into(), &CancelFlag::default()).unwrap().to_luma_alpha8();
     let transparent = picture.pixels().filter(|p| p.0[1] == 0).count();
@@ -237,7 +237,7 @@ fn what_the_image_does_not_reach_is_transparent() {
 
 #[test]
 fn invisible_colours_do_not_leak() {
-    let (r, _) = rectified(Motion::Roll, Method::Planar).unwrap();
+    let (r, _) = rectified(Motion::Roll, RectifyMethod::Planar).unwrap();
     // Green that nobody sees beside red that everybody sees.
     let original = image::RgbaImage::from_fn(640, 480, |x, _| {
         if x % 2 == 0 { Rgba([200, 0, 0, 255]) } else { Rgba([0, 255, 0, 0]) }
@@ -249,7 +249,7 @@ fn invisible_colours_do_not_leak() {
 
 #[test]
 fn a_cancelled_picture_is_none() {
-    let (r, _) = rectified(Motion::Roll, Method::Planar).unwrap();
+    let (r, _) = rectified(Motion::Roll, RectifyMethod::Planar).unwrap();
     let cancel = CancelFlag::default();
     cancel.cancel();
     assert!(r.warp(0, &ramp(FRAME).into(), &cancel).is_none());
@@ -285,7 +285,7 @@ proptest! {
         else { return Ok(()) };
         let frames = [Frame::new(width, height), FRAME];
         let limits = Limits { pixels: 4_000_000 };
-        for method in Method::ALL {
+        for method in RectifyMethod::ALL {
             match rectify(&f, frames, &[], method, &limits) {
                 Ok(r) => {
                     prop_assert!(r.size.width * r.size.height <= limits.pixels);

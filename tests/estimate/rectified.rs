@@ -1,13 +1,13 @@
 //! Rectification with the true F of real pairs: matches must come into the same row.
 
 use epiline::evaluate::{Scene, pair_scenes, vgg_scenes};
-use epiline::rectify::{Limits, Method, rectify};
+use epiline::rectify::{Limits, RectifyMethod, rectify};
 use epiline::synthetic::Sample;
 
 use super::real::real_data;
 
 /// Mean vertical distance of the true matches, px of the rectified picture.
-fn rows(scene: &Scene, method: Method) -> f64 {
+fn rows(scene: &Scene, method: RectifyMethod) -> f64 {
     let frames = [scene.images[0].frame(), scene.images[1].frame()];
     let found = rectify(&scene.truth, frames, &scene.matches, method, &Limits::default()).unwrap();
     let rows = found.measures.rows.unwrap();
@@ -21,8 +21,8 @@ fn rows(scene: &Scene, method: Method) -> f64 {
 fn house_pairs_come_into_rows() {
     let Some(folder) = real_data("house") else { return };
     for scene in vgg_scenes(&folder, 1, &[]).unwrap() {
-        assert!(rows(&scene, Method::Planar) <= 0.5, "{}", scene.name);
-        assert!(rows(&scene, Method::Polar) <= 0.7, "{}", scene.name);
+        assert!(rows(&scene, RectifyMethod::Planar) <= 0.5, "{}", scene.name);
+        assert!(rows(&scene, RectifyMethod::Polar) <= 0.7, "{}", scene.name);
     }
 }
 
@@ -31,11 +31,11 @@ fn a_step_forward_comes_into_rows_by_half_lines() {
     let alley = Sample::Alley.load();
     let frames = [alley.pictures[0].frame(), alley.pictures[1].frame()];
     let found =
-        rectify(&alley.fundamental, frames, &alley.matches, Method::Auto, &Limits::default()).unwrap();
-    assert_eq!(found.method, Method::Polar);
+        rectify(&alley.fundamental, frames, &alley.matches, RectifyMethod::Auto, &Limits::default()).unwrap();
+    assert_eq!(found.method, RectifyMethod::Polar);
     assert!(found.measures.rows.unwrap().mean < 0.02);
     let Some(folder) = real_data("pairs") else { return };
     for scene in pair_scenes(&folder, &["corr".to_owned()]).unwrap() {
-        assert!(rows(&scene, Method::Polar) <= 0.7);
+        assert!(rows(&scene, RectifyMethod::Polar) <= 0.7);
     }
 }

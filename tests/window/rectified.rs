@@ -16,7 +16,7 @@ use epiline::app::model::focus::Target;
 use epiline::app::model::rectified::RectifiedLayout;
 use epiline::estimate::{CancelFlag, Estimate};
 use epiline::geometry::{Frame, FundamentalMatrix, Point, Vector};
-use epiline::rectify::{Limits, Method, Rectification, rectify};
+use epiline::rectify::{Limits, Rectification, RectifyMethod, rectify};
 use epiline::synthetic::Sample;
 use nalgebra::Vector3;
 
@@ -36,7 +36,8 @@ fn rectified() -> (Window, Rectification) {
     settle(&mut window);
     press(&mut window, Key::Num6);
     let frames = sample.pictures.each_ref().map(epiline::image::Picture::frame);
-    let found = rectify(&sample.fundamental, frames, &sample.matches, Method::Auto, &Limits::default());
+    let found =
+        rectify(&sample.fundamental, frames, &sample.matches, RectifyMethod::Auto, &Limits::default());
     (window, found.unwrap())
 }
 
@@ -271,16 +272,16 @@ fn an_epipole_inside_forbids_planar_and_polar_is_one_press_away() {
     window.get_by_label_contains("Polar, because the epipole lies inside image 1");
     window.get_by_label("Planar").click();
     settle(&mut window);
-    assert_eq!(window.state().document().rectification, Method::Planar);
+    assert_eq!(window.state().document().rectification, RectifyMethod::Planar);
     window
         .get_by_label_contains("Planar rectification is impossible, because the epipole lies inside image 1");
     window.get_by_label("Use the polar method").click();
     settle(&mut window);
-    assert_eq!(window.state().document().rectification, Method::Polar);
+    assert_eq!(window.state().document().rectification, RectifyMethod::Polar);
     window.get_by_label_contains("Polar, because it was asked for");
     window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
     settle(&mut window);
-    assert_eq!(window.state().document().rectification, Method::Planar, "a step to undo");
+    assert_eq!(window.state().document().rectification, RectifyMethod::Planar, "a step to undo");
 }
 
 #[test]

@@ -18,7 +18,7 @@ use crate::app::model::session::suggested_path;
 use crate::app::tasks::SaveJob;
 use crate::app::view::{ReadingDialog, picture};
 use crate::io::RectifiedOptions;
-use crate::rectify;
+use crate::rectify::RectifyMethod;
 
 /// Said where there is no geometry.
 const NOTHING_TO_RECTIFY: &str = "There is nothing to rectify yet: click two point pairs first.";
@@ -58,7 +58,7 @@ impl Inspector {
         }
         // A polar rectification has no homographies.
         let rectified = self.model.rectify_question();
-        let rectified = rectified.filter(|question| question.method != rectify::Method::Polar);
+        let rectified = rectified.filter(|question| question.method != RectifyMethod::Polar);
         match content(&order, &self.model, rectified) {
             Ok((content, what)) => self.write(order.path, what, content),
             Err(problem) => self.model.messages.tell(problem),

@@ -12,7 +12,7 @@ use crate::estimate::Parameters;
 use crate::evaluate::Protocol;
 use crate::geometry::{Frame, FundamentalMatrix, HomogeneousPoint, Point, PointPair};
 use crate::image::Picture;
-use crate::rectify;
+use crate::rectify::RectifyMethod;
 
 /// One of the two images.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
@@ -184,7 +184,7 @@ pub struct Document {
     pub parameters: Parameters,
     /// How the images are rectified.
     #[serde(default)]
-    pub rectification: rectify::Method,
+    pub rectification: RectifyMethod,
     /// The ground truth that the result is compared with, if any.
     #[serde(default)]
     pub truth: Option<TruthSource>,

@@ -121,7 +121,7 @@ mod tests {
     use crate::app::model::sample::sample_pair;
     use crate::app::model::shared::Shared;
     use crate::io::{PictureFormat, RectifiedOptions};
-    use crate::rectify::Method;
+    use crate::rectify::RectifyMethod;
     use std::time::{Duration, Instant};
 
     fn order(folder: &Path) -> RectifyOrder {
@@ -131,7 +131,7 @@ mod tests {
                 pictures: sample.pictures.map(Shared::new),
                 fundamental: sample.truth.fundamental,
                 matches: MatchesAtHand::True(Shared::new(sample.truth)),
-                method: Method::Auto,
+                method: RectifyMethod::Auto,
                 moving: false,
             },
             folder: folder.to_owned(),

@@ -4,13 +4,13 @@ use std::path::PathBuf;
 
 use super::{Guides, RectifiedLayout, RectifiedView, RectifyQuestion};
 use crate::io::RectifiedOptions;
-use crate::rectify::Method;
+use crate::rectify::RectifyMethod;
 
 /// Something to do with the rectified pair.
 #[derive(Debug, Clone, PartialEq)]
 pub enum RectifiedCommand {
     /// Choose how the images are rectified.
-    SetMethod(Method),
+    SetMethod(RectifyMethod),
     /// Choose how the pictures are laid out.
     LayOut(RectifiedLayout),
     /// Choose the lines over the pictures.

@@ -10,7 +10,7 @@ use crate::cancel::CancelFlag;
 use crate::geometry::{Frame, FundamentalMatrix, PointPair};
 use crate::image::Picture;
 use crate::io::GroundTruth;
-use crate::rectify::{Limits, Method, Rectification, RectifyError, anaglyph, rectify};
+use crate::rectify::{Limits, Rectification, RectifyError, RectifyMethod, anaglyph, rectify};
 
 /// Pixels of a rectified picture on the screen, at most.
 const SHOWN: Limits = Limits { pixels: 3_000_000 };
@@ -57,7 +57,7 @@ pub struct RectifyQuestion {
     /// What is measured.
     pub matches: MatchesAtHand,
     /// The method that was chosen.
-    pub method: Method,
+    pub method: RectifyMethod,
     /// Whether another geometry is likely to come at once.
     pub moving: bool,
 }
@@ -153,7 +153,7 @@ mod tests {
             pictures: sample.pictures.map(Shared::new),
             fundamental: sample.truth.fundamental,
             matches: MatchesAtHand::True(Shared::new(sample.truth)),
-            method: Method::Auto,
+            method: RectifyMethod::Auto,
             moving: false,
         }
     }

@@ -17,7 +17,7 @@ use crate::app::model::session::OpenSession;
 use crate::estimate::{Method, Preset};
 use crate::evaluate::Protocol;
 use crate::io::{PictureFormat, RectifiedOptions};
-use crate::rectify;
+use crate::rectify::RectifyMethod;
 
 const NONE: Modifiers = Modifiers::NONE;
 const COMMAND: Modifiers = Modifiers::COMMAND;
@@ -281,19 +281,19 @@ pub fn by_name() -> Vec<Action> {
         action(Command::SetPreset(Preset::Robust), "Preset", presets).listed(|_| "Preset: robust"),
         action(Command::SetPreset(Preset::Paper), "Preset", presets).listed(|_| "Preset: paper"),
         action(
-            RectifiedCommand::SetMethod(rectify::Method::Auto),
+            RectifiedCommand::SetMethod(RectifyMethod::Auto),
             "Rectification method",
             "Planar where it bends the images little, else polar; the reason is given below.",
         )
         .listed(|_| "Rectify: choose the method automatically"),
         action(
-            RectifiedCommand::SetMethod(rectify::Method::Planar),
+            RectifiedCommand::SetMethod(RectifyMethod::Planar),
             "Rectification method",
             "One homography an image: straight lines stay straight. Impossible with an epipole inside an image.",
         )
         .listed(|_| "Rectify: planar method"),
         action(
-            RectifiedCommand::SetMethod(rectify::Method::Polar),
+            RectifiedCommand::SetMethod(RectifyMethod::Polar),
             "Rectification method",
             "A row for each pair of half epipolar lines: works wherever the epipoles are, but bends straight lines.",
         )

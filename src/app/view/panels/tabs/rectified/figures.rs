@@ -10,7 +10,7 @@ use crate::app::model::Model;
 use crate::app::model::command::Command;
 use crate::app::model::rectified::{Blink, DrawnPair, Guides, Rectified, RectifiedCommand, RectifiedLayout};
 use crate::app::view::theme;
-use crate::rectify::{Distortion, Measures, Method};
+use crate::rectify::{Distortion, Measures, RectifyMethod};
 
 /// Disparity ranges are given in multiples of this, px: block matchers want it.
 const RANGE_STEP: f64 = 16.0;
@@ -74,7 +74,9 @@ fn measures(ui: &mut Ui, rectified: &Rectified, drawn: &DrawnPair) {
 /// Auto, planar or polar.
 pub fn method_chooser(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     name(ui, "Method");
-    for (method, title) in [(Method::Auto, "Auto"), (Method::Planar, "Planar"), (Method::Polar, "Polar")] {
+    for (method, title) in
+        [(RectifyMethod::Auto, "Auto"), (RectifyMethod::Planar, "Planar"), (RectifyMethod::Polar, "Polar")]
+    {
         let choice = ui.add(Button::selectable(model.document.rectification == method, title));
         finish_button(ui, choice, RectifiedCommand::SetMethod(method).into(), commands);
     }

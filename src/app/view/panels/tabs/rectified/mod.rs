@@ -14,7 +14,7 @@ use crate::app::model::command::Command;
 use crate::app::model::ids::TabId;
 use crate::app::model::rectified::RectifiedCommand;
 use crate::app::view::theme;
-use crate::rectify::{Method, RectifyError};
+use crate::rectify::{RectifyError, RectifyMethod};
 
 /// Registered in [`super::TABS`].
 pub const TAB: Tab = Tab { id: TabId::Rectified, tools, show };
@@ -82,9 +82,9 @@ fn failure(ui: &mut Ui, model: &Model, error: &RectifyError, commands: &mut Vec<
     ui.add_space(8.0);
     let color = theme::palette(ui.visuals()).caution;
     ui.label(RichText::new(format!("{}.", sentence(&error.to_string()))).color(color));
-    if model.document.rectification == Method::Planar {
+    if model.document.rectification == RectifyMethod::Planar {
         let polar = ui.button("Use the polar method");
-        super::finish_button(ui, polar, RectifiedCommand::SetMethod(Method::Polar).into(), commands);
+        super::finish_button(ui, polar, RectifiedCommand::SetMethod(RectifyMethod::Polar).into(), commands);
     }
     ui.add_space(6.0);
     ui.horizontal(|ui| figures::method_chooser(ui, model, commands));
