@@ -40,6 +40,9 @@ pub struct Assessment {
     /// Advantage over the best clearly different hypothesis, relative to the better of the two: of patch support when
     /// the search looks at patches, else of the line score. `None` when there is no other hypothesis.
     pub margin: Option<f64>,
+    /// The same after refinement, by what the matches weigh: measured where the margin before leaves open which geometry
+    /// is better, and then what decides.
+    pub refined_margin: Option<f64>,
     /// The fit of all seven degrees of freedom at full resolution, if there was one.
     pub refinement: Option<Refinement>,
     /// What the user should know.

@@ -192,17 +192,23 @@ impl Input<'_> {
     pub fn judged(&self, record: &SearchRecord, found: Found) -> Judged {
         let Found { fundamental, hypotheses, supporting, refined } = found;
         let weight = refined.as_ref().map_or(0.0, |refined| refined.weight);
-        let (fundamental, refinement) = match refined {
-            Some(refined) => (refined.fundamental, Some(refined.refinement)),
-            None => (fundamental, None),
-        };
-        let assessment = self.judge(record, &hypotheses).result(&fundamental, &supporting, refinement);
+        let fundamental = refined.as_ref().map_or(fundamental, |refined| refined.fundamental);
+        let assessment = self.judge(record, &hypotheses).result(&fundamental, &supporting, refined);
         Judged { fundamental, hypotheses, assessment, weight, patches: Arc::clone(self.patches) }
     }
 
     fn judge<'b>(&'b self, record: &'b SearchRecord, hypotheses: &'b [Estimate]) -> Judge<'b> {
-        let Input { prepared, source, patches, clicks, parameters, .. } = *self;
-        Judge { prepared, source, patches, clicks, parameters, hypotheses, warnings: &record.warnings }
+        let Input { prepared, source, patches, clicks, parameters, cancel } = *self;
+        Judge {
+            prepared,
+            source,
+            patches,
+            clicks,
+            parameters,
+            hypotheses,
+            warnings: &record.warnings,
+            cancel,
+        }
     }
 
     /// Reports a geometry that is good enough to draw.

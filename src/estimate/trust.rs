@@ -1,10 +1,11 @@
 //! How far to trust a result: a verdict with its reasons in words.
 //!
-//! Four things are looked at, each of which a wrong geometry usually fails: how many patches match along the
-//! epipolar lines at full resolution, whether the clicks lie on their lines, how much better the result is than
-//! the best clearly different geometry, and how firmly the matches hold the lines. A result is called reliable
-//! when none of them speaks against it. The thresholds are round numbers from results whose truth is known,
-//! right and wrong clicks alike; see `docs/measurements.md` for the figures.
+//! What a wrong geometry usually fails: how many patches match along the epipolar lines at full resolution, whether the
+//! clicks lie on their lines, how much better the result is than the best clearly different geometry, how firmly the
+//! matches hold the lines, whether something beside the largest plane holds the epipoles, and whether what stands out in
+//! both images whatever the geometry agrees. A result is called reliable when none of them speaks against it. The
+//! thresholds of counts and distances are round numbers from results whose truth is known, right and wrong clicks alike
+//! (`docs/measurements.md` has the figures); those of chance are probabilities.
 
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
@@ -51,14 +52,32 @@ pub enum Reason {
         matches: usize,
     },
     /// A click is off its epipolar line.
-    #[error(
-        "point pair {pair} is {distance:.1} px off its epipolar line: check that it shows the same scene point"
-    )]
+    #[error("point pair {pair} is {distance:.1} px off its epipolar line: {suspect}")]
     ClickOff {
         /// Number of the pair, from 1.
         pair: usize,
         /// Sampson distance, px.
         distance: f64,
+        /// What is likelier to be wrong.
+        suspect: Suspect,
+    },
+    /// Matches that stand out and move together contradict the geometry.
+    #[error(
+        "{contradicting} of {matches} matches that stand out and move together contradict the geometry: something moves by itself, or the images are bent, or the geometry is wrong"
+    )]
+    Contradicted {
+        /// How many contradict it.
+        contradicting: usize,
+        /// All that stand out and move together.
+        matches: usize,
+    },
+    /// Nearly all matches follow one homography and a lens.
+    #[error(
+        "{percent} % of the matches fit one plane or a turn of the camera seen through a lens that bends straight lines: remove the distortion first, or use views from places farther apart"
+    )]
+    Bent {
+        /// Percent of the matches.
+        percent: u32,
     },
     /// A clearly different geometry has nearly as much support.
     #[error("a clearly different geometry has nearly as much support (margin {margin:.2})")]
@@ -68,7 +87,7 @@ pub enum Reason {
     },
     /// Nearly all matches follow one homography.
     #[error(
-        "{percent} % of the matches fit one plane or a turn of the camera, and of {groups} things beside it that moved, {agreeing} agree on where the epipolar lines meet: use views from places farther apart, or a scene with more depth and nothing that moves"
+        "{percent} % of the matches fit one plane or a turn of the camera: lines through these hold, but where they meet is not determined, as only {agreeing} of {groups} motions beside it agree on that, in one place or by chance: use views from places farther apart, or a scene with more depth and nothing that moves"
     )]
     OnePlane {
         /// Percent of the matches.
@@ -84,6 +103,29 @@ pub enum Reason {
         /// Standard deviation across the lines, px.
         deviation: f64,
     },
+}
+
+/// What is likelier to be wrong where a click and a geometry disagree.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Suspect {
+    /// The click: everything else speaks for the geometry.
+    Click,
+    /// The geometry: other things speak against it, too.
+    Geometry,
+}
+
+impl std::fmt::Display for Suspect {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Click => {
+                "the images speak for the geometry, so check that the pair shows the same scene point"
+            }
+            Self::Geometry => {
+                "more than this speaks against the geometry, so the pair may be right: add another pair"
+            }
+        })
+    }
 }
 
 /// A verdict and what led to it.
@@ -103,14 +145,19 @@ const FAR_TOO_FEW: usize = 25;
 const CLICK_DEVIATIONS: f64 = 4.0;
 const CLICK_DEVIATIONS_WRONG: f64 = 12.0;
 /// Smallest advantage over a clearly different geometry.
-const CLEAR_MARGIN: f64 = 0.2;
+pub(super) const CLEAR_MARGIN: f64 = 0.2;
 /// Share of the matches on one plane from which on the epipoles hang on a handful of matches.
 const ONE_PLANE: f64 = 0.95;
 /// Share from which on what lies off the plane has to hold the epipoles by itself.
 const MOSTLY_PLANE: f64 = 0.5;
-/// Probability that what lies off the plane agrees by chance, at most: one of a thousand results may be called reliable
-/// for it.
-const BY_CHANCE: f64 = 1e-3;
+/// Epipoles that do as well by chance, at most: one of a hundred results without parallax may pass this test.
+const BY_CHANCE: f64 = 1e-2;
+/// Motions beside the plane that any epipole fits: what agrees has to move in more ways.
+const ANY_EPIPOLE: usize = 2;
+/// Probability that matches which are wrong by chance contradict a right geometry, at most.
+const WRONG_BY_CHANCE: f64 = 1e-3;
+/// Share of the matches that stand out and move together, and are wrong all the same: repeated structure.
+const WRONG_TOGETHER: f64 = 0.005;
 /// Loosest epipolar lines, as a fraction of the longer side.
 const LOOSEST: f64 = 0.002;
 
@@ -119,17 +166,43 @@ const LOOSEST: f64 = 0.002;
 pub(super) struct PlaneEvidence {
     /// Share of the matches that it explains, 0 to 1.
     pub share: f64,
+    /// Share that it explains when seen through a lens.
+    pub bent_share: f64,
     /// Groups of distinctive matches off it that move alike, and how many of them agree with F.
     pub groups: usize,
     pub agreeing: usize,
-    /// Probability that so many agree by chance, beyond those that an epipole always fits.
-    pub chance: f64,
+    /// Motions among those that agree.
+    pub motions: usize,
+    /// Epipoles that do as well by chance.
+    pub by_chance: f64,
 }
 
 impl PlaneEvidence {
     /// Whether the epipoles hang on the plane alone.
     fn leaves_the_epipoles_open(&self) -> bool {
-        self.share > ONE_PLANE || self.share > MOSTLY_PLANE && self.chance > BY_CHANCE
+        let is_held = self.by_chance <= BY_CHANCE && self.motions > ANY_EPIPOLE;
+        self.share > ONE_PLANE || self.share > MOSTLY_PLANE && !is_held
+    }
+}
+
+/// Matches that stand out whatever the geometry and move like others around them, and how many of them contradict F.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(super) struct Together {
+    pub matches: usize,
+    pub contradicting: usize,
+}
+
+impl Together {
+    /// Whether more contradict F than are wrong by chance: a tail of the Poisson distribution.
+    fn contradict(self) -> bool {
+        let expected = WRONG_TOGETHER * self.matches as f64;
+        let mut term = (-expected).exp();
+        let mut fewer = 0.0;
+        for k in 0..self.contradicting {
+            fewer += term;
+            term *= expected / (k + 1) as f64;
+        }
+        1.0 - fewer < WRONG_BY_CHANCE
     }
 }
 
@@ -150,6 +223,8 @@ pub(super) struct Evidence<'a> {
     pub deviation: Option<f64>,
     /// The largest plane, where there are matches.
     pub plane: Option<PlaneEvidence>,
+    /// What stands out whatever the geometry.
+    pub together: Together,
     /// Longer side of image 1, px.
     pub side: f64,
 }
@@ -169,27 +244,34 @@ impl Trust {
             }
             _ => {}
         }
-        let mut far_off = false;
-        for (k, distance) in evidence.clicks.iter().enumerate() {
-            let deviations = distance / evidence.click_sigma;
-            if deviations > CLICK_DEVIATIONS {
-                far_off |= deviations > CLICK_DEVIATIONS_WRONG;
-                reasons.push(Reason::ClickOff { pair: k + 1, distance: *distance });
-            }
-        }
         if let Some(margin) = evidence.margin.filter(|m| *m < CLEAR_MARGIN) {
             reasons.push(Reason::Ambiguous { margin });
         }
         if let Some(deviation) = evidence.deviation.filter(|d| *d > LOOSEST * evidence.side) {
             reasons.push(Reason::Loose { deviation });
         }
+        let Together { matches, contradicting } = evidence.together;
+        if evidence.together.contradict() {
+            reasons.push(Reason::Contradicted { contradicting, matches });
+        }
         if let Some(plane) = evidence.plane.filter(PlaneEvidence::leaves_the_epipoles_open) {
             let PlaneEvidence { share, groups, agreeing, .. } = plane;
             reasons.push(Reason::OnePlane { percent: (100.0 * share) as u32, groups, agreeing });
+        } else if let Some(plane) = evidence.plane.filter(|plane| plane.bent_share > ONE_PLANE) {
+            reasons.push(Reason::Bent { percent: (100.0 * plane.bent_share) as u32 });
+        }
+        let but_clicks = !reasons.is_empty();
+        let suspect = if but_clicks { Suspect::Geometry } else { Suspect::Click };
+        let mut far_off = false;
+        for (k, distance) in evidence.clicks.iter().enumerate() {
+            let deviations = distance / evidence.click_sigma;
+            if deviations > CLICK_DEVIATIONS {
+                far_off |= deviations > CLICK_DEVIATIONS_WRONG;
+                reasons.push(Reason::ClickOff { pair: k + 1, distance: *distance, suspect });
+            }
         }
         // A mistaken click beside a geometry that everything else speaks for is no more than that: patches have
         // outvoted it. With anything else against it, the result is unreliable.
-        let but_clicks = reasons.iter().any(|r| !matches!(r, Reason::ClickOff { .. }));
         unreliable |= far_off && but_clicks;
         let verdict = match (reasons.is_empty(), unreliable) {
             (true, _) => Verdict::Reliable,
@@ -211,7 +293,15 @@ mod tests {
         click_sigma: 1.0,
         margin: Some(0.5),
         deviation: Some(0.05),
-        plane: Some(PlaneEvidence { share: 0.4, groups: 9, agreeing: 1, chance: 1.0 }),
+        plane: Some(PlaneEvidence {
+            share: 0.4,
+            bent_share: 0.4,
+            groups: 9,
+            agreeing: 1,
+            motions: 1,
+            by_chance: 1.0,
+        }),
+        together: Together { matches: 200, contradicting: 2 },
         side: 768.0,
     };
 
@@ -223,7 +313,9 @@ mod tests {
     fn a_result_is_reliable_only_when_nothing_speaks_against_it() {
         assert_eq!(Trust::judge(&GOOD), Trust { verdict: Verdict::Reliable, reasons: Vec::new() });
         assert_eq!(verdict(Evidence { margin: None, ..GOOD }), Verdict::Reliable);
-        let plane = |share, chance| Some(PlaneEvidence { share, groups: 9, agreeing: 7, chance });
+        let plane = |share, by_chance| {
+            Some(PlaneEvidence { share, bent_share: share, groups: 9, agreeing: 7, motions: 5, by_chance })
+        };
         assert_eq!(verdict(Evidence { plane: plane(0.6, 1e-4), ..GOOD }), Verdict::Reliable);
         for worse in [
             Evidence { patches: false, matches: None, ..GOOD },
@@ -233,7 +325,7 @@ mod tests {
             Evidence { margin: Some(0.05), ..GOOD },
             Evidence { deviation: Some(3.0), ..GOOD },
             Evidence { plane: plane(0.98, 0.0), ..GOOD },
-            Evidence { plane: plane(0.6, 0.01), ..GOOD },
+            Evidence { plane: plane(0.6, 0.1), ..GOOD },
         ] {
             assert_eq!(verdict(worse), Verdict::Doubtful);
         }
@@ -249,14 +341,33 @@ mod tests {
     #[test]
     fn reasons_name_the_pair_and_the_distance() {
         let trust = Trust::judge(&Evidence { clicks: &[0.5, 5.04], ..GOOD });
-        assert!(trust.reasons[0].to_string().starts_with("point pair 2 is 5.0 px off"));
+        let sentence = trust.reasons[0].to_string();
+        assert!(sentence.starts_with("point pair 2 is 5.0 px off"));
+        assert!(sentence.contains("check that the pair shows the same"), "{sentence}");
+        // With anything else against the geometry, the click is not blamed.
+        let trust = Trust::judge(&Evidence { clicks: &[0.5, 5.04], margin: Some(0.1), ..GOOD });
+        let sentence = trust.reasons[1].to_string();
+        assert!(sentence.contains("the pair may be right"), "{sentence}");
     }
 
     /// Both sides of every threshold, as near as the kind of number allows.
     #[test]
     fn each_threshold_is_where_its_constant_says() {
         let reasons = |evidence: Evidence| Trust::judge(&evidence).reasons;
-        let plane = |share, chance| Some(PlaneEvidence { share, groups: 9, agreeing: 2, chance });
+        let plane = |share, by_chance| {
+            Some(PlaneEvidence {
+                share,
+                bent_share: share,
+                groups: 9,
+                agreeing: 2,
+                motions: ANY_EPIPOLE + 1,
+                by_chance,
+            })
+        };
+        let bent = |bent_share| {
+            Some(PlaneEvidence { share: 0.4, bent_share, groups: 9, agreeing: 9, motions: 9, by_chance: 0.0 })
+        };
+        let together = |matches, contradicting| Together { matches, contradicting };
         let next = |v: f64| v * (1.0 + 1e-12);
         let before = |v: f64| v * (1.0 - 1e-12);
         let silent = [
@@ -268,7 +379,11 @@ mod tests {
             Evidence { deviation: None, ..GOOD },
             Evidence { plane: plane(ONE_PLANE, BY_CHANCE), ..GOOD },
             Evidence { plane: plane(MOSTLY_PLANE, 1.0), ..GOOD },
+            Evidence { plane: bent(ONE_PLANE), ..GOOD },
             Evidence { plane: None, ..GOOD },
+            // One of 200 is expected, so six happen less than once in a thousand times.
+            Evidence { together: together(200, 5), ..GOOD },
+            Evidence { together: Together::default(), ..GOOD },
         ];
         for evidence in silent {
             assert_eq!(reasons(evidence), [], "{evidence:?}");
@@ -278,10 +393,13 @@ mod tests {
         let (margin, deviation) = (before(CLEAR_MARGIN), next(LOOSEST * GOOD.side));
         let told = [
             (Evidence { matches: Some(few), ..GOOD }, Reason::FewMatches { matches: few }),
-            (Evidence { clicks: &[0.1, off], ..GOOD }, Reason::ClickOff { pair: 2, distance: off }),
+            (
+                Evidence { clicks: &[0.1, off], ..GOOD },
+                Reason::ClickOff { pair: 2, distance: off, suspect: Suspect::Click },
+            ),
             (
                 Evidence { clicks: &[0.5 * off], click_sigma: 0.5, ..GOOD },
-                Reason::ClickOff { pair: 1, distance: 0.5 * off },
+                Reason::ClickOff { pair: 1, distance: 0.5 * off, suspect: Suspect::Click },
             ),
             (Evidence { margin: Some(margin), ..GOOD }, Reason::Ambiguous { margin }),
             (Evidence { deviation: Some(deviation), ..GOOD }, Reason::Loose { deviation }),
@@ -292,6 +410,19 @@ mod tests {
             (
                 Evidence { plane: plane(next(MOSTLY_PLANE), next(BY_CHANCE)), ..GOOD },
                 Reason::OnePlane { percent: 50, groups: 9, agreeing: 2 },
+            ),
+            (
+                Evidence {
+                    plane: plane(next(MOSTLY_PLANE), 0.0)
+                        .map(|p| PlaneEvidence { motions: ANY_EPIPOLE, ..p }),
+                    ..GOOD
+                },
+                Reason::OnePlane { percent: 50, groups: 9, agreeing: 2 },
+            ),
+            (Evidence { plane: bent(next(ONE_PLANE)), ..GOOD }, Reason::Bent { percent: 95 }),
+            (
+                Evidence { together: together(200, 6), ..GOOD },
+                Reason::Contradicted { contradicting: 6, matches: 200 },
             ),
         ];
         for (evidence, reason) in told {

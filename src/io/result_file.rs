@@ -24,6 +24,7 @@ pub struct ResultFile<'a> {
     score: Option<f64>,
     round_trip_area: Option<f64>,
     margin: Option<f64>,
+    refined_margin: Option<f64>,
     support: Option<PatchSupport>,
     verdict: Option<Verdict>,
     reasons: Vec<String>,
@@ -84,6 +85,7 @@ impl<'a> ResultFile<'a> {
             score: found.line_score(),
             round_trip_area: assessment.lines.as_ref().and_then(|lines| lines.round_trip_area),
             margin: assessment.margin,
+            refined_margin: assessment.refined_margin,
             support: assessment.support,
             verdict: trust.map(|t| t.verdict),
             reasons: trust.iter().flat_map(|t| t.reasons.iter().map(ToString::to_string)).collect(),
@@ -158,6 +160,9 @@ pub fn result_in_words(found: &Estimate, images: &[ImageNote; 2]) -> String {
         Some(margin) => writeln!(text, "Margin to the best clearly different geometry: {margin:.3}"),
         None => writeln!(text, "Margin: no clearly different geometry was found"),
     };
+    if let Some(margin) = assessment.refined_margin {
+        let _ = writeln!(text, "Margin when the others are refined, too: {margin:.3}");
+    }
     for warning in &assessment.warnings {
         let _ = writeln!(text, "Warning: {warning}");
     }

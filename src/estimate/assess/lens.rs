@@ -89,9 +89,8 @@ pub(super) fn share_through_a_lens(
         }
         bent.k += change[8];
     }
-    let explained = |[x1, x2]: &&[Vector2<f64>; 2]| {
-        bent.mapped(*x1).is_some_and(|(at, _)| (x2 - at).norm() < tolerance)
-    };
+    let explained =
+        |[x1, x2]: &&[Vector2<f64>; 2]| bent.mapped(*x1).is_some_and(|(at, _)| (x2 - at).norm() < tolerance);
     seen.iter().filter(explained).count() as f64 / seen.len().max(1) as f64
 }
 
@@ -120,11 +119,8 @@ mod tests {
         };
         for k in [-0.15, 0.0, 0.08, 0.15] {
             let matches = bent(k);
-            let middle: Vec<PointPair> = matches
-                .iter()
-                .filter(|m| (m.point1 - FRAME.centre()).norm() < 150.0)
-                .copied()
-                .collect();
+            let middle: Vec<PointPair> =
+                matches.iter().filter(|m| (m.point1 - FRAME.centre()).norm() < 150.0).copied().collect();
             let h = homography(&middle).unwrap();
             let share = share_through_a_lens(&matches, &h, [FRAME; 2], 1.0);
             assert!(share > 0.98, "k {k}: {share}");

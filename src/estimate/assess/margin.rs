@@ -14,9 +14,7 @@ const CONTRADICTING: f64 = 0.5;
 const LARGEST_DIFFERENCE: f64 = 10.0;
 
 /// Advantage of the best hypothesis over the best one that is clearly different from `fundamental`, relative to the
-/// better of the two; `None` when there is none. Where there are supporting matches, one is different that half of them
-/// contradict (two geometries that agree wherever the scene is do not compete); else one whose epipolar lines are
-/// elsewhere.
+/// better of the two; `None` when there is none.
 pub(in crate::estimate) fn margin(
     fundamental: &FundamentalMatrix,
     hypotheses: &[Estimate],
@@ -24,17 +22,8 @@ pub(in crate::estimate) fn margin(
     frames: [Frame; 2],
     search: Search,
 ) -> Option<f64> {
-    let far = DIFFERENT * frames[0].longer_side();
     let best = hypotheses.first()?;
-    let differs = |other: &&Estimate| {
-        let f = other.fundamental();
-        if matches.is_empty() {
-            return epipolar_difference(fundamental, f, frames, LARGEST_DIFFERENCE * far) > far;
-        }
-        let contradicts = |m: &&PointPair| symmetric_epipolar_distance(f, m) > CONTRADICTING * far;
-        2 * matches.iter().filter(contradicts).count() > matches.len()
-    };
-    let other = hypotheses.iter().find(differs)?;
+    let other = hypotheses.iter().find(|other| differs(fundamental, other.fundamental(), matches, frames))?;
     // A figure that is missing says nothing for either.
     Some(match search {
         Search::Patches => {
@@ -46,6 +35,23 @@ pub(in crate::estimate) fn margin(
             (other - best) / other.max(1e-9)
         }
     })
+}
+
+/// Whether another geometry is clearly different. Where there are supporting matches, one is that half of them
+/// contradict (two geometries that agree wherever the scene is do not compete); else one whose epipolar lines are
+/// elsewhere.
+pub(super) fn differs(
+    fundamental: &FundamentalMatrix,
+    other: &FundamentalMatrix,
+    matches: &[PointPair],
+    frames: [Frame; 2],
+) -> bool {
+    let far = DIFFERENT * frames[0].longer_side();
+    if matches.is_empty() {
+        return epipolar_difference(fundamental, other, frames, LARGEST_DIFFERENCE * far) > far;
+    }
+    let contradicts = |m: &&PointPair| symmetric_epipolar_distance(other, m) > CONTRADICTING * far;
+    2 * matches.iter().filter(contradicts).count() > matches.len()
 }
 
 #[cfg(test)]

@@ -2,6 +2,7 @@
 
 mod degeneracy;
 mod examination;
+mod lens;
 mod margin;
 mod parallax;
 
@@ -10,22 +11,28 @@ pub use examination::examine;
 
 pub(super) use degeneracy::{check_images, check_points};
 
-use super::patches::{PatchLevels, largest_plane};
-use super::trust::{Evidence, PlaneEvidence};
+use super::patches::{PatchLevels, Refined, largest_plane, resized};
+use super::trust::{CLEAR_MARGIN, Evidence, PlaneEvidence, Together};
 use super::{
     Assessment, Clicks, Estimate, Parameters, PatchSupport, PreparedPair, Refinement, Search, Trust, Warning,
 };
+use crate::cancel::CancelFlag;
 use crate::geometry::{FundamentalMatrix, PointPair, sampson_distance};
 use crate::similarity::SimilaritySource;
 use examination::Examiner;
-use margin::margin;
-use nalgebra::Matrix3;
-use parallax::OffPlane;
+use margin::{differs, margin};
+use parallax::{CORNER_SIGMA, OffPlane, precision_on_plane};
 
 /// How near a match must be to a homography to be explained by it, px in an image of up to [`PLANE_SIDE`] px, more in
 /// proportion in larger ones, where corners are found less precisely: three deviations of a refined match.
 const PLANE_TOLERANCE: f64 = 1.0;
 const PLANE_SIDE: f64 = 800.0;
+
+/// Parallax of matches that are looked for around a plane, at most, as a fraction of the longer side: what distinctive
+/// matches, found to a pixel, begin to see.
+const NEAR_PLANE: f64 = 0.015;
+/// Rivals that are refined where the figures before refinement leave open which geometry is better.
+const RIVALS: usize = 3;
 
 /// What a geometry is judged by, besides itself.
 pub(super) struct Judge<'a> {
@@ -38,6 +45,7 @@ pub(super) struct Judge<'a> {
     pub hypotheses: &'a [Estimate],
     /// What the user should know, whatever the result.
     pub warnings: &'a [Warning],
+    pub cancel: &'a CancelFlag,
 }
 
 impl Judge<'_> {
@@ -47,6 +55,7 @@ impl Judge<'_> {
             lines: self.hypotheses.first().and_then(|best| best.assessment.lines.clone()),
             support,
             margin: self.margin(f, &[]),
+            refined_margin: None,
             refinement: None,
             warnings: self.warnings(f),
             trust: None,
@@ -59,7 +68,7 @@ impl Judge<'_> {
         &self,
         f: &FundamentalMatrix,
         supporting: &[PointPair],
-        refinement: Option<Refinement>,
+        refined: Option<Refined>,
     ) -> Assessment {
         let Self { prepared, source, patches, parameters, .. } = *self;
         let examiner = Examiner { prepared, source, patches, parameters };
@@ -69,8 +78,34 @@ impl Judge<'_> {
         let lines = anchors.first_chunk::<2>().and_then(|anchors| examiner.line_figures(*anchors, f, turn));
         let support = examiner.patch_support(f);
         let margin = self.margin(f, supporting);
-        let trust = Some(self.trust(f, margin, refinement.as_ref()));
-        Assessment { lines, support, margin, refinement, warnings: self.warnings(f), trust }
+        let weight = refined.as_ref().map(|refined| refined.weight);
+        let is_open = margin.is_some_and(|margin| margin < CLEAR_MARGIN);
+        let refined_margin = weight.filter(|_| is_open).map(|w| self.refined_margin(f, w, supporting));
+        let refinement = refined.map(|refined| refined.refinement);
+        let trust = Some(self.trust(f, refined_margin.or(margin), refinement.as_ref()));
+        let warnings = self.warnings(f);
+        Assessment { lines, support, margin, refined_margin, refinement, warnings, trust }
+    }
+
+    /// Advantage of a refined geometry, whose matches weigh `weight`, over the rivals when these are refined, too: those
+    /// that stay different have to find matches of their own at full resolution.
+    fn refined_margin(&self, f: &FundamentalMatrix, weight: f64, supporting: &[PointPair]) -> f64 {
+        let Self { prepared, patches, parameters, .. } = *self;
+        let observed = self.clicks.observed();
+        let is_rival = |other: &FundamentalMatrix| differs(f, other, supporting, prepared.frames());
+        let heaviest = self
+            .hypotheses
+            .iter()
+            .map(Estimate::fundamental)
+            .filter(|other| is_rival(other))
+            .take(RIVALS)
+            .filter_map(|rival| {
+                patches.refine(prepared.pyramids(), rival, &observed, parameters.click_sigma, self.cancel)
+            })
+            .filter(|refined| is_rival(&refined.fundamental))
+            .map(|refined| refined.weight)
+            .fold(0.0, f64::max);
+        (weight - heaviest) / weight.max(1e-9)
     }
 
     fn margin(&self, f: &FundamentalMatrix, supporting: &[PointPair]) -> Option<f64> {
@@ -82,24 +117,30 @@ impl Judge<'_> {
         self.warnings.iter().cloned().chain(of_clicks).collect()
     }
 
-    /// What one plane explains, and what lies off it.
-    fn plane(&self, f: &FundamentalMatrix, matches: &[PointPair], tolerance: f64) -> Option<PlaneEvidence> {
+    /// What one plane explains, what lies off it, and what stands out whatever the geometry.
+    fn plane(
+        &self,
+        f: &FundamentalMatrix,
+        matches: &[PointPair],
+        tolerance: f64,
+    ) -> Option<(PlaneEvidence, Together)> {
+        let frames = self.prepared.frames();
         let (h, most) = largest_plane(matches, tolerance, self.parameters.seed)?;
         let share = most as f64 / matches.len() as f64;
+        let bent_share = lens::share_through_a_lens(matches, &h, frames, tolerance);
         let fine = self.patches.fine(self.prepared.pyramids());
         let [s1, s2] = fine.scales;
-        let at_level = |s: f64| {
-            let shift = 0.5 * s - 0.5;
-            Matrix3::new(s, 0.0, shift, 0.0, s, shift, 0.0, 0.0, 1.0)
-        };
-        let at_fine = at_level(s2) * h * at_level(s1).try_inverse()?;
-        let side = s1 * self.prepared.frames()[0].longer_side();
-        let distinctive = OffPlane::new(&fine.support, &f.rescaled(s1, s2)?, &at_fine, side);
-        let refined = OffPlane::refined(matches, f, &h, tolerance, self.prepared.frames()[0].longer_side());
+        let (h_fine, f_fine) = (resized(&h, fine.scales)?, f.rescaled(s1, s2)?);
+        let (side, side_fine) = (frames[0].longer_side(), s1 * frames[0].longer_side());
+        let distinctive = fine.support.distinctive();
+        let afar = OffPlane::new(&distinctive, &f_fine, &h_fine, side_fine, CORNER_SIGMA);
+        let near = self.patches.matches_near_plane(self.prepared.pyramids(), &h, NEAR_PLANE);
+        let closely = OffPlane::new(&near, f, &h, side, precision_on_plane(&near, &h));
         // Either may hold the epipoles: what is seen from afar, or what is seen finely.
-        let off = if refined.by_chance < distinctive.by_chance { refined } else { distinctive };
-        let OffPlane { groups, agreeing, by_chance } = off;
-        Some(PlaneEvidence { share, by_chance, groups, agreeing })
+        let off = if closely.by_chance < afar.by_chance { closely } else { afar };
+        let OffPlane { groups, agreeing, motions, by_chance } = off;
+        let together = parallax::together(&distinctive, &f_fine, &h_fine, side_fine);
+        Some((PlaneEvidence { share, bent_share, groups, agreeing, motions, by_chance }, together))
     }
 
     fn trust(&self, f: &FundamentalMatrix, margin: Option<f64>, refinement: Option<&Refinement>) -> Trust {
@@ -112,6 +153,7 @@ impl Judge<'_> {
         let deviation = uncertainty.and_then(|uncertainty| uncertainty.median_line2_deviation(&matches));
         let side = self.prepared.frames()[0].longer_side();
         let tolerance = PLANE_TOLERANCE * side.max(PLANE_SIDE) / PLANE_SIDE;
+        let (plane, together) = self.plane(f, &matches, tolerance).unzip();
         Trust::judge(&Evidence {
             patches: parameters.search == Search::Patches,
             matches: refinement.map(|r| r.matches.len()),
@@ -119,7 +161,8 @@ impl Judge<'_> {
             click_sigma: parameters.click_sigma,
             margin,
             deviation,
-            plane: self.plane(f, &matches, tolerance),
+            plane,
+            together: together.unwrap_or_default(),
             side,
         })
     }

@@ -3,31 +3,37 @@
 //! Where one homography explains most matches, those matches say nothing about where the epipolar lines meet. What lies
 //! off it moves against it along the line through the epipole. A thing that moves by itself does too, for the one
 //! epipole on the line of its own motion, and an epipole has two degrees of freedom: it fits any **two** independent
-//! motions. So the matches off the plane are taken in groups that move alike, whether or not they agree with F, and how
-//! many of `n` groups agree is held against chance: each two of them determine one of `n (n − 1) / 2` epipoles, and
+//! motions. So the matches off the plane are taken in groups that move alike, whether or not they agree with F. If a
+//! group has nothing to do with F, its parallax of `d` px has any direction, and it is as near as `e` px to the line with
+//! probability
 //!
 //! ```text
-//!     N = n (n − 1) / 2 · P(at least k − 2 of the n − 2 others agree by chance)
+//!     p = 2/π · asin(e / d).
 //! ```
 //!
-//! is the number of epipoles that do as well as the one of F, if nothing has to do with any (the number of false alarms
-//! of Desolneux, Moisan & Morel 2000, which Moisan & Stival 2004 use for F itself).
+//! Then `−ln p` is exponentially distributed, and a sum of `n` of them has the gamma distribution (Fisher 1932). Each two
+//! of `n` groups determine an epipole, which the others are held against:
 //!
-//! A thing that turns or comes nearer moves differently from end to end, in agreement with one epipole by itself. What
-//! moves by itself has a size, though: N is taken without the groups in any one place, at its largest. A camera that
-//! moved has parallax in more than one.
+//! ```text
+//!     N = n (n − 1) / 2 · P(Γ(n − 2) ≥ − Σ ln p of all but the two best)
+//! ```
 //!
-//! A group whose parallax is `d` px long agrees within `b` px by chance with the probability that its direction is one of
-//! those that pass the epipole so nearly: `p = 2/π · asin(b / d)`.
+//! is the number of epipoles that do as well as that of F, if nothing has to do with any (a number of false alarms:
+//! Desolneux, Moisan & Morel 2000; Moisan & Stival 2004 for F itself). What agrees has to move in more ways than two, too:
+//! the halves of a picture that are pulled apart agree wherever one looks.
 //!
-//! Distinctive matches are found to a pixel, so parallax of less than some pixels does not show in them. The refined ones
-//! are finer, but were found along the lines of F, in a band about them: what has nothing to do with F lies anywhere in
-//! it, so that a group is within a third of the band's half width by chance with probability ⅓.
+//! Distinctive matches are found to a pixel, so parallax of less than some pixels does not show in them. Nearer to the
+//! plane, matches are looked for around where the plane puts them and aligned to a fraction of a pixel: those on it tell
+//! how precise they are. Neither kind knows anything of F.
+//!
+//! What moves by itself as several parts at once (something that turns) shows as matches that stand out, move together,
+//! and contradict F: see [`together`].
 
 use nalgebra::Matrix3;
 
-use crate::estimate::patches::{BAND, Support};
-use crate::geometry::{FundamentalMatrix, Point, PointPair, Vector, finite_point};
+use crate::estimate::patches::BAND;
+use crate::estimate::trust::Together;
+use crate::geometry::{FundamentalMatrix, PointPair, Vector, finite_point, transfer_error};
 
 /// What lies off the largest plane.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -35,94 +41,124 @@ pub(super) struct OffPlane {
     /// Groups of matches that move alike, and how many of them agree with F.
     pub groups: usize,
     pub agreeing: usize,
-    /// Epipoles, of those that two groups determine, with which so many agree if they have nothing to do with any.
+    /// Motions among those that agree, wherever they are seen.
+    pub motions: usize,
+    /// Epipoles, of those that two groups determine, which do as well if nothing has to do with any: N above.
     pub by_chance: f64,
 }
 
-/// A match is off the plane from this far on, px of the level: corners are found to a pixel, and so is the plane.
-const OFF_PLANE: f64 = 4.0;
-/// Two matches move alike whose parallax differs by less than this, px of the level.
-const ALIKE: f64 = 3.0;
-/// The same of refined matches, in units of how near to the plane a match on it is.
-const REFINED_OFF_PLANE: f64 = 2.0;
-const REFINED_ALIKE: f64 = 1.5;
-/// A third of the half width of the band that refined matches are found in, px, and the chance to be so near the line.
-const REFINED_BAND: f64 = 0.4;
-const REFINED_CHANCE: f64 = 1.0 / 3.0;
-/// How far from its middle a thing that moves by itself reaches, as a fraction of the longer side.
-const THING: f64 = 0.15;
+/// Standard deviation of a coordinate of a match between corners, px of the level: each is found to a pixel.
+pub(super) const CORNER_SIGMA: f64 = 0.7;
+/// Deviations of a match from which on it is off the plane, moves differently, and is off its line.
+const OFF_PLANE: f64 = 6.0;
+const ALIKE: f64 = 4.0;
+const OFF_LINE: f64 = 3.0;
+/// Least deviation of an aligned match, px.
+const ALIGNED: f64 = 0.15;
+/// Median distance of a match from where it belongs, in deviations of a coordinate: that of the Rayleigh distribution.
+const MEDIAN: f64 = 1.177;
+/// Matches of one group are no farther apart than this fraction of the longer side: what moves by itself is small, and
+/// surfaces that are seen in two places are seen twice.
+const TOGETHER: f64 = 0.1;
+/// Neighbours of a match are within this fraction of the longer side, and so many of them have to move like it.
+const NEIGHBOURS: f64 = 0.1;
+const LEAST_NEIGHBOURS: usize = 2;
+/// Neighbours move alike when their parallax differs by less than this share of their distance (a surface that is seen
+/// from the side), and px of the level.
+const SAME_MOTION: f64 = 0.15;
+const SAME_MOTION_PX: f64 = 1.5;
+/// A match contradicts a geometry that is farther from its line than twice what corners and a good F leave open, px of
+/// the level.
+const CONTRADICTING: f64 = 2.0 * BAND;
 
 /// Matches off the plane that move alike.
 #[derive(Debug, Clone, Copy)]
 struct Group {
-    /// Their middle in image 1.
-    place: Point,
-    agrees: bool,
-    /// Probability that a group like this agrees by chance.
-    chance: f64,
+    parallax: Vector,
+    /// How far it is off its epipolar line, px.
+    off_line: f64,
+    /// The least distance that means anything, px.
+    precision: f64,
+}
+
+/// Standard deviation of a coordinate of matches most of which are on a plane, px: as they show.
+pub(super) fn precision_on_plane(matches: &[PointPair], h: &Matrix3<f64>) -> f64 {
+    let mut distances: Vec<f64> = matches.iter().map(|m| transfer_error(h, m)).collect();
+    distances.sort_by(f64::total_cmp);
+    distances.get(distances.len() / 2).map_or(ALIGNED, |median| (median / MEDIAN).max(ALIGNED))
 }
 
 impl OffPlane {
-    /// The distinctive matches off the plane with homography `h`, and how `f` agrees with them, in pixels of the level;
-    /// `side` is the longer side of image 1.
-    pub fn new(support: &Support, f: &FundamentalMatrix, h: &Matrix3<f64>, side: f64) -> Self {
-        let off = parallaxes(&support.distinctive(), h, OFF_PLANE);
-        let group = |members: Vec<usize>| {
-            let near = |k: &&usize| {
-                let pair = &off[**k].0;
-                f.line2_from_point1(pair.point1).is_some_and(|line| line.distance(pair.point2) <= BAND)
-            };
-            let length = members.iter().map(|k| off[*k].1.norm()).sum::<f64>() / members.len() as f64;
-            Group {
-                place: middle(&off, &members),
-                // A group agrees as a whole.
-                agrees: 2 * members.iter().filter(near).count() > members.len(),
-                chance: (BAND / length).min(1.0).asin() * std::f64::consts::FRAC_2_PI,
-            }
-        };
-        let groups: Vec<Group> = moving_alike(&off, ALIKE).into_iter().map(group).collect();
-        Self::of(&groups, THING * side)
-    }
-
-    /// The same of refined matches, in full-size pixels; a match is on the plane within `tolerance` px.
-    pub fn refined(
+    /// The matches off the plane with homography `h`, and how `f` agrees with them. `sigma` is the standard deviation of
+    /// a coordinate, `side` the longer side of image 1, px.
+    pub fn new(
         matches: &[PointPair],
         f: &FundamentalMatrix,
         h: &Matrix3<f64>,
-        tolerance: f64,
         side: f64,
+        sigma: f64,
     ) -> Self {
-        let off = parallaxes(matches, h, REFINED_OFF_PLANE * tolerance);
+        let off = parallaxes(matches, h, OFF_PLANE * sigma);
         let group = |members: Vec<usize>| {
-            let distances = members.iter().filter_map(|k| {
-                Some(f.line2_from_point1(off[*k].0.point1)?.signed_distance(off[*k].0.point2))
-            });
+            let count = members.len() as f64;
+            let mut distances: Vec<f64> = members
+                .iter()
+                .filter_map(|k| Some((f.line2_from_point1(off[*k].0.point1)?, off[*k].0.point2)))
+                .map(|(line, point2)| line.signed_distance(point2))
+                .collect();
+            distances.sort_by(f64::total_cmp);
             Group {
-                place: middle(&off, &members),
-                agrees: (distances.sum::<f64>() / members.len() as f64).abs() < REFINED_BAND,
-                chance: REFINED_CHANCE,
+                parallax: members.iter().map(|k| off[*k].1).sum::<Vector>() / count,
+                // A point without a line is the epipole itself.
+                off_line: distances.get(distances.len() / 2).map_or(0.0, |distance| distance.abs()),
+                precision: sigma / count.sqrt(),
             }
         };
         let groups: Vec<Group> =
-            moving_alike(&off, REFINED_ALIKE * tolerance).into_iter().map(group).collect();
-        Self::of(&groups, THING * side)
+            moving_alike(&off, ALIKE * sigma, TOGETHER * side).into_iter().map(group).collect();
+        Self::of(&groups, sigma)
     }
 
-    fn of(groups: &[Group], thing: f64) -> Self {
-        let agreeing = groups.iter().filter(|group| group.agrees).count();
-        // Without what is around each agreeing group in turn.
-        let without = |left_out: &Group| {
-            number_by_chance(
-                groups.iter().filter(|group| (group.place - left_out.place).norm() > thing).copied(),
-            )
-        };
-        let by_chance = groups
-            .iter()
-            .filter(|group| group.agrees)
-            .map(without)
-            .fold(number_by_chance(groups.iter().copied()), f64::max);
-        Self { groups: groups.len(), agreeing, by_chance }
+    fn of(groups: &[Group], sigma: f64) -> Self {
+        let mut motions: Vec<Vector> = Vec::new();
+        let mut agreeing = 0;
+        for group in groups.iter().filter(|group| group.off_line <= OFF_LINE * sigma) {
+            agreeing += 1;
+            if motions.iter().all(|known| (known - group.parallax).norm() > ALIKE * sigma) {
+                motions.push(group.parallax);
+            }
+        }
+        let by_chance = number_by_chance(groups);
+        Self { groups: groups.len(), agreeing, motions: motions.len(), by_chance }
     }
+}
+
+/// Distinctive matches that move like others around them, and how many contradict `f`; `h` is the largest plane, in
+/// pixels of the level, against which motions are alike.
+pub(super) fn together(
+    distinctive: &[PointPair],
+    f: &FundamentalMatrix,
+    h: &Matrix3<f64>,
+    side: f64,
+) -> Together {
+    let all = parallaxes(distinctive, h, 0.0);
+    let mut found = Together::default();
+    for (k, (pair, parallax)) in all.iter().enumerate() {
+        let alike = |(other, (near, its)): (usize, &(PointPair, Vector))| {
+            let distance = (near.point1 - pair.point1).norm();
+            other != k
+                && distance < NEIGHBOURS * side
+                && (its - parallax).norm() < SAME_MOTION * distance + SAME_MOTION_PX
+        };
+        if all.iter().enumerate().filter(|other| alike(*other)).count() < LEAST_NEIGHBOURS {
+            continue;
+        }
+        found.matches += 1;
+        let off =
+            f.line2_from_point1(pair.point1).is_none_or(|line| line.distance(pair.point2) > CONTRADICTING);
+        found.contradicting += usize::from(off);
+    }
+    found
 }
 
 /// Matches that are more than `least` px off the plane, each with its parallax.
@@ -134,23 +170,20 @@ fn parallaxes(matches: &[PointPair], h: &Matrix3<f64>, least: f64) -> Vec<(Point
     matches.iter().filter_map(parallax).collect()
 }
 
-fn middle(off: &[(PointPair, Vector)], members: &[usize]) -> Point {
-    let sum: Vector = members.iter().map(|k| off[*k].0.point1.coords).sum();
-    Point::from(sum / members.len() as f64)
-}
-
-/// Numbers of the matches that belong to one motion each: those that move like the first of them, wherever they are. A
-/// surface that runs in depth moves differently from end to end, which nothing does that is only shifted.
-fn moving_alike(off: &[(PointPair, Vector)], alike: f64) -> Vec<Vec<usize>> {
+/// Numbers of the matches that belong to one group each: those that move like the first of them, near it. A surface that
+/// runs in depth moves differently from end to end, which nothing does that is only shifted.
+fn moving_alike(off: &[(PointPair, Vector)], alike: f64, together: f64) -> Vec<Vec<usize>> {
     let mut is_grouped = vec![false; off.len()];
     let mut groups: Vec<Vec<usize>> = Vec::new();
-    for (seed, (_, parallax)) in off.iter().enumerate() {
+    for (seed, (pair, parallax)) in off.iter().enumerate() {
         if is_grouped[seed] {
             continue;
         }
-        let members: Vec<usize> = (seed..off.len())
-            .filter(|k| !is_grouped[*k] && (off[*k].1 - parallax).norm() < alike)
-            .collect();
+        let is_alike = |(other, its): &(PointPair, Vector)| {
+            (its - parallax).norm() < alike && (other.point1 - pair.point1).norm() < together
+        };
+        let members: Vec<usize> =
+            (seed..off.len()).filter(|k| !is_grouped[*k] && is_alike(&off[*k])).collect();
         for k in &members {
             is_grouped[*k] = true;
         }
@@ -160,29 +193,31 @@ fn moving_alike(off: &[(PointPair, Vector)], alike: f64) -> Vec<Vec<usize>> {
 }
 
 /// N above.
-fn number_by_chance(groups: impl Iterator<Item = Group>) -> f64 {
-    let (mut count, mut agreeing, mut sum) = (0usize, 0usize, 0.0);
-    for group in groups {
-        count += 1;
-        agreeing += usize::from(group.agrees);
-        sum += group.chance;
-    }
+fn number_by_chance(groups: &[Group]) -> f64 {
+    let surprise = |group: &Group| {
+        let ratio = (group.off_line.max(group.precision) / group.parallax.norm()).min(1.0);
+        -(ratio.asin() * std::f64::consts::FRAC_2_PI).ln()
+    };
+    let mut surprises: Vec<f64> = groups.iter().map(surprise).collect();
+    let count = surprises.len();
     if count < 3 {
         return f64::INFINITY;
     }
-    let epipoles = (count * (count - 1) / 2) as f64;
-    epipoles * at_least(agreeing.saturating_sub(2), count - 2, sum / count as f64)
+    surprises.sort_by(f64::total_cmp);
+    let others = &surprises[..count - 2];
+    (count * (count - 1) / 2) as f64 * gamma_tail(others.len(), others.iter().sum())
 }
 
-/// Upper bound of the probability that at least `k` of `n` independent events happen, which have a mean probability of
-/// `p` (Chernoff 1952, for unequal probabilities Hoeffding 1963).
-fn at_least(k: usize, n: usize, p: f64) -> f64 {
-    let share = k as f64 / n as f64;
-    if share <= p {
-        return 1.0;
+/// Probability that a sum of `n` numbers, each exponentially distributed with mean 1, is at least `sum`.
+fn gamma_tail(n: usize, sum: f64) -> f64 {
+    // That fewer than n events of a Poisson process happen.
+    let mut term = (-sum).exp();
+    let mut tail = 0.0;
+    for k in 0..n {
+        tail += term;
+        term *= sum / (k + 1) as f64;
     }
-    let term = |a: f64, b: f64| if a > 0.0 { a * (a / b).ln() } else { 0.0 };
-    (-(n as f64) * (term(share, p) + term(1.0 - share, 1.0 - p))).exp()
+    tail.min(1.0)
 }
 
 #[cfg(test)]
@@ -190,17 +225,15 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_bound_holds_and_is_near() {
-        // Binomial tails: 5 of 10 at ½ is 0.623, 9 of 10 at 0.3 is 1.4e-4, 4 of 4 at ½ is exact.
-        assert!((at_least(4, 4, 0.5) - 1.0 / 16.0).abs() < 1e-12);
-        assert_eq!(at_least(5, 10, 0.5), 1.0);
-        let bound = at_least(9, 10, 0.3);
-        assert!(bound > 1.4e-4 && bound < 1.4e-3, "{bound}");
-        assert_eq!(at_least(0, 4, 0.2), 1.0);
+    fn tails_of_the_gamma_distribution() {
+        assert!((gamma_tail(1, 2.0) - (-2f64).exp()).abs() < 1e-12);
+        assert!((gamma_tail(3, 2.0) - (-2f64).exp() * 5.0).abs() < 1e-12);
+        assert_eq!(gamma_tail(5, 0.0), 1.0);
+        assert!(gamma_tail(40, 160.0) < 1e-20);
     }
 
     #[test]
-    fn what_moves_alike_is_one_motion_wherever_it_is() {
+    fn what_moves_alike_nearby_is_one_group() {
         let moved =
             |x: f64, y: f64, dx: f64, dy: f64| (PointPair::new(x, y, x + dx, y + dy), Vector::new(dx, dy));
         let off = [
@@ -210,38 +243,60 @@ mod tests {
             moved(20.0, 10.0, -8.0, 0.0),
             moved(400.0, 10.0, 8.0, 0.0),
         ];
-        assert_eq!(moving_alike(&off, ALIKE), [vec![0, 1, 2, 4], vec![3]]);
+        assert_eq!(moving_alike(&off, 3.0, 100.0), [vec![0, 1, 2], vec![3], vec![4]]);
         let deeper =
             [moved(10.0, 10.0, 8.0, 0.0), moved(20.0, 10.0, 10.0, 0.0), moved(30.0, 10.0, 12.0, 0.0)];
-        assert_eq!(moving_alike(&deeper, ALIKE).len(), 2, "a surface in depth");
+        assert_eq!(moving_alike(&deeper, 3.0, 100.0).len(), 2, "a surface in depth");
     }
 
-    /// Groups of which each fourth is in a row of places, `apart` px from each other.
-    fn groups(agreeing: usize, other: usize, apart: f64) -> Vec<Group> {
-        let at = |k: usize| Point::new(apart * k as f64, 100.0);
-        let group = |k: usize| Group { place: at(k), agrees: k < agreeing, chance: 0.1 };
+    /// Groups of different parallax, those that agree 0.3 px off their lines, the others half their parallax.
+    fn groups(agreeing: usize, other: usize) -> Vec<Group> {
+        let group = |k: usize| {
+            let parallax = Vector::new(8.0 + 5.0 * k as f64, 0.0);
+            let off_line = if k < agreeing { 0.3 } else { 0.7 * parallax.x };
+            Group { parallax, off_line, precision: 0.3 }
+        };
         (0..agreeing + other).map(group).collect()
     }
 
     #[test]
-    fn two_motions_fit_any_epipole_and_many_places_hold_one() {
-        for (agreeing, other) in [(0, 9), (2, 0), (2, 20), (3, 20), (5, 25)] {
-            let found = OffPlane::of(&groups(agreeing, other, 100.0), 90.0);
+    fn any_epipole_fits_two_motions_and_more_hold_one() {
+        for (agreeing, other) in [(0, 9), (2, 0), (2, 20), (3, 20)] {
+            let found = OffPlane::of(&groups(agreeing, other), 0.3);
             assert_eq!((found.groups, found.agreeing), (agreeing + other, agreeing));
+            assert_eq!(found.motions, agreeing);
             assert!(found.by_chance > 0.1, "{agreeing} of {}: {}", agreeing + other, found.by_chance);
         }
-        let held = OffPlane::of(&groups(12, 4, 100.0), 90.0);
+        let held = OffPlane::of(&groups(8, 4), 0.3);
         assert!(held.by_chance < 1e-4, "{}", held.by_chance);
     }
 
     #[test]
-    fn one_thing_alone_holds_no_epipole_however_many_motions_it_has() {
-        // Twenty groups within 60 px of each other, and others elsewhere that do not agree.
-        let mut all = groups(20, 0, 3.0);
-        all.extend(groups(0, 6, 100.0).into_iter().map(|g| Group { place: g.place + Vector::new(200.0, 0.0), ..g }));
-        let thing = OffPlane::of(&all, 90.0);
-        assert!(thing.by_chance > 1.0, "{}", thing.by_chance);
-        let spread = OffPlane::of(&all, 20.0);
-        assert!(spread.by_chance < 1e-3, "{}", spread.by_chance);
+    fn two_halves_move_in_one_way_wherever_one_looks() {
+        let halves: Vec<Group> = groups(12, 0)
+            .into_iter()
+            .map(|group| Group { parallax: Vector::new(18.0, 2.0), ..group })
+            .collect();
+        let found = OffPlane::of(&halves, 0.3);
+        assert!(found.by_chance < 1e-3 && found.motions == 1, "{found:?}");
+    }
+
+    #[test]
+    fn matches_that_move_together_contradict_what_they_are_far_from() {
+        let f = crate::estimate::exact::rows(0.0);
+        let plane = Matrix3::identity();
+        let row = |x: f64, y: f64, dy: f64| PointPair::new(x, y, x + 10.0, y + dy);
+        let mut all: Vec<PointPair> = (0..20).map(|k| row(15.0 * f64::from(k), 50.0, 0.0)).collect();
+        let found = together(&all, &f, &plane, 768.0);
+        assert_eq!(found, Together { matches: 20, contradicting: 0 });
+        // Three that move down together, and one alone, which may be a false match.
+        all.extend([
+            row(100.0, 300.0, 8.0),
+            row(110.0, 300.0, 8.5),
+            row(120.0, 305.0, 8.0),
+            row(500.0, 500.0, 9.0),
+        ]);
+        let found = together(&all, &f, &plane, 768.0);
+        assert_eq!(found, Together { matches: 23, contradicting: 3 });
     }
 }

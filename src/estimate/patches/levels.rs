@@ -2,6 +2,8 @@
 
 use std::sync::{Arc, OnceLock};
 
+use nalgebra::Matrix3;
+
 use super::refinement::{Refined, RefinementLevel};
 use super::support::{FeatureSupport, Support, SupportLevel, SupportingMatch};
 use super::voting::KappaVoting;
@@ -126,6 +128,28 @@ impl PatchLevels {
         }
         refined
     }
+
+    /// Matches within `reach` (a fraction of the longer side) of where a homography of full-size pixels maps them, found
+    /// at full size without any epipolar geometry; full-size pixels.
+    pub fn matches_near_plane(&self, pyramids: &PyramidPair, h: &Matrix3<f64>, reach: f64) -> Vec<PointPair> {
+        let [.., side] = REFINEMENT_SIDES;
+        let [.., stage] = &self.corners.refinement;
+        let level = pyramids.level_seen(side, self.view());
+        let Some(h) = resized(h, level.scales) else { return Vec::new() };
+        let radius = reach * level.planes[0].frame().longer_side();
+        let full_size = level.scales.map(f64::recip);
+        let found = stage.matches_near_plane(&level, self.view(), &h, radius);
+        found.into_iter().map(|m| m.pair.rescaled(full_size)).collect()
+    }
+}
+
+/// The homography of images of other sizes.
+pub(in crate::estimate) fn resized(h: &Matrix3<f64>, scales: [f64; 2]) -> Option<Matrix3<f64>> {
+    let [first, second] = scales.map(|s| {
+        let shift = 0.5 * s - 0.5;
+        Matrix3::new(s, 0.0, shift, 0.0, s, shift, 0.0, 0.0, 1.0)
+    });
+    Some(second * h * first.try_inverse()?)
 }
 
 impl CornerLevels {

@@ -7,13 +7,16 @@
 use std::collections::HashMap;
 use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 
+use nalgebra::Matrix3;
 use rayon::prelude::*;
 use serde::Serialize;
 
 use super::support::{FLOOR, FeatureSupport, is_within};
 use super::uncertainty::Uncertainty;
 use crate::cancel::CancelFlag;
-use crate::geometry::{FundamentalMatrix, Observation, Point, PointPair, fit_fundamental, sampson_distance};
+use crate::geometry::{
+    FundamentalMatrix, Line, Observation, Point, PointPair, finite_point, fit_fundamental, sampson_distance,
+};
 use crate::image::{
     Alignment, HALF, PairLevel, Patch, Placement, RelativeView, Warp, align, correlate_all, find_corners,
     patch, warps_around,
@@ -188,18 +191,49 @@ impl RefinementLevel {
         f: &FundamentalMatrix,
         band: f64,
     ) -> Vec<RefinedMatch> {
+        let lines1: Vec<Option<Line>> = features[1].iter().map(|b| f.line1_from_point2(b.point)).collect();
+        let lines1 = &lines1;
+        self.mutual_matches(level, features, |point1| {
+            let line2 = f.line2_from_point1(point1)?;
+            Some(move |j: usize, point2| {
+                line2.distance(point2) <= band
+                    && lines1[j].as_ref().is_some_and(|line1| line1.distance(point1) <= band)
+            })
+        })
+    }
+
+    /// Mutual best matches within `radius` px of where a homography maps them, wherever in that circle they are; sub-pixel
+    /// positions in image 2, all in the level's pixels. No epipolar geometry takes part.
+    pub fn matches_near_plane(
+        &self,
+        level: &PairLevel,
+        view: RelativeView,
+        h: &Matrix3<f64>,
+        radius: f64,
+    ) -> Vec<RefinedMatch> {
+        self.mutual_matches(level, self.features(level, view), |point1| {
+            let expected = finite_point(&(h * point1.to_homogeneous()))?;
+            Some(move |_, point2: Point| (point2 - expected).norm() <= radius)
+        })
+    }
+
+    /// Mutual best matches among corners: `near` says for a point of image 1 which corners of image 2, by their number
+    /// and position, may be its partner.
+    fn mutual_matches<N: Fn(usize, Point) -> bool>(
+        &self,
+        level: &PairLevel,
+        features: &[Vec<Feature>; 2],
+        near: impl Fn(Point) -> Option<N> + Sync,
+    ) -> Vec<RefinedMatch> {
         let [features1, features2] = features;
-        let lines1: Vec<_> = features2.iter().map(|b| f.line1_from_point2(b.point)).collect();
         // Best partner of each corner of image 1 with its warp, then of each corner of image 2.
         let best1: Vec<Option<(usize, usize, f32)>> = features1
             .par_iter()
             .map_init(Vec::new, |correlations, a| {
-                let line2 = f.line2_from_point1(a.point)?;
+                let is_near = near(a.point)?;
                 let mut best = None;
                 for (j, b) in features2.iter().enumerate() {
-                    if line2.distance(b.point) > band
-                        || lines1[j].is_none_or(|line1| line1.distance(a.point) > band)
-                    {
+                    if !is_near(j, b.point) {
                         continue;
                     }
                     correlate_all(&a.patches, &b.patches, correlations);
@@ -277,7 +311,6 @@ mod tests {
     use super::*;
     use crate::estimate::exact::{ExactScene, FRAME};
     use crate::image::{GrayPlane, PyramidPair};
-    use nalgebra::Matrix3;
 
     fn refined(
         pyramids: &PyramidPair,
