@@ -42,6 +42,9 @@ impl Inspector {
             Command::IncludePair(pair, included) => {
                 model.edit(Step::Single, |document| document.include(pair, included));
             }
+            Command::CheckOnly(pair, only) => {
+                model.edit(Step::Single, |document| document.check_only(pair, only));
+            }
             Command::ClearPairs => model.edit(Step::Single, |document| document.set_pairs(Vec::new())),
             Command::Cancel => self.cancel(),
             Command::FitAll => self.fit_all(),

@@ -58,6 +58,8 @@ pub enum Command {
     DeletePair(usize),
     /// Leave a pair out, or take it in again.
     IncludePair(usize, bool),
+    /// Let a pair only check the geometry, or take part in the estimate.
+    CheckOnly(usize, bool),
     /// Remove all pairs.
     ClearPairs,
     /// Give up what is half done.

@@ -17,7 +17,7 @@ impl Model {
         Some(EstimateRequest {
             pictures: self.open.pictures()?,
             pairs: self.document.used_pairs()?,
-            parameters: self.document.parameters.clone(),
+            parameters: self.document.search_parameters(),
         })
     }
 

@@ -83,6 +83,8 @@ enum Kind {
     /// Also whether a reading is taken, which is called otherwise than none.
     Exchange(Discriminant<ExchangeCommand>, bool),
     Rectified(Discriminant<RectifiedCommand>),
+    /// Whether a pair is only to check, which is called otherwise than using it.
+    CheckOnly(bool),
     Other(Discriminant<Command>),
 }
 
@@ -94,6 +96,7 @@ fn kind(command: &Command) -> Kind {
             Kind::Exchange(discriminant(command), reads)
         }
         Command::Rectified(command) => Kind::Rectified(discriminant(command)),
+        Command::CheckOnly(_, only) => Kind::CheckOnly(*only),
         other => Kind::Other(discriminant(other)),
     }
 }

@@ -14,7 +14,7 @@ use crate::app::model::focus::LineSource;
 use crate::app::model::ids::{OverlayId, TabId};
 use crate::app::model::rectified::{Guides, RectifiedCommand, RectifiedLayout};
 use crate::app::model::session::OpenSession;
-use crate::estimate::{Method, Preset};
+use crate::estimate::{Method, Preset, Search};
 use crate::evaluate::Protocol;
 use crate::io::{PictureFormat, RectifiedOptions};
 use crate::rectify;
@@ -237,8 +237,7 @@ pub fn with_keys() -> Vec<Action> {
 
 /// Those that are in the list of all commands, without keys.
 pub fn by_name() -> Vec<Action> {
-    let methods =
-        "Estimate from two pairs (p and q), or from three (p, q and r), which is faster and steadier.";
+    let methods = "The published search finds the geometry from two pairs, or from three, which is faster and steadier.";
     let presets = "Robust measured best on real images; Paper follows the published method to the letter.";
     let layouts = "Show the rectified pictures side by side, by turns, or red and cyan.";
     let layout = |layout| action(RectifiedCommand::LayOut(layout), "Layout of the rectified pair", layouts);
@@ -274,10 +273,12 @@ pub fn by_name() -> Vec<Action> {
         )
         .listed(|_| "Remove the imported geometry")
         .when(|model| model.document.imported.is_some()),
-        action(Command::SetMethod(Method::TwoPoint), "Pairs used", methods)
-            .listed(|_| "Estimate from two pairs"),
-        action(Command::SetMethod(Method::ThreePoint), "Pairs used", methods)
-            .listed(|_| "Estimate from three pairs"),
+        action(Command::SetMethod(Method::TwoPoint), "Published method", methods)
+            .listed(|_| "Published search: two-point method")
+            .when(is_published_search),
+        action(Command::SetMethod(Method::ThreePoint), "Published method", methods)
+            .listed(|_| "Published search: three-point method")
+            .when(is_published_search),
         action(Command::SetPreset(Preset::Robust), "Preset", presets).listed(|_| "Preset: robust"),
         action(Command::SetPreset(Preset::Paper), "Preset", presets).listed(|_| "Preset: paper"),
         action(
@@ -339,7 +340,13 @@ pub fn in_dialogs() -> Vec<Action> {
         action(
             Command::IncludePair(0, true),
             "Include or leave out",
-            "A pair left out counts neither for the estimate nor for the summary; the next one takes its place.",
+            "A pair left out counts neither for the estimate nor for the summary.",
+        ),
+        action(Command::CheckOnly(0, false), "Use", "Let the pair take part in the estimate."),
+        action(
+            Command::CheckOnly(0, true),
+            "Check only",
+            "Keep the pair out of the estimate: it only shows how well the geometry fits.",
         ),
         action(Command::Select(None), "Select a point", "Select this point for the arrow keys and Delete."),
         action(
@@ -413,6 +420,10 @@ pub fn in_dialogs() -> Vec<Action> {
 
 fn has_neighbour(model: &Model, forward: bool) -> bool {
     model.folder().is_some_and(|(folder, pair)| folder.neighbour(pair, forward).is_some())
+}
+
+fn is_published_search(model: &Model) -> bool {
+    model.document.parameters.search == Search::Lines
 }
 
 fn has_rectified(model: &Model) -> bool {

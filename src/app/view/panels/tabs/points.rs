@@ -1,6 +1,6 @@
 //! The list of point pairs with their residuals.
 
-use egui::{Grid, Label, RichText, ScrollArea, Sense, Ui};
+use egui::{Button, Grid, Label, RichText, ScrollArea, Sense, Ui};
 
 use super::super::dialog::named;
 use super::super::{command_button, finish_button};
@@ -47,7 +47,7 @@ fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
             ui,
             |ui| {
                 for (title, tooltip) in [
-                    ("Pair", "p and q carry the estimate, r is the third pair, the others check it."),
+                    ("Pair", "The name of the pair, in the order of the clicks."),
                     ("   Left x, y", "Position in the left image, px."),
                     ("   Right x, y", "Position in the right image, px."),
                     ("Role", "Whether the geometry is estimated from the pair or only checked by it."),
@@ -120,7 +120,7 @@ fn row(ui: &mut Ui, model: &Model, pair: usize, commands: &mut Vec<Command>) {
     }
 }
 
-/// What the pair is for, and the button that leaves it out.
+/// What the pair is for, with the switches that change it, and whether the result speaks against it.
 fn role(ui: &mut Ui, model: &Model, pair: usize, commands: &mut Vec<Command>) {
     let document = &model.document;
     if pair >= document.pairs.len() {
@@ -129,7 +129,9 @@ fn role(ui: &mut Ui, model: &Model, pair: usize, commands: &mut Vec<Command>) {
     }
     let name = pair_name(pair);
     ui.horizontal(|ui| {
-        let mut included = document.role(pair) != Role::Excluded;
+        ui.spacing_mut().item_spacing.x = 4.0;
+        let role = document.role(pair);
+        let mut included = role != Role::Excluded;
         let response = ui.checkbox(&mut included, "");
         response.widget_info(|| {
             egui::WidgetInfo::selected(egui::Role::CheckBox, true, included, format!("Include pair {name}"))
@@ -138,15 +140,30 @@ fn role(ui: &mut Ui, model: &Model, pair: usize, commands: &mut Vec<Command>) {
         if response.changed() {
             commands.push(Command::IncludePair(pair, included));
         }
-        match document.role(pair) {
-            Role::Used => ui.label("estimate").on_hover_text("The geometry is estimated from it."),
-            Role::Check => {
-                ui.label("check").on_hover_text("It only shows how well the geometry fits elsewhere.")
-            }
-            Role::Excluded => {
-                ui.weak("left out").on_hover_text("Neither the estimate nor the summary uses it.")
-            }
-        };
+        // The published search has taken its pairs: another one cannot be used beside them.
+        let is_free = role != Role::Check || document.checks.contains(&pair);
+        for (only, is_chosen) in [(false, role == Role::Used), (true, role == Role::Check)] {
+            let command = Command::CheckOnly(pair, only);
+            let button = Button::selectable(is_chosen, command.name());
+            let response = ui.add_enabled(role != Role::Excluded && (only || is_free), button);
+            let label = format!("{} pair {name}", command.name());
+            response.widget_info(|| {
+                egui::WidgetInfo::selected(egui::Role::Button, response.enabled(), is_chosen, &label)
+            });
+            let response = response.on_disabled_hover_text(if role == Role::Excluded {
+                "The pair is left out: switch it on first."
+            } else {
+                "The published method takes no more pairs: let another one check only, or choose the preset Robust."
+            });
+            finish_button(ui, response, command, commands);
+        }
+        if let Some(distance) = model.outvoted(pair) {
+            let text = RichText::new("outvoted").color(theme::palette(ui.visuals()).caution);
+            ui.label(text).on_hover_text(format!(
+                "{distance:.1} px off its epipolar line: the images speak against this pair. Check that it shows the same \
+                 scene point in both images.",
+            ));
+        }
     });
 }
 
