@@ -155,7 +155,7 @@ fn pairs_are_deleted_by_key_and_in_the_list() {
     settle(&mut window);
     assert_eq!(window.state().document().pairs.len(), 1);
     assert!(window.state().estimate().is_none());
-    window.get_by_label("Delete pair p").click();
+    window.get_by_label("Delete: pair p").click();
     settle(&mut window);
     assert!(window.state().document().pairs.is_empty());
 }
@@ -224,7 +224,7 @@ fn the_published_search_keeps_its_two_methods_beside_its_preset() {
     assert_eq!(clicks(&window), 3);
     window.get_by_label("Robust").click();
     settle(&mut window);
-    window.get_by_label("Delete pair r").click();
+    window.get_by_label("Delete: pair r").click();
     settle(&mut window);
     assert!(window.state().estimate().is_some(), "two pairs are enough again");
 }

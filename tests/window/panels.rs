@@ -118,7 +118,7 @@ fn a_cell_of_the_pencils_is_pointed_at_and_a_click_inspects_its_lines() {
     window.get_by_label_contains("Lines through p at 90.0° and 90.0°, ");
     // Another one; the first is chosen again by its colour, and taken away.
     press(&mut window, Key::Num1);
-    window.get_by_label("Inspect pair q").click();
+    window.get_by_label("Pin lines: pair q").click();
     press(&mut window, Key::Num2);
     window.get_by_label_contains("Inspect: Epipolar lines of q");
     window.get_by_label_contains("Inspect: Lines through p at 90.0° and 90.0°").click();

@@ -45,6 +45,11 @@ impl Inspector {
             Command::CheckOnly(pair, only) => {
                 model.edit(Step::Single, |document| document.check_only(pair, only));
             }
+            Command::Repair(pair, how) => {
+                if let Some(question) = model.repair_question(pair, how) {
+                    self.tasks.repairing.ask(question);
+                }
+            }
             Command::ClearPairs => model.edit(Step::Single, |document| document.set_pairs(Vec::new())),
             Command::Cancel => self.cancel(),
             Command::FitAll => self.fit_all(),

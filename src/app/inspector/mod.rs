@@ -128,6 +128,9 @@ impl Inspector {
     /// Takes in what the threads have done.
     fn take_news(&mut self, ctx: &egui::Context) {
         self.tasks.take(&mut self.model);
+        if let Some(repaired) = self.tasks.repairing.latest() {
+            self.model.take_repair(repaired);
+        }
         match self.tasks.writing.take(&mut self.model.activity.writing) {
             Some(Ok(text)) => self.model.messages.say(MessageKind::Done, text, Vec::new()),
             Some(Err(text)) => self.model.messages.tell(text),

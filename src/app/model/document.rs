@@ -383,6 +383,11 @@ impl Document {
         }
     }
 
+    /// Whether a pair that is not used could be: the published search may have all that it takes.
+    pub fn can_be_used(&self, pair: usize) -> bool {
+        self.role(pair) != Role::Check || self.checks.contains(&pair)
+    }
+
     /// The point nearest to the given one that lies on the pixels of the image.
     fn inside(&self, side: Side, point: Point) -> Point {
         self.frame(side).map_or(point, |frame| frame.nearest(point))

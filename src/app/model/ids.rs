@@ -71,12 +71,13 @@ pub enum OverlayId {
     Epipoles,
     PointedAt,
     Suggestion,
+    NextClick,
     Points,
 }
 
 impl OverlayId {
     /// All of them, from the lowest to the topmost, with their names and when they are shown.
-    const TABLE: [(Self, &'static str, Visibility); 18] = [
+    const TABLE: [(Self, &'static str, Visibility); 19] = [
         (Self::Candidates, "Candidates", Visibility::OnRequest),
         (Self::RoundTrip, "Round trip", Visibility::OnRequest),
         (Self::Uncertainty, "Uncertainty", Visibility::AtFirst),
@@ -94,6 +95,7 @@ impl OverlayId {
         (Self::Epipoles, "Epipoles", Visibility::AtFirst),
         (Self::PointedAt, "Pointed at", Visibility::Always),
         (Self::Suggestion, "Suggested match", Visibility::Always),
+        (Self::NextClick, "Next click", Visibility::Always),
         (Self::Points, "Points", Visibility::AtFirst),
     ];
 

@@ -280,7 +280,7 @@ fn in_names(sentence: &str, document: &Document) -> String {
 }
 
 /// The text with a capital first letter.
-fn capitalised(text: &str) -> String {
+pub fn capitalised(text: &str) -> String {
     let mut characters = text.chars();
     let first = characters.next().map(|first| first.to_ascii_uppercase());
     first.into_iter().chain(characters).collect()

@@ -14,6 +14,7 @@ use crate::app::model::focus::LineSource;
 use crate::app::model::ids::{OverlayId, TabId};
 use crate::app::model::rectified::{Guides, RectifiedCommand, RectifiedLayout};
 use crate::app::model::session::OpenSession;
+use crate::app::model::suggesting::Repair;
 use crate::estimate::{Method, Preset, Search};
 use crate::evaluate::Protocol;
 use crate::io::{PictureFormat, RectifiedOptions};
@@ -342,6 +343,16 @@ pub fn in_dialogs() -> Vec<Action> {
             "Include or leave out",
             "A pair left out counts neither for the estimate nor for the summary.",
         ),
+        action(
+            Command::Repair(0, Repair::Refine),
+            "Refine",
+            "Align the right point to a fraction of a pixel around where it is.",
+        ),
+        action(
+            Command::Repair(0, Repair::Rematch),
+            "Move to match",
+            "Move the right point to the best match on its epipolar line. It takes a result that is not called unreliable.",
+        ),
         action(Command::CheckOnly(0, false), "Use", "Let the pair take part in the estimate."),
         action(
             Command::CheckOnly(0, true),
@@ -351,8 +362,8 @@ pub fn in_dialogs() -> Vec<Action> {
         action(Command::Select(None), "Select a point", "Select this point for the arrow keys and Delete."),
         action(
             Command::Pin(LineSource::Pair(0)),
-            "Pin a line pair",
-            "Keep these two lines on the images and compare their intensities.",
+            "Pin lines",
+            "Keep this pair of epipolar lines on the images and compare their intensities.",
         ),
         action(Command::Unpin(0), "Unpin", "Remove this line pair from the images."),
         action(

@@ -3,7 +3,7 @@
 use egui::{Button, Grid, Label, RichText, ScrollArea, Sense, Ui};
 
 use super::super::dialog::named;
-use super::super::{command_button, finish_button};
+use super::super::{command_button, finish_button, pair_menu};
 use super::{Tab, empty};
 use crate::app::model::Model;
 use crate::app::model::command::Command;
@@ -11,6 +11,7 @@ use crate::app::model::document::{PointRef, Role, Side, pair_name};
 use crate::app::model::focus::{LineSource, Target};
 use crate::app::model::ids::TabId;
 use crate::app::model::residuals::{Residuals, summary};
+use crate::app::model::suggesting::Repair;
 use crate::app::view::theme;
 use crate::geometry::Point;
 
@@ -43,13 +44,13 @@ fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         });
     }
     ScrollArea::both().id_salt("points").auto_shrink([false, false]).show(ui, |ui| {
-        Grid::new("points").num_columns(8).striped(true).min_row_height(22.0).spacing([14.0, 3.0]).show(
+        Grid::new("points").num_columns(8).striped(true).min_row_height(22.0).spacing([9.0, 3.0]).show(
             ui,
             |ui| {
                 for (title, tooltip) in [
                     ("Pair", "The name of the pair, in the order of the clicks."),
-                    ("   Left x, y", "Position in the left image, px."),
-                    ("   Right x, y", "Position in the right image, px."),
+                    ("  Left x, y", "Position in the left image, px."),
+                    ("  Right x, y", "Position in the right image, px."),
                     ("Role", "Whether the geometry is estimated from the pair or only checked by it."),
                     ("Symmetric", "Mean distance of the two points from each other's epipolar lines."),
                     ("Sampson", "How far the two points would have to move to fit the geometry exactly."),
@@ -99,22 +100,30 @@ fn row(ui: &mut Ui, model: &Model, pair: usize, commands: &mut Vec<Command>) {
     let residuals = finished.zip(model.shown()).map(|(pair, shown)| Residuals::of(shown.fundamental, pair));
     for distance in residuals.map_or([f64::NAN; 2], |r| [r.symmetric, r.sampson]) {
         if distance.is_finite() {
-            ui.label(RichText::new(format!("{distance:6.2} px")).monospace());
+            ui.label(RichText::new(format!("{distance:5.2} px")).monospace());
         } else {
             ui.add(Label::new(""));
         }
     }
     ui.horizontal(|ui| {
+        let mut offer = |ui: &mut Ui, command: Command, enabled: bool| {
+            let label = format!("{}: pair {name}", command.name());
+            let button = named(ui.add_enabled(enabled, Button::new(command.name()).small()), &label);
+            finish_button(ui, button, command, commands);
+        };
         if finished.is_some() {
-            let inspect = named(ui.small_button("Inspect"), &format!("Inspect pair {name}"));
-            finish_button(ui, inspect, Command::Pin(LineSource::Pair(pair)), commands);
+            for how in [Repair::Refine, Repair::Rematch] {
+                offer(ui, Command::Repair(pair, how), model.repair_question(pair, how).is_some());
+            }
+            offer(ui, Command::Pin(LineSource::Pair(pair)), model.shown().is_some());
         }
-        let delete = named(ui.small_button("Delete"), &format!("Delete pair {name}"));
-        finish_button(ui, delete, Command::DeletePair(pair), commands);
+        offer(ui, Command::DeletePair(pair), true);
     });
-    let bottom_right = egui::pos2(ui.cursor().min.x, top_left.y + 24.0);
+    let bottom_right = egui::pos2(ui.clip_rect().max.x, top_left.y + 24.0);
     ui.end_row();
     let area = egui::Rect::from_min_max(top_left, bottom_right);
+    let row = ui.interact(area, ui.scope_id().with(("row", pair)), Sense::hover());
+    row.container_context_menu(|ui| pair_menu(ui, model, pair, commands));
     if finished.is_some() && ui.rect_contains_pointer(area) {
         commands.push(Command::PointAt(Target::Pair(pair)));
     }
@@ -140,12 +149,10 @@ fn role(ui: &mut Ui, model: &Model, pair: usize, commands: &mut Vec<Command>) {
         if response.changed() {
             commands.push(Command::IncludePair(pair, included));
         }
-        // The published search has taken its pairs: another one cannot be used beside them.
-        let is_free = role != Role::Check || document.checks.contains(&pair);
         for (only, is_chosen) in [(false, role == Role::Used), (true, role == Role::Check)] {
             let command = Command::CheckOnly(pair, only);
-            let button = Button::selectable(is_chosen, command.name());
-            let response = ui.add_enabled(role != Role::Excluded && (only || is_free), button);
+            let button = Button::selectable(is_chosen, command.name()).small();
+            let response = ui.add_enabled(role != Role::Excluded && (only || document.can_be_used(pair)), button);
             let label = format!("{} pair {name}", command.name());
             response.widget_info(|| {
                 egui::WidgetInfo::selected(egui::Role::Button, response.enabled(), is_chosen, &label)
@@ -168,5 +175,5 @@ fn role(ui: &mut Ui, model: &Model, pair: usize, commands: &mut Vec<Command>) {
 }
 
 fn position_text(point: Point) -> String {
-    format!("{:7.2}, {:7.2}", point.x, point.y)
+    format!("{:6.2}, {:6.2}", point.x, point.y)
 }
