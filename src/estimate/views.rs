@@ -75,13 +75,11 @@ impl PreparedPair {
     /// takes some tenths of a second.
     pub fn view_of_features(&self, fundamental: Option<&FundamentalMatrix>) -> Option<RelativeView> {
         let features = self.features();
-        match fundamental {
-            Some(f) => view_of(f, features, self.frames()),
-            None => {
-                let distinctive = features.matches.iter().filter(|m| m.ratio < DISTINCTIVE);
-                view_shared(&relations(features, distinctive), AGREEING, self.frames())
-            }
+        if let Some(f) = fundamental {
+            return view_of(f, features, self.frames());
         }
+        let distinctive = features.matches.iter().filter(|m| m.ratio < DISTINCTIVE);
+        view_shared(&relations(features, distinctive), AGREEING, self.frames())
     }
 }
 

@@ -124,7 +124,8 @@ mod tests {
 
     /// Corners all over, but for the flat left half of an image.
     fn prepared() -> PreparedPair {
-        let tiles = |x: usize, y: usize| if x >= 200 && (x / 24 + y / 24) % 2 == 0 { 200.0 } else { 60.0 };
+        let tiles =
+            |x: usize, y: usize| if x >= 200 && (x / 24 + y / 24).is_multiple_of(2) { 200.0 } else { 60.0 };
         let plane = GrayPlane::from_fn(FRAME, tiles);
         PreparedPair::new(&plane, &plane)
     }

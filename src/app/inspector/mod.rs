@@ -8,6 +8,8 @@ mod exchange;
 mod opening;
 mod session;
 
+use std::time::Duration;
+
 use egui::Ui;
 
 use super::Start;
@@ -110,6 +112,9 @@ impl Inspector {
             // Written in this frame, drawn in the next.
             self.model.open.hover = hover;
             ctx.request_repaint();
+        }
+        if let Some(seconds) = self.model.messages.retire(ctx.input(|input| input.time)) {
+            ctx.request_repaint_after(Duration::from_secs_f64(seconds));
         }
         self.point_at(&ctx, &commands);
         for command in commands {

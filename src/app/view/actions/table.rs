@@ -140,7 +140,7 @@ pub fn with_keys() -> Vec<Action> {
         action(
             Command::Cancel,
             "Cancel",
-            "Give up what is half done: a drag, the first click of a pair, a window.",
+            "Give up what is half done: a drag, a window, the topmost message, the first click of a pair.",
         )
         .key(NONE, Key::Escape)
         .while_typing()
@@ -319,6 +319,7 @@ pub fn by_name() -> Vec<Action> {
 }
 
 /// What stands on buttons of dialogs and tables alone.
+#[expect(clippy::too_many_lines, reason = "it is a table")]
 pub fn in_dialogs() -> Vec<Action> {
     let browse = |command: Command, tooltip| action(command, "Browse", tooltip);
     let accept = |reading| ExchangeCommand::Accept { reading, with_pairs: false };

@@ -44,7 +44,7 @@ fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         });
     }
     ScrollArea::both().id_salt("points").auto_shrink([false, false]).show(ui, |ui| {
-        Grid::new("points").num_columns(8).striped(true).min_row_height(22.0).spacing([9.0, 3.0]).show(
+        Grid::new("points").num_columns(8).striped(true).min_row_height(22.0).spacing([7.0, 3.0]).show(
             ui,
             |ui| {
                 for (title, tooltip) in [
@@ -106,6 +106,7 @@ fn row(ui: &mut Ui, model: &Model, pair: usize, commands: &mut Vec<Command>) {
         }
     }
     ui.horizontal(|ui| {
+        ui.spacing_mut().item_spacing.x = 4.0;
         let mut offer = |ui: &mut Ui, command: Command, enabled: bool| {
             let label = format!("{}: pair {name}", command.name());
             let button = named(ui.add_enabled(enabled, Button::new(command.name()).small()), &label);
