@@ -112,6 +112,11 @@ impl OverlayId {
         Self::TABLE[self as usize].1
     }
 
+    /// Whether it is drawn over the map of the epipoles too: what a person clicks must not be covered.
+    pub const fn is_above_map(self) -> bool {
+        matches!(self, Self::PointedAt | Self::Suggestion | Self::NextClick | Self::Points)
+    }
+
     /// When it is shown.
     pub const fn visibility(self) -> Visibility {
         Self::TABLE[self as usize].2

@@ -8,7 +8,7 @@ use super::inspection::InspectionRequest;
 use super::rectified::{MatchesAtHand, RectifyQuestion};
 use super::suggesting::{NextClickQuestion, SuggestQuestion};
 use crate::convention::FEWEST_MATCHES;
-use crate::estimate::{Estimate, Search, Verdict};
+use crate::estimate::{Estimate, Reason, Search, Verdict};
 use crate::geometry::PointPair;
 use crate::suggest::{Known, Rival};
 
@@ -69,7 +69,12 @@ impl Model {
             return None;
         }
         let found = self.final_result()?;
-        found.assessment.trust.as_ref().filter(|trust| trust.verdict != Verdict::Reliable)?;
+        let trust = found.assessment.trust.as_ref().filter(|trust| trust.verdict != Verdict::Reliable)?;
+        // A pair that was outvoted is to be looked at itself.
+        let of_a_click = |reason: &Reason| matches!(reason, Reason::ClickOff { .. });
+        if !trust.reasons.is_empty() && trust.reasons.iter().all(of_a_click) {
+            return None;
+        }
         Some(NextClickQuestion {
             pictures: self.open.pictures()?,
             fundamental: *found.fundamental(),

@@ -3,7 +3,7 @@
 use egui::{CursorIcon, PointerButton, Pos2, Rect, Response, Sense, StrokeKind, Ui, WidgetInfo};
 
 use super::navigation::zoom_asked;
-use super::overlays::{Canvas, OVERLAYS, pointed_at};
+use super::overlays::{Canvas, OVERLAYS, Overlay, pointed_at};
 use super::texture::PictureTexture;
 use super::transform::Transform;
 use super::{epipole_map, loupe};
@@ -132,10 +132,10 @@ impl ImagePane {
         let image = self.image.as_mut()?;
         image.texture.draw(&painter, &transform);
         let canvas = Canvas { painter: &painter, transform: &transform, side, frame, model };
-        for overlay in &OVERLAYS {
-            if model.look.shows(overlay.id) {
-                (overlay.draw)(&canvas);
-            }
+        let (above, below): (Vec<&Overlay>, Vec<&Overlay>) =
+            OVERLAYS.iter().filter(|overlay| model.look.shows(overlay.id)).partition(|o| o.id.is_above_map());
+        for overlay in below {
+            (overlay.draw)(&canvas);
         }
         if let Some(pair) = self.menu.filter(|pair| *pair <= model.document.pairs.len()) {
             response.context_menu(|ui| pair_menu(ui, model, pair, commands));
@@ -145,6 +145,9 @@ impl ImagePane {
         }
         if model.look.map {
             epipole_map::show(ui, rect, side, frame, model, commands);
+        }
+        for overlay in above {
+            (overlay.draw)(&canvas);
         }
         let due = model.document.half.is_some_and(|half| half.side != side);
         if due {
