@@ -9,7 +9,7 @@ use std::time::Instant;
 
 use epiline::estimate::PreparedPair;
 use epiline::evaluate::{Scene, pair_scenes, vgg_scenes};
-use epiline::suggest::{ClickedImage, SuggestParameters, suggest};
+use epiline::suggest::{ClickedImage, Known, SuggestParameters, suggest};
 
 #[derive(Default)]
 struct Tally {
@@ -29,7 +29,13 @@ fn measure(scene: &Scene, every: usize, with_f: bool, tally: &mut Tally) {
         {
             let f = with_f.then_some(&scene.truth);
             let begun = Instant::now();
-            let found = suggest(&prepared, point, clicked, f, &SuggestParameters::default());
+            let found = suggest(
+                &prepared,
+                point,
+                clicked,
+                &Known { fundamental: f.copied(), view: None },
+                &SuggestParameters::default(),
+            );
             tally.milliseconds.push(begun.elapsed().as_secs_f64() * 1e3);
             tally.clicks += 1;
             let Ok(found) = found else { continue };

@@ -12,7 +12,7 @@ use super::output::Output;
 use crate::estimate::PreparedPair;
 use crate::geometry::{FundamentalMatrix, Point};
 use crate::io::read_fundamental;
-use crate::suggest::{ClickedImage, SuggestParameters, Suggestions, suggest};
+use crate::suggest::{ClickedImage, Known, SuggestParameters, Suggestions, suggest};
 
 /// Suggest where a point of one image is in the other
 #[derive(Debug, Args)]
@@ -68,7 +68,7 @@ pub(super) fn run(arguments: &SuggestArguments) -> Result<(), CliError> {
     let clicked = ClickedImage::from(arguments.side);
     let found = on_threads(arguments.threads, || {
         let prepared = PreparedPair::new(&image1.gray, &image2.gray);
-        suggest(&prepared, arguments.at, clicked, fundamental.as_ref(), &parameters)
+        suggest(&prepared, arguments.at, clicked, &Known { fundamental, view: None }, &parameters)
     })??;
     let result = SuggestionFile {
         at: arguments.at,

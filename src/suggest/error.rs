@@ -46,6 +46,12 @@ pub enum SuggestError {
         /// 1 or 2, the image the match would be in.
         image: usize,
     },
+    /// No place near the point resembles its surroundings in the other image.
+    #[error("nothing near the point in image {image} looks like its surroundings in the other image")]
+    NotAligned {
+        /// 1 or 2, the image that was searched.
+        image: usize,
+    },
     /// No place resembles the surroundings of the point.
     #[error("nothing in image {image} looks like the surroundings of the point")]
     NothingAlike {

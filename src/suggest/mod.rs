@@ -1,4 +1,5 @@
-//! Guided second click: where in the other image a clicked point may be.
+//! Guided second click: where in the other image a clicked point may be; a better place for one that was clicked; and where
+//! one more click would tell most ([`next_click`]).
 //!
 //! The surroundings of the click, turned and resized in steps, are correlated with every place of the other
 //! image at two small sizes, or with every place near the epipolar line at three sizes when `F` is known. The
@@ -18,8 +19,8 @@
 //! the shares.
 //!
 //! # Pitfalls
-//! - Rotation up to 30° and scales from 0.7 to 1.4 are searched, beyond the sizes of the images; larger ones are
-//!   found only by luck.
+//! - Rotation up to 30° and scales from 0.7 to 1.4 are searched around the view of the images that is known or that
+//!   their features suggest; what is turned or scaled against the rest of the picture is found only by luck.
 //! - At the silhouette of a thing the patches show different backgrounds: the right place may score low.
 //! - Matches within 10 px of the border of the other image (at 768 px; 5 px with `F`) are found only by luck:
 //!   half of the patch is not in the picture. Clicks at a border are no problem.
@@ -28,19 +29,24 @@
 mod alignment;
 mod correlation;
 mod error;
+mod next_click;
 mod parameters;
 mod result;
 mod search;
 mod template;
 #[cfg(all(test, feature = "evaluate"))]
 mod tests;
+mod view;
 
 pub use error::SuggestError;
+pub use next_click::{NextClick, Rival, next_click};
 pub use parameters::SuggestParameters;
 pub use result::{Clarity, ClickedImage, Suggestion, Suggestions};
+pub use view::view_at;
 
 use crate::estimate::PreparedPair;
-use crate::geometry::{FundamentalMatrix, Line, Point};
+use crate::geometry::{FundamentalMatrix, Line, Point, PointPair};
+use crate::image::RelativeView;
 use search::{FoundPlace, Quest, SearchView};
 use template::Pose;
 
@@ -53,18 +59,60 @@ const ROTATION_STEP: f64 = std::f64::consts::PI / 12.0;
 /// Ratio between the scales that are tried.
 const SCALE_STEP: f64 = 1.19;
 
-/// Suggests the match of a point that was clicked in one image, full-size pixels; near its epipolar line when
-/// `fundamental` (always from image 1 to image 2) is given.
+/// What is known of how the two images belong together. Nothing, by default.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Known {
+    /// The geometry, from image 1 to image 2 whichever was clicked: then only the epipolar line is searched.
+    pub fundamental: Option<FundamentalMatrix>,
+    /// How the images are turned and scaled against each other. When that is not known they are taken to be upright, and
+    /// where that leaves doubts, as their features suggest.
+    pub view: Option<RelativeView>,
+}
+
+/// Suggests the match of a point that was clicked in one image, full-size pixels.
 ///
-/// Takes some 20 to 40 ms at 768×576 on two cores and gives the same result on any number of threads.
+/// Takes some 20 to 40 ms at 768×576 on two cores, and the first time that features are asked for some tenths of a second
+/// more; gives the same result on any number of threads.
 pub fn suggest(
     prepared: &PreparedPair,
     point: Point,
     clicked: ClickedImage,
-    fundamental: Option<&FundamentalMatrix>,
+    known: &Known,
     parameters: &SuggestParameters,
 ) -> Result<Suggestions, SuggestError> {
     check(prepared, point, clicked)?;
+    let search = |view| seen(prepared, point, clicked, known.fundamental.as_ref(), view, parameters);
+    if let Some(view) = known.view {
+        return search(view);
+    }
+    let upright = search(RelativeView::UPRIGHT);
+    let settled = match &upright {
+        Ok(found) => found.clear().is_some(),
+        Err(error) => *error != SuggestError::NothingAlike { image: clicked.other().number() },
+    };
+    if settled {
+        return upright;
+    }
+    let view = prepared.view_of_features(known.fundamental.as_ref());
+    let Some(turned) = view.filter(|view| *view != RelativeView::UPRIGHT).map(search) else { return upright };
+    let correlation = |found: &Result<Suggestions, SuggestError>| {
+        found.as_ref().map_or(-1.0, |found| {
+            // What is clear is better than what is not.
+            found.candidates[0].correlation + f64::from(u8::from(found.clear().is_some()))
+        })
+    };
+    if correlation(&turned) > correlation(&upright) { turned } else { upright }
+}
+
+/// [`suggest`] under one view.
+fn seen(
+    prepared: &PreparedPair,
+    point: Point,
+    clicked: ClickedImage,
+    fundamental: Option<&FundamentalMatrix>,
+    view: RelativeView,
+    parameters: &SuggestParameters,
+) -> Result<Suggestions, SuggestError> {
     let other = clicked.other();
     let line = match fundamental {
         Some(f) => {
@@ -76,18 +124,18 @@ pub fn suggest(
         }
         None => None,
     };
-    let view = SearchView::new(prepared, clicked.index());
-    if view.is_flat(point) {
+    let forth = SearchView::new(prepared, clicked.index(), view);
+    if forth.is_flat(point) {
         return Err(SuggestError::Flat);
     }
-    let poses = poses(Pose { rotation: 0.0, scale: 1.0 }, 2);
+    let poses = poses(forth.usual_pose(), 2);
     let band = |line: Line| (line, parameters.band.max(0.0));
-    let found = view.candidates(&Quest { at: point, poses: &poses, band: line.map(band) });
+    let found = forth.candidates(&Quest { at: point, poses: &poses, band: line.map(band) });
     let Some(best) = found.first() else {
         return Err(SuggestError::NothingAlike { image: other.number() });
     };
 
-    let way_back = SearchView::new(prepared, other.index());
+    let way_back = SearchView::new(prepared, other.index(), view);
     let at = best.placement.at;
     let back_line = fundamental.and_then(|f| epipolar_line(f, other, at));
     let turned_back = Pose::of(&best.placement.affine).inverse();
@@ -104,9 +152,38 @@ pub fn suggest(
     let candidates = found
         .iter()
         .take(parameters.candidates.max(1))
-        .map(|candidate| suggestion(&view, point, candidate))
+        .map(|candidate| suggestion(&forth, point, candidate))
         .collect();
     Ok(Suggestions { candidates, ambiguity, return_distance, verdict })
+}
+
+/// How far a refined point may lie from where it was, as a fraction of the longer side of its image.
+const REFINED_REACH: f64 = 0.01;
+
+/// Aligns the point in image 2 of a clicked pair to a fraction of a pixel around where it is: the place nearby that looks
+/// like the surroundings of the point in image 1. Without a view, the images are taken to be turned and scaled as the
+/// surroundings of both points suggest.
+pub fn refine(
+    prepared: &PreparedPair,
+    pair: &PointPair,
+    view: Option<RelativeView>,
+    parameters: &SuggestParameters,
+) -> Result<Suggestion, SuggestError> {
+    for (point, image) in [(pair.point1, ClickedImage::First), (pair.point2, ClickedImage::Second)] {
+        check(prepared, point, image)?;
+    }
+    let view = view.or_else(|| view_at(prepared, &[*pair])).unwrap_or(RelativeView::UPRIGHT);
+    let search = SearchView::new(prepared, ClickedImage::First.index(), view);
+    if search.is_flat(pair.point1) {
+        return Err(SuggestError::Flat);
+    }
+    let reach = REFINED_REACH * prepared.frames()[ClickedImage::Second.index()].longer_side();
+    let poses = poses(search.usual_pose(), 2);
+    let found = search.nearby(pair.point1, pair.point2, reach, &poses);
+    found
+        .filter(|found| found.correlation >= parameters.least_correlation)
+        .map(|found| suggestion(&search, pair.point1, &found))
+        .ok_or(SuggestError::NotAligned { image: ClickedImage::Second.number() })
 }
 
 fn check(prepared: &PreparedPair, point: Point, clicked: ClickedImage) -> Result<(), SuggestError> {

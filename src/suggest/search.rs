@@ -7,7 +7,7 @@ use super::correlation::{Region, Windows};
 use super::template::{Pose, Template};
 use crate::estimate::PreparedPair;
 use crate::geometry::{Line, Point, rescaled};
-use crate::image::{GrayPlane, Placement};
+use crate::image::{GrayPlane, Placement, RelativeView};
 
 /// Longer sides of the levels candidates are compared at, px; with halved levels they are from 1/√2 to √2 times
 /// that. A patch of fixed size shows some 6 %, 3 % and 1.5 % of the image: the surroundings tell repeated things
@@ -35,6 +35,7 @@ struct SearchStage<'a> {
 pub(super) struct SearchView<'a> {
     stages: Vec<SearchStage<'a>>,
     full: SearchStage<'a>,
+    usual: Pose,
 }
 
 /// Where the match may lie, full-size pixels.
@@ -105,10 +106,12 @@ impl SearchStage<'_> {
 }
 
 impl<'a> SearchView<'a> {
-    /// A search from image `from` (0 or 1) to the other.
-    pub fn new(prepared: &'a PreparedPair, from: usize) -> Self {
+    /// A search from image `from` (0 or 1) to the other, at sizes at which things are of like size under a view.
+    pub fn new(prepared: &'a PreparedPair, from: usize, view: RelativeView) -> Self {
+        let warp = prepared.pyramids().level_seen(SIDES[0], view).warp(view);
+        let usual = if from == 0 { Pose::of(&warp) } else { Pose::of(&warp).inverse() };
         let stage = |side: f64| {
-            let level = prepared.pyramids().level(side);
+            let level = prepared.pyramids().level_seen(side, view);
             SearchStage {
                 from: level.planes[from],
                 to: level.planes[1 - from],
@@ -116,7 +119,12 @@ impl<'a> SearchView<'a> {
                 to_scale: level.scales[1 - from],
             }
         };
-        Self { stages: SIDES.map(stage).to_vec(), full: stage(f64::INFINITY) }
+        Self { stages: SIDES.map(stage).to_vec(), full: stage(f64::INFINITY), usual }
+    }
+
+    /// How things look in the other image under the view, between the smallest images of the search.
+    pub fn usual_pose(&self) -> Pose {
+        self.usual
     }
 
     fn longer_side(&self) -> f64 {
@@ -149,6 +157,25 @@ impl<'a> SearchView<'a> {
             }
         }
         separate
+    }
+
+    /// The place within reach of `near` that looks most like the surroundings of a point, wherever the alignment of one
+    /// of the poses ends.
+    pub fn nearby(&self, at: Point, near: Point, reach: f64, poses: &[Pose]) -> Option<FoundPlace> {
+        let quest = Quest { at, poses, band: None };
+        let starts: Vec<(usize, Placement)> = (0..LEVELS)
+            .flat_map(|level| poses.iter().map(move |pose| (level, *pose)))
+            .map(|(level, pose)| {
+                let SearchStage { from_scale, to_scale, .. } = self.stages[0];
+                // Poses are between the smallest images.
+                (level, Placement { at: near, affine: pose.matrix() * (from_scale / to_scale) })
+            })
+            .collect();
+        let found: Vec<FoundPlace> =
+            starts.par_iter().filter_map(|(level, start)| self.followed(&quest, *level, *start)).collect();
+        let near_enough = found.into_iter().filter(|found| (found.placement.at - near).norm() <= reach);
+        // The first of equals, in an order that does not depend on threads.
+        near_enough.reduce(|best, other| if other.correlation > best.correlation { other } else { best })
     }
 
     /// A place aligned at its own level and all finer ones.

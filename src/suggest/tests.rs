@@ -49,8 +49,12 @@ fn turned(degrees: f64, scale: f64) -> (PreparedPair, impl Fn(Point) -> Point) {
     (PreparedPair::new(&image1, &image2), move |p| middle + forth * (p - middle))
 }
 
+fn known(f: Option<&FundamentalMatrix>) -> Known {
+    Known { fundamental: f.copied(), view: None }
+}
+
 fn free(prepared: &PreparedPair, point: Point, clicked: ClickedImage) -> Result<Suggestions, SuggestError> {
-    suggest(prepared, point, clicked, None, &SuggestParameters::default())
+    suggest(prepared, point, clicked, &Known::default(), &SuggestParameters::default())
 }
 
 #[test]
@@ -65,6 +69,47 @@ fn turned_resized_and_darker_pictures_are_matched_to_a_fraction_of_a_pixel() {
             assert!((best.rotation.to_degrees() - degrees).abs() < 5.0, "{found:?}");
             assert!((best.scale / scale - 1.0).abs() < 0.06, "{found:?}");
         }
+    }
+}
+
+#[test]
+fn any_turn_and_scale_is_found_by_features_by_a_view_and_by_a_placed_pair() {
+    for (degrees, scale) in [(90.0, 1.0), (-140.0, 0.8), (180.0, 0.5), (50.0, 2.0)] {
+        let (prepared, there) = turned(degrees, scale);
+        let point = Point::new(250.0, 170.0);
+        let pair = PointPair { point1: Point::new(226.0, 195.0), point2: there(Point::new(226.0, 195.0)) };
+        let at_pair = view_at(&prepared, &[pair]).unwrap();
+        let exact = RelativeView { scale: Some(scale), rotation: f64::to_radians(degrees) };
+        for view in [None, Some(exact), Some(at_pair)] {
+            let known = Known { fundamental: None, view };
+            for (clicked, from, to) in
+                [(ClickedImage::First, point, there(point)), (ClickedImage::Second, there(point), point)]
+            {
+                let found = suggest(&prepared, from, clicked, &known, &SuggestParameters::default()).unwrap();
+                let best = found.clear().unwrap_or_else(|| panic!("{degrees}° {scale} {view:?}: {found:?}"));
+                assert!((best.position - to).norm() < 0.6, "{degrees}° {scale} {view:?}: {found:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_placed_pair_is_aligned_around_where_it_is_and_left_alone_where_nothing_is_alike() {
+    for (degrees, scale) in [(0.0, 1.0), (20.0, 0.8), (120.0, 1.0), (-75.0, 0.6)] {
+        let (prepared, there) = turned(degrees, scale);
+        let point = Point::new(240.0, 190.0);
+        let parameters = SuggestParameters::default();
+        for off in [(0.0, 0.0), (1.3, -0.8), (-2.0, 1.7)] {
+            let point2 = there(point) + crate::geometry::Vector::new(off.0, off.1);
+            let found = refine(&prepared, &PointPair { point1: point, point2 }, None, &parameters).unwrap();
+            let error = (found.position - there(point)).norm();
+            assert!(error < 0.2, "{degrees}° {scale} {off:?}: {error}");
+        }
+        let elsewhere = PointPair { point1: point, point2: Point::new(330.0, 120.0) };
+        assert_eq!(
+            refine(&prepared, &elsewhere, None, &parameters),
+            Err(SuggestError::NotAligned { image: 2 })
+        );
     }
 }
 
@@ -95,7 +140,7 @@ fn rendered_scenes_are_matched_and_clear_ones_are_right() {
             for (clicked, f) in BOTH.iter().zip([None, Some(&pair.fundamental)]) {
                 let (point, truth) = click(m, *clicked);
                 clicks += 1;
-                let found = suggest(&prepared, point, *clicked, f, &SuggestParameters::default());
+                let found = suggest(&prepared, point, *clicked, &known(f), &SuggestParameters::default());
                 let Ok(found) = found else { continue };
                 if let Some(best) = found.clear() {
                     clear += 1;
@@ -155,7 +200,7 @@ fn tally(scenes: &[Scene], every: usize, with_f: bool) -> (usize, usize, usize) 
                 let (point, truth) = click(m, clicked);
                 let f = with_f.then_some(&scene.truth);
                 clicks += 1;
-                let found = suggest(&prepared, point, clicked, f, &SuggestParameters::default());
+                let found = suggest(&prepared, point, clicked, &known(f), &SuggestParameters::default());
                 let Ok(found) = found else { continue };
                 if let Some(best) = found.clear() {
                     clear += 1;

@@ -75,6 +75,22 @@ fn works_on_a_built_in_pair() {
 }
 
 #[test]
+fn finds_the_match_in_an_image_that_is_turned_by_a_right_angle() {
+    let pictures = Pictures::new();
+    let assets = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets");
+    image::open(assets.join("courtyard-1.png")).unwrap().save(pictures.path("left.png")).unwrap();
+    image::open(assets.join("courtyard-2.png")).unwrap().rotate90().save(pictures.path("right.png")).unwrap();
+    let upright = best(&run(&["suggest", "--sample", "--at", "384,153", "--json", "-"]));
+    // 576 px high: (x, y) becomes (575 − y, x).
+    let expected = [575.0 - upright[1], upright[0]];
+    let there = best(&ask(&pictures, &["--at", "384,153", "--json", "-"]));
+    assert!((there[0] - expected[0]).hypot(there[1] - expected[1]) < 0.5, "{there:?} for {expected:?}");
+    let at = format!("{},{}", there[0], there[1]);
+    let back = best(&ask(&pictures, &["--at", &at, "--in", "right", "--json", "-"]));
+    assert!((back[0] - 384.0).hypot(back[1] - 153.0) < 0.5, "{back:?}");
+}
+
+#[test]
 fn says_in_its_status_that_there_is_none() {
     let pictures = moved();
     let (left, flat) = (pictures.text("left.png"), pictures.text("flat.png"));

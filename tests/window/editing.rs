@@ -3,9 +3,10 @@
 use crate::support::*;
 
 use egui::{Key, Modifiers, PointerButton, Pos2, Rect, vec2};
-use egui_kittest::kittest::Queryable;
+use egui_kittest::kittest::{NodeT, Queryable};
+use epiline::app::Start;
 use epiline::app::model::document::Side;
-use epiline::estimate::Method;
+use epiline::estimate::{Method, Reason, Trust, Verdict};
 use epiline::geometry::{Point, symmetric_epipolar_distance};
 
 #[test]
@@ -154,7 +155,7 @@ fn pairs_are_deleted_by_key_and_in_the_list() {
     settle(&mut window);
     assert_eq!(window.state().document().pairs.len(), 1);
     assert!(window.state().estimate().is_none());
-    window.get_by_label("Delete pair p").click();
+    window.get_by_label("Delete: pair p").click();
     settle(&mut window);
     assert!(window.state().document().pairs.is_empty());
 }
@@ -169,19 +170,82 @@ fn escape_gives_up_the_first_click_of_a_pair() {
     assert!(window.state().document().half.is_none());
 }
 
+/// A third pair on the sample, far from both others and off the geometry that they give.
+fn click_a_third_pair(window: &mut Window) {
+    for side in Side::BOTH {
+        let position = at(window, side, 0.3, -0.3);
+        click(window, position);
+    }
+}
+
+/// How many clicks the latest estimate was searched from.
+fn clicks(window: &Window) -> usize {
+    window
+        .state()
+        .estimate()
+        .and_then(|estimate| estimate.trace.as_ref())
+        .map_or(0, |trace| trace.clicks.len())
+}
+
 #[test]
-fn further_pairs_check_the_result() {
+fn every_pair_is_used_unless_it_is_to_check_only() {
     let mut window = sample();
     click_two_pairs(&mut window);
-    for side in Side::BOTH {
-        let position = at(&window, side, 0.3, -0.3);
-        click(&mut window, position);
+    click_a_third_pair(&mut window);
+    assert_eq!(clicks(&window), 3);
+    window.get_by_label_contains("Epipolar geometry found from pairs p, q and r");
+    assert!(window.query_by_label("Three pairs").is_none() && window.query_by_label("Three-point").is_none());
+    window.get_by_label("Check only pair q").click();
+    settle(&mut window);
+    assert_eq!(clicks(&window), 2);
+    window.get_by_label_contains("Epipolar geometry found from pairs p and r");
+    window.get_by_label("Use pair q").click();
+    settle(&mut window);
+    assert_eq!(clicks(&window), 3);
+    for expected in [2, 3] {
+        window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+        settle(&mut window);
+        assert_eq!(clicks(&window), expected, "undo");
     }
-    window.get_by_label("check");
-    window.get_by_label("Three pairs").click();
+}
+
+#[test]
+fn the_published_search_keeps_its_two_methods_beside_its_preset() {
+    let mut window = sample();
+    click_two_pairs(&mut window);
+    click_a_third_pair(&mut window);
+    window.get_by_label("Paper").click();
+    settle(&mut window);
+    assert_eq!(clicks(&window), 2);
+    assert!(window.get_by_label("Use pair r").accesskit_node().is_disabled());
+    window.get_by_label("Three-point").click();
     settle(&mut window);
     assert_eq!(window.state().document().parameters.method, Method::ThreePoint);
-    assert!(window.query_by_label("check").is_none());
+    assert_eq!(clicks(&window), 3);
+    window.get_by_label("Robust").click();
+    settle(&mut window);
+    window.get_by_label("Delete: pair r").click();
+    settle(&mut window);
+    assert!(window.state().estimate().is_some(), "two pairs are enough again");
+}
+
+#[test]
+fn a_pair_that_the_images_speak_against_is_marked() {
+    let mut services = services();
+    services.estimate = Box::new(|request, _| {
+        let mut estimate = fake_estimate(&request.pairs, &request.parameters)?;
+        let reasons = vec![Reason::ClickOff { pair: 2, distance: 40.0 }];
+        estimate.assessment.trust = Some(Trust { verdict: Verdict::Doubtful, reasons });
+        Ok(estimate)
+    });
+    let mut window = window(Start::default(), services);
+    click_two_pairs(&mut window);
+    click_a_third_pair(&mut window);
+    assert_eq!(window.query_all_by_label("outvoted").count(), 1);
+    window.get_by_label_contains("Point pair q is 40.0 px off");
+    window.get_by_label("Check only pair p").click();
+    settle(&mut window);
+    window.get_by_label_contains("Point pair r is 40.0 px off");
 }
 
 #[test]

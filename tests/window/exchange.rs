@@ -401,3 +401,32 @@ fn a_narrow_window_has_room_for_all_of_the_toolbar() {
     assert!(view.max.x < theme.min.x, "{view:?} {theme:?}");
     assert!(right_of("Keys").max.x <= 860.0 && right_of("Open").min.x >= 0.0);
 }
+
+#[test]
+fn many_messages_stack_compactly_and_escape_closes_the_top_one() {
+    let files = Files::new();
+    let mut window = sample();
+    for number in 0..6 {
+        let path = files.0.path().join(format!("nothing-{number}.txt"));
+        std::fs::write(&path, "no numbers").unwrap();
+        drop_files(&mut window, &[path]);
+    }
+    for _ in 0..40 {
+        window.step();
+    }
+    let heights = |window: &Window| -> Vec<f32> {
+        let mut tops: Vec<f32> =
+            window.query_all_by_label("Dismiss").map(|button| button.rect().center().y).collect();
+        tops.sort_by(f32::total_cmp);
+        tops.windows(2).map(|two| two[1] - two[0]).collect()
+    };
+    assert_eq!(heights(&window).len(), 3, "four are shown");
+    assert!(heights(&window).iter().all(|height| *height < 110.0), "{:?}", heights(&window));
+    window.get_by_label("and 2 more below");
+    window.get_by_label_contains("nothing-5.txt");
+    window.key_press(egui::Key::Escape);
+    settle(&mut window);
+    assert!(window.query_by_label_contains("nothing-5.txt").is_none());
+    window.get_by_label("and 1 more below");
+    assert_eq!(window.state().messages().count(), 5);
+}

@@ -8,6 +8,7 @@ mod looking;
 mod opening;
 mod panels;
 mod rectified;
+mod repairing;
 mod sessions;
 mod support;
 mod truth;

@@ -137,6 +137,8 @@ pub fn services() -> Services {
         estimate: Box::new(|request, _| fake_estimate(&request.pairs, &request.parameters)),
         follow: Box::new(|_, _| None),
         suggest: Box::new(|_| Err(SuggestError::Flat)),
+        next_click: Box::new(|_| None),
+        repair: Box::new(|_| Err("Nothing is alike".into())),
         pick_file: Arc::new(|| None),
         pick_folder: Arc::new(|| None),
         pick_save: Arc::new(|_| None),

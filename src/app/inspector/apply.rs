@@ -8,6 +8,7 @@ use crate::app::model::command::{Command, PickPurpose};
 use crate::app::model::document::Side;
 use crate::app::model::history::Step;
 use crate::app::model::look::Tool;
+use crate::app::model::suggesting::Repair;
 
 impl Inspector {
     /// Does what a command says.
@@ -42,6 +43,10 @@ impl Inspector {
             Command::IncludePair(pair, included) => {
                 model.edit(Step::Single, |document| document.include(pair, included));
             }
+            Command::CheckOnly(pair, only) => {
+                model.edit(Step::Single, |document| document.check_only(pair, only));
+            }
+            Command::Repair(pair, how) => self.repair(pair, how),
             Command::ClearPairs => model.edit(Step::Single, |document| document.set_pairs(Vec::new())),
             Command::Cancel => self.cancel(),
             Command::FitAll => self.fit_all(),
@@ -117,6 +122,13 @@ impl Inspector {
         self.model.open.viewing.view = None;
     }
 
+    /// Asks for a better place for a pair.
+    fn repair(&mut self, pair: usize, how: Repair) {
+        if let Some(question) = self.model.repair_question(pair, how) {
+            self.tasks.repairing.ask(question);
+        }
+    }
+
     fn travel(&mut self, back: bool) {
         self.model.travel(back);
         self.view.let_go();
@@ -132,6 +144,8 @@ impl Inspector {
             }
         } else if self.view.dialogs.close_top() {
             // Closing it is all there is to do.
+        } else if model.messages.dismiss_top() {
+            // So it is here.
         } else if model.document.half.is_some() {
             model.edit(Step::Single, |document| document.remove(document.pairs.len()));
         } else if model.tool == Tool::Inspect {

@@ -8,6 +8,8 @@ mod exchange;
 mod opening;
 mod session;
 
+use std::time::Duration;
+
 use egui::Ui;
 
 use super::Start;
@@ -111,6 +113,9 @@ impl Inspector {
             self.model.open.hover = hover;
             ctx.request_repaint();
         }
+        if let Some(seconds) = self.model.messages.retire(ctx.input(|input| input.time)) {
+            ctx.request_repaint_after(Duration::from_secs_f64(seconds));
+        }
         self.point_at(&ctx, &commands);
         for command in commands {
             if !matches!(command, Command::PointAt(_)) {
@@ -128,6 +133,9 @@ impl Inspector {
     /// Takes in what the threads have done.
     fn take_news(&mut self, ctx: &egui::Context) {
         self.tasks.take(&mut self.model);
+        if let Some(repaired) = self.tasks.repairing.latest() {
+            self.model.take_repair(repaired);
+        }
         match self.tasks.writing.take(&mut self.model.activity.writing) {
             Some(Ok(text)) => self.model.messages.say(MessageKind::Done, text, Vec::new()),
             Some(Err(text)) => self.model.messages.tell(text),

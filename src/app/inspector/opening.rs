@@ -171,7 +171,7 @@ impl Inspector {
         let (Some(known), Some(pictures)) = (&self.model.open.known, &self.model.document.pictures) else {
             return;
         };
-        let count = self.model.document.parameters.method.pairs_needed();
+        let count = self.model.document.pairs_needed();
         let frames = pictures.each_ref().map(|picture| picture.frame);
         let trial = Trial { protocol, seed: self.model.next_seed };
         let Some(drawn) = known.draw(frames, protocol, trial.seed, count) else {

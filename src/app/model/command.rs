@@ -10,6 +10,7 @@ use super::focus::{LineSource, Target};
 use super::ids::{OverlayId, TabId};
 use super::rectified::RectifiedCommand;
 use super::session::OpenSession;
+use super::suggesting::Repair;
 use crate::estimate::{Method, Parameters, Preset};
 use crate::evaluate::Protocol;
 use crate::geometry::{Point, Vector};
@@ -58,6 +59,10 @@ pub enum Command {
     DeletePair(usize),
     /// Leave a pair out, or take it in again.
     IncludePair(usize, bool),
+    /// Let a pair only check the geometry, or take part in the estimate.
+    CheckOnly(usize, bool),
+    /// Look for a better place for the right point of a pair, and move it there.
+    Repair(usize, Repair),
     /// Remove all pairs.
     ClearPairs,
     /// Give up what is half done.

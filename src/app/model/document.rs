@@ -8,7 +8,7 @@ use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 
-use crate::estimate::Parameters;
+use crate::estimate::{Method, Parameters, Search};
 use crate::evaluate::Protocol;
 use crate::geometry::{Frame, FundamentalMatrix, HomogeneousPoint, Point, PointPair};
 use crate::image::Picture;
@@ -173,11 +173,14 @@ pub struct Document {
     /// The two pictures, once they are open.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pictures: Option<[PictureIdentity; 2]>,
-    /// Finished point pairs: `p`, `q`, `r`, then check points.
+    /// Finished point pairs: `p`, `q`, `r`, then numbers.
     pub pairs: Vec<PointPair>,
     /// Numbers of the pairs that are left out.
     #[serde(default)]
     pub excluded: BTreeSet<usize>,
+    /// Numbers of the pairs that only check the geometry.
+    #[serde(default, skip_serializing_if = "BTreeSet::is_empty")]
+    pub checks: BTreeSet<usize>,
     /// The pair whose second click is due.
     pub half: Option<HalfPair>,
     /// Parameters of the estimate.
@@ -237,6 +240,7 @@ impl Document {
                 };
                 self.pairs.push(PointPair { point1, point2 });
                 self.half = None;
+                self.follow_trial();
             }
             _ => self.half = Some(HalfPair { side, point }),
         }
@@ -245,13 +249,13 @@ impl Document {
 
     /// Moves a point, keeping it on its image. A point that is not there (any more) is left alone.
     pub fn move_to(&mut self, at: PointRef, point: Point) {
-        let point = self.inside(at.side, point);
+        let (point, needed) = (self.inside(at.side, point), self.pairs_needed());
         if at.pair == self.pairs.len() {
             if let Some(half) = self.half.as_mut().filter(|half| half.side == at.side) {
                 half.point = point;
             }
         } else if let Some(pair) = self.pairs.get_mut(at.pair) {
-            self.trial = self.trial.filter(|_| at.pair >= self.parameters.method.pairs_needed());
+            self.trial = self.trial.filter(|_| at.pair >= needed);
             match at.side {
                 Side::Left => pair.point1 = point,
                 Side::Right => pair.point2 = point,
@@ -265,11 +269,13 @@ impl Document {
             self.half = None;
         } else if pair < self.pairs.len() {
             self.pairs.remove(pair);
-            self.trial = self.trial.filter(|_| pair >= self.parameters.method.pairs_needed());
+            self.trial = self.trial.filter(|_| pair >= self.pairs_needed());
             // The pairs behind it move up.
             let moved = |number: &usize| if *number > pair { number - 1 } else { *number };
-            self.excluded.remove(&pair);
-            self.excluded = self.excluded.iter().map(moved).collect();
+            for numbers in [&mut self.excluded, &mut self.checks] {
+                numbers.remove(&pair);
+                *numbers = numbers.iter().map(moved).collect();
+            }
         }
         self.selection = None;
     }
@@ -279,17 +285,19 @@ impl Document {
         self.pairs = pairs;
         self.trial = None;
         self.excluded.clear();
+        self.checks.clear();
         self.half = None;
         self.selection = None;
     }
 
-    /// Puts the pairs of a random trial in place of the first ones; those behind them stay.
+    /// Puts the pairs of a random trial in place of the first ones; those behind them stay, to check the result.
     pub fn set_trial(&mut self, trial: Trial, drawn: Vec<PointPair>) {
         let count = drawn.len();
         self.excluded.retain(|pair| *pair >= count);
         let behind = self.pairs.split_off(count.min(self.pairs.len()));
         self.pairs = drawn;
         self.pairs.extend(behind);
+        self.checks = (count..self.pairs.len()).collect();
         self.trial = Some(trial);
         self.half = None;
         self.selection = None;
@@ -302,6 +310,27 @@ impl Document {
         } else if pair < self.pairs.len() {
             self.excluded.insert(pair);
         }
+        self.follow_trial();
+    }
+
+    /// Lets a pair only check the geometry, or take part in it again. Either way it is not left out any more.
+    pub fn check_only(&mut self, pair: usize, only: bool) {
+        if pair < self.pairs.len() {
+            self.excluded.remove(&pair);
+            if only {
+                self.checks.insert(pair);
+            } else {
+                self.checks.remove(&pair);
+            }
+            self.follow_trial();
+        }
+    }
+
+    /// A random trial is one no more when others than its pairs are used.
+    fn follow_trial(&mut self) {
+        if !self.used().eq(0..self.pairs_needed()) {
+            self.trial = None;
+        }
     }
 
     /// The pairs that are not left out.
@@ -309,17 +338,38 @@ impl Document {
         (0..self.pairs.len()).filter(|pair| !self.excluded.contains(pair)).map(|pair| self.pairs[pair])
     }
 
-    /// Numbers of the pairs the geometry is estimated from: the first ones that are not left out, fewer than
-    /// needed while there are too few.
+    /// Point pairs without which there is no geometry: the published search takes as many as its method needs, the one
+    /// with patches two or more.
+    pub fn pairs_needed(&self) -> usize {
+        match self.parameters.search {
+            Search::Lines => self.parameters.method.pairs_needed(),
+            Search::Patches => Method::TwoPoint.pairs_needed(),
+        }
+    }
+
+    /// The parameters that the search is given: the published methods are a choice of the published search alone.
+    pub fn search_parameters(&self) -> Parameters {
+        match self.parameters.search {
+            Search::Lines => self.parameters.clone(),
+            Search::Patches => Parameters { method: Method::TwoPoint, ..self.parameters.clone() },
+        }
+    }
+
+    /// Numbers of the pairs the geometry is estimated from: all that are neither left out nor set to check only. The
+    /// published search takes the first ones of them, as many as its method needs.
     pub fn used(&self) -> impl Iterator<Item = usize> + '_ {
-        let included = (0..self.pairs.len()).filter(|pair| !self.excluded.contains(pair));
-        included.take(self.parameters.method.pairs_needed())
+        let most = match self.parameters.search {
+            Search::Lines => self.pairs_needed(),
+            Search::Patches => usize::MAX,
+        };
+        let set_aside = |pair: &usize| self.excluded.contains(pair) || self.checks.contains(pair);
+        (0..self.pairs.len()).filter(move |pair| !set_aside(pair)).take(most)
     }
 
     /// The pairs the geometry is estimated from; `None` while there are too few.
     pub fn used_pairs(&self) -> Option<Vec<PointPair>> {
         let pairs: Vec<PointPair> = self.used().map(|pair| self.pairs[pair]).collect();
-        (pairs.len() == self.parameters.method.pairs_needed()).then_some(pairs)
+        (pairs.len() >= self.pairs_needed()).then_some(pairs)
     }
 
     /// What a pair is for.
@@ -331,6 +381,11 @@ impl Document {
         } else {
             Role::Check
         }
+    }
+
+    /// Whether a pair that is not used could be: the published search may have all that it takes.
+    pub fn can_be_used(&self, pair: usize) -> bool {
+        self.role(pair) != Role::Check || self.checks.contains(&pair)
     }
 
     /// The point nearest to the given one that lies on the pixels of the image.
@@ -352,7 +407,7 @@ pub fn pair_name(pair: usize) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::estimate::Method;
+    use crate::estimate::Preset;
 
     fn document() -> Document {
         let picture =
@@ -408,13 +463,32 @@ mod tests {
     }
 
     #[test]
-    fn the_third_pair_is_used_or_checks() {
+    fn all_pairs_are_used_but_those_that_check_and_the_published_search_takes_what_it_needs() {
+        let mut document = document();
+        document.set_pairs(vec![PointPair::new(1.0, 2.0, 3.0, 4.0); 5]);
+        assert_eq!(document.used_pairs().map(|pairs| pairs.len()), Some(5));
+        document.check_only(1, true);
+        document.include(3, false);
+        assert_eq!(document.used().collect::<Vec<_>>(), [0, 2, 4]);
+        assert_eq!((document.role(1), document.role(3)), (Role::Check, Role::Excluded));
+        document.remove(0);
+        assert_eq!(document.used().collect::<Vec<_>>(), [1, 3], "numbers follow when a pair before goes");
+        document.check_only(2, false);
+        document.check_only(0, false);
+        assert_eq!(document.used().count(), 4);
+        document.parameters = Parameters::from(Preset::Paper);
+        assert_eq!((document.used().count(), document.role(2)), (2, Role::Check));
+        document.parameters.method = Method::ThreePoint;
+        assert_eq!((document.used().count(), document.role(2)), (3, Role::Used));
+    }
+
+    #[test]
+    fn a_document_from_before_there_were_roles_uses_its_pairs() {
         let mut document = document();
         document.set_pairs(vec![PointPair::new(1.0, 2.0, 3.0, 4.0); 3]);
-        assert_eq!(document.role(2), Role::Check);
-        document.parameters.method = Method::ThreePoint;
-        assert_eq!(document.role(2), Role::Used);
-        assert_eq!(document.used_pairs().map(|pairs| pairs.len()), Some(3));
+        let mut old = serde_json::to_value(&document).unwrap();
+        assert!(old.as_object_mut().unwrap().remove("checks").is_none());
+        assert_eq!(serde_json::from_value::<Document>(old).unwrap(), document);
     }
 
     #[test]
@@ -424,11 +498,14 @@ mod tests {
         let trial = Trial { protocol: Protocol::WellPosed, seed: 3 };
         document.set_trial(trial, vec![pair(1.0), pair(2.0)]);
         assert_eq!((document.pairs.len(), document.trial), (2, Some(trial)));
-        document.pairs.push(pair(9.0));
+        document.place(Side::Left, pair(9.0).point1);
+        document.place(Side::Right, pair(9.0).point2);
+        assert_eq!(document.trial, None, "another pair takes part");
         document.include(0, false);
         document.include(2, false);
         document.set_trial(trial, vec![pair(3.0), pair(4.0)]);
         assert_eq!(document.pairs, [pair(3.0), pair(4.0), pair(9.0)]);
+        assert_eq!(document.used().collect::<Vec<_>>(), [0, 1]);
         assert_eq!(document.excluded, BTreeSet::from([2]), "what was left out further behind stays so");
         document.move_to(PointRef { pair: 2, side: Side::Left }, Point::new(5.0, 5.0));
         assert_eq!(document.trial, Some(trial));
@@ -437,8 +514,9 @@ mod tests {
     }
 
     #[test]
-    fn a_pair_left_out_makes_room_for_the_next_one() {
+    fn a_pair_left_out_makes_room_for_the_next_one_of_the_published_search() {
         let mut document = document();
+        document.parameters = Parameters::from(Preset::Paper);
         let pair = |x: f64| PointPair::new(x, 1.0, x, 1.0);
         document.set_pairs([1.0, 2.0, 3.0, 4.0].map(pair).to_vec());
         document.include(1, false);

@@ -39,7 +39,7 @@ pub fn guide(model: &Model) -> String {
         };
         return format!("Pair {name}: now click the same scene point in the {other} image. {offer}");
     }
-    let needed = document.parameters.method.pairs_needed();
+    let needed = document.pairs_needed();
     match document.used().count() {
         0 if has_sample_points => {
             "Click a distinct point in the left image, then its match in the right one. \
@@ -61,7 +61,7 @@ pub fn guide(model: &Model) -> String {
         }
         _ if computation.result().is_none() => "The estimate was stopped. F5 computes again.".into(),
         _ => "Move the cursor over an image to see its epipolar line in the other. Drag points to correct them, \
-              click more pairs to check, or press I to pin lines."
+              click more pairs to make it firmer, or press I to pin lines."
             .into(),
     }
 }

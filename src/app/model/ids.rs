@@ -71,12 +71,13 @@ pub enum OverlayId {
     Epipoles,
     PointedAt,
     Suggestion,
+    NextClick,
     Points,
 }
 
 impl OverlayId {
     /// All of them, from the lowest to the topmost, with their names and when they are shown.
-    const TABLE: [(Self, &'static str, Visibility); 18] = [
+    const TABLE: [(Self, &'static str, Visibility); 19] = [
         (Self::Candidates, "Candidates", Visibility::OnRequest),
         (Self::RoundTrip, "Round trip", Visibility::OnRequest),
         (Self::Uncertainty, "Uncertainty", Visibility::AtFirst),
@@ -94,6 +95,7 @@ impl OverlayId {
         (Self::Epipoles, "Epipoles", Visibility::AtFirst),
         (Self::PointedAt, "Pointed at", Visibility::Always),
         (Self::Suggestion, "Suggested match", Visibility::Always),
+        (Self::NextClick, "Next click", Visibility::Always),
         (Self::Points, "Points", Visibility::AtFirst),
     ];
 
@@ -108,6 +110,11 @@ impl OverlayId {
     /// What it is called.
     pub const fn name(self) -> &'static str {
         Self::TABLE[self as usize].1
+    }
+
+    /// Whether it is drawn over the map of the epipoles too: what a person clicks must not be covered.
+    pub const fn is_above_map(self) -> bool {
+        matches!(self, Self::PointedAt | Self::Suggestion | Self::NextClick | Self::Points)
     }
 
     /// When it is shown.

@@ -2,8 +2,12 @@
 
 use super::command::Command;
 
-/// Messages shown at most; the oldest gives way.
+/// Messages shown at once at most; those before are counted.
 const MOST: usize = 4;
+/// Messages kept at most; the oldest gives way.
+const KEPT: usize = 100;
+/// Seconds that news of success stays.
+const STAYS: f64 = 8.0;
 
 /// What a message is about.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -29,6 +33,8 @@ pub struct Message {
     pub text: String,
     /// What can be done about it at once.
     pub actions: Vec<MessageAction>,
+    /// When it was seen first, seconds of the window's clock.
+    seen: Option<f64>,
 }
 
 /// A button of a message.
@@ -53,6 +59,32 @@ impl Messages {
         &self.list
     }
 
+    /// Those that are shown, the newest first.
+    pub fn on_top(&self) -> impl Iterator<Item = &Message> {
+        self.list.iter().rev().take(MOST)
+    }
+
+    /// How many more there are.
+    pub fn below(&self) -> usize {
+        self.list.len().saturating_sub(MOST)
+    }
+
+    /// Removes the newest; says whether there was one.
+    pub fn dismiss_top(&mut self) -> bool {
+        self.list.pop().is_some()
+    }
+
+    /// Removes news of success that has been there long enough; returns the seconds until the next is due.
+    pub fn retire(&mut self, now: f64) -> Option<f64> {
+        for message in &mut self.list {
+            message.seen.get_or_insert(now);
+        }
+        let due = |message: &Message| message.seen.unwrap_or(now) + STAYS - now;
+        self.list.retain(|message| message.kind != MessageKind::Done || due(message) > 0.0);
+        let done = self.list.iter().filter(|message| message.kind == MessageKind::Done);
+        done.map(due).min_by(f64::total_cmp)
+    }
+
     /// Tells that something went wrong.
     pub fn tell(&mut self, text: impl Into<String>) {
         self.say(MessageKind::Problem, text.into(), Vec::new());
@@ -62,8 +94,8 @@ impl Messages {
     pub fn say(&mut self, kind: MessageKind, text: String, actions: Vec<MessageAction>) {
         self.list.retain(|message| message.text != text);
         self.shown += 1;
-        self.list.push(Message { number: self.shown, kind, text, actions });
-        if self.list.len() > MOST {
+        self.list.push(Message { number: self.shown, kind, text, actions, seen: None });
+        if self.list.len() > KEPT {
             self.list.remove(0);
         }
     }
@@ -98,12 +130,27 @@ mod tests {
     }
 
     #[test]
-    fn the_oldest_gives_way_and_nothing_is_told_twice() {
+    fn the_newest_are_on_top_and_nothing_is_told_twice() {
         let mut messages = Messages::default();
         for number in [0, 1, 2, 2, 3, 4] {
             messages.tell(format!("Problem {number}."));
         }
-        let texts: Vec<_> = messages.list().iter().map(|message| message.text.as_str()).collect();
-        assert_eq!(texts, ["Problem 1.", "Problem 2.", "Problem 3.", "Problem 4."]);
+        let texts: Vec<_> = messages.on_top().map(|message| message.text.as_str()).collect();
+        assert_eq!(texts, ["Problem 4.", "Problem 3.", "Problem 2.", "Problem 1."]);
+        assert_eq!(messages.below(), 1);
+        assert!(messages.dismiss_top());
+        assert_eq!((messages.on_top().count(), messages.below()), (4, 0));
+    }
+
+    #[test]
+    fn news_of_success_goes_by_itself_and_problems_stay() {
+        let mut messages = Messages::default();
+        messages.tell("It went wrong.");
+        assert_eq!(messages.retire(1.0), None);
+        messages.say(MessageKind::Done, "Written.".into(), Vec::new());
+        assert_eq!(messages.retire(100.0), Some(STAYS));
+        assert_eq!(messages.retire(103.0), Some(STAYS - 3.0));
+        assert_eq!(messages.retire(100.0 + STAYS), None);
+        assert_eq!(messages.list().len(), 1);
     }
 }

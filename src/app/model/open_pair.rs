@@ -12,6 +12,7 @@ use super::suggesting::Suggested;
 use super::truth::KnownTruth;
 use crate::estimate::Estimate;
 use crate::geometry::{Point, PointPair};
+use crate::suggest::NextClick;
 
 /// A position under the cursor.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -43,6 +44,8 @@ pub struct OpenPair {
     pub inspection: Option<Inspection>,
     /// Where the second click of a pair may belong, once that is known.
     pub suggestion: Option<Suggested>,
+    /// Where one more pair would tell most, once that is known, if it is anywhere.
+    pub next_click: Option<Option<NextClick>>,
     /// The rectified pair, while something shows it; while another is being made, the one before.
     pub rectified: Option<Rectified>,
     /// What part of the rectified pair is shown.

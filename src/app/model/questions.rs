@@ -6,10 +6,11 @@ use super::computation::{EstimateRequest, Freshness};
 use super::ids::TabId;
 use super::inspection::InspectionRequest;
 use super::rectified::{MatchesAtHand, RectifyQuestion};
-use super::suggesting::SuggestQuestion;
+use super::suggesting::{NextClickQuestion, SuggestQuestion};
 use crate::convention::FEWEST_MATCHES;
-use crate::estimate::Estimate;
+use crate::estimate::{Estimate, Reason, Search, Verdict};
 use crate::geometry::PointPair;
+use crate::suggest::{Known, Rival};
 
 impl Model {
     /// What is to be estimated, once there are enough pairs.
@@ -17,7 +18,7 @@ impl Model {
         Some(EstimateRequest {
             pictures: self.open.pictures()?,
             pairs: self.document.used_pairs()?,
-            parameters: self.document.parameters.clone(),
+            parameters: self.document.search_parameters(),
         })
     }
 
@@ -52,11 +53,44 @@ impl Model {
 
     /// What a match is to be suggested for.
     pub fn suggest_question(&self) -> Option<SuggestQuestion> {
-        Some(SuggestQuestion {
-            half: self.document.half?,
+        let known = self.known();
+        let placed = if known.fundamental.is_none() {
+            self.document.used().map(|pair| self.document.pairs[pair]).collect()
+        } else {
+            Vec::new()
+        };
+        Some(SuggestQuestion { half: self.document.half?, pictures: self.open.pictures()?, known, placed })
+    }
+
+    /// The result to be made firmer by another click: one in doubt, of a search that uses further pairs.
+    pub fn next_click_question(&self) -> Option<NextClickQuestion> {
+        let document = &self.document;
+        if document.parameters.search != Search::Patches || document.half.is_some() {
+            return None;
+        }
+        let found = self.final_result()?;
+        let trust = found.assessment.trust.as_ref().filter(|trust| trust.verdict != Verdict::Reliable)?;
+        // A pair that was outvoted is to be looked at itself.
+        let of_a_click = |reason: &Reason| matches!(reason, Reason::ClickOff { .. });
+        if !trust.reasons.is_empty() && trust.reasons.iter().all(of_a_click) {
+            return None;
+        }
+        Some(NextClickQuestion {
             pictures: self.open.pictures()?,
-            fundamental: self.final_result().map(|estimate| *estimate.fundamental()),
+            fundamental: *found.fundamental(),
+            rivals: Rival::of(found),
+            placed: document.pairs.clone(),
         })
+    }
+
+    /// What the result says of the images: nothing while there is none, or one that is called unreliable.
+    pub fn known(&self) -> Known {
+        let is_trusted = |estimate: &&Estimate| {
+            let trust = estimate.assessment.trust.as_ref();
+            trust.is_none_or(|trust| trust.verdict != Verdict::Unreliable)
+        };
+        let found = self.final_result().filter(is_trusted);
+        Known { fundamental: found.map(|estimate| *estimate.fundamental()), view: found.map(Estimate::view) }
     }
 
     /// Whether the rectified pair is looked at.

@@ -177,6 +177,7 @@ impl Document {
             pictures: _,
             pairs,
             excluded,
+            checks,
             half,
             parameters,
             rectification,
@@ -187,6 +188,7 @@ impl Document {
         } = self;
         *pairs == other.pairs
             && *excluded == other.excluded
+            && *checks == other.checks
             && *half == other.half
             && *parameters == other.parameters
             && *rectification == other.rectification
@@ -197,7 +199,7 @@ impl Document {
 
     /// Whether there is anything on the images that would be a loss. A random trial can be drawn again.
     pub fn is_worth_keeping(&self) -> bool {
-        let drawn = if self.trial.is_some() { self.parameters.method.pairs_needed() } else { 0 };
+        let drawn = if self.trial.is_some() { self.pairs_needed() } else { 0 };
         self.pairs.len() > drawn || self.half.is_some() || self.imported.is_some()
     }
 
@@ -212,7 +214,9 @@ impl Document {
         if let Some(half) = &mut self.half {
             half.point = frames[half.side.index()].nearest(half.point);
         }
-        self.excluded.retain(|pair| *pair < self.pairs.len());
+        for numbers in [&mut self.excluded, &mut self.checks] {
+            numbers.retain(|pair| *pair < self.pairs.len());
+        }
         self.selection = self.selection.filter(|at: &PointRef| self.point(*at).is_some());
     }
 }

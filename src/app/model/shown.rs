@@ -6,7 +6,7 @@ use super::computation::Freshness;
 use super::document::Side;
 use super::focus::{LineSource, Pin};
 use super::truth::NO_TRUTH;
-use crate::estimate::{Construction, Estimate, lines_at};
+use crate::estimate::{Construction, Estimate, Reason, lines_at};
 use crate::geometry::{AnchoredLine, FundamentalMatrix, Line, Point, PointPair};
 use crate::io::{GroundTruth, TruthFolder};
 
@@ -71,6 +71,17 @@ impl Model {
             }
             (Some(_), Some(_)) => None,
         }
+    }
+
+    /// How far a pair is off its epipolar line, px, if the result names it for that.
+    pub fn outvoted(&self, pair: usize) -> Option<f64> {
+        let (estimate, freshness) = self.open.computation.result()?;
+        let number = self.document.used().position(|used| used == pair)? + 1;
+        let reasons = estimate.assessment.trust.iter().filter(|_| freshness == Freshness::Final);
+        reasons.flat_map(|trust| &trust.reasons).find_map(|reason| match reason {
+            Reason::ClickOff { pair, distance } if *pair == number => Some(*distance),
+            _ => None,
+        })
     }
 
     /// Whether something else than the result was chosen to be shown.

@@ -1,9 +1,11 @@
-//! The suggestion of a match while the second click of a pair is due.
+//! Matches of single points: the suggestion while the second click of a pair is due, and the repair of a placed pair.
 
-use super::document::HalfPair;
+use super::Model;
+use super::document::{HalfPair, PointRef, Side, pair_name};
+use super::history::Step;
 use super::picture::Pictures;
-use crate::geometry::FundamentalMatrix;
-use crate::suggest::{SuggestError, Suggestions};
+use crate::geometry::{FundamentalMatrix, Point, PointPair};
+use crate::suggest::{Known, Rival, SuggestError, Suggestions};
 
 /// What a match is to be suggested for.
 #[derive(Clone, PartialEq)]
@@ -12,9 +14,104 @@ pub struct SuggestQuestion {
     pub pictures: Pictures,
     /// The first click.
     pub half: HalfPair,
-    /// The geometry, when it is known: then only the epipolar line is searched.
-    pub fundamental: Option<FundamentalMatrix>,
+    /// What the result says of the images, when there is one that is not called unreliable.
+    pub known: Known,
+    /// Pairs that say how the images are turned and scaled, while there is no such result.
+    pub placed: Vec<PointPair>,
 }
 
 /// Places that look like the first click, or why there are none.
 pub type Suggested = Result<Suggestions, SuggestError>;
+
+/// A result in doubt, for which the most useful next click is looked for.
+#[derive(Clone, PartialEq)]
+pub struct NextClickQuestion {
+    /// The two pictures.
+    pub pictures: Pictures,
+    /// The geometry.
+    pub fundamental: FundamentalMatrix,
+    /// What competes with it.
+    pub rivals: Vec<Rival>,
+    /// The pairs that are there.
+    pub placed: Vec<PointPair>,
+}
+
+/// How a placed pair is repaired.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Repair {
+    /// Its point in the right image is aligned to a fraction of a pixel around where it is.
+    Refine,
+    /// Its point in the right image goes to the best match on its epipolar line.
+    Rematch,
+}
+
+/// A pair to be repaired.
+#[derive(Clone, PartialEq)]
+pub struct RepairQuestion {
+    /// The two pictures.
+    pub pictures: Pictures,
+    /// The number of the pair.
+    pub pair: usize,
+    /// Where its points are.
+    pub points: PointPair,
+    /// How it is repaired.
+    pub how: Repair,
+    /// What the result says of the images.
+    pub known: Known,
+}
+
+/// Where the right point of a pair belongs, or what happened instead, a sentence without its full stop.
+pub type Outcome = Result<Point, String>;
+
+/// A pair for which a better place was looked for.
+#[derive(Clone, PartialEq)]
+pub struct Repaired {
+    /// What was asked.
+    pub question: RepairQuestion,
+    /// What was found.
+    pub outcome: Outcome,
+}
+
+/// A point that would move less than this, px, is where it belongs.
+const IN_PLACE: f64 = 0.01;
+
+impl Model {
+    /// Where the match of a pair is to be looked for; `None` while the pair is not finished, and for a place on its line
+    /// while no geometry is trusted.
+    pub fn repair_question(&self, pair: usize, how: Repair) -> Option<RepairQuestion> {
+        let known = self.known();
+        if how == Repair::Rematch && known.fundamental.is_none() {
+            return None;
+        }
+        let points = *self.document.pairs.get(pair)?;
+        Some(RepairQuestion { pictures: self.open.pictures()?, pair, points, how, known })
+    }
+
+    /// Moves a pair to where it belongs and says so, unless it has been changed meanwhile.
+    pub fn take_repair(&mut self, repaired: Repaired) {
+        let Repaired { question: RepairQuestion { pictures, pair, points, how, .. }, outcome } = repaired;
+        if self.document.pairs.get(pair) != Some(&points) || self.open.pictures() != Some(pictures) {
+            return;
+        }
+        let name = pair_name(pair);
+        match outcome {
+            Ok(position) => {
+                let moved = (position - points.point2).norm();
+                if moved < IN_PLACE {
+                    self.done = Some(format!("Pair {name} is in its place already."));
+                    return;
+                }
+                let what = match how {
+                    Repair::Refine => "refined",
+                    Repair::Rematch => "moved to its match",
+                };
+                self.done = Some(format!("Pair {name} {what}: its right point moved by {moved:.2} px."));
+                let at = PointRef { pair, side: Side::Right };
+                self.edit(Step::Single, |document| document.move_to(at, position));
+            }
+            Err(why) => self.messages.tell(format!(
+                "Pair {name} stays where it is. {why}. Drag its right point to the place yourself, or delete the pair."
+            )),
+        }
+    }
+}

@@ -141,7 +141,7 @@ pub fn verdict(document: &Document, computation: &Computation) -> VerdictInWords
 }
 
 fn waiting(document: &Document) -> String {
-    let needed = document.parameters.method.pairs_needed();
+    let needed = document.pairs_needed();
     if document.pictures.is_none() {
         return "Nothing to estimate from yet.".into();
     }
@@ -151,10 +151,14 @@ fn waiting(document: &Document) -> String {
     format!("{pairs} the epipolar lines, the epipoles and how far to trust them.")
 }
 
-/// `pairs p and q`.
+/// More names than this are only counted.
+const MOST_NAMES: usize = 4;
+
+/// `pairs p and q`, or `12 pairs`.
 fn used(document: &Document) -> String {
     let names: Vec<_> = document.used().map(pair_name).collect();
     match names.split_last() {
+        _ if names.len() > MOST_NAMES => format!("{} pairs", names.len()),
         Some((last, rest)) if !rest.is_empty() => format!("pairs {} and {last}", rest.join(", ")),
         _ => "the pairs".into(),
     }
@@ -260,14 +264,23 @@ pub fn epipole_text(epipole: &HomogeneousPoint, frame: Option<Frame>) -> String 
 
 /// A sentence of the estimator, which counts the pairs it was given, with the names they have in the window.
 fn in_names(sentence: &str, document: &Document) -> String {
-    let used = document.used().enumerate();
-    used.fold(sentence.to_owned(), |sentence, (k, pair)| {
-        sentence.replace(&format!("pair {}", k + 1), &format!("pair {}", pair_name(pair)))
-    })
+    let used: Vec<usize> = document.used().collect();
+    let (mut expected, mut after) = (false, false);
+    let words = sentence.split(' ').map(|word| {
+        let is_number = expected;
+        // `pair 3`, `pairs 1 and 2`.
+        expected = matches!(word, "pair" | "pairs") || after && word == "and";
+        after = is_number;
+        let digits = word.find(|c: char| !c.is_ascii_digit()).unwrap_or(word.len());
+        let number = word[..digits].parse::<usize>().ok().filter(|_| is_number);
+        let name = number.and_then(|number| Some(pair_name(*used.get(number.checked_sub(1)?)?)));
+        name.map_or_else(|| word.to_owned(), |name| name + &word[digits..])
+    });
+    words.collect::<Vec<_>>().join(" ")
 }
 
 /// The text with a capital first letter.
-fn capitalised(text: &str) -> String {
+pub fn capitalised(text: &str) -> String {
     let mut characters = text.chars();
     let first = characters.next().map(|first| first.to_ascii_uppercase());
     first.into_iter().chain(characters).collect()
@@ -279,6 +292,7 @@ mod tests {
     use crate::app::fake;
     use crate::app::model::computation::EstimateNews;
     use crate::estimate::{Reason, Trust, Warning};
+    use crate::geometry::PointPair;
 
     fn computed(change: impl Fn(&mut Estimate)) -> (Document, Computation) {
         let request = fake::request(1.0);
@@ -320,6 +334,19 @@ mod tests {
         assert_eq!(bad.tone, Tone::Bad);
         assert!(bad.headline.ends_with("is unreliable:"));
         assert!(bad.warnings[0].starts_with("Point pair q is 40.0 px off"));
+    }
+
+    #[test]
+    fn sentences_name_pairs_as_the_window_does() {
+        let pairs = vec![PointPair::new(1.0, 2.0, 3.0, 4.0); 14];
+        let mut document = Document { pairs, ..Document::default() };
+        document.check_only(1, true);
+        let named = |sentence: &str| in_names(sentence, &document);
+        assert_eq!(named("point pair 1 is 3 px off"), "point pair p is 3 px off");
+        assert_eq!(named("through point pair 12: choose"), "through point pair 13: choose");
+        assert_eq!(named("point pairs 2 and 10 are only 2 px"), "point pairs r and 11 are only 2 px");
+        assert_eq!(named("3 point pairs are needed, 2 given"), "3 point pairs are needed, 2 given");
+        assert_eq!(used(&document), "13 pairs");
     }
 
     #[test]

@@ -29,7 +29,8 @@ use super::model::Model;
 use super::model::comparison::{Comparison, ComparisonQuestion};
 use super::model::inspection::{Inspection, InspectionRequest};
 use super::model::rectified::{Rectified, RectifyQuestion};
-use super::model::suggesting::{SuggestQuestion, Suggested};
+use super::model::suggesting::{NextClickQuestion, RepairQuestion, Repaired, SuggestQuestion, Suggested};
+use crate::suggest::NextClick;
 use task::{Following, Task, Waiting};
 
 /// All of them.
@@ -41,6 +42,9 @@ pub struct Tasks {
     comparing: Following<ComparisonQuestion, Comparison>,
     inspecting: Following<InspectionRequest, Inspection>,
     suggesting: Following<SuggestQuestion, Suggested>,
+    advising: Following<NextClickQuestion, Option<NextClick>>,
+    /// Pairs to be repaired.
+    pub repairing: Task<RepairQuestion, Repaired>,
     rectifying: Following<RectifyQuestion, Rectified>,
     /// Pictures to be opened.
     pub loader: Loader,
@@ -59,7 +63,17 @@ pub struct Tasks {
 impl Tasks {
     /// Starts the threads.
     pub fn new(services: Services) -> Self {
-        let Services { estimate, follow, mut suggest, pick_file, pick_folder, pick_save, copies } = services;
+        let Services {
+            estimate,
+            follow,
+            mut suggest,
+            mut next_click,
+            mut repair,
+            pick_file,
+            pick_folder,
+            pick_save,
+            copies,
+        } = services;
         let waker = Waker::default();
         let comparing = Task::answering("comparison", waker.clone(), |question: ComparisonQuestion| {
             Some(question.answer())
@@ -68,6 +82,13 @@ impl Tasks {
             Some(request.inspect())
         });
         let suggesting = Task::answering("suggest", waker.clone(), move |question| Some(suggest(&question)));
+        let advising =
+            Task::answering("next click", waker.clone(), move |question| Some(next_click(&question)));
+        let repairing =
+            Task::new("repair", waker.clone(), Waiting::Newest, move |question: RepairQuestion, _| {
+                let outcome = repair(&question);
+                Some(Repaired { question, outcome })
+            });
         let rectifying =
             Task::new("rectification", waker.clone(), Waiting::Newest, |question: RectifyQuestion, turn| {
                 // Small pictures are finished, or a drag, which asks in every frame, would show none.
@@ -81,6 +102,8 @@ impl Tasks {
             comparing: Following::keeping(comparing),
             inspecting: Following::keeping(inspecting),
             suggesting: Following::strict(suggesting),
+            advising: Following::strict(advising),
+            repairing,
             rectifying: Following::keeping(rectifying),
             loader: Loader::new(waker.clone()),
             importing: Importing::new(waker.clone()),
@@ -100,6 +123,7 @@ impl Tasks {
         self.comparing.take(&mut open.comparison);
         self.rectifying.take(&mut open.rectified);
         self.suggesting.take(&mut open.suggestion);
+        self.advising.take(&mut open.next_click);
         open.follow_result();
     }
 
@@ -109,6 +133,8 @@ impl Tasks {
         self.estimating.follow(&mut model.open.computation, request);
         let question = model.suggest_question();
         self.suggesting.follow(question, &mut model.open.suggestion);
+        let question = model.next_click_question();
+        self.advising.follow(question, &mut model.open.next_click);
         let request = model.inspection_request(exports);
         self.inspecting.follow(request, &mut model.open.inspection);
         let question = model.comparison_question();
@@ -123,6 +149,8 @@ impl Tasks {
         self.comparing.forget();
         self.inspecting.forget();
         self.suggesting.forget();
+        self.advising.forget();
+        self.repairing.forget();
         self.rectifying.forget();
         self.importing.forget();
     }
@@ -136,6 +164,8 @@ impl Tasks {
     pub fn is_busy(&self) -> bool {
         self.loader.is_busy()
             || self.suggesting.is_busy()
+            || self.advising.is_busy()
+            || self.repairing.is_busy()
             || self.inspecting.is_busy()
             || self.comparing.is_busy()
             || self.rectifying.is_busy()

@@ -6,9 +6,14 @@ use std::sync::{Arc, Mutex, PoisonError};
 use crate::app::model::computation::EstimateRequest;
 use crate::app::model::document::Side;
 use crate::app::model::picture::Pictures;
-use crate::app::model::suggesting::{SuggestQuestion, Suggested};
+use crate::app::model::suggesting::{
+    NextClickQuestion, Outcome, Repair, RepairQuestion, SuggestQuestion, Suggested,
+};
+use crate::app::model::verdict::capitalised;
 use crate::estimate::{Estimate, EstimateError, Monitor, PreparedPair, estimate_prepared, follow};
-use crate::suggest::{ClickedImage, SuggestParameters, suggest};
+use crate::suggest::{
+    ClickedImage, Known, NextClick, SuggestError, SuggestParameters, next_click, refine, suggest, view_at,
+};
 
 /// The search for a geometry: the estimator of this library, or something that stands in for it.
 pub type EstimateFn = dyn FnMut(&EstimateRequest, &Monitor) -> Result<Estimate, EstimateError> + Send;
@@ -18,6 +23,12 @@ pub type FollowFn = dyn FnMut(&EstimateRequest, &[&Estimate]) -> Option<Estimate
 
 /// Suggests the match of a first click, in some hundredths of a second.
 pub type SuggestFn = dyn FnMut(&SuggestQuestion) -> Suggested + Send;
+
+/// Finds the place where one more pair would tell most, in some milliseconds.
+pub type NextClickFn = dyn FnMut(&NextClickQuestion) -> Option<NextClick> + Send;
+
+/// Looks for a better place for a pair, in some hundredths of a second.
+pub type RepairFn = dyn FnMut(&RepairQuestion) -> Outcome + Send;
 
 /// Asks for a path with a dialog of the system, and returns when that is closed.
 pub type PickFn = dyn Fn() -> Option<PathBuf> + Send + Sync;
@@ -33,6 +44,10 @@ pub struct Services {
     pub follow: Box<FollowFn>,
     /// What is offered for the second click of a pair.
     pub suggest: Box<SuggestFn>,
+    /// Where one more pair would tell most.
+    pub next_click: Box<NextClickFn>,
+    /// A better place for a pair that was placed.
+    pub repair: Box<RepairFn>,
     /// The system's dialog for choosing a file; `None` when it was cancelled or could not open.
     pub pick_file: Arc<PickFn>,
     /// The system's dialog for choosing a folder; `None` as for a file.
@@ -46,7 +61,7 @@ pub struct Services {
 impl Default for Services {
     fn default() -> Self {
         let searching = PreparedCache::default();
-        let (following, suggesting) = (searching.clone(), searching.clone());
+        let [following, suggesting, advising, repairing] = std::array::from_fn(|_| searching.clone());
         Self {
             estimate: Box::new(move |request, monitor| {
                 let prepared = searching.get(&request.pictures);
@@ -62,13 +77,36 @@ impl Default for Services {
                     Side::Left => ClickedImage::First,
                     Side::Right => ClickedImage::Second,
                 };
-                let (point, f) = (question.half.point, question.fundamental.as_ref());
-                suggest(&prepared, point, clicked, f, &SuggestParameters::default())
+                let view = question.known.view.or_else(|| view_at(&prepared, &question.placed));
+                let known = Known { view, ..question.known };
+                suggest(&prepared, question.half.point, clicked, &known, &SuggestParameters::default())
             }),
+            next_click: Box::new(move |question| {
+                let prepared = advising.get(&question.pictures);
+                next_click(&prepared, &question.fundamental, &question.rivals, &question.placed)
+            }),
+            repair: Box::new(move |question| repaired(&repairing.get(&question.pictures), question)),
             pick_file: Arc::new(pick_file),
             pick_folder: Arc::new(pick_folder),
             pick_save: Arc::new(pick_save),
             copies: None,
+        }
+    }
+}
+
+/// Where the right point of a pair belongs.
+fn repaired(prepared: &PreparedPair, question: &RepairQuestion) -> Outcome {
+    let RepairQuestion { points, how, known, .. } = question;
+    let parameters = SuggestParameters::default();
+    let told = |error: SuggestError| capitalised(&error.to_string());
+    match how {
+        Repair::Refine => {
+            refine(prepared, points, known.view, &parameters).map(|found| found.position).map_err(told)
+        }
+        Repair::Rematch => {
+            let found =
+                suggest(prepared, points.point1, ClickedImage::First, known, &parameters).map_err(told)?;
+            found.clear().map(|clear| clear.position).ok_or_else(|| found.verdict.to_string())
         }
     }
 }

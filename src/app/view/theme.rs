@@ -66,11 +66,11 @@ pub const GAP: f32 = 8.0;
 /// The pairs `p`, `q` and `r`.
 pub const PAIRS: [Color32; 3] =
     [Color32::from_rgb(240, 160, 0), Color32::from_rgb(240, 128, 190), Color32::from_rgb(86, 180, 233)];
-const CHECK: Color32 = Color32::from_rgb(225, 225, 225);
+const OTHERS: Color32 = Color32::from_rgb(225, 225, 225);
 
 /// The colour of a pair by its number: one each for `p`, `q` and `r`, one for all others.
 pub fn pair_color(pair: usize) -> Color32 {
-    PAIRS.get(pair).copied().unwrap_or(CHECK)
+    PAIRS.get(pair).copied().unwrap_or(OTHERS)
 }
 
 /// Colours of the window around the images.

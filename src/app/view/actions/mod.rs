@@ -12,6 +12,7 @@ use crate::app::model::Model;
 use crate::app::model::command::{Command, ExchangeCommand, SessionCommand};
 use crate::app::model::ids::TabId;
 use crate::app::model::rectified::RectifiedCommand;
+use crate::app::model::suggesting::Repair;
 
 /// Something that can be done, as it is offered.
 pub struct Action {
@@ -83,6 +84,9 @@ enum Kind {
     /// Also whether a reading is taken, which is called otherwise than none.
     Exchange(Discriminant<ExchangeCommand>, bool),
     Rectified(Discriminant<RectifiedCommand>),
+    Repair(Repair),
+    /// Whether a pair is only to check, which is called otherwise than using it.
+    CheckOnly(bool),
     Other(Discriminant<Command>),
 }
 
@@ -94,6 +98,8 @@ fn kind(command: &Command) -> Kind {
             Kind::Exchange(discriminant(command), reads)
         }
         Command::Rectified(command) => Kind::Rectified(discriminant(command)),
+        Command::Repair(_, how) => Kind::Repair(*how),
+        Command::CheckOnly(_, only) => Kind::CheckOnly(*only),
         other => Kind::Other(discriminant(other)),
     }
 }

@@ -14,7 +14,8 @@ use crate::app::model::focus::LineSource;
 use crate::app::model::ids::{OverlayId, TabId};
 use crate::app::model::rectified::{Guides, RectifiedCommand, RectifiedLayout};
 use crate::app::model::session::OpenSession;
-use crate::estimate::{Method, Preset};
+use crate::app::model::suggesting::Repair;
+use crate::estimate::{Method, Preset, Search};
 use crate::evaluate::Protocol;
 use crate::io::{PictureFormat, RectifiedOptions};
 use crate::rectify::RectifyMethod;
@@ -139,7 +140,7 @@ pub fn with_keys() -> Vec<Action> {
         action(
             Command::Cancel,
             "Cancel",
-            "Give up what is half done: a drag, the first click of a pair, a window.",
+            "Give up what is half done: a drag, a window, the topmost message, the first click of a pair.",
         )
         .key(NONE, Key::Escape)
         .while_typing()
@@ -237,8 +238,7 @@ pub fn with_keys() -> Vec<Action> {
 
 /// Those that are in the list of all commands, without keys.
 pub fn by_name() -> Vec<Action> {
-    let methods =
-        "Estimate from two pairs (p and q), or from three (p, q and r), which is faster and steadier.";
+    let methods = "The published search finds the geometry from two pairs, or from three, which is faster and steadier.";
     let presets = "Robust measured best on real images; Paper follows the published method to the letter.";
     let layouts = "Show the rectified pictures side by side, by turns, or red and cyan.";
     let layout = |layout| action(RectifiedCommand::LayOut(layout), "Layout of the rectified pair", layouts);
@@ -274,10 +274,12 @@ pub fn by_name() -> Vec<Action> {
         )
         .listed(|_| "Remove the imported geometry")
         .when(|model| model.document.imported.is_some()),
-        action(Command::SetMethod(Method::TwoPoint), "Pairs used", methods)
-            .listed(|_| "Estimate from two pairs"),
-        action(Command::SetMethod(Method::ThreePoint), "Pairs used", methods)
-            .listed(|_| "Estimate from three pairs"),
+        action(Command::SetMethod(Method::TwoPoint), "Published method", methods)
+            .listed(|_| "Published search: two-point method")
+            .when(is_published_search),
+        action(Command::SetMethod(Method::ThreePoint), "Published method", methods)
+            .listed(|_| "Published search: three-point method")
+            .when(is_published_search),
         action(Command::SetPreset(Preset::Robust), "Preset", presets).listed(|_| "Preset: robust"),
         action(Command::SetPreset(Preset::Paper), "Preset", presets).listed(|_| "Preset: paper"),
         action(
@@ -317,6 +319,7 @@ pub fn by_name() -> Vec<Action> {
 }
 
 /// What stands on buttons of dialogs and tables alone.
+#[expect(clippy::too_many_lines, reason = "it is a table")]
 pub fn in_dialogs() -> Vec<Action> {
     let browse = |command: Command, tooltip| action(command, "Browse", tooltip);
     let accept = |reading| ExchangeCommand::Accept { reading, with_pairs: false };
@@ -339,13 +342,29 @@ pub fn in_dialogs() -> Vec<Action> {
         action(
             Command::IncludePair(0, true),
             "Include or leave out",
-            "A pair left out counts neither for the estimate nor for the summary; the next one takes its place.",
+            "A pair left out counts neither for the estimate nor for the summary.",
+        ),
+        action(
+            Command::Repair(0, Repair::Refine),
+            "Refine",
+            "Align the right point to a fraction of a pixel around where it is.",
+        ),
+        action(
+            Command::Repair(0, Repair::Rematch),
+            "Move to match",
+            "Move the right point to the best match on its epipolar line. It takes a result that is not called unreliable.",
+        ),
+        action(Command::CheckOnly(0, false), "Use", "Let the pair take part in the estimate."),
+        action(
+            Command::CheckOnly(0, true),
+            "Check only",
+            "Keep the pair out of the estimate: it only shows how well the geometry fits.",
         ),
         action(Command::Select(None), "Select a point", "Select this point for the arrow keys and Delete."),
         action(
             Command::Pin(LineSource::Pair(0)),
-            "Pin a line pair",
-            "Keep these two lines on the images and compare their intensities.",
+            "Pin lines",
+            "Keep this pair of epipolar lines on the images and compare their intensities.",
         ),
         action(Command::Unpin(0), "Unpin", "Remove this line pair from the images."),
         action(
@@ -413,6 +432,10 @@ pub fn in_dialogs() -> Vec<Action> {
 
 fn has_neighbour(model: &Model, forward: bool) -> bool {
     model.folder().is_some_and(|(folder, pair)| folder.neighbour(pair, forward).is_some())
+}
+
+fn is_published_search(model: &Model) -> bool {
+    model.document.parameters.search == Search::Lines
 }
 
 fn has_rectified(model: &Model) -> bool {

@@ -1,11 +1,14 @@
 //! What went wrong, or is done, a sentence each, until it is dismissed.
 
-use egui::{Align2, Area, Frame, Id, Label, Margin, Order, Rect, RichText, Stroke, vec2};
+use egui::{Align, Align2, Area, Frame, Id, Label, Layout, Margin, Order, Rect, RichText, Stroke, vec2};
 
 use crate::app::model::Model;
 use crate::app::model::command::Command;
 use crate::app::model::messages::MessageKind;
 use crate::app::view::theme;
+
+/// From the top of a button to its text, screen points.
+const BESIDE_BUTTONS: f32 = 4.0;
 
 /// Shows the messages over the top of the images, so that nothing moves under the cursor.
 pub fn show(ctx: &egui::Context, area: Rect, model: &Model, commands: &mut Vec<Command>) {
@@ -19,7 +22,7 @@ pub fn show(ctx: &egui::Context, area: Rect, model: &Model, commands: &mut Vec<C
         .show(ctx, |ui| {
             let palette = theme::palette(ui.visuals());
             let width = (area.width() - 64.0).clamp(200.0, 720.0);
-            for message in model.messages.list() {
+            for message in model.messages.on_top() {
                 let (fill, edge) = if message.kind == MessageKind::Done {
                     (ui.visuals().panel_fill, palette.good)
                 } else {
@@ -33,7 +36,9 @@ pub fn show(ctx: &egui::Context, area: Rect, model: &Model, commands: &mut Vec<C
                     .inner_margin(Margin::symmetric(14, 10))
                     .show(ui, |ui| {
                         ui.set_width(width);
-                        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                        // As high as what is in it: centred, it would take all the height there is.
+                        let row = Layout::right_to_left(Align::Min);
+                        ui.allocate_ui_with_layout(vec2(width, 0.0), row, |ui| {
                             let close = ui.button("Dismiss").on_hover_text("Remove this message.");
                             if close.clicked() {
                                 commands.push(Command::Dismiss(message.number));
@@ -45,11 +50,21 @@ pub fn show(ctx: &egui::Context, area: Rect, model: &Model, commands: &mut Vec<C
                                     commands.push(action.command.clone());
                                 }
                             }
-                            ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| {
+                            ui.with_layout(Layout::top_down(Align::Min), |ui| {
+                                // The first line stands beside the text of the buttons.
+                                ui.add_space(BESIDE_BUTTONS);
                                 ui.add(Label::new(RichText::new(&message.text)).wrap());
                             });
                         });
                     });
+            }
+            if model.messages.below() > 0 {
+                let text = format!("and {} more below", model.messages.below());
+                Frame::new()
+                    .fill(ui.visuals().panel_fill)
+                    .corner_radius(8.0)
+                    .inner_margin(Margin::symmetric(14, 4))
+                    .show(ui, |ui| ui.label(text));
             }
         });
 }

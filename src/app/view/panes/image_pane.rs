@@ -3,7 +3,7 @@
 use egui::{CursorIcon, PointerButton, Pos2, Rect, Response, Sense, StrokeKind, Ui, WidgetInfo};
 
 use super::navigation::zoom_asked;
-use super::overlays::{Canvas, OVERLAYS, pointed_at};
+use super::overlays::{Canvas, OVERLAYS, Overlay, pointed_at};
 use super::texture::PictureTexture;
 use super::transform::Transform;
 use super::{epipole_map, loupe};
@@ -16,6 +16,7 @@ use crate::app::model::open_pair::Hover;
 use crate::app::model::pane_view::PaneView;
 use crate::app::model::picture::Opened;
 use crate::app::model::shared::Shared;
+use crate::app::view::panels::pair_menu;
 use crate::app::view::theme;
 use crate::geometry::{Frame, Point, Vector};
 use crate::image::Picture;
@@ -42,6 +43,8 @@ pub struct ImagePane {
     side: Side,
     image: Option<PaneImage>,
     drag: Option<Drag>,
+    /// The pair whose menu was opened last.
+    menu: Option<usize>,
     /// Where it was drawn last.
     rect: Rect,
 }
@@ -56,7 +59,7 @@ struct PaneImage {
 impl ImagePane {
     /// An empty pane.
     pub fn new(side: Side) -> Self {
-        Self { side, image: None, drag: None, rect: Rect::ZERO }
+        Self { side, image: None, drag: None, menu: None, rect: Rect::ZERO }
     }
 
     /// Shows another picture, whole.
@@ -129,16 +132,22 @@ impl ImagePane {
         let image = self.image.as_mut()?;
         image.texture.draw(&painter, &transform);
         let canvas = Canvas { painter: &painter, transform: &transform, side, frame, model };
-        for overlay in &OVERLAYS {
-            if model.look.shows(overlay.id) {
-                (overlay.draw)(&canvas);
-            }
+        let (above, below): (Vec<&Overlay>, Vec<&Overlay>) =
+            OVERLAYS.iter().filter(|overlay| model.look.shows(overlay.id)).partition(|o| o.id.is_above_map());
+        for overlay in below {
+            (overlay.draw)(&canvas);
+        }
+        if let Some(pair) = self.menu.filter(|pair| *pair <= model.document.pairs.len()) {
+            response.context_menu(|ui| pair_menu(ui, model, pair, commands));
         }
         if let Some(target) = response.hover_pos().and_then(|position| pointed_at(&canvas, position)) {
             commands.push(Command::PointAt(target));
         }
         if model.look.map {
             epipole_map::show(ui, rect, side, frame, model, commands);
+        }
+        for overlay in above {
+            (overlay.draw)(&canvas);
         }
         let due = model.document.half.is_some_and(|half| half.side != side);
         if due {
@@ -239,7 +248,17 @@ impl ImagePane {
         if response.drag_stopped() && self.let_go() {
             commands.push(Command::EndDrag);
         }
-        if response.double_clicked_by(PointerButton::Primary) {
+        let menu_open = self.menu.is_some() && response.context_menu_opened();
+        if response.secondary_clicked() {
+            let under = response.interact_pointer_pos().and_then(handle_at);
+            self.menu = under.map(|(at, _)| at.pair);
+            if let Some((at, _)) = under {
+                commands.push(Command::Select(Some(at)));
+            }
+        }
+        if menu_open && response.clicked() {
+            // This click only closes the menu.
+        } else if response.double_clicked_by(PointerButton::Primary) {
             commands.push(Command::FitAfterDoubleClick(self.side));
         } else if response.clicked_by(PointerButton::Primary)
             && let Some(position) = response.interact_pointer_pos()
@@ -275,9 +294,9 @@ impl ImagePane {
         let under = response.hover_pos().and_then(handle_at).map(|(at, _)| at);
         if let Some(at) = under.filter(|at| self.drag.is_none() && model.document.selection != Some(*at)) {
             let name = pair_name(at.pair);
-            response
-                .clone()
-                .on_hover_text_at_pointer(format!("Point {name}: drag it, or use the arrow keys."));
+            response.clone().on_hover_text_at_pointer(format!(
+                "Point {name}: drag it, or use the arrow keys; a right click has more."
+            ));
         }
     }
 }

@@ -9,7 +9,7 @@ use egui::{Frame, Margin, ScrollArea, Ui};
 use super::finish_button;
 use crate::app::model::Model;
 use crate::app::model::command::Command;
-use crate::estimate::{Method, Parameters, Preset};
+use crate::estimate::{Method, Parameters, Preset, Search};
 
 /// A result with all its figures and nothing against it, screen points.
 const RESULT_HEIGHT: f32 = 212.0;
@@ -34,7 +34,7 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     });
 }
 
-/// What the estimate starts from: how many pairs, and whose parameters.
+/// Whose parameters the estimate starts from; of the published search, how many pairs its method takes.
 fn choices(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let parameters = &model.document.parameters;
     ui.horizontal(|ui| {
@@ -50,14 +50,6 @@ fn choices(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         });
     });
     egui::Grid::new("choices").num_columns(2).spacing([10.0, 4.0]).show(ui, |ui| {
-        ui.weak("From");
-        ui.horizontal(|ui| {
-            for (method, name) in [(Method::TwoPoint, "Two pairs"), (Method::ThreePoint, "Three pairs")] {
-                let response = ui.selectable_label(parameters.method == method, name);
-                finish_button(ui, response, Command::SetMethod(method), commands);
-            }
-        });
-        ui.end_row();
         ui.weak("Preset");
         ui.horizontal(|ui| {
             for (preset, name) in [(Preset::Robust, "Robust"), (Preset::Paper, "Paper")] {
@@ -66,5 +58,15 @@ fn choices(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
             }
         });
         ui.end_row();
+        if parameters.search == Search::Lines {
+            ui.weak("Method");
+            ui.horizontal(|ui| {
+                for (method, name) in [(Method::TwoPoint, "Two-point"), (Method::ThreePoint, "Three-point")] {
+                    let response = ui.selectable_label(parameters.method == method, name);
+                    finish_button(ui, response, Command::SetMethod(method), commands);
+                }
+            });
+            ui.end_row();
+        }
     });
 }

@@ -71,6 +71,14 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         let color = tone_color(ui, Tone::Caution);
         ui.add(Label::new(RichText::new(warning).color(color)).wrap());
     }
+    if let Some(Some(next)) = model.open.next_click {
+        let text = format!(
+            "One more pair would help most at the marked place of the left image: there the geometries in question are {:.0} px \
+             apart.",
+            next.disagreement
+        );
+        ui.add(Label::new(text).wrap());
+    }
     list(ui, true_error(model).chain(facts));
 }
 

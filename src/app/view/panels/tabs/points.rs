@@ -1,9 +1,9 @@
 //! The list of point pairs with their residuals.
 
-use egui::{Grid, Label, RichText, ScrollArea, Sense, Ui};
+use egui::{Button, Grid, Label, RichText, ScrollArea, Sense, Ui};
 
 use super::super::dialog::named;
-use super::super::{command_button, finish_button};
+use super::super::{command_button, finish_button, pair_menu};
 use super::{Tab, empty};
 use crate::app::model::Model;
 use crate::app::model::command::Command;
@@ -11,6 +11,7 @@ use crate::app::model::document::{PointRef, Role, Side, pair_name};
 use crate::app::model::focus::{LineSource, Target};
 use crate::app::model::ids::TabId;
 use crate::app::model::residuals::{Residuals, summary};
+use crate::app::model::suggesting::Repair;
 use crate::app::view::theme;
 use crate::geometry::Point;
 
@@ -43,13 +44,13 @@ fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         });
     }
     ScrollArea::both().id_salt("points").auto_shrink([false, false]).show(ui, |ui| {
-        Grid::new("points").num_columns(8).striped(true).min_row_height(22.0).spacing([14.0, 3.0]).show(
+        Grid::new("points").num_columns(8).striped(true).min_row_height(22.0).spacing([7.0, 3.0]).show(
             ui,
             |ui| {
                 for (title, tooltip) in [
-                    ("Pair", "p and q carry the estimate, r is the third pair, the others check it."),
-                    ("   Left x, y", "Position in the left image, px."),
-                    ("   Right x, y", "Position in the right image, px."),
+                    ("Pair", "The name of the pair, in the order of the clicks."),
+                    ("  Left x, y", "Position in the left image, px."),
+                    ("  Right x, y", "Position in the right image, px."),
                     ("Role", "Whether the geometry is estimated from the pair or only checked by it."),
                     ("Symmetric", "Mean distance of the two points from each other's epipolar lines."),
                     ("Sampson", "How far the two points would have to move to fit the geometry exactly."),
@@ -99,28 +100,37 @@ fn row(ui: &mut Ui, model: &Model, pair: usize, commands: &mut Vec<Command>) {
     let residuals = finished.zip(model.shown()).map(|(pair, shown)| Residuals::of(shown.fundamental, pair));
     for distance in residuals.map_or([f64::NAN; 2], |r| [r.symmetric, r.sampson]) {
         if distance.is_finite() {
-            ui.label(RichText::new(format!("{distance:6.2} px")).monospace());
+            ui.label(RichText::new(format!("{distance:5.2} px")).monospace());
         } else {
             ui.add(Label::new(""));
         }
     }
     ui.horizontal(|ui| {
+        ui.spacing_mut().item_spacing.x = 4.0;
+        let mut offer = |ui: &mut Ui, command: Command, enabled: bool| {
+            let label = format!("{}: pair {name}", command.name());
+            let button = named(ui.add_enabled(enabled, Button::new(command.name()).small()), &label);
+            finish_button(ui, button, command, commands);
+        };
         if finished.is_some() {
-            let inspect = named(ui.small_button("Inspect"), &format!("Inspect pair {name}"));
-            finish_button(ui, inspect, Command::Pin(LineSource::Pair(pair)), commands);
+            for how in [Repair::Refine, Repair::Rematch] {
+                offer(ui, Command::Repair(pair, how), model.repair_question(pair, how).is_some());
+            }
+            offer(ui, Command::Pin(LineSource::Pair(pair)), model.shown().is_some());
         }
-        let delete = named(ui.small_button("Delete"), &format!("Delete pair {name}"));
-        finish_button(ui, delete, Command::DeletePair(pair), commands);
+        offer(ui, Command::DeletePair(pair), true);
     });
-    let bottom_right = egui::pos2(ui.cursor().min.x, top_left.y + 24.0);
+    let bottom_right = egui::pos2(ui.clip_rect().max.x, top_left.y + 24.0);
     ui.end_row();
     let area = egui::Rect::from_min_max(top_left, bottom_right);
+    let row = ui.interact(area, ui.scope_id().with(("row", pair)), Sense::hover());
+    row.container_context_menu(|ui| pair_menu(ui, model, pair, commands));
     if finished.is_some() && ui.rect_contains_pointer(area) {
         commands.push(Command::PointAt(Target::Pair(pair)));
     }
 }
 
-/// What the pair is for, and the button that leaves it out.
+/// What the pair is for, with the switches that change it, and whether the result speaks against it.
 fn role(ui: &mut Ui, model: &Model, pair: usize, commands: &mut Vec<Command>) {
     let document = &model.document;
     if pair >= document.pairs.len() {
@@ -129,7 +139,9 @@ fn role(ui: &mut Ui, model: &Model, pair: usize, commands: &mut Vec<Command>) {
     }
     let name = pair_name(pair);
     ui.horizontal(|ui| {
-        let mut included = document.role(pair) != Role::Excluded;
+        ui.spacing_mut().item_spacing.x = 4.0;
+        let role = document.role(pair);
+        let mut included = role != Role::Excluded;
         let response = ui.checkbox(&mut included, "");
         response.widget_info(|| {
             egui::WidgetInfo::selected(egui::Role::CheckBox, true, included, format!("Include pair {name}"))
@@ -138,18 +150,31 @@ fn role(ui: &mut Ui, model: &Model, pair: usize, commands: &mut Vec<Command>) {
         if response.changed() {
             commands.push(Command::IncludePair(pair, included));
         }
-        match document.role(pair) {
-            Role::Used => ui.label("estimate").on_hover_text("The geometry is estimated from it."),
-            Role::Check => {
-                ui.label("check").on_hover_text("It only shows how well the geometry fits elsewhere.")
-            }
-            Role::Excluded => {
-                ui.weak("left out").on_hover_text("Neither the estimate nor the summary uses it.")
-            }
-        };
+        for (only, is_chosen) in [(false, role == Role::Used), (true, role == Role::Check)] {
+            let command = Command::CheckOnly(pair, only);
+            let button = Button::selectable(is_chosen, command.name()).small();
+            let response = ui.add_enabled(role != Role::Excluded && (only || document.can_be_used(pair)), button);
+            let label = format!("{} pair {name}", command.name());
+            response.widget_info(|| {
+                egui::WidgetInfo::selected(egui::Role::Button, response.enabled(), is_chosen, &label)
+            });
+            let response = response.on_disabled_hover_text(if role == Role::Excluded {
+                "The pair is left out: switch it on first."
+            } else {
+                "The published method takes no more pairs: let another one check only, or choose the preset Robust."
+            });
+            finish_button(ui, response, command, commands);
+        }
+        if let Some(distance) = model.outvoted(pair) {
+            let text = RichText::new("outvoted").color(theme::palette(ui.visuals()).caution);
+            ui.label(text).on_hover_text(format!(
+                "{distance:.1} px off its epipolar line: the images speak against this pair. Check that it shows the same \
+                 scene point in both images.",
+            ));
+        }
     });
 }
 
 fn position_text(point: Point) -> String {
-    format!("{:7.2}, {:7.2}", point.x, point.y)
+    format!("{:6.2}, {:6.2}", point.x, point.y)
 }

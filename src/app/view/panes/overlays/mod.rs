@@ -8,6 +8,7 @@ mod hover;
 mod hypotheses;
 mod lines;
 mod matches;
+mod next_click;
 mod pinned;
 mod pointed;
 mod points;
@@ -64,6 +65,7 @@ pub const OVERLAYS: [Overlay; OverlayId::COUNT] = [
     epipoles::OVERLAY,
     pointed::OVERLAY,
     suggestion::OVERLAY,
+    next_click::OVERLAY,
     points::OVERLAY,
 ];
 

@@ -1,6 +1,6 @@
-//! The clicked points: rings, so that the pixel they mark stays in sight.
+//! The clicked points: rings, so that the pixel they mark stays in sight; squares for those that only check.
 
-use egui::{Pos2, Stroke};
+use egui::{Pos2, Rect, Stroke, StrokeKind, Vec2};
 
 use super::{Canvas, Overlay, Pointing};
 use crate::app::model::document::{Role, pair_name};
@@ -11,7 +11,8 @@ use crate::app::view::theme;
 /// Registered in [`super::OVERLAYS`].
 pub const OVERLAY: Overlay = Overlay {
     id: OverlayId::Points,
-    tooltip: "The clicked points: p orange, q pink, r blue, check points grey.",
+    tooltip: "The clicked points: p orange, q pink, r blue, others light; squares only check, and ! marks a pair that the images \
+              speak against.",
     color: theme::PAIRS[0],
     magnified: false,
     draw,
@@ -21,7 +22,8 @@ fn draw(canvas: &Canvas) {
     let document = &canvas.model.document;
     for (at, point) in document.points(canvas.side) {
         let centre = canvas.transform.screen_from_image(point);
-        let left_out = document.role(at.pair) == Role::Excluded;
+        let role = document.role(at.pair);
+        let left_out = role == Role::Excluded;
         let color =
             theme::pair_color(at.pair).gamma_multiply(if left_out { theme::STALE_OPACITY } else { 1.0 });
         let painter = canvas.painter;
@@ -29,11 +31,18 @@ fn draw(canvas: &Canvas) {
             painter.circle_stroke(centre, theme::HANDLE_RADIUS + 3.5, Stroke::new(4.0, theme::HALO));
             painter.circle_stroke(centre, theme::HANDLE_RADIUS + 3.5, Stroke::new(1.5, theme::SELECTED));
         }
-        painter.circle_stroke(centre, theme::HANDLE_RADIUS, Stroke::new(4.5, theme::HALO));
-        painter.circle_stroke(centre, theme::HANDLE_RADIUS, Stroke::new(2.2, color));
+        for stroke in [Stroke::new(4.5, theme::HALO), Stroke::new(2.2, color)] {
+            if role == Role::Check {
+                let area = Rect::from_center_size(centre, Vec2::splat(2.0 * theme::HANDLE_RADIUS));
+                painter.rect_stroke(area, 1.0, stroke, StrokeKind::Middle);
+            } else {
+                painter.circle_stroke(centre, theme::HANDLE_RADIUS, stroke);
+            }
+        }
         painter.circle_filled(centre, 2.2, theme::HALO);
         painter.circle_filled(centre, 1.3, color);
-        canvas.label(centre, &pair_name(at.pair), color);
+        let mark = if canvas.model.outvoted(at.pair).is_some() { " !" } else { "" };
+        canvas.label(centre, &(pair_name(at.pair) + mark), color);
     }
 }
 

@@ -1,0 +1,32 @@
+//! What can be done with a point pair: the menu of its row and of its points.
+
+use egui::Ui;
+
+use super::command_button;
+use crate::app::model::Model;
+use crate::app::model::command::Command;
+use crate::app::model::document::{Role, pair_name};
+use crate::app::model::focus::LineSource;
+use crate::app::model::suggesting::Repair;
+
+/// Shows the menu of a pair, finished or not.
+pub fn show(ui: &mut Ui, model: &Model, pair: usize, commands: &mut Vec<Command>) {
+    let document = &model.document;
+    ui.weak(format!("Pair {}", pair_name(pair)));
+    let mut offer = |ui: &mut Ui, command: Command, enabled: bool| {
+        if command_button(ui, command, enabled, commands).clicked() {
+            ui.close();
+        }
+    };
+    if pair < document.pairs.len() {
+        for how in [Repair::Refine, Repair::Rematch] {
+            offer(ui, Command::Repair(pair, how), model.repair_question(pair, how).is_some());
+        }
+        ui.separator();
+        let only = document.role(pair) == Role::Used;
+        offer(ui, Command::CheckOnly(pair, only), only || document.can_be_used(pair));
+        offer(ui, Command::Pin(LineSource::Pair(pair)), model.shown().is_some());
+        ui.separator();
+    }
+    offer(ui, Command::DeletePair(pair), true);
+}

@@ -1,0 +1,40 @@
+//! Where one more pair would help most while the result is in doubt.
+
+use egui::{Shape, Stroke, vec2};
+
+use super::{Canvas, Overlay};
+use crate::app::model::document::Side;
+use crate::app::model::ids::OverlayId;
+use crate::app::view::theme;
+
+/// Registered in [`super::OVERLAYS`].
+pub const OVERLAY: Overlay = Overlay {
+    id: OverlayId::NextClick,
+    tooltip: "While the result is in doubt: the place in the left image where one more pair would tell most.",
+    color: theme::SUGGESTED,
+    magnified: false,
+    draw,
+};
+
+const RADIUS: f32 = 11.0;
+/// Corners of the dashed ring.
+const CORNERS: usize = 36;
+
+fn draw(canvas: &Canvas) {
+    let Some(Some(next)) = canvas.model.open.next_click else { return };
+    if canvas.side != Side::Left {
+        return;
+    }
+    let at = canvas.transform.screen_from_image(next.point);
+    let ring: Vec<_> = (0..=CORNERS)
+        .map(|k| at + RADIUS * egui::Vec2::angled(std::f32::consts::TAU * k as f32 / CORNERS as f32))
+        .collect();
+    canvas.painter.circle_stroke(at, RADIUS, Stroke::new(4.0, theme::HALO.gamma_multiply(0.6)));
+    canvas.painter.extend(Shape::dashed_line(&ring, Stroke::new(2.0, theme::SUGGESTED), 5.0, 4.0));
+    for arm in [vec2(1.0, 0.0), vec2(0.0, 1.0)] {
+        for (color, width) in [(theme::HALO, 3.5), (theme::SUGGESTED, 1.5)] {
+            canvas.painter.line_segment([at - arm * 4.0, at + arm * 4.0], Stroke::new(width, color));
+        }
+    }
+    canvas.label(at, "A pair here would help most", theme::SUGGESTED);
+}

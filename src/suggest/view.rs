@@ -1,0 +1,58 @@
+//! How two images are turned and scaled against each other, from what surrounds the two points of clicked pairs.
+
+use std::f64::consts::TAU;
+
+use rayon::prelude::*;
+
+use super::alignment::Aligner;
+use crate::estimate::PreparedPair;
+use crate::geometry::{PointPair, rescaled};
+use crate::image::{Placement, RelativeView};
+
+/// Turns that are tried.
+const TURNS: usize = 36;
+/// Scales that are tried, either way from like sizes, and the ratio between them: up to a quarter and four times.
+const SCALES: i32 = 6;
+const SCALE_STEP: f64 = 1.26;
+/// Longer sides of the images that are compared, px.
+const SIDES: [f64; 2] = [145.0, 290.0];
+/// What surrounds the points has to correlate this well under a view, mean of all pairs and sizes.
+const LEAST_CORRELATION: f64 = 0.6;
+/// Advantage over the upright view that makes another one credible.
+const ADVANTAGE: f64 = 0.15;
+
+/// The view under which the surroundings of the two points of each pair look most alike, if they do: upright unless
+/// another one is clearly better. Takes a few milliseconds.
+pub fn view_at(prepared: &PreparedPair, pairs: &[PointPair]) -> Option<RelativeView> {
+    let [frame1, frame2] = prepared.frames();
+    let like_sizes = frame2.longer_side() / frame1.longer_side();
+    let scales = (-SCALES..=SCALES).map(|k| like_sizes * SCALE_STEP.powi(k));
+    let views: Vec<RelativeView> = scales
+        .flat_map(|scale| {
+            let turn = |k: usize| TAU * k as f64 / TURNS as f64;
+            (0..TURNS).map(move |k| RelativeView { scale: Some(scale), rotation: turn(k) })
+        })
+        .collect();
+    let scored: Vec<f64> = views.par_iter().map(|view| likeness(prepared, pairs, *view)).collect();
+    let best = (0..views.len()).max_by(|a, b| scored[*a].total_cmp(&scored[*b]).then(b.cmp(a)))?;
+    let upright = likeness(prepared, pairs, RelativeView::UPRIGHT);
+    if scored[best].max(upright) < LEAST_CORRELATION {
+        return None;
+    }
+    Some(if scored[best] > upright + ADVANTAGE { views[best] } else { RelativeView::UPRIGHT })
+}
+
+/// Correlation of what surrounds the points under a view, mean of all pairs and sizes.
+fn likeness(prepared: &PreparedPair, pairs: &[PointPair], view: RelativeView) -> f64 {
+    let correlations = SIDES.iter().flat_map(|side| {
+        let level = prepared.pyramids().level_seen(*side, view);
+        let affine = level.warp(view);
+        pairs.iter().map(move |pair| {
+            let [from, to] = level.planes;
+            let aligner = Aligner { from, to, at: rescaled(pair.point1, level.scales[0]) };
+            aligner.correlation(&Placement { at: rescaled(pair.point2, level.scales[1]), affine })
+        })
+    });
+    let (sum, count) = correlations.fold((0.0, 0.0), |(sum, count), c| (sum + c, count + 1.0));
+    if count > 0.0 { sum / count } else { 0.0 }
+}

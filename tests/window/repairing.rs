@@ -1,0 +1,224 @@
+//! Matches that are found for a person: suggestions on turned images, the repair of placed pairs with the menu of a pair,
+//! and the place for the next click.
+
+use crate::support::*;
+
+use std::path::Path;
+
+use egui::{Key, Modifiers, PointerButton, Pos2};
+use egui_kittest::kittest::{NodeT, Queryable};
+use epiline::app::model::document::{PointRef, Role, Side};
+use epiline::app::model::suggesting::Repair;
+use epiline::app::{Opening, Services, Start};
+use epiline::estimate::{Trust, Verdict};
+use epiline::geometry::{Point, Vector, symmetric_epipolar_distance};
+
+const Q_RIGHT: PointRef = PointRef { pair: 1, side: Side::Right };
+
+fn right_click(window: &mut Window, position: Pos2) {
+    window.hover_at(position);
+    button(window, position, PointerButton::Secondary, true);
+    button(window, position, PointerButton::Secondary, false);
+    for _ in 0..3 {
+        window.step();
+    }
+    settle(window);
+}
+
+fn undo(window: &mut Window) {
+    window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    settle(window);
+}
+
+/// Moves every point that is to be refined by the same, and every one that is to go to its match to one place.
+fn moving() -> Services {
+    Services {
+        repair: Box::new(|question| match question.how {
+            Repair::Refine => Ok(question.points.point2 + Vector::new(0.4, -0.3)),
+            Repair::Rematch => {
+                assert!(question.known.fundamental.is_some());
+                Ok(Point::new(200.0, 150.0))
+            }
+        }),
+        ..services()
+    }
+}
+
+#[test]
+fn a_pair_is_repaired_from_its_row_and_undo_takes_it_back() {
+    let mut window = window(Start::default(), moving());
+    click_two_pairs(&mut window);
+    let before = point(&window, Q_RIGHT);
+    window.get_by_label("Refine: pair q").click();
+    settle(&mut window);
+    assert!((point(&window, Q_RIGHT) - before - Vector::new(0.4, -0.3)).norm() < 1e-9);
+    window.get_by_label_contains("Pair q refined: its right point moved by 0.50 px");
+    undo(&mut window);
+    assert_eq!(point(&window, Q_RIGHT), before);
+    window.get_by_label("Move to match: pair q").click();
+    settle(&mut window);
+    assert_eq!(point(&window, Q_RIGHT), Point::new(200.0, 150.0));
+    undo(&mut window);
+    assert_eq!(point(&window, Q_RIGHT), before);
+}
+
+#[test]
+fn a_pair_without_a_match_stays_and_the_window_says_why() {
+    let mut window = sample();
+    click_two_pairs(&mut window);
+    let before = point(&window, Q_RIGHT);
+    window.get_by_label("Refine: pair q").click();
+    settle(&mut window);
+    assert_eq!(point(&window, Q_RIGHT), before);
+    window.get_by_label_contains("Pair q stays where it is. Nothing is alike. Drag its right point");
+}
+
+#[test]
+fn an_unreliable_geometry_moves_no_point_to_its_lines() {
+    let mut services = moving();
+    services.estimate = Box::new(|request, _| {
+        let mut estimate = fake_estimate(&request.pairs, &request.parameters)?;
+        estimate.assessment.trust = Some(Trust { verdict: Verdict::Unreliable, reasons: Vec::new() });
+        Ok(estimate)
+    });
+    let mut window = window(Start::default(), services);
+    click_two_pairs(&mut window);
+    assert!(window.get_by_label("Move to match: pair q").accesskit_node().is_disabled());
+    assert!(!window.get_by_label("Refine: pair q").accesskit_node().is_disabled());
+}
+
+#[test]
+fn the_menu_of_a_pair_opens_on_its_points_and_on_its_row() {
+    let mut window = window(Start::default(), moving());
+    click_two_pairs(&mut window);
+    let before = point(&window, Q_RIGHT);
+    let position = screen(&window, Q_RIGHT);
+    right_click(&mut window, position);
+    window.get_by_label("Refine").click();
+    settle(&mut window);
+    assert_ne!(point(&window, Q_RIGHT), before);
+    assert!(window.query_by_label("Refine").is_none(), "the menu closes");
+
+    // On the row, beside its buttons and on one of them.
+    let refine = window.get_by_label("Refine: pair q").rect();
+    for position in [refine.left_center() - egui::vec2(30.0, 0.0), refine.center()] {
+        right_click(&mut window, position);
+        window.get_by_label("Pin lines");
+        window.get_by_label("Check only").click();
+        settle(&mut window);
+        assert_eq!(window.state().document().role(1), Role::Check);
+        undo(&mut window);
+    }
+    right_click(&mut window, refine.center());
+    window.get_by_label("Delete").click();
+    settle(&mut window);
+    assert_eq!(window.state().document().pairs.len(), 1);
+}
+
+#[test]
+fn a_click_that_closes_the_menu_places_nothing() {
+    let mut window = window(Start::default(), moving());
+    click_two_pairs(&mut window);
+    let position = screen(&window, P_LEFT);
+    right_click(&mut window, position);
+    window.get_by_label("Refine");
+    let elsewhere = at(&window, Side::Left, 0.35, 0.35);
+    click(&mut window, elsewhere);
+    assert!(window.query_by_label("Refine").is_none());
+    assert!(window.state().document().half.is_none());
+    // Beside the points there is no menu.
+    right_click(&mut window, elsewhere);
+    assert!(window.query_by_label("Refine").is_none());
+    click(&mut window, elsewhere);
+    assert!(window.state().document().half.is_some());
+}
+
+#[test]
+fn the_library_repairs_a_pair_of_the_sample() {
+    let real = Services { estimate: services().estimate, suggest: services().suggest, ..Services::default() };
+    let mut window = window(Start::default(), real);
+    window.get_by_label("Show me").click();
+    settle(&mut window);
+    let truth = point(&window, Q_RIGHT);
+    let q = screen(&window, Q_RIGHT);
+    click(&mut window, q);
+    for key in [Key::ArrowRight, Key::ArrowUp] {
+        window.key_press_modifiers(Modifiers::SHIFT, key);
+        settle(&mut window);
+    }
+    assert!((point(&window, Q_RIGHT) - truth).norm() > 1.2);
+    window.get_by_label("Refine: pair q").click();
+    settle(&mut window);
+    let moved = point(&window, Q_RIGHT);
+    assert!((moved - truth).norm() < 1.0, "{moved} for {truth}");
+    let f = window.state().estimate().unwrap().fundamental();
+    assert!(symmetric_epipolar_distance(f, &window.state().document().pairs[1]) < 1e-6);
+}
+
+#[test]
+fn while_the_result_is_in_doubt_the_most_useful_next_click_is_marked() {
+    let mut services = services();
+    services.estimate = Box::new(|request, _| {
+        let mut estimate = rich_estimate(&request.pairs, &request.parameters)?;
+        let verdict = if request.pairs.len() < 3 { Verdict::Doubtful } else { Verdict::Reliable };
+        estimate.assessment.trust = Some(Trust { verdict, reasons: Vec::new() });
+        Ok(estimate)
+    });
+    // The real search for the place, among the rivals of the result.
+    services.next_click = Services::default().next_click;
+    let mut window = window(Start::default(), services);
+    click_two_pairs(&mut window);
+    window.get_by_label_contains("One more pair would help most at the marked place of the left image");
+    assert!(is_marked(&window));
+    // The first click of that pair, and giving it up.
+    let elsewhere = at(&window, Side::Left, 0.35, -0.35);
+    click(&mut window, elsewhere);
+    assert!(!is_marked(&window));
+    window.key_press(Key::Escape);
+    settle(&mut window);
+    assert!(is_marked(&window));
+    // The pair makes the result firm.
+    click(&mut window, elsewhere);
+    let elsewhere = at(&window, Side::Right, 0.35, -0.35);
+    click(&mut window, elsewhere);
+    assert!(!is_marked(&window));
+    assert!(window.query_by_label_contains("would help most").is_none());
+    // The published search would not use it.
+    window.get_by_label("Paper").click();
+    settle(&mut window);
+    assert!(!is_marked(&window));
+}
+
+/// Whether the left image has a label that asks for a pair.
+fn is_marked(window: &Window) -> bool {
+    let is_label = |shape: &egui::Shape| matches!(shape, egui::Shape::Text(text) if text.galley.text() == "A pair here would help most");
+    let pane = pane(window, Side::Left);
+    window
+        .output()
+        .shapes
+        .iter()
+        .any(|clipped| pane.expand(1.0).contains_rect(clipped.clip_rect) && is_label(&clipped.shape))
+}
+
+#[test]
+fn the_second_click_is_guided_in_a_turned_image() {
+    let files = Files::new();
+    let assets = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets");
+    let turned = files.0.path().join("turned.png");
+    image::open(assets.join("courtyard-2.png")).unwrap().rotate90().save(&turned).unwrap();
+    let opening = Opening::Files(assets.join("courtyard-1.png"), turned);
+    let services = Services { suggest: Services::default().suggest, ..services() };
+    let mut window = window(Start { opening, ..Start::default() }, services);
+    // The first pair by the features of the images, the second by what surrounds the first.
+    for (pair, place) in [Point::new(384.0, 153.0), Point::new(705.0, 333.0)].into_iter().enumerate() {
+        let position = screen_of(&window, Side::Left, place);
+        click(&mut window, position);
+        window.get_by_label_contains("Enter accepts the suggested match");
+        window.key_press(Key::Enter);
+        settle(&mut window);
+        let found = point(&window, PointRef { pair, side: Side::Right });
+        // Upright it is seen 12 px to the left; 576 px high, (x, y) becomes (575 − y, x).
+        let expected = Point::new(575.0 - place.y - 0.5, place.x - 12.0);
+        assert!((found - expected).norm() < 5.0, "{found} for {expected}");
+    }
+}
