@@ -12,7 +12,7 @@ use super::patches::{self, Proposal};
 use super::record::SearchRecord;
 use super::search::{Found, Input, Judged, by_lines, by_patches};
 use super::views::{is_same, view_of};
-use super::{Clicks, Estimate, EstimateError, Monitor, Parameters, PreparedPair, Search};
+use super::{Clicks, Estimate, EstimateError, Monitor, Parameters, PreparedPair, Search, Stage};
 use crate::geometry::{
     FundamentalMatrix, Observation, PointPair, eight_point, fit_fundamental, sampson_distance,
 };
@@ -87,11 +87,11 @@ fn wider(input: &Input, record: &mut SearchRecord) -> Result<Judged, EstimateErr
         Err(error @ (EstimateError::NoCandidates { .. } | EstimateError::NoGeometry)) => Err(error),
         Err(error) => return Err(error),
     };
-    if upright.as_ref().is_ok_and(Judged::is_reliable) {
+    if upright.as_ref().is_ok_and(Judged::is_clear) {
         return upright;
     }
     let Input { prepared, clicks, parameters, cancel, .. } = *input;
-    cancel.check()?;
+    record.enter(Stage::Features)?;
     let features = prepared.features();
     let observed = clicks.observed();
     let evidence = FeatureEvidence {

@@ -52,8 +52,11 @@ pub(super) struct Judged {
 }
 
 impl Judged {
-    pub fn is_reliable(&self) -> bool {
-        self.assessment.trust.as_ref().is_some_and(|trust| trust.verdict == Verdict::Reliable)
+    /// Whether nothing speaks against it, and no rival had to be refined to tell.
+    pub fn is_clear(&self) -> bool {
+        let assessment = &self.assessment;
+        assessment.refined_margin.is_none()
+            && assessment.trust.as_ref().is_some_and(|trust| trust.verdict == Verdict::Reliable)
     }
 }
 

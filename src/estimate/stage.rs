@@ -16,12 +16,14 @@ pub enum Stage {
     Validation,
     /// Local refinement, coarse to fine.
     Refinement,
+    /// Covariant features and the views that they suggest, ranked and refined: where the steps before leave doubts.
+    Features,
 }
 
 impl Stage {
     /// All stages in order.
-    pub const ALL: [Self; 5] =
-        [Self::Pyramid, Self::Pencils, Self::Hypotheses, Self::Validation, Self::Refinement];
+    pub const ALL: [Self; 6] =
+        [Self::Pyramid, Self::Pencils, Self::Hypotheses, Self::Validation, Self::Refinement, Self::Features];
 
     /// What the user reads while it runs.
     pub fn label(self) -> &'static str {
@@ -31,6 +33,7 @@ impl Stage {
             Self::Hypotheses => "Epipole hypotheses",
             Self::Validation => "Validation",
             Self::Refinement => "Refinement",
+            Self::Features => "Turned and scaled views",
         }
     }
 }

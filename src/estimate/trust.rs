@@ -87,7 +87,7 @@ pub enum Reason {
     },
     /// Nearly all matches follow one homography.
     #[error(
-        "{percent} % of the matches fit one plane or a turn of the camera: lines through these hold, but where they meet is not determined, as only {agreeing} of {groups} motions beside it agree on that, in one place or by chance: use views from places farther apart, or a scene with more depth and nothing that moves"
+        "{percent} % of the matches fit one plane or a turn of the camera: lines through these hold, but where they meet is not determined, as only {agreeing} of {groups} motions beside it agree on that, which chance may explain: use views from places farther apart, or a scene with more depth and nothing that moves"
     )]
     OnePlane {
         /// Percent of the matches.

@@ -168,15 +168,18 @@ pub fn result_in_words(found: &Estimate, images: &[ImageNote; 2]) -> String {
     }
     let Some(trace) = &found.trace else { return text };
     let counts = &trace.counts;
-    let _ = writeln!(
-        text,
-        "Examined: {} and {} lines, {} candidate line pairs, {} hypotheses, {} validated",
-        list(&counts.lines1),
-        list(&counts.lines2),
-        list(&counts.candidates),
-        counts.hypotheses,
-        counts.validated
-    );
+    // Where only features found something, no lines were compared.
+    if !counts.lines1.is_empty() {
+        let _ = writeln!(
+            text,
+            "Examined: {} and {} lines, {} candidate line pairs, {} hypotheses, {} validated",
+            list(&counts.lines1),
+            list(&counts.lines2),
+            list(&counts.candidates),
+            counts.hypotheses,
+            counts.validated
+        );
+    }
     let stages: Vec<_> = trace
         .timings
         .iter()

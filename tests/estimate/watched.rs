@@ -133,7 +133,8 @@ fn tells_stages_in_order_and_a_first_geometry_before_the_result() {
         assert_eq!(stages, ANNOUNCED, "each once, in order");
         let found = found.trace.expect("a search leaves a trace");
         let timed: Vec<_> = found.timings.iter().map(|t| t.stage).collect();
-        assert_eq!(timed, Stage::ALL, "each stage has its time");
+        let upright = &Stage::ALL[..Stage::ALL.len() - 1];
+        assert_eq!(timed, upright, "each stage has its time, and features were not needed");
 
         let at = |stage| heard.iter().position(|h| *h == Heard::Stage(stage)).unwrap();
         assert_eq!(heard[at(Stage::Pencils) + 1..at(Stage::Hypotheses)], [Heard::Pencils]);

@@ -79,7 +79,7 @@ impl Model {
         let number = self.document.used().position(|used| used == pair)? + 1;
         let reasons = estimate.assessment.trust.iter().filter(|_| freshness == Freshness::Final);
         reasons.flat_map(|trust| &trust.reasons).find_map(|reason| match reason {
-            Reason::ClickOff { pair, distance } if *pair == number => Some(*distance),
+            Reason::ClickOff { pair, distance, .. } if *pair == number => Some(*distance),
             _ => None,
         })
     }

@@ -84,6 +84,16 @@ pub fn result_text(stage: Stage, document: &Document, computation: &Computation)
                 }
             })
         }
+        Stage::Features => {
+            let trace = estimate?.trace.as_ref()?;
+            trace.timings.iter().find(|timing| timing.stage == stage)?;
+            let scale = trace.view.scale.map_or(String::new(), |scale| format!(", scaled by {scale:.2}"));
+            Some(if trace.features {
+                format!("image 2 turned by {:.0}°{scale}", trace.view.rotation.to_degrees())
+            } else {
+                "nothing better than upright".to_owned()
+            })
+        }
     }
 }
 
@@ -125,7 +135,7 @@ mod tests {
     fn a_failure_is_told_at_the_step_it_happened_in() {
         let of = |computation: &Computation| Stage::ALL.map(|stage| progress(stage, computation));
         let idle = Computation::default();
-        assert_eq!(of(&idle), [StepProgress::Waiting; 5]);
+        assert_eq!(of(&idle), [StepProgress::Waiting; 6]);
         let refused = of(&after(&[], Some(EstimateError::NoGeometry)));
         assert_eq!((refused[0], refused[1]), (StepProgress::Failed, StepProgress::Waiting));
         let failed = of(&after(&[Stage::Pencils, Stage::Hypotheses], Some(EstimateError::NoGeometry)));
@@ -134,7 +144,7 @@ mod tests {
             [failed[0], failed[2], failed[3]],
             [StepProgress::Done(None), StepProgress::Failed, StepProgress::Waiting]
         );
-        assert_eq!(of(&after(&[Stage::Pencils], None)), [StepProgress::Done(None); 5]);
+        assert_eq!(of(&after(&[Stage::Pencils], None)), [StepProgress::Done(None); 6]);
     }
 
     #[test]

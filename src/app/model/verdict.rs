@@ -291,7 +291,7 @@ mod tests {
     use super::*;
     use crate::app::fake;
     use crate::app::model::computation::EstimateNews;
-    use crate::estimate::{Reason, Trust, Warning};
+    use crate::estimate::{Reason, Suspect, Trust, Warning};
     use crate::geometry::PointPair;
 
     fn computed(change: impl Fn(&mut Estimate)) -> (Document, Computation) {
@@ -327,7 +327,7 @@ mod tests {
     #[test]
     fn a_result_called_wrong_is_bad_news_with_its_reasons() {
         let (document, computation) = computed(|e| {
-            let reasons = vec![Reason::ClickOff { pair: 2, distance: 40.0 }];
+            let reasons = vec![Reason::ClickOff { pair: 2, distance: 40.0, suspect: Suspect::Click }];
             e.assessment.trust = Some(Trust { verdict: estimate::Verdict::Unreliable, reasons });
         });
         let bad = verdict(&document, &computation);

@@ -21,7 +21,7 @@ use crate::geometry::{FundamentalMatrix, PointPair, sampson_distance};
 use crate::similarity::SimilaritySource;
 use examination::Examiner;
 use margin::{differs, margin};
-use parallax::{CORNER_SIGMA, OffPlane, precision_on_plane};
+use parallax::{CORNER_SIGMA, OffPlane, precision};
 
 /// How near a match must be to a homography to be explained by it, px in an image of up to [`PLANE_SIDE`] px, more in
 /// proportion in larger ones, where corners are found less precisely: three deviations of a refined match.
@@ -135,7 +135,7 @@ impl Judge<'_> {
         let distinctive = fine.support.distinctive();
         let afar = OffPlane::new(&distinctive, &f_fine, &h_fine, side_fine, CORNER_SIGMA);
         let near = self.patches.matches_near_plane(self.prepared.pyramids(), &h, NEAR_PLANE);
-        let closely = OffPlane::new(&near, f, &h, side, precision_on_plane(&near, &h));
+        let closely = OffPlane::new(&near, f, &h, side, precision(&near, f));
         // Either may hold the epipoles: what is seen from afar, or what is seen finely.
         let off = if closely.by_chance < afar.by_chance { closely } else { afar };
         let OffPlane { groups, agreeing, motions, by_chance } = off;

@@ -23,8 +23,8 @@
 //! the halves of a picture that are pulled apart agree wherever one looks.
 //!
 //! Distinctive matches are found to a pixel, so parallax of less than some pixels does not show in them. Nearer to the
-//! plane, matches are looked for around where the plane puts them and aligned to a fraction of a pixel: those on it tell
-//! how precise they are. Neither kind knows anything of F.
+//! plane, matches are looked for around where the plane puts them and aligned to a fraction of a pixel. Neither kind
+//! knows anything of F.
 //!
 //! What moves by itself as several parts at once (something that turns) shows as matches that stand out, move together,
 //! and contradict F: see [`together`].
@@ -33,7 +33,7 @@ use nalgebra::Matrix3;
 
 use crate::estimate::patches::BAND;
 use crate::estimate::trust::Together;
-use crate::geometry::{FundamentalMatrix, PointPair, Vector, finite_point, transfer_error};
+use crate::geometry::{FundamentalMatrix, PointPair, Vector, finite_point};
 
 /// What lies off the largest plane.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -55,8 +55,8 @@ const ALIKE: f64 = 4.0;
 const OFF_LINE: f64 = 3.0;
 /// Least deviation of an aligned match, px.
 const ALIGNED: f64 = 0.15;
-/// Median distance of a match from where it belongs, in deviations of a coordinate: that of the Rayleigh distribution.
-const MEDIAN: f64 = 1.177;
+/// Median absolute value of a normal distribution, in standard deviations.
+const MEDIAN: f64 = 0.6745;
 /// Matches of one group are no farther apart than this fraction of the longer side: what moves by itself is small, and
 /// surfaces that are seen in two places are seen twice.
 const TOGETHER: f64 = 0.1;
@@ -81,9 +81,11 @@ struct Group {
     precision: f64,
 }
 
-/// Standard deviation of a coordinate of matches most of which are on a plane, px: as they show.
-pub(super) fn precision_on_plane(matches: &[PointPair], h: &Matrix3<f64>) -> f64 {
-    let mut distances: Vec<f64> = matches.iter().map(|m| transfer_error(h, m)).collect();
+/// Standard deviation of a coordinate of matches most of which agree with `f`, px: that of their distances from their
+/// lines. Where most lie on one plane this says nothing for F, as any epipole has the lines of a plane pass its matches.
+pub(super) fn precision(matches: &[PointPair], f: &FundamentalMatrix) -> f64 {
+    let distance = |m: &PointPair| Some(f.line2_from_point1(m.point1)?.distance(m.point2));
+    let mut distances: Vec<f64> = matches.iter().filter_map(distance).collect();
     distances.sort_by(f64::total_cmp);
     distances.get(distances.len() / 2).map_or(ALIGNED, |median| (median / MEDIAN).max(ALIGNED))
 }
@@ -268,7 +270,7 @@ mod tests {
             assert!(found.by_chance > 0.1, "{agreeing} of {}: {}", agreeing + other, found.by_chance);
         }
         let held = OffPlane::of(&groups(8, 4), 0.3);
-        assert!(held.by_chance < 1e-4, "{}", held.by_chance);
+        assert!(held.by_chance < 1e-3, "{}", held.by_chance);
     }
 
     #[test]

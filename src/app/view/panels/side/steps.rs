@@ -58,6 +58,10 @@ fn tooltip(stage: Stage) -> &'static str {
         }
         Stage::Validation => "The best hypotheses are judged by the whole of both images.",
         Stage::Refinement => "The best geometry is fitted to image patches at full resolution.",
+        Stage::Features => {
+            "Where the result leaves doubts, features that bring their own scale and direction propose geometries \
+             of images that are turned, scaled or far apart."
+        }
     }
 }
 
