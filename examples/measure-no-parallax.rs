@@ -2,7 +2,7 @@
 //!
 //! Makes pairs from any photographs, seeded: a camera that stands still while pasted things move, the same darker and noisy,
 //! one that only turns, unrelated pictures under the same captions, two halves that move apart, a smooth warp, a strong
-//! lens; and estimates from two points of what does not move.
+//! lens, a screen whose text is scrolled; and estimates from two points of what does not move.
 //!
 //! `cargo run --release --example measure-no-parallax -- PAIRS_A_KIND PICTURE PICTURE...`
 
@@ -27,10 +27,19 @@ enum Kind {
     Halves,
     Warp,
     Lens,
+    Screen,
 }
 
-const KINDS: [Kind; 7] =
-    [Kind::Static, Kind::Darker, Kind::Turned, Kind::Captions, Kind::Halves, Kind::Warp, Kind::Lens];
+const KINDS: [Kind; 8] = [
+    Kind::Static,
+    Kind::Darker,
+    Kind::Turned,
+    Kind::Captions,
+    Kind::Halves,
+    Kind::Warp,
+    Kind::Lens,
+    Kind::Screen,
+];
 
 /// A thing cut out of a picture, where it is pasted in each image.
 struct Thing {
@@ -61,7 +70,7 @@ fn make(kind: Kind, pictures: &[GrayPlane], rng: &mut Pcg64Mcg) -> Made {
             (0..count).map(|_| thing(pictures.len(), rng)).collect()
         }
         Kind::Captions => (0..rng.random_range(3..=6)).map(|_| caption(pictures.len(), rng)).collect(),
-        Kind::Halves | Kind::Warp | Kind::Lens => Vec::new(),
+        Kind::Halves | Kind::Warp | Kind::Lens | Kind::Screen => Vec::new(),
     };
     let turn = turn(rng);
     let (shift, wave, lens) = (
@@ -80,7 +89,8 @@ fn make(kind: Kind, pictures: &[GrayPlane], rng: &mut Pcg64Mcg) -> Made {
             let d = (p - FRAME.centre()) / FRAME.longer_side() * 2.0;
             FRAME.centre() + d * (1.0 + lens * d.norm_squared()) * (0.5 * FRAME.longer_side())
         }
-        Kind::Static | Kind::Darker | Kind::Captions => p,
+        Kind::Screen if is_scrolled(p) => p + Vector::new(0.0, shift.x.round()),
+        Kind::Static | Kind::Darker | Kind::Captions | Kind::Screen => p,
     };
     let gain = if kind == Kind::Darker { 0.6 } else { 1.0 };
     let noise = if kind == Kind::Darker { 4.0 } else { 1.0 };
@@ -90,7 +100,11 @@ fn make(kind: Kind, pictures: &[GrayPlane], rng: &mut Pcg64Mcg) -> Made {
             let p = Point::new((k % FRAME.width) as f64, (k / FRAME.width) as f64);
             let source = things.iter().rev().find_map(|t| Some((t.picture, t.source(image, p)?)));
             let (picture, at) = source.unwrap_or_else(|| (base, from(p)));
-            let value = f64::from(pictures[picture].sample(wrapped(at, pictures[picture].frame())));
+            let value = if kind == Kind::Screen {
+                screen(at, base as u64)
+            } else {
+                f64::from(pictures[picture].sample(wrapped(at, pictures[picture].frame())))
+            };
             let noise: f64 = noise * (rng.random_range(-1.0..1.0) + rng.random_range(-1.0..1.0));
             let value = if image == 1 { gain * value } else { value };
             values.push((value + noise).clamp(0.0, 255.0) as f32);
@@ -146,6 +160,28 @@ fn turn(rng: &mut Pcg64Mcg) -> Matrix3<f64> {
     let mut angle = |most: f64| rng.random_range(-most..most);
     let rotation = Rotation3::new(Vector3::new(angle(0.08), angle(0.08), angle(0.15)));
     k * rotation.matrix() * k.try_inverse().expect("a camera has a focal length")
+}
+
+/// The part of a screen whose text scrolls; a list beside it and a bar above stay.
+fn is_scrolled(p: Point) -> bool {
+    p.x > 200.0 && p.y > 60.0
+}
+
+/// Grey level of a screen of text, of which `what` chooses the letters.
+fn screen(p: Point, what: u64) -> f64 {
+    let (row, column) = ((p.y / 16.0).floor(), (p.x / 8.0).floor());
+    let mix = |a: f64, b: f64, c: u64| {
+        let v = (a as i64 as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15)
+            ^ (b as i64 as u64).wrapping_mul(0xc2b2_ae3d_27d4_eb4f);
+        ((v ^ c.wrapping_mul(0x1656_67b1_9e37_79f9)).wrapping_mul(0xff51_afd7_ed55_8ccd) >> 33) as u32
+    };
+    // A letter is a pattern of 3 × 4 strokes; every sixth or so is a space.
+    let letter = mix(row, column, what);
+    let (x, y) = (p.x.rem_euclid(8.0), p.y.rem_euclid(16.0));
+    let stroke = (x / 2.5) as u32 + 3 * ((y - 3.0).max(0.0) / 2.6) as u32;
+    let is_ink = letter % 6 != 0 && x < 7.0 && (3.0..13.0).contains(&y) && (letter >> (stroke % 24)) & 1 == 1;
+    let paper = if is_scrolled(p) { 245.0 } else { 215.0 };
+    if is_ink { 40.0 } else { paper }
 }
 
 fn mapped(h: &Matrix3<f64>, p: Point) -> Point {
