@@ -5,10 +5,11 @@ use super::comparison::Contestant;
 use super::computation::Freshness;
 use super::document::Side;
 use super::focus::{LineSource, Pin};
+use super::pair_folder::PairFolder;
 use super::truth::NO_TRUTH;
 use crate::estimate::{Construction, Estimate, Reason, lines_at};
 use crate::geometry::{AnchoredLine, FundamentalMatrix, Line, Point, PointPair};
-use crate::io::{GroundTruth, TruthFolder};
+use crate::io::GroundTruth;
 
 /// The geometry that the whole window shows: the hypothesis, the other method's or the imported one that was chosen,
 /// or else the result; without a result, the imported one.
@@ -58,8 +59,8 @@ impl Model {
     }
 
     /// The folder whose pairs are offered, and which of them is open.
-    pub fn folder(&self) -> Option<(&TruthFolder, [usize; 2])> {
-        self.open.known.as_ref()?.folder.as_ref().map(|(folder, pair)| (folder.as_ref(), *pair))
+    pub fn folder(&self) -> Option<(&PairFolder, [usize; 2])> {
+        self.open.folder.as_ref().map(|(folder, pair)| (folder.as_ref(), *pair))
     }
 
     /// Why no random trial can be drawn, if that is so.

@@ -98,14 +98,14 @@ impl Model {
             Ok(position) => {
                 let moved = (position - points.point2).norm();
                 if moved < IN_PLACE {
-                    self.done = Some(format!("Pair {name} is in its place already."));
+                    self.open.done = Some(format!("Pair {name} is in its place already."));
                     return;
                 }
                 let what = match how {
                     Repair::Refine => "refined",
                     Repair::Rematch => "moved to its match",
                 };
-                self.done = Some(format!("Pair {name} {what}: its right point moved by {moved:.2} px."));
+                self.open.done = Some(format!("Pair {name} {what}: its right point moved by {moved:.2} px."));
                 let at = PointRef { pair, side: Side::Right };
                 self.edit(Step::Single, |document| document.move_to(at, position));
             }

@@ -327,14 +327,14 @@ pub fn in_dialogs() -> Vec<Action> {
     let rectified = RectifiedCommand::Export { folder: PathBuf::new(), options };
     vec![
         action(
-            Command::OpenFiles([None, None]),
+            Command::OpenFiles(Vec::new()),
             "Open",
-            "Open these files. Point pairs of the images before are removed.",
+            "Open these files in place of those that are open. Points that are not saved are kept aside and offered again.",
         ),
         action(
             Command::OpenFolder(PathBuf::new()),
             "Open folder",
-            "Open a folder whose geometry is known, in the VGG layout or one of pairs with true matches.",
+            "Open the first pair of this folder; any two of its images can be chosen then.",
         ),
         browse(Command::Browse(Side::Left), "Choose the file in the system's file dialog."),
         browse(Command::BrowseFolder, "Choose the folder in the system's dialog."),
