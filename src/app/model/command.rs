@@ -136,6 +136,10 @@ pub enum Command {
     ShowTab(TabId),
     /// Fold the bottom panel away, or bring it back.
     FoldTabs,
+    /// Fold the side panel away, or bring it back.
+    FoldSide,
+    /// Fold the row of overlays away, or bring it back.
+    FoldOverlays,
     /// Let the bottom panel take most of the window, or not.
     EnlargeTabs,
     /// Show or hide an overlay.

@@ -23,7 +23,8 @@ pub fn dialog(ctx: &Context, title: &str, width: f32, content: impl FnOnce(&mut 
         .resizable(false)
         .anchor(Align2::CENTER_CENTER, vec2(0.0, -40.0))
         .show(ctx, |ui| {
-            ui.set_width(width);
+            // As wide as a small window has room for.
+            ui.set_width(width.min(ctx.content_rect().width() - 56.0));
             content(ui);
         });
     open
@@ -55,7 +56,8 @@ impl PathField<'_> {
     pub fn show_field(&self, ui: &mut Ui, text: &mut String) -> (Response, Rect) {
         let row = ui.horizontal(|ui| {
             let label = ui.add_sized([LABEL_WIDTH, HEIGHT], Label::new(self.name));
-            let edit = TextEdit::singleline(text).hint_text(self.hint).desired_width(self.width);
+            let room = ui.available_width() - BROWSE_WIDTH - 3.0 * ui.spacing().item_spacing.x;
+            let edit = TextEdit::singleline(text).hint_text(self.hint).desired_width(self.width.min(room));
             let field = ui.add(edit).labelled_by(label.id);
             (field, ui.allocate_exact_size(vec2(BROWSE_WIDTH, HEIGHT), Sense::hover()).0)
         });
