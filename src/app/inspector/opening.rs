@@ -115,15 +115,12 @@ impl Inspector {
         }
         let (imports, images): (Vec<_>, Vec<_>) = paths.into_iter().partition(|path| is_importable(path));
         if imports.is_empty() {
-            match <[PathBuf; 2]>::try_from(images) {
-                Ok(both) => {
-                    self.tasks.loader.open(both);
-                    self.model.wanted = None;
-                }
-                Err(_) => {
-                    let missing = self.view.dialogs.open.missing().unwrap_or(Side::Right).name();
-                    self.refuse(format!("The {missing} image is missing: name it, too. Nothing was opened."));
-                }
+            if let Ok(both) = <[PathBuf; 2]>::try_from(images) {
+                self.tasks.loader.open(both);
+                self.model.wanted = None;
+            } else {
+                let missing = self.view.dialogs.open.missing().unwrap_or(Side::Right).name();
+                self.refuse(format!("The {missing} image is missing: name it, too. Nothing was opened."));
             }
         } else {
             self.import(imports);
