@@ -32,6 +32,7 @@ pub mod pane_view;
 pub mod picture;
 pub mod questions;
 pub mod rectified;
+mod repairing;
 pub mod residuals;
 pub mod revision;
 pub mod sample;

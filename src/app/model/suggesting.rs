@@ -1,8 +1,6 @@
 //! Matches of single points: the suggestion while the second click of a pair is due, and the repair of a placed pair.
 
-use super::Model;
-use super::document::{HalfPair, PointRef, Side, pair_name};
-use super::history::Step;
+use super::document::HalfPair;
 use super::picture::Pictures;
 use crate::geometry::{FundamentalMatrix, Point, PointPair};
 use crate::suggest::{Known, Rival, SuggestError, Suggestions};
@@ -70,48 +68,4 @@ pub struct Repaired {
     pub question: RepairQuestion,
     /// What was found.
     pub outcome: Outcome,
-}
-
-/// A point that would move less than this, px, is where it belongs.
-const IN_PLACE: f64 = 0.01;
-
-impl Model {
-    /// Where the match of a pair is to be looked for; `None` while the pair is not finished, and for a place on its line
-    /// while no geometry is trusted.
-    pub fn repair_question(&self, pair: usize, how: Repair) -> Option<RepairQuestion> {
-        let known = self.known();
-        if how == Repair::Rematch && known.fundamental.is_none() {
-            return None;
-        }
-        let points = *self.document.pairs.get(pair)?;
-        Some(RepairQuestion { pictures: self.open.pictures()?, pair, points, how, known })
-    }
-
-    /// Moves a pair to where it belongs and says so, unless it has been changed meanwhile.
-    pub fn take_repair(&mut self, repaired: Repaired) {
-        let Repaired { question: RepairQuestion { pictures, pair, points, how, .. }, outcome } = repaired;
-        if self.document.pairs.get(pair) != Some(&points) || self.open.pictures() != Some(pictures) {
-            return;
-        }
-        let name = pair_name(pair);
-        match outcome {
-            Ok(position) => {
-                let moved = (position - points.point2).norm();
-                if moved < IN_PLACE {
-                    self.open.done = Some(format!("Pair {name} is in its place already."));
-                    return;
-                }
-                let what = match how {
-                    Repair::Refine => "refined",
-                    Repair::Rematch => "moved to its match",
-                };
-                self.open.done = Some(format!("Pair {name} {what}: its right point moved by {moved:.2} px."));
-                let at = PointRef { pair, side: Side::Right };
-                self.edit(Step::Single, |document| document.move_to(at, position));
-            }
-            Err(why) => self.messages.tell(format!(
-                "Pair {name} stays where it is. {why}. Drag its right point to the place yourself, or delete the pair."
-            )),
-        }
-    }
 }
