@@ -42,4 +42,4 @@ pub use patches::{EpipoleEllipse, PatchSupport, RefinedMatch, Refinement, Uncert
 pub use prepared::PreparedPair;
 pub use result::{Assessment, Estimate, SearchCounts, SearchTrace, StageTiming};
 pub use stage::Stage;
-pub use trust::{Reason, Suspect, Trust, Verdict};
+pub use trust::{CLICK_DEVIATIONS, Reason, Suspect, Trust, Verdict};

@@ -140,9 +140,9 @@ pub struct Trust {
 /// Fewer matches than this do not call a result reliable, and far fewer call it unreliable.
 const ENOUGH_MATCHES: usize = 60;
 const FAR_TOO_FEW: usize = 25;
-/// A click farther off its line than the first many standard deviations is a mistake, or the result is; far more,
-/// and the result is unreliable unless everything else speaks for it.
-const CLICK_DEVIATIONS: f64 = 4.0;
+/// A click farther off its line than this many standard deviations (Sampson distance) is a mistake, or the result is.
+pub const CLICK_DEVIATIONS: f64 = 4.0;
+/// A click farther off than this makes the result unreliable unless everything else speaks for it.
 const CLICK_DEVIATIONS_WRONG: f64 = 12.0;
 /// Smallest advantage over a clearly different geometry.
 pub(super) const CLEAR_MARGIN: f64 = 0.2;

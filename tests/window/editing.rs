@@ -6,7 +6,7 @@ use egui::{Key, Modifiers, PointerButton, Pos2, Rect, vec2};
 use egui_kittest::kittest::{NodeT, Queryable};
 use epiline::app::Start;
 use epiline::app::model::document::Side;
-use epiline::estimate::{Method, Reason, Trust, Verdict};
+use epiline::estimate::{Method, Trust, Verdict};
 use epiline::geometry::{Point, symmetric_epipolar_distance};
 
 #[test]
@@ -233,8 +233,12 @@ fn the_published_search_keeps_its_two_methods_beside_its_preset() {
 fn a_pair_that_the_images_speak_against_is_marked() {
     let mut services = services();
     services.estimate = Box::new(|request, _| {
-        let mut estimate = fake_estimate(&request.pairs, &request.parameters)?;
-        let reasons = vec![Reason::ClickOff { pair: 2, distance: 40.0 }];
+        // Estimated as if the two pairs had been clicked elsewhere.
+        let mut moved = request.pairs.clone();
+        moved[0].point2.y += 25.0;
+        moved[1].point2.x += 25.0;
+        let mut estimate = fake_estimate(&moved, &request.parameters)?;
+        let reasons = vec![click_off(2, 40.0)];
         estimate.assessment.trust = Some(Trust { verdict: Verdict::Doubtful, reasons });
         Ok(estimate)
     });
@@ -242,10 +246,19 @@ fn a_pair_that_the_images_speak_against_is_marked() {
     click_two_pairs(&mut window);
     click_a_third_pair(&mut window);
     assert_eq!(window.query_all_by_label("outvoted").count(), 1);
-    window.get_by_label_contains("Point pair q is 40.0 px off");
+    // The distance of the table: the window has one.
+    let off = |window: &Window, pair: usize| {
+        let f = *window.state().estimate().unwrap().fundamental();
+        symmetric_epipolar_distance(&f, &window.state().document().pairs[pair])
+    };
+    let distance = off(&window, 1);
+    window.get_by_label_contains(&format!("Point pair q is {distance:.1} px (symmetric distance) off"));
+    assert!(distance > 1.0);
+    window.get_by_label(&format!("{distance:6.2} px"));
     window.get_by_label("Check only pair p").click();
     settle(&mut window);
-    window.get_by_label_contains("Point pair r is 40.0 px off");
+    let distance = off(&window, 2);
+    window.get_by_label_contains(&format!("Point pair r is {distance:.1} px (symmetric distance) off"));
 }
 
 #[test]

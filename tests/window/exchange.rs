@@ -430,3 +430,28 @@ fn many_messages_stack_compactly_and_escape_closes_the_top_one() {
     window.get_by_label("and 1 more below");
     assert_eq!(window.state().messages().count(), 5);
 }
+
+#[test]
+fn nothing_measured_on_one_pair_shows_beside_another() {
+    let files = Files::new();
+    let mut window = sample();
+    let path = file(&files, "F.txt", &rows(&truth().fundamental));
+    drop_files(&mut window, std::slice::from_ref(&path));
+    press_click(&mut window, "Use this reading");
+    window.get_by_label_contains("Imported a geometry from F.txt");
+    window.get_by_label_contains("median of");
+    // Asked about once more, and not answered.
+    drop_files(&mut window, std::slice::from_ref(&path));
+    window.get_by_label("How is this matrix meant?");
+    drop_files(&mut window, &[files.image("a.png", 640, 480), files.image("b.png", 640, 480)]);
+    assert!(window.query_by_label("How is this matrix meant?").is_none());
+    assert_eq!(imported(&window), None);
+    for words in ["Imported a geometry", "median of", "The images show the imported geometry"] {
+        assert!(window.query_by_label_contains(words).is_none(), "{words}");
+    }
+    // Beside these pictures nothing is known that could tell what the matrix means.
+    drop_files(&mut window, &[path]);
+    window.get_by_label_contains("that takes 8 matches, 0 are at hand");
+    press_click(&mut window, "As it is");
+    window.get_by_label("unchecked");
+}

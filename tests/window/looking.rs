@@ -97,7 +97,7 @@ fn the_inspect_tool_pins_line_pairs_and_escape_leaves_it() {
     let mut window = sample();
     click_two_pairs(&mut window);
     press(&mut window, Key::I);
-    window.get_by_label_contains("Inspect: click in an image to pin");
+    window.get_by_label_contains("Pin tool: click in an image to pin");
     let place = at(&window, Side::Right, 0.1, 0.1);
     click(&mut window, place);
     let pins = window.state().focus().pins().to_vec();
@@ -317,4 +317,60 @@ fn the_geometry_follows_a_dragged_point_while_the_search_is_held_up() {
     held_up.store(false, Ordering::Relaxed);
     button(&window, from + vec2(40.0, 0.0), PointerButton::Primary, false);
     settle(&mut window);
+}
+
+#[test]
+fn the_map_leaves_clicks_to_the_points_and_the_image() {
+    let mut window = window(Start::default(), rich_services());
+    click_two_pairs(&mut window);
+    let map = |window: &Window, side: Side| {
+        window.get_by_label(&format!("epipole map of the {} image", side.name())).rect()
+    };
+    let first = map(&window, Side::Right).center();
+    // A click that is due under the map is the second click of the pair.
+    let left = at(&window, Side::Left, 0.1, -0.3);
+    click(&mut window, left);
+    click(&mut window, first);
+    assert_eq!(window.state().document().pairs.len(), 3);
+    assert_eq!(window.state().focus().hypothesis(), None);
+    // Now there is a point: the map is somewhere else, and the point can be taken hold of.
+    settle(&mut window);
+    assert!(map(&window, Side::Right).center().distance(first) > 100.0);
+    let before = window.state().document().pairs[2].point2;
+    drag(&mut window, first, first - vec2(30.0, 20.0), PointerButton::Primary);
+    assert!((window.state().document().pairs[2].point2 - before).norm() > 10.0);
+}
+
+#[test]
+fn the_map_goes_with_the_overlays_it_shows() {
+    let mut window = window(Start::default(), rich_services());
+    click_two_pairs(&mut window);
+    for name in ["Show Hypotheses", "Show Epipoles"] {
+        window.get_by_label("epipole map of the left image");
+        window.get_by_label(name).click();
+        settle(&mut window);
+    }
+    assert!(window.query_by_label("epipole map of the left image").is_none());
+}
+
+#[test]
+fn pinned_lines_have_numbers_and_can_be_unpinned_from_the_bar_above() {
+    let mut window = sample();
+    click_two_pairs(&mut window);
+    press(&mut window, Key::I);
+    for y in [0.0, 0.1] {
+        let place = at(&window, Side::Left, 0.0, y);
+        click(&mut window, place);
+    }
+    let numbered = |window: &Window, number: &str| {
+        let is_it = |shape: &Shape| matches!(shape, Shape::Text(text) if text.galley.text() == number);
+        let pane = pane(window, Side::Right).expand(1.0);
+        let shapes = &window.output().shapes;
+        shapes.iter().any(|clipped| pane.contains_rect(clipped.clip_rect) && is_it(&clipped.shape))
+    };
+    assert!(numbered(&window, "1") && numbered(&window, "2") && !numbered(&window, "3"));
+    window.get_by_label("Unpin all").click();
+    settle(&mut window);
+    assert!(window.state().focus().pins().is_empty() && !numbered(&window, "1"));
+    assert!(window.query_by_label("Unpin all").is_none());
 }

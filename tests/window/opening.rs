@@ -115,3 +115,94 @@ fn extreme_images_can_be_clicked() {
     }
     window.run();
 }
+
+/// Opens the dialog and types what its fields get: the first one has the keyboard, Tab goes on.
+fn type_paths(window: &mut Window, paths: &[String]) {
+    window.key_press_modifiers(Modifiers::COMMAND, Key::O);
+    settle(window);
+    for (number, path) in paths.iter().enumerate() {
+        if number > 0 {
+            window.key_press(Key::Tab);
+            settle(window);
+        }
+        window.event(egui::Event::Text(path.clone()));
+        settle(window);
+    }
+    window.key_press(Key::Enter);
+    settle(window);
+}
+
+fn names(window: &Window) -> [String; 2] {
+    window.state().document().pictures.clone().unwrap().map(|picture| picture.name)
+}
+
+fn field_text(window: &Window, label: &str) -> Option<String> {
+    window.get_by_role_and_label(egui::accesskit::Role::TextInput, label).value()
+}
+
+#[test]
+fn tab_goes_from_the_left_path_to_the_right_one_and_enter_opens_both() {
+    let files = Files::new();
+    let mut window = sample();
+    let paths = ["a.png", "b.png"].map(|name| files.image(name, 40, 30).display().to_string());
+    type_paths(&mut window, &paths);
+    assert_eq!(names(&window), ["a.png", "b.png"]);
+    assert!(window.query_by_label("Open images").is_none(), "the dialog closes");
+}
+
+#[test]
+fn one_path_opens_no_mixture_and_says_what_is_missing() {
+    let files = Files::new();
+    let mut window = sample();
+    click_two_pairs(&mut window);
+    let before = window.state().document().clone();
+    type_paths(&mut window, &[files.image("a.png", 40, 30).display().to_string()]);
+    assert_eq!(window.state().document(), &before);
+    window.get_by_label_contains("The right image is missing");
+}
+
+#[test]
+fn an_error_stays_in_the_dialog_with_both_paths() {
+    let files = Files::new();
+    let mut window = sample();
+    let left = files.image("a.png", 40, 30).display().to_string();
+    let home = std::env::var("HOME").unwrap();
+    type_paths(&mut window, &[left.clone(), "~/not-there-at-all.png".to_owned()]);
+    window.get_by_label_contains(&format!("{home}/not-there-at-all.png"));
+    assert_eq!(window.state().messages().count(), 0, "it is told once");
+    assert_eq!(field_text(&window, "Left image"), Some(left));
+    assert_eq!(field_text(&window, "Right image").as_deref(), Some("~/not-there-at-all.png"));
+    // Corrected, it goes.
+    window.event(egui::Event::Text(String::new()));
+    let field = window.get_by_role_and_label(egui::accesskit::Role::TextInput, "Right image");
+    field.focus();
+    settle(&mut window);
+    window.key_press_modifiers(Modifiers::COMMAND, Key::A);
+    window.event(egui::Event::Text(files.image("b.png", 40, 30).display().to_string()));
+    settle(&mut window);
+    window.key_press(Key::Enter);
+    settle(&mut window);
+    assert_eq!(names(&window), ["a.png", "b.png"]);
+}
+
+#[test]
+fn a_folder_of_images_opens_its_first_two_and_any_others_on_request() {
+    let files = Files::new();
+    for number in [1, 2, 10] {
+        files.image(&format!("shot{number}.png"), 40, 30);
+    }
+    files.text("notes.txt");
+    let mut window = sample();
+    drop_files(&mut window, &[files.0.path().to_owned()]);
+    assert_eq!(names(&window), ["shot1.png", "shot2.png"]);
+    assert_eq!(window.state().messages().count(), 0);
+    window.key_press(Key::PageDown);
+    settle(&mut window);
+    assert_eq!(names(&window), ["shot2.png", "shot10.png"]);
+    window.get_by_label("The left view").click();
+    settle(&mut window);
+    window.get_by_label("shot1").click();
+    settle(&mut window);
+    assert_eq!(names(&window), ["shot1.png", "shot10.png"]);
+    assert!(window.query_by_label("Random trial").is_none(), "there is nothing known about them");
+}

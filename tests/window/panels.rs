@@ -8,7 +8,7 @@ use egui_kittest::kittest::Queryable;
 use epiline::app::Start;
 use epiline::app::model::document::Side;
 use epiline::app::model::focus::{LineSource, Target};
-use epiline::estimate::{Parameters, Search};
+use epiline::estimate::{Parameters, Search, Trust, Verdict};
 use epiline::geometry::FundamentalMatrix;
 
 /// The sample with two pairs and a result with hypotheses and pencils.
@@ -127,7 +127,7 @@ fn a_cell_of_the_pencils_is_pointed_at_and_a_click_inspects_its_lines() {
     window.get_by_label("Unpin").click();
     settle(&mut window);
     assert_eq!(window.state().focus().inspected().map(|pin| pin.source), Some(LineSource::Pair(1)));
-    window.get_by_label("Unpin all lines").click();
+    window.get_by_label("Unpin all").click();
     settle(&mut window);
     assert!(window.state().focus().pins().is_empty());
     window.hover_at(egui::pos2(4.0, 796.0));
@@ -234,4 +234,130 @@ fn every_tab_says_what_will_appear_and_folds_away() {
     window.get_by_label("Show panel").click();
     settle(&mut window);
     assert!((pane(&window, Side::Left).height() - height).abs() < 1.0);
+}
+
+#[test]
+fn the_rival_that_makes_the_margin_is_marked() {
+    let mut services = services();
+    services.estimate = Box::new(|request, _| {
+        let mut estimate = rich_estimate(&request.pairs, &request.parameters)?;
+        // 100 of support against 80.
+        estimate.assessment.margin = Some(0.2);
+        estimate.assessment.trust = Some(Trust { verdict: Verdict::Reliable, reasons: Vec::new() });
+        Ok(estimate)
+    });
+    let mut window = window(Start::default(), services);
+    click_two_pairs(&mut window);
+    window.get_by_label("20 % to hypothesis 3");
+    press(&mut window, Key::Num4);
+    window.get_by_label("Hypothesis 3, the rival");
+    assert_eq!(window.query_all_by_label_contains(", the rival").count(), 1);
+}
+
+#[test]
+fn everything_in_a_row_of_the_table_is_in_sight() {
+    let mut window = with_result();
+    for width in [1280.0, 1024.0] {
+        window.set_size(vec2(width, 800.0));
+        settle(&mut window);
+        let edge = window.get_by_label("Hide panel").rect().max.x + 1.0;
+        for pair in ["p", "q"] {
+            let delete = window.get_by_label(&format!("Delete: pair {pair}")).rect();
+            assert!(delete.max.x <= edge, "{width}: {delete:?} beyond {edge}");
+        }
+        let rest = window.query_by_label("More: pair p").or(window.query_by_label("Pin lines: pair p"));
+        assert!(rest.is_some_and(|button| button.rect().max.x <= edge), "{width}");
+    }
+    window.get_by_label("More: pair p").click();
+    settle(&mut window);
+    window.get_by_label("Check only").click();
+    settle(&mut window);
+    assert_eq!(window.state().document().checks.len(), 1);
+}
+
+#[test]
+fn coordinates_are_typed_checked_and_undone() {
+    let mut window = with_result();
+    let before = window.state().document().pairs[1];
+    let typed = |window: &mut Window, name: &str, text: &str| {
+        window.get_by_role_and_label(Role::SpinButton, name).click();
+        settle(window);
+        window.event(egui::Event::Text(text.into()));
+        settle(window);
+        press(window, Key::Enter);
+        window.state().document().pairs[1]
+    };
+    let after = typed(&mut window, "Right x of pair q", "123.25");
+    assert!((after.point2.x - 123.25).abs() < 1e-9 && (after.point2.y - before.point2.y).abs() < 1e-9);
+    let selected = window.state().document().selection;
+    assert_eq!(selected.map(|at| (at.pair, at.side)), Some((1, Side::Right)), "the arrow keys act on it");
+    let f = *window.state().estimate().unwrap().fundamental();
+    assert!(epiline::geometry::symmetric_epipolar_distance(&f, &after) < 1e-6, "it was computed anew");
+    // Off the image it stays at the edge; what is no number changes nothing.
+    assert!((typed(&mut window, "Left y of pair q", "99999").point1.y - 575.5).abs() < 1e-9);
+    let kept = typed(&mut window, "Left x of pair q", "left");
+    assert!((kept.point1.x - before.point1.x).abs() < 1e-9, "rounding is for the eye alone");
+    for _ in 0..2 {
+        window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+        settle(&mut window);
+    }
+    assert_eq!(window.state().document().pairs[1], before);
+}
+
+#[test]
+fn every_panel_folds_away_and_comes_back() {
+    let mut window = with_result();
+    window.set_size(vec2(1024.0, 640.0));
+    settle(&mut window);
+    let size = |window: &Window| pane(window, Side::Left).size();
+    let before = size(&window);
+    window.get_by_label("Hide side panel").click();
+    settle(&mut window);
+    assert!(size(&window).x > before.x + 100.0, "{:?} {before:?}", size(&window));
+    window.get_by_label_contains("Epipolar geometry found from pairs p and q");
+    press(&mut window, Key::B);
+    press(&mut window, Key::O);
+    assert!(size(&window).y > before.y + 130.0, "{:?} {before:?}", size(&window));
+    assert!(window.query_by_label("Show Points").is_none());
+    for (label, key) in [("Show side panel", Key::P), ("Show panel", Key::B)] {
+        window.get_by_label(label);
+        press(&mut window, key);
+    }
+    press(&mut window, Key::O);
+    assert_eq!(size(&window), before);
+}
+
+#[test]
+fn a_window_at_twice_the_scale_has_all_its_tools() {
+    let mut window = with_result();
+    // 1440 x 900 at twice the scale, and 1024 x 640.
+    for (width, height) in [(720.0, 450.0), (512.0, 320.0)] {
+        window.set_size(vec2(width, height));
+        settle(&mut window);
+        for name in
+            ["Open", "Save", "Undo", "Pin tool", "View", "Commands", "Keys", "Rectified", "Hide panel"]
+        {
+            let rect = window.get_by_label(name).rect();
+            assert!(rect.min.x >= 0.0 && rect.max.x <= width, "{name} at {width}: {rect:?}");
+            assert!(rect.max.y <= height, "{name} at {width}: {rect:?}");
+        }
+        let side = window.get_by_label("Result").rect().min.x;
+        for name in ["Rectified", "Hide panel", "Enlarge"] {
+            let rect = window.get_by_label(name).rect();
+            assert!(rect.max.x < side, "{name} at {width}: {rect:?}, the side panel from {side}");
+        }
+        window.get_by_label("View").click();
+        settle(&mut window);
+        window.get_by_label("Overlays");
+        press(&mut window, Key::Escape);
+    }
+}
+
+#[test]
+fn the_key_sheet_is_grouped() {
+    let mut window = sample();
+    press(&mut window, Key::F1);
+    for group in ["Mouse", "Points", "Files", "Looking", "Panels", "Result", "Program"] {
+        assert!(window.query_all_by_label(group).count() >= 1, "{group}");
+    }
 }

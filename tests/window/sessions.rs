@@ -256,3 +256,27 @@ fn a_session_never_takes_the_name_of_an_image() {
     assert_eq!(std::fs::read(&image).unwrap(), before);
     assert!(files.0.path().join("b.png.json").exists());
 }
+
+#[test]
+fn clicks_on_the_sample_are_kept_too_when_other_images_are_opened() {
+    let (files, copies) = (Files::new(), tempfile::tempdir().unwrap());
+    let mut window = window(Start::default(), with_copies(copies.path()));
+    window.get_by_label("Show me").click();
+    settle(&mut window);
+    let both = [files.image("a.png", 64, 48), files.image("b.png", 50, 70)];
+    drop_files(&mut window, &both);
+    assert_eq!(window.state().messages().count(), 0, "what the program placed is no loss");
+    window.get_by_label("Sample").click();
+    settle(&mut window);
+    let position = at(&window, Side::Left, 0.1, 0.1);
+    click(&mut window, position);
+    let position = at(&window, Side::Right, 0.1, 0.1);
+    click(&mut window, position);
+    let before = made(&window);
+    drop_files(&mut window, &both);
+    let told = |words: &str| window.state().messages().any(|text| text.contains(words));
+    assert!(told("1 point pair on ") && told(" was not saved"), "{:?}", window.state().messages().next());
+    window.get_by_label("Restore").click();
+    settle(&mut window);
+    assert_eq!(made(&window).pairs, before.pairs);
+}

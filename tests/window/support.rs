@@ -12,7 +12,7 @@ use epiline::app::model::document::{PointRef, Side};
 use epiline::app::{Inspector, Opening, Services, Start, install_theme};
 use epiline::estimate::{
     Assessment, Candidate, Clicks, ComparedPencils, Construction, Estimate, EstimateError, LineFigures,
-    Parameters, PatchSupport, Refinement, SearchCounts, SearchTrace,
+    Parameters, PatchSupport, Reason, Refinement, SearchCounts, SearchTrace, Suspect,
 };
 use epiline::geometry::{FundamentalMatrix, Point, PointPair};
 use epiline::image::RelativeView;
@@ -101,6 +101,11 @@ pub fn rich_estimate(pairs: &[PointPair], parameters: &Parameters) -> Result<Est
     let trace = trace
         .map(|trace| Arc::new(SearchTrace { hypotheses, pencils: clicks.map(compared).to_vec(), ..trace }));
     Ok(Estimate { trace, ..estimate })
+}
+
+/// That a pair, counted from 1, is so far off its line (Sampson).
+pub fn click_off(pair: usize, distance: f64) -> Reason {
+    Reason::ClickOff { pair, distance, suspect: Suspect::Click }
 }
 
 /// Services with [`rich_estimate`] for the estimator.

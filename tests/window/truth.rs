@@ -245,7 +245,7 @@ fn hostile_folders_are_answered_by_a_sentence_and_change_nothing() {
             }),
             "same centre",
         ),
-        (empty, "no image pairs with ground truth found"),
+        (empty, "has no images in it"),
     ];
     let mut window = sample();
     click_two_pairs(&mut window);

@@ -101,6 +101,8 @@ impl Inspector {
             }
             Command::ShowTab(tab) => (model.look.tab, model.look.tabs_folded) = (tab, false),
             Command::FoldTabs => model.look.tabs_folded = !model.look.tabs_folded,
+            Command::FoldSide => model.look.side_folded = !model.look.side_folded,
+            Command::FoldOverlays => model.look.overlays_folded = !model.look.overlays_folded,
             Command::EnlargeTabs => {
                 model.look.tabs_enlarged = !model.look.tabs_enlarged || model.look.tabs_folded;
                 model.look.tabs_folded = false;

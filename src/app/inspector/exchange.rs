@@ -85,7 +85,6 @@ impl Inspector {
 
     /// Imports files, once images are open and nothing is asked.
     pub(super) fn import(&mut self, paths: Vec<PathBuf>) {
-        self.view.dialogs.open.open = false;
         self.model.imports.extend(sources(paths).into_iter().map(PendingImport::from));
     }
 
@@ -93,7 +92,7 @@ impl Inspector {
     pub(super) fn import_instead(&mut self, path: &Path, problem: String) {
         if self.model.open.pictures.is_none() {
             let text = format!("{problem}. To import it as a geometry, open its two images first.");
-            self.model.messages.tell(text);
+            self.refuse(text);
             return;
         }
         let source = ImportSource::File(path.to_owned());
@@ -104,7 +103,7 @@ impl Inspector {
     pub(super) fn take_imports(&mut self) {
         match self.tasks.importing.poll() {
             Some(Ok(found)) => self.take_found(found),
-            Some(Err(problem)) => self.model.messages.tell(problem),
+            Some(Err(problem)) => self.refuse(problem),
             None => {}
         }
         let asks = self.view.dialogs.reading.is_some();
@@ -115,7 +114,7 @@ impl Inspector {
         let Some(pictures) = &self.model.document.pictures else {
             let name = pending.source.name();
             let text = format!("To import {name}, open the two images that it is about first.");
-            self.model.messages.tell(text);
+            self.refuse(text);
             return;
         };
         let frames = pictures.each_ref().map(|picture| picture.frame);
@@ -181,6 +180,7 @@ impl Inspector {
 
     /// Point pairs are placed at once; a matrix is asked about.
     fn take_found(&mut self, mut found: ImportFound) {
+        self.view.dialogs.open.open = false;
         for note in std::mem::take(&mut found.notes) {
             self.model.messages.tell(note);
         }
@@ -192,7 +192,7 @@ impl Inspector {
         let count = found.pairs.len();
         self.model.edit(Step::Single, |document| document.set_pairs(found.pairs));
         let plural = if count == 1 { "" } else { "s" };
-        self.model.done = Some(format!("Imported {count} point pair{plural} from {}", found.name));
+        self.model.open.done = Some(format!("Imported {count} point pair{plural} from {}", found.name));
     }
 
     /// Takes the matrix that is asked about.
@@ -226,6 +226,6 @@ impl Inspector {
             }
         });
         self.model.open.focus.choose_contestant(Contestant::Imported);
-        self.model.done = Some(format!("Imported a geometry{what} from {name}"));
+        self.model.open.done = Some(format!("Imported a geometry{what} from {name}"));
     }
 }

@@ -41,7 +41,7 @@ impl Inspector {
         let mut tasks = Tasks::new(services);
         match start.opening {
             Opening::Sample => tasks.loader.open_sample(),
-            Opening::Files(left, right) => drop(tasks.loader.open([Some(left), Some(right)])),
+            Opening::Files(left, right) => tasks.loader.open([left, right]),
             Opening::Folder(path) => tasks.loader.open_folder(path),
             Opening::Session(path) => tasks.loader.open_session(OpenSession::from(path)),
         }

@@ -18,20 +18,34 @@ impl Inspector {
     /// Takes in pictures that were opened, or why none were.
     pub(super) fn take_pictures(&mut self, ctx: &egui::Context) {
         match self.tasks.loader.poll() {
-            Some(Ok(pair)) => self.show_pictures(ctx, pair),
+            Some(Ok(pair)) => {
+                self.view.dialogs.open.open = false;
+                self.show_pictures(ctx, pair);
+            }
             Some(Err(failure)) => {
                 self.start_pairs.clear();
                 self.model.imports.clear();
                 self.model.wanted = None;
                 match failure {
-                    OpeningFailure::Text(text) => self.model.messages.tell(text),
+                    OpeningFailure::Text(text) => self.refuse(text),
                     OpeningFailure::NoSession { path, problem } => self.import_instead(&path, problem),
                     OpeningFailure::Relocate(relocation) => {
+                        self.view.dialogs.open.open = false;
                         self.view.dialogs.relocate = Some(RelocateDialog::new(*relocation));
                     }
                 }
             }
             None => {}
+        }
+    }
+
+    /// Tells why something cannot be opened: in the dialog it was asked for in, which keeps what was typed.
+    pub(super) fn refuse(&mut self, text: String) {
+        let dialog = &mut self.view.dialogs.open;
+        if dialog.open {
+            dialog.refuse(text);
+        } else {
+            self.model.messages.tell(text);
         }
     }
 
@@ -44,6 +58,7 @@ impl Inspector {
         self.tasks.forget_pair();
         self.view.dialogs.reading = None;
         self.model.open(pair.pictures, pair.known, pair.uses_truth, pair.show_me);
+        self.model.open.folder = pair.folder;
         let document = &mut self.model.document;
         let pairs = std::mem::take(&mut self.start_pairs);
         let (inside, outside): (Vec<_>, Vec<_>) = pairs.into_iter().partition(|pair| {
@@ -84,32 +99,34 @@ impl Inspector {
         } else if is_importable(path) {
             self.import(vec![path.to_owned()]);
         } else if let Some([left, right]) = self.view.dialogs.open.offer(path, None) {
-            self.open_files([Some(left), Some(right)]);
+            self.open_files(vec![left, right]);
         }
     }
 
     /// Opens what was named: images, or else a folder, a session, files to import.
-    pub(super) fn open_files(&mut self, paths: [Option<PathBuf>; 2]) {
-        if let Some(folder) = paths.iter().flatten().find(|path| path.is_dir()) {
+    pub(super) fn open_files(&mut self, paths: Vec<PathBuf>) {
+        if let Some(folder) = paths.iter().find(|path| path.is_dir()) {
             self.open_folder(folder.clone());
             return;
         }
-        if let Some(session) = paths.iter().flatten().find(|path| has_session_extension(path)) {
+        if let Some(session) = paths.iter().find(|path| has_session_extension(path)) {
             self.open_session(session.clone().into());
             return;
         }
-        let (imports, images): (Vec<_>, Vec<_>) =
-            paths.iter().flatten().cloned().partition(|path| is_importable(path));
-        if !imports.is_empty() {
+        let (imports, images): (Vec<_>, Vec<_>) = paths.into_iter().partition(|path| is_importable(path));
+        if imports.is_empty() {
+            if let Ok(both) = <[PathBuf; 2]>::try_from(images) {
+                self.tasks.loader.open(both);
+                self.model.wanted = None;
+            } else {
+                let missing = self.view.dialogs.open.missing().unwrap_or(Side::Right).name();
+                self.refuse(format!("The {missing} image is missing: name it, too. Nothing was opened."));
+            }
+        } else {
             self.import(imports);
             for image in &images {
                 self.offer(image);
             }
-        } else if !images.is_empty() && self.tasks.loader.open(paths) {
-            self.model.wanted = None;
-            self.view.dialogs.open.open = false;
-        } else {
-            self.model.messages.tell("Two images are needed: name a left and a right one.");
         }
     }
 
@@ -117,7 +134,6 @@ impl Inspector {
     pub(super) fn open_folder(&mut self, path: PathBuf) {
         self.tasks.loader.open_folder(path);
         self.model.wanted = None;
-        self.view.dialogs.open.open = false;
     }
 
     /// Opens a session.
@@ -125,13 +141,11 @@ impl Inspector {
         self.tasks.loader.open_session(session);
         self.model.wanted = None;
         self.view.dialogs.relocate = None;
-        self.view.dialogs.open.open = false;
     }
 
     /// Opens two views of the folder that is open.
     pub(super) fn open_views(&mut self, views: [usize; 2]) {
-        let known = self.model.open.known.as_ref();
-        let Some((folder, _)) = known.and_then(|known| known.folder.as_ref()) else { return };
+        let Some((folder, _)) = &self.model.open.folder else { return };
         if folder.is_pair(views) {
             self.tasks.loader.open_pair(Arc::clone(folder), views);
             self.model.wanted = Some(views);
@@ -198,7 +212,7 @@ impl Inspector {
             .into_iter()
             .partition(|path| is_importable(path) && (has_images || !has_session_extension(path)));
         let mut commands = match <[PathBuf; 2]>::try_from(files) {
-            Ok(both) => vec![Command::OpenFiles(both.map(Some))],
+            Ok(both) => vec![Command::OpenFiles(both.into())],
             Err(files) => files.into_iter().take(2).map(Command::OfferFile).collect(),
         };
         if !imports.is_empty() {

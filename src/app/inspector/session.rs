@@ -21,7 +21,8 @@ impl Inspector {
         self.model.work(self.view.views())
     }
 
-    /// Whether there is unsaved work on files of one's own. Clicks on the sample can be made again.
+    /// Whether there is unsaved work on files of one's own. At the end of the program, clicks on the sample can be made
+    /// again.
     fn has_own_unsaved_work(&self) -> bool {
         let own = self.model.document.pictures.iter().flatten().any(|picture| picture.path.is_some());
         own && self.model.has_unsaved_work()
@@ -35,18 +36,22 @@ impl Inspector {
             copies.find_map(|path| Some((path.to_owned(), SessionFile::<Work>::read(path).ok()?)))
         });
         let Some((path, copy)) = readable else { return };
-        let pairs = match copy.content.document.pairs.len() {
+        let what = match copy.content.document.pairs.len() {
             0 => "Points or pinned lines".to_owned(),
             1 => "1 point pair".to_owned(),
             pairs => format!("{pairs} point pairs"),
         };
-        let [left, right] = copy.images.each_ref().map(ImageReference::name);
+        let were = if copy.content.document.pairs.len() == 1 { "was" } else { "were" };
+        let images = match copy.images.each_ref().map(ImageReference::name) {
+            [left, right] if left == right => format!("the sample {left}"),
+            [left, right] => format!("{left} and {right}"),
+        };
         let session = OpenSession { recovers: true, ..OpenSession::from(path.clone()) };
         let actions = [
             ("Restore", SessionCommand::Open(session)),
             ("Discard", SessionCommand::DiscardLeftBehind(path)),
         ];
-        let text = format!("{pairs} on {left} and {right} were not saved. Restore that work?");
+        let text = format!("{what} on {images} {were} not saved. Restore that work?");
         self.ask(MessageKind::LeftBehind, text, actions);
     }
 
@@ -131,7 +136,7 @@ impl Inspector {
         while let Some(written) = self.tasks.saver.poll() {
             match written {
                 Written::Session { path, result: Ok(work) } => {
-                    self.model.done = Some(format!("Saved {}", path.display()));
+                    self.model.open.done = Some(format!("Saved {}", path.display()));
                     // What was written is what it was then; whatever changed since is not saved.
                     self.model.session.belongs_to(path, *work);
                 }
@@ -139,7 +144,7 @@ impl Inspector {
                     "The session was not saved: {problem}. Your work is still here; save it somewhere else."
                 )),
                 Written::Export { path, result: Ok(what) } => {
-                    self.model.done = Some(format!("Exported {what} to {}", path.display()));
+                    self.model.open.done = Some(format!("Exported {what} to {}", path.display()));
                 }
                 Written::Export { result: Err(problem), .. } => {
                     let text = format!("Nothing was exported: {problem}. Choose another place.");
@@ -169,13 +174,13 @@ impl Inspector {
         if session.recovers {
             // A path that depends on where the program is started would be another file now.
             model.session.path = work.belongs_to.take().filter(|path| path.is_absolute());
-            model.done = Some("Restored what was not saved".to_owned());
+            model.open.done = Some("Restored what was not saved".to_owned());
             // The next copy is this window's own, at once; only then the one left behind may go.
             self.copy_work();
             self.settle_left_behind(&session.path);
             self.offer_left_behind();
         } else {
-            model.done = Some(format!("Opened {}", session.path.display()));
+            model.open.done = Some(format!("Opened {}", session.path.display()));
             model.session.belongs_to(session.path, work);
         }
         for note in notes {
@@ -186,7 +191,9 @@ impl Inspector {
     /// Before other pictures take the place of these: what is not saved is kept, to be brought back, as at the end of
     /// the program.
     pub(super) fn set_aside(&mut self) -> bool {
-        if !(self.has_own_unsaved_work() && self.model.is_worth_keeping()) {
+        // What the program placed by itself is no loss.
+        let shown_me = self.model.open.show_me.is_some_and(|pairs| self.model.document.pairs == pairs);
+        if shown_me || !(self.model.has_unsaved_work() && self.model.is_worth_keeping()) {
             return false;
         }
         self.copy_work();

@@ -24,9 +24,9 @@ pub enum Command {
     OfferFile(PathBuf),
     /// Open the built-in pair.
     OpenSample,
-    /// Open files; `None` keeps the picture that is open.
-    OpenFiles([Option<PathBuf>; 2]),
-    /// Open the first pair of a folder whose geometry is known.
+    /// Open files: two images, or a folder, a session, files to import.
+    OpenFiles(Vec<PathBuf>),
+    /// Open the first pair of a folder.
     OpenFolder(PathBuf),
     /// Something about sessions.
     Session(SessionCommand),
@@ -136,6 +136,10 @@ pub enum Command {
     ShowTab(TabId),
     /// Fold the bottom panel away, or bring it back.
     FoldTabs,
+    /// Fold the side panel away, or bring it back.
+    FoldSide,
+    /// Fold the row of overlays away, or bring it back.
+    FoldOverlays,
     /// Let the bottom panel take most of the window, or not.
     EnlargeTabs,
     /// Show or hide an overlay.

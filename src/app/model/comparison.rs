@@ -302,7 +302,6 @@ mod tests {
         let known = super::super::truth::KnownTruth {
             source: super::super::document::TruthSource::Sample(truth.name.clone()),
             truth,
-            folder: None,
         };
         let draw =
             |count| known.draw(question.frames, crate::evaluate::Protocol::WellPosed, 5, count).unwrap();

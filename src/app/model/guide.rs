@@ -18,9 +18,9 @@ pub fn guide(model: &Model) -> String {
     }
     if model.tool == Tool::Inspect {
         return if model.shown().is_some() {
-            "Inspect: click in an image to pin the pair of epipolar lines through that place. Escape goes back.".into()
+            "Pin tool: click in an image to pin the pair of epipolar lines through that place. Escape goes back.".into()
         } else {
-            "Inspect: there are no epipolar lines to pin yet. Escape goes back to placing points.".into()
+            "Pin tool: there are no epipolar lines to pin yet. Escape goes back to placing points.".into()
         };
     }
     if let Some(half) = document.half {

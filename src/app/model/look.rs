@@ -38,6 +38,10 @@ pub struct Look {
     pub tabs_folded: bool,
     /// Whether the bottom panel takes most of the window.
     pub tabs_enlarged: bool,
+    /// Whether the side panel is folded away.
+    pub side_folded: bool,
+    /// Whether the row of overlays is folded away.
+    pub overlays_folded: bool,
     /// What the residuals compare.
     pub compared: Subject,
     /// How the rectified pair is shown.
@@ -54,6 +58,8 @@ impl Default for Look {
             tab: TabId::Points,
             tabs_folded: false,
             tabs_enlarged: false,
+            side_folded: false,
+            overlays_folded: false,
             compared: Subject::default(),
             rectified: RectifiedLook::default(),
         }
@@ -87,6 +93,8 @@ struct SavedLook {
     tab: String,
     tabs_folded: bool,
     tabs_enlarged: bool,
+    side_folded: bool,
+    overlays_folded: bool,
     compared: Subject,
     rectified: RectifiedLook,
 }
@@ -99,18 +107,52 @@ impl Default for SavedLook {
 
 impl From<Look> for SavedLook {
     fn from(look: Look) -> Self {
-        let Look { overlays, linked, map, loupe, tab, tabs_folded, tabs_enlarged, compared, rectified } =
-            look;
+        let Look {
+            overlays,
+            linked,
+            map,
+            loupe,
+            tab,
+            tabs_folded,
+            tabs_enlarged,
+            side_folded,
+            overlays_folded,
+            compared,
+            rectified,
+        } = look;
         let overlays = OverlayId::all().map(|overlay| overlay.name().to_owned()).zip(overlays).collect();
         let tab = tab.title().to_owned();
-        Self { overlays, linked, map, loupe, tab, tabs_folded, tabs_enlarged, compared, rectified }
+        Self {
+            overlays,
+            linked,
+            map,
+            loupe,
+            tab,
+            tabs_folded,
+            tabs_enlarged,
+            side_folded,
+            overlays_folded,
+            compared,
+            rectified,
+        }
     }
 }
 
 impl From<SavedLook> for Look {
     fn from(saved: SavedLook) -> Self {
-        let SavedLook { overlays, linked, map, loupe, tab, tabs_folded, tabs_enlarged, compared, rectified } =
-            saved;
+        let SavedLook {
+            overlays,
+            linked,
+            map,
+            loupe,
+            tab,
+            tabs_folded,
+            tabs_enlarged,
+            side_folded,
+            overlays_folded,
+            compared,
+            rectified,
+        } = saved;
         let tab = TabId::ALL.into_iter().find(|other| other.title() == tab).unwrap_or_default();
         let mut look = Self {
             linked,
@@ -119,6 +161,8 @@ impl From<SavedLook> for Look {
             tab,
             tabs_folded,
             tabs_enlarged,
+            side_folded,
+            overlays_folded,
             compared,
             rectified,
             ..Self::default()
@@ -140,12 +184,12 @@ mod tests {
     #[test]
     fn a_look_survives_saving_and_unknown_or_missing_things_do_no_harm() {
         let mut look =
-            Look { linked: true, map: false, tab: TabId::Pencils, tabs_folded: true, ..Look::default() };
+            Look { linked: true, map: false, tab: TabId::Pencils, side_folded: true, ..Look::default() };
         look.overlays[OverlayId::Points as usize] = false;
         let text = serde_json::to_string(&look).unwrap();
         assert_eq!(serde_json::from_str::<Look>(&text).unwrap(), look);
         let partial = r#"{"overlays": {"Points": false, "Of another version": true}, "map": false, "linked": true,
-                "tab": "Pencils", "tabs_folded": true}"#;
+                "tab": "Pencils", "side_folded": true}"#;
         assert_eq!(serde_json::from_str::<Look>(partial).unwrap(), look);
         let unknown = serde_json::from_str::<Look>(r#"{"tab": "Of another version"}"#);
         assert_eq!(unknown.unwrap(), Look::default());

@@ -3,7 +3,7 @@
 //! | module | what it holds |
 //! |---|---|
 //! | [`document`], [`history`] | what is edited; undo and redo |
-//! | [`open_pair`] | all that belongs to the pictures that are open, and goes with them |
+//! | [`open_pair`], [`pair_folder`] | all that belongs to the pictures that are open, and goes with them; the folder they are of |
 //! | [`computation`] | where the estimate stands |
 //! | [`comparison`], [`inspection`], [`suggesting`], [`rectified`] | what else is found out: the question and its answer |
 //! | [`focus`], [`look`], [`ids`] | what is pointed at and chosen; what is drawn, remembered between runs |
@@ -27,6 +27,7 @@ pub mod inspection;
 pub mod look;
 pub mod messages;
 pub mod open_pair;
+pub mod pair_folder;
 pub mod pane_view;
 pub mod picture;
 pub mod questions;
@@ -99,8 +100,6 @@ pub struct Model {
     pub session: SessionState,
     /// What the user was told and has not dismissed.
     pub messages: Messages,
-    /// What was done last with files, for the status bar.
-    pub done: Option<String>,
     /// What is under way.
     pub activity: Activity,
     /// What waits to be imported, until images are open and nothing is asked.

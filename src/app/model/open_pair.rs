@@ -1,11 +1,14 @@
 //! All that belongs to one opening of pictures. It is replaced as a whole when others are opened, so that nothing that
 //! was found out about two pictures can be shown beside two others.
 
+use std::sync::Arc;
+
 use super::comparison::Comparison;
 use super::computation::Computation;
 use super::document::{Document, Side};
 use super::focus::Focus;
 use super::inspection::Inspection;
+use super::pair_folder::PairFolder;
 use super::picture::{Opened, Pictures};
 use super::rectified::{Rectified, Viewing};
 use super::suggesting::Suggested;
@@ -34,6 +37,10 @@ pub struct OpenPair {
     pub show_me: Option<[PointPair; 2]>,
     /// What is known about the pictures, whether or not it is in use.
     pub known: Option<KnownTruth>,
+    /// The folder that they are of, and which of its pairs they are.
+    pub folder: Option<(Arc<PairFolder>, [usize; 2])>,
+    /// What was done last, for the status bar.
+    pub done: Option<String>,
     /// Where the estimate stands.
     pub computation: Computation,
     /// The imported geometry, in the form of a result that nobody computed.

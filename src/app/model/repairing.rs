@@ -1,4 +1,4 @@
-//! The repair of a placed pair: what is asked, and what becomes of the answer.
+//! The repair of a placed pair: what is asked for it, and what becomes of the answer.
 
 use super::Model;
 use super::document::{PointRef, Side, pair_name};
@@ -31,14 +31,14 @@ impl Model {
             Ok(position) => {
                 let moved = (position - points.point2).norm();
                 if moved < IN_PLACE {
-                    self.done = Some(format!("Pair {name} is in its place already."));
+                    self.open.done = Some(format!("Pair {name} is in its place already."));
                     return;
                 }
                 let what = match how {
                     Repair::Refine => "refined",
                     Repair::Rematch => "moved to its match",
                 };
-                self.done = Some(format!("Pair {name} {what}: its right point moved by {moved:.2} px."));
+                self.open.done = Some(format!("Pair {name} {what}: its right point moved by {moved:.2} px."));
                 let at = PointRef { pair, side: Side::Right };
                 self.edit(Step::Single, |document| document.move_to(at, position));
             }

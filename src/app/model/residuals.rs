@@ -2,23 +2,7 @@
 
 use super::Model;
 use super::document::Role;
-use crate::geometry::{FundamentalMatrix, PointPair, sampson_distance, symmetric_epipolar_distance};
-
-/// Distances of one pair from a geometry.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Residuals {
-    /// Mean distance of the two points from each other's epipolar lines, px.
-    pub symmetric: f64,
-    /// First-order distance of the pair from fitting exactly, px.
-    pub sampson: f64,
-}
-
-impl Residuals {
-    /// Those of a pair.
-    pub fn of(f: &FundamentalMatrix, pair: &PointPair) -> Self {
-        Self { symmetric: symmetric_epipolar_distance(f, pair), sampson: sampson_distance(f, pair) }
-    }
-}
+use crate::geometry::symmetric_epipolar_distance;
 
 /// A line of the summary.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -5,10 +5,11 @@ use super::comparison::Contestant;
 use super::computation::Freshness;
 use super::document::Side;
 use super::focus::{LineSource, Pin};
+use super::pair_folder::PairFolder;
 use super::truth::NO_TRUTH;
 use crate::estimate::{Construction, Estimate, Reason, lines_at};
-use crate::geometry::{AnchoredLine, FundamentalMatrix, Line, Point, PointPair};
-use crate::io::{GroundTruth, TruthFolder};
+use crate::geometry::{AnchoredLine, FundamentalMatrix, Line, Point, PointPair, symmetric_epipolar_distance};
+use crate::io::GroundTruth;
 
 /// The geometry that the whole window shows: the hypothesis, the other method's or the imported one that was chosen,
 /// or else the result; without a result, the imported one.
@@ -58,8 +59,8 @@ impl Model {
     }
 
     /// The folder whose pairs are offered, and which of them is open.
-    pub fn folder(&self) -> Option<(&TruthFolder, [usize; 2])> {
-        self.open.known.as_ref()?.folder.as_ref().map(|(folder, pair)| (folder.as_ref(), *pair))
+    pub fn folder(&self) -> Option<(&PairFolder, [usize; 2])> {
+        self.open.folder.as_ref().map(|(folder, pair)| (folder.as_ref(), *pair))
     }
 
     /// Why no random trial can be drawn, if that is so.
@@ -73,15 +74,18 @@ impl Model {
         }
     }
 
-    /// How far a pair is off its epipolar line, px, if the result names it for that.
+    /// The symmetric distance of a pair from the result, px, if that names it for being off its epipolar line.
     pub fn outvoted(&self, pair: usize) -> Option<f64> {
         let (estimate, freshness) = self.open.computation.result()?;
         let number = self.document.used().position(|used| used == pair)? + 1;
-        let reasons = estimate.assessment.trust.iter().filter(|_| freshness == Freshness::Final);
-        reasons.flat_map(|trust| &trust.reasons).find_map(|reason| match reason {
-            Reason::ClickOff { pair, distance, .. } if *pair == number => Some(*distance),
-            _ => None,
-        })
+        let mut reasons = estimate
+            .assessment
+            .trust
+            .iter()
+            .filter(|_| freshness == Freshness::Final)
+            .flat_map(|t| &t.reasons);
+        let is_named = reasons.any(|r| matches!(r, Reason::ClickOff { pair, .. } if *pair == number));
+        is_named.then(|| symmetric_epipolar_distance(estimate.fundamental(), &self.document.pairs[pair]))
     }
 
     /// Whether something else than the result was chosen to be shown.

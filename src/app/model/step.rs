@@ -2,6 +2,7 @@
 
 use super::computation::{Computation, Freshness};
 use super::document::{Document, pair_name};
+use super::verdict::line_score_text;
 use crate::estimate::Stage;
 
 /// Where a step stands.
@@ -73,7 +74,8 @@ pub fn result_text(stage: Stage, document: &Document, computation: &Computation)
         }
         Stage::Validation => {
             let (score, trace) = (estimate?.line_score()?, estimate?.trace.as_ref()?);
-            Some(format!("{} compared, best line score {score:.3}", trace.counts.validated))
+            let score = line_score_text(document.parameters.validation.line_score, score);
+            Some(format!("{} compared, best line score {score}", trace.counts.validated))
         }
         Stage::Refinement => {
             estimate.filter(|_| matches!(result, Some((_, Freshness::Final)))).map(|estimate| {

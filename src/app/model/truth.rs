@@ -1,12 +1,10 @@
-//! Ground truth of the pictures that are open: where it comes from, and the folder whose other pairs are offered.
-
-use std::sync::Arc;
+//! Ground truth of the pictures that are open, and where it comes from.
 
 use super::document::TruthSource;
 use super::shared::Shared;
 use crate::evaluate::{Draws, KnownPair, Protocol};
 use crate::geometry::{Frame, PointPair};
-use crate::io::{GroundTruth, TruthFolder};
+use crate::io::GroundTruth;
 
 /// What is missing where nothing is known about the pictures.
 pub const NO_TRUTH: &str = "Nothing is known about these images beforehand: open a VGG folder, or a folder of pairs \
@@ -22,8 +20,6 @@ pub struct KnownTruth {
     pub truth: Shared<GroundTruth>,
     /// Where they come from, as the document names it.
     pub source: TruthSource,
-    /// The folder and which of its pairs this is; none for a built-in sample.
-    pub folder: Option<(Arc<TruthFolder>, [usize; 2])>,
 }
 
 impl KnownTruth {

@@ -3,9 +3,11 @@
 use std::f64::consts::PI;
 
 use super::computation::{Computation, EstimateFailure, Freshness};
-use super::document::{Document, Imported, pair_name};
-use crate::estimate::{self, Estimate};
-use crate::geometry::{Frame, FundamentalMatrix, HomogeneousPoint, finite_point};
+use super::document::{Document, Imported, Role, pair_name};
+use crate::estimate::{self, CLICK_DEVIATIONS, Estimate, LineScore, Reason};
+use crate::geometry::{
+    Frame, FundamentalMatrix, HomogeneousPoint, finite_point, sampson_distance, symmetric_epipolar_distance,
+};
 
 /// How the news is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -29,9 +31,25 @@ pub struct Fact {
     pub name: &'static str,
     /// The figure with its unit.
     pub value: String,
-    /// One sentence about what it means.
+    /// What it means, and what is good and bad.
     pub tooltip: &'static str,
+    /// Whether it speaks for the result, where there is a measure for that.
+    pub tone: Option<Tone>,
 }
+
+impl Fact {
+    /// A figure without a measure of good and bad.
+    pub fn new(name: &'static str, value: impl Into<String>, tooltip: &'static str) -> Self {
+        Self { name, value: value.into(), tooltip, tone: None }
+    }
+}
+
+/// From this margin on no other geometry is a rival, and below the second one the result is a guess.
+const CLEAR_MARGIN: f64 = 0.2;
+const GUESS: f64 = 0.05;
+/// From so many matches on there are enough, and below the second number far too few.
+const ENOUGH_MATCHES: usize = 60;
+const FAR_TOO_FEW: usize = 25;
 
 /// What to say about the state of the estimate.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -53,17 +71,17 @@ pub fn import_facts(imported: &Imported) -> Vec<Fact> {
         None => "unchecked".to_owned(),
     };
     vec![
-        Fact { name: "From", value: imported.file.clone(), tooltip: "The file that it was imported from." },
-        Fact {
-            name: "Taken",
-            value: imported.reading.clone(),
-            tooltip: "How the numbers of the file were taken, of all the conventions that are in use.",
-        },
-        Fact {
-            name: "Checked",
-            value: check,
-            tooltip: "Symmetric epipolar distance that half of the matches at the time of the import stay below.",
-        },
+        Fact::new("From", imported.file.clone(), "The file that it was imported from."),
+        Fact::new(
+            "Taken",
+            imported.reading.clone(),
+            "How the numbers of the file were taken, of all the conventions that are in use.",
+        ),
+        Fact::new(
+            "Checked",
+            check,
+            "Symmetric distance that half of the matches at the time of the import stay below.",
+        ),
     ]
 }
 
@@ -105,10 +123,12 @@ pub fn verdict(document: &Document, computation: &Computation) -> VerdictInWords
         };
     };
     let assessment = &estimate.assessment;
-    let reasons = assessment.trust.iter().flat_map(|trust| trust.reasons.iter().map(ToString::to_string));
+    let reasons = assessment.trust.iter().flat_map(|trust| &trust.reasons);
+    let reasons = reasons.map(|reason| in_units(reason, document, estimate.fundamental()));
     let warnings: Vec<_> = reasons
         .chain(assessment.warnings.iter().map(ToString::to_string))
         .map(|sentence| format!("{}.", capitalised(&in_names(&sentence, document))))
+        .chain(contradicting_check(document, estimate.fundamental()))
         .collect();
     let unreliable =
         assessment.trust.as_ref().is_some_and(|trust| trust.verdict == estimate::Verdict::Unreliable);
@@ -171,45 +191,134 @@ fn facts(document: &Document, estimate: &Estimate, freshness: Freshness) -> Vec<
         return facts;
     }
     // Before the end, near-copies of the result are not told from other geometries.
-    let margin = (freshness == Freshness::Final).then(|| Fact {
-        name: "Margin",
-        value: match estimate.assessment.margin {
-            Some(margin) => format!("{:.0} %", margin * 100.0),
-            None => "no other geometry came near".into(),
-        },
-        tooltip: "How much less support the best clearly different hypothesis has; \
-                  a few percent means that the result is a guess.",
-    });
-    facts.extend(margin);
-    facts.extend(line_figures(estimate));
-    if let Some(support) = &estimate.assessment.support {
+    facts.extend((freshness == Freshness::Final).then(|| margin(estimate)));
+    if let Some(refinement) = &estimate.assessment.refinement {
+        let count = refinement.matches.len();
+        let tone = grade(count >= ENOUGH_MATCHES, count >= FAR_TOO_FEW);
         facts.push(Fact {
-            name: "Support",
-            value: format!("{:.1} from {} patches", support.score, support.matches),
-            tooltip: "Image patches that find their match along their epipolar line, weighted by how alike they are; \
-                      more is better.",
+            tone: Some(tone).filter(|_| count > 0),
+            ..Fact::new(
+                "Matches",
+                format!("{count} patches at full size"),
+                "Image patches that were matched along the epipolar lines at full resolution; the result was fitted to \
+                 them. 60 or more are enough, fewer than 25 far too few.",
+            )
         });
+    }
+    facts.extend(line_figures(document, estimate));
+    if let Some(support) = &estimate.assessment.support {
+        facts.push(Fact::new(
+            "Support",
+            format!("{:.1}, over {} corners", support.score, support.matches),
+            SUPPORT,
+        ));
     }
     if let Some(trace) = &estimate.trace {
-        facts.push(Fact {
-            name: "Time",
-            value: format!("{:.2} s, the first after {:.2} s", trace.seconds, trace.first_seconds),
-            tooltip: "How long the computation took.",
-        });
+        facts.push(Fact::new(
+            "Time",
+            format!("{:.2} s, first {:.2} s", trace.seconds, trace.first_seconds),
+            "How long the computation took, and until its first result.",
+        ));
     }
     facts
+}
+
+const SUPPORT: &str = "Corners of the reduced images that find their match along their epipolar line, weighted by how alike \
+                       they are. There is no good figure by itself: compare it with those of the other hypotheses.";
+
+/// How clearly the result is ahead, and of which hypothesis.
+fn margin(estimate: &Estimate) -> Fact {
+    let Some(margin) = estimate.assessment.margin else {
+        return Fact { tone: Some(Tone::Good), ..Fact::new("Margin", "no other geometry came near", MARGIN) };
+    };
+    let rival = rival(estimate).map_or(String::new(), |rival| format!(" to hypothesis {}", rival + 1));
+    // What decides, when it was looked at.
+    let refined = estimate.assessment.refined_margin;
+    let decides = refined.unwrap_or(margin);
+    let after = refined.map_or(String::new(), |refined| format!(", {:.0} % refined", refined * 100.0));
+    Fact {
+        tone: Some(grade(decides >= CLEAR_MARGIN, decides >= GUESS)),
+        ..Fact::new("Margin", format!("{:.0} %{rival}{after}", margin * 100.0), MARGIN)
+    }
+}
+
+const MARGIN: &str = "How much less support the best clearly different geometry has than hypothesis 1, from which the result was \
+                      refined; of the published search, how much worse its line score is. 20 % or more is clear, a few \
+                      percent mean that the result is a guess. Where it is not clear, the rivals are refined, too, and \
+                      the margin after that decides. The tab Hypotheses marks the rival.";
+
+/// The hypothesis whose figure beside that of the first one makes the margin, by its place in the list.
+pub fn rival(estimate: &Estimate) -> Option<usize> {
+    let margin = estimate.assessment.margin?;
+    let (best, others) = estimate.hypotheses().split_first()?;
+    let is_it = |other: &Estimate| {
+        let by_support = best.support_score().zip(other.support_score());
+        let by_support = by_support.map(|(best, other)| (best - other) / best.max(1e-9));
+        let by_lines = best.line_score().zip(other.line_score());
+        let by_lines = by_lines.map(|(best, other)| (other - best) / other.max(1e-9));
+        by_support.or(by_lines).is_some_and(|own| (own - margin).abs() < 1e-9)
+    };
+    others.iter().position(is_it).map(|place| place + 1)
+}
+
+fn grade(is_good: bool, is_fair: bool) -> Tone {
+    match (is_good, is_fair) {
+        (true, _) => Tone::Good,
+        (false, true) => Tone::Caution,
+        (false, false) => Tone::Bad,
+    }
+}
+
+/// What the pairs that are only checked have against a geometry, if a person would see it.
+fn contradicting_check(document: &Document, f: &FundamentalMatrix) -> Option<String> {
+    let off = document.parameters.click_sigma * CLICK_DEVIATIONS;
+    let checks = (0..document.pairs.len()).filter(|pair| document.role(*pair) == Role::Check);
+    let contradicting: Vec<(usize, f64)> = checks
+        .filter(|pair| sampson_distance(f, &document.pairs[*pair]) > off)
+        .map(|pair| (pair, symmetric_epipolar_distance(f, &document.pairs[pair])))
+        .collect();
+    let (pair, distance) = contradicting.iter().copied().max_by(|a, b| a.1.total_cmp(&b.1))?;
+    let others = match contradicting.len() - 1 {
+        0 => String::new(),
+        1 => ", and one more is off, too".to_owned(),
+        more => format!(", and {more} more are off, too"),
+    };
+    Some(format!(
+        "Pair {}, which is only checked, is {distance:.1} px (symmetric distance) off its epipolar line{others}: use it, or \
+         check that it shows the same scene point.",
+        pair_name(pair)
+    ))
+}
+
+/// A reason with its figures as the rest of the window has them: the symmetric distance for how far a pair is off, the
+/// margin in percent.
+fn in_units(reason: &Reason, document: &Document, f: &FundamentalMatrix) -> String {
+    let sentence = reason.to_string();
+    match reason {
+        Reason::ClickOff { pair, distance, .. } => {
+            let clicked = pair.checked_sub(1).and_then(|pair| document.used().nth(pair));
+            let clicked = clicked.and_then(|pair| document.pairs.get(pair));
+            let Some(clicked) = clicked else { return sentence };
+            let symmetric = symmetric_epipolar_distance(f, clicked);
+            sentence.replacen(
+                &format!("{distance:.1} px"),
+                &format!("{symmetric:.1} px (symmetric distance)"),
+                1,
+            )
+        }
+        Reason::Ambiguous { margin } => {
+            sentence.replacen(&format!("margin {margin:.2}"), &format!("margin {:.0} %", margin * 100.0), 1)
+        }
+        _ => sentence,
+    }
 }
 
 /// The figures of a hypothesis that is shown in place of the result.
 pub fn hypothesis_facts(document: &Document, hypothesis: &Estimate) -> Vec<Fact> {
     let mut facts = epipoles(document, hypothesis.fundamental());
-    facts.extend(line_figures(hypothesis));
+    facts.extend(line_figures(document, hypothesis));
     if let Some(support) = hypothesis.support_score() {
-        facts.push(Fact {
-            name: "Support",
-            value: format!("{support:.1}"),
-            tooltip: "How strongly matching image patches agree with it; higher is better.",
-        });
+        facts.push(Fact::new("Support", format!("{support:.1}"), SUPPORT));
     }
     facts
 }
@@ -218,34 +327,54 @@ pub fn hypothesis_facts(document: &Document, hypothesis: &Estimate) -> Vec<Fact>
 pub fn epipoles(document: &Document, f: &FundamentalMatrix) -> Vec<Fact> {
     let frame = |k: usize| document.pictures.as_ref().map(|pictures| pictures[k].frame);
     vec![
-        Fact {
-            name: "Left epipole",
-            value: epipole_text(&f.epipole1(), frame(0)),
-            tooltip: "Where the left image sees the other camera; all its epipolar lines meet there.",
-        },
-        Fact {
-            name: "Right epipole",
-            value: epipole_text(&f.epipole2(), frame(1)),
-            tooltip: "Where the right image sees the other camera; all its epipolar lines meet there.",
-        },
+        Fact::new(
+            "Left epipole",
+            epipole_text(&f.epipole1(), frame(0)),
+            "Where the left image sees the other camera; all its epipolar lines meet there.",
+        ),
+        Fact::new(
+            "Right epipole",
+            epipole_text(&f.epipole2(), frame(1)),
+            "Where the right image sees the other camera; all its epipolar lines meet there.",
+        ),
     ]
 }
 
 /// What the lines say; the first result of a computation has neither figure yet.
-fn line_figures(estimate: &Estimate) -> impl Iterator<Item = Fact> {
-    let score = estimate.line_score().map(|score| Fact {
-        name: "Line score",
-        value: format!("{score:.3}"),
-        tooltip: "How unlike corresponding epipolar lines are; lower is better.",
+fn line_figures(document: &Document, estimate: &Estimate) -> impl Iterator<Item = Fact> {
+    let score = estimate.line_score().map(|score| match document.parameters.validation.line_score {
+        LineScore::AgainstMismatched => Fact::new(
+            "Line score",
+            format!("{} of mismatched", line_score_text(LineScore::AgainstMismatched, score)),
+            "What corresponding lines cost to match, beside deliberately mismatched lines; lower is better, and 100 % \
+             are no better than mismatched.",
+        ),
+        LineScore::Cost => Fact::new(
+            "Line score",
+            format!("{} grey² a sample", line_score_text(LineScore::Cost, score)),
+            "What corresponding lines cost to match, as published; lower is better. It depends on the contrast of the \
+             images: compare it with those of the other hypotheses.",
+        ),
     });
     let area = estimate.assessment.lines.as_ref().and_then(|lines| lines.round_trip_area);
-    let round_trip = area.map(|area| Fact {
-        name: "Round trip",
-        value: format!("{area:.2} px"),
-        tooltip: "How far a line ends from where it began when it is carried to the other image and back; \
-                  small means that both directions agree.",
+    let round_trip = area.map(|area| {
+        Fact::new(
+            "Round trip",
+            format!("{area:.2} px"),
+            "How far a line ends from where it began when the lines matched through the clicks carry it to the other \
+             image and back: a figure of the published search, to compare its hypotheses by. The verdict rests on \
+             the matches, and a good result may have a large one.",
+        )
     });
     score.into_iter().chain(round_trip)
+}
+
+/// A line score in its unit, which depends on what is measured.
+pub fn line_score_text(kind: LineScore, score: f64) -> String {
+    match kind {
+        LineScore::AgainstMismatched => format!("{:.1} %", score * 100.0),
+        LineScore::Cost => format!("{score:.1}"),
+    }
 }
 
 /// Where an epipole is, in words and figures.
@@ -291,7 +420,7 @@ mod tests {
     use super::*;
     use crate::app::fake;
     use crate::app::model::computation::EstimateNews;
-    use crate::estimate::{Reason, Suspect, Trust, Warning};
+    use crate::estimate::{Suspect, Trust, Warning};
     use crate::geometry::PointPair;
 
     fn computed(change: impl Fn(&mut Estimate)) -> (Document, Computation) {
@@ -333,7 +462,53 @@ mod tests {
         let bad = verdict(&document, &computation);
         assert_eq!(bad.tone, Tone::Bad);
         assert!(bad.headline.ends_with("is unreliable:"));
-        assert!(bad.warnings[0].starts_with("Point pair q is 40.0 px off"));
+        let (estimate, _) = computation.result().unwrap();
+        let own = symmetric_epipolar_distance(estimate.fundamental(), &document.pairs[1]);
+        let told = format!("Point pair q is {own:.1} px (symmetric distance) off");
+        assert!(bad.warnings[0].starts_with(&told), "{}", bad.warnings[0]);
+    }
+
+    #[test]
+    fn a_margin_is_in_percent_wherever_it_is_told() {
+        let (document, computation) = computed(|e| {
+            e.assessment.margin = Some(0.054);
+            let reasons = vec![Reason::Ambiguous { margin: 0.054 }];
+            e.assessment.trust = Some(Trust { verdict: estimate::Verdict::Doubtful, reasons });
+        });
+        let doubtful = verdict(&document, &computation);
+        assert!(doubtful.warnings[0].contains("(margin 5 %)"), "{}", doubtful.warnings[0]);
+        let margin = doubtful.facts.iter().find(|fact| fact.name == "Margin").unwrap();
+        assert_eq!((margin.value.as_str(), margin.tone), ("5 %", Some(Tone::Caution)));
+    }
+
+    #[test]
+    fn the_margin_after_refinement_decides() {
+        let (document, computation) = computed(|e| {
+            e.assessment.margin = Some(0.054);
+            e.assessment.refined_margin = Some(0.62);
+        });
+        let good = verdict(&document, &computation);
+        let margin = good.facts.iter().find(|fact| fact.name == "Margin").unwrap();
+        assert_eq!((margin.value.as_str(), margin.tone), ("5 %, 62 % refined", Some(Tone::Good)));
+    }
+
+    #[test]
+    fn a_checked_pair_far_off_speaks_against_the_result() {
+        let (mut document, computation) = computed(|_| ());
+        let f = *computation.result().unwrap().0.fundamental();
+        let point1 = crate::geometry::Point::new(40.0, 40.0);
+        let line = f.line2_from_point1(point1).unwrap();
+        let [a, b, c] = [0, 1, 2].map(|k| line.coefficients()[k]);
+        let at = |off: f64| crate::geometry::Point::new(a * (off - c), b * (off - c));
+        for (off, tone) in [(0.0, Tone::Good), (90.0, Tone::Caution)] {
+            document.pairs.truncate(2);
+            document.pairs.push(PointPair { point1, point2: at(off) });
+            document.check_only(2, true);
+            let told = verdict(&document, &computation);
+            assert_eq!(told.tone, tone, "{off} px: {:?}", told.warnings);
+            let named = told.warnings.iter().any(|w| w.starts_with("Pair r, which is only checked, is "));
+            assert_eq!(named, off > 0.0);
+        }
     }
 
     #[test]

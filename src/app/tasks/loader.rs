@@ -10,6 +10,7 @@ use super::opening;
 use super::task::{Event, Task, Waiting};
 use super::waker::Waker;
 use crate::app::model::document::{Side, TruthSource};
+use crate::app::model::pair_folder::PairFolder;
 use crate::app::model::picture::Opened;
 use crate::app::model::sample::sample_pair;
 use crate::app::model::session::{OpenSession, Relocation, Restored};
@@ -17,7 +18,6 @@ use crate::app::model::shared::Shared;
 use crate::app::model::truth::KnownTruth;
 use crate::geometry::PointPair;
 use crate::image::{LoadError, Picture};
-use crate::io::TruthFolder;
 
 /// What to open.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -27,11 +27,14 @@ pub enum Opening {
     Sample,
     /// Two files, left and right.
     Files(PathBuf, PathBuf),
-    /// The first pair of a folder whose geometry is known.
+    /// The first pair of a folder.
     Folder(PathBuf),
     /// A session.
     Session(PathBuf),
 }
+
+/// A folder, and which of its pairs is open.
+pub type OpenFolder = (Arc<PairFolder>, [usize; 2]);
 
 /// What an opening gives.
 pub struct LoadedPair {
@@ -41,6 +44,8 @@ pub struct LoadedPair {
     pub show_me: Option<[PointPair; 2]>,
     /// What is known about them, if anything.
     pub known: Option<KnownTruth>,
+    /// The folder that the pictures are of.
+    pub folder: Option<OpenFolder>,
     /// Whether what is known is to be used from the start.
     pub uses_truth: bool,
     /// What a session brings.
@@ -66,7 +71,7 @@ pub enum OpeningFailure {
 impl LoadedPair {
     /// Two pictures of which nothing else is known.
     pub fn of(pictures: [Opened; 2]) -> Self {
-        Self { pictures, show_me: None, known: None, uses_truth: false, restored: None }
+        Self { pictures, show_me: None, known: None, folder: None, uses_truth: false, restored: None }
     }
 }
 
@@ -96,32 +101,23 @@ impl Loader {
         self.start(|| Ok(sample()));
     }
 
-    /// Opens two pictures; without a path the one that is open stays. Says whether there are two.
-    pub fn open(&mut self, paths: [Option<PathBuf>; 2]) -> bool {
-        let kept = self.open.clone();
-        if paths.iter().any(Option::is_none) && kept.len() < 2 {
-            return false;
-        }
+    /// Opens two pictures.
+    pub fn open(&mut self, [left, right]: [PathBuf; 2]) {
         self.start(move || {
-            let open = |side: Side| match &paths[side.index()] {
-                Some(path) => picture(path, side, &[]),
-                None => Ok(kept[side.index()].clone()),
-            };
-            Ok(LoadedPair::of([open(Side::Left)?, open(Side::Right)?]))
+            Ok(LoadedPair::of([picture(&left, Side::Left, &[])?, picture(&right, Side::Right, &[])?]))
         });
-        true
     }
 
-    /// Opens the first pair of a folder whose geometry is known.
+    /// Opens the first pair of a folder.
     pub fn open_folder(&mut self, path: PathBuf) {
         self.start(move || {
-            let folder = TruthFolder::open(&path).map_err(|error| unchanged(&error.to_string()))?;
+            let folder = PairFolder::open(&path).map_err(|problem| unchanged(&problem))?;
             open_pair(&Arc::new(folder), [0, 1], &[])
         });
     }
 
     /// Opens a pair of a folder; what of it is open already is not read again.
-    pub fn open_pair(&mut self, folder: Arc<TruthFolder>, pair: [usize; 2]) {
+    pub fn open_pair(&mut self, folder: Arc<PairFolder>, pair: [usize; 2]) {
         let open = self.open.clone();
         self.start(move || open_pair(&folder, pair, &open));
     }
@@ -184,21 +180,26 @@ fn unchanged(error: &str) -> OpeningFailure {
 pub fn sample() -> LoadedPair {
     let sample = sample_pair();
     let source = TruthSource::Sample(sample.truth.name.clone());
-    let known = Some(KnownTruth { truth: Shared::new(sample.truth), source, folder: None });
+    let known = Some(KnownTruth { truth: Shared::new(sample.truth), source });
     // Who learns the program is not shown the answer before the question: the truth is not used at once.
     LoadedPair { show_me: Some(sample.show_me), known, ..LoadedPair::of(sample.pictures.map(Opened::new)) }
 }
 
 fn open_pair(
-    folder: &Arc<TruthFolder>,
+    folder: &Arc<PairFolder>,
     pair: [usize; 2],
     open: &[Opened],
 ) -> Result<LoadedPair, OpeningFailure> {
-    let truth = folder.truth(pair).map_err(|error| unchanged(&error.to_string()))?;
     let view = |k: usize, side: Side| picture(folder.image(pair[k]), side, open);
     let pictures = [view(0, Side::Left)?, view(1, Side::Right)?];
-    let views = pair.map(|view| folder.names()[view].clone());
-    let source = TruthSource::Folder { folder: folder.path().to_owned(), views };
-    let known = KnownTruth { truth: Shared::new(truth), source, folder: Some((Arc::clone(folder), pair)) };
-    Ok(LoadedPair { known: Some(known), uses_truth: true, ..LoadedPair::of(pictures) })
+    let opened = LoadedPair { folder: Some((Arc::clone(folder), pair)), ..LoadedPair::of(pictures) };
+    let Some(known) = folder.known() else { return Ok(opened) };
+    let truth = known.truth(pair).map_err(|error| unchanged(&error.to_string()))?;
+    let views = pair.map(|view| known.names()[view].clone());
+    let source = TruthSource::Folder { folder: known.path().to_owned(), views };
+    Ok(LoadedPair {
+        known: Some(KnownTruth { truth: Shared::new(truth), source }),
+        uses_truth: true,
+        ..opened
+    })
 }

@@ -3,8 +3,9 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use super::loader::{LoadedPair, OpeningFailure, picture, sample};
+use super::loader::{LoadedPair, OpenFolder, OpeningFailure, picture, sample};
 use crate::app::model::document::{Side, TruthSource};
+use crate::app::model::pair_folder::PairFolder;
 use crate::app::model::session::{Lost, OpenSession, Relocation, Restored, Work};
 use crate::app::model::shared::Shared;
 use crate::app::model::truth::KnownTruth;
@@ -64,7 +65,7 @@ pub fn open(session: OpenSession) -> Result<LoadedPair, OpeningFailure> {
     }
     if let Some(TruthSource::Folder { folder, views }) = &work.document.truth {
         match known(folder, views) {
-            Ok(known) => pair.known = Some(known),
+            Ok((known, folder)) => (pair.known, pair.folder) = (Some(known), Some(folder)),
             Err(problem) => {
                 notes.push(format!("The ground truth of the session is left out: {problem}."));
                 work.document.truth = None;
@@ -92,7 +93,7 @@ fn is_known_sample(image: &ImageReference) -> bool {
 }
 
 /// The ground truth of two views of a folder.
-fn known(folder: &Path, views: &[String; 2]) -> Result<KnownTruth, String> {
+fn known(folder: &Path, views: &[String; 2]) -> Result<(KnownTruth, OpenFolder), String> {
     let truths = TruthFolder::open(folder).map_err(|error| error.to_string())?;
     let number = |view: &String| {
         let position = truths.names().iter().position(|name| name == view);
@@ -101,5 +102,6 @@ fn known(folder: &Path, views: &[String; 2]) -> Result<KnownTruth, String> {
     let pair = [number(&views[0])?, number(&views[1])?];
     let truth = truths.truth(pair).map_err(|error| error.to_string())?;
     let source = TruthSource::Folder { folder: folder.to_owned(), views: views.clone() };
-    Ok(KnownTruth { truth: Shared::new(truth), source, folder: Some((Arc::new(truths), pair)) })
+    let known = KnownTruth { truth: Shared::new(truth), source };
+    Ok((known, (Arc::new(PairFolder::Known(truths)), pair)))
 }

@@ -5,6 +5,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::app::model::computation::EstimateRequest;
 use crate::app::model::document::Side;
+use crate::app::model::pair_folder::IMAGE_EXTENSIONS;
 use crate::app::model::picture::Pictures;
 use crate::app::model::suggesting::{
     NextClickQuestion, Outcome, Repair, RepairQuestion, SuggestQuestion, Suggested,
@@ -138,9 +139,8 @@ impl PreparedCache {
 }
 
 fn pick_file() -> Option<PathBuf> {
-    let extensions = ["png", "jpg", "jpeg", "tif", "tiff", "bmp", "pgm", "ppm", "pnm", "pbm", "webp"];
     let others = ["json", "txt", "csv", "tsv", "dat", "yml", "yaml", "xml", "P"];
-    let dialog = rfd::FileDialog::new().set_title("Open a file").add_filter("Images", &extensions);
+    let dialog = rfd::FileDialog::new().set_title("Open a file").add_filter("Images", &IMAGE_EXTENSIONS);
     dialog.add_filter("Sessions, point pairs, matrices", &others).add_filter("All files", &["*"]).pick_file()
 }
 

@@ -1,6 +1,6 @@
 //! Where everything is in the window.
 
-use egui::{CentralPanel, Context, Frame, Margin, Panel, Rect, Ui, UiBuilder};
+use egui::{CentralPanel, Context, Frame, Margin, Panel, Rect, Sense, Ui, UiBuilder};
 
 use super::capture::ViewCapture;
 use super::dialogs::Dialogs;
@@ -98,12 +98,28 @@ impl View {
         Panel::bottom("status").frame(bar(ui)).show(ui, |ui| {
             panels::status(ui, model, commands);
         });
-        Panel::right("side")
-            .frame(bar(ui))
-            .resizable(true)
-            .default_size(300.0)
-            .size_range(240.0..=480.0)
-            .show(ui, |ui| panels::side::show(ui, model, commands));
+        if model.look.side_folded {
+            let strip = bar(ui).inner_margin(Margin::symmetric(6, 7));
+            Panel::right("folded side")
+                .frame(strip)
+                .resizable(false)
+                .exact_size(34.0)
+                .show(ui, |ui| panels::side::folded(ui, model, commands));
+        } else {
+            Panel::right("side")
+                .frame(bar(ui))
+                .resizable(true)
+                .default_size(300.0)
+                .size_range(240.0..=480.0)
+                .show(ui, |ui| {
+                    // Something wide in it must not widen the panel, which would stay so.
+                    let area = ui.available_rect_before_wrap();
+                    ui.allocate_rect(area, Sense::hover());
+                    let mut inside = ui.new_child(UiBuilder::new().max_rect(area));
+                    inside.shrink_clip_rect(area);
+                    panels::side::show(&mut inside, model, commands);
+                });
+        }
         if model.tab().is_some() {
             // Each of the two heights is remembered by itself.
             let (name, size, largest) = if model.look.tabs_enlarged {
@@ -127,9 +143,10 @@ impl View {
                 panels::tabs::headings(ui, model, commands);
             });
         }
-        // A small window has better use for the space; the list of commands has every overlay too.
+        // A low window has better use for the space; the menu View has every overlay too.
         let enlarged = model.tab().is_some() && model.look.tabs_enlarged;
-        if model.document.pictures.is_some() && height > ROOM_FOR_LEGEND && !enlarged {
+        let wanted = model.document.pictures.is_some() && !model.look.overlays_folded;
+        if wanted && height > ROOM_FOR_LEGEND && !enlarged {
             let strip = bar(ui).inner_margin(Margin::symmetric(8, 3));
             Panel::bottom("legend").frame(strip).show(ui, |ui| panels::legend(ui, model, commands));
         }

@@ -33,9 +33,9 @@ pub const INSPECTED: Color32 = Color32::WHITE;
 /// Pinned line pairs, the same in both images and in the plots; another after each, then from the start.
 pub const PINNED: [Color32; PINS] = [
     Color32::from_rgb(230, 110, 40),
-    Color32::from_rgb(205, 170, 115),
-    Color32::from_rgb(214, 120, 255),
     Color32::from_rgb(80, 220, 230),
+    Color32::from_rgb(214, 120, 255),
+    Color32::from_rgb(205, 170, 115),
 ];
 
 /// Epipoles of hypotheses.

@@ -45,11 +45,11 @@ pub fn with_keys() -> Vec<Action> {
         .when(|model| model.accepted_suggestion().is_some()),
         action(
             Command::ToggleInspectTool,
-            "Inspect",
+            "Pin tool",
             "Pin the pair of epipolar lines through each place you click; Escape goes back to placing points.",
         )
         .key(NONE, Key::I)
-        .listed(|_| "Inspect: pin line pairs"),
+        .listed(|_| "Pin tool: pin line pairs"),
         action(Command::ToggleLink, "Link views", "Zoom and move both images together.").key(NONE, Key::L),
         action(
             Command::ToggleMap,
@@ -132,7 +132,7 @@ pub fn with_keys() -> Vec<Action> {
         action(
             Command::DeleteSelected,
             "Delete the selected pair",
-            "Remove the pair of the selected point from both images; with the inspect tool, the pinned line pair.",
+            "Remove the pair of the selected point from both images; with the pin tool, the pinned line pair.",
         )
         .key(NONE, Key::Delete)
         .key(NONE, Key::Backspace)
@@ -161,10 +161,24 @@ pub fn with_keys() -> Vec<Action> {
         .listed(|_| "Enlarge or reduce the panel"),
         action(
             Command::FoldTabs,
-            "Hide or show the panel",
+            "Hide or show the bottom panel",
             "Fold the bottom panel away, or bring it back.",
         )
         .key(NONE, Key::B),
+        action(
+            Command::FoldSide,
+            "Hide or show the side panel",
+            "Fold the panel with the result and the steps away, or bring it back.",
+        )
+        .key(NONE, Key::P)
+        .listed(|_| "Hide or show the side panel"),
+        action(
+            Command::FoldOverlays,
+            "Hide or show the overlay row",
+            "Fold the row of overlays under the images away, or bring it back; the menu View has all of them, too.",
+        )
+        .key(NONE, Key::O)
+        .listed(|_| "Hide or show the overlay row"),
         tab(
             TabId::Points,
             Key::Num1,
@@ -257,7 +271,7 @@ pub fn by_name() -> Vec<Action> {
         action(Command::Stop, "Stop", "Stop the computation; a first result stays.")
             .listed(|_| "Stop the computation")
             .when(|model| model.open.computation.is_running()),
-        action(Command::UnpinAll, "Unpin all lines", "Remove all pinned line pairs from the images.")
+        action(Command::UnpinAll, "Unpin all", "Remove all pinned line pairs from the images.")
             .listed(|_| "Unpin all lines")
             .when(|model| !model.open.focus.pins().is_empty()),
         action(
@@ -327,14 +341,14 @@ pub fn in_dialogs() -> Vec<Action> {
     let rectified = RectifiedCommand::Export { folder: PathBuf::new(), options };
     vec![
         action(
-            Command::OpenFiles([None, None]),
+            Command::OpenFiles(Vec::new()),
             "Open",
-            "Open these files. Point pairs of the images before are removed.",
+            "Open these files in place of those that are open. Points that are not saved are kept aside and offered again.",
         ),
         action(
             Command::OpenFolder(PathBuf::new()),
             "Open folder",
-            "Open a folder whose geometry is known, in the VGG layout or one of pairs with true matches.",
+            "Open the first pair of this folder; any two of its images can be chosen then.",
         ),
         browse(Command::Browse(Side::Left), "Choose the file in the system's file dialog."),
         browse(Command::BrowseFolder, "Choose the folder in the system's dialog."),
@@ -366,7 +380,11 @@ pub fn in_dialogs() -> Vec<Action> {
             "Pin lines",
             "Keep this pair of epipolar lines on the images and compare their intensities.",
         ),
-        action(Command::Unpin(0), "Unpin", "Remove this line pair from the images."),
+        action(
+            Command::Unpin(0),
+            "Unpin",
+            "Remove the chosen line pair from the images; Delete does it with the pin tool.",
+        ),
         action(
             Command::ToggleOverlay(OverlayId::Points),
             "Show or hide",

@@ -2,13 +2,17 @@
 
 use std::path::PathBuf;
 
-use egui::{Align2, Context, Label, Response, TextEdit, Ui, Window, vec2};
+use egui::{Align2, Button, Context, Label, Rect, Response, Sense, TextEdit, Ui, Window, vec2};
 
 use super::finish_button;
 use crate::app::model::command::Command;
 
 /// Width of the names of fields, screen points: all alike, so that the fields line up.
 pub const LABEL_WIDTH: f32 = 84.0;
+
+/// Height of a field and its button, screen points.
+const HEIGHT: f32 = 26.0;
+const BROWSE_WIDTH: f32 = 72.0;
 
 /// A window in the middle, with its content as wide as this; whether it stays open.
 pub fn dialog(ctx: &Context, title: &str, width: f32, content: impl FnOnce(&mut Ui)) -> bool {
@@ -19,7 +23,8 @@ pub fn dialog(ctx: &Context, title: &str, width: f32, content: impl FnOnce(&mut 
         .resizable(false)
         .anchor(Align2::CENTER_CENTER, vec2(0.0, -40.0))
         .show(ctx, |ui| {
-            ui.set_width(width);
+            // As wide as a small window has room for.
+            ui.set_width(width.min(ctx.content_rect().width() - 56.0));
             content(ui);
         });
     open
@@ -42,15 +47,27 @@ pub struct PathField<'a> {
 impl PathField<'_> {
     /// Shows it; returns the field.
     pub fn show(self, ui: &mut Ui, text: &mut String, commands: &mut Vec<Command>) -> Response {
+        let (field, place) = self.show_field(ui, text);
+        self.show_browse(ui, place, commands);
+        field
+    }
+
+    /// Shows the field alone, with room for its button: so fields that belong together follow one another with Tab.
+    pub fn show_field(&self, ui: &mut Ui, text: &mut String) -> (Response, Rect) {
         let row = ui.horizontal(|ui| {
-            let label = ui.add_sized([LABEL_WIDTH, 26.0], Label::new(self.name));
-            let edit = TextEdit::singleline(text).hint_text(self.hint).desired_width(self.width);
+            let label = ui.add_sized([LABEL_WIDTH, HEIGHT], Label::new(self.name));
+            let room = ui.available_width() - BROWSE_WIDTH - 3.0 * ui.spacing().item_spacing.x;
+            let edit = TextEdit::singleline(text).hint_text(self.hint).desired_width(self.width.min(room));
             let field = ui.add(edit).labelled_by(label.id);
-            let browse = named(ui.button("Browse"), self.browse);
-            finish_button(ui, browse, self.command, commands);
-            field
+            (field, ui.allocate_exact_size(vec2(BROWSE_WIDTH, HEIGHT), Sense::hover()).0)
         });
         row.inner
+    }
+
+    /// Shows the button in the room that was left for it.
+    pub fn show_browse(self, ui: &mut Ui, place: Rect, commands: &mut Vec<Command>) -> Response {
+        let button = ui.place(place, Button::new("Browse").min_size(place.size()));
+        finish_button(ui, named(button, self.browse), self.command, commands)
     }
 }
 
@@ -65,5 +82,32 @@ pub fn path_of(text: &str) -> Option<PathBuf> {
     // Paths are often pasted with quotes or as an address.
     let text = text.trim().trim_matches(['"', '\'']);
     let text = text.strip_prefix("file://").unwrap_or(text);
-    (!text.is_empty()).then(|| PathBuf::from(text))
+    let home = || std::env::home_dir().filter(|home| !home.as_os_str().is_empty());
+    let below_home = match text.strip_prefix('~') {
+        Some("") => home(),
+        Some(rest) => rest.strip_prefix(['/', std::path::MAIN_SEPARATOR]).zip(home()).map(|(r, h)| h.join(r)),
+        None => None,
+    };
+    below_home.or_else(|| (!text.is_empty()).then(|| PathBuf::from(text)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pasted_paths_lose_their_quotes_and_a_tilde_is_the_home_folder() {
+        let home = std::env::home_dir().unwrap();
+        for (text, path) in [
+            ("  \"/a b.png\" ", PathBuf::from("/a b.png")),
+            ("file:///c.png", "/c.png".into()),
+            ("~", home.clone()),
+            ("~/a/b.png", home.join("a/b.png")),
+            ("'~/b.png'", home.join("b.png")),
+            ("~other/b.png", "~other/b.png".into()),
+        ] {
+            assert_eq!(path_of(text), Some(path), "{text}");
+        }
+        assert_eq!(path_of("  "), None);
+    }
 }

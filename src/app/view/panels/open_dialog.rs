@@ -2,14 +2,15 @@
 
 use std::path::{Path, PathBuf};
 
-use egui::{Button, Key};
+use egui::{Button, Key, Label, RichText};
 
 use super::dialog::{PathField, dialog, path_of};
-use super::{command_button, finish_button};
+use super::{busy, command_button, finish_button};
 use crate::app::model::Model;
 use crate::app::model::command::Command;
 use crate::app::model::command::ExchangeCommand;
 use crate::app::model::document::Side;
+use crate::app::view::theme;
 
 /// What has been typed.
 #[derive(Debug, Clone, Default)]
@@ -19,6 +20,8 @@ pub struct OpenDialog {
     paths: [String; 2],
     folder: String,
     import: String,
+    /// Why nothing was opened, after the last attempt.
+    problem: Option<String>,
     just_opened: bool,
 }
 
@@ -58,28 +61,38 @@ impl OpenDialog {
         self.import = path.display().to_string();
     }
 
+    /// Says why nothing was opened, and keeps what was typed.
+    pub fn refuse(&mut self, problem: String) {
+        self.problem = Some(problem);
+    }
+
+    /// The image that is still to be named, when the other one is.
+    pub fn missing(&self) -> Option<Side> {
+        match self.typed() {
+            [Some(_), None] => Some(Side::Right),
+            [None, Some(_)] => Some(Side::Left),
+            _ => None,
+        }
+    }
+
     fn typed(&self) -> [Option<PathBuf>; 2] {
         self.paths.each_ref().map(|text| path_of(text))
     }
 
-    /// What pressing Enter or the button does, if enough has been typed: what is imported is about what is opened.
-    fn commands(&self, model: &Model) -> Vec<Command> {
+    /// What pressing Enter or the button does, if anything has been typed: what is imported is about what is opened.
+    fn commands(&self) -> Vec<Command> {
         let import = path_of(&self.import);
         let import = import.map(|path| ExchangeCommand::Import(vec![path]).into());
-        self.opening(model).into_iter().chain(import).collect()
+        self.opening().into_iter().chain(import).collect()
     }
 
     /// What is opened.
-    fn opening(&self, model: &Model) -> Option<Command> {
+    fn opening(&self) -> Option<Command> {
         if let Some(folder) = path_of(&self.folder) {
             return Some(Command::OpenFolder(folder));
         }
-        let typed = self.typed();
-        let enough = match &model.document.pictures {
-            Some(_) => typed.iter().any(Option::is_some),
-            None => typed.iter().all(Option::is_some),
-        };
-        enough.then_some(Command::OpenFiles(typed))
+        let typed: Vec<PathBuf> = self.typed().into_iter().flatten().collect();
+        (!typed.is_empty()).then_some(Command::OpenFiles(typed))
     }
 
     /// Shows the window.
@@ -90,26 +103,31 @@ impl OpenDialog {
         let open = dialog(ctx, "Open images", 520.0, |ui| {
             ui.weak("Type or paste the paths of two images or of a session, browse for the files, or drop them on the window.");
             ui.add_space(6.0);
-            for (side, name) in Side::BOTH.into_iter().zip(["Left image", "Right image"]) {
-                let present = model.document.pictures.as_ref().map(|pictures| &pictures[side.index()].name);
-                let hint = present.map_or("path of the image".to_owned(), |name| format!("keep {name}"));
-                let browse = format!("Browse for the {} image", side.name());
-                let field = field(name, &hint, &browse, Command::Browse(side));
-                let field = field.show(ui, &mut self.paths[side.index()], commands);
+            let rows = [
+                ("Left image", "Browse for the left image", Side::Left),
+                ("Right image", "Browse for the right image", Side::Right),
+            ];
+            let rows = rows.map(|(name, browse, side)| {
+                let row = field(name, "path of the image", browse, Command::Browse(side));
+                let (field, place) = row.show_field(ui, &mut self.paths[side.index()]);
                 if self.just_opened && side == Side::Left {
                     field.request_focus();
                 }
+                (row, place)
+            });
+            let mut elsewhere = false;
+            for (row, place) in rows {
+                elsewhere |= row.show_browse(ui, place, commands).has_focus();
             }
             ui.add_space(6.0);
             ui.weak(
-                    "Or a folder whose geometry is known: in the VGG layout, or pairs NAMEA.*, NAMEB.* with NAME.txt.",
-                );
-            ui.add_space(2.0);
-            field("Folder", "path of the folder", "Browse for the folder", Command::BrowseFolder).show(
-                ui,
-                &mut self.folder,
-                commands,
+                "Or a folder of images, any two of which make a pair. Where its geometry is known (VGG layout, or pairs \
+                 NAMEA.*, NAMEB.* with NAME.txt), results can be compared with it.",
             );
+            ui.add_space(2.0);
+            let row = field("Folder", "path of the folder", "Browse for the folder", Command::BrowseFolder);
+            let (_, place) = row.show_field(ui, &mut self.folder);
+            elsewhere |= row.show_browse(ui, place, commands).has_focus();
             ui.add_space(6.0);
             ui.weak(
                     "For the images, if you have them: point pairs, a fundamental matrix or two cameras, in any of the known formats.",
@@ -117,19 +135,39 @@ impl OpenDialog {
             ui.add_space(2.0);
             let hint = "path of the file, for the images above or those that are open";
             let browse = ExchangeCommand::BrowseImport.into();
-            field("Import", hint, "Browse for a file to import", browse).show(ui, &mut self.import, commands);
+            let row = field("Import", hint, "Browse for a file to import", browse);
+            let (_, place) = row.show_field(ui, &mut self.import);
+            elsewhere |= row.show_browse(ui, place, commands).has_focus();
             ui.add_space(6.0);
-            let typed = self.commands(model);
+            if let Some(problem) = &self.problem {
+                let color = theme::palette(ui.visuals()).bad;
+                ui.add(Label::new(RichText::new(problem).color(color)).wrap());
+                ui.add_space(6.0);
+            }
+            let typed = if model.activity.loading { Vec::new() } else { self.commands() };
+            let mut begun = false;
             ui.horizontal(|ui| {
                 let open = ui.add_enabled(!typed.is_empty(), Button::new("Open these"));
-                let described = typed.first().cloned().unwrap_or(Command::OpenFiles([None, None]));
-                if finish_button(ui, open, described, commands).clicked() {
+                let described = typed.first().cloned().unwrap_or(Command::OpenFiles(Vec::new()));
+                let open = finish_button(ui, open, described, commands);
+                if open.clicked() {
                     commands.extend(typed.iter().skip(1).cloned());
+                    begun = true;
                 }
-                command_button(ui, Command::Cancel, true, commands);
+                elsewhere |= open.has_focus();
+                elsewhere |= command_button(ui, Command::Cancel, true, commands).has_focus();
+                if model.activity.loading {
+                    busy::show(ui);
+                    ui.weak("Opening");
+                }
             });
-            if ui.input(|input| input.key_pressed(Key::Enter)) {
+            // On a button the key presses that button.
+            if !elsewhere && ui.input(|input| input.key_pressed(Key::Enter)) && !typed.is_empty() {
                 commands.extend(typed);
+                begun = true;
+            }
+            if begun {
+                self.problem = None;
             }
         });
         self.just_opened = false;
@@ -154,12 +192,5 @@ mod tests {
         assert!(dialog.open);
         let both = dialog.offer(Path::new("b.png"), None);
         assert_eq!(both, Some(["a.png".into(), "b.png".into()]));
-    }
-
-    #[test]
-    fn pasted_paths_lose_their_quotes() {
-        let dialog =
-            OpenDialog { paths: ["  \"/a b.png\" ".into(), "file:///c.png".into()], ..OpenDialog::default() };
-        assert_eq!(dialog.typed(), [Some("/a b.png".into()), Some("/c.png".into())]);
     }
 }

@@ -1,4 +1,4 @@
-//! The pairs of the folder that is open, and what can be done with its ground truth.
+//! The pairs of the folder that is open, and what can be done with its ground truth, if it has any.
 
 use egui::{Button, ComboBox, Ui};
 
@@ -6,13 +6,15 @@ use super::{command_button, finish_button};
 use crate::app::model::Model;
 use crate::app::model::command::Command;
 use crate::app::model::document::Side;
+use crate::app::model::pair_folder::PairFolder;
 use crate::evaluate::Protocol;
-use crate::io::TruthFolder;
 
 /// Shows them from the right.
-pub fn show(ui: &mut Ui, model: &Model, folder: &TruthFolder, pair: [usize; 2], commands: &mut Vec<Command>) {
-    truth_buttons(ui, model, commands);
-    ui.separator();
+pub fn show(ui: &mut Ui, model: &Model, folder: &PairFolder, pair: [usize; 2], commands: &mut Vec<Command>) {
+    if folder.known().is_some() {
+        truth_buttons(ui, model, commands);
+        ui.separator();
+    }
     ui.spacing_mut().item_spacing.x = 4.0;
     step(ui, folder, pair, true, commands);
     if folder.pairs_freely() {
@@ -39,7 +41,7 @@ pub fn truth_buttons(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     finish_button(ui, button, Command::ToggleTruth, commands);
 }
 
-fn step(ui: &mut Ui, folder: &TruthFolder, pair: [usize; 2], forward: bool, commands: &mut Vec<Command>) {
+fn step(ui: &mut Ui, folder: &PairFolder, pair: [usize; 2], forward: bool, commands: &mut Vec<Command>) {
     let enabled = folder.neighbour(pair, forward).is_some();
     let command = Command::StepPair { forward };
     let button = ui.add_enabled(enabled, Button::new(if forward { "▶" } else { "◀" }));
@@ -49,13 +51,7 @@ fn step(ui: &mut Ui, folder: &TruthFolder, pair: [usize; 2], forward: bool, comm
 }
 
 /// One of the two views.
-fn view_chooser(
-    ui: &mut Ui,
-    folder: &TruthFolder,
-    pair: [usize; 2],
-    side: Side,
-    commands: &mut Vec<Command>,
-) {
+fn view_chooser(ui: &mut Ui, folder: &PairFolder, pair: [usize; 2], side: Side, commands: &mut Vec<Command>) {
     let mut chosen = pair[side.index()];
     let other = pair[side.other().index()];
     let label = format!("The {} view", side.name());
@@ -80,7 +76,7 @@ fn view_chooser(
 }
 
 /// One of the pairs.
-fn pair_chooser(ui: &mut Ui, folder: &TruthFolder, pair: [usize; 2], commands: &mut Vec<Command>) {
+fn pair_chooser(ui: &mut Ui, folder: &PairFolder, pair: [usize; 2], commands: &mut Vec<Command>) {
     let response =
         ComboBox::from_id_salt("pair").width(150.0).selected_text(folder.pair_name(pair)).show_ui(ui, |ui| {
             let pairs = (0..folder.names().len()).step_by(2).map(|view| [view, view + 1]);

@@ -1,7 +1,7 @@
 //! The bar at the top: opening, undo, the tool, how it is looked at, and help.
 
 use egui::containers::menu::{MenuButton, MenuConfig};
-use egui::{Align, Button, Layout, PopupCloseBehavior, Ui};
+use egui::{Align, Button, Layout, PopupCloseBehavior, ScrollArea, Ui};
 
 use super::{command_button, finish_button};
 use crate::app::model::Model;
@@ -9,50 +9,88 @@ use crate::app::model::command::Command;
 use crate::app::model::command::ExchangeCommand;
 use crate::app::model::command::SessionCommand;
 use crate::app::model::look::Tool;
+use crate::app::view::panes::overlays::OVERLAYS;
+
+/// With less room than this the tools wrap into further rows, screen points.
+const ONE_ROW: f32 = 800.0;
 
 /// Shows the bar.
 pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
-    ui.horizontal(|ui| {
-        let open = ui.button("Open");
-        finish_button(ui, open, Command::ShowOpenDialog, commands);
-        command_button(ui, Command::OpenSample, true, commands);
-        let save = ui.add_enabled(model.document.pictures.is_some(), Button::new("Save"));
-        finish_button(ui, save, SessionCommand::Save.into(), commands);
-        let export = ExchangeCommand::ShowExport.into();
-        command_button(ui, export, model.document.pictures.is_some(), commands);
-        ui.separator();
-        command_button(ui, Command::Undo, model.history.can_undo(), commands);
-        command_button(ui, Command::Redo, model.history.can_redo(), commands);
-        ui.separator();
-        command_button(ui, Command::FitAll, model.document.pictures.is_some(), commands);
-        let inspect = Button::selectable(model.tool == Tool::Inspect, Command::ToggleInspectTool.name());
-        let inspect = ui.add_enabled(model.document.pictures.is_some(), inspect.frame_when_inactive(true));
-        finish_button(ui, inspect, Command::ToggleInspectTool, commands);
-        let stays_open = MenuConfig::new().close_behavior(PopupCloseBehavior::CloseOnClickOutside);
-        let (menu, _) =
-            MenuButton::new("View").config(stays_open).ui(ui, |ui| view_menu(ui, model, commands));
-        menu.on_hover_text("Choose how the images are shown.");
-        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            let keys = ui.add(Button::new("Keys"));
-            finish_button(ui, keys, Command::ToggleShortcuts, commands);
-            let palette = ui.add(Button::new(Command::TogglePalette.name()));
-            finish_button(ui, palette, Command::TogglePalette, commands);
-            let theme = ui.add(Button::new(if ui.visuals().dark_mode { "Light" } else { "Dark" }));
-            finish_button(ui, theme, Command::ToggleTheme, commands);
+    let pinned = !model.open.focus.pins().is_empty();
+    if ui.available_width() < ONE_ROW + if pinned { 90.0 } else { 0.0 } {
+        ui.horizontal_wrapped(|ui| {
+            tools(ui, model, commands);
+            ui.separator();
+            program(ui, commands);
         });
+        return;
+    }
+    ui.horizontal(|ui| {
+        tools(ui, model, commands);
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| program(ui, commands));
     });
 }
 
-/// How the images are shown.
+/// What is done with the images.
+fn tools(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+    let any = model.document.pictures.is_some();
+    let open = ui.button("Open");
+    finish_button(ui, open, Command::ShowOpenDialog, commands);
+    command_button(ui, Command::OpenSample, true, commands);
+    let save = ui.add_enabled(any, Button::new("Save"));
+    finish_button(ui, save, SessionCommand::Save.into(), commands);
+    command_button(ui, ExchangeCommand::ShowExport.into(), any, commands);
+    ui.separator();
+    command_button(ui, Command::Undo, model.history.can_undo(), commands);
+    command_button(ui, Command::Redo, model.history.can_redo(), commands);
+    ui.separator();
+    command_button(ui, Command::FitAll, any, commands);
+    let pin = Button::selectable(model.tool == Tool::Inspect, Command::ToggleInspectTool.name());
+    let pin = ui.add_enabled(any, pin.frame_when_inactive(true));
+    finish_button(ui, pin, Command::ToggleInspectTool, commands);
+    if !model.open.focus.pins().is_empty() {
+        command_button(ui, Command::UnpinAll, true, commands);
+    }
+    let stays_open = MenuConfig::new().close_behavior(PopupCloseBehavior::CloseOnClickOutside);
+    let (menu, _) = MenuButton::new("View").config(stays_open).ui(ui, |ui| view_menu(ui, model, commands));
+    menu.on_hover_text("Choose how the images are shown, and which panels.");
+}
+
+/// The look of the program, and help; from the right, where there is room.
+fn program(ui: &mut Ui, commands: &mut Vec<Command>) {
+    let keys = ui.add(Button::new("Keys"));
+    finish_button(ui, keys, Command::ToggleShortcuts, commands);
+    let palette = ui.add(Button::new(Command::TogglePalette.name()));
+    finish_button(ui, palette, Command::TogglePalette, commands);
+    let theme = ui.add(Button::new(if ui.visuals().dark_mode { "Light" } else { "Dark" }));
+    finish_button(ui, theme, Command::ToggleTheme, commands);
+}
+
+/// How the images are shown, and which panels.
 fn view_menu(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let look = &model.look;
-    let choices = [
-        (Command::ToggleLink, look.linked),
-        (Command::ToggleMap, look.map),
-        (Command::ToggleLoupe, look.loupe),
-    ];
-    for (command, mut on) in choices {
-        let choice = ui.checkbox(&mut on, command.name());
+    let mut switch = |ui: &mut Ui, command: Command, name: &str, mut on: bool| {
+        let choice = ui.checkbox(&mut on, name);
         finish_button(ui, choice, command, commands);
-    }
+    };
+    switch(ui, Command::ToggleLink, Command::ToggleLink.name(), look.linked);
+    switch(ui, Command::ToggleMap, Command::ToggleMap.name(), look.map);
+    switch(ui, Command::ToggleLoupe, Command::ToggleLoupe.name(), look.loupe);
+    ui.separator();
+    switch(ui, Command::FoldSide, "Side panel", !look.side_folded);
+    switch(ui, Command::FoldTabs, "Bottom panel", !look.tabs_folded);
+    switch(ui, Command::FoldOverlays, "Overlay row", !look.overlays_folded);
+    ui.separator();
+    // Also where a low window has no room for their row.
+    ui.menu_button("Overlays", |ui| {
+        let room = (ui.ctx().content_rect().height() - 120.0).max(100.0);
+        ScrollArea::vertical().max_height(room).show(ui, |ui| {
+            for overlay in OVERLAYS.iter().filter(|overlay| model.offers(overlay.id)) {
+                let mut on = look.shows(overlay.id);
+                if ui.checkbox(&mut on, overlay.id.name()).on_hover_text(overlay.tooltip).clicked() {
+                    commands.push(Command::ToggleOverlay(overlay.id));
+                }
+            }
+        });
+    });
 }

@@ -6,10 +6,12 @@
 
 use egui::{Color32, Pos2, Rect, Sense, Shape, Stroke, Ui, WidgetInfo, vec2};
 
+use super::transform::Transform;
 use crate::app::model::Model;
 use crate::app::model::command::Command;
 use crate::app::model::document::Side;
 use crate::app::model::focus::Target;
+use crate::app::model::ids::OverlayId;
 use crate::app::view::theme;
 use crate::geometry::{Frame, HomogeneousPoint, Vector};
 
@@ -21,6 +23,11 @@ const SHARE: f32 = 0.12;
 const MARGIN: f32 = 6.0;
 /// Hypotheses drawn, by rank.
 const DRAWN: usize = 60;
+/// From this part of the radius on a place is drawn on the other side, too: geometries that hardly differ may have their
+/// epipoles far away on either.
+const FAR: f64 = 0.9;
+/// How visible the map is where it would be in the way.
+const FADED: f32 = 0.35;
 /// How near the cursor takes hold of a mark, screen points.
 const REACH: f32 = 8.0;
 
@@ -42,7 +49,7 @@ impl Disc {
         let sense = if point.z < 0.0 { -1.0 } else { 1.0 };
         let share = if length > 0.0 { length / (length + weight) } else { 0.0 };
         let along = away.try_normalize(1e-300).unwrap_or_else(Vector::zeros) * (sense * share);
-        (self.centre + vec2(along.x as f32, along.y as f32) * self.radius, share > 0.995)
+        (self.centre + vec2(along.x as f32, along.y as f32) * self.radius, share > FAR)
     }
 
     fn opposite(&self, at: Pos2) -> Pos2 {
@@ -62,22 +69,43 @@ impl Disc {
     }
 }
 
-/// Draws the map in the lower right corner of a pane; a mark under the cursor lights up everywhere, and a click
-/// on it chooses the hypothesis.
-pub fn show(ui: &mut Ui, pane: Rect, side: Side, frame: Frame, model: &Model, commands: &mut Vec<Command>) {
+/// The middle of the map: in the lower right corner, unless a clicked point is there and another corner is free; and
+/// whether it covers none.
+fn place(pane: Rect, radius: f32, points: &[Pos2]) -> (Pos2, bool) {
+    let room = pane.shrink(radius + MARGIN);
+    let reach = radius + theme::GRAB_RADIUS;
+    let is_free = |centre: &Pos2| points.iter().all(|point| point.distance(*centre) > reach);
+    let corners = [room.right_bottom(), room.left_bottom(), room.right_top(), room.left_top()];
+    corners.into_iter().find(is_free).map_or((corners[0], false), |corner| (corner, true))
+}
+
+/// Draws the map in a corner of a pane where no point is; a mark under the cursor lights up everywhere, and a click on it
+/// chooses the hypothesis. What belongs to an overlay that is hidden is not in it.
+pub fn show(ui: &mut Ui, transform: &Transform, side: Side, model: &Model, commands: &mut Vec<Command>) {
     let Some(shown) = model.shown() else { return };
+    let Some(frame) = model.document.frame(side) else { return };
+    let (dots, rings) = (model.look.shows(OverlayId::Hypotheses), model.look.shows(OverlayId::Epipoles));
+    let pane = transform.rect;
     let side_length = pane.width().min(pane.height());
     let radius = (side_length * SHARE).clamp(*RADIUS.start(), *RADIUS.end());
-    let centre = pane.max - vec2(radius + MARGIN, radius + MARGIN);
-    if side_length < 4.0 * radius {
+    if side_length < 4.0 * radius || !(dots || rings) {
         return;
     }
+    let points = model.document.points(side).map(|(_, point)| transform.screen_from_image(point));
+    let (centre, free) = place(pane, radius, &points.collect::<Vec<_>>());
     let disc = Disc { centre, radius, frame };
     let area = Rect::from_center_size(centre, vec2(radius, radius) * 2.0);
-    let response = ui.interact(area, ui.scope_id().with("epipole map"), Sense::click());
+    // A click that is due in this image is meant for the image, and so is one on a point.
+    let is_due = model.document.half.is_some_and(|half| half.side != side);
+    let sense = if free && !is_due { Sense::click() } else { Sense::empty() };
+    let response = ui.interact(area, ui.scope_id().with("epipole map"), sense);
     let name = format!("epipole map of the {} image", side.name());
     response.widget_info(|| WidgetInfo::labeled(egui::Role::Image, true, &name));
-    let painter = ui.painter_at(area.expand(4.0));
+    let mut painter = ui.painter_at(area.expand(4.0));
+    let pointed = ui.rect_contains_pointer(area);
+    if !free || is_due && pointed {
+        painter.set_opacity(FADED);
+    }
     painter.circle_filled(centre, radius, Color32::from_black_alpha(190));
     painter.circle_stroke(centre, radius, Stroke::new(1.0, Color32::from_gray(150)));
     painter.add(Shape::closed_line(disc.outline(), Stroke::new(1.2, Color32::from_gray(215))));
@@ -85,7 +113,7 @@ pub fn show(ui: &mut Ui, pane: Rect, side: Side, frame: Frame, model: &Model, co
     let hypotheses = shown.estimate.hypotheses();
     let drawn = hypotheses.len().min(DRAWN);
     let mut nearest: Option<(usize, f32)> = None;
-    for (rank, hypothesis) in hypotheses.iter().take(drawn).enumerate().rev() {
+    for (rank, hypothesis) in hypotheses.iter().take(if dots { drawn } else { 0 }).enumerate().rev() {
         let (at, infinite) = disc.place(&side.epipole(hypothesis.fundamental()));
         let bright = 1.0 - rank as f32 / drawn as f32;
         let mut color = theme::HYPOTHESIS.gamma_multiply(0.2 + 0.7 * bright * bright);
@@ -108,7 +136,8 @@ pub fn show(ui: &mut Ui, pane: Rect, side: Side, frame: Frame, model: &Model, co
         }
     }
     let truth = model.truth().map(|truth| (&truth.fundamental, theme::TRUE, 6.5));
-    for (f, color, radius) in truth.into_iter().chain([(shown.fundamental, theme::ESTIMATED, 4.5)]) {
+    let marked = truth.into_iter().chain([(shown.fundamental, theme::ESTIMATED, 4.5)]);
+    for (f, color, radius) in marked.filter(|_| rings) {
         let (at, infinite) = disc.place(&side.epipole(f));
         for at in std::iter::once(at).chain(infinite.then(|| disc.opposite(at))) {
             painter.circle_stroke(at, radius, Stroke::new(3.5, theme::HALO));
@@ -132,6 +161,19 @@ pub fn show(ui: &mut Ui, pane: Rect, side: Side, frame: Frame, model: &Model, co
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_map_dodges_points_as_long_as_there_is_a_free_corner() {
+        let pane = Rect::from_min_max(Pos2::ZERO, Pos2::new(400.0, 300.0));
+        let corners =
+            [(350.0, 260.0), (40.0, 270.0), (360.0, 30.0), (30.0, 30.0)].map(|(x, y)| Pos2::new(x, y));
+        let expected =
+            [(354.0, 254.0), (46.0, 254.0), (354.0, 46.0), (46.0, 46.0)].map(|(x, y)| Pos2::new(x, y));
+        for taken in 0..4 {
+            assert_eq!(place(pane, 40.0, &corners[..taken]), (expected[taken], true));
+        }
+        assert_eq!(place(pane, 40.0, &corners), (expected[0], false));
+    }
 
     #[test]
     fn the_image_is_in_the_middle_and_infinity_at_the_rim() {

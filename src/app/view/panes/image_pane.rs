@@ -144,7 +144,7 @@ impl ImagePane {
             commands.push(Command::PointAt(target));
         }
         if model.look.map {
-            epipole_map::show(ui, rect, side, frame, model, commands);
+            epipole_map::show(ui, &transform, side, model, commands);
         }
         for overlay in above {
             (overlay.draw)(&canvas);

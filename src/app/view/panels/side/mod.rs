@@ -4,15 +4,16 @@ mod parameters;
 mod result;
 mod steps;
 
-use egui::{Frame, Margin, ScrollArea, Ui};
+use egui::{Button, Frame, Margin, ScrollArea, Ui, vec2};
 
+use super::dialog::named;
 use super::finish_button;
 use crate::app::model::Model;
 use crate::app::model::command::Command;
 use crate::estimate::{Method, Parameters, Preset, Search};
 
 /// A result with all its figures and nothing against it, screen points.
-const RESULT_HEIGHT: f32 = 212.0;
+const RESULT_HEIGHT: f32 = 240.0;
 
 /// Shows the panel.
 pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
@@ -31,6 +32,17 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
             ui.add_space(4.0);
             steps::show(ui, model, commands);
         });
+    });
+}
+
+/// The panel folded away: how far to trust the result, and the way back.
+pub fn folded(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+    ui.vertical_centered(|ui| {
+        ui.set_width(22.0);
+        let show = named(ui.add(Button::new("◀").min_size(vec2(22.0, 22.0))), "Show side panel");
+        finish_button(ui, show, Command::FoldSide, commands);
+        ui.add_space(8.0);
+        result::light(ui, model);
     });
 }
 

@@ -2,6 +2,7 @@
 
 use egui::{Color32, Grid, Label, RichText, Ui, vec2};
 
+use super::super::dialog::named;
 use super::super::{busy, command_button, finish_button};
 use crate::app::model::Model;
 use crate::app::model::command::Command;
@@ -16,11 +17,13 @@ use crate::app::view::theme;
 pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     ui.horizontal(|ui| {
         ui.strong("Result");
-        if model.open.computation.is_running() {
-            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            let fold = named(ui.add(egui::Button::new("▶").min_size(vec2(22.0, 22.0))), "Hide side panel");
+            finish_button(ui, fold, Command::FoldSide, commands);
+            if model.open.computation.is_running() {
                 command_button(ui, Command::Stop, true, commands);
-            });
-        }
+            }
+        });
     });
     if let Some(shown) = model.shown() {
         if let Some((number, hypothesis)) = shown.hypothesis {
@@ -82,17 +85,30 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     list(ui, true_error(model).chain(facts));
 }
 
+/// The verdict as a light alone, with its sentence for a tooltip.
+pub fn light(ui: &mut Ui, model: &Model) {
+    let VerdictInWords { tone, headline, .. } = verdict(&model.document, &model.open.computation);
+    if tone == Tone::Busy {
+        busy::show(ui);
+    } else {
+        let (dot, response) = ui.allocate_exact_size(vec2(18.0, 18.0), egui::Sense::hover());
+        ui.painter().circle_filled(dot.center(), 6.0, tone_color(ui, tone));
+        response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, &headline));
+        response.on_hover_text(headline);
+    }
+}
+
 /// How far the geometry that is shown really is from the truth, where that is known and in use.
 fn true_error(model: &Model) -> impl Iterator<Item = Fact> + use<> {
     let known = model.truth().zip(model.open.comparison.as_ref()).filter(|_| model.shown().is_some());
     let fact = known.and_then(|(_, comparison)| {
         let (error, least) = (comparison.true_error?, comparison.truth_error?);
-        Some(Fact {
-            name: "True error",
-            value: format!("{error:.2} px (the truth: {least:.2} px)"),
-            tooltip: "Mean symmetric epipolar distance of all true matches from the geometry shown. That of the true \
-                      geometry says how exact the matches are: nothing can be expected to do much better.",
-        })
+        Some(Fact::new(
+            "True error",
+            format!("{error:.2} px (the truth: {least:.2} px)"),
+            "Mean symmetric distance of all true matches from the geometry shown. That of the true geometry says how exact \
+             the matches are: nothing can be expected to do much better.",
+        ))
     });
     fact.into_iter()
 }
@@ -102,7 +118,16 @@ fn list(ui: &mut Ui, facts: impl Iterator<Item = Fact>) {
     Grid::new("facts").num_columns(2).min_row_height(18.0).spacing([10.0, 3.0]).show(ui, |ui| {
         for fact in facts {
             ui.weak(fact.name).on_hover_text(fact.tooltip);
-            ui.add(Label::new(fact.value).wrap()).on_hover_text(fact.tooltip);
+            ui.horizontal_top(|ui| {
+                ui.spacing_mut().item_spacing.x = 6.0;
+                // As high as its text.
+                ui.spacing_mut().interact_size.y = 0.0;
+                if let Some(tone) = fact.tone {
+                    let (dot, _) = ui.allocate_exact_size(vec2(8.0, 16.0), egui::Sense::hover());
+                    ui.painter().circle_filled(dot.center(), 4.0, tone_color(ui, tone));
+                }
+                ui.add(Label::new(fact.value).wrap()).on_hover_text(fact.tooltip);
+            });
             ui.end_row();
         }
     });

@@ -9,8 +9,8 @@ use crate::app::model::Model;
 use crate::app::model::command::Command;
 use crate::app::model::focus::Target;
 use crate::app::model::ids::TabId;
-use crate::app::model::verdict::epipole_text;
-use crate::estimate::{Construction, Estimate};
+use crate::app::model::verdict::{epipole_text, line_score_text, rival};
+use crate::estimate::{Construction, Estimate, LineScore};
 use crate::geometry::{Frame, HomogeneousPoint, finite_point};
 
 /// Registered in [`super::TABS`].
@@ -19,40 +19,43 @@ pub const TAB: Tab = Tab { id: TabId::Hypotheses, tools, show };
 const COLUMNS: [Column; 7] = [
     Column::figures(
         "Rank",
-        64.0,
-        "Place in the list, best first, before refinement; the result is what refinement made of the best.",
+        84.0,
+        "Place in the list, best first, before refinement; the result is what refinement made of the best. The rival is \
+         the best clearly different geometry: how far hypothesis 1 is ahead of it is the margin of the result.",
     ),
     Column::figures(
         "Support",
         88.0,
-        "How strongly matching image patches agree with it; higher is better. Empty where patches were \
-                  not compared.",
+        "How strongly matching image corners agree with it; higher is better, and what counts is the difference between \
+         rows. Empty where patches were not compared.",
     ),
     Column::figures(
         "Line score",
-        100.0,
-        "How unlike its corresponding lines are over both images; lower is better.",
+        104.0,
+        "What its corresponding lines cost to match over both images; lower is better. With the preset Robust in parts of \
+         what mismatched lines cost, with Paper in squared grey levels a sample.",
     ),
     Column::figures(
         "Round trip, px",
-        126.0,
-        "Mean area between a line and where H and G bring it, over the image width; small means that both \
-                  directions agree.",
+        136.0,
+        "How far a line ends from where it began when it is carried to the other image (H) and back (G). Small means that \
+         both directions agree; a good result may have a large one, and a wrong one a small one.",
     ),
     Column::figures(
-        "κ of H / κ of G",
-        126.0,
-        "Ratio of the maps found in the two directions; 1 means that they agree.",
+        "There/back",
+        110.0,
+        "The stretch κ of the line map H from left to right over that of G from right to left; 1 means that both directions \
+         agree.",
     ),
     Column::figures(
         "Left epipole",
-        200.0,
+        176.0,
         "Where the left image sees the other camera, px, or the direction if it is far away. Sorted by the \
                   distance from the middle.",
     ),
     Column::figures(
         "Right epipole",
-        200.0,
+        176.0,
         "Where the right image sees the other camera, px, or the direction if it is far away. Sorted by the \
                   distance from the middle.",
     ),
@@ -82,19 +85,24 @@ fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         _ => None,
     };
     let number = |row: usize| listed.number(row);
+    let line_score = model.document.parameters.validation.line_score;
+    let rival = listed.result.and_then(rival);
+    let is_rival = |row: usize| number(row).is_some() && number(row) == rival;
     let touched = Table {
         name: "hypotheses",
         columns: &COLUMNS,
         rows: listed.rows(),
         revision: model.open.computation.revision(),
         row_name: &|row| {
-            number(row).map_or("Result".to_owned(), |number| format!("Hypothesis {}", number + 1))
+            let mark = if is_rival(row) { ", the rival" } else { "" };
+            number(row).map_or("Result".to_owned(), |number| format!("Hypothesis {}{mark}", number + 1))
         },
         key: &|row, column| key(listed.hypothesis(row), row, column, frames),
         text: &|row, column| match (column, number(row)) {
             (0, None) => "Result".to_owned(),
+            (0, Some(number)) if is_rival(row) => format!("rival   {}", number + 1),
             (0, Some(number)) => (number + 1).to_string(),
-            _ => text(listed.hypothesis(row), column),
+            _ => text(listed.hypothesis(row), column, line_score),
         },
         look: &|row| RowLook {
             chosen: chosen == number(row),
@@ -172,13 +180,13 @@ fn round_trip_area(hypothesis: &Estimate) -> f64 {
     hypothesis.assessment.lines.as_ref().and_then(|lines| lines.round_trip_area).unwrap_or(f64::NAN)
 }
 
-fn text(hypothesis: &Estimate, column: usize) -> String {
+fn text(hypothesis: &Estimate, column: usize, line_score: LineScore) -> String {
     let figure = |value: f64, decimals: usize| {
         if value.is_finite() { format!("{value:.decimals$}") } else { String::new() }
     };
     match column {
         1 => figure(hypothesis.support_score().unwrap_or(f64::NAN), 1),
-        2 => figure(hypothesis.line_score().unwrap_or(f64::NAN), 3),
+        2 => hypothesis.line_score().map_or(String::new(), |score| line_score_text(line_score, score)),
         3 => figure(round_trip_area(hypothesis), 2),
         4 => figure(ratio(hypothesis), 3),
         5 => epipole_text(&hypothesis.geometry.epipole1(), None),

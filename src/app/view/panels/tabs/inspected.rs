@@ -1,6 +1,6 @@
 //! Which line pair is inspected: the pinned ones to choose from, and the figures of the sample under the cursor.
 
-use egui::{Color32, Role, Sense, Stroke, StrokeKind, Ui, WidgetInfo, vec2};
+use egui::{Role, Sense, Stroke, StrokeKind, Ui, WidgetInfo, vec2};
 
 use super::super::command_button;
 use crate::app::model::Model;
@@ -14,15 +14,12 @@ use crate::app::view::theme;
 const REACH: f64 = 12.0;
 /// Shows it from right to left.
 pub fn tools(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
-    if !model.open.focus.pins().is_empty() {
-        command_button(ui, Command::UnpinAll, true, commands);
-    }
     if let Some(number) = model.open.focus.inspected_number() {
         command_button(ui, Command::Unpin(number), true, commands);
     }
     for (number, pin) in model.open.focus.pins().iter().enumerate().rev() {
         let chosen = model.open.focus.inspected_number() == Some(number);
-        if swatch(ui, theme::PINNED[pin.color], chosen, &describe(pin.source)) {
+        if swatch(ui, pin.color, chosen, &describe(pin.source)) {
             commands.push(Command::Inspect(number));
         }
     }
@@ -48,11 +45,14 @@ pub fn read_out(model: &Model) -> Option<(String, &'static str)> {
 }
 
 /// A pinned pair to choose; says whether it was chosen.
-fn swatch(ui: &mut Ui, color: Color32, chosen: bool, text: &str) -> bool {
+fn swatch(ui: &mut Ui, color: usize, chosen: bool, text: &str) -> bool {
     let (area, response) = ui.allocate_exact_size(vec2(18.0, 18.0), Sense::click());
     let name = format!("Inspect: {text}");
     response.widget_info(|| WidgetInfo::selected(Role::Button, true, chosen, &name));
-    ui.painter().rect_filled(area.shrink(3.0), 3.0, color);
+    ui.painter().rect_filled(area.shrink(2.0), 3.0, theme::PINNED[color]);
+    let number = (color + 1).to_string();
+    let font = egui::FontId::proportional(12.0);
+    ui.painter().text(area.center(), egui::Align2::CENTER_CENTER, number, font, egui::Color32::BLACK);
     if chosen || response.hovered() || response.has_focus() {
         let stroke = Stroke::new(1.5, ui.visuals().strong_text_color());
         ui.painter().rect_stroke(area, 4.0, stroke, StrokeKind::Inside);

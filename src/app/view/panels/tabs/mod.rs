@@ -37,27 +37,26 @@ static TABS: [Tab; TabId::ALL.len()] =
 /// With less room than this beside the headings their tools are left to the list of commands, screen points.
 const ROOM_FOR_TOOLS: f32 = 100.0;
 
+/// With less room than this the headings go on in a second row, screen points.
+const ONE_ROW: f32 = 580.0;
+
 /// The line of the headings.
 pub fn headings(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+    let padding = ui.spacing().button_padding;
+    if ui.available_width() < ONE_ROW {
+        ui.horizontal_wrapped(|ui| {
+            ui.spacing_mut().button_padding.x = 7.0;
+            titles(ui, model, commands);
+            folding(ui, model, commands);
+        });
+        return;
+    }
     ui.horizontal(|ui| {
-        let padding = ui.spacing().button_padding;
         // Six headings and their tools share a line, in a small window, too.
         ui.spacing_mut().button_padding.x = 7.0;
-        for tab in &TABS {
-            let shown = model.tab() == Some(tab.id);
-            let response = ui.selectable_label(shown, RichText::new(tab.id.title()).strong());
-            finish_button(ui, response, Command::ShowTab(tab.id), commands);
-        }
-        let right_to_left = egui::Layout::right_to_left(egui::Align::Center);
-        ui.with_layout(right_to_left, |ui| {
-            let fold = ui.button(if model.tab().is_some() { "Hide" } else { "Show panel" });
-            finish_button(ui, fold, Command::FoldTabs, commands);
-            if model.tab().is_some() {
-                let (sign, name) =
-                    if model.look.tabs_enlarged { ("▼", "Reduce") } else { ("▲", "Enlarge") };
-                let enlarge = named(ui.button(sign), name);
-                finish_button(ui, enlarge, Command::EnlargeTabs, commands);
-            }
+        titles(ui, model, commands);
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            folding(ui, model, commands);
             ui.spacing_mut().button_padding = padding;
             let room = ui.available_width() > ROOM_FOR_TOOLS;
             if let Some(tab) = chosen_tab(model).filter(|_| room) {
@@ -65,6 +64,27 @@ pub fn headings(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
             }
         });
     });
+}
+
+fn titles(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+    for tab in &TABS {
+        let shown = model.tab() == Some(tab.id);
+        let response = ui.selectable_label(shown, RichText::new(tab.id.title()).strong());
+        finish_button(ui, response, Command::ShowTab(tab.id), commands);
+    }
+}
+
+/// What changes the height of the panel.
+fn folding(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+    let is_open = model.tab().is_some();
+    let fold = ui.button(if is_open { "Hide" } else { "Show" });
+    let fold = named(fold, if is_open { "Hide panel" } else { "Show panel" });
+    finish_button(ui, fold, Command::FoldTabs, commands);
+    if is_open {
+        let (sign, name) = if model.look.tabs_enlarged { ("▼", "Reduce") } else { ("▲", "Enlarge") };
+        let enlarge = named(ui.button(sign), name);
+        finish_button(ui, enlarge, Command::EnlargeTabs, commands);
+    }
 }
 
 fn chosen_tab(model: &Model) -> Option<&'static Tab> {

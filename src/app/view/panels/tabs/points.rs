@@ -1,6 +1,7 @@
 //! The list of point pairs with their residuals.
 
-use egui::{Button, Grid, Label, RichText, ScrollArea, Sense, Ui};
+use egui::containers::menu::MenuButton;
+use egui::{Button, DragValue, Grid, Label, Response, RichText, ScrollArea, Sense, Stroke, Ui, WidgetInfo};
 
 use super::super::dialog::named;
 use super::super::{command_button, finish_button, pair_menu};
@@ -10,13 +11,21 @@ use crate::app::model::command::Command;
 use crate::app::model::document::{PointRef, Role, Side, pair_name};
 use crate::app::model::focus::{LineSource, Target};
 use crate::app::model::ids::TabId;
-use crate::app::model::residuals::{Residuals, summary};
+use crate::app::model::residuals::summary;
 use crate::app::model::suggesting::Repair;
+use crate::app::model::verdict::capitalised;
 use crate::app::view::theme;
-use crate::geometry::Point;
+use crate::geometry::{Point, symmetric_epipolar_distance};
 
 /// Registered in [`super::TABS`].
 pub const TAB: Tab = Tab { id: TabId::Points, tools, show };
+
+/// With less room than this beside each other the rarer actions of a row are in a menu, screen points.
+const ROW_WIDTH: f32 = 900.0;
+const OUTVOTED_WIDTH: f32 = 70.0;
+const COORDINATE_WIDTH: f32 = 60.0;
+/// Half of the last decimal of a coordinate, px.
+const HALF_A_DIGIT: f64 = 0.005;
 
 fn tools(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let any = !model.document.pairs.is_empty() || model.document.half.is_some();
@@ -43,8 +52,11 @@ fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
             }
         });
     }
+    let outvoted = (0..document.pairs.len()).any(|pair| model.outvoted(pair).is_some());
+    let needed = if outvoted { ROW_WIDTH + OUTVOTED_WIDTH } else { ROW_WIDTH };
+    let wide = ui.available_width() >= needed;
     ScrollArea::both().id_salt("points").auto_shrink([false, false]).show(ui, |ui| {
-        Grid::new("points").num_columns(8).striped(true).min_row_height(22.0).spacing([7.0, 3.0]).show(
+        Grid::new("points").num_columns(6).striped(true).min_row_height(22.0).spacing([7.0, 3.0]).show(
             ui,
             |ui| {
                 for (title, tooltip) in [
@@ -52,8 +64,11 @@ fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
                     ("  Left x, y", "Position in the left image, px."),
                     ("  Right x, y", "Position in the right image, px."),
                     ("Role", "Whether the geometry is estimated from the pair or only checked by it."),
-                    ("Symmetric", "Mean distance of the two points from each other's epipolar lines."),
-                    ("Sampson", "How far the two points would have to move to fit the geometry exactly."),
+                    (
+                        "Distance",
+                        "Symmetric distance: the mean distance of the two points from each other's epipolar lines. Up to \
+                         some 2 px is what a careful click has.",
+                    ),
                     ("", ""),
                 ] {
                     let response = ui.weak(title);
@@ -64,7 +79,7 @@ fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
                 ui.end_row();
                 for pair in 0..=document.pairs.len() {
                     if pair < document.pairs.len() || document.half.is_some() {
-                        row(ui, model, pair, commands);
+                        row(ui, model, pair, wide, commands);
                     }
                 }
             },
@@ -72,7 +87,7 @@ fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     });
 }
 
-fn row(ui: &mut Ui, model: &Model, pair: usize, commands: &mut Vec<Command>) {
+fn row(ui: &mut Ui, model: &Model, pair: usize, wide: bool, commands: &mut Vec<Command>) {
     let document = &model.document;
     let name = pair_name(pair);
     let lit = model.open.focus.hovered() == Some(Target::Pair(pair));
@@ -86,25 +101,20 @@ fn row(ui: &mut Ui, model: &Model, pair: usize, commands: &mut Vec<Command>) {
     });
     for side in Side::BOTH {
         let at = PointRef { pair, side };
-        if let Some(point) = document.point(at) {
-            let text = RichText::new(position_text(point)).monospace();
-            let selected = document.selection == Some(at);
-            let response = ui.selectable_label(selected, text);
-            finish_button(ui, response, Command::Select((!selected).then_some(at)), commands);
+        if document.point(at).is_some() {
+            position(ui, model, at, commands);
         } else {
             ui.weak("click it");
         }
     }
     let finished = document.pairs.get(pair);
     role(ui, model, pair, commands);
-    let residuals = finished.zip(model.shown()).map(|(pair, shown)| Residuals::of(shown.fundamental, pair));
-    for distance in residuals.map_or([f64::NAN; 2], |r| [r.symmetric, r.sampson]) {
-        if distance.is_finite() {
-            ui.label(RichText::new(format!("{distance:5.2} px")).monospace());
-        } else {
-            ui.add(Label::new(""));
-        }
-    }
+    let distance = finished.zip(model.shown());
+    let distance = distance.map(|(pair, shown)| symmetric_epipolar_distance(shown.fundamental, pair));
+    match distance.filter(|distance| distance.is_finite()) {
+        Some(distance) => ui.label(RichText::new(format!("{distance:6.2} px")).monospace()),
+        None => ui.add(Label::new("")),
+    };
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 4.0;
         let mut offer = |ui: &mut Ui, command: Command, enabled: bool| {
@@ -112,13 +122,18 @@ fn row(ui: &mut Ui, model: &Model, pair: usize, commands: &mut Vec<Command>) {
             let button = named(ui.add_enabled(enabled, Button::new(command.name()).small()), &label);
             finish_button(ui, button, command, commands);
         };
-        if finished.is_some() {
+        if finished.is_some() && wide {
             for how in [Repair::Refine, Repair::Rematch] {
                 offer(ui, Command::Repair(pair, how), model.repair_question(pair, how).is_some());
             }
             offer(ui, Command::Pin(LineSource::Pair(pair)), model.shown().is_some());
         }
         offer(ui, Command::DeletePair(pair), true);
+        if finished.is_some() && !wide {
+            let more = MenuButton::from_button(Button::new("More").small());
+            let (more, _) = more.ui(ui, |ui| pair_menu(ui, model, pair, commands));
+            named(more, &format!("More: pair {name}")).on_hover_text("What else can be done with this pair.");
+        }
     });
     let bottom_right = egui::pos2(ui.clip_rect().max.x, top_left.y + 24.0);
     ui.end_row();
@@ -168,13 +183,54 @@ fn role(ui: &mut Ui, model: &Model, pair: usize, commands: &mut Vec<Command>) {
         if let Some(distance) = model.outvoted(pair) {
             let text = RichText::new("outvoted").color(theme::palette(ui.visuals()).caution);
             ui.label(text).on_hover_text(format!(
-                "{distance:.1} px off its epipolar line: the images speak against this pair. Check that it shows the same \
+                "{distance:.1} px off its epipolar line (symmetric distance): the images speak against this pair. Check that it shows the same \
                  scene point in both images.",
             ));
         }
     });
 }
 
-fn position_text(point: Point) -> String {
-    format!("{:6.2}, {:6.2}", point.x, point.y)
+/// The two coordinates of a point, to be typed or dragged. The point that keys act on has a line under them.
+fn position(ui: &mut Ui, model: &Model, at: PointRef, commands: &mut Vec<Command>) {
+    let document = &model.document;
+    let Some((point, frame)) = document.point(at).zip(document.frame(at.side)) else { return };
+    let row = ui.horizontal(|ui| {
+        ui.spacing_mut().item_spacing.x = 3.0;
+        ui.spacing_mut().button_padding.x = 4.0;
+        ui.spacing_mut().interact_size.x = COORDINATE_WIDTH;
+        for (axis, size) in [("x", frame.width), ("y", frame.height)] {
+            let before = if axis == "x" { point.x } else { point.y };
+            let mut typed = before;
+            let field = DragValue::new(&mut typed)
+                .speed(0.1)
+                .range(-0.5..=size as f64 - 0.5)
+                .fixed_decimals(2)
+                .update_while_editing(false);
+            let field = ui.add(field);
+            let name = format!("{} {axis} of pair {}", capitalised(at.side.name()), pair_name(at.pair));
+            field.widget_info(|| WidgetInfo { label: Some(name.clone()), ..WidgetInfo::drag_value(true, before) });
+            if field.gained_focus() || field.drag_started() {
+                commands.push(Command::Select(Some(at)));
+            }
+            // The figure is rounded: what was only looked at stays as it is.
+            if (typed - before).abs() >= HALF_A_DIGIT {
+                let to = if axis == "x" { Point::new(typed, point.y) } else { Point::new(point.x, typed) };
+                commands.push(Command::Drag(at, to));
+                if !field.dragged() {
+                    commands.push(Command::EndDrag);
+                }
+            }
+            if field.drag_stopped() {
+                commands.push(Command::EndDrag);
+            }
+            field.on_hover_text(format!(
+                "Click to type, drag to change; px, from -0.5 to {:.1}. The arrow keys move the point by 0.1 px.",
+                size as f64 - 0.5
+            ));
+        }
+    });
+    if document.selection == Some(at) {
+        let Response { rect, .. } = row.response;
+        ui.painter().hline(rect.x_range(), rect.max.y, Stroke::new(2.0, theme::palette(ui.visuals()).accent));
+    }
 }

@@ -16,9 +16,9 @@ use crate::io::TruthOrigin;
 /// Registered in [`super::TABS`].
 pub const TAB: Tab = Tab { id: TabId::Residuals, tools, show };
 
-/// Where no folder is open, whose pairs have these buttons beside them.
+/// Where no folder with ground truth is open, whose pairs have these buttons beside them.
 fn tools(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
-    if model.folder().is_none() {
+    if model.folder().is_none_or(|(folder, _)| folder.known().is_none()) {
         truth_buttons(ui, model, commands);
     }
 }

@@ -7,7 +7,7 @@ use crate::app::view::theme;
 /// Registered in [`super::OVERLAYS`].
 pub const OVERLAY: Overlay = Overlay {
     id: OverlayId::Pinned,
-    tooltip: "Line pairs pinned with the inspect tool, each with one colour in both images.",
+    tooltip: "Line pairs pinned with the pin tool, each with one colour and number in both images.",
     color: theme::PINNED[0],
     magnified: true,
     draw,
@@ -18,6 +18,12 @@ fn draw(canvas: &Canvas) {
     for (color, pinned) in canvas.model.pinned() {
         let strong = inspected == Some(pinned.source);
         let width = if strong { theme::STRONG_LINE_WIDTH } else { theme::LINE_WIDTH };
-        canvas.line(&pinned.lines[canvas.side.index()].line(), width, theme::PINNED[color]);
+        let line = pinned.lines[canvas.side.index()].line();
+        canvas.line(&line, width, theme::PINNED[color]);
+        let Some(segment) = canvas.frame.clip(&line) else { continue };
+        // Each at a place of its own, or the numbers of lines near each other would cover each other.
+        let along = 0.08 + 0.05 * color as f64;
+        let at = segment.start + (segment.end - segment.start) * along;
+        canvas.label(canvas.transform.screen_from_image(at), &(color + 1).to_string(), theme::PINNED[color]);
     }
 }

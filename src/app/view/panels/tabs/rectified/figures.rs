@@ -171,7 +171,10 @@ fn disparity_hint([low, high]: [f64; 2]) -> (String, &'static str) {
 fn shapes(ui: &mut Ui, distortion: &[Distortion; 2]) {
     const COLUMNS: [(&str, &str); 5] = [
         ("Angle", "Between the middle lines of the image, once rectified; 90° keeps right angles."),
-        ("Diagonals", "Ratio of the image's diagonals, once rectified; 1 keeps proportions."),
+        (
+            "Proportions",
+            "Ratio of the image's diagonals, once rectified; 1 keeps them, far from 1 squeezes the image.",
+        ),
         ("Cut", "Part of the image that is outside the picture."),
         ("Shrunk", "Part of the image that is drawn on less than half its area: detail is lost there."),
         ("Stretched", "Part of the image that is drawn on more than twice its area."),

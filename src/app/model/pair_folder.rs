@@ -1,0 +1,206 @@
+//! A folder whose images are offered as pairs: one that knows their geometry, or any with two images or more.
+
+use std::collections::HashSet;
+use std::ffi::OsStr;
+use std::path::{Path, PathBuf};
+
+use crate::io::TruthFolder;
+
+/// Endings of files that are opened as images.
+pub const IMAGE_EXTENSIONS: [&str; 12] =
+    ["png", "jpg", "jpeg", "tif", "tiff", "bmp", "pgm", "ppm", "pnm", "pbm", "pam", "webp"];
+
+/// A folder and what is known about its images.
+#[derive(Debug, Clone)]
+pub enum PairFolder {
+    /// Their geometry is known.
+    Known(TruthFolder),
+    /// Nothing is.
+    Images(ImageFolder),
+}
+
+/// A folder of images about which nothing is known: any two of them are a pair.
+#[derive(Debug, Clone)]
+pub struct ImageFolder {
+    images: Vec<PathBuf>,
+    names: Vec<String>,
+}
+
+impl PairFolder {
+    /// Opens a folder, or says why that cannot be, as the middle of a sentence.
+    pub fn open(path: &Path) -> Result<Self, String> {
+        let problem = match TruthFolder::open(path) {
+            Ok(known) => return Ok(Self::Known(known)),
+            Err(problem) => problem.to_string(),
+        };
+        let entries: Vec<PathBuf> = match std::fs::read_dir(path) {
+            Ok(entries) => entries.filter_map(Result::ok).map(|entry| entry.path()).collect(),
+            Err(_) => return Err(problem),
+        };
+        if claims_truth(&entries) {
+            return Err(problem);
+        }
+        let images = ImageFolder::new(entries);
+        match images.images.len() {
+            0 => Err(format!("{} has no images in it", path.display())),
+            1 => Err(format!("{} has only one image in it, and it takes two", path.display())),
+            _ => Ok(Self::Images(images)),
+        }
+    }
+
+    /// What is known about its images, if anything.
+    pub fn known(&self) -> Option<&TruthFolder> {
+        match self {
+            Self::Known(folder) => Some(folder),
+            Self::Images(_) => None,
+        }
+    }
+
+    /// What the views are called: the names of their images, mostly without the ending.
+    pub fn names(&self) -> &[String] {
+        match self {
+            Self::Known(folder) => folder.names(),
+            Self::Images(folder) => &folder.names,
+        }
+    }
+
+    /// Whether any two views are a pair.
+    pub fn pairs_freely(&self) -> bool {
+        self.known().is_none_or(TruthFolder::pairs_freely)
+    }
+
+    /// Whether two views are a pair.
+    pub fn is_pair(&self, pair: [usize; 2]) -> bool {
+        match self {
+            Self::Known(folder) => folder.is_pair(pair),
+            Self::Images(folder) => pair[0] != pair[1] && pair[0].max(pair[1]) < folder.images.len(),
+        }
+    }
+
+    /// The pair behind another, or the one before it: of views the next two as far apart.
+    pub fn neighbour(&self, pair: [usize; 2], forward: bool) -> Option<[usize; 2]> {
+        match self {
+            Self::Known(folder) => folder.neighbour(pair, forward),
+            Self::Images(_) => {
+                let moved = |view: usize| if forward { view.checked_add(1) } else { view.checked_sub(1) };
+                Some([moved(pair[0])?, moved(pair[1])?]).filter(|pair| self.is_pair(*pair))
+            }
+        }
+    }
+
+    /// What a pair is called.
+    pub fn pair_name(&self, pair: [usize; 2]) -> String {
+        match self {
+            Self::Known(folder) => folder.pair_name(pair),
+            Self::Images(folder) => format!("{} and {}", folder.names[pair[0]], folder.names[pair[1]]),
+        }
+    }
+
+    /// Where the image of a view is.
+    pub fn image(&self, view: usize) -> &Path {
+        match self {
+            Self::Known(folder) => folder.image(view),
+            Self::Images(folder) => &folder.images[view],
+        }
+    }
+}
+
+impl ImageFolder {
+    fn new(entries: Vec<PathBuf>) -> Self {
+        let mut images: Vec<PathBuf> = entries.into_iter().filter(|path| is_image(path)).collect();
+        images.sort_by_cached_key(|path| natural_key(&file_name(path)));
+        let stem = |path: &PathBuf| path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        let stems: HashSet<String> = images.iter().map(stem).collect();
+        // The ending is a part of the name where that alone tells two images apart.
+        let names = if stems.len() == images.len() {
+            images.iter().map(stem).collect()
+        } else {
+            images.iter().map(|path| file_name(path)).collect()
+        };
+        Self { images, names }
+    }
+}
+
+fn file_name(path: &Path) -> String {
+    path.file_name().unwrap_or_default().to_string_lossy().into_owned()
+}
+
+fn is_image(path: &Path) -> bool {
+    let hidden = path.file_name().is_some_and(|name| name.to_string_lossy().starts_with('.'));
+    let extension = path.extension().and_then(OsStr::to_str);
+    let known = extension.is_some_and(|own| IMAGE_EXTENSIONS.iter().any(|e| e.eq_ignore_ascii_case(own)));
+    known && !hidden && path.is_file()
+}
+
+/// Whether a folder is meant to be one whose geometry is known: then what is wrong with it is to be told.
+fn claims_truth(entries: &[PathBuf]) -> bool {
+    let has_extension = |path: &Path, known: &str| {
+        path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(known))
+    };
+    let stems: HashSet<&OsStr> =
+        entries.iter().filter(|path| is_image(path)).filter_map(|path| path.file_stem()).collect();
+    entries.iter().any(|path| {
+        let stem = path.file_stem().unwrap_or_default();
+        let is_half = |side: &str| {
+            let mut name = stem.to_owned();
+            name.push(side);
+            stems.contains(name.as_os_str())
+        };
+        has_extension(path, "nview-corners") || has_extension(path, "txt") && (is_half("A") || is_half("B"))
+    })
+}
+
+/// Orders names as people do: `shot2` before `shot10`.
+fn natural_key(name: &str) -> Vec<(u64, String)> {
+    let mut parts = Vec::new();
+    let mut rest = name.to_lowercase();
+    while !rest.is_empty() {
+        let words = rest.find(|c: char| c.is_ascii_digit()).unwrap_or(rest.len());
+        let digits = rest[words..].find(|c: char| !c.is_ascii_digit()).map_or(rest.len(), |end| words + end);
+        // Longer numbers than these are no counters.
+        let number = rest[words..digits].parse().unwrap_or(0);
+        parts.push((0, rest[..words].to_owned()));
+        parts.push((number, rest[words..digits].to_owned()));
+        rest = rest.split_off(digits);
+    }
+    parts
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn folder(names: &[&str]) -> tempfile::TempDir {
+        let folder = tempfile::tempdir().unwrap();
+        for name in names {
+            std::fs::write(folder.path().join(name), "").unwrap();
+        }
+        folder
+    }
+
+    #[test]
+    fn images_are_in_the_order_in_which_people_count() {
+        let files = folder(&["b10.png", "b9.JPG", "a.png", "a.jpg", "notes.txt", ".hidden.png", "b9x.png"]);
+        let folder = PairFolder::open(files.path()).unwrap();
+        assert!(folder.known().is_none() && folder.pairs_freely());
+        assert_eq!(folder.names(), ["a.jpg", "a.png", "b9.JPG", "b9x.png", "b10.png"]);
+        assert_eq!(folder.neighbour([0, 2], true), Some([1, 3]));
+        assert_eq!(folder.neighbour([0, 2], false), None);
+        assert_eq!(folder.neighbour([1, 4], true), None);
+        assert_eq!(folder.pair_name([0, 1]), "a.jpg and a.png");
+    }
+
+    #[test]
+    fn a_folder_without_two_images_says_so_and_one_with_broken_truth_says_that() {
+        for (names, words) in [
+            (&["notes.txt"][..], "has no images in it"),
+            (&["a.png"], "only one image"),
+            (&["houseA.png", "x.png", "house.txt"], "houseB is missing"),
+        ] {
+            let files = folder(names);
+            let problem = PairFolder::open(files.path()).unwrap_err();
+            assert!(problem.contains(words), "{problem}");
+        }
+        assert!(PairFolder::open(Path::new("/nowhere/at/all")).unwrap_err().contains("/nowhere/at/all"));
+    }
+}
