@@ -150,6 +150,11 @@ pub(super) const CLEAR_MARGIN: f64 = 0.2;
 const ONE_PLANE: f64 = 0.95;
 /// Share from which on what lies off the plane has to hold the epipoles by itself.
 const MOSTLY_PLANE: f64 = 0.5;
+/// Share from which on there has to be more than one other motion: of two that share a picture, one has nearly half.
+const HALF_PLANE: f64 = 0.4;
+/// Share of what the plane leaves that is explained through a lens, from which on that is the likelier story: matches of
+/// a scene with depth gain nothing by the one number more.
+const BENT: f64 = 0.5;
 /// Epipoles that do as well by chance, at most: one of a hundred results without parallax may pass this test.
 const BY_CHANCE: f64 = 1e-2;
 /// Motions beside the plane that any epipole fits: what agrees has to move in more ways.
@@ -181,7 +186,14 @@ impl PlaneEvidence {
     /// Whether the epipoles hang on the plane alone.
     fn leaves_the_epipoles_open(&self) -> bool {
         let is_held = self.by_chance <= BY_CHANCE && self.motions > ANY_EPIPOLE;
-        self.share > ONE_PLANE || self.share > MOSTLY_PLANE && !is_held
+        self.share > ONE_PLANE
+            || self.share > MOSTLY_PLANE && !is_held
+            || self.share > HALF_PLANE && self.motions <= ANY_EPIPOLE
+    }
+
+    /// Whether a lens explains what the plane does not.
+    fn is_bent(&self) -> bool {
+        self.bent_share > MOSTLY_PLANE && self.bent_share - self.share > BENT * (1.0 - self.share)
     }
 }
 
@@ -257,7 +269,7 @@ impl Trust {
         if let Some(plane) = evidence.plane.filter(PlaneEvidence::leaves_the_epipoles_open) {
             let PlaneEvidence { share, groups, agreeing, .. } = plane;
             reasons.push(Reason::OnePlane { percent: (100.0 * share) as u32, groups, agreeing });
-        } else if let Some(plane) = evidence.plane.filter(|plane| plane.bent_share > ONE_PLANE) {
+        } else if let Some(plane) = evidence.plane.filter(PlaneEvidence::is_bent) {
             reasons.push(Reason::Bent { percent: (100.0 * plane.bent_share) as u32 });
         }
         let but_clicks = !reasons.is_empty();
@@ -294,8 +306,8 @@ mod tests {
         margin: Some(0.5),
         deviation: Some(0.05),
         plane: Some(PlaneEvidence {
-            share: 0.4,
-            bent_share: 0.4,
+            share: 0.3,
+            bent_share: 0.3,
             groups: 9,
             agreeing: 1,
             motions: 1,
@@ -379,7 +391,8 @@ mod tests {
             Evidence { deviation: None, ..GOOD },
             Evidence { plane: plane(ONE_PLANE, BY_CHANCE), ..GOOD },
             Evidence { plane: plane(MOSTLY_PLANE, 1.0), ..GOOD },
-            Evidence { plane: bent(ONE_PLANE), ..GOOD },
+            Evidence { plane: bent(0.69), ..GOOD },
+            Evidence { plane: bent(MOSTLY_PLANE).map(|p| PlaneEvidence { share: 0.0, ..p }), ..GOOD },
             Evidence { plane: None, ..GOOD },
             // One of 200 is expected, so six happen less than once in a thousand times.
             Evidence { together: together(200, 5), ..GOOD },
@@ -419,7 +432,14 @@ mod tests {
                 },
                 Reason::OnePlane { percent: 50, groups: 9, agreeing: 2 },
             ),
-            (Evidence { plane: bent(next(ONE_PLANE)), ..GOOD }, Reason::Bent { percent: 95 }),
+            (
+                Evidence {
+                    plane: plane(next(HALF_PLANE), 0.0).map(|p| PlaneEvidence { motions: ANY_EPIPOLE, ..p }),
+                    ..GOOD
+                },
+                Reason::OnePlane { percent: 40, groups: 9, agreeing: 2 },
+            ),
+            (Evidence { plane: bent(0.71), ..GOOD }, Reason::Bent { percent: 71 }),
             (
                 Evidence { together: together(200, 6), ..GOOD },
                 Reason::Contradicted { contradicting: 6, matches: 200 },
