@@ -230,7 +230,7 @@ mod tests {
     fn tails_of_the_gamma_distribution() {
         assert!((gamma_tail(1, 2.0) - (-2f64).exp()).abs() < 1e-12);
         assert!((gamma_tail(3, 2.0) - (-2f64).exp() * 5.0).abs() < 1e-12);
-        assert_eq!(gamma_tail(5, 0.0), 1.0);
+        assert!((gamma_tail(5, 0.0) - 1.0).abs() < 1e-12);
         assert!(gamma_tail(40, 160.0) < 1e-20);
     }
 
