@@ -42,4 +42,6 @@ pub use patches::{EpipoleEllipse, PatchSupport, RefinedMatch, Refinement, Uncert
 pub use prepared::PreparedPair;
 pub use result::{Assessment, Estimate, SearchCounts, SearchTrace, StageTiming};
 pub use stage::Stage;
-pub use trust::{CLICK_DEVIATIONS, Reason, Suspect, Trust, Verdict};
+pub use trust::{
+    CLEAR_MARGIN, CLICK_DEVIATIONS, ENOUGH_MATCHES, FAR_TOO_FEW, Reason, Suspect, Trust, Verdict,
+};

@@ -4,7 +4,9 @@ use std::f64::consts::PI;
 
 use super::computation::{Computation, EstimateFailure, Freshness};
 use super::document::{Document, Imported, Role, pair_name};
-use crate::estimate::{self, CLICK_DEVIATIONS, Estimate, LineScore, Reason};
+use crate::estimate::{
+    self, CLEAR_MARGIN, CLICK_DEVIATIONS, ENOUGH_MATCHES, Estimate, FAR_TOO_FEW, LineScore, Reason,
+};
 use crate::geometry::{
     Frame, FundamentalMatrix, HomogeneousPoint, finite_point, sampson_distance, symmetric_epipolar_distance,
 };
@@ -44,12 +46,8 @@ impl Fact {
     }
 }
 
-/// From this margin on no other geometry is a rival, and below the second one the result is a guess.
-const CLEAR_MARGIN: f64 = 0.2;
+/// Below this margin a result is a guess.
 const GUESS: f64 = 0.05;
-/// From so many matches on there are enough, and below the second number far too few.
-const ENOUGH_MATCHES: usize = 60;
-const FAR_TOO_FEW: usize = 25;
 
 /// What to say about the state of the estimate.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -125,10 +123,13 @@ pub fn verdict(document: &Document, computation: &Computation) -> VerdictInWords
     let assessment = &estimate.assessment;
     let reasons = assessment.trust.iter().flat_map(|trust| &trust.reasons);
     let reasons = reasons.map(|reason| in_units(reason, document, estimate.fundamental()));
+    // A geometry that is not final may still come nearer to them, and a stale one is not that of these points.
+    let is_final = freshness == Freshness::Final;
+    let checked = is_final.then(|| contradicting_check(document, estimate.fundamental())).flatten();
     let warnings: Vec<_> = reasons
         .chain(assessment.warnings.iter().map(ToString::to_string))
         .map(|sentence| format!("{}.", capitalised(&in_names(&sentence, document))))
-        .chain(contradicting_check(document, estimate.fundamental()))
+        .chain(checked)
         .collect();
     let unreliable =
         assessment.trust.as_ref().is_some_and(|trust| trust.verdict == estimate::Verdict::Unreliable);
