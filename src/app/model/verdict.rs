@@ -495,7 +495,7 @@ mod tests {
 
     #[test]
     fn a_checked_pair_far_off_speaks_against_the_result() {
-        let (mut document, computation) = computed(|_| ());
+        let (mut document, mut computation) = computed(|_| ());
         let f = *computation.result().unwrap().0.fundamental();
         let point1 = crate::geometry::Point::new(40.0, 40.0);
         let line = f.line2_from_point1(point1).unwrap();
@@ -510,6 +510,9 @@ mod tests {
             let named = told.warnings.iter().any(|w| w.starts_with("Pair r, which is only checked, is "));
             assert_eq!(named, off > 0.0);
         }
+        // What is computed for other points says nothing of these.
+        computation.begin(2, false);
+        assert!(verdict(&document, &computation).warnings.iter().all(|w| !w.contains("only checked")));
     }
 
     #[test]
