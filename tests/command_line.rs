@@ -179,11 +179,12 @@ mod pairs {
     }
 
     #[test]
-    fn must_be_two_or_three() {
+    fn must_be_as_many_as_the_published_method_takes() {
         let pictures = Pictures::new();
         let two = "2 point pairs are needed";
-        pictures.estimate_fails("left.png", "right.png", &[], 2, two);
-        pictures.estimate_fails("left.png", "right.png", &GOOD[..2], 2, two);
+        let two_point = ["--preset", "paper", "--method", "two-point"];
+        pictures.estimate_fails("left.png", "right.png", &two_point, 2, two);
+        pictures.estimate_fails("left.png", "right.png", &[&GOOD[..2], &two_point].concat(), 2, two);
         let three = [&GOOD[..], &["--method", "three-point"]].concat();
         pictures.estimate_fails("left.png", "right.png", &three, 2, "3 point pairs are needed, 2 given");
     }

@@ -63,6 +63,11 @@ impl ImagePair {
         Ok(([Picture::open(left)?, Picture::open(right)?], None))
     }
 
+    /// Whether a built-in pair is to be used.
+    pub(super) fn is_sample(&self) -> bool {
+        self.sample.is_some()
+    }
+
     /// The built-in pair, if that is to be used.
     pub(super) fn sample(&self) -> Result<Option<SamplePair>, CliError> {
         self.sample.as_deref().map(|name| Ok(built_in(name)?.load())).transpose()
@@ -138,13 +143,14 @@ impl ValueEnum for Preset {
 
 impl ValueEnum for Method {
     fn value_variants<'a>() -> &'a [Self] {
-        &[Self::TwoPoint, Self::ThreePoint]
+        &Self::ALL
     }
 
     fn to_possible_value(&self) -> Option<PossibleValue> {
         Some(match self {
             Self::TwoPoint => PossibleValue::new("two-point").help("two point pairs"),
             Self::ThreePoint => PossibleValue::new("three-point").help("three point pairs, faster"),
+            Self::LinesAlone => PossibleValue::new("lines").help("no point pair: all lines of both images"),
         })
     }
 }

@@ -13,25 +13,27 @@ use super::geometry_file::{GeometryOutput, image_notes};
 use super::output::Output;
 use super::overrides::Overrides;
 use crate::estimate::{
-    CancelFlag, Estimate, EstimateError, Method, Monitor, Parameters, Preset, Progress, estimate,
+    CancelFlag, Estimate, EstimateError, Method, Monitor, Parameters, Preset, Progress, Search, estimate,
 };
 use crate::geometry::PointPair;
 use crate::image::Picture;
 use crate::io::{Format, GeometryFile, ResultFile, result_in_words};
 
-/// Estimate the fundamental matrix of two images from two or more point pairs
+/// Estimate the fundamental matrix of two images from point pairs, or from none
 #[derive(Debug, Args)]
 #[command(allow_negative_numbers = true)]
 pub(super) struct EstimateArguments {
     #[command(flatten)]
     images: ImagePair,
-    /// The same scene point in both images, pixels; give two or more (the preset paper takes three at most)
+    /// The same scene point in both images, pixels, any number of times: two are enough, and without any the images alone
+    /// have to do (the preset paper takes none, two or three)
     #[arg(long = "pair", value_name = "X1,Y1,X2,Y2", value_parser = point_pair, allow_hyphen_values = true)]
     pairs: Vec<PointPair>,
     /// Whose choices to use
     #[arg(long, value_enum, default_value_t)]
     preset: Preset,
-    /// How to find the geometry: three-point when three pairs are given, two-point otherwise
+    /// How to find the geometry; by the number of pairs when it is not said: lines compares all lines of both images and
+    /// needs no pair
     #[arg(long, value_enum)]
     method: Option<Method>,
     /// Seed of every random choice: the same seed gives the same F
@@ -68,11 +70,14 @@ pub(super) fn run(arguments: &EstimateArguments) -> Result<(), CliError> {
     }
     let mut parameters = arguments.overrides.parameters(arguments.preset)?;
     parameters.seed = arguments.seed;
-    let with_third = arguments.pairs.len() > 2;
-    let fallback = if with_third { Method::ThreePoint } else { Method::TwoPoint };
+    let fallback = match (arguments.pairs.len(), parameters.search) {
+        (0, Search::Lines) if !arguments.images.is_sample() => Method::LinesAlone,
+        (0..3, _) => Method::TwoPoint,
+        _ => Method::ThreePoint,
+    };
     parameters.method = arguments.method.unwrap_or(fallback);
 
-    let input = input(arguments, parameters.method.pairs_needed())?;
+    let input = input(arguments, parameters.pairs_needed(), parameters.method)?;
     let found = on_threads(arguments.threads, || watched(&input, &parameters))??;
     if let Some(export) = export {
         export.write(&geometry_file(&found, &input))?;
@@ -83,11 +88,11 @@ pub(super) fn run(arguments: &EstimateArguments) -> Result<(), CliError> {
 }
 
 /// Reads the images; counts the pairs before, which is quicker. A built-in pair has points of its own.
-fn input(arguments: &EstimateArguments, needed: usize) -> Result<EstimateInput, CliError> {
+fn input(arguments: &EstimateArguments, needed: usize, method: Method) -> Result<EstimateInput, CliError> {
     let EstimateArguments { images, pairs, .. } = arguments;
     let found = pairs.len();
     if let Some(sample) = images.sample()? {
-        let own = sample.show_me.into_iter().chain([sample.third]).take(needed);
+        let own = sample.show_me.into_iter().chain([sample.third]).take(method.pairs_needed());
         let pairs = if pairs.is_empty() { own.collect() } else { pairs.clone() };
         return Ok(EstimateInput { pictures: sample.pictures, pairs });
     }

@@ -12,6 +12,8 @@ pub enum ClickRole {
     Observed,
     /// A pair that is only measured.
     Check,
+    /// A match of the program's own that pencils pass through, for want of clicks; no fit and no verdict counts it.
+    Chosen,
 }
 
 /// A clicked pair, full-size pixels, and its role.
@@ -55,14 +57,29 @@ impl Clicks {
         self.0.is_empty()
     }
 
-    /// The pairs that pencils pass through.
-    pub fn anchors(&self) -> Vec<PointPair> {
-        self.with_role(|role| role == ClickRole::Anchor)
+    /// The same clicks, with two matches that stand in for anchors.
+    pub(super) fn with_chosen(&self, chosen: [PointPair; 2]) -> Self {
+        let observed = self.0.iter().map(|click| match click.role {
+            ClickRole::Anchor => Click { role: ClickRole::Observed, ..*click },
+            _ => *click,
+        });
+        let chosen = chosen.map(|pair| Click { pair, role: ClickRole::Chosen });
+        Self(observed.chain(chosen).collect())
     }
 
-    /// The pairs that take part in fits: the anchors and the observed ones.
+    /// The pairs that pencils pass through: clicked ones, or those that stand in for them.
+    pub fn anchors(&self) -> Vec<PointPair> {
+        self.with_role(|role| matches!(role, ClickRole::Anchor | ClickRole::Chosen))
+    }
+
+    /// The pairs that take part in fits: the clicked anchors and the observed ones.
     pub fn observed(&self) -> Vec<PointPair> {
-        self.with_role(|role| role != ClickRole::Check)
+        self.with_role(|role| matches!(role, ClickRole::Anchor | ClickRole::Observed))
+    }
+
+    /// The matches that stand in for clicks.
+    pub fn chosen(&self) -> Vec<PointPair> {
+        self.with_role(|role| role == ClickRole::Chosen)
     }
 
     /// The observed pair that gives κ to a search which has both epipoles from two anchors.

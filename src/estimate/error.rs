@@ -98,6 +98,11 @@ pub enum EstimateError {
     /// No hypothesis survived.
     #[error("no epipolar geometry was found: check that the point pairs match, or choose other points")]
     NoGeometry,
+    /// No hypothesis survived, and nobody had clicked.
+    #[error(
+        "no epipolar geometry was found without clicks: mark two scene points in both images, and try again with these"
+    )]
+    NothingWithoutClicks,
     /// A newer request or the user stopped the computation.
     #[error("the computation was cancelled")]
     Cancelled,
@@ -112,7 +117,14 @@ impl From<Cancelled> for EstimateError {
 impl EstimateError {
     /// Whether the input was at fault (exit status 2) rather than the computation (exit status 1).
     pub fn is_bad_input(&self) -> bool {
-        !matches!(self, Self::NoCandidates { .. } | Self::NoGeometry | Self::NoParallax | Self::Cancelled)
+        !matches!(
+            self,
+            Self::NoCandidates { .. }
+                | Self::NoGeometry
+                | Self::NothingWithoutClicks
+                | Self::NoParallax
+                | Self::Cancelled
+        )
     }
 }
 

@@ -15,6 +15,7 @@ mod error;
 mod exact;
 mod follow;
 mod lines;
+mod lines_alone;
 mod monitor;
 mod parameters;
 mod patches;
@@ -24,7 +25,9 @@ mod result;
 mod search;
 mod stage;
 mod trust;
+mod unclicked;
 mod views;
+mod wider;
 
 pub use crate::cancel::CancelFlag;
 pub use assess::{SMALLEST_SIDE, examine};
@@ -35,8 +38,9 @@ pub use follow::follow;
 pub use lines::{Candidate, ComparedPencils, Construction, LineFigures, RoundTrip, lines_at};
 pub use monitor::{Monitor, Progress};
 pub use parameters::{
-    LineScore, Method, PARAMETERS, ParameterEntry, ParameterValue, Parameters, PatchParameters,
-    PencilParameters, Preset, RefinementParameters, Search, ValidationParameters, parameters_as_markdown,
+    LineScore, LinesAloneParameters, Method, PARAMETERS, ParameterEntry, ParameterValue, Parameters,
+    PatchParameters, PencilParameters, Preset, RefinementParameters, Search, ValidationParameters,
+    parameters_as_markdown,
 };
 pub use patches::{EpipoleEllipse, PatchSupport, RefinedMatch, Refinement, Uncertainty};
 pub use prepared::PreparedPair;

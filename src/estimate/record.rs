@@ -78,6 +78,13 @@ impl<'a> SearchRecord<'a> {
         Ok(())
     }
 
+    /// Notes lines that were compared without any point.
+    pub fn lines_alone(&mut self, lines: [usize; 2], candidates: usize) {
+        self.counts.lines1.push(lines[0]);
+        self.counts.lines2.push(lines[1]);
+        self.counts.candidates.push(candidates);
+    }
+
     /// Reports a geometry that is good enough to draw.
     pub fn preliminary(
         &mut self,

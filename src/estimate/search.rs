@@ -9,7 +9,7 @@ use super::lines::{ComparedPencils, LineExaminer, LineFigures, draw_pairs, publi
 use super::patches::{self, PatchLevels, Proposal, Refined};
 use super::record::SearchRecord;
 use super::result::{Assessment, REPORTED};
-use super::trust::Verdict;
+use super::trust::{Reason, Verdict};
 use super::{Clicks, Estimate, EstimateError, Parameters, PatchSupport, PreparedPair, Stage};
 use crate::cancel::CancelFlag;
 use crate::geometry::{FundamentalMatrix, PointPair};
@@ -43,6 +43,8 @@ pub(super) struct Found {
 
 /// What was found under one view, with everything about it.
 pub(super) struct Judged {
+    /// What it was found with.
+    pub clicks: Clicks,
     pub fundamental: FundamentalMatrix,
     pub hypotheses: Vec<Estimate>,
     pub assessment: Assessment,
@@ -52,6 +54,16 @@ pub(super) struct Judged {
 }
 
 impl Judged {
+    /// Whether another search might change it: what it rests on is thin, or rivals come near. Doubts about the scene stay
+    /// whatever is searched.
+    pub fn is_open(&self) -> bool {
+        let thin = |reason: &Reason| {
+            !matches!(reason, Reason::OnePlane { .. } | Reason::Bent { .. } | Reason::Contradicted { .. })
+        };
+        self.assessment.refined_margin.is_some()
+            || self.assessment.trust.as_ref().is_none_or(|trust| trust.reasons.iter().any(thin))
+    }
+
     /// Whether nothing speaks against it, and no rival had to be refined to tell.
     pub fn is_clear(&self) -> bool {
         let assessment = &self.assessment;
@@ -130,7 +142,7 @@ pub(super) fn by_patches(input: &Input, record: &mut SearchRecord) -> Result<Fou
 }
 
 /// The first two anchors and the pencils through them.
-fn compared(
+pub(super) fn compared(
     input: &Input,
     record: &mut SearchRecord,
 ) -> Result<([PointPair; 2], [Arc<ComparedPencils>; 2]), EstimateError> {
@@ -197,7 +209,8 @@ impl Input<'_> {
         let weight = refined.as_ref().map_or(0.0, |refined| refined.weight);
         let fundamental = refined.as_ref().map_or(fundamental, |refined| refined.fundamental);
         let assessment = self.judge(record, &hypotheses).result(&fundamental, &supporting, refined);
-        Judged { fundamental, hypotheses, assessment, weight, patches: Arc::clone(self.patches) }
+        let (clicks, patches) = (self.clicks.clone(), Arc::clone(self.patches));
+        Judged { clicks, fundamental, hypotheses, assessment, weight, patches }
     }
 
     fn judge<'b>(&'b self, record: &'b SearchRecord, hypotheses: &'b [Estimate]) -> Judge<'b> {
@@ -215,7 +228,7 @@ impl Input<'_> {
     }
 
     /// Reports a geometry that is good enough to draw.
-    fn report(
+    pub fn report(
         &self,
         record: &mut SearchRecord,
         f: FundamentalMatrix,
@@ -229,7 +242,7 @@ impl Input<'_> {
 
     /// The best of a few geometries after refinement at full resolution, by what its matches weigh; `None` when
     /// none has enough matches, or when nothing is to be refined.
-    fn refined(
+    pub fn refined(
         &self,
         starts: impl Iterator<Item = FundamentalMatrix>,
     ) -> Result<Option<Refined>, EstimateError> {

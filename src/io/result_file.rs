@@ -43,6 +43,8 @@ pub struct ResultFile<'a> {
     pairs: Vec<[f64; 4]>,
     /// Symmetric epipolar distance of every pair given, px.
     pair_distances: Vec<f64>,
+    /// Matches that stood in for clicks, `x1 y1 x2 y2`.
+    chosen: Vec<[f64; 4]>,
     parameters: &'a Parameters,
     /// The version of the program.
     version: &'static str,
@@ -117,6 +119,7 @@ impl<'a> ResultFile<'a> {
                 .iter()
                 .map(|p| symmetric_epipolar_distance(found.fundamental(), p))
                 .collect(),
+            chosen: trace.map_or_else(Vec::new, |t| t.clicks.chosen().iter().map(numbers).collect()),
             parameters,
             version: env!("CARGO_PKG_VERSION"),
         }
@@ -145,6 +148,9 @@ pub fn result_in_words(found: &Estimate, images: &[ImageNote; 2]) -> String {
         for reason in &trust.reasons {
             let _ = writeln!(text, "  {reason}");
         }
+    }
+    if found.trace.as_ref().is_some_and(|trace| !trace.clicks.chosen().is_empty()) {
+        text.push_str("Found without two clicks: two of its own matches stood in for them\n");
     }
     if found.is_refined() {
         let matches = found.matches().len();

@@ -1,6 +1,6 @@
 //! Inputs from which no geometry follows, told before any work is done, and results that deserve a warning.
 
-use crate::estimate::{Clicks, EstimateError, Method, PreparedPair, Warning};
+use crate::estimate::{Clicks, EstimateError, PreparedPair, Warning};
 use crate::geometry::{Frame, FundamentalMatrix, Line, PointPair};
 use crate::image::GrayPlane;
 
@@ -20,13 +20,15 @@ const SAME_LINE: f64 = 0.05;
 /// Clicks nearer to each other than this fraction of the longer side turn the lines a lot when they are off.
 const CLOSE: f64 = 0.08;
 
-/// Checks the point pairs against the images and each other.
+/// Pairs that lines pass through, where there are as many.
+const ANCHORS: usize = 2;
+
+/// Checks the point pairs against the images and each other; fewer than `needed` are an error.
 pub(in crate::estimate) fn check_points(
     frames: [Frame; 2],
     pairs: &[PointPair],
-    method: Method,
+    needed: usize,
 ) -> Result<(), EstimateError> {
-    let needed = method.pairs_needed();
     if pairs.len() < needed {
         return Err(EstimateError::TooFewPairs { found: pairs.len(), needed });
     }
@@ -54,7 +56,7 @@ pub(in crate::estimate) fn check_points(
             }
         }
     }
-    for (k, b) in pairs.iter().take(needed).enumerate() {
+    for (k, b) in pairs.iter().take(needed.max(ANCHORS)).enumerate() {
         for (j, a) in pairs.iter().take(k).enumerate() {
             for (image, distance) in
                 [(b.point1 - a.point1).norm(), (b.point2 - a.point2).norm()].into_iter().enumerate()
@@ -101,6 +103,9 @@ pub(in crate::estimate) fn click_warnings(
 ) -> Vec<Warning> {
     let anchors = clicks.anchors();
     let [p, q, ..] = anchors.as_slice() else { return Vec::new() };
+    if !clicks.chosen().is_empty() {
+        return Vec::new();
+    }
     let mut warnings = Vec::new();
     let far = |line: Option<Line>, point| line.map_or(0.0, |l| l.distance(point));
     let apart1 =
@@ -124,13 +129,13 @@ pub(in crate::estimate) fn click_warnings(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::estimate::Search;
     use crate::estimate::exact::rows;
+    use crate::estimate::{Method, Search};
     use nalgebra::Matrix3;
 
     fn check(pairs: &[[f64; 4]]) -> Result<(), EstimateError> {
         let pairs: Vec<_> = pairs.iter().map(|[a, b, c, d]| PointPair::new(*a, *b, *c, *d)).collect();
-        check_points([Frame::new(100, 80); 2], &pairs, Method::TwoPoint)
+        check_points([Frame::new(100, 80); 2], &pairs, 2)
     }
 
     #[test]

@@ -138,7 +138,7 @@ fn textured(
 }
 
 /// Pairs that are among the `k` cheapest of their row and of their column.
-fn mutual_best(costs: &CostMatrix, k: usize) -> Vec<(usize, usize)> {
+pub(super) fn mutual_best(costs: &CostMatrix, k: usize) -> Vec<(usize, usize)> {
     let kth = |values: &mut Vec<f32>| -> f32 {
         values.retain(|v| v.is_finite());
         if values.is_empty() {

@@ -44,17 +44,21 @@ pub enum Method {
     TwoPoint,
     /// Three point pairs; the third gives the third line pair.
     ThreePoint,
+    /// No point pair: all lines of both images are compared (section 4).
+    #[serde(rename = "lines")]
+    LinesAlone,
 }
 
 impl Method {
-    /// Both methods.
-    pub const ALL: [Self; 2] = [Self::TwoPoint, Self::ThreePoint];
+    /// All methods.
+    pub const ALL: [Self; 3] = [Self::TwoPoint, Self::ThreePoint, Self::LinesAlone];
 
     /// Name on the command line and in files.
     pub fn name(self) -> &'static str {
         match self {
             Self::TwoPoint => "two-point",
             Self::ThreePoint => "three-point",
+            Self::LinesAlone => "lines",
         }
     }
 
@@ -63,6 +67,7 @@ impl Method {
         match self {
             Self::TwoPoint => 2,
             Self::ThreePoint => 3,
+            Self::LinesAlone => 0,
         }
     }
 }
@@ -107,6 +112,24 @@ pub struct PencilParameters {
     pub normalise: bool,
     /// Candidates are line pairs that are among each other's `mutual` best.
     pub mutual: usize,
+}
+
+/// How lines alone give a geometry (paper, section 4).
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct LinesAloneParameters {
+    /// About how many lines of each image are compared.
+    #[serde(rename = "all_lines")]
+    pub lines: usize,
+    /// A candidate agrees with a geometry when the area between its line and the one it is mapped to is below this many px
+    /// times the width of the images that were compared.
+    pub agreement: f64,
+}
+
+impl Default for LinesAloneParameters {
+    fn default() -> Self {
+        Self { lines: 2000, agreement: 3.0 }
+    }
 }
 
 /// How the lines of a hypothesis are validated.
@@ -160,6 +183,9 @@ pub struct Parameters {
     pub pencils: PencilParameters,
     /// Epipole hypotheses drawn from the candidates.
     pub hypotheses: usize,
+    /// How lines alone give a geometry.
+    #[serde(flatten)]
+    pub lines_alone: LinesAloneParameters,
     /// How hypotheses are validated on lines.
     #[serde(flatten)]
     pub validation: ValidationParameters,
@@ -191,6 +217,17 @@ fn search_or_flag<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Search, 
     })
 }
 
+impl Parameters {
+    /// Point pairs without which there is no estimate.
+    pub fn pairs_needed(&self) -> usize {
+        match self.search {
+            Search::Lines => self.method.pairs_needed(),
+            Search::Patches if self.method == Method::ThreePoint => Method::ThreePoint.pairs_needed(),
+            Search::Patches => 0,
+        }
+    }
+}
+
 impl From<Preset> for Parameters {
     fn from(preset: Preset) -> Self {
         let paper = Self {
@@ -207,6 +244,7 @@ impl From<Preset> for Parameters {
                 mutual: 1,
             },
             hypotheses: 2000,
+            lines_alone: LinesAloneParameters::default(),
             validation: ValidationParameters { validated: 0.05, lines: 24, line_score: LineScore::Cost },
             search: Search::Lines,
             patches: PatchParameters { resampling: 5, parallax: true },

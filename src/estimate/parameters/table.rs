@@ -24,7 +24,7 @@ const fn number(
 }
 
 /// Every parameter, in the order of the steps.
-pub const PARAMETERS: [ParameterEntry; 23] = [
+pub const PARAMETERS: [ParameterEntry; 25] = [
     number(
         (
             "coarse_side",
@@ -177,6 +177,32 @@ pub const PARAMETERS: [ParameterEntry; 23] = [
         0,
         |p| p.pencils.mutual as f64,
         |p, v| p.pencils.mutual = v as usize,
+    ),
+    number(
+        (
+            "all_lines",
+            Stage::Pencils,
+            "Lines without clicks",
+            " per image",
+            "About how many lines of each image are compared when lines alone are to give the geometry.",
+        ),
+        [50.0, 5000.0],
+        0,
+        |p| p.lines_alone.lines as f64,
+        |p, v| p.lines_alone.lines = v as usize,
+    ),
+    number(
+        (
+            "agreement",
+            Stage::Hypotheses,
+            "Agreement without clicks",
+            " px",
+            "A line pair agrees with a geometry that lines alone gave when the area between its line and the one it is mapped to is below this many pixels times the width of the coarse image.",
+        ),
+        [0.1, 50.0],
+        1,
+        |p| p.lines_alone.agreement,
+        |p, v| p.lines_alone.agreement = v,
     ),
     number(
         (

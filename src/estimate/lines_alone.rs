@@ -1,0 +1,46 @@
+//! The search with lines and nothing else (paper, section 4): no point is known.
+
+use super::lines::{LineConsensus, compare_lines, geometries_from_lines};
+use super::record::SearchRecord;
+use super::result::REPORTED;
+use super::search::{Found, Input};
+use super::{Estimate, EstimateError, Parameters, Stage};
+use crate::geometry::FundamentalMatrix;
+use crate::similarity::SimilarityParameters;
+
+/// Disparities tried where no anchor shows the same scene point in both images: as a fraction of the longer side, at least.
+const UNANCHORED_REACH: f64 = 0.25;
+
+/// Candidate pairs among all lines, two for the epipoles and a third for the map, counted by the candidates that agree.
+pub(super) fn by_lines_alone(input: &Input, record: &mut SearchRecord) -> Result<Found, EstimateError> {
+    let Input { prepared, parameters, cancel, .. } = *input;
+    record.enter(Stage::Pencils)?;
+    let reach = parameters.similarity.disparity_reach.max(UNANCHORED_REACH);
+    let similarity = SimilarityParameters { disparity_reach: reach, ..parameters.similarity };
+    let unanchored = Parameters { similarity, ..parameters.clone() };
+    let source = prepared.similarity_source(input.patches.view(), &unanchored);
+    let level = source.at(parameters.pencils.coarse_side);
+    let alone = &parameters.lines_alone;
+    let compared = compare_lines(&level, alone.lines, source.rotation(), &parameters.pencils, cancel)?;
+    record.lines_alone(compared.lines, compared.pairs.len());
+
+    record.enter(Stage::Hypotheses)?;
+    let how = LineConsensus { draws: parameters.hypotheses, area: alone.agreement, seed: parameters.seed };
+    let found = geometries_from_lines(&compared.pairs, level.frames, &how, cancel)?;
+    record.counts.hypotheses = parameters.hypotheses;
+    let full_size = level.scales.map(f64::recip);
+    let geometries: Vec<FundamentalMatrix> = found
+        .iter()
+        .filter_map(|one| one.fundamental.rescaled(full_size[0], full_size[1]))
+        .take(REPORTED)
+        .collect();
+    let hypotheses: Vec<Estimate> = geometries.iter().map(|f| Estimate::from(*f)).collect();
+    let fundamental = *geometries.first().ok_or(EstimateError::NothingWithoutClicks)?;
+    input.report(record, fundamental, &hypotheses, None);
+
+    record.enter(Stage::Refinement)?;
+    let refined = input.refined(geometries.into_iter())?;
+    let matches = refined.iter().flat_map(|refined| &refined.refinement.matches);
+    let supporting = matches.map(|m| m.pair).collect();
+    Ok(Found { fundamental, hypotheses, supporting, refined })
+}

@@ -1,0 +1,212 @@
+//! A geometry for which nobody has clicked two pairs: features propose, and two of their matches stand in for the clicks.
+//!
+//! What covariant features propose is ranked by patches and features and refined, as after clicks. Where that leaves
+//! doubts, searches with lines follow, each through two putative matches: two right ones are enough, where features need
+//! five or more (paper, section 1: at half of the matches right, 17 draws of two where eight points need 1,177).
+//!
+//! The pairs that stand in are no observations: no fit rests on them, and no verdict counts them.
+
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+
+use super::covariant::FeatureHypothesis;
+use super::record::SearchRecord;
+use super::search::{Input, Judged, by_patches, compared};
+use super::wider::{FeatureProposals, by_features, heaviest};
+use super::{EstimateError, PreparedPair, Stage};
+use crate::geometry::{FundamentalMatrix, Line, PointPair, sampson_distance};
+use crate::image::RelativeView;
+
+/// Searches with lines through drawn matches, at most.
+const DRAWN: usize = 4;
+/// Matches among which two are chosen that stand in for clicks.
+const CHOSEN_FROM: usize = 120;
+/// A match that stands in is this near to its line, as a fraction of the longer side.
+const EXPLAINED: f64 = 0.002;
+/// Drawn matches are at least this far from each other, as a fraction of the longer side: lines through nearer ones turn
+/// far when one of them is a pixel off.
+const APART: f64 = 0.2;
+/// Draws after which a search for two that are far enough apart is given up.
+const TRIES: usize = 200;
+/// Features that are this much nearer to their match than to the next best stand out.
+const DISTINCTIVE: f64 = 0.8;
+
+/// The search without clicks, or with one.
+pub(super) fn without_clicks(input: &Input, record: &mut SearchRecord) -> Result<Judged, EstimateError> {
+    let Input { prepared, clicks, parameters, .. } = *input;
+    record.enter(Stage::Features)?;
+    let FeatureProposals { hypotheses, views } = FeatureProposals::new(input)?;
+    let proposed: Vec<FundamentalMatrix> = hypotheses.iter().map(|h| h.fundamental).collect();
+    let view = views.first().copied().unwrap_or(RelativeView::UPRIGHT);
+    let putative = putative_matches(prepared, view);
+    let mut all: Vec<Judged> = Vec::new();
+    if let Some(chosen) = hypotheses.first().and_then(|leader| chosen(prepared, leader, &putative)) {
+        let clicks = clicks.with_chosen(chosen);
+        for view in views {
+            let source = prepared.similarity_source(view, parameters);
+            let patches = prepared.patches_with_features(view);
+            let seen = Input { source: &*source, patches: &patches, clicks: &clicks, ..*input };
+            if all.is_empty() {
+                // To look at; the geometry does without them.
+                match compared(&seen, record) {
+                    Ok(_) | Err(EstimateError::NoCandidates { .. }) => {}
+                    Err(error) => return Err(error),
+                }
+            }
+            let rivals = all.first().map_or(&[][..], |first: &Judged| &first.hypotheses);
+            record.enter(Stage::Validation)?;
+            let Some(found) = by_features(&seen, &proposed, rivals)? else { continue };
+            let found = seen.judged(record, found);
+            if !found.is_open() {
+                return Ok(found);
+            }
+            all.push(found);
+        }
+    }
+    let source = prepared.similarity_source(view, parameters);
+    let patches = prepared.patches_with_features(view);
+    for chosen in drawn(prepared, &putative, parameters.seed) {
+        let clicks = clicks.with_chosen(chosen);
+        let seen = Input { source: &*source, patches: &patches, clicks: &clicks, ..*input };
+        let found = match by_patches(&seen, record) {
+            Ok(found) => seen.judged(record, found),
+            Err(EstimateError::NoCandidates { .. } | EstimateError::NoGeometry) => continue,
+            Err(error) => return Err(error),
+        };
+        let is_open = found.is_open();
+        all.push(found);
+        if !is_open {
+            break;
+        }
+    }
+    heaviest(all).ok_or(EstimateError::NothingWithoutClicks)
+}
+
+/// Matches that stand out whatever the geometry, those of features first.
+fn putative_matches(prepared: &PreparedPair, view: RelativeView) -> Vec<PointPair> {
+    let features = prepared.features().matches.iter().filter(|m| m.ratio < DISTINCTIVE).map(|m| m.pair);
+    let patches = prepared.patches_with_features(view);
+    let fine = patches.fine(prepared.pyramids());
+    let full_size = fine.scales.map(f64::recip);
+    let corners = fine.support.distinctive().into_iter().map(|m| m.rescaled(full_size));
+    let frames = prepared.frames();
+    let inside = |m: &PointPair| frames[0].contains(m.point1) && frames[1].contains(m.point2);
+    features.chain(corners).filter(inside).collect()
+}
+
+/// Of the matches that a geometry explains, the two whose epipolar lines are farthest apart in either image.
+fn chosen(
+    prepared: &PreparedPair,
+    leader: &FeatureHypothesis,
+    putative: &[PointPair],
+) -> Option<[PointPair; 2]> {
+    let f = &leader.fundamental;
+    let frames = prepared.frames();
+    let sides = frames.map(|frame| frame.longer_side());
+    let near = EXPLAINED * sides[0].max(sides[1]);
+    let explained: Vec<PointPair> =
+        putative.iter().copied().filter(|m| sampson_distance(f, m) < near).collect();
+    let explained = if explained.len() < CHOSEN_FROM / 2 { leader.matches.clone() } else { explained };
+    let step = explained.len().div_ceil(CHOSEN_FROM).max(1);
+    let few: Vec<PointPair> = explained.into_iter().step_by(step).collect();
+    let apart = |p: &PointPair, q: &PointPair| {
+        let far = |line: Option<Line>, point| line.map_or(0.0, |l| l.distance(point));
+        let in1 =
+            far(f.line1_from_point2(p.point2), q.point1).min(far(f.line1_from_point2(q.point2), p.point1));
+        let in2 =
+            far(f.line2_from_point1(p.point1), q.point2).min(far(f.line2_from_point1(q.point1), p.point2));
+        (in1 / sides[0]).min(in2 / sides[1])
+    };
+    let mut best: Option<(f64, [PointPair; 2])> = None;
+    for (k, p) in few.iter().enumerate() {
+        for q in &few[..k] {
+            let distance = apart(p, q);
+            if best.is_none_or(|(most, _)| distance > most) {
+                best = Some((distance, [*q, *p]));
+            }
+        }
+    }
+    best.map(|(_, pairs)| pairs)
+}
+
+/// Two putative matches each time, far from each other in both images. The seed decides.
+fn drawn(prepared: &PreparedPair, putative: &[PointPair], seed: u64) -> Vec<[PointPair; 2]> {
+    let mut random = Pcg64Mcg::seed_from_u64(seed ^ 0x7061_6972);
+    let least = prepared.frames().map(|frame| APART * frame.longer_side());
+    let mut drawn = Vec::new();
+    if putative.len() < 2 {
+        return drawn;
+    }
+    for _ in 0..TRIES {
+        let [p, q] = [(); 2].map(|()| putative[random.random_range(0..putative.len())]);
+        let apart = [(p.point1 - q.point1).norm(), (p.point2 - q.point2).norm()];
+        if apart[0] > least[0] && apart[1] > least[1] {
+            drawn.push([p, q]);
+            if drawn.len() == DRAWN {
+                break;
+            }
+        }
+    }
+    drawn
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::exact::ExactScene;
+    use super::super::{ClickRole, Method, Monitor, Parameters, Preset, estimate_prepared};
+    use super::*;
+
+    #[test]
+    fn nobody_has_to_click_and_what_stands_in_is_no_observation() {
+        let scene = ExactScene::aside();
+        let [plane1, plane2] = scene.planes();
+        let prepared = PreparedPair::new(&plane1, &plane2);
+        let run = |pairs: &[PointPair]| {
+            estimate_prepared(&prepared, pairs, &Parameters::default(), &Monitor::silent()).unwrap()
+        };
+        let [click, _] = scene.clicks();
+        for pairs in [&[][..], &[click]] {
+            let found = run(pairs);
+            let error = scene.error(found.fundamental());
+            assert!(error < 0.3, "{error} px with {} clicks", pairs.len());
+            let trace = found.trace.as_ref().unwrap();
+            let roles: Vec<ClickRole> = trace.clicks.iter().map(|click| click.role).collect();
+            let expected = [ClickRole::Observed, ClickRole::Chosen, ClickRole::Chosen];
+            assert_eq!(roles, expected[1 - pairs.len()..]);
+            assert_eq!((trace.clicks.observed(), trace.clicks.chosen().len()), (pairs.to_vec(), 2));
+            assert_eq!(trace.pencils.len(), 2, "to look at");
+            assert_eq!(found.fundamental(), run(pairs).fundamental(), "the seed decides");
+        }
+    }
+
+    #[test]
+    fn lines_alone_need_no_click_either() {
+        let scene = ExactScene::aside();
+        let [plane1, plane2] = scene.planes();
+        let prepared = PreparedPair::new(&plane1, &plane2);
+        let mut parameters = Parameters { method: Method::LinesAlone, ..Parameters::from(Preset::Paper) };
+        parameters.lines_alone.lines = 600;
+        let found = estimate_prepared(&prepared, &[], &parameters, &Monitor::silent()).unwrap();
+        let trace = found.trace.as_ref().unwrap();
+        assert!(trace.clicks.is_empty() && trace.counts.candidates[0] > 50, "{:?}", trace.counts);
+        assert!(found.assessment.trust.is_some());
+        let error = scene.error(found.fundamental());
+        assert!(error < 10.0, "{error} px");
+    }
+
+    #[test]
+    fn drawn_matches_are_far_apart() {
+        let scene = ExactScene::aside();
+        let [plane1, plane2] = scene.planes();
+        let prepared = PreparedPair::new(&plane1, &plane2);
+        let putative = scene.pairs(60);
+        let least = prepared.frames().map(|frame| APART * frame.longer_side());
+        let pairs = drawn(&prepared, &putative, 5);
+        assert_eq!(pairs.len(), DRAWN);
+        for [p, q] in &pairs {
+            assert!((p.point1 - q.point1).norm() > least[0] && (p.point2 - q.point2).norm() > least[1]);
+        }
+        assert_eq!(pairs, drawn(&prepared, &putative, 5), "the seed decides");
+        assert!(drawn(&prepared, &putative[..1], 5).is_empty());
+    }
+}

@@ -1,0 +1,148 @@
+//! The search with patches, and what goes on where that leaves doubts: covariant features, and the views they suggest.
+
+use super::covariant::{
+    FeatureEvidence, FeatureHypothesis, FeatureSearchParameters, hypotheses_from_features,
+};
+use super::patches::{self, Proposal};
+use super::record::SearchRecord;
+use super::search::{Found, Input, Judged, by_patches};
+use super::views::{is_same, view_of};
+use super::{Estimate, EstimateError, Stage};
+use crate::geometry::{
+    FundamentalMatrix, Observation, PointPair, eight_point, fit_fundamental, sampson_distance,
+};
+use crate::image::RelativeView;
+
+/// Views that are looked at beside the upright one.
+const VIEWS: usize = 2;
+
+/// What covariant features propose, best first.
+pub(super) struct FeatureProposals {
+    pub hypotheses: Vec<FeatureHypothesis>,
+    /// How the images are turned and scaled against each other by what these explain.
+    pub views: Vec<RelativeView>,
+}
+
+impl FeatureProposals {
+    /// What features propose, held together by the clicks, however many.
+    pub fn new(input: &Input) -> Result<Self, EstimateError> {
+        let Input { prepared, clicks, parameters, cancel, .. } = *input;
+        let features = prepared.features();
+        let observed = clicks.observed();
+        let evidence = FeatureEvidence {
+            sets: features.sets.each_ref(),
+            matches: &features.matches,
+            frames: prepared.frames(),
+            clicks: &observed,
+            click_sigma: parameters.click_sigma,
+        };
+        let search = FeatureSearchParameters { seed: parameters.seed, ..FeatureSearchParameters::default() };
+        let hypotheses = hypotheses_from_features(&evidence, &search);
+        cancel.check()?;
+        let mut views: Vec<RelativeView> = Vec::new();
+        for view in hypotheses.iter().filter_map(|h| view_of(&h.fundamental, features, prepared.frames())) {
+            if views.len() < VIEWS && !views.iter().any(|known| is_same(known, &view)) {
+                views.push(view);
+            }
+        }
+        Ok(Self { hypotheses, views })
+    }
+}
+
+/// The one whose refined matches weigh most, the first of equals.
+pub(super) fn heaviest(mut all: Vec<Judged>) -> Option<Judged> {
+    let best = (0..all.len()).max_by(|a, b| all[*a].weight.total_cmp(&all[*b].weight).then(b.cmp(a)))?;
+    Some(all.swap_remove(best))
+}
+
+/// The search with patches, upright; and where that leaves doubts, with covariant features too, under the views that
+/// they suggest. Of all, the one whose refined matches weigh most is the result, and the others are its rivals.
+pub(super) fn wider(input: &Input, record: &mut SearchRecord) -> Result<Judged, EstimateError> {
+    let upright = match by_patches(input, record) {
+        Ok(found) => Ok(input.judged(record, found)),
+        Err(error @ (EstimateError::NoCandidates { .. } | EstimateError::NoGeometry)) => Err(error),
+        Err(error) => return Err(error),
+    };
+    if upright.as_ref().is_ok_and(Judged::is_clear) {
+        return upright;
+    }
+    record.enter(Stage::Features)?;
+    let FeatureProposals { hypotheses, views } = FeatureProposals::new(input)?;
+    let proposed: Vec<FundamentalMatrix> = hypotheses.iter().map(|h| h.fundamental).collect();
+    let mut all: Vec<Judged> = Vec::new();
+    let mut failure = None;
+    match upright {
+        Ok(found) => all.push(found),
+        Err(error) => failure = Some(error),
+    }
+    for view in views {
+        let source = input.prepared.similarity_source(view, input.parameters);
+        let patches = input.prepared.patches_with_features(view);
+        let seen = Input { source: &*source, patches: &patches, ..*input };
+        let rivals = all.first().map_or(&[][..], |upright| &upright.hypotheses);
+        if let Some(found) = by_features(&seen, &proposed, rivals)? {
+            all.push(seen.judged(record, found));
+        }
+    }
+    let best = heaviest(all).ok_or(failure.unwrap_or(EstimateError::NoGeometry))?;
+    let observed = input.clicks.observed();
+    let Some(f) = of_clicks_alone(&observed, &best.fundamental, input.parameters.click_sigma) else {
+        return Ok(best);
+    };
+    let mut hypotheses = vec![Estimate::from(f)];
+    hypotheses.extend(best.hypotheses);
+    let found = Found { fundamental: f, hypotheses, supporting: observed, refined: None };
+    Ok(input.judged(record, found))
+}
+
+/// Clicks that determine F by themselves, with one to tell that they agree.
+const CLICKS_ALONE: usize = 8;
+/// A geometry that contradicts the clicks has them this many times as far off their lines as the one they determine.
+const CONTRADICTED: f64 = 3.0;
+
+/// The geometry that the clicks determine by themselves, where they agree with each other and contradict `found`.
+fn of_clicks_alone(
+    clicks: &[PointPair],
+    found: &FundamentalMatrix,
+    click_sigma: f64,
+) -> Option<FundamentalMatrix> {
+    if clicks.len() < CLICKS_ALONE {
+        return None;
+    }
+    let observations: Vec<Observation> =
+        clicks.iter().map(|pair| Observation { pair: *pair, sigma: click_sigma }).collect();
+    let fitted = fit_fundamental(&eight_point(clicks).ok()?, &observations, ROBUST_CLICKS)?.fundamental;
+    let middle = |f: &FundamentalMatrix| {
+        let mut distances: Vec<f64> = clicks.iter().map(|pair| sampson_distance(f, pair)).collect();
+        distances.sort_by(f64::total_cmp);
+        distances[distances.len() / 2]
+    };
+    (middle(found) > CONTRADICTED * middle(&fitted).max(click_sigma)).then_some(fitted)
+}
+
+/// Standard deviations from which on a click loses influence on a fit to clicks.
+const ROBUST_CLICKS: f64 = 3.0;
+
+/// What covariant features propose, ranked by patches and features under a view, and refined; `None` when none of it
+/// passes through the clicks.
+pub(super) fn by_features(
+    input: &Input,
+    proposed: &[FundamentalMatrix],
+    rivals: &[Estimate],
+) -> Result<Option<Found>, EstimateError> {
+    let Input { prepared, patches: levels, clicks, parameters, cancel, .. } = *input;
+    let anchors = clicks.anchors();
+    let Some(anchors) = anchors.first_chunk::<2>() else { return Ok(None) };
+    let fine = levels.fine(prepared.pyramids());
+    let turn = levels.view().rotation;
+    let starts: Vec<Proposal> =
+        proposed.iter().filter_map(|f| Proposal::of(f, *anchors, turn, fine)).collect();
+    // What was found upright competes under the same support.
+    let rivals = rivals.iter().filter_map(|h| Proposal::of(h.fundamental(), *anchors, h.turn(), fine));
+    let ranked = patches::rank_fine(fine, starts, rivals.collect(), &clicks.observed(), parameters, cancel)?;
+    if ranked.is_empty() {
+        return Ok(None);
+    }
+    let (hypotheses, _) = input.hypotheses(*anchors, &ranked)?;
+    input.refine_ranked(&ranked, hypotheses).map(Some)
+}
