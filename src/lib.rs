@@ -78,6 +78,7 @@ pub mod estimate;
 #[cfg(feature = "evaluate")]
 pub mod evaluate;
 pub mod features;
+mod foreign;
 pub mod geometry;
 pub mod image;
 #[cfg(feature = "files")]

@@ -8,6 +8,8 @@ use serde_json::Value;
 // Beside this file they would be test programs of their own.
 #[path = "command_line/files.rs"]
 mod files;
+#[path = "command_line/hostile.rs"]
+mod hostile;
 #[path = "command_line/rectify.rs"]
 mod rectify;
 #[path = "command_line/report.rs"]

@@ -1,6 +1,6 @@
 //! Kinds of values on the command line, and options that several commands share.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::builder::PossibleValue;
 use clap::{Args, ValueEnum};
@@ -66,6 +66,11 @@ impl ImagePair {
     /// Whether a built-in pair is to be used.
     pub(super) fn is_sample(&self) -> bool {
         self.sample.is_some()
+    }
+
+    /// The two files, if that is what was given.
+    pub(super) fn files(&self) -> impl Iterator<Item = &Path> {
+        [&self.left, &self.right].into_iter().flatten().map(PathBuf::as_path)
     }
 
     /// The built-in pair, if that is to be used.

@@ -1,7 +1,7 @@
 //! `epiline check`: in which convention is this fundamental matrix?
 
 use std::fmt::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use serde::Serialize;
@@ -10,8 +10,9 @@ use super::CliError;
 use super::geometry_file::{GeometryInput, GeometryOutput};
 use super::output::Output;
 use crate::convention::{ConventionCheck, RankedReading, Reading, check_convention};
+use crate::foreign::shown_path;
 use crate::geometry::FundamentalMatrix;
-use crate::io::{Format, GeometryFile};
+use crate::io::{Format, GeometryFile, refuse_clashes};
 
 /// Find out with matches in which convention a fundamental matrix or two cameras are
 ///
@@ -57,11 +58,14 @@ pub(super) fn run(arguments: &CheckArguments) -> Result<(), CliError> {
     if corrected.as_ref().is_some_and(GeometryOutput::is_piped) && matches!(output, Output::Piped) {
         return Err(CliError::Arguments("--json and --output cannot both be -".into()));
     }
+    let outputs: Vec<&Path> =
+        output.file().into_iter().chain(corrected.as_ref().and_then(GeometryOutput::file)).collect();
+    refuse_clashes(&outputs, &arguments.input.inputs())?;
     let (file, format) = arguments.input.read()?;
     let Some(given) = file.geometry() else {
         let problem = format!(
             "{}: there is no fundamental matrix in it and no two cameras",
-            arguments.input.path().display()
+            shown_path(arguments.input.path())
         );
         return Err(CliError::Arguments(problem));
     };

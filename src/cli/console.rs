@@ -4,12 +4,13 @@ use std::fmt::Display;
 use std::io::{ErrorKind, IsTerminal, Write};
 
 use super::CliError;
+use crate::foreign::{escaped, reason};
 
 /// Writes to standard output. A reader that has seen enough (`| head -1`) is not an error.
 pub(super) fn print(text: &str) -> Result<(), CliError> {
     let mut out = std::io::stdout().lock();
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
-        Err(e) if e.kind() != ErrorKind::BrokenPipe => Err(CliError::StandardOutput(e.to_string())),
+        Err(e) if e.kind() != ErrorKind::BrokenPipe => Err(CliError::StandardOutput(reason(&e))),
         _ => Ok(()),
     }
 }
@@ -47,7 +48,7 @@ pub fn report_panics_in_one_sentence() {
     }));
 }
 
-/// Messages of other libraries may have several lines.
+/// Messages of other libraries may have several lines, and what they quote may have anything.
 fn one_line(text: &str) -> String {
-    text.lines().map(str::trim).filter(|l| !l.is_empty()).collect::<Vec<_>>().join(" ")
+    escaped(&text.lines().map(str::trim).filter(|l| !l.is_empty()).collect::<Vec<_>>().join(" "))
 }

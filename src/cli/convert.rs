@@ -7,7 +7,8 @@ use clap::Args;
 use super::CliError;
 use super::console::{print, tell};
 use super::geometry_file::{GeometryInput, GeometryOutput};
-use crate::io::Format;
+use crate::foreign::shown_path;
+use crate::io::{Format, refuse_clashes};
 
 /// Convert F, cameras, homographies and point pairs between file formats and their conventions
 #[derive(Debug, Args)]
@@ -25,6 +26,7 @@ pub(super) struct ConvertArguments {
 /// Reads, writes, says what was converted.
 pub(super) fn run(arguments: &ConvertArguments) -> Result<(), CliError> {
     let output = GeometryOutput::prepare(&arguments.output, arguments.format)?;
+    refuse_clashes(&output.file().into_iter().collect::<Vec<_>>(), &arguments.input.inputs())?;
     let (file, format) = arguments.input.read()?;
     output.write(&file)?;
     let parts: Vec<_> = [
@@ -36,7 +38,7 @@ pub(super) fn run(arguments: &ConvertArguments) -> Result<(), CliError> {
     .into_iter()
     .flatten()
     .collect();
-    let read = arguments.input.path().display();
+    let read = shown_path(arguments.input.path());
     let text = format!("{} from {read} ({}) to {}\n", parts.join(", "), format.label(), output.place());
     if output.is_piped() {
         tell(text.trim_end());

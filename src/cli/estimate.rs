@@ -1,6 +1,6 @@
 //! `epiline estimate`: F from point pairs given as numbers.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
@@ -17,7 +17,7 @@ use crate::estimate::{
 };
 use crate::geometry::PointPair;
 use crate::image::Picture;
-use crate::io::{Format, GeometryFile, ResultFile, result_in_words};
+use crate::io::{Format, GeometryFile, ResultFile, refuse_clashes, result_in_words};
 
 /// Estimate the fundamental matrix of two images from point pairs, or from none
 #[derive(Debug, Args)]
@@ -68,6 +68,9 @@ pub(super) fn run(arguments: &EstimateArguments) -> Result<(), CliError> {
     if export.as_ref().is_some_and(GeometryOutput::is_piped) && matches!(output, Output::Piped) {
         return Err(CliError::Arguments("--json and --export cannot both be -".into()));
     }
+    let outputs: Vec<&Path> =
+        output.file().into_iter().chain(export.as_ref().and_then(GeometryOutput::file)).collect();
+    refuse_clashes(&outputs, &arguments.images.files().collect::<Vec<_>>())?;
     let mut parameters = arguments.overrides.parameters(arguments.preset)?;
     parameters.seed = arguments.seed;
     let fallback = match (arguments.pairs.len(), parameters.search) {

@@ -6,6 +6,7 @@ use clap::Args;
 
 use super::CliError;
 use super::console::{print, tell};
+use crate::foreign::shown_path;
 use crate::image::Picture;
 use crate::io::{Format, GeometryFile, ImageNote, OutputFile, read_camera, read_point_pairs};
 
@@ -49,6 +50,13 @@ impl GeometryInput {
         Ok((file, format))
     }
 
+    /// All files that are read.
+    pub(super) fn inputs(&self) -> Vec<&Path> {
+        let images = self.images.iter().flatten();
+        let files = [&self.file].into_iter().chain(&self.camera2).chain(&self.matches).chain(images);
+        files.map(PathBuf::as_path).collect()
+    }
+
     /// The file as it was named.
     pub(super) fn path(&self) -> &Path {
         &self.file
@@ -76,7 +84,7 @@ impl GeometryOutput {
             let known = Format::ALL.map(|f| format!("{} (.{})", f.name(), f.extension())).join(", ");
             CliError::Arguments(format!(
                 "the name {} does not tell the format, add --format with one of {known}",
-                path.display()
+                shown_path(path)
             ))
         })?;
         Ok(Self { file: if is_piped { None } else { Some(OutputFile::prepare(path)?) }, format })
@@ -90,6 +98,11 @@ impl GeometryOutput {
         path.map(|path| Self::prepare(path, format)).transpose()
     }
 
+    /// The file, if there is one.
+    pub(super) fn file(&self) -> Option<&Path> {
+        self.file.as_ref().map(OutputFile::path)
+    }
+
     /// Whether it goes to standard output, which nothing else may use then.
     pub(super) fn is_piped(&self) -> bool {
         self.file.is_none()
@@ -98,7 +111,7 @@ impl GeometryOutput {
     /// Place and format, for people.
     pub(super) fn place(&self) -> String {
         match &self.file {
-            Some(file) => format!("{} ({})", file.path().display(), self.format.label()),
+            Some(file) => format!("{} ({})", shown_path(file.path()), self.format.label()),
             None => format!("standard output ({})", self.format.label()),
         }
     }

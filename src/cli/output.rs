@@ -29,6 +29,14 @@ impl Output {
         })
     }
 
+    /// The file, if there is one.
+    pub(super) fn file(&self) -> Option<&Path> {
+        match self {
+            Self::File(file) => Some(file.path()),
+            Self::Text | Self::Piped => None,
+        }
+    }
+
     /// Writes both; the file first, because the reader of standard output may leave early.
     pub(super) fn write(&self, json: &impl Serialize, text: &str) -> Result<(), CliError> {
         let mut content =

@@ -9,6 +9,7 @@ use super::CliError;
 use super::arguments::{ImagePair, megapixels, on_threads, threads};
 use super::console::print;
 use crate::cancel::CancelFlag;
+use crate::foreign::shown_path;
 use crate::io::{PictureFormat, RectifiedFiles, RectifiedOptions, read_fundamental, read_point_pairs};
 use crate::rectify::{Distortion, Limits, Rectification, RectifyMethod, rectify};
 
@@ -97,7 +98,7 @@ fn summary(r: &Rectification, files: &RectifiedFiles) -> String {
         let _ = writeln!(text, "Beware: {warning}");
     }
     for path in files.paths() {
-        let _ = writeln!(text, "Wrote {}", path.display());
+        let _ = writeln!(text, "Wrote {}", shown_path(&path));
     }
     text
 }

@@ -1,7 +1,7 @@
 //! `epiline suggest`: the match of a point that was clicked in one image.
 
 use std::fmt::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use serde::Serialize;
@@ -11,7 +11,7 @@ use super::arguments::{ImagePair, on_threads, pixels, point, threads};
 use super::output::Output;
 use crate::estimate::PreparedPair;
 use crate::geometry::{FundamentalMatrix, Point};
-use crate::io::read_fundamental;
+use crate::io::{read_fundamental, refuse_clashes};
 use crate::suggest::{ClickedImage, Known, SuggestParameters, Suggestions, suggest};
 
 /// Suggest where a point of one image is in the other
@@ -62,6 +62,8 @@ impl From<ImageSide> for ClickedImage {
 /// Suggests, writes the JSON file, prints the candidates.
 pub(super) fn run(arguments: &SuggestArguments) -> Result<(), CliError> {
     let output = Output::prepare(arguments.json.as_deref())?;
+    let inputs: Vec<&Path> = arguments.images.files().chain(arguments.fundamental.as_deref()).collect();
+    refuse_clashes(&output.file().into_iter().collect::<Vec<_>>(), &inputs)?;
     let fundamental = arguments.fundamental.as_deref().map(read_fundamental).transpose()?;
     let ([image1, image2], _) = arguments.images.load()?;
     let parameters = SuggestParameters { band: arguments.band, ..SuggestParameters::default() };

@@ -26,6 +26,8 @@ const FITS_SHARE: f64 = 0.002;
 const CLEARLY: f64 = 4.0;
 /// Difference that is worth a word: this share of what the better one leaves.
 const MATERIAL: f64 = 0.1;
+/// No image reaches so far, px; squares of much larger numbers are infinite.
+const FARTHEST: f64 = 1e7;
 /// A reading that does not fit is told from one that does, however few the matches, if its median is so many times as
 /// large.
 const FAR: f64 = 4.0;
@@ -41,6 +43,12 @@ pub enum CheckError {
     /// Coordinates that are no numbers.
     #[error("a match has a coordinate that is not a finite number")]
     NotFinite,
+    /// Coordinates beyond any image.
+    #[error(
+        "a match has a coordinate beyond {FARTHEST:e} px, which is in no image: check the unit and the columns of the \
+         matches"
+    )]
+    TooFar,
 }
 
 /// A reading and how well it fits.
@@ -82,6 +90,10 @@ pub fn check_convention(
     }
     if !matches.iter().all(PointPair::is_finite) {
         return Err(CheckError::NotFinite);
+    }
+    let numbers = |m: &PointPair| [m.point1.x, m.point1.y, m.point2.x, m.point2.y];
+    if matches.iter().flat_map(numbers).any(|number| number.abs() > FARTHEST) {
+        return Err(CheckError::TooFar);
     }
     // Evenly spread: matches are often listed in some order.
     let stride = matches.len().div_ceil(MOST_MATCHES);

@@ -200,9 +200,10 @@ fn too_few_and_broken_matches_are_refused() {
     let mut broken = matches;
     broken[3].point2.x = f64::NAN;
     assert_eq!(check_convention(&f, &broken).unwrap_err(), CheckError::NotFinite);
-    // Far beyond any image, and all at one place: an answer, whatever it says.
+    // Far beyond any image: squares of such numbers are infinite, and so is a limit in proportion.
     let far = [PointPair::new(1e300, -1e300, 1e300, 1e300); 9];
-    let _ = check_convention(&f, &far).unwrap().sentence();
+    assert_eq!(check_convention(&f, &far).unwrap_err(), CheckError::TooFar);
+    // All at one place: an answer, whatever it says.
     let _ = check_convention(&f, &[PointPair::new(1.0, 2.0, 3.0, 4.0); 9]).unwrap().sentence();
 }
 

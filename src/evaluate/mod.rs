@@ -51,6 +51,8 @@ pub use publication::{ReportSubject, publication};
 pub use ranking::SearchRecord;
 pub use report::{Overall, Record, Report, Settings, Shares, TrialRecord, Verdicts};
 pub use run::{TrialDone, run};
-pub use scene::{EvaluateError, Scene, pair_scenes, vgg_scenes};
+pub use scene::{
+    EvaluateError, Scene, SceneSet, files_read, pair_scene_set, pair_scenes, vgg_scene_set, vgg_scenes,
+};
 pub use statistics::{mean, median, quantile, share_below};
 pub use table::{search_table, table, verdict_sentences};

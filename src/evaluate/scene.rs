@@ -1,7 +1,7 @@
 //! Image pairs with known geometry.
 
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use thiserror::Error;
@@ -9,9 +9,10 @@ use thiserror::Error;
 use super::printed::printed_errors;
 use super::statistics::{mean, median};
 use super::{KnownPair, PrintedErrors};
+use crate::foreign::excerpt;
 use crate::geometry::{FundamentalMatrix, PointPair, symmetric_epipolar_distance};
 use crate::image::{GrayPlane, LoadError, Picture};
-use crate::io::{GroundTruth, ReadError, TruthError, VggFolder, pair_folder};
+use crate::io::{GroundTruth, PairFiles, ReadError, TruthError, VggFolder, pair_folder};
 
 /// Why nothing could be evaluated. Each message is one sentence for the user.
 #[derive(Debug, Error)]
@@ -74,6 +75,35 @@ pub struct Scene {
     pub printed: Option<PrintedErrors>,
 }
 
+/// The pairs of a folder that can be evaluated, and those that cannot.
+#[derive(Debug, Default)]
+pub struct SceneSet {
+    /// The pairs, at least one.
+    pub scenes: Vec<Scene>,
+    /// A sentence about each pair that is left out.
+    pub left_out: Vec<String>,
+}
+
+impl SceneSet {
+    /// What can be had; an error when that is nothing.
+    fn of(
+        results: impl Iterator<Item = (String, Result<Scene, EvaluateError>)>,
+    ) -> Result<Self, EvaluateError> {
+        let mut set = Self::default();
+        let mut first = None;
+        for (name, result) in results {
+            match result {
+                Ok(scene) => set.scenes.push(scene),
+                Err(error) => {
+                    set.left_out.push(format!("{} was left out: {error}.", excerpt(&name)));
+                    first = first.or(Some(error));
+                }
+            }
+        }
+        first.filter(|_| set.scenes.is_empty()).map_or(Ok(set), Err)
+    }
+}
+
 impl Scene {
     fn new(known: GroundTruth, images: [Arc<GrayPlane>; 2], printed: Option<PrintedErrors>) -> Self {
         let GroundTruth { name, fundamental: truth, matches, .. } = known;
@@ -114,9 +144,21 @@ impl Scene {
     }
 }
 
+/// [`vgg_scene_set`] of which every pair must be there.
+pub fn vgg_scenes(folder: &Path, step: usize, only: &[String]) -> Result<Vec<Scene>, EvaluateError> {
+    vgg_results(folder, step, only)?.into_iter().map(|(_, scene)| scene).collect()
+}
+
 /// The pairs of views of a VGG folder that are `step` apart, called `0-1`, `1-2`, …; `only` those named when
 /// it is not empty. The true F comes from the two cameras.
-pub fn vgg_scenes(folder: &Path, step: usize, only: &[String]) -> Result<Vec<Scene>, EvaluateError> {
+pub fn vgg_scene_set(folder: &Path, step: usize, only: &[String]) -> Result<SceneSet, EvaluateError> {
+    SceneSet::of(vgg_results(folder, step, only)?.into_iter())
+}
+
+/// Pairs by name.
+type NamedScenes = Vec<(String, Result<Scene, EvaluateError>)>;
+
+fn vgg_results(folder: &Path, step: usize, only: &[String]) -> Result<NamedScenes, EvaluateError> {
     let set = VggFolder::open(folder)?;
     let views = set.cameras.len();
     let named: Vec<_> =
@@ -133,31 +175,71 @@ pub fn vgg_scenes(folder: &Path, step: usize, only: &[String]) -> Result<Vec<Sce
         loaded.insert(view, plane.clone());
         Ok(plane)
     };
-    chosen(named, only, |(name, ..)| name)?
-        .into_iter()
-        .map(|(_, view1, view2)| {
-            let truth = GroundTruth::of_views(&set, [view1, view2])?;
-            let images = [load(view1)?, load(view2)?];
-            let frame = images[0].frame();
-            let size = [frame.width, frame.height];
-            let printed = printed_errors(&set.prefix, views, size, [view1, view2]);
-            Ok(Scene::new(truth, images, printed))
-        })
-        .collect()
+    let mut scene = |view1: usize, view2: usize| {
+        let truth = GroundTruth::of_views(&set, [view1, view2])?;
+        let images = [load(view1)?, load(view2)?];
+        let frame = images[0].frame();
+        let size = [frame.width, frame.height];
+        let printed = printed_errors(&set.prefix, views, size, [view1, view2]);
+        Ok(Scene::new(truth, images, printed))
+    };
+    let chosen = chosen(named, only, |(name, ..)| name)?;
+    Ok(chosen.into_iter().map(|(name, view1, view2)| (name, scene(view1, view2))).collect())
+}
+
+/// [`pair_scene_set`] of which every pair must be there.
+pub fn pair_scenes(folder: &Path, only: &[String]) -> Result<Vec<Scene>, EvaluateError> {
+    pair_results(folder, only)?.map(|(_, scene)| scene).collect()
 }
 
 /// The pairs of a folder of `NAMEA.*`, `NAMEB.*` and `NAME.txt`; `only` those named when it is not empty. The
 /// true F is fitted to all matches.
-pub fn pair_scenes(folder: &Path, only: &[String]) -> Result<Vec<Scene>, EvaluateError> {
-    chosen(pair_folder(folder)?, only, |files| &files.name)?
-        .into_iter()
-        .map(|files| {
-            let truth = GroundTruth::of_pair(&files)?;
-            let [a, b] = files.images;
-            let images = [Arc::new(Picture::open(&a)?.gray), Arc::new(Picture::open(&b)?.gray)];
-            Ok(Scene::new(truth, images, None))
-        })
-        .collect()
+pub fn pair_scene_set(folder: &Path, only: &[String]) -> Result<SceneSet, EvaluateError> {
+    SceneSet::of(pair_results(folder, only)?)
+}
+
+fn pair_results(
+    folder: &Path,
+    only: &[String],
+) -> Result<impl Iterator<Item = (String, Result<Scene, EvaluateError>)>, EvaluateError> {
+    let scene = |files: &PairFiles| {
+        let truth = GroundTruth::of_pair(files)?;
+        let [a, b] = &files.images;
+        let images = [Arc::new(Picture::open(a)?.gray), Arc::new(Picture::open(b)?.gray)];
+        Ok(Scene::new(truth, images, None))
+    };
+    let chosen = chosen(pair_folder(folder)?, only, |files| &files.name)?;
+    Ok(chosen.into_iter().map(move |files| {
+        let scene = scene(&files);
+        (files.name, scene)
+    }))
+}
+
+/// The files of a folder that an evaluation may read: the images, and what is known about them.
+pub fn files_read(folder: &Path) -> Vec<PathBuf> {
+    const KNOWN: [&str; 16] = [
+        "png",
+        "jpg",
+        "jpeg",
+        "tif",
+        "tiff",
+        "bmp",
+        "pgm",
+        "ppm",
+        "pbm",
+        "pnm",
+        "pam",
+        "webp",
+        "txt",
+        "p",
+        "corners",
+        "nview-corners",
+    ];
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
+    let is_read = |path: &PathBuf| {
+        path.extension().is_some_and(|e| KNOWN.iter().any(|known| e.eq_ignore_ascii_case(known)))
+    };
+    entries.filter(is_read).collect()
 }
 
 /// Scenes whose name is among `only`, in their own order; all when `only` is empty.

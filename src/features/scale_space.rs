@@ -80,11 +80,12 @@ pub(super) fn for_each_octave(plane: &GrayPlane, largest: usize, mut visit: impl
         (plane.clone(), 1.0, CAMERA_SIGMA)
     };
     loop {
-        base = smoothed(&base, (BASE_SIGMA * BASE_SIGMA - sigma * sigma).sqrt());
+        let more = (BASE_SIGMA * BASE_SIGMA - sigma * sigma).sqrt();
         if base.values().len() <= largest {
+            base = smoothed(&base, more);
             break;
         }
-        (base, spacing, sigma) = (decimated(&base), 2.0 * spacing, 0.5 * BASE_SIGMA);
+        (base, spacing, sigma) = (smoothed_and_decimated(&base, more), 2.0 * spacing, 0.5 * BASE_SIGMA);
     }
     while base.frame().width.min(base.frame().height) >= SMALLEST_SIDE {
         let octave = Octave::new(base, spacing);
@@ -98,6 +99,26 @@ pub(super) fn for_each_octave(plane: &GrayPlane, largest: usize, mut visit: impl
 fn decimated(plane: &GrayPlane) -> GrayPlane {
     let frame = Frame::new(plane.frame().width.div_ceil(2), plane.frame().height.div_ceil(2));
     let values = (0..frame.height).flat_map(|y| plane.row(2 * y).iter().step_by(2).copied()).collect();
+    GrayPlane::new(frame, values)
+}
+
+/// [`decimated`] of [`smoothed`], a strip at a time: of a large picture a smoothed copy would be much.
+fn smoothed_and_decimated(plane: &GrayPlane, sigma: f64) -> GrayPlane {
+    const ROWS: usize = STRIP.div_ceil(2) * 2;
+    let full = plane.frame();
+    let kernel = half_kernel(sigma, full);
+    let frame = Frame::new(full.width.div_ceil(2), full.height.div_ceil(2));
+    let mut values = vec![0.0; frame.width * frame.height];
+    values.par_chunks_mut(ROWS / 2 * frame.width).enumerate().for_each(|(strip, out)| {
+        let first = strip * ROWS;
+        let mut rows = vec![0.0; ROWS.min(full.height - first) * full.width];
+        smooth_rows(plane, &kernel, first, &mut rows);
+        for (row, out) in rows.chunks(full.width).step_by(2).zip(out.chunks_mut(frame.width)) {
+            for (value, out) in row.iter().step_by(2).zip(out) {
+                *out = *value;
+            }
+        }
+    });
     GrayPlane::new(frame, values)
 }
 

@@ -16,15 +16,23 @@ pub fn find_corners(plane: &GrayPlane, count: usize, border: usize) -> Vec<Point
     if frame.width <= 2 * border || frame.height <= 2 * border {
         return Vec::new();
     }
-    let response = smaller_eigenvalue(plane);
-    let mut peaks: Vec<(f32, usize, usize)> = (border..frame.height - border)
+    // A band at a time: over the whole of a large image the products take several times its memory.
+    let bands: Vec<usize> = (border..frame.height - border).step_by(BAND).collect();
+    let mut peaks: Vec<(f32, usize, usize)> = bands
         .into_par_iter()
-        .flat_map_iter(|y| {
-            let response = &response;
-            (border..frame.width - border).filter_map(move |x| {
-                let value = response.at(x, y);
-                (value > 1.0 && is_peak(response, x, y, value)).then_some((value, x, y))
-            })
+        .flat_map_iter(|first| {
+            let end = (first + BAND).min(frame.height - border);
+            let response = Response::of_rows(plane, first - 2, end + 2);
+            let mut found = Vec::new();
+            for y in first..end {
+                for x in border..frame.width - border {
+                    let value = response.at(x, y);
+                    if value > 1.0 && is_peak(&response, x, y, value) {
+                        found.push((value, x, y));
+                    }
+                }
+            }
+            found
         })
         .collect();
     // Position decides between equals, so that the order does not depend on threads.
@@ -45,8 +53,10 @@ pub fn find_corners(plane: &GrayPlane, count: usize, border: usize) -> Vec<Point
 
 /// Half width of the window the structure tensor is averaged over.
 const RADIUS: usize = 2;
+/// Rows that are looked at at once.
+const BAND: usize = 64;
 
-fn is_peak(response: &GrayPlane, x: usize, y: usize, value: f32) -> bool {
+fn is_peak(response: &Response, x: usize, y: usize, value: f32) -> bool {
     (y - 2..=y + 2).all(|v| {
         (x - 2..=x + 2).all(|u| {
             // On a plateau the first pixel in reading order wins.
@@ -60,53 +70,69 @@ fn is_peak(response: &GrayPlane, x: usize, y: usize, value: f32) -> bool {
     })
 }
 
-/// Smaller eigenvalue of the structure tensor, squared grey levels per px².
-fn smaller_eigenvalue(plane: &GrayPlane) -> GrayPlane {
-    let Frame { width, height } = plane.frame();
-    // Products of the central differences, summed along each row, then down each column.
-    let mut rows = vec![[0f32; 3]; width * height];
-    rows.par_chunks_mut(width).enumerate().for_each(|(y, out)| {
-        if y == 0 || y + 1 == height {
-            return;
-        }
-        let (above, row, below) = (plane.row(y - 1), plane.row(y), plane.row(y + 1));
-        let products: Vec<[f32; 3]> = (0..width)
-            .map(|x| {
-                if x == 0 || x + 1 == width {
-                    return [0.0; 3];
-                }
-                let gx = 0.5 * (row[x + 1] - row[x - 1]);
-                let gy = 0.5 * (below[x] - above[x]);
-                [gx * gx, gx * gy, gy * gy]
-            })
-            .collect();
-        for x in RADIUS..width - RADIUS {
-            for product in &products[x - RADIUS..=x + RADIUS] {
-                for k in 0..3 {
-                    out[x][k] += product[k];
-                }
+/// Smaller eigenvalue of the structure tensor on some rows, squared grey levels per px².
+struct Response {
+    first: usize,
+    width: usize,
+    values: Vec<f32>,
+}
+
+impl Response {
+    fn at(&self, x: usize, y: usize) -> f32 {
+        self.values[(y - self.first) * self.width + x]
+    }
+
+    /// Of the rows from `first` to before `end`, which are at least `RADIUS` rows from the edge.
+    fn of_rows(plane: &GrayPlane, first: usize, end: usize) -> Self {
+        let Frame { width, height } = plane.frame();
+        // Products of the central differences, summed along each row, then down each column.
+        let above = first - RADIUS;
+        let mut rows = vec![[0f32; 3]; width * (end + RADIUS - above)];
+        for (out, y) in rows.chunks_mut(width).zip(above..) {
+            if y > 0 && y + 1 < height {
+                sum_products(plane, y, out);
             }
         }
-    });
-    let mut values = vec![0f32; width * height];
-    let area = ((2 * RADIUS + 1) * (2 * RADIUS + 1)) as f32;
-    values.par_chunks_mut(width).enumerate().for_each(|(y, out)| {
-        if y < RADIUS || y + RADIUS >= height {
-            return;
-        }
-        for (x, value) in out.iter_mut().enumerate() {
-            let mut sum = [0f32; 3];
-            for v in y - RADIUS..=y + RADIUS {
-                for k in 0..3 {
-                    sum[k] += rows[v * width + x][k];
+        let mut values = vec![0f32; width * (end - first)];
+        let area = ((2 * RADIUS + 1) * (2 * RADIUS + 1)) as f32;
+        for (k, out) in values.chunks_mut(width).enumerate() {
+            for (x, value) in out.iter_mut().enumerate() {
+                let mut sum = [0f32; 3];
+                for row in k..=k + 2 * RADIUS {
+                    for (sum, product) in sum.iter_mut().zip(rows[row * width + x]) {
+                        *sum += product;
+                    }
                 }
+                let [a, b, c] = sum;
+                let half = 0.5 * (a - c);
+                *value = (0.5 * (a + c) - half.hypot(b)) / area;
             }
-            let [a, b, c] = sum;
-            let half = 0.5 * (a - c);
-            *value = (0.5 * (a + c) - half.hypot(b)) / area;
         }
-    });
-    GrayPlane::new(plane.frame(), values)
+        Self { first, width, values }
+    }
+}
+
+/// Sums of the products of the differences over the window along one row.
+fn sum_products(plane: &GrayPlane, y: usize, out: &mut [[f32; 3]]) {
+    let width = plane.frame().width;
+    let (above, row, below) = (plane.row(y - 1), plane.row(y), plane.row(y + 1));
+    let products: Vec<[f32; 3]> = (0..width)
+        .map(|x| {
+            if x == 0 || x + 1 == width {
+                return [0.0; 3];
+            }
+            let gx = 0.5 * (row[x + 1] - row[x - 1]);
+            let gy = 0.5 * (below[x] - above[x]);
+            [gx * gx, gx * gy, gy * gy]
+        })
+        .collect();
+    for x in RADIUS..width - RADIUS {
+        for product in &products[x - RADIUS..=x + RADIUS] {
+            for k in 0..3 {
+                out[x][k] += product[k];
+            }
+        }
+    }
 }
 
 #[cfg(test)]
@@ -123,6 +149,27 @@ mod tests {
             let near = corners.iter().any(|c| (c - Point::new(expected.0, expected.1)).norm() < 2.5);
             assert!(near, "{expected:?} in {corners:?}");
         }
+    }
+
+    #[test]
+    fn the_bands_show_in_nothing() {
+        let frame = Frame::new(90, 3 * BAND + 17);
+        let plane = GrayPlane::from_fn(frame, |x, y| ((x * x * 31 + y * y * 17 + x * y) % 241) as f32);
+        let whole = Response::of_rows(&plane, RADIUS, frame.height - RADIUS);
+        let expected: Vec<Point> = find_corners(&plane, 100_000, 4);
+        let mut all = Vec::new();
+        for y in 4..frame.height - 4 {
+            for x in 4..frame.width - 4 {
+                let value = whole.at(x, y);
+                if value > 1.0 && is_peak(&whole, x, y, value) {
+                    all.push((value, x, y));
+                }
+            }
+        }
+        all.sort_by(|a, b| b.0.total_cmp(&a.0).then((a.2, a.1).cmp(&(b.2, b.1))));
+        let all: Vec<Point> = all.into_iter().map(|(_, x, y)| Point::new(x as f64, y as f64)).collect();
+        assert!(all.len() > 100, "{}", all.len());
+        assert_eq!(expected, all);
     }
 
     #[test]

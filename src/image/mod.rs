@@ -2,16 +2,24 @@
 
 mod alignment;
 mod corners;
+mod decode;
+mod deep_tiff;
 mod load;
+mod load_error;
+mod luma;
+mod options;
 mod pair;
 mod patch;
 mod plane;
 mod pyramid;
 mod sampling;
+mod whole;
 
 pub(crate) use alignment::{Alignment, LEAST_INSIDE, Placement, align, offsets};
 pub use corners::find_corners;
-pub use load::{LoadError, Picture};
+pub use load::Picture;
+pub use load_error::LoadError;
+pub use options::{DAMAGED_VARIABLE, LoadOptions, MEGAPIXELS_VARIABLE};
 pub use pair::{PairLevel, PyramidPair, RelativeView};
 pub(crate) use patch::{HALF, Patch, Warp, correlate_all, patch, warps_around};
 pub use plane::GrayPlane;

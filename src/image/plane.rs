@@ -1,12 +1,15 @@
 //! Grey images of floating-point intensities.
 
+use std::sync::Arc;
+
 use crate::geometry::{Frame, Point};
 
-/// A grey image, row-major, intensities in grey levels `0 ..= 255` whatever the depth of the file.
+/// A grey image, row-major, intensities in grey levels `0 ..= 255` whatever the depth of the file. Copies share the
+/// values.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GrayPlane {
     frame: Frame,
-    values: Vec<f32>,
+    values: Arc<[f32]>,
 }
 
 impl GrayPlane {
@@ -15,6 +18,11 @@ impl GrayPlane {
     /// # Panics
     /// When the number of values is not `width × height`: a programming error.
     pub fn new(frame: Frame, values: Vec<f32>) -> Self {
+        Self::shared(frame, values.into())
+    }
+
+    /// [`GrayPlane::new`] of values that are shared already.
+    pub(super) fn shared(frame: Frame, values: Arc<[f32]>) -> Self {
         assert_eq!(values.len(), frame.width * frame.height, "one value a pixel");
         Self { frame, values }
     }

@@ -3,9 +3,11 @@
 
 mod geometry_file;
 mod ground_truth;
+mod identity;
 mod number;
 mod output;
 mod pair_folder;
+mod part_file;
 mod picture_file;
 mod point_pairs;
 mod read;
@@ -17,6 +19,7 @@ mod vgg;
 
 pub use geometry_file::{Format, GeometryFile, ImageNote, Problem, read_fundamental, read_point_pairs};
 pub use ground_truth::{GroundTruth, TruthError, TruthOrigin};
+pub use identity::refuse_clashes;
 pub use output::{OutputFile, WriteError};
 pub use pair_folder::{PairFiles, pair_folder};
 pub use picture_file::{PictureError, PictureFormat, encode_picture};

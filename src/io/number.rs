@@ -1,12 +1,14 @@
 //! Numbers in text files.
 
+use crate::foreign::excerpt;
+
 /// The finite numbers of a row whose cells are separated by spaces, tabs, commas or semicolons. The error
 /// names the first cell that is none.
 pub(super) fn finite_numbers(row: &str) -> Result<Vec<f64>, String> {
     cells(row)
         .map(|cell| match cell.parse::<f64>() {
             Ok(value) if value.is_finite() => Ok(value),
-            _ => Err(format!("\"{cell}\" is not a finite number")),
+            _ => Err(format!("\"{}\" is not a finite number", excerpt(cell))),
         })
         .collect()
 }

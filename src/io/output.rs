@@ -3,12 +3,19 @@
 //! The content goes to a temporary file in the same folder, which then takes the place of the target in one
 //! step. A reader never sees half a file, and a failure leaves an older file as it was.
 
-use std::io::Write;
+use std::fs::File;
+use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 use thiserror::Error;
 
-use super::read::reason;
+use super::part_file::{PartFile, remove_dead_parts};
+use crate::foreign::{is_named_pipe, reason, shown_path};
+
+/// How long a pipe may stand still.
+const PATIENCE: Duration = Duration::from_secs(30);
 
 /// Why a file could not be written, one sentence.
 #[derive(Debug, Error)]
@@ -22,7 +29,7 @@ pub struct WriteError {
 
 impl WriteError {
     pub(super) fn new(path: &Path, reason: impl Into<String>) -> Self {
-        Self { path: path.display().to_string(), reason: reason.into() }
+        Self { path: shown_path(path), reason: reason.into() }
     }
 }
 
@@ -30,37 +37,79 @@ impl WriteError {
 #[derive(Debug, Clone)]
 pub struct OutputFile {
     path: PathBuf,
-    /// Devices and pipes are written through: replacing them by a file would be a surprise.
-    special: bool,
+    kind: Kind,
+}
+
+#[derive(Debug, Clone)]
+enum Kind {
+    /// A file, replaced as a whole; a private one only its owner may read.
+    File { private: bool },
+    /// Written through: replacing a device by a file would be a surprise.
+    Device,
+    /// A pipe that somebody reads, open so that the reader does not take it for closed.
+    Pipe(Arc<File>),
+}
+
+/// A whole file beside its target, which it replaces when asked to.
+#[derive(Debug)]
+pub(super) struct StagedFile {
+    target: OutputFile,
+    /// `None` when it went into a device or a pipe right away.
+    part: Option<PartFile>,
 }
 
 impl OutputFile {
-    /// Checks, before a long computation, that the file can be written. Nothing is left behind.
+    /// Checks, before a long computation, that the file can be written. Nothing is left behind, and what programs that
+    /// were killed left half written in the folder is removed.
     pub fn prepare(path: &Path) -> Result<Self, WriteError> {
+        Self::prepare_as(path, false)
+    }
+
+    /// A file that only its owner may read, whatever the permissions of the one that it replaces.
+    pub fn prepare_private(path: &Path) -> Result<Self, WriteError> {
+        Self::prepare_as(path, true)
+    }
+
+    fn prepare_as(path: &Path, private: bool) -> Result<Self, WriteError> {
         let failed = |reason: &str| WriteError::new(path, reason);
         if path.as_os_str().is_empty() {
             return Err(failed("the file has no name"));
         }
+        let found = path.metadata();
+        if found.is_err() && path.symlink_metadata().is_ok_and(|link| link.is_symlink()) {
+            return Err(failed("it is a link that leads nowhere"));
+        }
         // Behind a symbolic link it is the file it points to that is replaced, not the link.
         let path_behind = path.canonicalize().unwrap_or_else(|_| path.to_owned());
-        let special = match path_behind.metadata() {
+        let kind = match found {
             Ok(found) if found.is_dir() => return Err(failed("it is a folder")),
             Ok(found) if found.permissions().readonly() => return Err(failed("it is write-protected")),
-            Ok(found) => !found.is_file(),
-            Err(_) => false,
+            Ok(found) if found.is_file() => Kind::File { private },
+            Ok(_) if is_named_pipe(path) => {
+                let pipe = open_pipe(path).map_err(|e| match e.kind() {
+                    ErrorKind::PermissionDenied => failed(&reason(&e)),
+                    _ => failed("nobody reads from this pipe"),
+                })?;
+                Kind::Pipe(Arc::new(pipe))
+            }
+            Ok(found) if is_block_device(&found) => return Err(failed("it is a disk")),
+            Ok(_) => Kind::Device,
+            Err(_) => Kind::File { private },
         };
-        let output = Self { path: path_behind, special };
-        if !special {
+        let is_file = matches!(kind, Kind::File { .. });
+        let output = Self { path: path_behind, kind };
+        if is_file {
             let folder = output.folder();
             match folder.metadata() {
                 Ok(found) if !found.is_dir() => {
-                    return Err(failed(&format!("{} is not a folder", folder.display())));
+                    return Err(failed(&format!("{} is not a folder", shown_path(folder))));
                 }
                 Ok(_) => {}
-                Err(_) => return Err(failed(&format!("there is no folder {}", folder.display()))),
+                Err(_) => return Err(failed(&format!("there is no folder {}", shown_path(folder)))),
             }
-            output.temporary().map_err(|e| {
-                failed(&format!("the folder {} is not writable ({})", folder.display(), reason(&e)))
+            remove_dead_parts(folder);
+            PartFile::create(folder, private).map_err(|e| {
+                failed(&format!("the folder {} is not writable ({})", shown_path(folder), reason(&e)))
             })?;
         }
         Ok(output)
@@ -71,10 +120,23 @@ impl OutputFile {
         &self.path
     }
 
-    /// Writes the whole content at once.
+    /// Writes the whole content at once. A file keeps the permissions of the one that it replaces.
     pub fn write(&self, content: &[u8]) -> Result<(), WriteError> {
-        if self.special { self.write_through(content) } else { self.replace(content) }
-            .map_err(|e| WriteError::new(&self.path, reason(&e)))
+        self.stage(content)?.put()
+    }
+
+    /// Writes the whole content beside the file, which is as it was until [`StagedFile::put`].
+    pub(super) fn stage(&self, content: &[u8]) -> Result<StagedFile, WriteError> {
+        let part = match &self.kind {
+            Kind::File { private } => PartFile::create(self.folder(), *private).and_then(|mut part| {
+                part.fill(content)?;
+                Ok(Some(part))
+            }),
+            Kind::Device => self.write_through(content).map(|()| None),
+            Kind::Pipe(pipe) => write_to_pipe(pipe, content).map(|()| None),
+        };
+        let part = part.map_err(|e| WriteError::new(&self.path, reason(&e)))?;
+        Ok(StagedFile { target: self.clone(), part })
     }
 
     fn write_through(&self, content: &[u8]) -> std::io::Result<()> {
@@ -83,33 +145,67 @@ impl OutputFile {
         file.flush()
     }
 
-    fn replace(&self, content: &[u8]) -> std::io::Result<()> {
-        let mut file = self.temporary()?;
-        file.write_all(content)?;
-        file.as_file().sync_all()?;
-        file.persist(&self.path)?;
-        Ok(())
-    }
-
     fn folder(&self) -> &Path {
         match self.path.parent() {
             Some(folder) if !folder.as_os_str().is_empty() => folder,
             _ => Path::new("."),
         }
     }
+}
 
-    /// A new file beside the target that removes itself unless it takes the target's place.
-    fn temporary(&self) -> std::io::Result<tempfile::NamedTempFile> {
-        let mut builder = tempfile::Builder::new();
-        builder.prefix(".epiline-").suffix(".part");
-        #[cfg(unix)]
-        {
-            use std::os::unix::fs::PermissionsExt;
-            // Like any new file (the user's mask still applies), not the private mode of temporary ones.
-            builder.permissions(std::fs::Permissions::from_mode(0o666));
-        }
-        builder.tempfile_in(self.folder())
+impl StagedFile {
+    /// Takes the place of the target.
+    pub(super) fn put(self) -> Result<(), WriteError> {
+        let Some(part) = self.part else { return Ok(()) };
+        let private = matches!(self.target.kind, Kind::File { private: true });
+        part.persist(&self.target.path, private).map_err(|e| WriteError::new(&self.target.path, reason(&e)))
     }
+}
+
+/// Opens a pipe for writing, which fails when nobody has it open for reading.
+#[cfg(unix)]
+fn open_pipe(path: &Path) -> std::io::Result<File> {
+    use std::os::unix::fs::OpenOptionsExt;
+    std::fs::OpenOptions::new().write(true).custom_flags(libc::O_NONBLOCK).open(path)
+}
+
+#[cfg(not(unix))]
+fn open_pipe(path: &Path) -> std::io::Result<File> {
+    std::fs::OpenOptions::new().write(true).open(path)
+}
+
+/// Writes as fast as the reader reads, and gives up when it has stopped.
+fn write_to_pipe(mut pipe: &File, content: &[u8]) -> std::io::Result<()> {
+    let mut rest = content;
+    let mut moved = Instant::now();
+    while !rest.is_empty() {
+        match pipe.write(rest) {
+            Ok(count) => {
+                rest = &rest[count..];
+                moved = Instant::now();
+            }
+            Err(e) if e.kind() == ErrorKind::Interrupted => {}
+            Err(e) if e.kind() == ErrorKind::WouldBlock && moved.elapsed() < PATIENCE => {
+                std::thread::sleep(Duration::from_millis(5));
+            }
+            Err(e) if e.kind() == ErrorKind::WouldBlock => {
+                return Err(std::io::Error::other("nobody reads from this pipe any more"));
+            }
+            Err(e) => return Err(e),
+        }
+    }
+    Ok(())
+}
+
+#[cfg(unix)]
+fn is_block_device(found: &std::fs::Metadata) -> bool {
+    use std::os::unix::fs::FileTypeExt;
+    found.file_type().is_block_device()
+}
+
+#[cfg(not(unix))]
+fn is_block_device(_found: &std::fs::Metadata) -> bool {
+    false
 }
 
 #[cfg(test)]
@@ -191,5 +287,54 @@ mod tests {
 
         OutputFile::prepare(Path::new("/dev/null")).unwrap().write(b"gone").unwrap();
         assert!(Path::new("/dev/null").metadata().unwrap().file_type().is_char_device());
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn permissions_stay_and_private_files_are_private() {
+        use std::os::unix::fs::PermissionsExt;
+        let folder = tempfile::tempdir().unwrap();
+        let mode = |path: &Path| path.metadata().unwrap().permissions().mode() & 0o777;
+        let path = folder.path().join("result.json");
+        for kept in [0o600, 0o640, 0o604] {
+            std::fs::write(&path, "old").unwrap();
+            std::fs::set_permissions(&path, std::fs::Permissions::from_mode(kept)).unwrap();
+            OutputFile::prepare(&path).unwrap().write(b"new").unwrap();
+            assert_eq!((mode(&path), &std::fs::read(&path).unwrap()[..]), (kept, &b"new"[..]));
+        }
+        OutputFile::prepare_private(&path).unwrap().write(b"work").unwrap();
+        assert_eq!(mode(&path), 0o600);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn links_into_nothing_and_pipes_without_a_reader_are_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        for (name, target) in [("dangling", "nothing"), ("circle", "circle")] {
+            let link = folder.path().join(name);
+            std::os::unix::fs::symlink(target, &link).unwrap();
+            let message = OutputFile::prepare(&link).unwrap_err().to_string();
+            assert!(message.ends_with("it is a link that leads nowhere"), "{message}");
+        }
+        assert_eq!(names(folder.path()), ["circle", "dangling"]);
+        let pipe = folder.path().join("pipe");
+        assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+        let message = OutputFile::prepare(&pipe).unwrap_err().to_string();
+        assert!(message.ends_with("nobody reads from this pipe"), "{message}");
+        // Somebody who reads gets everything, more than a pipe holds.
+        let copy = folder.path().join("copy");
+        let mut reader = std::process::Command::new("cat")
+            .arg(&pipe)
+            .stdout(File::create(&copy).unwrap())
+            .spawn()
+            .unwrap();
+        let content = vec![b'x'; 1 << 20];
+        let output = (0..500).find_map(|_| {
+            std::thread::sleep(Duration::from_millis(10));
+            OutputFile::prepare(&pipe).ok()
+        });
+        output.unwrap().write(&content).unwrap();
+        assert!(reader.wait().unwrap().success());
+        assert_eq!(std::fs::read(&copy).unwrap(), content);
     }
 }

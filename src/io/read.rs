@@ -1,13 +1,17 @@
 //! Reading text files and folders, with errors that name the file and the line.
 
-use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
-/// The largest text file that is read: a million point pairs with all their digits are some 80 MB.
-const MOST_BYTES: u64 = 256 << 20;
+use crate::foreign::{escaped, open_input, reason, shown_path};
+
+/// The largest text file that is read: half a million point pairs with all their digits. What is made of it in memory
+/// is a few times as large.
+const MOST_BYTES: u64 = 64 << 20;
+/// Characters of a sentence about a file; other libraries quote the file as they like.
+const MOST_WORDS: usize = 300;
 
 /// Why a file or folder could not be read. Each message is one sentence for the user.
 #[derive(Debug, Error)]
@@ -43,40 +47,44 @@ pub enum ReadError {
 impl ReadError {
     /// An error about one line of a file, counted from 1.
     pub(super) fn line(path: &Path, line: usize, problem: impl Into<String>) -> Self {
-        Self::Line { path: path.display().to_string(), line, problem: problem.into() }
+        Self::Line { path: shown_path(path), line, problem: limited(&problem.into()) }
     }
 
     /// An error about a whole file or folder.
     pub(super) fn content(path: &Path, problem: impl Into<String>) -> Self {
-        Self::Content { path: path.display().to_string(), problem: problem.into() }
+        Self::Content { path: shown_path(path), problem: limited(&problem.into()) }
     }
 
     fn open(path: &Path, error: &std::io::Error) -> Self {
-        Self::Open { path: path.display().to_string(), reason: reason(error) }
+        Self::Open { path: shown_path(path), reason: reason(error) }
     }
 }
 
-/// The system's reason in plain words, without its error number where a common case is known.
-pub(super) fn reason(error: &std::io::Error) -> String {
-    use std::io::ErrorKind;
-    match error.kind() {
-        ErrorKind::NotFound => "there is no such file or folder".into(),
-        ErrorKind::PermissionDenied => "permission was denied".into(),
-        ErrorKind::NotADirectory => "it is not a folder".into(),
-        ErrorKind::IsADirectory => "it is a folder, a file is needed".into(),
-        ErrorKind::StorageFull => "there is no space left".into(),
-        _ => error.to_string(),
+/// A sentence that may quote a file: not too long, and without control characters.
+pub(super) fn limited(sentence: &str) -> String {
+    let mut characters = sentence.chars();
+    let mut start: String = characters.by_ref().take(MOST_WORDS).collect();
+    if characters.next().is_some() {
+        start.push('…');
     }
+    escaped(&start)
 }
 
 /// The whole of a text file.
 pub(super) fn read_text(path: &Path) -> Result<String, ReadError> {
-    let mut bytes = Vec::new();
-    // A device has no size to ask for, and no end.
-    let count = File::open(path).and_then(|file| file.take(MOST_BYTES + 1).read_to_end(&mut bytes));
-    if count.map_err(|e| ReadError::open(path, &e))? as u64 > MOST_BYTES {
+    let input = open_input(path).map_err(|reason| ReadError::Open { path: shown_path(path), reason })?;
+    let large = || {
         let problem = format!("the file is larger than {} MiB, too large to be read here", MOST_BYTES >> 20);
-        return Err(ReadError::content(path, problem));
+        Err(ReadError::content(path, problem))
+    };
+    if input.size.is_some_and(|size| size > MOST_BYTES) {
+        return large();
+    }
+    let mut bytes = Vec::new();
+    // Piped data has no size to ask for.
+    let count = input.file.take(MOST_BYTES + 1).read_to_end(&mut bytes);
+    if count.map_err(|e| ReadError::open(path, &e))? as u64 > MOST_BYTES {
+        return large();
     }
     let text = String::from_utf8(bytes).map_err(|_| ReadError::content(path, "this is not a text file"))?;
     // Spreadsheet programs put a byte order mark in front of the first number.

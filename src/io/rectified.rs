@@ -6,9 +6,10 @@ use image::DynamicImage;
 use npyz::WriterBuilder;
 use thiserror::Error;
 
+use super::identity::refuse_clashes;
 use super::output::{OutputFile, WriteError};
 use super::picture_file::{PictureError, PictureFormat, encode_picture};
-use super::read::reason;
+use crate::foreign::{reason, shown_path};
 use crate::geometry::FundamentalMatrix;
 use crate::image::Picture;
 use crate::rectify::{ImageMap, Rectification, stacked};
@@ -42,14 +43,8 @@ pub enum RectifiedError {
     #[error(transparent)]
     Picture(#[from] PictureError),
     /// Writing was stopped.
-    #[error("stopped; files that were written before stay")]
+    #[error("stopped; nothing was written")]
     Cancelled,
-    /// A picture would take the place of what it is made from.
-    #[error("{path} is one of the files to be rectified: choose another folder, or it would be overwritten")]
-    Input {
-        /// The file.
-        path: String,
-    },
     /// A table cannot be encoded.
     #[error("the maps cannot be encoded: {0}")]
     Encode(String),
@@ -78,7 +73,7 @@ impl RectifiedFiles {
     ) -> Result<Self, RectifiedError> {
         std::fs::create_dir_all(folder).map_err(|e| {
             let reason = if folder.exists() { "there is a file of that name".into() } else { reason(&e) };
-            RectifiedError::Folder { path: folder.display().to_string(), reason }
+            RectifiedError::Folder { path: shown_path(folder), reason }
         })?;
         let file = |name: &str| OutputFile::prepare(&folder.join(name));
         let picture = |name: &str| file(&format!("{name}.{}", options.format.extension()));
@@ -89,16 +84,17 @@ impl RectifiedFiles {
             maps: if options.maps { Some([file("left-map.npy")?, file("right-map.npy")?]) } else { None },
             options,
         };
-        let inputs: Vec<PathBuf> = inputs.iter().filter_map(|input| input.canonicalize().ok()).collect();
-        // Those that are there already are named without links.
-        match files.paths().into_iter().find(|path| inputs.contains(path)) {
-            Some(path) => Err(RectifiedError::Input { path: path.display().to_string() }),
-            None => Ok(files),
-        }
+        let outputs = files.paths();
+        let outputs: Vec<&Path> = outputs.iter().map(PathBuf::as_path).collect();
+        refuse_clashes(&outputs, inputs)?;
+        Ok(files)
     }
 
     /// Writes everything; `rectified` are the drawn pictures. `go_on` is asked before each file, by its place in
     /// [`RectifiedFiles::paths`], and stops the writing with `false`.
+    ///
+    /// All of it is written beside an older pair before any of that is replaced. `rectification.json` goes first and
+    /// comes last: whatever happens, pictures beside one belong to it.
     pub fn write(
         &self,
         rectification: &Rectification,
@@ -112,23 +108,36 @@ impl RectifiedFiles {
             number += 1;
             if go_on(number - 1) { Ok(()) } else { Err(RectifiedError::Cancelled) }
         };
+        let mut staged = Vec::new();
         for (file, picture) in self.pictures.iter().zip(rectified) {
             next()?;
-            file.write(&encode_picture(picture, self.options.format)?)?;
+            staged.push(file.stage(&encode_picture(picture, self.options.format)?)?);
         }
         next()?;
         let both = stacked(rectified, self.options.guide_spacing).into();
-        self.stacked.write(&encode_picture(&both, self.options.format)?)?;
+        staged.push(self.stacked.stage(&encode_picture(&both, self.options.format)?)?);
+        drop(both);
         for (file, map) in self.maps.iter().flatten().zip(&rectification.maps) {
             next()?;
-            file.write(&map_array(map, rectification).map_err(|e| RectifiedError::Encode(e.to_string()))?)?;
+            let array = map_array(map, rectification).map_err(|e| RectifiedError::Encode(reason(&e)))?;
+            staged.push(file.stage(&array)?);
         }
         next()?;
         let description = rectification.description(fundamental, originals.map(Picture::frame));
         let mut text =
             serde_json::to_string_pretty(&description).map_err(|e| RectifiedError::Encode(e.to_string()))?;
         text.push('\n');
-        self.description.write(text.as_bytes())?;
+        staged.push(self.description.stage(text.as_bytes())?);
+        match std::fs::remove_file(self.description.path()) {
+            Err(e) if e.kind() != std::io::ErrorKind::NotFound => {
+                return Err(WriteError::new(self.description.path(), reason(&e)).into());
+            }
+            _ => {}
+        }
+        // In this order, the description last.
+        for file in staged {
+            file.put()?;
+        }
         Ok(())
     }
 

@@ -6,7 +6,6 @@
 //! Pitfall: a path is only a hint. Whether the file found there is the image of the session is decided by its hash.
 
 use std::fmt::Write as _;
-use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
@@ -17,7 +16,8 @@ use sha2::{Digest, Sha256};
 use thiserror::Error;
 
 use super::output::{OutputFile, WriteError};
-use super::read::{ReadError, read_text, reason};
+use super::read::{ReadError, limited, read_text};
+use crate::foreign::{open_input, reason, shown_path};
 use crate::geometry::{Frame, FundamentalMatrix};
 
 /// The version that this program writes, and the newest that it reads.
@@ -26,7 +26,7 @@ pub const SESSION_VERSION: u64 = 1;
 /// What stands in the field `format`.
 const FORMAT: &str = "epiline-session";
 /// A session has some kilobytes; more than this is something else.
-const LARGEST: u64 = 64 << 20;
+const LARGEST: u64 = 16 << 20;
 /// What stands in the field `convention`.
 const CONVENTION: &str = "Pixels are (x, y), x right, y down, the centre of the top-left pixel is (0, 0). F is nested \
     rows: x2' F x1 = 0. Paths are relative to the folder of this file.";
@@ -165,19 +165,26 @@ impl<T: Serialize> SessionFile<T> {
         let text = self.to_text().map_err(|e| WriteError::new(path, e.to_string()))?;
         OutputFile::prepare(path)?.write(text.as_bytes())
     }
+
+    /// [`SessionFile::write`] for nobody but its owner to read: a copy that nobody asked for.
+    pub fn write_private(&self, path: &Path) -> Result<(), WriteError> {
+        let text = self.to_text().map_err(|e| WriteError::new(path, e.to_string()))?;
+        OutputFile::prepare_private(path)?.write(text.as_bytes())
+    }
 }
 
 impl<T: DeserializeOwned> SessionFile<T> {
     /// Reads a session of this version or an older one.
     pub fn read(path: &Path) -> Result<Self, SessionError> {
-        let shown = || path.display().to_string();
+        let shown = || shown_path(path);
         if let Ok(found) = path.metadata()
             && found.len() > LARGEST
         {
             return Err(SessionError::TooLarge { path: shown(), megabytes: found.len() >> 20 });
         }
         let text = read_text(path)?;
-        let damaged = |e: serde_json::Error| SessionError::Damaged { path: shown(), problem: e.to_string() };
+        let damaged =
+            |e: serde_json::Error| SessionError::Damaged { path: shown(), problem: limited(&e.to_string()) };
         let value: Value = match serde_json::from_str(&text) {
             Ok(value) => value,
             Err(error) if text.contains(FORMAT) => return Err(damaged(error)),
@@ -230,12 +237,12 @@ impl ImageReference {
 
 /// SHA-256 of a file's bytes, hexadecimal.
 pub fn sha256_of(path: &Path) -> Result<String, ReadError> {
-    let failed = |e: std::io::Error| ReadError::Open { path: path.display().to_string(), reason: reason(&e) };
-    // A device or a pipe may have no end.
-    if !path.metadata().map_err(failed)?.is_file() {
+    let failed = |e: std::io::Error| ReadError::Open { path: shown_path(path), reason: reason(&e) };
+    let input = open_input(path).map_err(|reason| ReadError::Open { path: shown_path(path), reason })?;
+    if input.size.is_none() {
         return Err(ReadError::content(path, "this is not a file"));
     }
-    let mut file = File::open(path).map_err(failed)?;
+    let mut file = input.file;
     let mut hash = Sha256::new();
     let mut block = vec![0; 1 << 16];
     loop {

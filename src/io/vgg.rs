@@ -11,6 +11,7 @@ use nalgebra::Matrix3x4;
 
 use super::number::{cells, finite_numbers, rows};
 use super::read::{ReadError, has_image_extension, read_folder, read_text};
+use crate::foreign::excerpt;
 use crate::geometry::{Camera, Point, PointPair};
 
 /// A set of views with cameras and tracks, images not loaded.
@@ -109,7 +110,11 @@ fn read_tracks(path: &Path) -> Result<Vec<TrackRow>, ReadError> {
         let index = |cell: &str| match cell {
             "*" => Ok(None),
             number => number.parse().map(Some).map_err(|_| {
-                ReadError::line(path, line, format!("expected a corner's index or *, found \"{cell}\""))
+                ReadError::line(
+                    path,
+                    line,
+                    format!("expected a corner's index or *, found \"{}\"", excerpt(cell)),
+                )
             }),
         };
         let track = cells(row).map(index).collect::<Result<Vec<_>, _>>()?;

@@ -112,7 +112,7 @@ fn the_images_themselves_are_never_replaced() {
         let output = ask(&folder);
         assert_eq!(output.status.code(), Some(2));
         assert!(
-            text(&output.stderr).contains("is one of the files to be rectified"),
+            text(&output.stderr).contains("it is one of the files that are read, which would be lost"),
             "{}",
             text(&output.stderr)
         );

@@ -103,9 +103,7 @@ impl RectifyOrder {
         files
             .write(&rectification, &self.question.fundamental, originals, [&left, &right], &mut go_on)
             .map_err(|error| match error {
-                RectifiedError::Cancelled => {
-                    format!("Writing the rectified pair was stopped. What was written before is in {place}.")
-                }
+                RectifiedError::Cancelled => stopped(),
                 error => failed(&error),
             })?;
         let names = paths.iter().filter_map(|path| path.file_name()).map(|name| name.to_string_lossy());

@@ -19,9 +19,10 @@ use super::output::Output;
 use super::overrides::Overrides;
 use crate::estimate::{CancelFlag, Parameters, Preset, RefinementParameters};
 use crate::evaluate::{
-    Plan, Protocol, Report, ReportSubject, Scene, contenders, method_names, pair_scenes, publication,
-    run as run_plan, search_table, table, verdict_sentences, vgg_scenes,
+    Plan, Protocol, Report, ReportSubject, SceneSet, contenders, files_read, method_names, pair_scene_set,
+    publication, run as run_plan, search_table, table, verdict_sentences, vgg_scene_set,
 };
+use crate::io::refuse_clashes;
 
 /// Measure estimators on image pairs with known geometry
 #[derive(Debug, Args)]
@@ -123,10 +124,17 @@ pub(super) fn run(arguments: &EvaluateArguments) -> Result<(), CliError> {
     let report_folder = options.report.as_deref().map(ReportFolder::prepare).transpose()?;
     let presets = parameters(options)?;
     let contenders = contenders(&options.methods, &presets)?;
-    let scenes: Vec<Scene> = match step {
-        Some(step) => vgg_scenes(folder, step, &options.only)?,
-        None => pair_scenes(folder, &options.only)?,
+    let inputs = files_read(folder);
+    let inputs: Vec<&Path> = inputs.iter().map(PathBuf::as_path).collect();
+    let reports = report_folder.iter().flat_map(ReportFolder::files);
+    refuse_clashes(&output.file().into_iter().chain(reports).collect::<Vec<_>>(), &inputs)?;
+    let SceneSet { scenes, left_out } = match step {
+        Some(step) => vgg_scene_set(folder, step, &options.only)?,
+        None => pair_scene_set(folder, &options.only)?,
     };
+    for sentence in &left_out {
+        tell(format_args!("warning: {sentence}"));
+    }
     let threads =
         options.threads.or_else(|| std::thread::available_parallelism().ok().map(usize::from)).unwrap_or(1);
     let plan = Plan {
@@ -139,7 +147,8 @@ pub(super) fn run(arguments: &EvaluateArguments) -> Result<(), CliError> {
     };
     let progress = ProgressLine::new();
     let stop = stop_on_interrupt();
-    let report = run_plan(&scenes, &contenders, &plan, &|news| progress.hear(news), &stop)?;
+    let mut report = run_plan(&scenes, &contenders, &plan, &|news| progress.hear(news), &stop)?;
+    report.notes.splice(0..0, left_out);
     progress.finish();
     let file = ReportFile {
         layout,

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use crate::cli::CliError;
+use crate::foreign::{reason, shown_path};
 use crate::io::OutputFile;
 use crate::publish::{Publication, html, markdown};
 
@@ -22,13 +23,13 @@ impl ReportFolder {
     pub(super) fn prepare(folder: &Path) -> Result<Self, CliError> {
         let figures = folder.join(FIGURES);
         std::fs::create_dir_all(&figures).map_err(|error| CliError::Folder {
-            path: figures.display().to_string(),
+            path: shown_path(&figures),
             reason: match error.kind() {
                 std::io::ErrorKind::AlreadyExists | std::io::ErrorKind::NotADirectory => {
                     "there is a file of that name, or of the name of a folder above it".to_owned()
                 }
                 std::io::ErrorKind::PermissionDenied => "permission denied".to_owned(),
-                _ => error.to_string(),
+                _ => reason(&error),
             },
         })?;
         // Figures are not known yet; the check of one stands for all.
@@ -38,6 +39,11 @@ impl ReportFolder {
             markdown: OutputFile::prepare(&folder.join("report.md"))?,
             figures,
         })
+    }
+
+    /// The files that are known before.
+    pub(super) fn files(&self) -> impl Iterator<Item = &Path> {
+        [self.html.path(), self.markdown.path()].into_iter()
     }
 
     /// Writes the page, the figures, and last the text that shows them.

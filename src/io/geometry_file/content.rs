@@ -1,8 +1,11 @@
 //! What is in a geometry file, whatever its format.
 
+use std::path::Path;
+
 use nalgebra::Matrix3;
 use serde::{Deserialize, Serialize};
 
+use super::super::read::ReadError;
 use crate::geometry::{Camera, Frame, FundamentalMatrix, PointPair};
 
 /// The name and the size of an image.
@@ -61,6 +64,14 @@ pub struct Problem {
 impl Problem {
     pub(super) fn whole(problem: impl Into<String>) -> Self {
         Self { line: None, problem: problem.into() }
+    }
+
+    /// The same with the name of the file.
+    pub(super) fn of_file(self, path: &Path) -> ReadError {
+        match self.line {
+            Some(line) => ReadError::line(path, line, self.problem),
+            None => ReadError::content(path, self.problem),
+        }
     }
 
     pub(super) fn at(line: usize, problem: impl Into<String>) -> Self {

@@ -5,6 +5,7 @@ use serde_json::{Map, Value};
 
 use super::content::{BareNumbers, GeometryFile, ImageNote, Problem};
 use super::quantity::Quantity;
+use crate::foreign::excerpt;
 use crate::geometry::{Camera, FundamentalMatrix, PointPair};
 
 /// Numbers in rows and columns. Every row is full, and every number finite.
@@ -317,7 +318,7 @@ fn cell(value: &Value) -> Result<f64, String> {
         Value::Number(number) => {
             number.as_f64().ok_or_else(|| format!("\"{number}\" is not a finite number"))
         }
-        other => Err(format!("{} is not a number", shortened(&other.to_string()))),
+        other => Err(format!("{} is not a number", excerpt(&other.to_string()))),
     }
 }
 
@@ -325,17 +326,8 @@ fn cell(value: &Value) -> Result<f64, String> {
 pub(super) fn parse_number(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(value) if value.is_finite() => Ok(value),
-        _ => Err(format!("\"{}\" is not a finite number", shortened(text))),
+        _ => Err(format!("\"{}\" is not a finite number", excerpt(text))),
     }
-}
-
-/// The beginning of what may be long.
-pub(super) fn shortened(text: &str) -> String {
-    const MOST: usize = 40;
-    if text.chars().count() <= MOST {
-        return text.to_owned();
-    }
-    text.chars().take(MOST).chain(['…']).collect()
 }
 
 /// Name and size of an image.

@@ -27,6 +27,7 @@ mod quantity;
 #[cfg(test)]
 mod tests;
 mod text;
+mod xml;
 
 use std::path::Path;
 
@@ -40,6 +41,10 @@ use crate::geometry::{FundamentalMatrix, PointPair};
 
 pub use self::content::{GeometryFile, ImageNote, Problem};
 pub use self::format::Format;
+
+/// The largest text with nested lists that is read; every number and list in it takes some 15 times its length in
+/// memory.
+const MOST_STRUCTURED: usize = 16 << 20;
 
 impl GeometryFile {
     /// The whole content of a file.
@@ -86,15 +91,18 @@ impl GeometryFile {
     }
 
     fn read_for(path: &Path, wanted: BareNumbers) -> Result<(Self, Format), ReadError> {
-        let text = read_text(path)?;
-        Self::parse_for(&text, wanted).map_err(|Problem { line, problem }| match line {
-            Some(line) => ReadError::line(path, line, problem),
-            None => ReadError::content(path, problem),
-        })
+        Self::parse_for(&read_text(path)?, wanted).map_err(|problem| problem.of_file(path))
     }
 
     fn parse_for(text: &str, wanted: BareNumbers) -> Result<(Self, Format), Problem> {
         let format = Format::of_content(text);
+        if format != Format::Text && text.len() > MOST_STRUCTURED {
+            return Err(Problem::whole(format!(
+                "the file is larger than {} MiB, too large for {}: save the point pairs as plain text",
+                MOST_STRUCTURED >> 20,
+                format.label()
+            )));
+        }
         let fields: Fields = match format {
             Format::Json => json::read(text)?,
             Format::Text => text::read(text, wanted)?,
@@ -120,10 +128,12 @@ pub fn read_fundamental(path: &Path) -> Result<FundamentalMatrix, ReadError> {
 /// Reads the point pairs of a file of any [`Format`]; at least one.
 pub fn read_point_pairs(path: &Path) -> Result<Vec<PointPair>, ReadError> {
     let none = || ReadError::content(path, "no point pairs found, expected rows of x1 y1 x2 y2");
-    let (file, _) = match GeometryFile::read(path) {
+    // Piped data can be read once.
+    let text = read_text(path)?;
+    let (file, _) = match GeometryFile::parse(&text) {
         // Nothing at all is nothing to explain names of fields for.
-        Err(_) if read_text(path).is_ok_and(|text| rows(&text).next().is_none()) => return Err(none()),
-        other => other?,
+        Err(_) if rows(&text).next().is_none() => return Err(none()),
+        other => other.map_err(|problem| problem.of_file(path))?,
     };
     if file.pairs.is_empty() { Err(none()) } else { Ok(file.pairs) }
 }

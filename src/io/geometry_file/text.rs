@@ -52,28 +52,54 @@ pub(super) fn read(text: &str, wanted: BareNumbers) -> Result<Fields, Problem> {
         return bare(text, wanted);
     }
     let mut fields = Fields::default();
-    let mut current: Option<(Quantity, Vec<Vec<f64>>)> = None;
-    let close = |section: Option<(Quantity, Vec<Vec<f64>>)>, fields: &mut Fields| {
+    let mut current: Option<(Quantity, Rows)> = None;
+    let close = |section: Option<(Quantity, Rows)>, fields: &mut Fields| {
         let Some((quantity, rows)) = section else { return Ok(()) };
-        let table = NumberTable::from_rows(&rows)
-            .map_err(|e| Problem::whole(format!("{}: {e}", quantity.symbol())))?;
+        let table = rows.table().map_err(|e| Problem::whole(format!("{}: {e}", quantity.symbol())))?;
         fields.add(quantity, table)
     };
     for (line, row) in rows(text) {
         if let Some(quantity) = heading(row) {
-            close(current.replace((quantity, Vec::new())), &mut fields)?;
+            close(current.replace((quantity, Rows::default())), &mut fields)?;
         } else if let Some(number) = image_number(row) {
             fields.add_image(number - 1, image(row).map_err(|e| Problem::at(line, e))?);
         } else {
             let numbers = finite_numbers(row).map_err(|e| Problem::at(line, e))?;
             match &mut current {
-                Some((_, rows)) => rows.push(numbers),
+                Some((quantity, rows)) => rows
+                    .push(&numbers)
+                    .map_err(|e| Problem::at(line, format!("{}: {e}", quantity.symbol())))?,
                 None => return Err(Problem::at(line, "these numbers have no name above them")),
             }
         }
     }
     close(current, &mut fields)?;
     Ok(fields)
+}
+
+/// The numbers under a name, whose rows are equally long.
+#[derive(Default)]
+struct Rows {
+    count: usize,
+    columns: usize,
+    numbers: Vec<f64>,
+}
+
+impl Rows {
+    fn push(&mut self, row: &[f64]) -> Result<(), String> {
+        self.count += 1;
+        if self.count == 1 {
+            self.columns = row.len();
+        } else if row.len() != self.columns {
+            return Err(format!("row {} has {} numbers, row 1 has {}", self.count, row.len(), self.columns));
+        }
+        self.numbers.extend_from_slice(row);
+        Ok(())
+    }
+
+    fn table(self) -> Result<NumberTable, String> {
+        NumberTable::new(self.count, self.columns, self.numbers)
+    }
 }
 
 /// A known name alone on a line.
@@ -112,6 +138,12 @@ fn bare(text: &str, wanted: BareNumbers) -> Result<Fields, Problem> {
         let numbers: Vec<f64> = pairs.iter().flat_map(pair_numbers).collect();
         fields.add(Quantity::Pairs, NumberTable::new(pairs.len(), 4, numbers).map_err(Problem::whole)?)?;
         return Ok(fields);
+    }
+    // Nine numbers, or two cameras.
+    if count > 24 {
+        return Err(Problem::whole(format!(
+            "expected the nine numbers of a fundamental matrix, found {count}"
+        )));
     }
     let lists = rows(text)
         .map(|(line, row)| finite_numbers(row).map_err(|e| Problem::at(line, e)))

@@ -1,0 +1,140 @@
+//! Opening a file for reading, whatever the path leads to.
+
+use std::fs::{File, Metadata};
+use std::io::ErrorKind;
+use std::path::Path;
+
+/// A file that was opened for reading.
+#[derive(Debug)]
+pub struct Input {
+    /// To read from.
+    pub file: File,
+    /// Its size, bytes; `None` for piped data, which has no size and cannot be read twice.
+    pub size: Option<u64>,
+}
+
+/// Opens a regular file, or data piped into the program (`/dev/stdin`, `/dev/fd/N`). Everything else is refused with
+/// a clause for the user, above all what could be waited for without end: named pipes and devices.
+pub fn open_input(path: &Path) -> Result<Input, String> {
+    let failed = |e: &std::io::Error| why_not(path, e);
+    let found = path.metadata().map_err(|e| failed(&e))?;
+    let size = if found.is_file() {
+        Some(found.len())
+    } else if found.is_dir() {
+        return Err("it is a folder, a file is needed".into());
+    } else if is_piped_into_us(path, &found) {
+        None
+    } else if is_named_pipe(path) {
+        let sentence = "it is a named pipe, which could be waited for without end; pipe the data into the program and \
+                        name /dev/stdin";
+        return Err(sentence.into());
+    } else {
+        return Err("it is a device, a file or piped data is needed".into());
+    };
+    let file = File::open(path).map_err(|e| failed(&e))?;
+    Ok(Input { file, size })
+}
+
+/// Why a path leads to nothing that can be read.
+fn why_not(path: &Path, error: &std::io::Error) -> String {
+    let is_link = path.symlink_metadata().is_ok_and(|found| found.is_symlink());
+    match error.kind() {
+        ErrorKind::PermissionDenied => reason(error),
+        _ if is_link => "it is a link that leads nowhere".into(),
+        ErrorKind::NotFound => "there is no such file".into(),
+        _ => reason(error),
+    }
+}
+
+/// The system's reason in plain words, without its error number.
+pub fn reason(error: &std::io::Error) -> String {
+    match error.kind() {
+        ErrorKind::NotFound => "there is no such file or folder".into(),
+        ErrorKind::PermissionDenied => "permission was denied".into(),
+        ErrorKind::NotADirectory => "it is not a folder".into(),
+        ErrorKind::IsADirectory => "it is a folder, a file is needed".into(),
+        ErrorKind::StorageFull => "there is no space left".into(),
+        ErrorKind::QuotaExceeded => "the space allowed to this user is used up".into(),
+        ErrorKind::FileTooLarge => "the file would be larger than is allowed".into(),
+        ErrorKind::ReadOnlyFilesystem => "the disk is write-protected".into(),
+        ErrorKind::InvalidFilename => "the name is too long or has characters that are not allowed".into(),
+        ErrorKind::BrokenPipe => "its reader has gone".into(),
+        ErrorKind::OutOfMemory => "there is not enough memory".into(),
+        _ => {
+            let text = error.to_string();
+            // Behind the number there is at most a path that only the program knows.
+            let words = text.split(" (os error").next().unwrap_or(&text);
+            let mut characters = words.chars();
+            let first = characters.next().map(|c| c.to_ascii_lowercase());
+            super::escaped(&first.into_iter().chain(characters).collect::<String>())
+        }
+    }
+}
+
+/// Whether a path leads to a pipe that has a name, which another program may open or not.
+#[cfg(unix)]
+pub fn is_named_pipe(path: &Path) -> bool {
+    use std::os::unix::fs::FileTypeExt;
+    path.metadata().is_ok_and(|found| found.file_type().is_fifo())
+}
+
+/// Whether a path leads to a pipe that has a name, which another program may open or not.
+#[cfg(not(unix))]
+pub fn is_named_pipe(_path: &Path) -> bool {
+    false
+}
+
+/// Whether this is a pipe that has another end: one that the shell made and handed over, which has no place of its own
+/// among the files.
+#[cfg(unix)]
+fn is_piped_into_us(path: &Path, found: &Metadata) -> bool {
+    use std::os::unix::fs::FileTypeExt;
+    let nowhere = || match path.canonicalize() {
+        Ok(real) => ["/dev/fd", "/proc"].iter().any(|folder| real.starts_with(folder)),
+        Err(_) => true,
+    };
+    found.file_type().is_fifo() && nowhere()
+}
+
+#[cfg(not(unix))]
+fn is_piped_into_us(_path: &Path, _found: &Metadata) -> bool {
+    false
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn refused(path: &Path) -> String {
+        open_input(path).unwrap_err()
+    }
+
+    #[test]
+    fn files_open_and_folders_and_nothing_do_not() {
+        let folder = std::env::temp_dir();
+        assert!(refused(&folder).contains("it is a folder"));
+        assert_eq!(refused(&folder.join("no such thing")), "there is no such file");
+        let own = Path::new(env!("CARGO_MANIFEST_DIR")).join("Cargo.toml");
+        assert!(open_input(&own).unwrap().size.is_some_and(|size| size > 0));
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn devices_and_links_into_nothing_are_told() {
+        assert!(refused(Path::new("/dev/zero")).contains("it is a device"));
+        let folder = std::env::temp_dir().join(format!("epiline-links-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        for (name, target) in [("dangling", "nothing"), ("circle", "circle")] {
+            let link = folder.join(name);
+            std::os::unix::fs::symlink(target, &link).unwrap();
+            assert_eq!(refused(&link), "it is a link that leads nowhere");
+        }
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
+
+    #[test]
+    fn reasons_have_no_numbers_and_no_hidden_paths() {
+        let error = std::io::Error::other("Strange thing (os error 27) at path \"/tmp/.x.part\"");
+        assert_eq!(reason(&error), "strange thing");
+    }
+}

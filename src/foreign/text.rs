@@ -1,0 +1,79 @@
+//! Foreign text in messages: short, and without anything that a terminal takes for an order.
+
+use std::path::Path;
+
+/// Characters of a foreign text in a message.
+const MOST: usize = 80;
+/// Characters of a path in a message; the end tells more than the beginning.
+const MOST_OF_A_PATH: usize = 300;
+
+/// The beginning of a text, at most 80 characters, control characters as escapes.
+pub fn excerpt(text: &str) -> String {
+    let mut characters = text.chars();
+    let mut shown = String::new();
+    let mut count = 0;
+    for c in characters.by_ref() {
+        let start = shown.len();
+        push(&mut shown, c);
+        count += shown[start..].chars().count();
+        if count > MOST - 1 {
+            if count > MOST || characters.clone().next().is_some() {
+                shown.truncate(start);
+                shown.push('…');
+            }
+            break;
+        }
+    }
+    shown
+}
+
+/// The whole text, control characters as escapes.
+pub fn escaped(text: &str) -> String {
+    let mut shown = String::with_capacity(text.len());
+    text.chars().for_each(|c| push(&mut shown, c));
+    shown
+}
+
+/// A path for people: control characters as escapes, of a very long one the end.
+pub fn shown_path(path: &Path) -> String {
+    let shown = escaped(&path.to_string_lossy());
+    let count = shown.chars().count();
+    if count <= MOST_OF_A_PATH {
+        return shown;
+    }
+    ['…'].into_iter().chain(shown.chars().skip(count + 1 - MOST_OF_A_PATH)).collect()
+}
+
+fn push(shown: &mut String, c: char) {
+    // The marks that turn the direction of writing show other names than there are.
+    let turns = matches!(c, '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
+    if c.is_control() || turns {
+        shown.extend(c.escape_default());
+    } else {
+        shown.push(c);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn at_most_eighty_characters_and_no_control_characters() {
+        assert_eq!(excerpt("12.5x"), "12.5x");
+        assert_eq!(excerpt("\u{1b}[31mred\0\r\n"), "\\u{1b}[31mred\\u{0}\\r\\n");
+        assert_eq!(excerpt("a\u{202e}b"), "a\\u{202e}b");
+        assert_eq!(excerpt(&"x".repeat(80)), "x".repeat(80));
+        for long in ["x".repeat(81), "x".repeat(10_000_000), "\0".repeat(81), "ä".repeat(1000)] {
+            let shown = excerpt(&long);
+            assert!(shown.chars().count() <= 80 && shown.ends_with('…'), "{shown}");
+        }
+    }
+
+    #[test]
+    fn of_a_long_path_the_end_is_shown() {
+        assert_eq!(shown_path(Path::new("a/b\u{7}.png")), "a/b\\u{7}.png");
+        let shown = shown_path(Path::new(&format!("{}/name.png", "x".repeat(5000))));
+        assert!(shown.ends_with("/name.png") && shown.chars().count() == MOST_OF_A_PATH, "{shown}");
+    }
+}

@@ -1,0 +1,247 @@
+//! Decoding pictures of any format without trusting a word of them.
+//!
+//! What a header claims is compared with the limit before anything of that size is asked for; the decoders themselves get
+//! a limit, too. Pitfall: not every decoder keeps to limits, and the one for JPEG fills up what is missing.
+
+use std::io::{BufRead, ErrorKind, Seek, SeekFrom};
+
+use image::metadata::Orientation;
+use image::{
+    ColorType, DynamicImage, ImageBuffer, ImageDecoder, ImageError, ImageFormat, ImageReader, Limits,
+};
+
+use super::deep_tiff::{DeepProblem, DeepTiff, within_unit};
+use super::whole::what_is_missing;
+use super::{LoadError, LoadOptions};
+use crate::foreign::{excerpt, reason};
+
+/// What the decoders may use for texts, colour profiles and rows.
+const SLACK: u64 = 64 << 20;
+
+/// The formats that are read.
+const KNOWN: [ImageFormat; 6] = [
+    ImageFormat::Png,
+    ImageFormat::Jpeg,
+    ImageFormat::Tiff,
+    ImageFormat::Bmp,
+    ImageFormat::Pnm,
+    ImageFormat::WebP,
+];
+
+/// The pixels of a file, upright. `path` is what to call it.
+pub(super) fn decode(
+    mut reader: impl BufRead + Seek,
+    path: &str,
+    options: LoadOptions,
+) -> Result<DynamicImage, LoadError> {
+    let job = Job { path, options };
+    // By the content alone: a name that promises another format is no reason to call a file damaged.
+    let format = guess(&mut reader).map_err(|e| job.io(&e))?;
+    let Some(format) = format.filter(|format| KNOWN.contains(format)) else {
+        return Err(LoadError::Format { path: path.to_owned() });
+    };
+    if !options.accept_damaged
+        && let Some(missing) = what_is_missing(format, &mut reader).map_err(|e| job.io(&e))?
+    {
+        // What claims too many pixels is first of all that.
+        job.check_header(format, &mut reader)?;
+        return Err(in_pixels(job.damaged(missing)));
+    }
+    if format == ImageFormat::Png {
+        job.check_png(&mut reader)?;
+    }
+    rewind(&mut reader, &job)?;
+    if format == ImageFormat::Tiff
+        && let Some(deep) = DeepTiff::open(&mut reader)
+    {
+        let [width, height] = deep.size;
+        job.check(width, height, deep.bytes_a_pixel)?;
+        return deep.read().map_err(|problem| match problem {
+            DeepProblem::NotFinite => LoadError::NotFinite { path: path.to_owned() },
+            DeepProblem::Decoder(error) => job.damaged(&error.to_string()),
+        });
+    }
+    rewind(&mut reader, &job)?;
+    let mut decoder = job.decoder(format, &mut reader)?;
+    let (width, height) = decoder.dimensions();
+    let color = decoder.color_type();
+    job.check(width, height, u64::from(color.bytes_per_pixel()))?;
+    let mut limits = Limits::no_limits();
+    limits.max_alloc = Some(decoder.total_bytes().saturating_mul(2).saturating_add(SLACK));
+    decoder.set_limits(limits).map_err(|e| job.failed(e))?;
+    let orientation = decoder.orientation().unwrap_or(Orientation::NoTransforms);
+    let mut pixels = job.pixels(decoder, color)?;
+    pixels.apply_orientation(orientation);
+    within_unit(pixels).ok_or_else(|| LoadError::NotFinite { path: path.to_owned() })
+}
+
+/// What all steps need to know.
+struct Job<'a> {
+    path: &'a str,
+    options: LoadOptions,
+}
+
+impl Job<'_> {
+    fn path(&self) -> String {
+        self.path.to_owned()
+    }
+
+    fn damaged(&self, reason: &str) -> LoadError {
+        let reason = plain(reason);
+        // What the decoders say of dimensions, each in its own way.
+        if ["too large", "dimensions"].iter().any(|words| reason.contains(words)) {
+            return LoadError::Enormous { path: self.path() };
+        }
+        LoadError::Damaged { path: self.path(), reason, in_part: false }
+    }
+
+    fn io(&self, error: &std::io::Error) -> LoadError {
+        match error.kind() {
+            ErrorKind::UnexpectedEof => self.damaged("it ends too early"),
+            _ => LoadError::Open { path: self.path(), reason: reason(error) },
+        }
+    }
+
+    fn failed(&self, error: ImageError) -> LoadError {
+        match error {
+            ImageError::IoError(error) => match error.kind() {
+                // Decoders tell of their own troubles in this way, too.
+                ErrorKind::UnexpectedEof => self.damaged("it ends too early"),
+                ErrorKind::InvalidData | ErrorKind::InvalidInput | ErrorKind::Other => {
+                    self.damaged(&error.to_string())
+                }
+                _ => self.io(&error),
+            },
+            ImageError::Unsupported(error) => match self.damaged(&error.to_string()) {
+                LoadError::Damaged { path, reason, .. } => LoadError::Unsupported { path, reason },
+                enormous => enormous,
+            },
+            ImageError::Limits(_) => LoadError::Memory { path: self.path() },
+            other => self.damaged(&other.to_string()),
+        }
+    }
+
+    /// Whether so many pixels may be read.
+    fn check(&self, width: u32, height: u32, bytes_a_pixel: u64) -> Result<(), LoadError> {
+        if width == 0 || height == 0 {
+            return Err(LoadError::Empty { path: self.path() });
+        }
+        let (width, height) = (u64::from(width), u64::from(height));
+        if self.options.allows(width * height, bytes_a_pixel) {
+            return Ok(());
+        }
+        let most_pixels = self.options.most_pixels;
+        Err(LoadError::TooLarge { path: self.path(), width, height, bytes_a_pixel, most_pixels })
+    }
+
+    /// [`Job::check`] of what the header claims; a header that cannot be read is not judged.
+    fn check_header(&self, format: ImageFormat, reader: &mut (impl BufRead + Seek)) -> Result<(), LoadError> {
+        rewind(reader, self)?;
+        match self.decoder(format, reader) {
+            Ok(decoder) => {
+                let (width, height) = decoder.dimensions();
+                self.check(width, height, u64::from(decoder.color_type().bytes_per_pixel()))
+            }
+            Err(_) => Ok(()),
+        }
+    }
+
+    /// The decoder of PNG asks for memory for its rows before it tells how long they are; the header begins with that.
+    fn check_png(&self, reader: &mut (impl BufRead + Seek)) -> Result<(), LoadError> {
+        let mut header = [0; 24];
+        rewind(reader, self)?;
+        if reader.read_exact(&mut header).is_err() || &header[12..16] != b"IHDR" {
+            return Ok(());
+        }
+        let side =
+            |at: usize| u32::from_be_bytes([header[at], header[at + 1], header[at + 2], header[at + 3]]);
+        self.check(side(16), side(20), 1)
+    }
+
+    fn decoder<'r>(
+        &self,
+        format: ImageFormat,
+        reader: &'r mut (impl BufRead + Seek),
+    ) -> Result<impl ImageDecoder + 'r, LoadError> {
+        let mut reader = ImageReader::with_format(reader, format);
+        let mut limits = Limits::no_limits();
+        limits.max_alloc = Some(SLACK);
+        reader.limits(limits);
+        reader.into_decoder().map_err(|e| self.failed(e))
+    }
+
+    /// The pixels as they are in the file.
+    fn pixels(&self, decoder: impl ImageDecoder, color: ColorType) -> Result<DynamicImage, LoadError> {
+        type Kind = DynamicImage;
+        match color {
+            ColorType::L8 => self.buffer(decoder).map(Kind::ImageLuma8),
+            ColorType::La8 => self.buffer(decoder).map(Kind::ImageLumaA8),
+            ColorType::Rgb8 => self.buffer(decoder).map(Kind::ImageRgb8),
+            ColorType::Rgba8 => self.buffer(decoder).map(Kind::ImageRgba8),
+            ColorType::L16 => self.buffer(decoder).map(Kind::ImageLuma16),
+            ColorType::La16 => self.buffer(decoder).map(Kind::ImageLumaA16),
+            ColorType::Rgb16 => self.buffer(decoder).map(Kind::ImageRgb16),
+            ColorType::Rgba16 => self.buffer(decoder).map(Kind::ImageRgba16),
+            ColorType::Rgb32F => self.buffer(decoder).map(Kind::ImageRgb32F),
+            ColorType::Rgba32F => self.buffer(decoder).map(Kind::ImageRgba32F),
+            other => {
+                let reason = format!("pixels of the kind {other:?}");
+                Err(LoadError::Unsupported { path: self.path(), reason })
+            }
+        }
+    }
+
+    fn buffer<P>(&self, decoder: impl ImageDecoder) -> Result<ImageBuffer<P, Vec<P::Subpixel>>, LoadError>
+    where
+        P: image::Pixel<Subpixel: bytemuck::Pod>,
+    {
+        let (width, height) = decoder.dimensions();
+        let memory = |_| LoadError::Memory { path: self.path() };
+        let count = width as usize * height as usize;
+        // The grey plane comes next: rather a sentence now than an abort then.
+        Vec::<f32>::new().try_reserve_exact(count).map_err(memory)?;
+        let mut values: Vec<P::Subpixel> = Vec::new();
+        let length = count * usize::from(P::CHANNEL_COUNT);
+        values.try_reserve_exact(length).map_err(memory)?;
+        values.resize(length, bytemuck::Zeroable::zeroed());
+        match decoder.read_image(bytemuck::cast_slice_mut(&mut values)) {
+            Err(ImageError::Limits(_)) => return Err(LoadError::Memory { path: self.path() }),
+            Err(error) if !self.options.accept_damaged => {
+                return Err(in_pixels(self.failed(error)));
+            }
+            _ => {}
+        }
+        ImageBuffer::from_raw(width, height, values)
+            .ok_or_else(|| self.damaged("its pixels are not all there"))
+    }
+}
+
+/// An error in the pixels, behind a good header.
+fn in_pixels(error: LoadError) -> LoadError {
+    match error {
+        LoadError::Damaged { path, reason, .. } => LoadError::Damaged { path, reason, in_part: true },
+        other => other,
+    }
+}
+
+/// A decoder's words without those about itself, short.
+fn plain(reason: &str) -> String {
+    let reason = reason.trim().trim_end_matches('.');
+    let known = ["does not support the format features ", "does not support the color type "];
+    let behind = known.iter().find_map(|words| reason.split_once(words)).map(|(_, rest)| rest);
+    let behind = behind.or_else(|| {
+        let (start, rest) = reason.split_once(": ")?;
+        start.starts_with("Format error decoding").then_some(rest)
+    });
+    let reason = behind.unwrap_or(reason);
+    excerpt(reason.strip_prefix("format error: ").unwrap_or(reason))
+}
+
+fn rewind(reader: &mut impl Seek, job: &Job) -> Result<(), LoadError> {
+    reader.seek(SeekFrom::Start(0)).map(|_| ()).map_err(|e| job.io(&e))
+}
+
+/// The format that the first bytes tell.
+fn guess(reader: &mut (impl BufRead + Seek)) -> std::io::Result<Option<ImageFormat>> {
+    Ok(ImageReader::new(reader).with_guessed_format()?.format())
+}

@@ -1,0 +1,155 @@
+//! Grey TIFF files with floating-point or wide whole numbers, which measuring instruments and simulations write, and
+//! what their numbers mean as brightness.
+//!
+//! There is no convention: 0 to 1 and 0 to 255 are both common. The range that the numbers keep within decides; all others
+//! are stretched from their smallest to their largest number.
+
+use std::io::{BufRead, Seek};
+
+use image::DynamicImage;
+use tiff::decoder::{Decoder, DecodingResult, Limits};
+use tiff::tags::Tag;
+use tiff::{ColorType, TiffError};
+
+/// Brightness of deep pixels, 0 ..= 65535 as `offset + factor × number`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Scale {
+    offset: f64,
+    factor: f64,
+}
+
+/// A grey TIFF file of a kind that the general decoder does not know.
+pub(super) struct DeepTiff<R: BufRead + Seek> {
+    decoder: Decoder<R>,
+    /// Width and height, px.
+    pub size: [u32; 2],
+    /// Of the file, and while it is read.
+    pub bytes_a_pixel: u64,
+}
+
+/// What was wrong while reading the pixels.
+pub(super) enum DeepProblem {
+    /// Numbers that are not finite.
+    NotFinite,
+    /// What the decoder says.
+    Decoder(TiffError),
+}
+
+impl<R: BufRead + Seek> DeepTiff<R> {
+    /// The header, if the file is one of those.
+    pub fn open(reader: R) -> Option<Self> {
+        const UNSIGNED: u16 = 1;
+        let mut decoder = Decoder::new(reader).ok()?;
+        let ColorType::Gray(bits) = decoder.colortype().ok()? else { return None };
+        let kind = decoder.find_tag_unsigned_vec::<u16>(Tag::SampleFormat).ok()?;
+        let kind = kind.and_then(|kinds| kinds.first().copied()).unwrap_or(UNSIGNED);
+        let is_ordinary = kind == UNSIGNED && bits <= 16;
+        if is_ordinary || ![8, 16, 32, 64].contains(&bits) {
+            return None;
+        }
+        let (width, height) = decoder.dimensions().ok()?;
+        Some(Self { decoder, size: [width, height], bytes_a_pixel: u64::from(bits / 8) })
+    }
+
+    /// All pixels, with 16 bits.
+    pub fn read(self) -> Result<DynamicImage, DeepProblem> {
+        let [width, height] = self.size;
+        let bytes = u64::from(width) * u64::from(height) * self.bytes_a_pixel;
+        let mut limits = Limits::default();
+        limits.decoding_buffer_size = usize::try_from(bytes).unwrap_or(usize::MAX);
+        limits.intermediate_buffer_size = limits.decoding_buffer_size;
+        let pixels = self.decoder.with_limits(limits).read_image().map_err(DeepProblem::Decoder)?;
+        let pixels = match pixels {
+            DecodingResult::F16(values) => bright(&values, |v| f64::from(v.to_f32())),
+            DecodingResult::F32(values) => bright(&values, |v| f64::from(*v)),
+            DecodingResult::F64(values) => bright(&values, |v| *v),
+            DecodingResult::I8(values) => bright(&values, |v| f64::from(*v)),
+            DecodingResult::I16(values) => bright(&values, |v| f64::from(*v)),
+            DecodingResult::I32(values) => bright(&values, |v| f64::from(*v)),
+            DecodingResult::I64(values) => bright(&values, |v| *v as f64),
+            DecodingResult::U8(values) => bright(&values, |v| f64::from(*v)),
+            DecodingResult::U16(values) => bright(&values, |v| f64::from(*v)),
+            DecodingResult::U32(values) => bright(&values, |v| f64::from(*v)),
+            DecodingResult::U64(values) => bright(&values, |v| *v as f64),
+        };
+        let pixels = pixels.ok_or(DeepProblem::NotFinite)?;
+        image::ImageBuffer::from_raw(width, height, pixels)
+            .map(DynamicImage::ImageLuma16)
+            .ok_or(DeepProblem::Decoder(TiffError::IntSizeError))
+    }
+}
+
+/// Colours of floating-point pixels beyond 0 to 1 as 16 bits; `None` when some are not finite.
+pub(super) fn within_unit(pixels: DynamicImage) -> Option<DynamicImage> {
+    fn is_within(values: &[f32]) -> bool {
+        values.iter().all(|v| (0.0..=1.0).contains(v))
+    }
+    let (width, height) = (pixels.width(), pixels.height());
+    let number = |v: &f32| f64::from(*v);
+    match &pixels {
+        DynamicImage::ImageRgb32F(rgb) if !is_within(rgb.as_raw()) => {
+            let raw = bright(rgb.as_raw(), number)?;
+            image::ImageBuffer::from_raw(width, height, raw).map(DynamicImage::ImageRgb16)
+        }
+        DynamicImage::ImageRgba32F(rgb) if !is_within(rgb.as_raw()) => {
+            let raw = bright(rgb.as_raw(), number)?;
+            image::ImageBuffer::from_raw(width, height, raw).map(DynamicImage::ImageRgba16)
+        }
+        _ => Some(pixels),
+    }
+}
+
+/// Numbers as 16 bits; `None` when some are not finite.
+fn bright<T>(values: &[T], number: impl Fn(&T) -> f64) -> Option<Vec<u16>> {
+    let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+    for value in values.iter().map(&number) {
+        if !value.is_finite() {
+            return None;
+        }
+        (low, high) = (low.min(value), high.max(value));
+    }
+    let Scale { offset, factor } = Scale::of(low, high);
+    Some(values.iter().map(|v| (offset + factor * number(v)).round().clamp(0.0, 65535.0) as u16).collect())
+}
+
+impl Scale {
+    /// For numbers from `low` to `high`.
+    fn of(low: f64, high: f64) -> Self {
+        // Whoever means 0 to 255 goes beyond the glare of 0 to 1.
+        let common = match high {
+            _ if low < 0.0 => None,
+            ..=1.0 => Some(1.0),
+            16.0..=255.0 => Some(255.0),
+            _ => None,
+        };
+        let (low, span) = common.map_or((low, high - low), |most| (0.0, most));
+        let factor = 65535.0 / span;
+        // All the same, or so far apart that nothing between can be told.
+        if !factor.is_finite() || factor <= 0.0 {
+            return Self { offset: 0.0, factor: 0.0 };
+        }
+        Self { offset: -low * factor, factor }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_range_of_the_numbers_tells_what_they_mean() {
+        let levels = |values: &[f64]| bright(values, |v| *v);
+        // What falls between two levels may become either.
+        let middle = |values: &[f64]| levels(values).map(|l| [l[0], l[1] / 2 * 2, l[2]]);
+        assert_eq!(levels(&[0.0, 0.5, 1.0]), Some(vec![0, 32768, 65535]));
+        assert_eq!(levels(&[0.0, 100.0, 255.0]), Some(vec![0, 25700, 65535]));
+        assert_eq!(levels(&[2.0, 1000.0]), Some(vec![0, 65535]));
+        assert_eq!(levels(&[0.0, 1.02]), Some(vec![0, 65535]));
+        assert!(matches!(middle(&[-1.0, 0.0, 1.0]), Some([0, 32766..=32768, 65535])));
+        assert!(matches!(middle(&[1e6, 2e6, 3e6]), Some([0, 32766..=32768, 65535])));
+        assert_eq!(levels(&[-3.0, -3.0]), Some(vec![0, 0]));
+        assert_eq!(levels(&[f64::MIN, f64::MAX]), Some(vec![0, 0]));
+        assert_eq!(levels(&[0.5, f64::NAN]), None);
+        assert_eq!(levels(&[0.5, f64::INFINITY]), None);
+    }
+}

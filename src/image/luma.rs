@@ -1,0 +1,91 @@
+//! The grey plane of a picture, straight from its pixels: nothing is held beside the two.
+
+use std::sync::Arc;
+
+use image::DynamicImage;
+
+use super::GrayPlane;
+use crate::geometry::Frame;
+
+/// Luma (ITU-R BT.709 weights) in grey levels 0 ..= 255, without rounding to 8 bits. Alpha is not looked at.
+pub(super) fn gray_plane(pixels: &DynamicImage) -> GrayPlane {
+    let frame = Frame::new(pixels.width() as usize, pixels.height() as usize);
+    let values: Arc<[f32]> = match pixels {
+        DynamicImage::ImageLuma8(luma) => luma.as_raw().iter().map(|v| f32::from(*v)).collect(),
+        DynamicImage::ImageLumaA8(luma) => {
+            luma.as_raw().as_chunks().0.iter().map(|[v, _]| f32::from(*v)).collect()
+        }
+        DynamicImage::ImageRgb8(rgb) => {
+            rgb.as_raw().as_chunks().0.iter().map(|c: &[u8; 3]| luma(*c)).collect()
+        }
+        DynamicImage::ImageRgba8(rgb) => {
+            rgb.as_raw().as_chunks().0.iter().map(|[r, g, b, _]| luma([*r, *g, *b])).collect()
+        }
+        DynamicImage::ImageLuma16(luma) => luma.as_raw().iter().map(|v| f32::from(*v) / 257.0).collect(),
+        DynamicImage::ImageLumaA16(luma) => {
+            luma.as_raw().as_chunks().0.iter().map(|[v, _]| f32::from(*v) / 257.0).collect()
+        }
+        DynamicImage::ImageRgb16(rgb) => {
+            rgb.as_raw().as_chunks().0.iter().map(|c: &[u16; 3]| luma(*c) / 257.0).collect()
+        }
+        DynamicImage::ImageRgba16(rgb) => {
+            rgb.as_raw().as_chunks().0.iter().map(|[r, g, b, _]| luma([*r, *g, *b]) / 257.0).collect()
+        }
+        DynamicImage::ImageRgb32F(rgb) => {
+            rgb.as_raw().as_chunks().0.iter().map(|c: &[f32; 3]| 255.0 * luma(c.map(unit))).collect()
+        }
+        DynamicImage::ImageRgba32F(rgb) => rgb
+            .as_raw()
+            .as_chunks()
+            .0
+            .iter()
+            .map(|[r, g, b, _]| 255.0 * luma([*r, *g, *b].map(unit)))
+            .collect(),
+        // A kind that a later version of the decoders may bring.
+        other => other.to_luma16().into_raw().into_iter().map(|v| f32::from(v) / 257.0).collect(),
+    };
+    GrayPlane::shared(frame, values)
+}
+
+fn luma<T: Into<f32>>(color: [T; 3]) -> f32 {
+    let [r, g, b] = color.map(Into::into);
+    0.2126 * r + 0.7152 * g + 0.0722 * b
+}
+
+/// Of what is no number nothing is seen.
+fn unit(value: f32) -> f32 {
+    if value.is_nan() { 0.0 } else { value.clamp(0.0, 1.0) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_kind_of_pixels_has_the_same_grey_levels() {
+        let rgb = image::RgbImage::from_fn(5, 3, |x, y| image::Rgb([(50 * x) as u8, (80 * y) as u8, 7]));
+        let rgb = DynamicImage::from(rgb);
+        let expected = gray_plane(&rgb);
+        assert!((expected.at(4, 2) - (0.2126 * 200.0 + 0.7152 * 160.0 + 0.0722 * 7.0)).abs() < 1e-3);
+        let kinds: [DynamicImage; 5] = [
+            rgb.to_rgba8().into(),
+            rgb.to_rgb16().into(),
+            rgb.to_rgba16().into(),
+            rgb.to_rgb32f().into(),
+            rgb.to_rgba32f().into(),
+        ];
+        let off = |a: &GrayPlane, b: &GrayPlane| {
+            a.values().iter().zip(b.values()).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max)
+        };
+        for kind in kinds {
+            assert!(off(&gray_plane(&kind), &expected) < 1e-3, "{:?}", kind.color());
+        }
+        let gray = DynamicImage::from(rgb.to_luma8());
+        let expected = gray_plane(&gray);
+        let kinds: [DynamicImage; 3] =
+            [gray.to_luma_alpha8().into(), gray.to_luma16().into(), gray.to_luma_alpha16().into()];
+        for kind in kinds {
+            assert!(off(&gray_plane(&kind), &expected) < 1e-3, "{:?}", kind.color());
+        }
+    }
+}

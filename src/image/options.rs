@@ -1,0 +1,93 @@
+//! What a person may ask for when pictures are read.
+
+use super::LoadError;
+
+/// The environment variable that raises (or lowers) the size of pictures that are read, millions of pixels.
+pub const MEGAPIXELS_VARIABLE: &str = "EPILINE_MAX_MEGAPIXELS";
+/// The environment variable that has damaged pictures read as far as they go: 1 or 0.
+pub const DAMAGED_VARIABLE: &str = "EPILINE_READ_DAMAGED";
+
+/// Bytes of a pixel as wide as four channels of 16 bits: what the limit counts a pixel as.
+pub(super) const WIDE_PIXEL: u64 = 8;
+
+/// How pictures are read.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct LoadOptions {
+    /// The most pixels of a picture. Pixels wider than 8 bytes (floating-point colours) count for more.
+    pub most_pixels: u64,
+    /// Take a damaged or incomplete picture as far as it goes; what is missing is black or grey.
+    pub accept_damaged: bool,
+}
+
+impl Default for LoadOptions {
+    /// 250 million pixels (a pair of them takes some 6 GB), and no damaged ones.
+    fn default() -> Self {
+        Self { most_pixels: 250_000_000, accept_damaged: false }
+    }
+}
+
+impl LoadOptions {
+    /// The default with what the environment variables [`MEGAPIXELS_VARIABLE`] and [`DAMAGED_VARIABLE`] say.
+    pub fn from_environment() -> Result<Self, LoadError> {
+        let value = |name| std::env::var_os(name).map(|value| value.to_string_lossy().into_owned());
+        Self::of(value(MEGAPIXELS_VARIABLE).as_deref(), value(DAMAGED_VARIABLE).as_deref())
+    }
+
+    fn of(megapixels: Option<&str>, damaged: Option<&str>) -> Result<Self, LoadError> {
+        let wrong = |name, value: &str, expected| LoadError::Setting {
+            name,
+            value: crate::foreign::excerpt(value),
+            expected,
+        };
+        let mut options = Self::default();
+        match megapixels.map(|value| (value, value.trim().parse::<f64>())) {
+            None | Some(("", _)) => {}
+            Some((_, Ok(number))) if (0.0001..=100_000.0).contains(&number) => {
+                options.most_pixels = (number * 1e6) as u64;
+            }
+            Some((value, _)) => {
+                return Err(wrong(MEGAPIXELS_VARIABLE, value, "millions of pixels, 0.0001 to 100000"));
+            }
+        }
+        match damaged {
+            None | Some("" | "0") => {}
+            Some("1") => options.accept_damaged = true,
+            Some(value) => return Err(wrong(DAMAGED_VARIABLE, value, "1 or 0")),
+        }
+        Ok(options)
+    }
+
+    /// Whether that many pixels of so many bytes are within the limit.
+    pub(super) fn allows(self, pixels: u64, bytes_a_pixel: u64) -> bool {
+        weight(pixels, bytes_a_pixel) <= u128::from(self.most_pixels)
+    }
+}
+
+/// Pixels as the limit counts them.
+pub(super) fn weight(pixels: u64, bytes_a_pixel: u64) -> u128 {
+    (u128::from(pixels) * u128::from(bytes_a_pixel.max(WIDE_PIXEL))).div_ceil(u128::from(WIDE_PIXEL))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_environment_changes_the_default_or_is_refused() {
+        assert_eq!(LoadOptions::of(None, None).unwrap(), LoadOptions::default());
+        assert_eq!(LoadOptions::of(Some("0.5"), Some("1")).unwrap().most_pixels, 500_000);
+        assert!(LoadOptions::of(None, Some("1")).unwrap().accept_damaged);
+        for (megapixels, damaged) in [("much", "0"), ("-1", "0"), ("nan", "0"), ("1", "yes")] {
+            let message = LoadOptions::of(Some(megapixels), Some(damaged)).unwrap_err().to_string();
+            assert!(message.contains("EPILINE_") && message.contains("expected"), "{message}");
+        }
+    }
+
+    #[test]
+    fn wide_pixels_count_for_more() {
+        let options = LoadOptions { most_pixels: 100, accept_damaged: false };
+        assert!(options.allows(100, 1) && options.allows(100, 8) && !options.allows(101, 1));
+        assert!(options.allows(50, 16) && !options.allows(51, 16));
+        assert!(!options.allows(u64::MAX, u64::MAX));
+    }
+}
