@@ -66,7 +66,8 @@ impl Inspector {
     }
 
     fn write(&mut self, path: PathBuf, what: String, content: ExportContent) {
-        self.tasks.saver.ask(SaveJob::Export { path, what, content });
+        let inputs = self.image_files();
+        self.tasks.saver.ask(SaveJob::Export { path, what, content, inputs });
     }
 
     /// Asks for the picture of a view, in the frame that is about to be drawn, and has it written once it is there.

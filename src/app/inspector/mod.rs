@@ -48,6 +48,7 @@ impl Inspector {
         let mut model = Model::default();
         model.imports.extend(sources(start.imports).into_iter().map(PendingImport::from));
         let mut inspector = Self { model, tasks, view: View::default(), start_pairs: start.pairs };
+        inspector.tell_of_missing_copies();
         inspector.offer_left_behind();
         inspector
     }

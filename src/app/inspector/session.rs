@@ -128,7 +128,14 @@ impl Inspector {
         // Whoever asked whether to replace it has the answer.
         self.model.messages.settle(MessageKind::Replace);
         session.fundamental = self.estimate().map(|estimate| *estimate.fundamental());
-        self.tasks.saver.ask(SaveJob::Save { path, session: Box::new(session), work: Box::new(work) });
+        let (session, work, inputs) = (Box::new(session), Box::new(work), self.image_files());
+        self.tasks.saver.ask(SaveJob::Save { path, session, work, inputs });
+    }
+
+    /// The files of the images, which nothing must replace.
+    pub(super) fn image_files(&self) -> Vec<PathBuf> {
+        let pictures = self.model.open.pictures.iter().flatten();
+        pictures.filter_map(|opened| opened.picture.path.clone()).collect()
     }
 
     /// Takes in what the writing thread has done.
@@ -143,6 +150,7 @@ impl Inspector {
                 Written::Session { result: Err(problem), .. } => self.model.messages.tell(format!(
                     "The session was not saved: {problem}. Your work is still here; save it somewhere else."
                 )),
+                Written::Copy(result) => self.note_copy(result),
                 Written::Export { path, result: Ok(what) } => {
                     self.model.open.done = Some(format!("Exported {what} to {}", path.display()));
                 }
@@ -151,6 +159,28 @@ impl Inspector {
                     self.model.messages.tell(text);
                 }
             }
+        }
+    }
+
+    /// A copy of unsaved work was written, or not: then it is tried again, and the person knows.
+    fn note_copy(&mut self, result: Result<(), String>) {
+        let Some(autosave) = &mut self.tasks.autosave else { return };
+        let was_failing = std::mem::replace(&mut autosave.is_failing, result.is_err());
+        let Err(problem) = result else { return };
+        self.model.session.copied = None;
+        if !was_failing {
+            self.model.messages.tell(format!(
+                "Unsaved work is not protected against a crash: {problem}. Save the session; the copy is tried again."
+            ));
+        }
+    }
+
+    /// Tells when there is no place for copies of unsaved work.
+    pub(super) fn tell_of_missing_copies(&mut self) {
+        if let Some(problem) = self.tasks.no_autosave.take() {
+            self.model.messages.tell(format!(
+                "Unsaved work is not protected against a crash, because its folder cannot be used: {problem}. Save often."
+            ));
         }
     }
 
@@ -240,8 +270,9 @@ impl Inspector {
     }
 
     fn remove_own_copy(&mut self) {
-        if self.model.session.copied.take().is_some()
-            && let Some(autosave) = &self.tasks.autosave
+        let copied = self.model.session.copied.take().is_some();
+        if let Some(autosave) = &mut self.tasks.autosave
+            && (copied || std::mem::take(&mut autosave.is_failing))
         {
             self.tasks.saver.ask(SaveJob::Remove(autosave.path().to_owned()));
         }

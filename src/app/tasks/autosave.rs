@@ -3,11 +3,18 @@
 //! Each running window owns a slot of the folder, by a lock that the system releases however the program ends. A slot
 //! that nobody holds but that has a copy in it belongs to a program that ended without saving.
 
-use std::fs::{File, OpenOptions};
+use std::fs::{File, OpenOptions, TryLockError};
 use std::path::{Path, PathBuf};
+use std::time::{Duration, SystemTime};
 
-/// Windows that can keep copies at the same time.
-const SLOTS: usize = 32;
+use crate::foreign::{reason, shown_path};
+
+/// Windows that can keep copies at the same time, and copies that wait.
+const SLOTS: usize = 256;
+/// Copies that wait to be offered; beyond that the oldest go.
+const MOST_LEFT_BEHIND: usize = 24;
+/// Copies that nobody wanted for so long go, too.
+const LONGEST: Duration = Duration::from_hours(90 * 24);
 
 /// A slot of the folder, held as long as this lives.
 pub struct Autosave {
@@ -15,43 +22,53 @@ pub struct Autosave {
     path: PathBuf,
     /// Held locked.
     lock: File,
-    /// Copies that were left behind, with their locks, so that no other window offers them meanwhile.
+    /// Copies that were left behind, with their locks, so that no other window offers them meanwhile; the newest first.
     left_behind: Vec<(PathBuf, File)>,
+    /// Whether the last copy could not be written, of which the person was told.
+    pub is_failing: bool,
 }
 
 impl Autosave {
-    /// Takes a slot of the folder and finds what was left behind in others; `None` when the folder cannot be used,
-    /// which is no reason not to work.
-    pub fn begin(folder: &Path) -> Option<Self> {
-        std::fs::create_dir_all(folder).ok()?;
-        let mut own = None;
-        let mut left_behind = Vec::new();
-        for slot in 0..SLOTS {
-            // A copy may wait in any slot, but only one free slot is needed.
-            if own.is_some() && !path_of(folder, slot).exists() {
-                continue;
-            }
-            match take(folder, slot) {
-                Some((path, lock)) if path.exists() => left_behind.push((path, lock)),
-                Some(free) => own = Some(free),
-                None => {}
-            }
-        }
-        let (path, lock) = own?;
+    /// Takes a slot of the folder and finds what was left behind in others. Old copies are removed, so that there is
+    /// always a slot; the error says why the folder cannot be used, which is no reason not to work.
+    pub fn begin(folder: &Path) -> Result<Self, String> {
+        let failed = |error: std::io::Error| format!("{}: {}", shown_path(folder), reason(&error));
+        make_private(folder).map_err(failed)?;
+        let mut left_behind: Vec<(PathBuf, File)> = (0..SLOTS)
+            .filter(|slot| path_of(folder, *slot).exists())
+            .filter_map(|slot| take(folder, slot).ok().flatten())
+            .filter(|(path, _)| path.exists())
+            .collect();
         left_behind.sort_by_key(|(path, _)| std::cmp::Reverse(modified(path)));
-        Some(Self { folder: folder.to_owned(), path, lock, left_behind })
+        let (path, lock) = free_slot(folder).map_err(failed)?;
+        let mut found = Self { folder: folder.to_owned(), path, lock, left_behind, is_failing: false };
+        found.prune(SystemTime::now());
+        Ok(found)
     }
 
     /// Leaves the copy of this window behind, to be offered again, and takes another slot; whether there was one.
     pub fn set_aside(&mut self) -> bool {
-        let free = (0..SLOTS)
-            .filter(|slot| !path_of(&self.folder, *slot).exists())
-            .filter(|slot| path_of(&self.folder, *slot) != self.path)
-            .find_map(|slot| take(&self.folder, slot));
-        let Some((path, lock)) = free else { return false };
+        let Ok((path, lock)) = free_slot(&self.folder) else { return false };
         let left = (std::mem::replace(&mut self.path, path), std::mem::replace(&mut self.lock, lock));
         self.left_behind.insert(0, left);
+        self.prune(SystemTime::now());
         true
+    }
+
+    /// Removes copies beyond the number and the age that are kept.
+    fn prune(&mut self, now: SystemTime) {
+        let is_old = |path: &Path| {
+            let age = modified(path).and_then(|then| now.duration_since(then).ok());
+            age.is_some_and(|age| age > LONGEST)
+        };
+        let mut kept = Vec::new();
+        for (path, lock) in self.left_behind.drain(..) {
+            // One that cannot be removed stays where it is.
+            if (kept.len() < MOST_LEFT_BEHIND && !is_old(&path)) || std::fs::remove_file(&path).is_err() {
+                kept.push((path, lock));
+            }
+        }
+        self.left_behind = kept;
     }
 
     /// Where this window keeps its copy.
@@ -78,15 +95,40 @@ fn path_of(folder: &Path, slot: usize) -> PathBuf {
     folder.join(format!("unsaved-{slot}.json"))
 }
 
-/// The path of a slot and its lock, if nobody else has it.
-fn take(folder: &Path, slot: usize) -> Option<(PathBuf, File)> {
-    let lock = folder.join(format!("unsaved-{slot}.lock"));
-    let file = OpenOptions::new().create(true).truncate(false).write(true).open(lock).ok()?;
-    file.try_lock().ok()?;
-    Some((path_of(folder, slot), file))
+/// A slot that nobody has and no copy is in.
+fn free_slot(folder: &Path) -> std::io::Result<(PathBuf, File)> {
+    for slot in (0..SLOTS).filter(|slot| !path_of(folder, *slot).exists()) {
+        if let Some(free) = take(folder, slot)? {
+            return Ok(free);
+        }
+    }
+    Err(std::io::Error::other(format!("all {SLOTS} places for copies are taken")))
 }
 
-fn modified(path: &Path) -> Option<std::time::SystemTime> {
+/// The path of a slot and its lock, if nobody else has it.
+fn take(folder: &Path, slot: usize) -> std::io::Result<Option<(PathBuf, File)>> {
+    let lock = folder.join(format!("unsaved-{slot}.lock"));
+    let file = OpenOptions::new().create(true).truncate(false).write(true).open(lock)?;
+    match file.try_lock() {
+        Ok(()) => Ok(Some((path_of(folder, slot), file))),
+        Err(TryLockError::WouldBlock) => Ok(None),
+        Err(TryLockError::Error(error)) => Err(error),
+    }
+}
+
+/// Makes the folder, for nobody but its owner.
+fn make_private(folder: &Path) -> std::io::Result<()> {
+    let mut builder = std::fs::DirBuilder::new();
+    builder.recursive(true);
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::DirBuilderExt;
+        builder.mode(0o700);
+    }
+    builder.create(folder)
+}
+
+fn modified(path: &Path) -> Option<SystemTime> {
     path.metadata().and_then(|found| found.modified()).ok()
 }
 
@@ -131,6 +173,41 @@ mod tests {
     fn a_folder_that_cannot_be_made_is_no_error() {
         let folder = tempfile::tempdir().unwrap();
         std::fs::write(folder.path().join("file"), "").unwrap();
-        assert!(Autosave::begin(&folder.path().join("file/deep")).is_none());
+        let problem = Autosave::begin(&folder.path().join("file/deep")).err().unwrap();
+        assert!(problem.contains("file/deep: it is not a folder"), "{problem}");
+    }
+
+    #[test]
+    fn however_many_copies_are_there_one_more_can_be_kept() {
+        let folder = tempfile::tempdir().unwrap();
+        for slot in 0..100 {
+            std::fs::write(path_of(folder.path(), slot), format!("work {slot}")).unwrap();
+        }
+        let mut window = Autosave::begin(folder.path()).unwrap();
+        assert_eq!(window.left_behind().count(), MOST_LEFT_BEHIND);
+        for _ in 0..100 {
+            std::fs::write(window.path(), "more").unwrap();
+            assert!(window.set_aside());
+        }
+        assert_eq!(window.left_behind().count(), MOST_LEFT_BEHIND);
+        assert_eq!(std::fs::read(window.left_behind().next().unwrap()).unwrap(), b"more");
+        let files = std::fs::read_dir(folder.path())
+            .unwrap()
+            .flatten()
+            .filter(|entry| entry.path().extension().is_some_and(|extension| extension == "json"));
+        assert_eq!(files.count(), MOST_LEFT_BEHIND);
+    }
+
+    #[test]
+    fn what_nobody_wanted_for_months_goes() {
+        let folder = tempfile::tempdir().unwrap();
+        for slot in [0, 1] {
+            std::fs::write(path_of(folder.path(), slot), "work").unwrap();
+        }
+        let old = File::options().write(true).open(path_of(folder.path(), 0)).unwrap();
+        old.set_modified(SystemTime::now() - 2 * LONGEST).unwrap();
+        let window = Autosave::begin(folder.path()).unwrap();
+        let left: Vec<_> = window.left_behind().collect();
+        assert_eq!(left, [path_of(folder.path(), 1)]);
     }
 }

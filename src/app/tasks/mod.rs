@@ -56,6 +56,8 @@ pub struct Tasks {
     pub saver: Saver,
     /// The place for copies of unsaved work, if there is one to be used.
     pub autosave: Option<Autosave>,
+    /// Why there is none, although there should be.
+    pub no_autosave: Option<String>,
     /// The system's dialogs.
     pub picking: Picking,
 }
@@ -74,6 +76,11 @@ impl Tasks {
             pick_save,
             copies,
         } = services;
+        let (autosave, no_autosave) = match copies.as_deref().map(|folder: &Path| Autosave::begin(folder)) {
+            Some(Ok(autosave)) => (Some(autosave), None),
+            Some(Err(problem)) => (None, Some(problem)),
+            None => (None, None),
+        };
         let waker = Waker::default();
         let comparing = Task::answering("comparison", waker.clone(), |question: ComparisonQuestion| {
             Some(question.answer())
@@ -109,7 +116,8 @@ impl Tasks {
             importing: Importing::new(waker.clone()),
             writing: Writing::new(waker.clone()),
             saver: Saver::new(waker.clone()),
-            autosave: copies.as_deref().and_then(|folder: &Path| Autosave::begin(folder)),
+            autosave,
+            no_autosave,
             picking: Picking::new(waker.clone(), [pick_file, pick_folder], pick_save),
             waker,
         }

@@ -8,7 +8,7 @@ use super::task::{Event, Task, Waiting, panic_text};
 use super::waker::Waker;
 use crate::app::model::exchange::ExportContent;
 use crate::app::model::session::Work;
-use crate::io::{OutputFile, SessionFile};
+use crate::io::{OutputFile, SessionFile, WriteError, refuse_clashes};
 
 /// How long the window waits for a disk.
 const PATIENCE: Duration = Duration::from_secs(3);
@@ -23,6 +23,8 @@ pub enum SaveJob {
         session: Box<SessionFile<Work>>,
         /// The same as the window has it: what is compared with to tell whether something has changed since.
         work: Box<Work>,
+        /// Files that are open, which it must not replace.
+        inputs: Vec<PathBuf>,
     },
     /// The program's own copy.
     Autosave {
@@ -39,6 +41,8 @@ pub enum SaveJob {
         what: String,
         /// Composes it.
         content: ExportContent,
+        /// Files that are open, which it must not replace.
+        inputs: Vec<PathBuf>,
     },
     /// The program's own copy is not needed any more.
     Remove(PathBuf),
@@ -53,6 +57,8 @@ pub enum Written {
         /// What was saved, or why it was not written.
         result: Result<Box<Work>, String>,
     },
+    /// The program's own copy of unsaved work; why it was not written, if so.
+    Copy(Result<(), String>),
     /// A file for other programs.
     Export {
         /// Where.
@@ -69,18 +75,18 @@ impl Saver {
     /// Starts the thread; it calls `waker` after each file.
     pub fn new(waker: Waker) -> Self {
         Self(Task::new("save", waker, Waiting::All, |job, _| match job {
-            SaveJob::Save { path, session, work } => {
-                let result = session.write(&path).map_err(|error| error.to_string()).map(|()| work);
+            SaveJob::Save { path, session, work, inputs } => {
+                let result = apart(&path, &inputs).and_then(|()| session.write(&path));
+                let result = result.map_err(|error| error.to_string()).map(|()| work);
                 Some(Written::Session { path, result })
             }
-            SaveJob::Export { path, what, content } => {
-                let result = export(&path, content).map(|()| what);
+            SaveJob::Export { path, what, content, inputs } => {
+                let result = apart(&path, &inputs).map_err(|error| error.to_string());
+                let result = result.and_then(|()| export(&path, content)).map(|()| what);
                 Some(Written::Export { path, result })
             }
             SaveJob::Autosave { path, session } => {
-                // A copy that cannot be written is tried again after the next change.
-                let _ = session.write(&path);
-                None
+                Some(Written::Copy(session.write_private(&path).map_err(|error| error.to_string())))
             }
             SaveJob::Remove(path) => {
                 let _ = std::fs::remove_file(path);
@@ -114,6 +120,11 @@ impl Saver {
     pub fn is_busy(&self) -> bool {
         self.0.is_busy()
     }
+}
+
+/// Whether a file is none of those that are open.
+fn apart(path: &Path, inputs: &[PathBuf]) -> Result<(), WriteError> {
+    refuse_clashes(&[path], &inputs.iter().map(PathBuf::as_path).collect::<Vec<_>>())
 }
 
 /// Writes a file whole or not at all; the place is tried before the content is composed.
