@@ -4,12 +4,12 @@ use std::fmt::Display;
 use std::io::{ErrorKind, IsTerminal, Write};
 
 use super::CliError;
-use crate::foreign::{escaped, reason};
+use crate::foreign::{escaped, escaped_lines, reason};
 
-/// Writes to standard output. A reader that has seen enough (`| head -1`) is not an error.
+/// Writes to standard output, names in it without what a terminal obeys. A reader that has seen enough (`| head -1`) is not an error.
 pub(super) fn print(text: &str) -> Result<(), CliError> {
     let mut out = std::io::stdout().lock();
-    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+    match out.write_all(escaped_lines(text).as_bytes()).and_then(|()| out.flush()) {
         Err(e) if e.kind() != ErrorKind::BrokenPipe => Err(CliError::StandardOutput(reason(&e))),
         _ => Ok(()),
     }
@@ -17,13 +17,13 @@ pub(super) fn print(text: &str) -> Result<(), CliError> {
 
 /// Writes a line to standard error; if that is closed there is nobody to tell.
 pub(super) fn tell(line: impl Display) {
-    let _ = writeln!(std::io::stderr(), "{line}");
+    let _ = writeln!(std::io::stderr(), "{}", escaped_lines(&line.to_string()));
 }
 
 /// Writes over the current line of the terminal.
 pub(super) fn tell_in_place(line: impl Display) {
     let mut err = std::io::stderr();
-    let _ = write!(err, "\r\x1b[2K{line}").and_then(|()| err.flush());
+    let _ = write!(err, "\r\x1b[2K{}", escaped(&line.to_string())).and_then(|()| err.flush());
 }
 
 /// Whether a person watches standard error.

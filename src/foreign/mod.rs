@@ -7,5 +7,9 @@
 mod input;
 mod text;
 
-pub(crate) use input::{is_named_pipe, open_input, reason};
+#[cfg(feature = "files")]
+pub(crate) use input::is_named_pipe;
+pub(crate) use input::{open_input, reason};
+#[cfg(feature = "cli")]
+pub(crate) use text::escaped_lines;
 pub(crate) use text::{escaped, excerpt, shown_path};

@@ -34,6 +34,16 @@ pub fn escaped(text: &str) -> String {
     shown
 }
 
+/// [`escaped`] of a text of several lines, which stay lines.
+#[cfg(feature = "cli")]
+pub fn escaped_lines(text: &str) -> String {
+    let mut shown = String::with_capacity(text.len());
+    for c in text.chars() {
+        if matches!(c, '\n' | '\t') { shown.push(c) } else { push(&mut shown, c) }
+    }
+    shown
+}
+
 /// A path for people: control characters as escapes, of a very long one the end.
 pub fn shown_path(path: &Path) -> String {
     let shown = escaped(&path.to_string_lossy());

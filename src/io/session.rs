@@ -27,6 +27,9 @@ pub const SESSION_VERSION: u64 = 1;
 const FORMAT: &str = "epiline-session";
 /// A session has some kilobytes; more than this is something else.
 const LARGEST: u64 = 16 << 20;
+/// No file has a longer name or path, bytes.
+const LONGEST_NAME: usize = 1024;
+const LONGEST_PATH: usize = 8192;
 /// What stands in the field `convention`.
 const CONVENTION: &str = "Pixels are (x, y), x right, y down, the centre of the top-left pixel is (0, 0). F is nested \
     rows: x2' F x1 = 0. Paths are relative to the folder of this file.";
@@ -204,6 +207,11 @@ impl<T: DeserializeOwned> SessionFile<T> {
             }
         }
         let ReadSession { images, fundamental, content } = serde_json::from_value(value).map_err(damaged)?;
+        if images.iter().any(|image| image.name().len() > LONGEST_NAME || image.place().len() > LONGEST_PATH)
+        {
+            let problem = "the path of an image is longer than any file's".into();
+            return Err(SessionError::Damaged { path: shown(), problem });
+        }
         Ok(Self { images, fundamental, content })
     }
 }
@@ -213,6 +221,14 @@ impl ImageReference {
     pub fn name(&self) -> &str {
         match &self.source {
             ImageSource::File { path, .. } => path.rsplit('/').next().unwrap_or(path),
+            ImageSource::Sample { sample } => sample,
+        }
+    }
+
+    /// The path as it is written, or the name of the sample.
+    fn place(&self) -> &str {
+        match &self.source {
+            ImageSource::File { path, .. } => path,
             ImageSource::Sample { sample } => sample,
         }
     }
@@ -398,6 +414,10 @@ mod tests {
             (&good.replace("\"version\": 1", "\"version\": 0"), "is damaged: its version"),
             (&good.replace("\"width\": 4", "\"width\": -4"), "is damaged"),
             (&deep, "is damaged"),
+            (
+                &good.replace("\"path\": \"", &format!("\"path\": \"{}/", "x".repeat(10_000))),
+                "longer than any",
+            ),
         ] {
             std::fs::write(&path, text).unwrap();
             let message = SessionFile::<Vec<f64>>::read(&path).unwrap_err().to_string();

@@ -9,6 +9,7 @@ use crate::app::model::pair_folder::PairFolder;
 use crate::app::model::session::{Lost, OpenSession, Relocation, Restored, Work};
 use crate::app::model::shared::Shared;
 use crate::app::model::truth::KnownTruth;
+use crate::foreign::{excerpt, shown_path};
 use crate::io::{ImageReference, ImageSource, Located, SessionError, SessionFile, TruthFolder, sha256_of};
 use crate::synthetic::Sample;
 
@@ -97,7 +98,7 @@ fn known(folder: &Path, views: &[String; 2]) -> Result<(KnownTruth, OpenFolder),
     let truths = TruthFolder::open(folder).map_err(|error| error.to_string())?;
     let number = |view: &String| {
         let position = truths.names().iter().position(|name| name == view);
-        position.ok_or_else(|| format!("{} has no view {view}", folder.display()))
+        position.ok_or_else(|| format!("{} has no view {}", shown_path(folder), excerpt(view)))
     };
     let pair = [number(&views[0])?, number(&views[1])?];
     let truth = truths.truth(pair).map_err(|error| error.to_string())?;

@@ -1,0 +1,330 @@
+//! Files of every kind, mutated: whatever is in them, they are read or refused with a sentence, without a panic and within
+//! a bound on memory.
+//!
+//! A harness of our own on stable Rust: the usual fuzzers need a nightly compiler or instrumented builds. It knows no
+//! coverage, but it starts from a file of every format and from the files that broke something before, and a run is made
+//! again by its seed. `EPILINE_MUTATIONS` is how many, `EPILINE_SEED` with which seed:
+//!
+//! ```sh
+//! EPILINE_MUTATIONS=10000000 cargo test --test mutations -- --ignored --nocapture
+//! ```
+
+// The one way to know what an input allocates is an allocator that counts.
+#![allow(unsafe_code)]
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::io::Cursor;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Instant;
+
+use epiline::geometry::{Frame, FundamentalMatrix, PointPair};
+use epiline::image::{LoadOptions, Picture};
+use epiline::io::{
+    Format, GeometryFile, ImageNote, ImageReference, ImageSource, SessionFile, parse_point_pairs, read_camera,
+};
+use image::{DynamicImage, ImageFormat};
+
+/// Pixels of the largest picture that is read here.
+const MOST_PIXELS: u64 = 100_000;
+/// The most that a file may make the program hold, bytes: what decoders may use for profiles and texts, and the pictures.
+const MOST_MEMORY: usize = 96 << 20;
+/// The longest that a file may take, seconds; a hundred times what the slowest takes.
+const LONGEST: f64 = 20.0;
+/// The longest file that mutations start from.
+const LONGEST_FILE: u64 = 20_000;
+/// Characters of a message at most.
+const LONGEST_MESSAGE: usize = 900;
+
+/// Counts what is held, and the most that was.
+struct Counting;
+
+static HELD: AtomicUsize = AtomicUsize::new(0);
+static MOST_HELD: AtomicUsize = AtomicUsize::new(0);
+
+fn note(more: usize, less: usize) {
+    let held = HELD.fetch_add(more, Ordering::Relaxed).wrapping_add(more);
+    MOST_HELD.fetch_max(held, Ordering::Relaxed);
+    HELD.fetch_sub(less, Ordering::Relaxed);
+}
+
+// SAFETY: the system's allocator does the work; the counts touch nothing of it.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        note(layout.size(), 0);
+        // SAFETY: as promised to this function.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
+        note(layout.size(), 0);
+        // SAFETY: as promised to this function.
+        unsafe { System.alloc_zeroed(layout) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        note(0, layout.size());
+        // SAFETY: as promised to this function.
+        unsafe { System.dealloc(pointer, layout) }
+    }
+
+    unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
+        note(size, layout.size());
+        // SAFETY: as promised to this function.
+        unsafe { System.realloc(pointer, layout, size) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+/// The generator `SplitMix64`: the same numbers everywhere.
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    }
+
+    /// Below `end`, which is not 0.
+    fn below(&mut self, end: usize) -> usize {
+        (self.next() % end as u64) as usize
+    }
+
+    fn of<'a, T>(&mut self, all: &'a [T]) -> &'a T {
+        &all[self.below(all.len())]
+    }
+}
+
+/// Who reads a file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Reader {
+    Picture,
+    Text,
+    Session,
+}
+
+struct Sample {
+    name: String,
+    bytes: Vec<u8>,
+    reader: Reader,
+}
+
+/// A small file of every kind, and those that broke something before where they are at hand.
+fn corpus() -> Vec<Sample> {
+    let mut all = Vec::new();
+    let mut add =
+        |name: &str, bytes: Vec<u8>, reader| all.push(Sample { name: name.to_owned(), bytes, reader });
+    let gray = image::GrayImage::from_fn(37, 29, |x, y| image::Luma([(x * 7 + y * y * 3) as u8]));
+    let gray = DynamicImage::from(gray);
+    let kinds: [(&str, DynamicImage); 6] = [
+        ("gray8", gray.clone()),
+        ("rgb8", gray.to_rgb8().into()),
+        ("rgba8", gray.to_rgba8().into()),
+        ("gray16", gray.to_luma16().into()),
+        ("rgb16", gray.to_rgb16().into()),
+        ("rgb32f", gray.to_rgb32f().into()),
+    ];
+    for (kind, picture) in &kinds {
+        for format in [
+            ImageFormat::Png,
+            ImageFormat::Jpeg,
+            ImageFormat::Tiff,
+            ImageFormat::Bmp,
+            ImageFormat::Pnm,
+            ImageFormat::WebP,
+        ] {
+            let mut file = Cursor::new(Vec::new());
+            // Not every format has every kind.
+            if picture.write_to(&mut file, format).is_ok() {
+                add(&format!("{kind} {format:?}"), file.into_inner(), Reader::Picture);
+            }
+        }
+    }
+    let rows = [[0.0, -1e-4, 0.02], [1.2e-4, 1e-6, -0.3], [-0.03, 0.29, 1.0]];
+    let pairs: Vec<PointPair> =
+        (0..6).map(|k| f64::from(k) * 17.25).map(|t| PointPair::new(t, t * 0.7, t + 3.0, t * 0.69)).collect();
+    let frame = Frame::new(640, 480);
+    let note = |name: &str| ImageNote { name: name.to_owned(), frame };
+    let fundamental = FundamentalMatrix::nearest_rank_two(nalgebra::Matrix3::from_fn(|r, c| rows[r][c]));
+    let file = GeometryFile {
+        fundamental,
+        pairs: pairs.clone(),
+        images: Some([note("left.png"), note("right é.png")]),
+        ..GeometryFile::default()
+    };
+    for format in Format::ALL {
+        add(format.name(), file.to_text(format).into_bytes(), Reader::Text);
+    }
+    add("camera", b"1 0 0 -1\n0 1 0 0.5\n0 0 1 0\n".to_vec(), Reader::Text);
+    add("pairs", b"x1,y1,x2,y2\n1,2.5,3e1,-4\n5;6\t7 8\n# a comment\n".to_vec(), Reader::Text);
+    let reference = |path: &str| ImageReference {
+        source: ImageSource::File { path: path.to_owned(), sha256: "ab".repeat(32) },
+        frame,
+    };
+    let content =
+        serde_json::json!({"document": {"pairs": [], "excluded": [1, 2]}, "pins": [null, {"a": [1e3]}]});
+    let session = SessionFile { images: [reference("a.png"), reference("b/ä.jpg")], fundamental, content };
+    add("session", session.to_text().unwrap().into_bytes(), Reader::Session);
+    let shared = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/hostile");
+    if !shared.is_dir() {
+        eprintln!("without {}, which is not there", shared.display());
+    }
+    for (folder, reader) in [("pictures", Reader::Picture), ("text", Reader::Text)] {
+        let Ok(entries) = std::fs::read_dir(shared.join(folder)) else { continue };
+        let mut paths: Vec<PathBuf> = entries.map(|entry| entry.unwrap().path()).collect();
+        paths.sort();
+        for path in paths.iter().filter(|path| path.metadata().unwrap().len() < LONGEST_FILE) {
+            add(&path.file_name().unwrap().to_string_lossy(), std::fs::read(path).unwrap(), reader);
+        }
+    }
+    all
+}
+
+/// One change, of the kinds that break parsers.
+fn mutate(bytes: &mut Vec<u8>, other: &[u8], random: &mut Random) {
+    const NUMBERS: [&str; 10] =
+        ["-1", "0", "1e308", "1e999", "nan", "-inf", "4294967296", "18446744073709551616", "1e-320", "00"];
+    const MARKS: [&str; 14] =
+        ["[", "{", "<", ">", "\"", "&#x0;", "\0", "\u{feff}", "---", "&a ", "*a", "!!", "<![CDATA[", "\n"];
+    let at = random.below(bytes.len() + 1);
+    let end = (at + 1 + random.below(16)).min(bytes.len());
+    match random.below(11) {
+        0 if at < bytes.len() => bytes[at] ^= 1 << random.below(8),
+        1 if at < bytes.len() => bytes[at] = *random.of(&[0, 1, 0x7f, 0x80, 0xff, b'0', b'9', b' ', b'-']),
+        2 if at + 4 <= bytes.len() => {
+            let number: u32 = *random.of(&[0, 1, 0xffff, 0x7fff_ffff, 0x8000_0000, 0xffff_ffff, 60_000, 256]);
+            let both = [number.to_be_bytes(), number.to_le_bytes()];
+            bytes[at..at + 4].copy_from_slice(&random.of(&both)[..]);
+        }
+        3 if at + 2 <= bytes.len() => {
+            let number: u16 = *random.of(&[0, 1, 0xff, 0x7fff, 0x8000, 0xffff]);
+            let both = [number.to_be_bytes(), number.to_le_bytes()];
+            bytes[at..at + 2].copy_from_slice(&random.of(&both)[..]);
+        }
+        4 => drop(bytes.drain(at..end)),
+        5 => {
+            let copy = bytes[at..end].to_vec();
+            let times = 1 + random.below(40);
+            bytes.splice(at..at, copy.repeat(times));
+        }
+        6 => bytes.truncate(at),
+        7 => drop(bytes.splice(at..at, random.of(&NUMBERS).bytes())),
+        8 => drop(bytes.splice(at..at, random.of(&MARKS).repeat(1 + random.below(3) * 40).into_bytes())),
+        9 if !other.is_empty() => {
+            let from = random.below(other.len());
+            let to = (from + 1 + random.below(200)).min(other.len());
+            bytes.splice(at..end, other[from..to].iter().copied());
+        }
+        _ => bytes.insert(at, random.next() as u8),
+    }
+    bytes.truncate(4 * LONGEST_FILE as usize);
+}
+
+/// Reads it in every way that it may be read, and returns what was said.
+fn read(bytes: &[u8], reader: Reader, file: &Path) -> Vec<String> {
+    let mut said = Vec::new();
+    let mut hear = |error: Option<String>| said.extend(error);
+    match reader {
+        Reader::Picture => {
+            for accept_damaged in [false, true] {
+                let options = LoadOptions { most_pixels: MOST_PIXELS, accept_damaged };
+                hear(Picture::from_bytes_with("picture", bytes, options).err().map(|e| e.to_string()));
+            }
+        }
+        Reader::Text => {
+            if let Ok(text) = std::str::from_utf8(bytes) {
+                match GeometryFile::parse(text) {
+                    Ok((found, _)) => {
+                        // What was read can be written in every format.
+                        for format in Format::ALL {
+                            let _ = found.to_text(format);
+                        }
+                    }
+                    Err(problem) => hear(Some(problem.to_string())),
+                }
+                let _ = parse_point_pairs(text);
+            }
+            std::fs::write(file, bytes).unwrap();
+            hear(read_camera(file).err().map(|e| e.to_string()));
+        }
+        Reader::Session => {
+            std::fs::write(file, bytes).unwrap();
+            hear(SessionFile::<serde_json::Value>::read(file).err().map(|e| e.to_string()));
+        }
+    }
+    said
+}
+
+/// Makes so many mutations and complains about each that breaks a promise.
+fn run(count: usize, seed: u64) {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("mutant");
+    let corpus = corpus();
+    let mut random = Random(seed);
+    let mut slowest = (0.0, String::new());
+    let mut largest = (0, String::new());
+    let mut complaints = Vec::new();
+    for number in 0..count {
+        let sample = random.of(&corpus);
+        let mut bytes = sample.bytes.clone();
+        let other = &random.of(&corpus).bytes;
+        for _ in 0..=random.below(6) {
+            mutate(&mut bytes, other, &mut random);
+        }
+        let before = HELD.load(Ordering::Relaxed);
+        MOST_HELD.store(before, Ordering::Relaxed);
+        let started = Instant::now();
+        let said = catch_unwind(AssertUnwindSafe(|| read(&bytes, sample.reader, &file)));
+        let seconds = started.elapsed().as_secs_f64();
+        let memory = MOST_HELD.load(Ordering::Relaxed).saturating_sub(before);
+        let long = said.as_ref().is_ok_and(|said| {
+            said.iter().any(|s| s.chars().count() > LONGEST_MESSAGE || s.contains(char::is_control))
+        });
+        for (broken, what) in [
+            (said.is_err(), "a panic"),
+            (memory > MOST_MEMORY, "too much memory"),
+            (seconds > LONGEST, "too long"),
+            (long, "a message that is too long or has control characters"),
+        ] {
+            if broken {
+                let kept = std::env::temp_dir().join(format!("epiline-mutant-{seed}-{number}"));
+                std::fs::write(&kept, &bytes).unwrap();
+                let name = &sample.name;
+                complaints.push(format!("{what}: mutation {number} of {name}, kept as {}", kept.display()));
+            }
+        }
+        if seconds > slowest.0 {
+            slowest = (seconds, sample.name.clone());
+        }
+        if memory > largest.0 {
+            largest = (memory, sample.name.clone());
+        }
+    }
+    println!(
+        "{count} mutations of {} files with seed {seed}: slowest {:.3} s ({}), largest {} MB ({})",
+        corpus.len(),
+        slowest.0,
+        slowest.1,
+        largest.0 >> 20,
+        largest.1
+    );
+    assert!(complaints.is_empty(), "seed {seed}:\n{}", complaints.join("\n"));
+}
+
+#[test]
+fn mutated_files_are_read_or_refused() {
+    run(2000, 1);
+}
+
+#[test]
+#[ignore = "long; .ci/run makes 100 000 mutations of it with a seed of the day"]
+fn many_mutated_files_are_read_or_refused() {
+    let number = |name: &str| std::env::var(name).ok().and_then(|value| value.parse().ok());
+    run(number("EPILINE_MUTATIONS").unwrap_or(100_000), number("EPILINE_SEED").unwrap_or(0) as u64);
+}
