@@ -11,6 +11,7 @@ use image::{
 };
 
 use super::deep_tiff::{DeepProblem, DeepTiff, within_unit};
+use super::tiff_header::lists_fit;
 use super::whole::what_is_missing;
 use super::{LoadError, LoadOptions};
 use crate::foreign::{excerpt, reason};
@@ -49,6 +50,9 @@ pub(super) fn decode(
     }
     if format == ImageFormat::Png {
         job.check_png(&mut reader)?;
+    }
+    if format == ImageFormat::Tiff && !lists_fit(&mut reader).map_err(|e| job.io(&e))? {
+        return Err(job.damaged("a list in its header is longer than the file"));
     }
     rewind(&mut reader, &job)?;
     if format == ImageFormat::Tiff

@@ -13,6 +13,7 @@ mod patch;
 mod plane;
 mod pyramid;
 mod sampling;
+mod tiff_header;
 mod whole;
 
 pub(crate) use alignment::{Alignment, LEAST_INSIDE, Placement, align, offsets};
