@@ -59,10 +59,7 @@ fn run(
     let input = Input { prepared, source: &*source, patches: &patches, clicks: &clicks, parameters, cancel };
     let mut record = SearchRecord::new(begun, monitor);
     let best = match parameters.search {
-        _ if parameters.method == Method::LinesAlone => {
-            let found = by_lines_alone(&input, &mut record)?;
-            input.judged(&record, found)
-        }
+        _ if parameters.method == Method::LinesAlone => by_lines_alone(&input, &mut record)?,
         Search::Lines => {
             let found = by_lines(&input, &mut record)?;
             input.judged(&record, found)

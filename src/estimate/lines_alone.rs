@@ -3,16 +3,18 @@
 use super::lines::{LineConsensus, compare_lines, geometries_from_lines};
 use super::record::SearchRecord;
 use super::result::REPORTED;
-use super::search::{Found, Input};
-use super::{Estimate, EstimateError, Parameters, Stage};
-use crate::geometry::FundamentalMatrix;
+use super::search::{Found, Input, Judged};
+use super::unclicked::chosen;
+use super::wider::by_features;
+use super::{Estimate, EstimateError, Parameters, Search, Stage};
+use crate::geometry::{FundamentalMatrix, PointPair};
 use crate::similarity::SimilarityParameters;
 
 /// Disparities tried where no anchor shows the same scene point in both images: as a fraction of the longer side, at least.
 const UNANCHORED_REACH: f64 = 0.25;
 
 /// Candidate pairs among all lines, two for the epipoles and a third for the map, counted by the candidates that agree.
-pub(super) fn by_lines_alone(input: &Input, record: &mut SearchRecord) -> Result<Found, EstimateError> {
+pub(super) fn by_lines_alone(input: &Input, record: &mut SearchRecord) -> Result<Judged, EstimateError> {
     let Input { prepared, parameters, cancel, .. } = *input;
     record.enter(Stage::Pencils)?;
     let reach = parameters.similarity.disparity_reach.max(UNANCHORED_REACH);
@@ -38,9 +40,36 @@ pub(super) fn by_lines_alone(input: &Input, record: &mut SearchRecord) -> Result
     let fundamental = *geometries.first().ok_or(EstimateError::NothingWithoutClicks)?;
     input.report(record, fundamental, &hypotheses, None);
 
+    if parameters.search == Search::Patches
+        && let Some(found) = by_their_patches(input, &geometries, record)?
+    {
+        return Ok(found);
+    }
     record.enter(Stage::Refinement)?;
     let refined = input.refined(geometries.into_iter())?;
     let matches = refined.iter().flat_map(|refined| &refined.refinement.matches);
     let supporting = matches.map(|m| m.pair).collect();
-    Ok(Found { fundamental, hypotheses, supporting, refined })
+    let found = Found { fundamental, hypotheses, supporting, refined };
+    Ok(input.judged(record, found))
+}
+
+/// What lines proposed, ranked and refined by patches; `None` where patches find nothing to hold on to.
+fn by_their_patches(
+    input: &Input,
+    geometries: &[FundamentalMatrix],
+    record: &mut SearchRecord,
+) -> Result<Option<Judged>, EstimateError> {
+    let Input { prepared, patches, .. } = *input;
+    record.enter(Stage::Validation)?;
+    let fine = patches.fine(prepared.pyramids());
+    let full_size = fine.scales.map(f64::recip);
+    let putative: Vec<PointPair> =
+        fine.support.distinctive().into_iter().map(|m| m.rescaled(full_size)).collect();
+    let Some(chosen) = geometries.iter().find_map(|f| chosen(prepared, f, &[], &putative)) else {
+        return Ok(None);
+    };
+    let clicks = input.clicks.with_chosen(chosen);
+    let seen = Input { clicks: &clicks, ..*input };
+    let found = by_features(&seen, geometries, &[])?;
+    Ok(found.map(|found| seen.judged(record, found)))
 }

@@ -9,7 +9,6 @@
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
-use super::covariant::FeatureHypothesis;
 use super::record::SearchRecord;
 use super::search::{Input, Judged, by_patches, compared};
 use super::wider::{FeatureProposals, by_features, heaviest};
@@ -40,7 +39,10 @@ pub(super) fn without_clicks(input: &Input, record: &mut SearchRecord) -> Result
     let view = views.first().copied().unwrap_or(RelativeView::UPRIGHT);
     let putative = putative_matches(prepared, view);
     let mut all: Vec<Judged> = Vec::new();
-    if let Some(chosen) = hypotheses.first().and_then(|leader| chosen(prepared, leader, &putative)) {
+    if let Some(chosen) = hypotheses
+        .first()
+        .and_then(|leader| chosen(prepared, &leader.fundamental, &leader.matches, &putative))
+    {
         let clicks = clicks.with_chosen(chosen);
         for view in views {
             let source = prepared.similarity_source(view, parameters);
@@ -94,19 +96,22 @@ fn putative_matches(prepared: &PreparedPair, view: RelativeView) -> Vec<PointPai
     features.chain(corners).filter(inside).collect()
 }
 
-/// Of the matches that a geometry explains, the two whose epipolar lines are farthest apart in either image.
-fn chosen(
+/// Of the putative matches that a geometry explains, the two whose epipolar lines are farthest apart in either image; of its
+/// own ones where few are explained.
+pub(super) fn chosen(
     prepared: &PreparedPair,
-    leader: &FeatureHypothesis,
+    f: &FundamentalMatrix,
+    own: &[PointPair],
     putative: &[PointPair],
 ) -> Option<[PointPair; 2]> {
-    let f = &leader.fundamental;
     let frames = prepared.frames();
     let sides = frames.map(|frame| frame.longer_side());
     let near = EXPLAINED * sides[0].max(sides[1]);
-    let explained: Vec<PointPair> =
+    let mut explained: Vec<PointPair> =
         putative.iter().copied().filter(|m| sampson_distance(f, m) < near).collect();
-    let explained = if explained.len() < CHOSEN_FROM / 2 { leader.matches.clone() } else { explained };
+    if explained.len() < own.len().min(CHOSEN_FROM / 2) {
+        explained = own.to_vec();
+    }
     let step = explained.len().div_ceil(CHOSEN_FROM).max(1);
     let few: Vec<PointPair> = explained.into_iter().step_by(step).collect();
     let apart = |p: &PointPair, q: &PointPair| {
