@@ -57,6 +57,7 @@ fn example() -> GeometryFile {
         images: Some([("l", 768, 576), ("it's <r> & \"co\" \\ é.png", 1024, 3)].map(
             |(name, width, height)| ImageNote { name: name.to_owned(), frame: Frame::new(width, height) },
         )),
+        ..GeometryFile::default()
     }
 }
 

@@ -169,7 +169,10 @@ fn corpus() -> Vec<Sample> {
     };
     let content =
         serde_json::json!({"document": {"pairs": [], "excluded": [1, 2]}, "pins": [null, {"a": [1e3]}]});
-    let session = SessionFile { images: [reference("a.png"), reference("b/ä.jpg")], fundamental, content };
+    let session =
+        SessionFile {
+            images: [reference("a.png"), reference("b/ä.jpg")], fundamental, trust: None, content
+        };
     add("session", session.to_text().unwrap().into_bytes(), Reader::Session);
     let shared = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/hostile");
     if !shared.is_dir() {

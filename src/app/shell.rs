@@ -57,6 +57,8 @@ pub enum AppError {
 
 /// Under which name it is remembered what is drawn; the toolkit itself remembers theme, window and panel sizes.
 const LOOK: &str = "look";
+/// Under which name the list of what was opened is remembered.
+const RECENTS: &str = "recents";
 
 struct Shell(Inspector);
 
@@ -67,6 +69,7 @@ impl eframe::App for Shell {
 
     fn save(&mut self, storage: &mut dyn eframe::Storage) {
         eframe::set_value(storage, LOOK, self.0.look());
+        eframe::set_value(storage, RECENTS, self.0.recents());
     }
 
     fn on_exit(&mut self, _graphics: Option<&eframe::glow::Context>) {
@@ -100,6 +103,11 @@ pub fn run(start: Start, mut services: Services) -> Result<(), AppError> {
                 let mut inspector = Inspector::new(start, services);
                 if let Some(look) = creation.storage.and_then(|storage| eframe::get_value(storage, LOOK)) {
                     inspector.set_look(look);
+                }
+                if let Some(recents) =
+                    creation.storage.and_then(|storage| eframe::get_value(storage, RECENTS))
+                {
+                    inspector.set_recents(recents);
                 }
                 Ok(Box::new(Shell(inspector)))
             }),

@@ -11,6 +11,7 @@ use image::{
 };
 
 use super::deep_tiff::{DeepProblem, DeepTiff, within_unit};
+use super::float::developed;
 use super::tiff_header::lists_fit;
 use super::whole::what_is_missing;
 use super::{LoadError, LoadOptions};
@@ -20,13 +21,14 @@ use crate::foreign::{excerpt, reason};
 const SLACK: u64 = 64 << 20;
 
 /// The formats that are read.
-const KNOWN: [ImageFormat; 6] = [
+const KNOWN: [ImageFormat; 7] = [
     ImageFormat::Png,
     ImageFormat::Jpeg,
     ImageFormat::Tiff,
     ImageFormat::Bmp,
     ImageFormat::Pnm,
     ImageFormat::WebP,
+    ImageFormat::OpenExr,
 ];
 
 /// The pixels of a file, upright. `path` is what to call it.
@@ -76,6 +78,9 @@ pub(super) fn decode(
     let orientation = decoder.orientation().unwrap_or(Orientation::NoTransforms);
     let mut pixels = job.pixels(decoder, color)?;
     pixels.apply_orientation(orientation);
+    if format == ImageFormat::OpenExr {
+        return Ok(developed(pixels));
+    }
     within_unit(pixels).ok_or_else(|| LoadError::NotFinite { path: path.to_owned() })
 }
 

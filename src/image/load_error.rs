@@ -16,7 +16,7 @@ pub enum LoadError {
         reason: String,
     },
     /// The content is not a picture in a known format.
-    #[error("{path} is not an image in a known format (PNG, JPEG, TIFF, BMP, PNM or WebP)")]
+    #[error("{path} is not an image in a known format (PNG, JPEG, TIFF, BMP, PNM, WebP or EXR)")]
     Format {
         /// The file.
         path: String,

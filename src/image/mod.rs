@@ -4,6 +4,7 @@ mod alignment;
 mod corners;
 mod decode;
 mod deep_tiff;
+mod float;
 mod load;
 mod load_error;
 mod luma;

@@ -17,7 +17,10 @@ mod session;
 mod truth_folder;
 mod vgg;
 
-pub use geometry_file::{Format, GeometryFile, ImageNote, Problem, read_fundamental, read_point_pairs};
+pub use geometry_file::{
+    Format, GeometryFile, ImageNote, PairLabel, PairOrigin, Problem, TrustNote, read_fundamental,
+    read_point_pairs,
+};
 pub use ground_truth::{GroundTruth, TruthError, TruthOrigin};
 pub use identity::refuse_clashes;
 pub use output::{OutputFile, WriteError};

@@ -17,13 +17,21 @@ pub struct PairProblem {
 
 /// All pairs of a text.
 pub fn parse_point_pairs(text: &str) -> Result<Vec<PointPair>, PairProblem> {
-    let mut pairs = Vec::new();
+    let (mut pairs, mut columns) = (Vec::new(), None);
     for (k, (line, row)) in rows(text).enumerate() {
         if k == 0 && is_heading(row) {
+            let names = cells(row).map(|cell| cell.trim_matches('"').to_lowercase());
+            let is_named = names.take(4).eq(["x1", "y1", "x2", "y2"]);
+            // What follows the four, such as names, is something else.
+            columns = is_named.then_some(4);
             continue;
         }
         let failed = |problem| PairProblem { line, problem };
-        let numbers = finite_numbers(row).map_err(failed)?;
+        let numbers = match columns {
+            Some(columns) => finite_numbers(&cells(row).take(columns).collect::<Vec<_>>().join(" ")),
+            None => finite_numbers(row),
+        };
+        let numbers = numbers.map_err(failed)?;
         let [x1, y1, x2, y2] = numbers[..] else {
             return Err(failed(format!("expected four numbers x1 y1 x2 y2, found {}", numbers.len())));
         };
@@ -53,6 +61,7 @@ mod tests {
             "1 2.5 -3 4e2\n5 6 7 8\n",
             "# a comment\n\n1\t2.5\t-3\t400\r\n  5 6 7 8  ",
             "x1,y1,x2,y2\n1,2.5,-3,400\n5,6,7,8",
+            "x1,y1,x2,y2,name\n1,2.5,-3,400,\"left, eye\"\n5,6,7,8,q",
             "\"x1\"; \"y1\"; \"x2\"; \"y2\"\n1; 2.5; -3; 400\n5; 6; 7; 8",
         ] {
             assert_eq!(parse_point_pairs(text).unwrap(), expected, "{text:?}");

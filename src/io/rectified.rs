@@ -4,15 +4,17 @@ use std::path::{Path, PathBuf};
 
 use image::DynamicImage;
 use npyz::WriterBuilder;
+use serde::Serialize;
 use thiserror::Error;
 
+use super::geometry_file::TrustNote;
 use super::identity::refuse_clashes;
 use super::output::{OutputFile, WriteError};
 use super::picture_file::{PictureError, PictureFormat, encode_picture};
 use crate::foreign::{reason, shown_path};
 use crate::geometry::FundamentalMatrix;
 use crate::image::Picture;
-use crate::rectify::{ImageMap, Rectification, stacked};
+use crate::rectify::{Description, ImageMap, Rectification, stacked};
 
 /// What is written beside the two pictures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -58,6 +60,16 @@ pub struct RectifiedFiles {
     description: OutputFile,
     maps: Option<[OutputFile; 2]>,
     options: RectifiedOptions,
+    trust: Option<TrustNote>,
+}
+
+/// The description, and how far its geometry is to be trusted.
+#[derive(Serialize)]
+struct Described<'a> {
+    #[serde(flatten)]
+    description: Description<'a>,
+    #[serde(flatten)]
+    trust: Option<&'a TrustNote>,
 }
 
 impl RectifiedFiles {
@@ -83,11 +95,19 @@ impl RectifiedFiles {
             description: file("rectification.json")?,
             maps: if options.maps { Some([file("left-map.npy")?, file("right-map.npy")?]) } else { None },
             options,
+            trust: None,
         };
         let outputs = files.paths();
         let outputs: Vec<&Path> = outputs.iter().map(PathBuf::as_path).collect();
         refuse_clashes(&outputs, inputs)?;
         Ok(files)
+    }
+
+    /// Says how far the geometry is to be trusted.
+    #[must_use]
+    pub fn with_trust(mut self, trust: Option<TrustNote>) -> Self {
+        self.trust = trust;
+        self
     }
 
     /// Writes everything; `rectified` are the drawn pictures. `go_on` is asked before each file, by its place in
@@ -124,8 +144,9 @@ impl RectifiedFiles {
         }
         next()?;
         let description = rectification.description(fundamental, originals.map(Picture::frame));
+        let described = Described { description, trust: self.trust.as_ref() };
         let mut text =
-            serde_json::to_string_pretty(&description).map_err(|e| RectifiedError::Encode(e.to_string()))?;
+            serde_json::to_string_pretty(&described).map_err(|e| RectifiedError::Encode(e.to_string()))?;
         text.push('\n');
         staged.push(self.description.stage(text.as_bytes())?);
         match std::fs::remove_file(self.description.path()) {

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use serde::Serialize;
 
-use super::geometry_file::{Format, ImageNote};
+use super::geometry_file::{Format, ImageNote, PairLabel};
 use crate::estimate::{
     Estimate, Method, Parameters, PatchSupport, Preset, SearchCounts, StageTiming, Verdict, Warning,
 };
@@ -45,6 +45,12 @@ pub struct ResultFile<'a> {
     pair_distances: Vec<f64>,
     /// Matches that stood in for clicks, `x1 y1 x2 y2`.
     chosen: Vec<[f64; 4]>,
+    /// What each is called, where that is known; empty for a pair without a name.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pair_names: Vec<String>,
+    /// Where each comes from, where that is known.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pair_origins: Vec<&'static str>,
     parameters: &'a Parameters,
     /// The version of the program.
     version: &'static str,
@@ -120,9 +126,19 @@ impl<'a> ResultFile<'a> {
                 .map(|p| symmetric_epipolar_distance(found.fundamental(), p))
                 .collect(),
             chosen: trace.map_or_else(Vec::new, |t| t.clicks.chosen().iter().map(numbers).collect()),
+            pair_names: Vec::new(),
+            pair_origins: Vec::new(),
             parameters,
             version: env!("CARGO_PKG_VERSION"),
         }
+    }
+
+    /// Says what each pair is called and where it comes from, in their order.
+    #[must_use]
+    pub fn labelled(mut self, labels: &[PairLabel]) -> Self {
+        self.pair_names = labels.iter().map(|label| label.name.clone()).collect();
+        self.pair_origins = labels.iter().map(|label| label.origin.name()).collect();
+        self
     }
 }
 

@@ -15,6 +15,7 @@ use serde_json::Value;
 use sha2::{Digest, Sha256};
 use thiserror::Error;
 
+use super::geometry_file::TrustNote;
 use super::output::{OutputFile, WriteError};
 use super::read::{ReadError, limited, read_text};
 use crate::foreign::{open_input, reason, shown_path};
@@ -122,6 +123,8 @@ pub struct SessionFile<T> {
     pub images: [ImageReference; 2],
     /// The result when it was saved.
     pub fundamental: Option<FundamentalMatrix>,
+    /// How far that is to be trusted; written only.
+    pub trust: Option<TrustNote>,
     /// What was set.
     pub content: T,
 }
@@ -136,6 +139,8 @@ struct WrittenSession<'a, T> {
     images: &'a [ImageReference; 2],
     #[serde(skip_serializing_if = "Option::is_none")]
     fundamental: Option<FundamentalMatrix>,
+    #[serde(flatten)]
+    trust: Option<&'a TrustNote>,
     content: &'a T,
 }
 
@@ -158,6 +163,7 @@ impl<T: Serialize> SessionFile<T> {
             convention: CONVENTION,
             images: &self.images,
             fundamental: self.fundamental,
+            trust: self.trust.as_ref(),
             content: &self.content,
         };
         serde_json::to_string_pretty(&written).map(|text| text + "\n")
@@ -212,7 +218,7 @@ impl<T: DeserializeOwned> SessionFile<T> {
             let problem = "the path of an image is longer than any file's".into();
             return Err(SessionError::Damaged { path: shown(), problem });
         }
-        Ok(Self { images, fundamental, content })
+        Ok(Self { images, fundamental, trust: None, content })
     }
 }
 
@@ -329,6 +335,7 @@ mod tests {
             images: [image("a.png", b"one"), image("b.png", b"two")],
             fundamental: FundamentalMatrix::from_rows([[0.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
                 .ok(),
+            trust: None,
             content: vec![0.1, 2.5e-300, 3.0],
         }
     }

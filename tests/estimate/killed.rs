@@ -16,7 +16,7 @@ fn session(number: u32) -> SessionFile<Vec<u32>> {
         source: ImageSource::File { path: "a.png".into(), sha256: "0".repeat(64) },
         frame: Frame::new(4, 3),
     };
-    SessionFile { images: [image(), image()], fundamental: None, content: vec![number; 20_000] }
+    SessionFile { images: [image(), image()], fundamental: None, trust: None, content: vec![number; 20_000] }
 }
 
 /// Not a test by itself: what the killed program does.

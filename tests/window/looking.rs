@@ -374,3 +374,44 @@ fn pinned_lines_have_numbers_and_can_be_unpinned_from_the_bar_above() {
     assert!(window.state().focus().pins().is_empty() && !numbered(&window, "1"));
     assert!(window.query_by_label("Unpin all").is_none());
 }
+
+#[test]
+fn tones_change_what_is_shown_of_one_image_or_both_and_nothing_else() {
+    let mut window = sample();
+    click_two_pairs(&mut window);
+    let before = window.state().estimate().map(|estimate| *estimate.fundamental());
+    window.get_by_label("Tones").click();
+    settle(&mut window);
+    for label in ["Exposure, stops", "Contrast", "Gamma"] {
+        assert!(window.query_all_by_label(label).count() > 0, "{label}");
+    }
+    window.get_by_role_and_label(egui::Role::Button, "Right").click();
+    settle(&mut window);
+    window.get_by_label("Stretch").click();
+    window.step();
+    settle(&mut window);
+    assert_eq!(window.query_all_by_label("tones changed").count(), 1, "the right one alone");
+    window.get_by_label("Both").click();
+    settle(&mut window);
+    window.get_by_label("Blue").click();
+    settle(&mut window);
+    assert_eq!(window.query_all_by_label("tones changed").count(), 2);
+    assert_eq!(window.state().estimate().map(|estimate| *estimate.fundamental()), before);
+    window.get_by_label("As they are").click();
+    settle(&mut window);
+    assert_eq!(window.query_all_by_label("tones changed").count(), 0);
+}
+
+#[test]
+fn images_stand_above_each_other_on_request_and_it_is_remembered() {
+    let mut window = sample();
+    assert!(pane(&window, Side::Left).right() <= pane(&window, Side::Right).left());
+    press(&mut window, Key::V);
+    assert!(pane(&window, Side::Left).bottom() <= pane(&window, Side::Right).top());
+    click_two_pairs(&mut window);
+    assert_eq!(window.state().document().pairs.len(), 2);
+    let look: Look = serde_json::from_str(&serde_json::to_string(window.state().look()).unwrap()).unwrap();
+    assert!(look.stacked);
+    press(&mut window, Key::V);
+    assert!(pane(&window, Side::Left).right() <= pane(&window, Side::Right).left());
+}

@@ -7,6 +7,7 @@ mod exchange;
 mod looking;
 mod opening;
 mod panels;
+mod points;
 mod rectified;
 mod repairing;
 mod sessions;

@@ -206,3 +206,20 @@ fn a_folder_of_images_opens_its_first_two_and_any_others_on_request() {
     assert_eq!(names(&window), ["shot1.png", "shot10.png"]);
     assert!(window.query_by_label("Random trial").is_none(), "there is nothing known about them");
 }
+
+#[test]
+fn what_was_opened_last_is_offered_again() {
+    let files = Files::new();
+    let [a, b, c, d] = ["a.png", "b.png", "c.png", "d.png"].map(|name| files.image(name, 40, 30));
+    let mut window = open([a.clone(), b.clone()]);
+    drop_files(&mut window, &[c, d]);
+    assert_eq!(window.state().document().pictures.as_ref().unwrap()[0].name, "c.png");
+    window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::O);
+    settle(&mut window);
+    window.get_by_label_contains("a.png and b.png, in ").click();
+    settle(&mut window);
+    assert_eq!(window.state().document().pictures.as_ref().unwrap()[0].name, "a.png");
+    let kept: Vec<_> = window.state().recents().list().map(<[std::path::PathBuf]>::to_vec).collect();
+    assert_eq!(kept.len(), 2);
+    assert_eq!(kept[0], [a, b]);
+}

@@ -393,3 +393,47 @@ fn the_rectified_pair_follows_a_dragged_point_while_the_search_is_held_up() {
     button(&window, from + vec2(60.0, 0.0), PointerButton::Primary, false);
     settle(&mut window);
 }
+
+/// The colour of pair q.
+const PAIR_Q: Color32 = Color32::from_rgb(240, 128, 190);
+
+/// Where the ring of pair q is in a picture.
+fn ring(window: &Window, name: &str) -> egui::Pos2 {
+    let rect = picture(window, name);
+    let shapes =
+        window.output().shapes.iter().filter(|clipped| rect.expand(1.0).contains_rect(clipped.clip_rect));
+    let mut rings = shapes.filter_map(|clipped| match &clipped.shape {
+        egui::Shape::Circle(circle) if circle.stroke.color == PAIR_Q => Some(circle.center),
+        _ => None,
+    });
+    rings.next().expect("the ring of q")
+}
+
+#[test]
+fn a_click_on_a_ring_brings_its_depth_into_register_and_a_wipe_shows_it() {
+    let (mut window, _) = rectified();
+    // Farther to the right than what is seen at its place.
+    let from = screen(&window, epiline::app::model::document::PointRef { pair: 1, side: Side::Right });
+    drag(&mut window, from, from + vec2(25.0, 0.0), PointerButton::Primary);
+    let apart = |window: &Window| {
+        let place = |name| ring(window, name).x - picture(window, name).min.x;
+        place(LEFT) - place(RIGHT)
+    };
+    assert!(apart(&window).abs() > 2.0, "{}", apart(&window));
+    let at = ring(&window, LEFT);
+    click(&mut window, at);
+    assert!(apart(&window).abs() < 0.6, "{}", apart(&window));
+    window.get_by_label("0").click();
+    settle(&mut window);
+    assert!(apart(&window).abs() > 2.0);
+    window.get_by_label("Wipe").click();
+    settle(&mut window);
+    let before = window.get_by_label("line of the wipe").rect().center();
+    drag(&mut window, before, before + vec2(60.0, 0.0), PointerButton::Primary);
+    let after = window.get_by_label("line of the wipe").rect().center();
+    assert!((after.x - before.x - 60.0).abs() < 2.0, "{before:?} to {after:?}");
+    window.get_by_label("Disparity").click();
+    settle(&mut window);
+    window.get_by_label("disparities of the rectified pair");
+    window.get_by_label_contains("Disparity preview: ");
+}

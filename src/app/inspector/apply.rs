@@ -9,6 +9,7 @@ use crate::app::model::document::Side;
 use crate::app::model::history::Step;
 use crate::app::model::look::Tool;
 use crate::app::model::suggesting::Repair;
+use crate::io::PairOrigin;
 
 impl Inspector {
     /// Does what a command says.
@@ -33,7 +34,9 @@ impl Inspector {
             Command::Rectified(command) => self.apply_to_rectified(ctx, command),
             Command::ShowMe => {
                 if let Some(pairs) = model.open.show_me {
-                    model.edit(Step::Single, |document| document.set_pairs(pairs.to_vec()));
+                    model.edit(Step::Single, |document| {
+                        document.set_pairs(pairs.to_vec(), PairOrigin::TrueMatch)
+                    });
                 }
             }
             Command::Undo => self.travel(true),
@@ -46,8 +49,11 @@ impl Inspector {
             Command::CheckOnly(pair, only) => {
                 model.edit(Step::Single, |document| document.check_only(pair, only));
             }
+            Command::Points(command) => self.apply_to_points(ctx, command),
             Command::Repair(pair, how) => self.repair(pair, how),
-            Command::ClearPairs => model.edit(Step::Single, |document| document.set_pairs(Vec::new())),
+            Command::ClearPairs => {
+                model.edit(Step::Single, |document| document.set_pairs(Vec::new(), PairOrigin::Clicked))
+            }
             Command::Cancel => self.cancel(),
             Command::FitAll => self.fit_all(),
             Command::FitAfterDoubleClick(side) => self.fit_after_double_click(side),
@@ -93,10 +99,15 @@ impl Inspector {
                 self.view.link(model, Side::Left);
             }
             Command::ToggleMap => model.look.map = !model.look.map,
+            Command::Tones(command) => model.open.adjust_tones(command),
+            Command::ToggleStacked => {
+                model.look.stacked = !model.look.stacked;
+                self.fit_all();
+            }
             Command::ToggleLoupe => model.look.loupe = !model.look.loupe,
             Command::AcceptSuggestion => {
                 if let Some((side, point)) = model.accepted_suggestion() {
-                    model.edit(Step::Single, |document| document.place(side, point));
+                    model.edit(Step::Single, |document| document.accept(side, point));
                 }
             }
             Command::ShowTab(tab) => (model.look.tab, model.look.tabs_folded) = (tab, false),

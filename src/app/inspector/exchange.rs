@@ -10,14 +10,14 @@ use crate::app::model::comparison::Contestant;
 use crate::app::model::document::{Checked, Imported, Side};
 use crate::app::model::exchange::{
     ExportContent, ExportKind, ExportOrder, ImportFound, ImportQuestion, ImportSource, ImportedMatrix,
-    PendingImport, ViewPart, content, sources,
+    PendingImport, ViewPart, content, sources, trust_note,
 };
 use crate::app::model::history::Step;
 use crate::app::model::rectified::{Blink, RectifiedCommand, RectifiedLayout, RectifyOrder};
 use crate::app::model::session::suggested_path;
 use crate::app::tasks::SaveJob;
-use crate::app::view::{ReadingDialog, picture};
-use crate::io::RectifiedOptions;
+use crate::app::view::{ImagePane, ReadingDialog, figure, picture};
+use crate::io::{PairOrigin, RectifiedOptions};
 use crate::rectify::RectifyMethod;
 
 /// Said where there is no geometry.
@@ -54,6 +54,14 @@ impl Inspector {
         self.view.dialogs.export.open = false;
         if order.what == ExportKind::View {
             self.view.capture.begin(order.path, order.part);
+            return;
+        }
+        if order.what == ExportKind::Figure {
+            let panes = self.view.panes.each_ref().map(ImagePane::place);
+            match figure(&self.model, panes, &order.figure) {
+                Some(content) => self.write(order.path, "the figure".to_owned(), content),
+                None => self.model.messages.tell("There is nothing to export yet: open two images first."),
+            }
             return;
         }
         // A polar rectification has no homographies.
@@ -134,6 +142,8 @@ impl Inspector {
             RectifiedCommand::LayOut(layout) => model.look.rectified.layout = layout,
             RectifiedCommand::SetGuides(guides) => model.look.rectified.guides = guides,
             RectifiedCommand::View(view) => model.open.viewing.view = view,
+            RectifiedCommand::Shift(shift) => model.open.viewing.shift = shift,
+            RectifiedCommand::Wipe(at) => model.open.viewing.wipe = at.clamp(0.0, 1.0),
             RectifiedCommand::Swap if model.wants_rectified() => {
                 // From the other layouts the first press shows the left picture, the next one the right one.
                 let blinks = model.look.rectified.layout == RectifiedLayout::Blink;
@@ -170,7 +180,8 @@ impl Inspector {
             self.model.messages.tell(NOTHING_TO_RECTIFY);
             return;
         };
-        if let Some(progress) = self.tasks.writing.begin(RectifyOrder { question, folder, options }) {
+        let trust = trust_note(&self.model);
+        if let Some(progress) = self.tasks.writing.begin(RectifyOrder { question, folder, options, trust }) {
             self.model.activity.writing = Some(progress);
             self.view.dialogs.rectified.open = false;
         } else {
@@ -191,7 +202,7 @@ impl Inspector {
             return;
         }
         let count = found.pairs.len();
-        self.model.edit(Step::Single, |document| document.set_pairs(found.pairs));
+        self.model.edit(Step::Single, |document| document.set_pairs(found.pairs, PairOrigin::Imported));
         let plural = if count == 1 { "" } else { "s" };
         self.model.open.done = Some(format!("Imported {count} point pair{plural} from {}", found.name));
     }
@@ -223,7 +234,7 @@ impl Inspector {
         self.model.edit(Step::Single, |document| {
             document.imported = Some(imported);
             if let Some(pairs) = pairs {
-                document.set_pairs(pairs);
+                document.set_pairs(pairs, PairOrigin::Imported);
             }
         });
         self.model.open.focus.choose_contestant(Contestant::Imported);

@@ -6,6 +6,7 @@
 mod apply;
 mod exchange;
 mod opening;
+mod points;
 mod session;
 
 use std::time::Duration;
@@ -20,6 +21,7 @@ use super::model::exchange::{PendingImport, sources};
 use super::model::focus::Focus;
 use super::model::look::Look;
 use super::model::messages::MessageKind;
+use super::model::recents::Recents;
 use super::model::session::OpenSession;
 use super::tasks::{Opening, Picked, Services, Tasks};
 use super::view::{KeyboardState, View, pressed};
@@ -76,6 +78,16 @@ impl Inspector {
     /// Draws as it was done in an earlier run.
     pub fn set_look(&mut self, look: Look) {
         self.model.look = look;
+    }
+
+    /// What was opened last.
+    pub fn recents(&self) -> &Recents {
+        &self.model.recents
+    }
+
+    /// Offers what was opened in an earlier run.
+    pub fn set_recents(&mut self, recents: Recents) {
+        self.model.recents = recents;
     }
 
     /// Whether pictures are being opened, an estimate computed or compared, a match searched for, or something

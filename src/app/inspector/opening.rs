@@ -13,6 +13,7 @@ use crate::app::model::truth::NO_TRUTH;
 use crate::app::tasks::{LoadedPair, OpeningFailure};
 use crate::app::view::RelocateDialog;
 use crate::evaluate::Protocol;
+use crate::io::PairOrigin;
 
 impl Inspector {
     /// Takes in pictures that were opened, or why none were.
@@ -52,6 +53,7 @@ impl Inspector {
     /// Starts over with other pictures.
     fn show_pictures(&mut self, ctx: &egui::Context, pair: LoadedPair) {
         let set_aside = self.set_aside();
+        self.note_recent(&pair);
         for (pane, opened) in self.view.panes.iter_mut().zip(&pair.pictures) {
             pane.set_picture(ctx, opened);
         }
@@ -67,7 +69,7 @@ impl Inspector {
                 && frame1.is_some_and(|frame| frame.contains(pair.point1))
                 && frame2.is_some_and(|frame| frame.contains(pair.point2))
         });
-        document.set_pairs(inside);
+        document.set_pairs(inside, PairOrigin::Imported);
         if !outside.is_empty() {
             self.model.messages.tell(format!(
                 "{} of the point pairs given lie outside the images and were left out. Click them instead.",
@@ -79,6 +81,22 @@ impl Inspector {
         }
         if set_aside {
             self.offer_left_behind();
+        }
+    }
+
+    /// Notes what was opened, to be offered again; the built-in pair and copies of unsaved work have their own places.
+    fn note_recent(&mut self, pair: &LoadedPair) {
+        let recents = &mut self.model.recents;
+        if let Some(restored) = &pair.restored {
+            if !restored.session.recovers {
+                recents.note(&[&restored.session.path]);
+            }
+        } else if let Some(folder) = pair.folder.as_ref().and_then(|(folder, _)| folder.image(0).parent()) {
+            recents.note(&[folder]);
+        } else if let [Some(left), Some(right)] =
+            pair.pictures.each_ref().map(|opened| opened.picture.path.as_deref())
+        {
+            recents.note(&[left, right]);
         }
     }
 

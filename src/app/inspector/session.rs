@@ -5,6 +5,7 @@ use std::time::{Duration, Instant};
 
 use super::Inspector;
 use crate::app::model::command::{PickPurpose, SessionCommand};
+use crate::app::model::exchange::result_note;
 use crate::app::model::history::History;
 use crate::app::model::look::Tool;
 use crate::app::model::messages::{MessageAction, MessageKind};
@@ -128,6 +129,7 @@ impl Inspector {
         // Whoever asked whether to replace it has the answer.
         self.model.messages.settle(MessageKind::Replace);
         session.fundamental = self.estimate().map(|estimate| *estimate.fundamental());
+        session.trust = result_note(&self.model);
         let (session, work, inputs) = (Box::new(session), Box::new(work), self.image_files());
         self.tasks.saver.ask(SaveJob::Save { path, session, work, inputs });
     }

@@ -8,9 +8,11 @@ use super::document::{PointRef, Side};
 use super::exchange::ExportOrder;
 use super::focus::{LineSource, Target};
 use super::ids::{OverlayId, TabId};
+use super::point_table::PointsCommand;
 use super::rectified::RectifiedCommand;
 use super::session::OpenSession;
 use super::suggesting::Repair;
+use super::tones::TonesCommand;
 use crate::estimate::{Method, Parameters, Preset};
 use crate::evaluate::Protocol;
 use crate::geometry::{Point, Vector};
@@ -61,6 +63,8 @@ pub enum Command {
     IncludePair(usize, bool),
     /// Let a pair only check the geometry, or take part in the estimate.
     CheckOnly(usize, bool),
+    /// Do something with the list of point pairs.
+    Points(PointsCommand),
     /// Look for a better place for the right point of a pair, and move it there.
     Repair(usize, Repair),
     /// Remove all pairs.
@@ -115,6 +119,10 @@ pub enum Command {
     ToggleLink,
     /// Show or hide the map of the epipoles.
     ToggleMap,
+    /// Show the pictures brighter, darker or in other colours.
+    Tones(TonesCommand),
+    /// Show the images above each other, or side by side.
+    ToggleStacked,
     /// Show or hide the loupe.
     ToggleLoupe,
     /// Take the suggested match of the first click.
@@ -217,6 +225,18 @@ pub enum PickPurpose {
 impl From<RectifiedCommand> for Command {
     fn from(command: RectifiedCommand) -> Self {
         Self::Rectified(command)
+    }
+}
+
+impl From<TonesCommand> for Command {
+    fn from(command: TonesCommand) -> Self {
+        Self::Tones(command)
+    }
+}
+
+impl From<PointsCommand> for Command {
+    fn from(command: PointsCommand) -> Self {
+        Self::Points(command)
     }
 }
 

@@ -42,6 +42,10 @@ pub struct Look {
     pub side_folded: bool,
     /// Whether the row of overlays is folded away.
     pub overlays_folded: bool,
+    /// Whether the names that were given to pairs are shown in the images.
+    pub names: bool,
+    /// Whether the images are above each other.
+    pub stacked: bool,
     /// What the residuals compare.
     pub compared: Subject,
     /// How the rectified pair is shown.
@@ -60,6 +64,8 @@ impl Default for Look {
             tabs_enlarged: false,
             side_folded: false,
             overlays_folded: false,
+            names: true,
+            stacked: false,
             compared: Subject::default(),
             rectified: RectifiedLook::default(),
         }
@@ -95,6 +101,8 @@ struct SavedLook {
     tabs_enlarged: bool,
     side_folded: bool,
     overlays_folded: bool,
+    names: bool,
+    stacked: bool,
     compared: Subject,
     rectified: RectifiedLook,
 }
@@ -117,6 +125,8 @@ impl From<Look> for SavedLook {
             tabs_enlarged,
             side_folded,
             overlays_folded,
+            names,
+            stacked,
             compared,
             rectified,
         } = look;
@@ -132,6 +142,8 @@ impl From<Look> for SavedLook {
             tabs_enlarged,
             side_folded,
             overlays_folded,
+            names,
+            stacked,
             compared,
             rectified,
         }
@@ -150,6 +162,8 @@ impl From<SavedLook> for Look {
             tabs_enlarged,
             side_folded,
             overlays_folded,
+            names,
+            stacked,
             compared,
             rectified,
         } = saved;
@@ -163,6 +177,8 @@ impl From<SavedLook> for Look {
             tabs_enlarged,
             side_folded,
             overlays_folded,
+            names,
+            stacked,
             compared,
             rectified,
             ..Self::default()

@@ -3,14 +3,17 @@
 //! | module | what it holds |
 //! |---|---|
 //! | [`document`], [`history`] | what is edited; undo and redo |
+//! | [`point_table`] | the list of point pairs: its order, what is chosen in it, copying and pasting |
 //! | [`open_pair`], [`pair_folder`] | all that belongs to the pictures that are open, and goes with them; the folder they are of |
 //! | [`computation`] | where the estimate stands |
 //! | [`comparison`], [`inspection`], [`suggesting`], [`rectified`] | what else is found out: the question and its answer |
 //! | [`focus`], [`look`], [`ids`] | what is pointed at and chosen; what is drawn, remembered between runs |
+//! | [`tones`] | how bright and dark the pictures are shown |
 //! | [`shown`] | the geometry that the whole window shows |
 //! | [`command`] | everything that can be done |
 //! | [`questions`] | what the tasks are asked, from the state as it is |
 //! | [`verdict`], [`step`], [`guide`], [`residuals`] | the state in words and figures |
+//! | [`recents`] | what was opened last |
 //! | [`session`], [`exchange`] | what is saved; files from and for other programs |
 
 pub mod command;
@@ -30,7 +33,9 @@ pub mod open_pair;
 pub mod pair_folder;
 pub mod pane_view;
 pub mod picture;
+pub mod point_table;
 pub mod questions;
+pub mod recents;
 pub mod rectified;
 mod repairing;
 pub mod residuals;
@@ -41,6 +46,7 @@ pub mod shared;
 pub mod shown;
 pub mod step;
 pub mod suggesting;
+pub mod tones;
 pub mod truth;
 pub mod verdict;
 
@@ -54,6 +60,8 @@ use messages::Messages;
 use open_pair::OpenPair;
 use pane_view::PaneView;
 use picture::Opened;
+use point_table::ChosenEdit;
+use recents::Recents;
 use rectified::WritingProgress;
 use session::{SessionState, Work};
 use truth::KnownTruth;
@@ -68,6 +76,8 @@ pub enum EditKey {
     Drag(PointRef),
     /// A run of arrow keys.
     Nudge(PointRef),
+    /// The letters of the name of a pair.
+    Name(usize),
     /// The changes of one parameter.
     Parameter(&'static str),
 }
@@ -108,6 +118,8 @@ pub struct Model {
     pub wanted: Option<[usize; 2]>,
     /// The seed of the next random trial.
     pub next_seed: u64,
+    /// What was opened last.
+    pub recents: Recents,
 }
 
 impl Model {
@@ -155,6 +167,7 @@ impl Model {
     /// Choosing a point is no step of its own, but ends a run of moves.
     pub fn select(&mut self, at: Option<PointRef>) {
         self.document.selection = at.filter(|at| self.document.point(*at).is_some());
+        self.document.chosen.clear();
         self.history.close_step();
     }
 
@@ -164,6 +177,8 @@ impl Model {
             if let Some(number) = self.open.focus.inspected_number() {
                 self.open.focus.unpin(number);
             }
+        } else if !self.document.chosen.is_empty() {
+            self.edit_chosen(ChosenEdit::Delete);
         } else if let Some(at) = self.document.selection {
             self.edit(Step::Single, |document| document.remove(at.pair));
         }
@@ -241,6 +256,7 @@ mod tests {
     use crate::app::fake;
     use crate::app::model::computation::{EstimateNews, Freshness};
     use crate::image::Picture;
+    use crate::io::PairOrigin;
 
     fn opened(name: &str) -> Opened {
         let pixels = image::DynamicImage::new_luma8(32, 24);
@@ -252,7 +268,7 @@ mod tests {
         let mut model = Model::default();
         model.open([opened("a"), opened("b")], None, false, None);
         let request = fake::request(1.0);
-        model.document.set_pairs(request.pairs.clone());
+        model.document.set_pairs(request.pairs.clone(), PairOrigin::Clicked);
         model.open.computation.adopt(Some(&request));
         model.open.computation.begin(1, false);
         let estimate = Box::new(fake::result(&request.pairs, &request.parameters).unwrap());

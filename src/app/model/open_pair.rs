@@ -10,8 +10,10 @@ use super::focus::Focus;
 use super::inspection::Inspection;
 use super::pair_folder::PairFolder;
 use super::picture::{Opened, Pictures};
+use super::point_table::PointOrder;
 use super::rectified::{Rectified, Viewing};
 use super::suggesting::Suggested;
+use super::tones::{Tones, TonesCommand};
 use super::truth::KnownTruth;
 use crate::estimate::Estimate;
 use crate::geometry::{Point, PointPair};
@@ -59,6 +61,10 @@ pub struct OpenPair {
     pub viewing: Viewing,
     /// What is pointed at and what is chosen, here or in another part of the window.
     pub focus: Focus,
+    /// How bright and dark the pictures are shown.
+    pub tones: Tones,
+    /// The order of the list of point pairs.
+    pub points: PointOrder,
     /// The position under the cursor: written in one frame, read in the next.
     pub hover: Option<Hover>,
     /// The document right after a click placed a point, for a second click to take it back.
@@ -76,6 +82,12 @@ impl OpenPair {
     /// The pixels of both.
     pub fn pictures(&self) -> Option<Pictures> {
         Some(self.pictures.as_ref()?.each_ref().map(|opened| opened.picture.clone()))
+    }
+
+    /// Shows the pictures brighter, darker or in other colours.
+    pub fn adjust_tones(&mut self, command: TonesCommand) {
+        let pictures = self.pictures();
+        self.tones.apply(command, pictures.as_ref());
     }
 
     /// Forgets the hypothesis that was chosen when its result is gone: its number belongs to one result.

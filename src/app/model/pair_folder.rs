@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 use crate::io::TruthFolder;
 
 /// Endings of files that are opened as images.
-pub const IMAGE_EXTENSIONS: [&str; 12] =
-    ["png", "jpg", "jpeg", "tif", "tiff", "bmp", "pgm", "ppm", "pnm", "pbm", "pam", "webp"];
+pub const IMAGE_EXTENSIONS: [&str; 13] =
+    ["png", "jpg", "jpeg", "tif", "tiff", "bmp", "pgm", "ppm", "pnm", "pbm", "pam", "webp", "exr"];
 
 /// A folder and what is known about its images.
 #[derive(Debug, Clone)]

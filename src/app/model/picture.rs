@@ -43,6 +43,8 @@ pub struct Overview {
     pub pixels: Vec<u8>,
     /// Overview pixels per picture pixel; 1 when the picture is small.
     pub scale: f64,
+    /// The same in the depth of the file, where it is not the picture itself.
+    pub reduced: Option<DynamicImage>,
 }
 
 impl Overview {
@@ -52,12 +54,12 @@ impl Overview {
         let (width, height) = (pixels.width(), pixels.height());
         let longer = width.max(height);
         if longer <= OVERVIEW_SIDE {
-            return Self { size: size(pixels), pixels: multiplied(pixels), scale: 1.0 };
+            return Self { size: size(pixels), pixels: multiplied(pixels), scale: 1.0, reduced: None };
         }
         let scale = f64::from(OVERVIEW_SIDE) / f64::from(longer);
         let reduced = |v: u32| ((f64::from(v) * scale).round() as u32).clamp(1, OVERVIEW_SIDE);
         let small = pixels.thumbnail_exact(reduced(width), reduced(height));
-        Self { size: size(&small), pixels: multiplied(&small), scale }
+        Self { size: size(&small), pixels: multiplied(&small), scale, reduced: Some(small) }
     }
 }
 

@@ -4,6 +4,7 @@ use super::Model;
 use super::document::{PointRef, Side, pair_name};
 use super::history::Step;
 use super::suggesting::{Repair, RepairQuestion, Repaired};
+use crate::io::PairOrigin;
 
 /// A point that would move less than this, px, is where it belongs.
 const IN_PLACE: f64 = 0.01;
@@ -40,7 +41,14 @@ impl Model {
                 };
                 self.open.done = Some(format!("Pair {name} {what}: its right point moved by {moved:.2} px."));
                 let at = PointRef { pair, side: Side::Right };
-                self.edit(Step::Single, |document| document.move_to(at, position));
+                let origin = match how {
+                    Repair::Refine => PairOrigin::Refined,
+                    Repair::Rematch => PairOrigin::MovedToMatch,
+                };
+                self.edit(Step::Single, |document| {
+                    document.move_to(at, position);
+                    document.set_origin(pair, origin);
+                });
             }
             Err(why) => self.messages.tell(format!(
                 "Pair {name} stays where it is. {why}. Drag its right point to the place yourself, or delete the pair."

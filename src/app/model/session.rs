@@ -63,6 +63,7 @@ impl Work {
         Some(SessionFile {
             images: [reference(&pictures[0])?, reference(&pictures[1])?],
             fundamental: None,
+            trust: None,
             content,
         })
     }
@@ -178,6 +179,7 @@ impl Document {
             pairs,
             excluded,
             checks,
+            notes,
             half,
             parameters,
             rectification,
@@ -185,10 +187,12 @@ impl Document {
             imported,
             trial,
             selection: _,
+            chosen: _,
         } = self;
         *pairs == other.pairs
             && *excluded == other.excluded
             && *checks == other.checks
+            && *notes == other.notes
             && *half == other.half
             && *parameters == other.parameters
             && *rectification == other.rectification
@@ -206,7 +210,12 @@ impl Document {
     /// Keeps points on images of these sizes, and forgets what refers to points that are not there.
     fn keep_within(&mut self, frames: [Frame; 2]) {
         self.pairs.truncate(MOST_PAIRS);
-        self.pairs.retain(crate::geometry::PointPair::is_finite);
+        let broken: Vec<_> = (0..self.pairs.len()).filter(|pair| !self.pairs[*pair].is_finite()).collect();
+        let selection = self.selection;
+        self.remove_all(broken);
+        self.selection = selection;
+        // What a file says of pairs that are not there.
+        self.notes.retain(|pair, _| *pair < self.pairs.len());
         for pair in &mut self.pairs {
             pair.point1 = frames[0].nearest(pair.point1);
             pair.point2 = frames[1].nearest(pair.point2);

@@ -83,6 +83,7 @@ impl RectifyOrder {
         let images: Vec<&Path> =
             self.question.pictures.iter().filter_map(|picture| picture.path.as_deref()).collect();
         let files = RectifiedFiles::prepare(&self.folder, self.options, &images).map_err(|e| failed(&e))?;
+        let files = files.with_trust(self.trust.clone());
         let paths = files.paths();
         let all = STEPS_BEFORE + paths.len();
         let step = |done, what| report(WritingProgress { done, all, what });
@@ -134,6 +135,7 @@ mod tests {
             },
             folder: folder.to_owned(),
             options: RectifiedOptions { format: PictureFormat::Png, guide_spacing: 40, maps: true },
+            trust: None,
         }
     }
 

@@ -4,6 +4,7 @@ use egui::{Key, Modifiers};
 
 use super::actions::ACTIONS;
 use crate::app::model::command::Command;
+use crate::app::model::point_table::PointsCommand;
 use crate::geometry::Vector;
 
 /// Pixels an arrow key moves a point; ten times as far with Shift.
@@ -41,6 +42,14 @@ pub fn pressed(ctx: &egui::Context, keyboard: KeyboardState) -> Vec<Command> {
         }
         if typing {
             return;
+        }
+        commands.extend(input.events.iter().filter_map(|event| match event {
+            egui::Event::Copy => Some(PointsCommand::Copy.into()),
+            egui::Event::Paste(text) => Some(PointsCommand::Paste(text.clone()).into()),
+            _ => None,
+        }));
+        if input.count_and_consume_key(Modifiers::COMMAND, Key::A) > 0 {
+            commands.push(PointsCommand::ChooseAll.into());
         }
         let arrows = [
             (Key::ArrowLeft, Vector::new(-1.0, 0.0)),

@@ -155,9 +155,9 @@ impl View {
             .show(ui, |ui| {
                 let area = ui.available_rect_before_wrap();
                 let mut hover = None;
-                for (pane, rect) in self.panes.iter_mut().zip(halves(area)) {
+                for (pane, rect) in self.panes.iter_mut().zip(halves(area, model.look.stacked)) {
                     let mut child =
-                        ui.new_child(UiBuilder::new().max_rect(rect).id_salt(rect.min.x > area.min.x));
+                        ui.new_child(UiBuilder::new().max_rect(rect).id_salt(rect.min != area.min));
                     hover = pane.show(&mut child, model, commands).or(hover);
                 }
                 (area, hover)

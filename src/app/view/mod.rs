@@ -3,6 +3,7 @@
 pub mod actions;
 mod capture;
 pub mod dialogs;
+mod figure;
 mod heat;
 mod keyboard;
 mod layout;
@@ -11,6 +12,8 @@ mod panes;
 pub mod theme;
 
 pub use capture::picture;
+pub use figure::figure;
 pub use keyboard::{KeyboardState, pressed};
 pub use layout::View;
 pub use panels::{ReadingDialog, RelocateDialog, SaveDialog};
+pub use panes::ImagePane;

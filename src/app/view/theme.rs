@@ -44,6 +44,8 @@ pub const HYPOTHESIS: Color32 = Color32::from_rgb(205, 178, 255);
 pub const FORWARD: Color32 = Color32::from_rgb(110, 205, 255);
 /// The bisector of image 2 with its match, and lines carried back by G.
 pub const BACKWARD: Color32 = Color32::from_rgb(255, 142, 98);
+/// Magnified residuals: a colour that neither brick nor foliage has.
+pub const RESIDUAL: Color32 = Color32::from_rgb(255, 110, 235);
 /// Matches that the refinement found.
 pub const MATCH: Color32 = Color32::from_rgb(190, 255, 150);
 /// Places that a patch comparison suggests.

@@ -6,6 +6,7 @@ use nalgebra::Matrix3;
 use serde::{Deserialize, Serialize};
 
 use super::super::read::ReadError;
+use super::labels::{PairLabel, TrustNote};
 use crate::geometry::{Camera, Frame, FundamentalMatrix, PointPair};
 
 /// The name and the size of an image.
@@ -32,6 +33,10 @@ pub struct GeometryFile {
     pub pairs: Vec<PointPair>,
     /// The two images.
     pub images: Option<[ImageNote; 2]>,
+    /// What is known of each pair, in their order; empty where nothing is. Written only.
+    pub labels: Vec<PairLabel>,
+    /// How far the geometry is to be trusted, where somebody has judged it. Written only.
+    pub trust: Option<TrustNote>,
 }
 
 impl GeometryFile {

@@ -6,7 +6,7 @@
 use nalgebra::Matrix3;
 
 use super::quantity::Quantity;
-use super::{Format, GeometryFile, ImageNote};
+use super::{Format, GeometryFile, ImageNote, PairLabel, TrustNote};
 use crate::geometry::{FundamentalMatrix, Point, PointPair, symmetric_epipolar_distance};
 
 /// The shift from pixels of this program to those of a format.
@@ -46,6 +46,9 @@ pub(super) struct WrittenGeometry<'a> {
     pub(super) pairs: Vec<PointPair>,
     pub(super) images: Option<&'a [ImageNote; 2]>,
     pub(super) check: Option<SelfCheck>,
+    /// One a pair, or none at all.
+    pub(super) labels: &'a [PairLabel],
+    pub(super) trust: Option<&'a TrustNote>,
 }
 
 impl<'a> WrittenGeometry<'a> {
@@ -70,7 +73,9 @@ impl<'a> WrittenGeometry<'a> {
         }
         let pairs: Vec<_> = file.pairs.iter().map(|p| moved_pair(p, origin)).collect();
         let check = fundamental.and_then(|f| SelfCheck::new(&f, &pairs));
-        Self { format, matrices, pairs, images: file.images.as_ref(), check }
+        let labels = if file.labels.len() == pairs.len() { &file.labels[..] } else { &[] };
+        let trust = file.trust.as_ref();
+        Self { format, matrices, pairs, images: file.images.as_ref(), check, labels, trust }
     }
 
     /// All matrices, vectors as columns, and the points of each image in a table of their own.
@@ -92,6 +97,18 @@ impl<'a> WrittenGeometry<'a> {
             }
         }
         tables
+    }
+
+    /// What the file says in words besides its numbers, with the names of these fields.
+    pub(super) fn words(&self) -> Vec<(&'static str, Vec<String>)> {
+        let reasons =
+            self.trust.map(|trust| ("reasons", trust.reasons.iter().map(|r| one_line(r)).collect()));
+        let named = !self.labels.is_empty();
+        let names =
+            named.then(|| ("pair_names", self.labels.iter().map(|label| one_line(&label.name)).collect()));
+        let origins =
+            named.then(|| ("pair_origins", self.labels.iter().map(|l| l.origin.name().to_owned()).collect()));
+        [reasons, names, origins].into_iter().flatten().collect()
     }
 
     /// Sentences about who wrote the file, its convention and the self-check, one a line.

@@ -158,6 +158,8 @@ impl Fields {
                 .ok_or_else(|| "this matrix is not a camera (its rank is below 3)".to_owned())
         };
         let file = GeometryFile {
+            labels: Vec::new(),
+            trust: None,
             fundamental,
             cameras: self.both([Quantity::Camera1, Quantity::Camera2], camera)?,
             homographies: self.both([Quantity::Homography1, Quantity::Homography2], NumberTable::matrix3)?,

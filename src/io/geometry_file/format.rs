@@ -23,7 +23,18 @@ pub enum Format {
 }
 
 /// What a script assigns besides the names of quantities.
-const MATLAB_ALSO_ASSIGNED: [&str; 6] = ["F_vgg", "tform1", "tform2", "image1", "image2", "self_check"];
+const MATLAB_ALSO_ASSIGNED: [&str; 10] = [
+    "F_vgg",
+    "tform1",
+    "tform2",
+    "image1",
+    "image2",
+    "self_check",
+    "verdict",
+    "reasons",
+    "pair_names",
+    "pair_origins",
+];
 
 impl Format {
     /// Every format.

@@ -22,6 +22,11 @@ struct File<'a> {
     images: Option<&'a [ImageNote; 2]>,
     #[serde(skip_serializing_if = "Option::is_none")]
     self_check: Option<Value>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    verdict: Option<&'a str>,
+    /// Reasons of the verdict, names and origins of the pairs.
+    #[serde(flatten)]
+    words: Map<String, Value>,
 }
 
 pub(super) fn write(written: &WrittenGeometry) -> String {
@@ -41,6 +46,8 @@ pub(super) fn write(written: &WrittenGeometry) -> String {
         self_check: written
             .check
             .map(|c| json!({ "pairs": c.pairs, "mean_distance": c.mean, "max_distance": c.max })),
+        verdict: written.trust.map(|trust| trust.verdict.as_str()),
+        words: written.words().into_iter().map(|(name, words)| (name.to_owned(), json!(words))).collect(),
     };
     let mut text = serde_json::to_string_pretty(&file).expect("names are texts and no number is refused");
     text.push('\n');

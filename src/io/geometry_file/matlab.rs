@@ -9,17 +9,21 @@ use std::fmt::Write;
 use super::coordinates::{WrittenGeometry, numbers, one_line};
 use super::quantity::Quantity;
 
+fn quoted(text: &str) -> String {
+    format!("'{}'", one_line(text).replace('\'', "''"))
+}
+
 pub(super) fn write(written: &WrittenGeometry) -> String {
     let mut text = String::new();
     for line in written.preamble() {
         let _ = writeln!(text, "% {line}");
     }
     for (k, image) in written.images.iter().flat_map(|i| i.iter()).enumerate() {
-        let name = one_line(&image.name).replace('\'', "''");
+        let name = quoted(&image.name);
         let (number, frame) = (k + 1, image.frame);
         let _ = writeln!(
             text,
-            "image{number} = struct('name', '{name}', 'width', {}, 'height', {});",
+            "image{number} = struct('name', {name}, 'width', {}, 'height', {});",
             frame.width, frame.height
         );
     }
@@ -44,6 +48,13 @@ pub(super) fn write(written: &WrittenGeometry) -> String {
             "self_check = struct('pairs', {}, 'mean_distance', {:?}, 'max_distance', {:?});",
             check.pairs, check.mean, check.max
         );
+    }
+    if let Some(trust) = written.trust {
+        let _ = writeln!(text, "verdict = {};", quoted(&trust.verdict));
+    }
+    for (name, words) in written.words() {
+        let words: Vec<_> = words.iter().map(|word| quoted(word)).collect();
+        let _ = writeln!(text, "{name} = {{{}}};", words.join(", "));
     }
     text
 }

@@ -20,6 +20,7 @@ mod coordinates;
 mod fields;
 mod format;
 mod json;
+mod labels;
 mod matlab;
 mod opencv_xml;
 mod opencv_yaml;
@@ -41,6 +42,7 @@ use crate::geometry::{FundamentalMatrix, PointPair};
 
 pub use self::content::{GeometryFile, ImageNote, Problem};
 pub use self::format::Format;
+pub use self::labels::{PairLabel, PairOrigin, TrustNote};
 
 /// The largest text with nested lists that is read; every number and list in it takes some 15 times its length in
 /// memory.

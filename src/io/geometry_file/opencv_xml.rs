@@ -29,6 +29,13 @@ pub(super) fn write(written: &WrittenGeometry) -> String {
             check.pairs
         );
     }
+    if let Some(trust) = written.trust {
+        let _ = writeln!(text, "<verdict>{}</verdict>", quoted(&trust.verdict));
+    }
+    for (name, words) in written.words() {
+        let words: Vec<_> = words.iter().map(|word| format!("\n  <_>{}</_>", quoted(word))).collect();
+        let _ = writeln!(text, "<{name}>{}</{name}>", words.join(""));
+    }
     text.push_str("</opencv_storage>\n");
     text
 }
@@ -45,17 +52,22 @@ fn matrix_element(table: &NamedTable) -> String {
     )
 }
 
-fn image_element(number: usize, image: &ImageNote) -> String {
-    // Inside the quotes OpenCV keeps spaces; it knows these five names.
-    let name = one_line(&image.name)
+/// Inside the quotes OpenCV keeps spaces; it knows these five names.
+fn quoted(text: &str) -> String {
+    let text = one_line(text)
         .replace('&', "&amp;")
         .replace('<', "&lt;")
         .replace('>', "&gt;")
         .replace('"', "&quot;")
         .replace('\'', "&apos;");
+    format!("\"{text}\"")
+}
+
+fn image_element(number: usize, image: &ImageNote) -> String {
+    let name = quoted(&image.name);
     let frame = image.frame;
     format!(
-        "<image{number}>\n  <name>\"{name}\"</name>\n  <width>{}</width>\n  <height>{}</height></image{number}>\n",
+        "<image{number}>\n  <name>{name}</name>\n  <width>{}</width>\n  <height>{}</height></image{number}>\n",
         frame.width, frame.height
     )
 }

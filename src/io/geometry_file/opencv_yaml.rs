@@ -31,7 +31,18 @@ pub(super) fn write(written: &WrittenGeometry) -> String {
         let distances = numbers(&[check.mean, check.max], "\n   max_distance: ");
         let _ = write!(text, "self_check:\n   pairs: {}\n   mean_distance: {distances}\n", check.pairs);
     }
+    if let Some(trust) = written.trust {
+        let _ = writeln!(text, "verdict: {}", quoted(&trust.verdict));
+    }
+    for (name, words) in written.words() {
+        let words: Vec<_> = words.iter().map(|word| quoted(word)).collect();
+        let _ = writeln!(text, "{name}: [ {} ]", words.join(",\n   "));
+    }
     text
+}
+
+fn quoted(text: &str) -> String {
+    format!("\"{}\"", one_line(text).replace('\\', "\\\\").replace('"', "\\\""))
 }
 
 fn matrix_map(table: &NamedTable) -> String {
@@ -47,9 +58,9 @@ fn matrix_map(table: &NamedTable) -> String {
 }
 
 fn image_map(number: usize, image: &ImageNote) -> String {
-    let name = one_line(&image.name).replace('\\', "\\\\").replace('"', "\\\"");
+    let name = quoted(&image.name);
     let frame = image.frame;
-    format!("image{number}:\n   name: \"{name}\"\n   width: {}\n   height: {}\n", frame.width, frame.height)
+    format!("image{number}:\n   name: {name}\n   width: {}\n   height: {}\n", frame.width, frame.height)
 }
 
 pub(super) fn read(text: &str) -> Result<Fields, Problem> {

@@ -24,7 +24,38 @@ fn example() -> GeometryFile {
             ["left view.png", "it's F = [<a> \"test\"] & more.png"]
                 .map(|name| ImageNote { name: name.to_owned(), frame: Frame::new(768, 576) }),
         ),
+        ..GeometryFile::default()
     }
+}
+
+#[test]
+fn every_format_says_how_far_to_trust_it_and_where_the_pairs_come_from() {
+    let origins = [PairOrigin::Clicked, PairOrigin::Clicked, PairOrigin::Suggested];
+    let names = ["p", "it's \"<the>\" -- door\n", "r"];
+    let labels = names.iter().zip(origins).map(|(name, origin)| PairLabel { name: (*name).into(), origin });
+    let automatic = PairLabel { origin: PairOrigin::Automatic, ..PairLabel::default() };
+    let file = GeometryFile {
+        labels: labels.chain(vec![automatic; 27]).collect(),
+        trust: Some(TrustNote {
+            verdict: "unreliable".into(),
+            reasons: vec!["Pair q is 9 px off -- check it.".into()],
+        }),
+        ..example()
+    };
+    for format in Format::ALL {
+        let text = file.to_text(format);
+        for words in
+            ["unreliable", "Pair q is 9 px off -- check it.", "clicked", "suggested", "automatic", "door"]
+        {
+            assert!(text.contains(words), "{format:?}: {words} is not in\n{text}");
+        }
+    }
+    for format in read_formats() {
+        let (found, told) = GeometryFile::parse(&file.to_text(format)).unwrap();
+        assert_eq!((found, told), (example(), format), "the words are no numbers");
+    }
+    assert!(file.to_text(Format::Text).contains("# automatic: 27\n"));
+    assert!(file.to_text(Format::Matlab).contains("'it''s \"<the>\" -- door '"));
 }
 
 /// The formats that are read, too.

@@ -16,6 +16,7 @@ use std::fmt::Write;
 
 use super::coordinates::{WrittenGeometry, numbers, one_line, pair_numbers};
 use super::fields::{Fields, NumberTable};
+use super::labels::runs;
 use super::quantity::Quantity;
 use super::{BareNumbers, ImageNote, Problem};
 use crate::geometry::Frame;
@@ -26,6 +27,12 @@ pub(super) fn write(written: &WrittenGeometry) -> String {
     let mut text = String::new();
     for line in written.preamble() {
         let _ = writeln!(text, "# {line}");
+    }
+    if let Some(trust) = written.trust {
+        let _ = writeln!(text, "# Verdict: {}.", trust.verdict);
+        for reason in &trust.reasons {
+            let _ = writeln!(text, "#   {}", one_line(reason));
+        }
     }
     for (k, image) in written.images.iter().flat_map(|i| i.iter()).enumerate() {
         let frame = image.frame;
@@ -40,8 +47,19 @@ pub(super) fn write(written: &WrittenGeometry) -> String {
     if !written.pairs.is_empty() {
         let _ = writeln!(text, "# {}\n{}", Quantity::Pairs.meaning(), Quantity::Pairs.symbol());
     }
-    for pair in &written.pairs {
-        let _ = writeln!(text, "{}", numbers(&pair_numbers(pair), " "));
+    let mut pairs = written.pairs.iter();
+    let runs: Vec<_> = if written.labels.is_empty() {
+        vec![(written.pairs.len(), String::new())]
+    } else {
+        runs(written.labels).collect()
+    };
+    for (count, words) in runs {
+        if !words.is_empty() {
+            let _ = writeln!(text, "# {}", one_line(&words));
+        }
+        for pair in pairs.by_ref().take(count) {
+            let _ = writeln!(text, "{}", numbers(&pair_numbers(pair), " "));
+        }
     }
     text
 }

@@ -2,10 +2,16 @@
 
 use super::order::{ExportKind, ExportOrder, ReportFormat};
 use super::profile;
+use super::table;
 use crate::app::model::Model;
+use crate::app::model::comparison::Contestant;
+use crate::app::model::computation::Freshness;
 use crate::app::model::rectified::RectifyQuestion;
+use crate::app::model::verdict::{Tone, VerdictInWords, import_warning, verdict};
 use crate::geometry::PointPair;
-use crate::io::{Format, GeometryFile, ImageNote, ResultFile, result_in_words};
+use crate::io::{
+    Format, GeometryFile, ImageNote, PairLabel, PairOrigin, ResultFile, TrustNote, result_in_words,
+};
 use crate::rectify::Limits;
 
 impl ExportKind {
@@ -15,7 +21,7 @@ impl ExportKind {
             Self::Geometry => {
                 (model.shown().is_some(), "There is no geometry yet: click two point pairs, or import one.")
             }
-            Self::Pairs => (!model.document.pairs.is_empty(), "There are no point pairs yet."),
+            Self::Pairs | Self::Table => (!model.document.pairs.is_empty(), "There are no point pairs yet."),
             Self::Report => {
                 (model.open.computation.result().is_some(), "There is no result yet: click two point pairs.")
             }
@@ -23,7 +29,7 @@ impl ExportKind {
                 model.open.inspection.as_ref().is_some_and(|inspection| !inspection.samples().is_empty()),
                 "No line pair is inspected: click two point pairs, or pin a line pair with the inspect tool (I).",
             ),
-            Self::View => (model.document.pictures.is_some(), "No images are open."),
+            Self::Figure | Self::View => (model.document.pictures.is_some(), "No images are open."),
         };
         (!there).then_some(why)
     }
@@ -46,8 +52,12 @@ pub fn content(
     let images = notes(model).ok_or_else(nothing)?;
     let format = order.format;
     let mut file = GeometryFile { images: Some(images.clone()), ..GeometryFile::default() };
-    if matches!(order.what, ExportKind::Geometry | ExportKind::Pairs) {
+    if matches!(order.what, ExportKind::Geometry | ExportKind::Pairs | ExportKind::Table) {
         file.pairs = pairs(model, order.with_matches);
+        file.labels = labels(model, order.with_matches);
+    }
+    if order.what == ExportKind::Geometry {
+        file.trust = trust_note(model);
     }
     Ok(match order.what {
         ExportKind::Geometry => {
@@ -63,6 +73,10 @@ pub fn content(
             let what = counted(file.pairs.len());
             (Box::new(move || Ok(file.to_text(format).into_bytes())), what)
         }
+        ExportKind::Table => {
+            let text = table::csv(model);
+            (Box::new(move || Ok(text.into_bytes())), format!("a table of {}", counted(file.pairs.len())))
+        }
         ExportKind::Report => {
             let text = report(order.reported, model, &images).ok_or_else(nothing)?;
             (Box::new(move || Ok(text.into_bytes())), "the report of the result".to_owned())
@@ -72,7 +86,7 @@ pub fn content(
             let content: ExportContent = Box::new(move || Ok(profile::csv(&inspection).into_bytes()));
             (content, "the profile of the inspected line pair".to_owned())
         }
-        ExportKind::View => return Err("The view is taken from the screen.".to_owned()),
+        ExportKind::Figure | ExportKind::View => return Err("This is drawn, not composed.".to_owned()),
     })
 }
 
@@ -92,6 +106,48 @@ fn pairs(model: &Model, with_matches: bool) -> Vec<PointPair> {
     model.document.included().chain(found).collect()
 }
 
+/// What is known of these pairs, in their order.
+fn labels(model: &Model, with_matches: bool) -> Vec<PairLabel> {
+    let found = model.open.computation.result().filter(|_| with_matches);
+    let found = found.map_or(0, |(estimate, _)| estimate.matches().len());
+    let automatic = PairLabel { name: String::new(), origin: PairOrigin::Automatic };
+    model.document.labels().chain(std::iter::repeat_n(automatic, found)).collect()
+}
+
+/// How far the geometry that is shown is to be trusted, in the words of the window.
+pub fn trust_note(model: &Model) -> Option<TrustNote> {
+    let shown = model.shown()?;
+    let unjudged = |reason: String| TrustNote { verdict: "not judged".into(), reasons: vec![reason] };
+    if let Some((number, _)) = shown.hypothesis {
+        return Some(unjudged(format!("This is hypothesis {} of the search, not its result.", number + 1)));
+    }
+    if let Some(contestant) = shown.contestant {
+        let imported = model.document.imported.as_ref().filter(|_| contestant == Contestant::Imported);
+        let warning =
+            imported.and_then(import_warning).map_or(String::new(), |warning| format!(" {warning}"));
+        return Some(unjudged(format!(
+            "This is the geometry called {}, not the result.{warning}",
+            contestant.name()
+        )));
+    }
+    result_note(model)
+}
+
+/// How far the result is to be trusted.
+pub fn result_note(model: &Model) -> Option<TrustNote> {
+    let (estimate, freshness) = model.open.computation.result()?;
+    let judged = estimate.assessment.trust.is_some();
+    let VerdictInWords { tone, warnings, .. } = verdict(&model.document, &model.open.computation);
+    let verdict = match tone {
+        Tone::Good if judged => "reliable",
+        Tone::Good | Tone::Idle => "not judged",
+        Tone::Caution if freshness == Freshness::Final => "doubtful",
+        Tone::Caution | Tone::Busy => "unfinished",
+        Tone::Bad => "unreliable",
+    };
+    Some(TrustNote { verdict: verdict.into(), reasons: warnings })
+}
+
 /// Those of a planar rectification; a polar one has none.
 fn homographies(question: &RectifyQuestion) -> Option<[nalgebra::Matrix3<f64>; 2]> {
     let rectification = question.rectification(&Limits::default()).ok()?;
@@ -105,6 +161,7 @@ fn report(reported: ReportFormat, model: &Model, images: &[ImageNote; 2]) -> Opt
     Some(match reported {
         ReportFormat::Json => {
             let file = ResultFile::new(estimate, &pairs, images, &model.document.parameters);
+            let file = file.labelled(&labels(model, false));
             serde_json::to_string_pretty(&file).ok()? + "\n"
         }
         ReportFormat::Text => {
@@ -118,12 +175,16 @@ fn report(reported: ReportFormat, model: &Model, images: &[ImageNote; 2]) -> Opt
                 let (width, height) = (image.frame.width, image.frame.height);
                 lines.push(format!("Image {place}: {}, {width} x {height} px", image.name));
             }
-            for pair in &pairs {
-                let (a, b) = (pair.point1, pair.point2);
+            for (pair, label) in pairs.iter().zip(labels(model, false)) {
+                let (a, b, PairLabel { name, origin }) = (pair.point1, pair.point2, label);
                 let distance = crate::geometry::symmetric_epipolar_distance(estimate.fundamental(), pair);
                 lines.push(format!(
-                    "Point pair: ({}, {}) and ({}, {}), {distance:.3} px from its epipolar lines",
-                    a.x, a.y, b.x, b.y
+                    "Point pair {name}, {}: ({}, {}) and ({}, {}), {distance:.3} px from its epipolar lines",
+                    origin.name(),
+                    a.x,
+                    a.y,
+                    b.x,
+                    b.y
                 ));
             }
             lines.push(String::new());

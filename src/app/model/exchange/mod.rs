@@ -5,9 +5,10 @@ mod importing;
 mod order;
 mod profile;
 mod source;
+mod table;
 
-pub use exporting::{ExportContent, content};
+pub use exporting::{ExportContent, content, result_note, trust_note};
 pub use importing::{ImportFound, ImportQuestion, ImportedMatrix, PendingImport};
-pub use order::{ExportKind, ExportOrder, ReportFormat, ViewPart};
+pub use order::{ExportKind, ExportOrder, FigureChoices, FigureFormat, ReportFormat, ViewPart};
 pub use profile::CONVENTION as PROFILE_CONVENTION;
 pub use source::{ImportSource, is_importable, sources};

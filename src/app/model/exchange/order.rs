@@ -12,25 +12,32 @@ pub enum ExportKind {
     Geometry,
     /// The point pairs alone.
     Pairs,
+    /// The point pairs with their names, origins, roles and distances.
+    Table,
     /// The result of the estimate with everything about it.
     Report,
     /// The intensities along the inspected line pair.
     Profile,
+    /// Both images with what is drawn over them, for a paper.
+    Figure,
     /// What is on the screen.
     View,
 }
 
 impl ExportKind {
     /// All of them, in the order in which they are offered.
-    pub const ALL: [Self; 5] = [Self::Geometry, Self::Pairs, Self::Report, Self::Profile, Self::View];
+    pub const ALL: [Self; 7] =
+        [Self::Geometry, Self::Pairs, Self::Table, Self::Report, Self::Profile, Self::Figure, Self::View];
 
     /// What it is called.
     pub fn name(self) -> &'static str {
         match self {
             Self::Geometry => "Geometry",
             Self::Pairs => "Pairs alone",
+            Self::Table => "Table",
             Self::Report => "Report",
             Self::Profile => "Profile",
+            Self::Figure => "Figure",
             Self::View => "Picture",
         }
     }
@@ -43,8 +50,14 @@ impl ExportKind {
                  rectify the images where one each does."
             }
             Self::Pairs => "The point pairs that are not left out.",
+            Self::Table => {
+                "The point pairs with name, origin, role and distance, as comma-separated values for a spreadsheet."
+            }
             Self::Report => "The result of the estimate: F, verdict, figures, matches, parameters, times.",
             Self::Profile => "Intensities, shifts and costs along the inspected line pair, as a table.",
+            Self::Figure => {
+                "Both images with the overlays that are shown, for a paper: as SVG with lines and letters, or as PNG of any size."
+            }
             Self::View => "What is on the screen, as a picture.",
         }
     }
@@ -58,6 +71,37 @@ pub enum ViewPart {
     Images,
     /// All of it.
     Window,
+}
+
+/// How a figure is written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum FigureFormat {
+    /// The images as PNG inside it, lines and letters as such.
+    #[default]
+    Svg,
+    /// Pixels.
+    Png,
+}
+
+/// What is on a figure.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct FigureChoices {
+    /// How it is written.
+    pub format: FigureFormat,
+    /// Its width, px; without one, as large as the images are.
+    pub width: Option<u32>,
+    /// Whether points and lines have their names.
+    pub labels: bool,
+    /// Whether the paper is dark.
+    pub dark: bool,
+    /// Whether only what is seen of the images is on it.
+    pub seen: bool,
+}
+
+impl Default for FigureChoices {
+    fn default() -> Self {
+        Self { format: FigureFormat::default(), width: None, labels: true, dark: false, seen: false }
+    }
 }
 
 /// How the report is written.
@@ -85,6 +129,8 @@ pub struct ExportOrder {
     pub reported: ReportFormat,
     /// Which part of the screen is the view.
     pub part: ViewPart,
+    /// What is on a figure.
+    pub figure: FigureChoices,
 }
 
 impl Default for ExportOrder {
@@ -96,6 +142,7 @@ impl Default for ExportOrder {
             with_matches: false,
             reported: ReportFormat::default(),
             part: ViewPart::default(),
+            figure: FigureChoices::default(),
         }
     }
 }

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use super::{Guides, RectifiedLayout, RectifiedView, RectifyQuestion};
-use crate::io::RectifiedOptions;
+use crate::io::{RectifiedOptions, TrustNote};
 use crate::rectify::RectifyMethod;
 
 /// Something to do with the rectified pair.
@@ -17,6 +17,10 @@ pub enum RectifiedCommand {
     SetGuides(Guides),
     /// Show a part of the pictures; `None` is all of them.
     View(Option<RectifiedView>),
+    /// Show the right picture so far to the right, px of the pictures as they are written.
+    Shift(f64),
+    /// Show the left picture up to this part of the width, and the right one from there on.
+    Wipe(f32),
     /// Show the other picture in the place of this one.
     Swap,
     /// Let the pictures take turns by the clock, or not.
@@ -45,6 +49,8 @@ pub struct RectifyOrder {
     pub folder: PathBuf,
     /// What is written beside the pictures.
     pub options: RectifiedOptions,
+    /// How far the geometry is to be trusted.
+    pub trust: Option<TrustNote>,
 }
 
 /// How far the writing of a rectified pair is.

@@ -3,6 +3,7 @@
 //! While the geometry moves, small pictures follow it ([`DRAFT`]), which takes milliseconds; once it rests, they are
 //! drawn as large as is worth looking at ([`SHOWN`]), and that is given up as soon as something newer is wanted.
 
+use super::disparity::DisparityMap;
 use crate::app::model::picture::{Opened, Pictures};
 use crate::app::model::revision;
 use crate::app::model::shared::Shared;
@@ -10,7 +11,7 @@ use crate::cancel::CancelFlag;
 use crate::geometry::{Frame, FundamentalMatrix, PointPair};
 use crate::image::Picture;
 use crate::io::GroundTruth;
-use crate::rectify::{Limits, Rectification, RectifyError, RectifyMethod, anaglyph, rectify};
+use crate::rectify::{Limits, Rectification, RectifyError, RectifyMethod, rectify};
 
 /// Pixels of a rectified picture on the screen, at most.
 const SHOWN: Limits = Limits { pixels: 3_000_000 };
@@ -83,22 +84,32 @@ impl RectifyQuestion {
         let limits = if self.moving { DRAFT } else { SHOWN };
         let fits = full.size.width * full.size.height <= limits.pixels;
         let shown = if fits { full.clone() } else { self.rectification(&limits)? };
-        Ok(self.pictures_of(&shown, cancel).map(|pictures| DrawnPair {
-            full,
-            shown,
-            pictures,
-            number: revision::fresh(),
-        }))
+        let Some(pictures) = self.pictures_of(&shown, cancel) else { return Ok(None) };
+        // A pair that another one follows at once is not looked at so closely.
+        let disparity = if self.moving {
+            None
+        } else {
+            let both = pictures.each_ref().map(|opened| &opened.picture.pixels);
+            let map = DisparityMap::new(both, full.size.width, cancel);
+            if cancel.is_cancelled() {
+                return Ok(None);
+            }
+            map.and_then(|map| {
+                let picture =
+                    Picture::from_pixels("disparity".into(), None, map.picture.clone().into()).ok()?;
+                Some((map, Opened::new(picture)))
+            })
+        };
+        Ok(Some(DrawnPair { full, shown, pictures, disparity, number: revision::fresh() }))
     }
 
-    /// Both pictures, and the anaglyph of them.
-    fn pictures_of(&self, shown: &Rectification, cancel: &CancelFlag) -> Option<[Opened; 3]> {
+    /// Both pictures.
+    fn pictures_of(&self, shown: &Rectification, cancel: &CancelFlag) -> Option<[Opened; 2]> {
         let left = shown.warp(0, &self.pictures[0].pixels, cancel)?;
         let right = shown.warp(1, &self.pictures[1].pixels, cancel)?;
-        let both = anaglyph([&left, &right]).into();
         let opened =
             |name: &str, pixels| Picture::from_pixels(name.into(), None, pixels).ok().map(Opened::new);
-        Some([opened("left", left)?, opened("right", right)?, opened("anaglyph", both)?])
+        Some([opened("left", left)?, opened("right", right)?])
     }
 }
 
@@ -118,8 +129,10 @@ pub struct DrawnPair {
     pub full: Rectification,
     /// As it is drawn, perhaps smaller; places in the pictures are in its pixels.
     pub shown: Rectification,
-    /// The pictures, in the order of [`Sheet`].
-    pub pictures: [Opened; 3],
+    /// The left and the right picture.
+    pub pictures: [Opened; 2],
+    /// How far things are apart in them, with a picture of it; none while the geometry moves, or where nothing matches.
+    pub disparity: Option<(DisparityMap, Opened)>,
     /// Another number for each.
     pub number: u64,
 }
@@ -131,11 +144,27 @@ pub enum Sheet {
     Left,
     /// The rectified right image.
     Right,
-    /// Both in red and cyan.
-    Anaglyph,
+    /// Both in one place.
+    Both,
+    /// How far things are apart.
+    Disparity,
 }
 
 impl DrawnPair {
+    /// Pixels on the screen's pictures for a pixel of those that would be written.
+    pub fn reduction(&self) -> f64 {
+        self.shown.size.height as f64 / self.full.size.height as f64
+    }
+
+    /// By how much the right picture is to be shifted for a point pair to coincide, px of the pictures as they are
+    /// written.
+    pub fn shift_of(&self, pair: &PointPair) -> Option<f64> {
+        let [left, right] = [pair.point1, pair.point2];
+        let left = self.shown.maps[0].rectified_from_original(left)?;
+        let right = self.shown.maps[1].rectified_from_original(right)?;
+        Some((left.x - right.x) / self.reduction())
+    }
+
     /// Size of every picture, px.
     pub fn frame(&self) -> Frame {
         self.shown.size
@@ -165,6 +194,19 @@ mod tests {
             assert_eq!(rectified.measured, "true matches");
             let drawn = rectified.outcome.unwrap();
             assert!(drawn.full.size.width >= drawn.shown.size.width);
+            assert_eq!(drawn.disparity.is_some(), !question.moving);
+            if let Some((map, _)) = &drawn.disparity {
+                // What the matches are apart is about what the map says.
+                let pairs = question.matches.pairs();
+                let near = |pair: &&PointPair| {
+                    let at = drawn.shown.maps[0].rectified_from_original(pair.point1).unwrap();
+                    let frame = drawn.frame();
+                    let found = map.at((at.x + 0.5) / frame.width as f64, (at.y + 0.5) / frame.height as f64);
+                    found.is_some_and(|found| (found - drawn.shift_of(pair).unwrap()).abs() < 8.0)
+                };
+                let right = pairs.iter().filter(near).count();
+                assert!(2 * right > pairs.len(), "{right} of {}", pairs.len());
+            }
             drawn.frame().width * drawn.frame().height
         };
         let small = pixels(&RectifyQuestion { moving: true, ..question() });

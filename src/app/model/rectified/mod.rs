@@ -1,9 +1,11 @@
 //! The rectified pair: how it is made (`making`), how it is looked at (`viewing`), and what can be done with it.
 
 mod command;
+mod disparity;
 mod making;
 mod viewing;
 
 pub use command::{RectifiedCommand, RectifyOrder, WritingProgress};
+pub use disparity::DisparityMap;
 pub use making::{DrawnPair, MatchesAtHand, Rectified, RectifyQuestion, Sheet};
 pub use viewing::{Blink, Guides, RectifiedLayout, RectifiedLook, RectifiedView, Viewing};

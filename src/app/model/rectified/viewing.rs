@@ -22,11 +22,15 @@ pub enum RectifiedLayout {
     Blink,
     /// Both at once, red and cyan.
     Anaglyph,
+    /// The left one up to a line that can be drawn, the right one from there on.
+    Wipe,
+    /// How far things are apart, by colour.
+    Disparity,
 }
 
 impl RectifiedLayout {
     /// All of them, with their names and a sentence about each.
-    pub const ALL: [(Self, &'static str, &'static str); 3] = [
+    pub const ALL: [(Self, &'static str, &'static str); 5] = [
         (
             Self::SideBySide,
             "Side by side",
@@ -43,6 +47,18 @@ impl RectifiedLayout {
             "Anaglyph",
             "Both pictures at once, the left one red and the right one cyan, for glasses of these colours. Coloured \
              edges above and below things show rows that do not agree.",
+        ),
+        (
+            Self::Wipe,
+            "Wipe",
+            "The left picture up to a line, the right one from there on: drag the line across. Edges that cross it must \
+             not jump up or down.",
+        ),
+        (
+            Self::Disparity,
+            "Disparity",
+            "How far to the left things are in the right picture, by colour, as a coarse matching of the rows finds it; \
+             grey where nothing matches. A good geometry gives smooth surfaces with sharp edges.",
         ),
     ];
 }
@@ -143,11 +159,15 @@ pub struct Viewing {
     pub view: Option<RectifiedView>,
     /// Whose turn it is.
     pub blink: Blink,
+    /// How far to the right the right picture is shown, px of the pictures as they are written.
+    pub shift: f64,
+    /// Up to which part of the width the left picture is shown in a wipe.
+    pub wipe: f32,
 }
 
 impl Default for Viewing {
     fn default() -> Self {
-        Self { view: None, blink: Blink::Running }
+        Self { view: None, blink: Blink::Running, shift: 0.0, wipe: 0.5 }
     }
 }
 

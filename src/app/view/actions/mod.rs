@@ -1,80 +1,27 @@
 //! The table of actions: what each is called, what it does in a sentence, its keys, and where it is offered. A new one
-//! is a variant of [`Command`], an entry here, and an arm where commands are applied.
+//! is a variant of [`Command`], an entry in a file here, and an arm where commands are applied.
 
-mod table;
+mod action;
+mod conditions;
+mod dialogs;
+mod keys;
+mod named;
 
 use std::mem::{Discriminant, discriminant};
 use std::sync::LazyLock;
 
-use egui::{Key, KeyboardShortcut, Modifiers};
+use egui::KeyboardShortcut;
 
-use crate::app::model::Model;
 use crate::app::model::command::{Command, ExchangeCommand, SessionCommand};
-use crate::app::model::ids::TabId;
+use crate::app::model::point_table::{ChosenEdit, PointsCommand};
 use crate::app::model::rectified::RectifiedCommand;
 use crate::app::model::suggesting::Repair;
-
-/// Something that can be done, as it is offered.
-pub struct Action {
-    /// What is done. Entries of commands with something particular in them stand for all of their kind, unless those
-    /// have an entry of their own.
-    pub command: Command,
-    /// What it is called on buttons.
-    pub name: &'static str,
-    /// One sentence about it.
-    pub tooltip: &'static str,
-    /// Its keys, the first one being the one that is shown.
-    pub keys: Vec<KeyboardShortcut>,
-    /// Whether its keys work while a text field or a dialog has the keyboard.
-    pub works_while_typing: bool,
-    /// What it is called in the list of all commands, if it is in there.
-    pub listed: Option<fn(&Model) -> &'static str>,
-    /// Whether it makes sense in the state as it is.
-    pub makes_sense: fn(&Model) -> bool,
-}
-
-impl Action {
-    fn key(mut self, modifiers: Modifiers, key: Key) -> Self {
-        self.keys.push(KeyboardShortcut::new(modifiers, key));
-        self
-    }
-
-    fn while_typing(mut self) -> Self {
-        self.works_while_typing = true;
-        self
-    }
-
-    fn listed(mut self, title: fn(&Model) -> &'static str) -> Self {
-        self.listed = Some(title);
-        self
-    }
-
-    fn when(mut self, makes_sense: fn(&Model) -> bool) -> Self {
-        self.makes_sense = makes_sense;
-        self
-    }
-}
-
-fn action(command: impl Into<Command>, name: &'static str, tooltip: &'static str) -> Action {
-    let (keys, makes_sense) = (Vec::new(), |_: &Model| true);
-    Action {
-        command: command.into(),
-        name,
-        tooltip,
-        keys,
-        works_while_typing: false,
-        listed: None,
-        makes_sense,
-    }
-}
-
-fn tab(id: TabId, key: Key, tooltip: &'static str) -> Action {
-    action(Command::ShowTab(id), id.title(), tooltip).key(Modifiers::NONE, key)
-}
+use crate::app::model::tones::TonesCommand;
+pub use action::Action;
 
 /// All of them: first those with keys, in the order of the list of keys.
 pub static ACTIONS: LazyLock<Vec<Action>> = LazyLock::new(|| {
-    [table::with_keys(), table::by_name(), table::in_dialogs()].into_iter().flatten().collect()
+    [keys::with_keys(), named::by_name(), dialogs::in_dialogs()].into_iter().flatten().collect()
 });
 
 /// Which command it is, whatever it carries.
@@ -84,6 +31,9 @@ enum Kind {
     /// Also whether a reading is taken, which is called otherwise than none.
     Exchange(Discriminant<ExchangeCommand>, bool),
     Rectified(Discriminant<RectifiedCommand>),
+    Tones(Discriminant<TonesCommand>),
+    /// Also what is done with chosen rows.
+    Points(Discriminant<PointsCommand>, Option<ChosenEdit>),
     Repair(Repair),
     /// Whether a pair is only to check, which is called otherwise than using it.
     CheckOnly(bool),
@@ -98,6 +48,11 @@ fn kind(command: &Command) -> Kind {
             Kind::Exchange(discriminant(command), reads)
         }
         Command::Rectified(command) => Kind::Rectified(discriminant(command)),
+        Command::Tones(command) => Kind::Tones(discriminant(command)),
+        Command::Points(command) => {
+            let edit = if let PointsCommand::Edit(edit) = command { Some(*edit) } else { None };
+            Kind::Points(discriminant(command), edit)
+        }
         Command::Repair(_, how) => Kind::Repair(*how),
         Command::CheckOnly(_, only) => Kind::CheckOnly(*only),
         other => Kind::Other(discriminant(other)),

@@ -19,6 +19,7 @@ pub mod side;
 mod status;
 mod table;
 pub mod tabs;
+mod tones;
 mod toolbar;
 
 use egui::{Button, Response, Ui};

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use egui::{Button, Key, Label, RichText};
+use egui::{Button, Key, Label, RichText, Ui};
 
 use super::dialog::{PathField, dialog, path_of};
 use super::{busy, command_button, finish_button};
@@ -10,6 +10,7 @@ use crate::app::model::Model;
 use crate::app::model::command::Command;
 use crate::app::model::command::ExchangeCommand;
 use crate::app::model::document::Side;
+use crate::app::model::recents::recent_name;
 use crate::app::view::theme;
 
 /// What has been typed.
@@ -139,6 +140,7 @@ impl OpenDialog {
             let (_, place) = row.show_field(ui, &mut self.import);
             elsewhere |= row.show_browse(ui, place, commands).has_focus();
             ui.add_space(6.0);
+            elsewhere |= recents(ui, model, commands);
             if let Some(problem) = &self.problem {
                 let color = theme::palette(ui.visuals()).bad;
                 ui.add(Label::new(RichText::new(problem).color(color)).wrap());
@@ -175,6 +177,27 @@ impl OpenDialog {
             self.open = false;
         }
     }
+}
+
+/// What was opened last; whether one of them has the keyboard.
+fn recents(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) -> bool {
+    let mut focused = false;
+    if model.recents.list().next().is_some() {
+        ui.weak("Opened last");
+    }
+    for paths in model.recents.list() {
+        let entry =
+            ui.add_enabled(!model.activity.loading, Button::new(recent_name(paths)).small().truncate());
+        focused |= entry.has_focus();
+        let whole: Vec<_> = paths.iter().map(|path| path.display().to_string()).collect();
+        if entry.on_hover_text(whole.join("\n")).clicked() {
+            commands.push(Command::OpenFiles(paths.to_vec()));
+        }
+    }
+    if model.recents.list().next().is_some() {
+        ui.add_space(6.0);
+    }
+    focused
 }
 
 fn field<'a>(name: &'a str, hint: &'a str, browse: &'a str, command: Command) -> PathField<'a> {

@@ -259,7 +259,7 @@ impl Table<'_> {
 }
 
 /// A triangle: up for smallest first.
-fn sort_mark(ui: &Ui, centre: egui::Pos2, descending: bool, color: Color32) {
+pub fn sort_mark(ui: &Ui, centre: egui::Pos2, descending: bool, color: Color32) {
     let tip = if descending { 3.0 } else { -3.0 };
     let corners = vec![centre + vec2(0.0, tip), centre + vec2(-4.0, -tip), centre + vec2(4.0, -tip)];
     ui.painter().add(egui::Shape::convex_polygon(corners, color, Stroke::NONE));

@@ -3,12 +3,13 @@
 use egui::containers::menu::{MenuButton, MenuConfig};
 use egui::{Align, Button, Layout, PopupCloseBehavior, ScrollArea, Ui};
 
-use super::{command_button, finish_button};
+use super::{command_button, finish_button, tones};
 use crate::app::model::Model;
 use crate::app::model::command::Command;
 use crate::app::model::command::ExchangeCommand;
 use crate::app::model::command::SessionCommand;
 use crate::app::model::look::Tool;
+use crate::app::model::point_table::PointsCommand;
 use crate::app::view::panes::overlays::OVERLAYS;
 
 /// With less room than this the tools wrap into further rows, screen points.
@@ -54,6 +55,9 @@ fn tools(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let stays_open = MenuConfig::new().close_behavior(PopupCloseBehavior::CloseOnClickOutside);
     let (menu, _) = MenuButton::new("View").config(stays_open).ui(ui, |ui| view_menu(ui, model, commands));
     menu.on_hover_text("Choose how the images are shown, and which panels.");
+    if any {
+        tones::show(ui, model, commands);
+    }
 }
 
 /// The look of the program, and help; from the right, where there is room.
@@ -74,8 +78,10 @@ fn view_menu(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         finish_button(ui, choice, command, commands);
     };
     switch(ui, Command::ToggleLink, Command::ToggleLink.name(), look.linked);
+    switch(ui, Command::ToggleStacked, Command::ToggleStacked.name(), look.stacked);
     switch(ui, Command::ToggleMap, Command::ToggleMap.name(), look.map);
     switch(ui, Command::ToggleLoupe, Command::ToggleLoupe.name(), look.loupe);
+    switch(ui, PointsCommand::ToggleNames.into(), "Names of pairs", look.names);
     ui.separator();
     switch(ui, Command::FoldSide, "Side panel", !look.side_folded);
     switch(ui, Command::FoldTabs, "Bottom panel", !look.tabs_folded);

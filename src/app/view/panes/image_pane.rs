@@ -3,7 +3,7 @@
 use egui::{CursorIcon, PointerButton, Pos2, Rect, Response, Sense, StrokeKind, Ui, WidgetInfo};
 
 use super::navigation::zoom_asked;
-use super::overlays::{Canvas, OVERLAYS, Overlay, pointed_at};
+use super::overlays::{Canvas, Labels, OVERLAYS, Overlay, pointed_at};
 use super::texture::PictureTexture;
 use super::transform::Transform;
 use super::{epipole_map, loupe};
@@ -49,6 +49,15 @@ pub struct ImagePane {
     rect: Rect,
 }
 
+/// What a pane shows, and where.
+#[derive(Debug, Clone, Copy)]
+pub struct PanePlace {
+    /// What part of the image.
+    pub view: PaneView,
+    /// Where it was drawn last.
+    pub rect: Rect,
+}
+
 /// The picture in a pane.
 struct PaneImage {
     picture: Shared<Picture>,
@@ -77,9 +86,14 @@ impl ImagePane {
         }
     }
 
-    /// What part of the image is image.
+    /// What part of the image is shown.
     pub fn view(&self) -> Option<PaneView> {
         self.image.as_ref().map(|image| image.view)
+    }
+
+    /// What part of the image is shown, and where.
+    pub fn place(&self) -> Option<PanePlace> {
+        Some(PanePlace { view: self.view()?, rect: self.rect })
     }
 
     /// Shows a part of the image.
@@ -130,8 +144,11 @@ impl ImagePane {
         }
         self.press(ui, &response, model, &transform, commands);
         let image = self.image.as_mut()?;
+        image.texture.set_rendition(model.open.tones.of[side.index()]);
         image.texture.draw(&painter, &transform);
-        let canvas = Canvas { painter: &painter, transform: &transform, side, frame, model };
+        let labels = Labels::default();
+        let canvas =
+            Canvas { painter: &painter, transform: &transform, side, frame, model, labels: Some(&labels) };
         let (above, below): (Vec<&Overlay>, Vec<&Overlay>) =
             OVERLAYS.iter().filter(|overlay| model.look.shows(overlay.id)).partition(|o| o.id.is_above_map());
         for overlay in below {
@@ -183,7 +200,8 @@ impl ImagePane {
         painter.rect_filled(transform.rect, 6.0, egui::Color32::from_gray(30));
         image.texture.draw(&painter, &transform);
         let frame = image.picture.frame();
-        let canvas = Canvas { painter: &painter, transform: &transform, side: self.side, frame, model };
+        let canvas =
+            Canvas { painter: &painter, transform: &transform, side: self.side, frame, model, labels: None };
         for overlay in &OVERLAYS {
             if model.look.shows(overlay.id) && overlay.magnified {
                 (overlay.draw)(&canvas);
@@ -206,6 +224,9 @@ impl ImagePane {
             let Frame { width, height } = picture.frame;
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
                 ui.weak(format!("{width} × {height} px"));
+                if !model.open.tones.of[self.side.index()].is_plain() {
+                    ui.weak("tones changed").on_hover_text("Not as in the file: see the menu Tones.");
+                }
                 if let Some(image) = self.image.as_ref().filter(|image| !image.view.fits()) {
                     let rect = ui.available_rect_before_wrap();
                     let scale = image.view.transform(picture.frame, rect).scale;
@@ -329,9 +350,13 @@ fn follow(ui: &Ui, drag: &Drag, image: &mut PaneImage, transform: &Transform, co
     }
 }
 
-/// The area of a pane, for layout.
-pub fn halves(rect: Rect) -> [Rect; 2] {
-    let (left, right) = rect.split_left_right_at_fraction(0.5);
+/// The areas of two pictures, beside or above each other.
+pub fn halves(rect: Rect, stacked: bool) -> [Rect; 2] {
     let half = theme::GAP;
+    if stacked {
+        let (upper, lower) = rect.split_top_bottom_at_fraction(0.5);
+        return [upper.with_max_y(upper.max.y - half / 2.0), lower.with_min_y(lower.min.y + half / 2.0)];
+    }
+    let (left, right) = rect.split_left_right_at_fraction(0.5);
     [left.with_max_x(left.max.x - half), right.with_min_x(right.min.x + half)]
 }

@@ -8,6 +8,6 @@ pub mod overlays;
 mod texture;
 mod transform;
 
-pub use image_pane::{ImagePane, halves};
+pub use image_pane::{ImagePane, PanePlace, halves};
 pub use texture::PictureTexture;
 pub use transform::Transform;

@@ -6,12 +6,15 @@
 //! Work a frame is bounded whatever the size of the picture.
 
 use std::collections::HashMap;
+use std::sync::Arc;
 
 use super::Transform;
 use crate::app::model::picture::{Opened, Overview, multiplied};
 use crate::app::model::shared::Shared;
+use crate::app::model::tones::Rendition;
 use crate::image::Picture;
 use egui::{Color32, ColorImage, Mesh, Painter, Rect, TextureFilter, TextureHandle, TextureOptions, pos2};
+use image::DynamicImage;
 
 /// Side of a tile, px: small enough to be converted within a frame.
 const TILE_SIDE: usize = 512;
@@ -41,6 +44,8 @@ struct Tile {
 pub struct PictureTexture {
     picture: Shared<Picture>,
     overview: TextureHandle,
+    reduced: Arc<Overview>,
+    rendition: Rendition,
     scale: f64,
     tiles: HashMap<[usize; 2], Tile>,
     frame: u64,
@@ -49,30 +54,49 @@ pub struct PictureTexture {
 impl PictureTexture {
     /// Uploads the overview.
     pub fn new(ctx: &egui::Context, opened: &Opened) -> Self {
-        let Overview { size, pixels, scale } = &*opened.overview;
+        let Overview { size, pixels, scale, .. } = &*opened.overview;
         let options = if *scale < 1.0 { SMOOTH } else { PIXELS };
         let handle =
             ctx.load_texture("overview", ColorImage::from_rgba_premultiplied(*size, pixels), options);
         Self {
             picture: opened.picture.clone(),
             overview: handle,
+            reduced: opened.overview.clone(),
+            rendition: Rendition::default(),
             scale: *scale,
             tiles: HashMap::new(),
             frame: 0,
         }
     }
 
+    /// Shows the picture brighter, darker or in other colours.
+    pub fn set_rendition(&mut self, rendition: Rendition) {
+        if rendition == self.rendition {
+            return;
+        }
+        self.rendition = rendition;
+        self.tiles.clear();
+        let source = self.reduced.reduced.as_ref().unwrap_or(&self.picture.pixels);
+        let image = ColorImage::from_rgba_premultiplied(self.reduced.size, &rendered(rendition, source));
+        self.overview.set(image, if self.scale < 1.0 { SMOOTH } else { PIXELS });
+    }
+
     /// Draws what is in sight.
     pub fn draw(&mut self, painter: &Painter, transform: &Transform) {
+        self.draw_tinted(painter, transform, Color32::WHITE);
+    }
+
+    /// Draws what is in sight, its colours multiplied; with a tint without alpha it is added to what is there.
+    pub fn draw_tinted(&mut self, painter: &Painter, transform: &Transform, tint: Color32) {
         let size = [self.picture.pixels.width() as usize, self.picture.pixels.height() as usize];
-        draw(painter, &self.overview, transform.screen_from_pixels([0, 0], size));
+        draw(painter, &self.overview, transform.screen_from_pixels([0, 0], size), tint);
         let pixels_a_pixel = transform.scale * f64::from(painter.pixels_per_point());
         if self.scale < 1.0 && pixels_a_pixel > self.scale * OVERVIEW_MAGNIFICATION {
-            self.draw_tiles(painter, transform, size);
+            self.draw_tiles(painter, transform, size, tint);
         }
     }
 
-    fn draw_tiles(&mut self, painter: &Painter, transform: &Transform, size: [usize; 2]) {
+    fn draw_tiles(&mut self, painter: &Painter, transform: &Transform, size: [usize; 2], tint: Color32) {
         self.frame += 1;
         let clip = painter.clip_rect();
         let (min, max) = (transform.image_from_screen(clip.min), transform.image_from_screen(clip.max));
@@ -88,15 +112,15 @@ impl PictureTexture {
                 let area = transform.screen_from_pixels(first, end);
                 if let Some(tile) = self.tiles.get_mut(&[column, row]) {
                     tile.seen = self.frame;
-                    draw(painter, &tile.handle, area);
+                    draw(painter, &tile.handle, area, tint);
                 } else if uploads < UPLOADS_A_FRAME {
                     uploads += 1;
                     let [x, y, w, h] =
                         [first[0], first[1], end[0] - first[0], end[1] - first[1]].map(|v| v as u32);
-                    let pixels = multiplied(&self.picture.pixels.crop_imm(x, y, w, h));
+                    let pixels = rendered(self.rendition, &self.picture.pixels.crop_imm(x, y, w, h));
                     let image = ColorImage::from_rgba_premultiplied([w, h].map(|v| v as usize), &pixels);
                     let handle = painter.ctx().load_texture("tile", image, PIXELS);
-                    draw(painter, &handle, area);
+                    draw(painter, &handle, area, tint);
                     self.tiles.insert([column, row], Tile { handle, seen: self.frame });
                 } else {
                     // The overview shows through until the next frames bring the rest.
@@ -118,10 +142,14 @@ impl PictureTexture {
     }
 }
 
+fn rendered(rendition: Rendition, pixels: &DynamicImage) -> Vec<u8> {
+    if rendition.is_plain() { multiplied(pixels) } else { rendition.render(pixels) }
+}
+
 /// A mesh and not an image shape, whose soft edges would show as seams between tiles.
-fn draw(painter: &Painter, handle: &TextureHandle, area: Rect) {
+fn draw(painter: &Painter, handle: &TextureHandle, area: Rect, tint: Color32) {
     let mut mesh = Mesh::with_texture(handle.id());
     let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
-    mesh.add_rect_with_uv(area, whole, Color32::WHITE);
+    mesh.add_rect_with_uv(area, whole, tint);
     painter.add(mesh);
 }

@@ -2,16 +2,23 @@
 
 use std::path::{Path, PathBuf};
 
-use egui::{Button, ComboBox, Key, Label, RichText, Ui};
+use egui::{Button, ComboBox, DragValue, Key, Label, RichText, Ui};
 
 use super::super::dialog::{LABEL_WIDTH, PathField, dialog, path_of};
 use super::super::{command_button, finish_button};
 use crate::app::model::Model;
 use crate::app::model::command::Command;
 use crate::app::model::command::ExchangeCommand;
-use crate::app::model::exchange::{ExportKind, ExportOrder, PROFILE_CONVENTION, ReportFormat, ViewPart};
+use crate::app::model::exchange::{
+    ExportKind, ExportOrder, FigureFormat, PROFILE_CONVENTION, ReportFormat, ViewPart, result_note,
+    trust_note,
+};
 use crate::app::model::rectified::RectifiedCommand;
+use crate::app::view::theme;
 use crate::io::Format;
+
+/// The width of a figure at first, px.
+const USUAL_WIDTH: u32 = 1600;
 
 /// What has been chosen; it stays for the next time.
 #[derive(Debug, Clone, Default)]
@@ -48,8 +55,9 @@ impl FileExport {
             ExportKind::Geometry | ExportKind::Pairs => self.order.format.extension(),
             ExportKind::Report if self.order.reported == ReportFormat::Json => "json",
             ExportKind::Report => "txt",
-            ExportKind::Profile => "csv",
-            ExportKind::View => "png",
+            ExportKind::Table | ExportKind::Profile => "csv",
+            ExportKind::Figure if self.order.figure.format == FigureFormat::Svg => "svg",
+            ExportKind::Figure | ExportKind::View => "png",
         }
     }
 
@@ -58,8 +66,10 @@ impl FileExport {
         let kind = match self.order.what {
             ExportKind::Geometry => "geometry",
             ExportKind::Pairs => "pairs",
+            ExportKind::Table => "points",
             ExportKind::Report => "report",
             ExportKind::Profile => "profile",
+            ExportKind::Figure => "figure",
             ExportKind::View => "view",
         };
         let untouched = self.path.trim().is_empty() || self.path == self.suggested;
@@ -89,16 +99,17 @@ impl FileExport {
             return;
         }
         let open = dialog(ctx, "Export", 560.0, |ui| {
-            let before = (self.order.what, self.order.format, self.order.reported);
+            let before = (self.order.what, self.order.format, self.order.reported, self.order.figure.format);
             row(ui, "What", |ui| self.kinds(ui, model));
             ui.add(Label::new(RichText::new(self.order.what.tooltip()).weak()).wrap());
             ui.add_space(4.0);
             self.choices(ui, model);
-            if before != (self.order.what, self.order.format, self.order.reported) {
+            if before != (self.order.what, self.order.format, self.order.reported, self.order.figure.format) {
                 self.suggest();
             }
             ui.add_space(4.0);
             self.conventions(ui);
+            trust(ui, self.order.what, model);
             ui.add_space(6.0);
             let suggested = path_of(&self.path).unwrap_or_else(|| PathBuf::from(&self.suggested));
             let file = PathField {
@@ -174,7 +185,8 @@ impl FileExport {
                 ui.radio_value(&mut self.order.reported, ReportFormat::Json, "JSON")
                     .on_hover_text("As epiline estimate writes it; other programs and this one read it.");
             }),
-            ExportKind::Profile => {}
+            ExportKind::Table | ExportKind::Profile => {}
+            ExportKind::Figure => self.figure(ui),
             ExportKind::View => row(ui, "Part", |ui| {
                 ui.radio_value(&mut self.order.part, ViewPart::Images, "Both images")
                     .on_hover_text("The two images with everything drawn over them.");
@@ -183,14 +195,57 @@ impl FileExport {
         }
     }
 
+    /// What is on a figure.
+    fn figure(&mut self, ui: &mut Ui) {
+        let figure = &mut self.order.figure;
+        row(ui, "Format", |ui| {
+            ui.radio_value(&mut figure.format, FigureFormat::Svg, "SVG")
+                .on_hover_text("Lines and letters, sharp at any size.");
+            ui.radio_value(&mut figure.format, FigureFormat::Png, "PNG")
+                .on_hover_text("Pixels, for programs without SVG.");
+        });
+        if figure.format == FigureFormat::Png {
+            row(ui, "Size", |ui| {
+                ui.radio_value(&mut figure.width, None, "Full size");
+                let chosen = figure.width.is_some();
+                if ui.radio(chosen, "Width").clicked() && !chosen {
+                    figure.width = Some(USUAL_WIDTH);
+                }
+                if let Some(width) = &mut figure.width {
+                    ui.add(DragValue::new(width).range(64..=20_000).suffix(" px"));
+                }
+            });
+        }
+        row(ui, "Images", |ui| {
+            ui.radio_value(&mut figure.seen, false, "Whole");
+            ui.radio_value(&mut figure.seen, true, "What is seen")
+                .on_hover_text("The part that each pane shows.");
+        });
+        row(ui, "Style", |ui| {
+            ui.checkbox(&mut figure.labels, "Labels").on_hover_text("The names of points and lines.");
+            ui.checkbox(&mut figure.dark, "Dark paper")
+                .on_hover_text("Dark between the images and around them.");
+        });
+    }
+
     /// How the numbers of the file are to be taken; every file says so itself.
     fn conventions(&self, ui: &mut Ui) {
         let sentences: Vec<String> = match self.order.what {
             ExportKind::Geometry => self.order.format.convention(),
             // What is said about F does not belong to points alone.
-            ExportKind::Pairs => self.order.format.convention().into_iter().skip(1).take(2).collect(),
+            ExportKind::Pairs | ExportKind::Table => {
+                self.order.format.convention().into_iter().skip(1).take(2).collect()
+            }
             ExportKind::Report => Format::Json.convention(),
             ExportKind::Profile => PROFILE_CONVENTION.map(str::to_owned).to_vec(),
+            ExportKind::Figure => vec![match self.order.figure.format {
+                FigureFormat::Svg => {
+                    "The images are in it with all their pixels; lines and letters can be edited.".to_owned()
+                }
+                FigureFormat::Png => {
+                    "Full size is that of the larger image; very large figures are reduced.".to_owned()
+                }
+            }],
             ExportKind::View => vec!["A PNG file of as many pixels as are on the screen.".to_owned()],
         };
         for sentence in sentences {
@@ -223,6 +278,30 @@ impl FileExport {
         if ui.input(|input| input.key_pressed(Key::Enter)) {
             commands.extend(command);
         }
+    }
+}
+
+/// How far what is written is to be trusted, where it is not beyond doubt: the file says so, too.
+fn trust(ui: &mut Ui, what: ExportKind, model: &Model) {
+    let note = match what {
+        ExportKind::Report => result_note(model),
+        ExportKind::Geometry | ExportKind::Table | ExportKind::Figure | ExportKind::View => trust_note(model),
+        ExportKind::Pairs | ExportKind::Profile => None,
+    };
+    let Some(note) = note.filter(|note| note.verdict != "reliable") else { return };
+    let palette = theme::palette(ui.visuals());
+    let color = if note.verdict == "unreliable" { palette.bad } else { palette.caution };
+    ui.add_space(4.0);
+    let text = match what {
+        ExportKind::Figure | ExportKind::View => format!("The geometry shown is {}.", note.verdict),
+        _ => format!("This geometry is {}, and the file says so.", note.verdict),
+    };
+    let reasons = note.reasons.join("\n");
+    let label = ui.add(Label::new(RichText::new(text).color(color).strong()).wrap());
+    if !reasons.is_empty() {
+        label.on_hover_text(&reasons);
+        let first: String = note.reasons.first().cloned().unwrap_or_default();
+        ui.add(Label::new(RichText::new(first).color(color).small()).wrap());
     }
 }
 

@@ -1,9 +1,13 @@
 //! The list of point pairs with their residuals.
 
 use egui::containers::menu::MenuButton;
-use egui::{Button, DragValue, Grid, Label, Response, RichText, ScrollArea, Sense, Stroke, Ui, WidgetInfo};
+use egui::{
+    Button, DragValue, Frame, Grid, Label, Response, RichText, ScrollArea, Sense, Stroke, TextEdit, Ui,
+    WidgetInfo,
+};
 
 use super::super::dialog::named;
+use super::super::table::sort_mark;
 use super::super::{command_button, finish_button, pair_menu};
 use super::{Tab, empty};
 use crate::app::model::Model;
@@ -11,25 +15,54 @@ use crate::app::model::command::Command;
 use crate::app::model::document::{PointRef, Role, Side, pair_name};
 use crate::app::model::focus::{LineSource, Target};
 use crate::app::model::ids::TabId;
+use crate::app::model::point_table::{Choosing, ChosenEdit, PointColumn, PointOrder, PointsCommand};
 use crate::app::model::residuals::summary;
 use crate::app::model::suggesting::Repair;
 use crate::app::model::verdict::capitalised;
 use crate::app::view::theme;
-use crate::geometry::{Point, symmetric_epipolar_distance};
+use crate::geometry::Point;
 
 /// Registered in [`super::TABS`].
 pub const TAB: Tab = Tab { id: TabId::Points, tools, show };
 
 /// With less room than this beside each other the rarer actions of a row are in a menu, screen points.
-const ROW_WIDTH: f32 = 900.0;
+const ROW_WIDTH: f32 = 940.0;
 const OUTVOTED_WIDTH: f32 = 70.0;
 const COORDINATE_WIDTH: f32 = 60.0;
+const NARROW_COORDINATE_WIDTH: f32 = 46.0;
+const NAME_WIDTH: f32 = 60.0;
+const NARROW_NAME_WIDTH: f32 = 34.0;
 /// Half of the last decimal of a coordinate, px.
 const HALF_A_DIGIT: f64 = 0.005;
 
 fn tools(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let any = !model.document.pairs.is_empty() || model.document.half.is_some();
     command_button(ui, Command::ClearPairs, any, commands);
+}
+
+/// Copying and pasting, and what can be done with the rows that are chosen.
+fn editing(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+    let (open, any) = (model.document.pictures.is_some(), !model.document.pairs.is_empty());
+    let mut offer = |ui: &mut Ui, command: PointsCommand, enabled: bool| {
+        let command = Command::from(command);
+        let button = ui.add_enabled(enabled, Button::new(command.name()).small());
+        finish_button(ui, button, command, commands);
+    };
+    if any {
+        offer(ui, PointsCommand::Copy, true);
+    }
+    offer(ui, PointsCommand::RequestPaste, open);
+    let count = model.document.chosen.len();
+    if count > 0 {
+        ui.separator();
+        ui.label(format!("{count} chosen"));
+        for edit in [ChosenEdit::Use, ChosenEdit::CheckOnly, ChosenEdit::Exclude, ChosenEdit::Delete] {
+            offer(ui, PointsCommand::Edit(edit), true);
+        }
+    }
+    if any {
+        ui.separator();
+    }
 }
 
 fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
@@ -40,51 +73,65 @@ fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
             "The pairs you click appear here with their distances from the epipolar lines. Click a point in the left \
              image, then the same scene point in the right one.",
         );
+        ui.horizontal(|ui| editing(ui, model, commands));
         return;
     }
-    let summary = summary(model);
-    if !summary.is_empty() {
-        ui.horizontal_wrapped(|ui| {
-            for line in summary {
-                ui.weak(line.name).on_hover_text(line.tooltip);
-                ui.label(line.value).on_hover_text(line.tooltip);
-                ui.add_space(theme::GAP);
-            }
-        });
-    }
+    ui.horizontal_wrapped(|ui| {
+        editing(ui, model, commands);
+        for line in summary(model) {
+            ui.weak(line.name).on_hover_text(line.tooltip);
+            ui.label(line.value).on_hover_text(line.tooltip);
+            ui.add_space(theme::GAP);
+        }
+    });
+    let listed = model.listed_pairs();
     let outvoted = (0..document.pairs.len()).any(|pair| model.outvoted(pair).is_some());
     let needed = if outvoted { ROW_WIDTH + OUTVOTED_WIDTH } else { ROW_WIDTH };
     let wide = ui.available_width() >= needed;
     ScrollArea::both().id_salt("points").auto_shrink([false, false]).show(ui, |ui| {
-        Grid::new("points").num_columns(6).striped(true).min_row_height(22.0).spacing([7.0, 3.0]).show(
-            ui,
-            |ui| {
-                for (title, tooltip) in [
-                    ("Pair", "The name of the pair, in the order of the clicks."),
-                    ("  Left x, y", "Position in the left image, px."),
-                    ("  Right x, y", "Position in the right image, px."),
-                    ("Role", "Whether the geometry is estimated from the pair or only checked by it."),
-                    (
-                        "Distance",
-                        "Symmetric distance: the mean distance of the two points from each other's epipolar lines. Up to \
-                         some 2 px is what a careful click has.",
-                    ),
-                    ("", ""),
-                ] {
-                    let response = ui.weak(title);
-                    if !tooltip.is_empty() {
-                        response.on_hover_text(tooltip);
-                    }
+        Grid::new("points")
+            .num_columns(7)
+            .striped(true)
+            .min_row_height(22.0)
+            .spacing([if wide { 7.0 } else { 4.0 }, 3.0])
+            .show(ui, |ui| {
+                for column in PointColumn::ALL {
+                    heading(ui, model, column, commands);
                 }
+                ui.label("");
                 ui.end_row();
-                for pair in 0..=document.pairs.len() {
-                    if pair < document.pairs.len() || document.half.is_some() {
-                        row(ui, model, pair, wide, commands);
-                    }
+                let half = document.half.map(|_| document.pairs.len());
+                for pair in listed.into_iter().chain(half) {
+                    row(ui, model, pair, wide, commands);
                 }
-            },
-        );
+            });
     });
+}
+
+/// The name of a column, which sorts by it.
+fn heading(ui: &mut Ui, model: &Model, column: PointColumn, commands: &mut Vec<Command>) {
+    let PointOrder { column: by, descending, .. } = model.open.points;
+    let color = ui.visuals().weak_text_color();
+    let title = Button::new(RichText::new(format!("{}   ", column.title())).color(color)).frame(false);
+    let title = named(ui.add(title), &format!("Sort points by {}", column.title()));
+    if by == column {
+        sort_mark(ui, title.rect.right_center() - egui::vec2(6.0, 0.0), descending, color);
+    }
+    if title.on_hover_text(format!("{} Click to sort.", column.tooltip())).clicked() {
+        commands.push(PointsCommand::SortBy(column).into());
+    }
+}
+
+/// How a click chooses, by the keys that are held.
+fn choosing(ui: &Ui) -> Choosing {
+    let held = ui.input(|input| input.modifiers);
+    if held.shift {
+        Choosing::Through
+    } else if held.command {
+        Choosing::Toggle
+    } else {
+        Choosing::Only
+    }
 }
 
 fn row(ui: &mut Ui, model: &Model, pair: usize, wide: bool, commands: &mut Vec<Command>) {
@@ -92,26 +139,44 @@ fn row(ui: &mut Ui, model: &Model, pair: usize, wide: bool, commands: &mut Vec<C
     let name = pair_name(pair);
     let lit = model.open.focus.hovered() == Some(Target::Pair(pair));
     let top_left = ui.cursor().min;
+    let finished = document.pairs.get(pair);
+    let chosen = document.chosen.contains(&pair);
+    // Below what is in the row, which takes its own clicks.
+    let area = egui::Rect::from_min_max(top_left, egui::pos2(ui.clip_rect().max.x, top_left.y + 24.0));
+    let background = ui.interact(area, ui.scope_id().with(("row", pair)), Sense::click());
+    background
+        .widget_info(|| WidgetInfo::selected(egui::Role::Row, true, chosen, format!("Row of pair {name}")));
+    if finished.is_some() && background.clicked() {
+        commands.push(PointsCommand::Choose(pair, choosing(ui)).into());
+    }
+    if chosen {
+        ui.painter().rect_filled(area, 2.0, ui.visuals().selection.bg_fill.gamma_multiply(0.5));
+    }
     ui.horizontal(|ui| {
         let (swatch, _) = ui.allocate_exact_size(egui::vec2(12.0, 12.0), Sense::hover());
         ui.painter().circle_filled(swatch.center(), 5.0, theme::pair_color(pair));
         ui.painter().circle_stroke(swatch.center(), 5.5, egui::Stroke::new(1.0, theme::HALO));
         let text = RichText::new(&name).strong();
-        ui.label(if lit { text.underline() } else { text });
+        let text = ui.label(if lit { text.underline() } else { text });
+        if finished.is_some() {
+            text.on_hover_text(format!("Origin: {}.", document.origin(pair).name()));
+        }
     });
+    if finished.is_some() {
+        name_field(ui, model, pair, wide, commands);
+    } else {
+        ui.label("");
+    }
     for side in Side::BOTH {
         let at = PointRef { pair, side };
         if document.point(at).is_some() {
-            position(ui, model, at, commands);
+            position(ui, model, at, wide, commands);
         } else {
             ui.weak("click it");
         }
     }
-    let finished = document.pairs.get(pair);
     role(ui, model, pair, commands);
-    let distance = finished.zip(model.shown());
-    let distance = distance.map(|(pair, shown)| symmetric_epipolar_distance(shown.fundamental, pair));
-    match distance.filter(|distance| distance.is_finite()) {
+    match model.pair_distance(pair) {
         Some(distance) => ui.label(RichText::new(format!("{distance:6.2} px")).monospace()),
         None => ui.add(Label::new("")),
     };
@@ -135,13 +200,28 @@ fn row(ui: &mut Ui, model: &Model, pair: usize, wide: bool, commands: &mut Vec<C
             named(more, &format!("More: pair {name}")).on_hover_text("What else can be done with this pair.");
         }
     });
-    let bottom_right = egui::pos2(ui.clip_rect().max.x, top_left.y + 24.0);
     ui.end_row();
-    let area = egui::Rect::from_min_max(top_left, bottom_right);
-    let row = ui.interact(area, ui.scope_id().with(("row", pair)), Sense::hover());
-    row.container_context_menu(|ui| pair_menu(ui, model, pair, commands));
+    background.container_context_menu(|ui| pair_menu(ui, model, pair, commands));
     if finished.is_some() && ui.rect_contains_pointer(area) {
         commands.push(Command::PointAt(Target::Pair(pair)));
+    }
+}
+
+/// What a person calls the pair.
+fn name_field(ui: &mut Ui, model: &Model, pair: usize, wide: bool, commands: &mut Vec<Command>) {
+    let mut name = model.document.given_name(pair).unwrap_or_default().to_owned();
+    let field = TextEdit::singleline(&mut name)
+        .desired_width(if wide { NAME_WIDTH } else { NARROW_NAME_WIDTH })
+        .hint_text(if wide { "name" } else { "" })
+        .frame(Frame::NONE);
+    let field = field.align(egui::Align2::LEFT_CENTER).min_size(egui::vec2(0.0, 22.0));
+    let field = ui.add(field.id_salt(("name of pair", pair)));
+    let field = named(field, &format!("Name of pair {}", pair_name(pair)));
+    if field.changed() {
+        commands.push(PointsCommand::Rename(pair, name).into());
+    }
+    if field.lost_focus() {
+        commands.push(Command::EndDrag);
     }
 }
 
@@ -191,13 +271,13 @@ fn role(ui: &mut Ui, model: &Model, pair: usize, commands: &mut Vec<Command>) {
 }
 
 /// The two coordinates of a point, to be typed or dragged. The point that keys act on has a line under them.
-fn position(ui: &mut Ui, model: &Model, at: PointRef, commands: &mut Vec<Command>) {
+fn position(ui: &mut Ui, model: &Model, at: PointRef, wide: bool, commands: &mut Vec<Command>) {
     let document = &model.document;
     let Some((point, frame)) = document.point(at).zip(document.frame(at.side)) else { return };
     let row = ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 3.0;
         ui.spacing_mut().button_padding.x = 4.0;
-        ui.spacing_mut().interact_size.x = COORDINATE_WIDTH;
+        ui.spacing_mut().interact_size.x = if wide { COORDINATE_WIDTH } else { NARROW_COORDINATE_WIDTH };
         for (axis, size) in [("x", frame.width), ("y", frame.height)] {
             let before = if axis == "x" { point.x } else { point.y };
             let mut typed = before;

@@ -126,13 +126,18 @@ fn choices(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         }
         ui.separator();
         ui.weak("7 and 8 from").on_hover_text("What the 7-point and 8-point algorithms are given.");
-        for (set, name) in sets {
+        for set in [PointSet::Pairs, PointSet::TrueMatches] {
+            let name = match set {
+                PointSet::Pairs => "Point pairs",
+                PointSet::TrueMatches => "Clicks and true matches",
+            };
             let tooltip = match set {
                 PointSet::Pairs => {
                     "All pairs that are not left out; the 7-point algorithm takes the first seven of them."
                 }
                 PointSet::TrueMatches => {
-                    "The pairs of the estimate and as many true matches as it takes, drawn as `epiline evaluate` does."
+                    "Your own pairs of the estimate, with their errors, and as many true matches as it takes, drawn as \
+                     `epiline evaluate` does."
                 }
             };
             let then = Subject { fitted: set, ..now };

@@ -20,7 +20,9 @@ mod true_lines;
 mod true_matches;
 mod uncertainty;
 
-use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Shape, Stroke, vec2};
+use std::cell::RefCell;
+
+use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Shape, Stroke, Vec2, vec2};
 
 use super::Transform;
 use crate::app::model::Model;
@@ -102,6 +104,31 @@ pub fn true_matches_shown(model: &Model) -> impl Iterator<Item = (usize, &PointP
     true_matches::drawn(model).filter(move |_| shown)
 }
 
+/// The texts that stand on an image already.
+#[derive(Debug, Default)]
+pub struct Labels(RefCell<Vec<Rect>>);
+
+impl Labels {
+    /// A place for a text of this size beside `at`: above to the right, or where there is room in the pane and no other
+    /// text; among many texts the first place again.
+    fn place(&self, pane: Rect, at: Pos2, size: Vec2) -> Rect {
+        let mut taken = self.0.borrow_mut();
+        let places = [1.0, 2.2, 3.4].into_iter().flat_map(|steps| {
+            let away = 9.0 + (steps - 1.0) * size.y;
+            let (left, right) = (at.x - 9.0 - size.x, at.x + 9.0);
+            let (above, below) = (at.y - away - size.y, at.y + away);
+            [(right, above), (left, above), (right, below), (left, below)]
+        });
+        let areas: Vec<Rect> = places.map(|(x, y)| Rect::from_min_size(Pos2::new(x, y), size)).collect();
+        let inside = |area: &&Rect| pane.contains_rect(**area);
+        let free = |area: &&Rect| taken.iter().all(|other| !other.intersects(**area));
+        let found = areas.iter().filter(inside).find(free).or(areas.iter().find(inside)).or(areas.first());
+        let area = found.copied().unwrap_or(Rect::from_min_size(at, size));
+        taken.push(area);
+        area
+    }
+}
+
 /// An image on the screen, to be drawn over.
 pub struct Canvas<'a> {
     /// Clipped to the pane.
@@ -114,6 +141,8 @@ pub struct Canvas<'a> {
     pub frame: Frame,
     /// The state to be shown.
     pub model: &'a Model,
+    /// The names beside things, where they have names.
+    pub labels: Option<&'a Labels>,
 }
 
 impl Canvas<'_> {
@@ -184,18 +213,20 @@ impl Canvas<'_> {
         self.painter.line_segment(ends, Stroke::new(width, color));
     }
 
-    /// A short text beside a place on the screen, kept inside the pane.
+    /// A dot at an image position, with a dark edge.
+    fn dot(&self, at: Point, radius: f32, color: Color32) {
+        let at = self.transform.screen_from_image(at);
+        let opacity = f32::from(color.a()) / 255.0;
+        self.painter.circle_filled(at, radius + 1.2, theme::HALO.gamma_multiply(opacity));
+        self.painter.circle_filled(at, radius, color);
+    }
+
+    /// A short text beside a place on the screen, kept inside the pane and off other texts.
     fn label(&self, at: Pos2, text: &str, color: Color32) {
+        let Some(labels) = self.labels else { return };
         let galley = self.painter.layout_no_wrap(text.to_owned(), FontId::proportional(13.0), color);
         let size = galley.size() + vec2(8.0, 2.0);
-        let pane = self.transform.rect.shrink(2.0);
-        let mut area = Rect::from_min_size(at + vec2(9.0, -9.0 - size.y), size);
-        if area.max.x > pane.max.x {
-            area = area.translate(vec2(-18.0 - size.x, 0.0));
-        }
-        if area.min.y < pane.min.y {
-            area = area.translate(vec2(0.0, 18.0 + size.y));
-        }
+        let area = labels.place(self.transform.rect.shrink(2.0), at, size);
         self.painter.rect_filled(area, 4.0, theme::LABEL_FILL);
         let corner = Align2::CENTER_CENTER.align_size_within_rect(galley.size(), area).min;
         self.painter.galley(corner, galley, color);
@@ -205,6 +236,25 @@ impl Canvas<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn texts_stay_in_the_pane_and_off_each_other() {
+        let pane = Rect::from_min_max(Pos2::ZERO, Pos2::new(200.0, 150.0));
+        let labels = Labels::default();
+        let size = vec2(40.0, 16.0);
+        let mut placed: Vec<Rect> = Vec::new();
+        for k in 0..6 {
+            let area = labels.place(pane, Pos2::new(100.0 + k as f32, 70.0), size);
+            assert!(
+                pane.contains_rect(area) && placed.iter().all(|other| !other.intersects(area)),
+                "{k}: {area:?}"
+            );
+            placed.push(area);
+        }
+        for corner in [pane.min, pane.max, pane.right_top(), pane.left_bottom()] {
+            assert!(pane.contains_rect(Labels::default().place(pane, corner, size)));
+        }
+    }
 
     #[test]
     fn every_overlay_is_in_its_place() {

@@ -42,7 +42,9 @@ fn draw(canvas: &Canvas) {
         painter.circle_filled(centre, 2.2, theme::HALO);
         painter.circle_filled(centre, 1.3, color);
         let mark = if canvas.model.outvoted(at.pair).is_some() { " !" } else { "" };
-        canvas.label(centre, &(pair_name(at.pair) + mark), color);
+        let given = document.given_name(at.pair).filter(|_| canvas.model.look.names);
+        let name = given.map_or_else(|| pair_name(at.pair), str::to_owned);
+        canvas.label(centre, &(name + mark), color);
     }
 }
 

@@ -9,7 +9,7 @@ pub const OVERLAY: Overlay = Overlay {
     id: OverlayId::MagnifiedResiduals,
     tooltip: "From each refined match to its epipolar line, 50 times as long as in the image: one pixel off is a \
               stroke of 50 pixels.",
-    color: theme::BACKWARD,
+    color: theme::RESIDUAL,
     magnified: false,
     draw,
 };
@@ -27,7 +27,10 @@ fn draw(canvas: &Canvas) {
         let (point, other) = (canvas.side.point(pair), canvas.side.other().point(pair));
         if let Some(line) = canvas.line_from_other(shown.fundamental, other) {
             let end = point + (line.foot(point) - point) * MAGNIFICATION;
-            canvas.segment(point, end, 1.2, theme::BACKWARD.gamma_multiply(opacity));
+            let color = theme::RESIDUAL.gamma_multiply(opacity);
+            canvas.segment(point, end, 2.0, color);
+            // Where it begins, so that its direction shows and a short one as well.
+            canvas.dot(point, 2.0, color);
         }
     }
 }

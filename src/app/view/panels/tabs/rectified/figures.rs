@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use egui::{Button, ComboBox, Grid, RichText, ScrollArea, Ui, UiBuilder};
+use egui::{Button, ComboBox, Grid, RichText, ScrollArea, Slider, Ui, UiBuilder};
 
 use super::super::super::finish_button;
 use super::sentence;
@@ -35,21 +35,22 @@ pub fn show(
             let area = ui.available_rect_before_wrap();
             let (left, right) = area.split_left_right_at_fraction(0.44);
             ui.scope_builder(UiBuilder::new().max_rect(left.with_max_x(left.max.x - theme::GAP)), |ui| {
-                choosers(ui, model, commands);
+                choosers(ui, model, drawn, commands);
                 method(ui, drawn);
             });
             ui.scope_builder(UiBuilder::new().max_rect(right), |ui| measures(ui, rectified, drawn));
         } else {
-            choosers(ui, model, commands);
+            choosers(ui, model, drawn, commands);
             method(ui, drawn);
             measures(ui, rectified, drawn);
         }
     });
 }
 
-fn choosers(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+fn choosers(ui: &mut Ui, model: &Model, drawn: &DrawnPair, commands: &mut Vec<Command>) {
     ui.horizontal(|ui| method_chooser(ui, model, commands));
-    ui.horizontal(|ui| layout_chooser(ui, model, commands));
+    ui.horizontal_wrapped(|ui| layout_chooser(ui, model, commands));
+    ui.horizontal(|ui| shift_chooser(ui, model, drawn, commands));
     ui.horizontal(|ui| guide_chooser(ui, model, commands));
 }
 
@@ -66,6 +67,15 @@ fn measures(ui: &mut Ui, rectified: &Rectified, drawn: &DrawnPair) {
     let full = &drawn.full;
     rows(ui, &full.measures, rectified.measured);
     shapes(ui, &full.measures.distortion);
+    if let Some((map, _)) = &drawn.disparity {
+        let [least, most] = map.range;
+        ui.label(format!("Disparity preview: {least:.0} to {most:.0} px, {:.0} % of the pixels", map.matched() * 100.0))
+            .on_hover_text(
+                "What a coarse matching of the rows finds: the columns by which nearly everything is farther left in the \
+                 right picture, and how much of the left picture has a match. Above 70 % is good; below 40 % the \
+                 rows hardly correspond, or little overlaps.",
+            );
+    }
     let size = full.size;
     ui.weak(format!("{} × {} px", size.width, size.height))
         .on_hover_text("Size of each picture as it is written; on the screen it may be drawn smaller.");
@@ -90,6 +100,24 @@ fn layout_chooser(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
             commands.push(RectifiedCommand::LayOut(layout).into());
         }
     }
+}
+
+/// How far the right picture is shifted.
+fn shift_chooser(ui: &mut Ui, model: &Model, drawn: &DrawnPair, commands: &mut Vec<Command>) {
+    name(ui, "Shift");
+    let mut shift = model.open.viewing.shift;
+    let reach = (drawn.full.size.width as f64 / 2.0).round();
+    ui.spacing_mut().slider_width = 84.0;
+    let slider = ui.add(Slider::new(&mut shift, -reach..=reach).suffix(" px").fixed_decimals(0));
+    let slider = slider.on_hover_text(
+        "How far to the right the right picture is shown, px as it is written. A click on the ring of a pair, or on the \
+         disparities, brings that depth into register: there blink, wipe and anaglyph agree.",
+    );
+    if slider.changed() {
+        commands.push(RectifiedCommand::Shift(shift).into());
+    }
+    let none = ui.add_enabled(model.open.viewing.shift != 0.0, Button::new("0"));
+    finish_button(ui, none, RectifiedCommand::Shift(0.0).into(), commands);
 }
 
 /// The guide lines; and while pictures take turns, whose it is.

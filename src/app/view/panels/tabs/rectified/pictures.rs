@@ -3,7 +3,7 @@
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
-use egui::{CursorIcon, Id, Rect, Response, Role, Sense, Ui, WidgetInfo};
+use egui::{Color32, CursorIcon, Id, Painter, Rect, Response, Role, Sense, Stroke, Ui, WidgetInfo};
 
 use super::sheet::{SheetCanvas, SheetRow};
 use crate::app::model::Model;
@@ -11,9 +11,14 @@ use crate::app::model::command::Command;
 use crate::app::model::document::Side;
 use crate::app::model::focus::Target;
 use crate::app::model::rectified::{DrawnPair, RectifiedCommand, RectifiedLayout, RectifiedView, Sheet};
+use crate::app::model::tones::{Channel, Rendition};
 use crate::app::view::panes::navigation::zoom_asked;
-use crate::app::view::panes::{PictureTexture, halves};
+use crate::app::view::panes::{PictureTexture, Transform, halves};
 use crate::app::view::theme;
+use crate::geometry::Point;
+
+/// How near the cursor takes hold of the line of a wipe, screen points.
+const WIPE_REACH: f32 = 7.0;
 
 /// A picture and its place.
 struct SheetPlace {
@@ -28,7 +33,9 @@ impl Sheet {
         match self {
             Self::Left => Some(Side::Left),
             Self::Right => Some(Side::Right),
-            Self::Anaglyph => None,
+            Self::Both => None,
+            // Its places are those of the left picture.
+            Self::Disparity => Some(Side::Left),
         }
     }
 
@@ -40,11 +47,13 @@ impl Sheet {
     }
 
     /// Its name for those who cannot see it, and for tests.
-    fn name(self) -> &'static str {
+    fn name(self, layout: RectifiedLayout) -> &'static str {
         match self {
             Self::Left => "rectified left picture",
             Self::Right => "rectified right picture",
-            Self::Anaglyph => "anaglyph of the rectified pair",
+            Self::Both if layout == RectifiedLayout::Wipe => "wipe of the rectified pair",
+            Self::Both => "anaglyph of the rectified pair",
+            Self::Disparity => "disparities of the rectified pair",
         }
     }
 }
@@ -54,21 +63,27 @@ pub fn show(ui: &mut Ui, model: &Model, drawn: &DrawnPair, commands: &mut Vec<Co
     let places: Vec<SheetPlace> = arranged(ui, model)
         .into_iter()
         .map(|(sheet, rect)| {
-            let response = ui.interact(rect, ui.scope_id().with(sheet.name()), Sense::click_and_drag());
-            response.widget_info(|| WidgetInfo::labeled(Role::Image, true, sheet.name()));
+            let name = sheet.name(model.look.rectified.layout);
+            let response = ui.interact(rect, ui.scope_id().with(name), Sense::click_and_drag());
+            response.widget_info(|| WidgetInfo::labeled(Role::Image, true, name));
             SheetPlace { sheet, rect, response }
         })
         .collect();
     ui.advance_cursor_after_rect(ui.available_rect_before_wrap());
     let frame = drawn.frame();
     for place in &places {
-        if let Some(command) = look(ui, place, model, drawn) {
+        let divides =
+            model.look.rectified.layout == RectifiedLayout::Wipe && wipe(ui, place.rect, model, commands);
+        if let Some(command) = look(ui, place, model, drawn).filter(|_| !divides) {
             commands.push(command);
+        }
+        if place.response.clicked() && !place.response.double_clicked() {
+            commands.extend(registering(place, model, drawn));
         }
     }
     let hovered = places.iter().find_map(|place| {
         let position = place.response.hover_pos()?;
-        let transform = model.open.viewing.view(frame, place.rect).transform(frame, place.rect);
+        let transform = transform_of(model, drawn, place.rect, place.sheet.side().unwrap_or(Side::Left));
         let at = transform.image_from_screen(position);
         frame.contains(at).then_some((place.sheet, at))
     });
@@ -83,16 +98,136 @@ pub fn show(ui: &mut Ui, model: &Model, drawn: &DrawnPair, commands: &mut Vec<Co
     for place in &places {
         let painter = ui.painter_at(place.rect);
         painter.rect_filled(place.rect, 4.0, theme::palette(ui.visuals()).canvas);
-        let transform = model.open.viewing.view(frame, place.rect).transform(frame, place.rect);
-        with_texture(ui.ctx(), drawn, place.sheet, |texture| texture.draw(&painter, &transform));
+        let transforms = Side::BOTH.map(|side| transform_of(model, drawn, place.rect, side));
+        paint(&painter, model, drawn, place.sheet, &transforms);
         let canvas =
-            SheetCanvas { painter: &painter, transform: &transform, sheet: place.sheet, drawn, model };
+            SheetCanvas { painter: &painter, transforms: &transforms, sheet: place.sheet, drawn, model };
         canvas.draw(row.as_ref());
     }
 }
 
+/// Where the pixels of an image's picture appear. The right one is shown where it was shifted to.
+fn transform_of(model: &Model, drawn: &DrawnPair, rect: Rect, side: Side) -> Transform {
+    let frame = drawn.frame();
+    let mut view = model.open.viewing.view(frame, rect);
+    let scale = view.transform(frame, rect).scale;
+    if side == Side::Right {
+        view.centre.x -= model.open.viewing.shift * drawn.reduction();
+    }
+    Transform::new(rect, view.centre, scale)
+}
+
+/// Draws the pixels of a place.
+fn paint(painter: &Painter, model: &Model, drawn: &DrawnPair, sheet: Sheet, transforms: &[Transform; 2]) {
+    let ctx = painter.ctx();
+    let plain = |painter: &Painter, kept: Kept, side: Side| {
+        with_texture(ctx, drawn, kept, |texture| texture.draw(painter, &transforms[side.index()]));
+    };
+    match sheet {
+        Sheet::Left => plain(painter, Kept::Left, Side::Left),
+        Sheet::Right => plain(painter, Kept::Right, Side::Right),
+        Sheet::Both if model.look.rectified.layout == RectifiedLayout::Wipe => {
+            let rect = transforms[0].rect;
+            let (left, right) = rect.split_left_right_at_fraction(model.open.viewing.wipe);
+            plain(&painter.with_clip_rect(left), Kept::Left, Side::Left);
+            plain(&painter.with_clip_rect(right), Kept::Right, Side::Right);
+            for (width, color) in [(4.0, theme::HALO), (1.6, theme::SELECTED)] {
+                painter.vline(left.max.x, rect.y_range(), Stroke::new(width, color));
+            }
+        }
+        Sheet::Both => {
+            let (red, cyan) =
+                (Color32::from_rgb(255, 0, 0), Color32::from_rgba_premultiplied(0, 255, 255, 0));
+            for (kept, side, tint) in
+                [(Kept::GreyLeft, Side::Left, red), (Kept::GreyRight, Side::Right, cyan)]
+            {
+                with_texture(ctx, drawn, kept, |texture| {
+                    texture.draw_tinted(painter, &transforms[side.index()], tint);
+                });
+            }
+        }
+        Sheet::Disparity => {
+            // Its pixels are coarse: as many times as large.
+            let Some((map, _)) = &drawn.disparity else { return };
+            let transform = &transforms[Side::Left.index()];
+            let times = drawn.frame().width as f64 / f64::from(map.picture.width());
+            let centre = transform.image_from_screen(transform.rect.center());
+            let centre = Point::new((centre.x + 0.5) / times - 0.5, (centre.y + 0.5) / times - 0.5);
+            let coarse = Transform::new(transform.rect, centre, transform.scale * times);
+            with_texture(ctx, drawn, Kept::Disparity, |texture| texture.draw(painter, &coarse));
+        }
+    }
+}
+
+/// The line of a wipe, to be dragged; whether it is.
+fn wipe(ui: &Ui, rect: Rect, model: &Model, commands: &mut Vec<Command>) -> bool {
+    let x = rect.min.x + rect.width() * model.open.viewing.wipe;
+    let area = Rect::from_x_y_ranges(x - WIPE_REACH..=x + WIPE_REACH, rect.y_range());
+    let line = ui.interact(area, ui.scope_id().with("wipe line"), Sense::drag());
+    line.widget_info(|| WidgetInfo::labeled(Role::Slider, true, "line of the wipe"));
+    if line.hovered() || line.dragged() {
+        ui.ctx().set_cursor_icon(CursorIcon::ResizeHorizontal);
+    }
+    if let Some(position) = line.interact_pointer_pos().filter(|_| line.dragged()) {
+        let part = (position.x - rect.min.x) / rect.width().max(1.0);
+        commands.push(RectifiedCommand::Wipe(part).into());
+    }
+    line.dragged()
+}
+
+/// A click on a point pair, or on the disparities, brings what is there into register.
+fn registering(place: &SheetPlace, model: &Model, drawn: &DrawnPair) -> Option<Command> {
+    let position = place.response.interact_pointer_pos()?;
+    let transforms = Side::BOTH.map(|side| transform_of(model, drawn, place.rect, side));
+    let sides = Side::BOTH.into_iter().filter(|side| place.sheet.side().is_none_or(|own| own == *side));
+    let near = sides.flat_map(|side| model.document.pairs.iter().map(move |pair| (side, pair)));
+    let near = near.filter_map(|(side, pair)| {
+        let at = drawn.shown.maps[side.index()].rectified_from_original(side.point(pair))?;
+        let distance = transforms[side.index()].screen_from_image(at).distance(position);
+        (distance <= theme::GRAB_RADIUS).then_some((pair, distance))
+    });
+    let pair = near.min_by(|a, b| a.1.total_cmp(&b.1)).and_then(|(pair, _)| drawn.shift_of(pair));
+    let mapped = || {
+        let (map, _) = drawn.disparity.as_ref().filter(|_| place.sheet == Sheet::Disparity)?;
+        let (at, frame) = (transforms[0].image_from_screen(position), drawn.frame());
+        let inside = frame.contains(at);
+        map.at((at.x + 0.5) / frame.width as f64, (at.y + 0.5) / frame.height as f64).filter(|_| inside)
+    };
+    Some(RectifiedCommand::Shift(pair.or_else(mapped)?).into())
+}
+
+/// A texture that is kept.
+#[derive(Debug, Clone, Copy)]
+enum Kept {
+    Left,
+    Right,
+    GreyLeft,
+    GreyRight,
+    Disparity,
+}
+
+impl Kept {
+    const COUNT: usize = 5;
+
+    fn uploaded(self, ctx: &egui::Context, drawn: &DrawnPair) -> Option<PictureTexture> {
+        let grey = Rendition { channel: Channel::Grey, ..Rendition::default() };
+        let picture = |k: usize, rendition| {
+            let mut texture = PictureTexture::new(ctx, &drawn.pictures[k]);
+            texture.set_rendition(rendition);
+            texture
+        };
+        Some(match self {
+            Self::Left => picture(0, Rendition::default()),
+            Self::Right => picture(1, Rendition::default()),
+            Self::GreyLeft => picture(0, grey),
+            Self::GreyRight => picture(1, grey),
+            Self::Disparity => PictureTexture::new(ctx, &drawn.disparity.as_ref()?.1),
+        })
+    }
+}
+
 /// The textures of a pair, uploaded when first drawn, with the number of the pair.
-type KeptTextures = (u64, Arc<Mutex<[Option<PictureTexture>; 3]>>);
+type KeptTextures = (u64, Arc<Mutex<[Option<PictureTexture>; Kept::COUNT]>>);
 
 fn kept_textures() -> Id {
     Id::unique("rectified textures")
@@ -104,12 +239,7 @@ pub fn forget_textures(ctx: &egui::Context) {
 }
 
 /// Lets `draw` draw one of the pictures.
-fn with_texture(
-    ctx: &egui::Context,
-    drawn: &DrawnPair,
-    sheet: Sheet,
-    draw: impl FnOnce(&mut PictureTexture),
-) {
+fn with_texture(ctx: &egui::Context, drawn: &DrawnPair, which: Kept, draw: impl FnOnce(&mut PictureTexture)) {
     let kept = ctx.data(|data| data.get_temp::<KeptTextures>(kept_textures()));
     let (_, textures) = kept.filter(|(number, _)| *number == drawn.number).unwrap_or_else(|| {
         let fresh = (drawn.number, Arc::default());
@@ -118,16 +248,24 @@ fn with_texture(
     });
     // Only this thread draws.
     let mut textures = textures.lock().unwrap_or_else(PoisonError::into_inner);
-    let opened = &drawn.pictures[sheet as usize];
-    draw(textures[sheet as usize].get_or_insert_with(|| PictureTexture::new(ctx, opened)));
+    let texture = &mut textures[which as usize];
+    if texture.is_none() {
+        *texture = which.uploaded(ctx, drawn);
+    }
+    if let Some(texture) = texture {
+        draw(texture);
+    }
 }
 
 /// Which pictures are shown where.
 fn arranged(ui: &Ui, model: &Model) -> Vec<(Sheet, Rect)> {
     let area = ui.available_rect_before_wrap();
     match model.look.rectified.layout {
-        RectifiedLayout::SideBySide => [Sheet::Left, Sheet::Right].into_iter().zip(halves(area)).collect(),
-        RectifiedLayout::Anaglyph => vec![(Sheet::Anaglyph, area)],
+        RectifiedLayout::SideBySide => {
+            [Sheet::Left, Sheet::Right].into_iter().zip(halves(area, false)).collect()
+        }
+        RectifiedLayout::Anaglyph | RectifiedLayout::Wipe => vec![(Sheet::Both, area)],
+        RectifiedLayout::Disparity => vec![(Sheet::Disparity, area)],
         RectifiedLayout::Blink => {
             let (side, left) = model.open.viewing.blink.shown(ui.input(|input| input.time));
             if let Some(seconds) = left {

@@ -49,20 +49,15 @@ impl SheetRow {
 
 /// The row of the picture as it would be written.
 fn row_number(drawn: &DrawnPair, y: f64) -> f64 {
-    y / reduction(drawn)
-}
-
-/// Rows on the screen's pictures for a row of those that would be written.
-fn reduction(drawn: &DrawnPair) -> f64 {
-    drawn.shown.size.height as f64 / drawn.full.size.height as f64
+    y / drawn.reduction()
 }
 
 /// A picture on the screen, to be drawn over.
 pub struct SheetCanvas<'a> {
     /// Clipped to the picture's place.
     pub painter: &'a Painter,
-    /// Where its pixels appear.
-    pub transform: &'a Transform,
+    /// Where the pixels of the left and of the right picture appear.
+    pub transforms: &'a [Transform; 2],
     /// Which picture it is.
     pub sheet: Sheet,
     /// The pair.
@@ -72,6 +67,11 @@ pub struct SheetCanvas<'a> {
 }
 
 impl SheetCanvas<'_> {
+    /// Where its own pixels appear; those of the left picture where it is of both.
+    fn transform(&self) -> &Transform {
+        &self.transforms[self.sheet.side().map_or(0, Side::index)]
+    }
+
     /// Draws everything.
     pub fn draw(&self, row: Option<&SheetRow>) {
         self.guides();
@@ -85,18 +85,19 @@ impl SheetCanvas<'_> {
 
     /// Horizontal lines at the same rows in both pictures.
     fn guides(&self) {
-        let reduction = reduction(self.drawn);
-        let Some(spacing) = self.model.look.rectified.guides.spacing(self.transform.scale * reduction) else {
+        let reduction = self.drawn.reduction();
+        let Some(spacing) = self.model.look.rectified.guides.spacing(self.transform().scale * reduction)
+        else {
             return;
         };
         let spacing = spacing * reduction;
         let visible = self.painter.clip_rect();
-        let rows = [visible.min, visible.max].map(|corner| self.transform.image_from_screen(corner).y);
+        let rows = [visible.min, visible.max].map(|corner| self.transform().image_from_screen(corner).y);
         let bottom = self.drawn.frame().bottom();
         let (first, last) = ((rows[0].max(0.0) / spacing).ceil(), (rows[1].min(bottom) / spacing).floor());
         let mut k = first;
         while k <= last {
-            let y = self.transform.screen_from_image(Point::new(0.0, k * spacing)).y;
+            let y = self.transform().screen_from_image(Point::new(0.0, k * spacing)).y;
             self.painter.hline(visible.x_range(), y, Stroke::new(1.0, theme::GUIDE));
             k += 1.0;
         }
@@ -104,7 +105,7 @@ impl SheetCanvas<'_> {
 
     /// The row of the cursor, and its place in the row.
     fn row(&self, row: &SheetRow) {
-        let at = self.transform.screen_from_image(row.at);
+        let at = self.transform().screen_from_image(row.at);
         let visible = self.painter.clip_rect();
         for (width, color) in [(3.4, theme::HALO), (1.4, theme::HOVER)] {
             self.painter.hline(visible.x_range(), at.y, Stroke::new(width, color));
@@ -133,7 +134,7 @@ impl SheetCanvas<'_> {
     fn place(&self, side: Side, pair: &PointPair) -> Option<Pos2> {
         let point = [pair.point1, pair.point2][side.index()];
         let at = self.drawn.shown.maps[side.index()].rectified_from_original(point)?;
-        Some(self.transform.screen_from_image(at))
+        Some(self.transforms[side.index()].screen_from_image(at))
     }
 
     /// The images whose points are drawn here.
@@ -182,6 +183,9 @@ impl SheetCanvas<'_> {
             (RectifiedLayout::Blink, Sheet::Left) => "Left",
             (RectifiedLayout::Blink, _) => "Right",
             (RectifiedLayout::Anaglyph, _) => "Left red, right cyan",
+            (RectifiedLayout::Wipe, _) => "Left, then right of the line",
+            (RectifiedLayout::Disparity, _) if self.drawn.disparity.is_none() => "No rows match yet",
+            (RectifiedLayout::Disparity, _) => "Disparities of the left picture",
             (RectifiedLayout::SideBySide, _) => return,
         };
         let corner = self.painter.clip_rect().right_top() + vec2(-6.0, 6.0);

@@ -1,0 +1,61 @@
+//! What is noted of the pairs, and which of them are chosen together.
+
+use super::{Document, PairNote, pair_name};
+use crate::io::{PairLabel, PairOrigin};
+
+/// Characters of a name; more than this is no name.
+const LONGEST_NAME: usize = 60;
+
+impl Document {
+    /// The name that a person gave a pair.
+    pub fn given_name(&self, pair: usize) -> Option<&str> {
+        self.notes.get(&pair)?.name.as_deref()
+    }
+
+    /// What a pair is called: the name that it was given, or that of its place.
+    pub fn name(&self, pair: usize) -> String {
+        self.given_name(pair).map_or_else(|| pair_name(pair), str::to_owned)
+    }
+
+    /// Where the points of a pair come from.
+    pub fn origin(&self, pair: usize) -> PairOrigin {
+        self.notes.get(&pair).map_or(PairOrigin::Clicked, |note| note.origin)
+    }
+
+    /// Notes where the points of a pair come from.
+    pub fn set_origin(&mut self, pair: usize, origin: PairOrigin) {
+        self.note(pair, |note| note.origin = origin);
+    }
+
+    /// Gives a pair a name; an empty one, or that of its place, takes it away.
+    pub fn rename(&mut self, pair: usize, name: &str) {
+        let name: String = name.chars().filter(|c| !c.is_control()).take(LONGEST_NAME).collect();
+        let is_given = !name.trim().is_empty() && name != pair_name(pair);
+        self.note(pair, |note| note.name = is_given.then_some(name));
+    }
+
+    fn note(&mut self, pair: usize, change: impl FnOnce(&mut PairNote)) {
+        if pair < self.pairs.len() {
+            let mut note = self.notes.remove(&pair).unwrap_or_default();
+            change(&mut note);
+            if note != PairNote::default() {
+                self.notes.insert(pair, note);
+            }
+        }
+    }
+
+    /// Names and origins of the pairs that are not left out.
+    pub fn labels(&self) -> impl Iterator<Item = PairLabel> + '_ {
+        let included = (0..self.pairs.len()).filter(|pair| !self.excluded.contains(pair));
+        included.map(|pair| PairLabel { name: self.name(pair), origin: self.origin(pair) })
+    }
+
+    /// Removes several pairs.
+    pub fn remove_all(&mut self, pairs: impl IntoIterator<Item = usize>) {
+        let mut pairs: Vec<_> = pairs.into_iter().collect();
+        pairs.sort_unstable();
+        for pair in pairs.into_iter().rev() {
+            self.remove(pair);
+        }
+    }
+}

@@ -1,0 +1,158 @@
+use super::*;
+use crate::estimate::Preset;
+use crate::evaluate::Protocol;
+
+fn document() -> Document {
+    let picture = |name: &str| PictureIdentity { name: name.into(), path: None, frame: Frame::new(100, 80) };
+    Document::new([picture("a"), picture("b")], Parameters::default())
+}
+
+#[test]
+fn two_clicks_in_either_order_make_a_pair() {
+    let mut document = document();
+    document.place(Side::Left, Point::new(1.0, 2.0));
+    assert!(document.half.is_some() && document.pairs.is_empty());
+    document.place(Side::Right, Point::new(3.0, 4.0));
+    document.place(Side::Right, Point::new(7.0, 8.0));
+    document.place(Side::Left, Point::new(5.0, 6.0));
+    assert_eq!(document.pairs, [PointPair::new(1.0, 2.0, 3.0, 4.0), PointPair::new(5.0, 6.0, 7.0, 8.0)]);
+    assert!(document.half.is_none());
+    assert_eq!(document.used_pairs().map(|pairs| pairs.len()), Some(2));
+}
+
+#[test]
+fn a_second_click_in_the_same_image_replaces_the_first() {
+    let mut document = document();
+    document.place(Side::Left, Point::new(1.0, 2.0));
+    document.place(Side::Left, Point::new(9.0, 9.0));
+    assert_eq!(document.half.map(|half| half.point), Some(Point::new(9.0, 9.0)));
+    assert_eq!(document.points(Side::Left).count(), 1);
+    assert_eq!(document.points(Side::Right).count(), 0);
+}
+
+#[test]
+fn points_stay_on_their_image() {
+    let mut document = document();
+    document.place(Side::Left, Point::new(-50.0, 500.0));
+    assert_eq!(document.half.map(|half| half.point), Some(Point::new(-0.5, 79.5)));
+    let at = PointRef { pair: 0, side: Side::Left };
+    document.move_to(at, Point::new(1e9, -1e9));
+    assert_eq!(document.point(at), Some(Point::new(99.5, -0.5)));
+}
+
+#[test]
+fn moving_or_removing_what_is_not_there_changes_nothing() {
+    let mut document = document();
+    document.place(Side::Left, Point::new(1.0, 2.0));
+    let before = document.clone();
+    document.move_to(PointRef { pair: 0, side: Side::Right }, Point::new(5.0, 5.0));
+    document.move_to(PointRef { pair: 7, side: Side::Right }, Point::new(5.0, 5.0));
+    assert_eq!(document, before);
+    document.remove(7);
+    assert!(document.half.is_some());
+    document.remove(0);
+    assert!(document.half.is_none());
+}
+
+#[test]
+fn all_pairs_are_used_but_those_that_check_and_the_published_search_takes_what_it_needs() {
+    let mut document = document();
+    document.set_pairs(vec![PointPair::new(1.0, 2.0, 3.0, 4.0); 5], PairOrigin::Clicked);
+    assert_eq!(document.used_pairs().map(|pairs| pairs.len()), Some(5));
+    document.check_only(1, true);
+    document.include(3, false);
+    assert_eq!(document.used().collect::<Vec<_>>(), [0, 2, 4]);
+    assert_eq!((document.role(1), document.role(3)), (Role::Check, Role::Excluded));
+    document.remove(0);
+    assert_eq!(document.used().collect::<Vec<_>>(), [1, 3], "numbers follow when a pair before goes");
+    document.check_only(2, false);
+    document.check_only(0, false);
+    assert_eq!(document.used().count(), 4);
+    document.parameters = Parameters::from(Preset::Paper);
+    assert_eq!((document.used().count(), document.role(2)), (2, Role::Check));
+    document.parameters.method = Method::ThreePoint;
+    assert_eq!((document.used().count(), document.role(2)), (3, Role::Used));
+}
+
+#[test]
+fn a_document_from_before_there_were_roles_uses_its_pairs() {
+    let mut document = document();
+    document.set_pairs(vec![PointPair::new(1.0, 2.0, 3.0, 4.0); 3], PairOrigin::Clicked);
+    let mut old = serde_json::to_value(&document).unwrap();
+    assert!(old.as_object_mut().unwrap().remove("checks").is_none());
+    assert_eq!(serde_json::from_value::<Document>(old).unwrap(), document);
+}
+
+#[test]
+fn a_trial_replaces_the_first_pairs_until_one_of_them_is_touched() {
+    let mut document = document();
+    let pair = |x: f64| PointPair::new(x, 1.0, x, 1.0);
+    let trial = Trial { protocol: Protocol::WellPosed, seed: 3 };
+    document.set_trial(trial, vec![pair(1.0), pair(2.0)]);
+    assert_eq!((document.pairs.len(), document.trial), (2, Some(trial)));
+    document.place(Side::Left, pair(9.0).point1);
+    document.place(Side::Right, pair(9.0).point2);
+    assert_eq!(document.trial, None, "another pair takes part");
+    document.include(0, false);
+    document.include(2, false);
+    document.set_trial(trial, vec![pair(3.0), pair(4.0)]);
+    assert_eq!(document.pairs, [pair(3.0), pair(4.0), pair(9.0)]);
+    assert_eq!(document.used().collect::<Vec<_>>(), [0, 1]);
+    assert_eq!(document.excluded, BTreeSet::from([2]), "what was left out further behind stays so");
+    document.move_to(PointRef { pair: 2, side: Side::Left }, Point::new(5.0, 5.0));
+    assert_eq!(document.trial, Some(trial));
+    document.move_to(PointRef { pair: 1, side: Side::Left }, Point::new(5.0, 5.0));
+    assert_eq!(document.trial, None);
+}
+
+#[test]
+fn a_pair_left_out_makes_room_for_the_next_one_of_the_published_search() {
+    let mut document = document();
+    document.parameters = Parameters::from(Preset::Paper);
+    let pair = |x: f64| PointPair::new(x, 1.0, x, 1.0);
+    document.set_pairs([1.0, 2.0, 3.0, 4.0].map(pair).to_vec(), PairOrigin::Clicked);
+    document.include(1, false);
+    assert_eq!(document.used_pairs(), Some(vec![pair(1.0), pair(3.0)]));
+    let roles: Vec<_> = (0..4).map(|k| document.role(k)).collect();
+    assert_eq!(roles, [Role::Used, Role::Excluded, Role::Used, Role::Check]);
+    document.remove(0);
+    assert_eq!(document.role(0), Role::Excluded, "numbers follow when a pair before it goes");
+    document.include(0, true);
+    assert_eq!(document.used_pairs(), Some(vec![pair(2.0), pair(3.0)]));
+    document.include(1, false);
+    document.include(2, false);
+    assert_eq!(document.used_pairs(), None);
+}
+
+#[test]
+fn survives_a_round_trip_through_json() {
+    let mut document = document();
+    document.place(Side::Left, Point::new(1.25, 2.5));
+    let text = serde_json::to_string(&document).unwrap();
+    assert_eq!(serde_json::from_str::<Document>(&text).unwrap(), document);
+}
+
+#[test]
+fn notes_follow_their_pairs_and_a_moved_point_is_clicked_again() {
+    let mut document = document();
+    let pair = |x: f64| PointPair::new(x, 1.0, x, 1.0);
+    document.set_pairs([1.0, 2.0, 3.0].map(pair).to_vec(), PairOrigin::Imported);
+    document.rename(2, "door");
+    document.rename(1, "q");
+    assert_eq!((document.given_name(1), document.name(2).as_str()), (None, "door"));
+    document.chosen = BTreeSet::from([0, 2]);
+    document.remove(0);
+    assert_eq!((document.name(0).as_str(), document.name(1).as_str()), ("p", "door"));
+    assert_eq!(document.chosen, BTreeSet::from([1]));
+    document.move_to(PointRef { pair: 1, side: Side::Left }, Point::new(9.0, 9.0));
+    assert_eq!(document.origin(1), PairOrigin::Clicked);
+    assert_eq!(document.origin(0), PairOrigin::Imported);
+    document.place(Side::Left, Point::new(5.0, 5.0));
+    document.accept(Side::Right, Point::new(6.0, 5.0));
+    assert_eq!(document.origin(2), PairOrigin::Suggested);
+    let text = serde_json::to_string(&document).unwrap();
+    let back: Document = serde_json::from_str(&text).unwrap();
+    assert_eq!((back.name(1), back.origin(2)), (document.name(1), PairOrigin::Suggested));
+    document.remove_all([0, 2]);
+    assert_eq!((document.pairs.len(), document.name(0).as_str()), (1, "door"));
+}

@@ -1,0 +1,44 @@
+//! The point pairs as a table for spreadsheets and scripts.
+
+use std::fmt::Write;
+
+use super::exporting::trust_note;
+use crate::app::model::Model;
+use crate::app::model::document::Role;
+
+/// Comma-separated values, one row a pair that is not left out, in the order of the list. The first four columns are what
+/// every reader of point pairs takes; comment lines begin with `#`.
+pub fn csv(model: &Model) -> String {
+    let document = &model.document;
+    let mut text = String::from("# Point pairs of two images, written by epiline ");
+    text.push_str(env!("CARGO_PKG_VERSION"));
+    text.push_str(".\n# Pixels: x to the right, y down; the centre of the upper left pixel is (0, 0).\n");
+    if let Some(trust) = trust_note(model) {
+        text.push_str("# distance: symmetric distance from the epipolar lines of the geometry shown, px.\n");
+        let _ = writeln!(text, "# That geometry is {}.", trust.verdict);
+        for reason in &trust.reasons {
+            let _ = writeln!(text, "#   {reason}");
+        }
+    }
+    text.push_str("x1,y1,x2,y2,name,origin,role,distance\n");
+    for pair in model.listed_pairs() {
+        let points = document.pairs[pair];
+        let role = match document.role(pair) {
+            Role::Used => "used",
+            Role::Check => "check only",
+            Role::Excluded => continue,
+        };
+        let distance = model.pair_distance(pair).map_or(String::new(), |distance| format!("{distance:.3}"));
+        let name = document.name(pair).replace('"', "\"\"");
+        let _ = writeln!(
+            text,
+            "{},{},{},{},\"{name}\",{},{role},{distance}",
+            points.point1.x,
+            points.point1.y,
+            points.point2.x,
+            points.point2.y,
+            document.origin(pair).name()
+        );
+    }
+    text
+}

@@ -1,0 +1,177 @@
+//! The list of point pairs: in which order it is, which rows are chosen, what is done with all of them, and copying and
+//! pasting as spreadsheets do it.
+
+mod kinds;
+mod pasting;
+#[cfg(test)]
+mod tests;
+
+use std::fmt::Write as _;
+
+pub use kinds::{Choosing, ChosenEdit, PointColumn, PointOrder, PointsCommand};
+use pasting::{is_name_of_a_place, parse_table};
+
+use super::document::Role;
+use super::history::Step;
+use super::{EditKey, Model};
+use crate::geometry::{PointPair, symmetric_epipolar_distance};
+use crate::io::PairOrigin;
+
+impl Model {
+    /// The pairs as the list shows them.
+    pub fn listed_pairs(&self) -> Vec<usize> {
+        let PointOrder { column, descending, .. } = self.open.points;
+        let document = &self.document;
+        let mut pairs: Vec<usize> = (0..document.pairs.len()).collect();
+        let role = |pair: usize| match document.role(pair) {
+            Role::Used => 0.0,
+            Role::Check => 1.0,
+            Role::Excluded => 2.0,
+        };
+        let key = |pair: usize| match column {
+            PointColumn::Number | PointColumn::Name => pair as f64,
+            PointColumn::Left => document.pairs[pair].point1.x,
+            PointColumn::Right => document.pairs[pair].point2.x,
+            PointColumn::Role => role(pair),
+            PointColumn::Distance => self.pair_distance(pair).unwrap_or(f64::NAN),
+        };
+        pairs.sort_by(|a, b| {
+            let missing = |pair: usize| match column {
+                PointColumn::Name => document.given_name(pair).is_none(),
+                _ => key(pair).is_nan(),
+            };
+            let order = match column {
+                PointColumn::Name => document.given_name(*a).cmp(&document.given_name(*b)),
+                _ => key(*a).total_cmp(&key(*b)),
+            };
+            missing(*a).cmp(&missing(*b)).then(if descending { order.reverse() } else { order })
+        });
+        pairs
+    }
+
+    /// The symmetric distance of a pair from the geometry shown, px.
+    pub fn pair_distance(&self, pair: usize) -> Option<f64> {
+        let distance = symmetric_epipolar_distance(self.shown()?.fundamental, self.document.pairs.get(pair)?);
+        distance.is_finite().then_some(distance)
+    }
+
+    /// Sorts the list.
+    pub fn sort_points(&mut self, by: PointColumn) {
+        let PointOrder { column, descending, .. } = &mut self.open.points;
+        *descending = *column == by && !*descending;
+        *column = by;
+    }
+
+    /// Chooses rows of the list; the point that keys act on is that of the row.
+    pub fn choose_pair(&mut self, pair: usize, how: Choosing) {
+        if pair >= self.document.pairs.len() {
+            return;
+        }
+        let listed = self.listed_pairs();
+        let place = |pair: usize| listed.iter().position(|other| *other == pair);
+        let anchor = self.open.points.anchor.and_then(place);
+        let chosen = &mut self.document.chosen;
+        match (how, anchor.zip(place(pair))) {
+            (Choosing::Through, Some((from, to))) => {
+                chosen.extend(&listed[from.min(to)..=from.max(to)]);
+                return;
+            }
+            (Choosing::Toggle, _) => {
+                if !chosen.remove(&pair) {
+                    chosen.insert(pair);
+                }
+            }
+            (Choosing::Only | Choosing::Through, _) => {
+                let was_alone = chosen.len() == 1 && chosen.contains(&pair);
+                chosen.clear();
+                if !was_alone {
+                    chosen.insert(pair);
+                }
+            }
+        }
+        self.open.points.anchor = Some(pair);
+        self.history.close_step();
+    }
+
+    /// Chooses all rows.
+    pub fn choose_all_pairs(&mut self) {
+        self.document.chosen = (0..self.document.pairs.len()).collect();
+    }
+
+    /// Does something with all chosen pairs, in one step.
+    pub fn edit_chosen(&mut self, what: ChosenEdit) {
+        let chosen = self.document.chosen.clone();
+        self.edit(Step::Single, |document| match what {
+            ChosenEdit::Delete => document.remove_all(chosen),
+            ChosenEdit::Use | ChosenEdit::CheckOnly => {
+                for pair in chosen {
+                    document.check_only(pair, what == ChosenEdit::CheckOnly);
+                }
+            }
+            ChosenEdit::Exclude => {
+                for pair in chosen {
+                    document.include(pair, false);
+                }
+            }
+        });
+    }
+
+    /// Gives a pair a name; the letters of one are one step.
+    pub fn rename_pair(&mut self, pair: usize, name: &str) {
+        self.edit(Step::Merged(EditKey::Name(pair)), |document| document.rename(pair, name));
+    }
+
+    /// The chosen pairs, or all, as a table for spreadsheets, in the order of the list.
+    pub fn copied_pairs(&self) -> String {
+        let document = &self.document;
+        let mut text = String::from("name\tx1\ty1\tx2\ty2\n");
+        let all = document.chosen.is_empty();
+        for pair in self.listed_pairs().into_iter().filter(|pair| all || document.chosen.contains(pair)) {
+            let PointPair { point1, point2 } = document.pairs[pair];
+            let name = document.name(pair);
+            let _ = writeln!(text, "{name}\t{}\t{}\t{}\t{}", point1.x, point1.y, point2.x, point2.y);
+        }
+        text
+    }
+
+    /// Adds the pairs of a table in one step, and chooses them; says what became of it.
+    pub fn paste_pairs(&mut self, text: &str) {
+        let rows = match parse_table(text) {
+            Ok(rows) => rows,
+            Err(problem) => return self.messages.tell(problem),
+        };
+        let Some(pictures) = &self.document.pictures else { return };
+        let frames = pictures.each_ref().map(|picture| picture.frame);
+        let total = rows.len();
+        let mut inside = rows;
+        inside.retain(|(_, pair)| frames[0].contains(pair.point1) && frames[1].contains(pair.point2));
+        let (count, outside) = (inside.len(), total - inside.len());
+        if outside > 0 {
+            let were = if outside == 1 { "lies" } else { "lie" };
+            self.messages.tell(format!(
+                "{outside} of the {total} pasted point pairs {were} outside the images and were left out: check that x \
+                 comes before y, and the left image before the right one."
+            ));
+        }
+        if count == 0 {
+            return;
+        }
+        self.edit(Step::Single, |document| {
+            let first = document.pairs.len();
+            document.half = None;
+            document.selection = None;
+            for (number, (name, pair)) in inside.into_iter().enumerate() {
+                document.pairs.push(pair);
+                document.set_origin(first + number, PairOrigin::Pasted);
+                // The letters of places are no names: the place may be another one here.
+                if let Some(name) = name.filter(|name| !is_name_of_a_place(name)) {
+                    document.rename(first + number, &name);
+                }
+            }
+            document.chosen = (first..document.pairs.len()).collect();
+            document.follow_trial();
+        });
+        let plural = if count == 1 { "" } else { "s" };
+        self.open.done = Some(format!("Pasted {count} point pair{plural}"));
+    }
+}

@@ -1,0 +1,265 @@
+//! How bright and dark the pictures are shown: exposure, contrast, gamma, single channels. Only what is on the screen
+//! changes; nothing is computed from it.
+
+use image::DynamicImage;
+
+use super::document::Side;
+use super::picture::Pictures;
+use crate::image::Picture;
+
+/// Part of the pixels that a stretch makes black, and as many white.
+const CLIPPED: f32 = 0.005;
+/// Pixels that a stretch looks at.
+const SAMPLED: usize = 200_000;
+
+/// What of the colours is shown.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum Channel {
+    /// All of them.
+    #[default]
+    Colour,
+    /// Red alone, as grey.
+    Red,
+    /// Green alone, as grey.
+    Green,
+    /// Blue alone, as grey.
+    Blue,
+    /// The brightness that everything is computed from.
+    Grey,
+}
+
+impl Channel {
+    /// All choices.
+    pub const ALL: [Self; 5] = [Self::Colour, Self::Red, Self::Green, Self::Blue, Self::Grey];
+
+    /// What the user reads.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Colour => "Colour",
+            Self::Red => "Red",
+            Self::Green => "Green",
+            Self::Blue => "Blue",
+            Self::Grey => "Grey",
+        }
+    }
+}
+
+/// How one picture is shown.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Rendition {
+    /// How many times everything is doubled.
+    pub stops: f32,
+    /// How much farther from middle grey everything is than in the file.
+    pub contrast: f32,
+    /// Above 1 lifts what is dark more than what is bright.
+    pub gamma: f32,
+    /// What of the colours is shown.
+    pub channel: Channel,
+    /// What is shown as black and as white before all that, 0 to 1.
+    pub range: [f32; 2],
+}
+
+impl Default for Rendition {
+    fn default() -> Self {
+        Self { stops: 0.0, contrast: 1.0, gamma: 1.0, channel: Channel::Colour, range: [0.0, 1.0] }
+    }
+}
+
+impl Rendition {
+    /// Whether pictures are shown as they are.
+    pub fn is_plain(&self) -> bool {
+        *self == Self::default()
+    }
+
+    /// What becomes of a value of a channel.
+    fn mapped(&self, value: f32) -> f32 {
+        let [black, white] = self.range;
+        let value = (value - black) / (white - black).max(1e-6) * self.stops.exp2();
+        let value = (value - 0.5) * self.contrast + 0.5;
+        value.clamp(0.0, 1.0).powf(1.0 / self.gamma.max(0.01))
+    }
+
+    /// A picture as it is shown: red, green, blue and alpha of each pixel, the colours multiplied by alpha.
+    pub fn render(&self, pixels: &DynamicImage) -> Vec<u8> {
+        match pixels {
+            DynamicImage::ImageRgb32F(_) | DynamicImage::ImageRgba32F(_) => {
+                let pixels = pixels.to_rgba32f();
+                self.each(pixels.as_raw().as_chunks::<4>().0.iter().copied(), |value| {
+                    (self.mapped(value) * 255.0).round() as u8
+                })
+            }
+            DynamicImage::ImageLuma8(_)
+            | DynamicImage::ImageLumaA8(_)
+            | DynamicImage::ImageRgb8(_)
+            | DynamicImage::ImageRgba8(_) => {
+                let table: Vec<u8> =
+                    (0..=255_u8).map(|v| (self.mapped(f32::from(v) / 255.0) * 255.0).round() as u8).collect();
+                let pixels = pixels.to_rgba8();
+                let values =
+                    pixels.as_raw().as_chunks::<4>().0.iter().map(|p| p.map(|v| f32::from(v) / 255.0));
+                self.each(values, |value| table[(value * 255.0).round().clamp(0.0, 255.0) as usize])
+            }
+            // What 16 bits tell in the dark, 8 bits have lost.
+            _ => {
+                let table: Vec<u8> = (0..=u16::MAX)
+                    .map(|v| (self.mapped(f32::from(v) / 65_535.0) * 255.0).round() as u8)
+                    .collect();
+                let pixels = pixels.to_rgba16();
+                let values =
+                    pixels.as_raw().as_chunks::<4>().0.iter().map(|p| p.map(|v| f32::from(v) / 65_535.0));
+                self.each(values, |value| table[(value * 65_535.0).round().clamp(0.0, 65_535.0) as usize])
+            }
+        }
+    }
+
+    fn each(&self, pixels: impl Iterator<Item = [f32; 4]>, shown: impl Fn(f32) -> u8) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        for [red, green, blue, alpha] in pixels {
+            let single = match self.channel {
+                Channel::Colour => None,
+                Channel::Red => Some(red),
+                Channel::Green => Some(green),
+                Channel::Blue => Some(blue),
+                Channel::Grey => Some(0.2126 * red + 0.7152 * green + 0.0722 * blue),
+            };
+            let colours = match single {
+                Some(value) => [shown(value); 3],
+                None => [red, green, blue].map(&shown),
+            };
+            let alpha = alpha.clamp(0.0, 1.0);
+            bytes.extend(colours.map(|colour| (f32::from(colour) * alpha).round() as u8));
+            bytes.push((alpha * 255.0).round() as u8);
+        }
+        bytes
+    }
+
+    /// With the darkest and the brightest of a picture as black and white, but for a few pixels.
+    #[must_use]
+    pub fn stretched(self, picture: &Picture) -> Self {
+        let values = picture.gray.values();
+        let step = (values.len() / SAMPLED).max(1);
+        let mut sampled: Vec<f32> = values.iter().step_by(step).map(|v| v / 255.0).collect();
+        sampled.sort_unstable_by(f32::total_cmp);
+        let at = |part: f32| sampled.get(((sampled.len() - 1) as f32 * part) as usize).copied();
+        let range = at(CLIPPED).zip(at(1.0 - CLIPPED)).filter(|(black, white)| white > black);
+        Self { range: range.map_or([0.0, 1.0], |(black, white)| [black, white]), ..self }
+    }
+}
+
+/// How both pictures are shown. It belongs to them, and goes with them.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Tones {
+    /// The left and the right one.
+    pub of: [Rendition; 2],
+    /// The one that is adjusted; both without.
+    pub alone: Option<Side>,
+}
+
+/// Something to do with how the pictures are shown.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum TonesCommand {
+    /// Adjust one of them, or both.
+    Adjust(Option<Side>),
+    /// Show what is adjusted like this.
+    Set(Rendition),
+    /// Make the darkest black and the brightest white.
+    Stretch,
+    /// Show both as they are.
+    Reset,
+}
+
+impl Tones {
+    /// What is adjusted now.
+    pub fn adjusted(&self) -> Rendition {
+        self.of[self.alone.map_or(0, Side::index)]
+    }
+
+    /// Does what a command says.
+    pub fn apply(&mut self, command: TonesCommand, pictures: Option<&Pictures>) {
+        let alone = self.alone;
+        let wanted = |side: Side| alone.is_none_or(|alone| alone == side);
+        match command {
+            TonesCommand::Adjust(alone) => self.alone = alone,
+            TonesCommand::Reset => self.of = Default::default(),
+            TonesCommand::Set(rendition) => {
+                for side in Side::BOTH.into_iter().filter(|side| wanted(*side)) {
+                    let own = &mut self.of[side.index()];
+                    // Each has a black and a white of its own, which sliders leave alone.
+                    let range = own.range;
+                    *own = Rendition { range, ..rendition };
+                }
+            }
+            TonesCommand::Stretch => {
+                let Some(pictures) = pictures else { return };
+                for side in Side::BOTH.into_iter().filter(|side| wanted(*side)) {
+                    let own = &mut self.of[side.index()];
+                    *own = own.stretched(&pictures[side.index()]);
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::model::picture::multiplied;
+    use crate::app::model::shared::Shared;
+
+    fn picture(pixels: DynamicImage) -> Picture {
+        Picture::from_pixels("test".into(), None, pixels).unwrap()
+    }
+
+    #[test]
+    fn a_plain_rendition_is_the_picture() {
+        let pixels =
+            image::RgbaImage::from_fn(16, 16, |x, y| image::Rgba([x as u8 * 16, y as u8, 77, 255 - x as u8]));
+        let pixels = DynamicImage::from(pixels);
+        let (shown, own) = (Rendition::default().render(&pixels), multiplied(&pixels));
+        assert!(shown.iter().zip(&own).all(|(a, b)| a.abs_diff(*b) <= 1));
+        assert_eq!(shown.len(), own.len());
+    }
+
+    #[test]
+    fn exposure_contrast_gamma_and_channels_do_what_they_say() {
+        let pixels = DynamicImage::from(image::RgbImage::from_pixel(1, 1, image::Rgb([40, 100, 200])));
+        let shown = |rendition: Rendition| rendition.render(&pixels)[..3].to_vec();
+        let plain = Rendition::default();
+        assert_eq!(shown(Rendition { stops: 1.0, ..plain }), [80, 200, 255]);
+        assert_eq!(shown(Rendition { stops: -1.0, ..plain }), [20, 50, 100]);
+        assert_eq!(shown(Rendition { contrast: 0.0, ..plain }), [128, 128, 128]);
+        assert_eq!(shown(Rendition { channel: Channel::Blue, ..plain }), [200, 200, 200]);
+        let lifted = shown(Rendition { gamma: 2.0, ..plain });
+        assert!(lifted[0] > 95 && lifted[0] < 105 && lifted[2] > 220);
+    }
+
+    #[test]
+    fn what_16_bits_tell_in_the_dark_comes_to_light() {
+        let pixels =
+            image::ImageBuffer::<image::Luma<u16>, _>::from_fn(4, 1, |x, _| image::Luma([64 * x as u16]));
+        let picture = picture(DynamicImage::ImageLuma16(pixels));
+        assert_eq!(multiplied(&picture.pixels)[8], 0, "in 8 bits it is lost");
+        let shown = Rendition::default().stretched(&picture).render(&picture.pixels);
+        let grey: Vec<u8> = shown.chunks(4).map(|pixel| pixel[0]).collect();
+        assert!(grey[0] == 0 && grey[1] > 80 && grey[2] > grey[1], "{grey:?}");
+    }
+
+    #[test]
+    fn one_picture_is_adjusted_alone_or_both_with_a_range_of_their_own() {
+        let flat = |from: u8| {
+            let pixels = image::GrayImage::from_fn(64, 64, |x, _| image::Luma([from + x as u8]));
+            Shared::new(picture(pixels.into()))
+        };
+        let pictures = [flat(10), flat(100)];
+        let mut tones = Tones::default();
+        tones.apply(TonesCommand::Stretch, Some(&pictures));
+        assert!(tones.of[0].range[1] < tones.of[1].range[0]);
+        tones.apply(TonesCommand::Set(Rendition { stops: 2.0, ..tones.adjusted() }), Some(&pictures));
+        assert!(tones.of.iter().all(|own| own.stops == 2.0) && tones.of[0].range != tones.of[1].range);
+        tones.apply(TonesCommand::Adjust(Some(Side::Right)), None);
+        tones.apply(TonesCommand::Set(Rendition { stops: -1.0, ..tones.adjusted() }), None);
+        assert_eq!(tones.of.map(|own| own.stops), [2.0, -1.0]);
+        tones.apply(TonesCommand::Reset, None);
+        assert!(tones.of.iter().all(Rendition::is_plain));
+    }
+}

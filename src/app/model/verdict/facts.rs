@@ -1,0 +1,231 @@
+//! The figures behind a result, each with what is good and bad.
+
+use std::f64::consts::PI;
+
+use crate::app::model::computation::Freshness;
+use crate::app::model::document::{Document, Imported};
+use crate::estimate::{CLEAR_MARGIN, ENOUGH_MATCHES, Estimate, FAR_TOO_FEW, LineScore};
+use crate::geometry::{Frame, FundamentalMatrix, HomogeneousPoint, finite_point};
+
+/// How the news is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Tone {
+    /// There is nothing yet.
+    Idle,
+    /// Work is under way.
+    Busy,
+    /// A result to rely on.
+    Good,
+    /// A result with something to know about it.
+    Caution,
+    /// No result.
+    Bad,
+}
+
+/// A figure with its name.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Fact {
+    /// What it is.
+    pub name: &'static str,
+    /// The figure with its unit.
+    pub value: String,
+    /// What it means, and what is good and bad.
+    pub tooltip: &'static str,
+    /// Whether it speaks for the result, where there is a measure for that.
+    pub tone: Option<Tone>,
+}
+
+impl Fact {
+    /// A figure without a measure of good and bad.
+    pub fn new(name: &'static str, value: impl Into<String>, tooltip: &'static str) -> Self {
+        Self { name, value: value.into(), tooltip, tone: None }
+    }
+}
+
+/// Below this margin a result is a guess.
+const GUESS: f64 = 0.05;
+
+/// What is known about a geometry from a file.
+pub fn import_facts(imported: &Imported) -> Vec<Fact> {
+    let check = match &imported.check {
+        Some(check) => format!("{:.2} px, median of {} {}", check.median, check.matches, check.of),
+        None => "unchecked".to_owned(),
+    };
+    vec![
+        Fact::new("From", imported.file.clone(), "The file that it was imported from."),
+        Fact::new(
+            "Taken",
+            imported.reading.clone(),
+            "How the numbers of the file were taken, of all the conventions that are in use.",
+        ),
+        Fact::new(
+            "Checked",
+            check,
+            "Symmetric distance that half of the matches at the time of the import stay below.",
+        ),
+    ]
+}
+
+/// The figures behind a result.
+pub fn facts(document: &Document, estimate: &Estimate, freshness: Freshness) -> Vec<Fact> {
+    let mut facts = epipoles(document, estimate.fundamental());
+    if matches!(freshness, Freshness::Followed | Freshness::Stale) {
+        // The other figures belong to earlier points.
+        return facts;
+    }
+    // Before the end, near-copies of the result are not told from other geometries.
+    facts.extend((freshness == Freshness::Final).then(|| margin(estimate)));
+    if let Some(refinement) = &estimate.assessment.refinement {
+        let count = refinement.matches.len();
+        let tone = grade(count >= ENOUGH_MATCHES, count >= FAR_TOO_FEW);
+        facts.push(Fact {
+            tone: Some(tone).filter(|_| count > 0),
+            ..Fact::new(
+                "Matches",
+                format!("{count} patches at full size"),
+                "Image patches that were matched along the epipolar lines at full resolution; the result was fitted to \
+                 them. 60 or more are enough, fewer than 25 far too few.",
+            )
+        });
+    }
+    facts.extend(line_figures(document, estimate));
+    if let Some(support) = &estimate.assessment.support {
+        facts.push(Fact::new(
+            "Support",
+            format!("{:.1}, over {} corners", support.score, support.matches),
+            SUPPORT,
+        ));
+    }
+    if let Some(trace) = &estimate.trace {
+        facts.push(Fact::new(
+            "Time",
+            format!("{:.2} s, first {:.2} s", trace.seconds, trace.first_seconds),
+            "How long the computation took, and until its first result.",
+        ));
+    }
+    facts
+}
+
+const SUPPORT: &str = "Corners of the reduced images that find their match along their epipolar line, weighted by how alike \
+                       they are. There is no good figure by itself: compare it with those of the other hypotheses.";
+
+/// How clearly the result is ahead, and of which hypothesis.
+fn margin(estimate: &Estimate) -> Fact {
+    let Some(margin) = estimate.assessment.margin else {
+        return Fact { tone: Some(Tone::Good), ..Fact::new("Margin", "no other geometry came near", MARGIN) };
+    };
+    let rival = rival(estimate).map_or(String::new(), |rival| format!(" to hypothesis {}", rival + 1));
+    // What decides, when it was looked at.
+    let refined = estimate.assessment.refined_margin;
+    let decides = refined.unwrap_or(margin);
+    let after = refined.map_or(String::new(), |refined| format!(", {:.0} % refined", refined * 100.0));
+    Fact {
+        tone: Some(grade(decides >= CLEAR_MARGIN, decides >= GUESS)),
+        ..Fact::new("Margin", format!("{:.0} %{rival}{after}", margin * 100.0), MARGIN)
+    }
+}
+
+const MARGIN: &str = "How much less support the best clearly different geometry has than hypothesis 1, from which the result was \
+                      refined; of the published search, how much worse its line score is. 20 % or more is clear, a few \
+                      percent mean that the result is a guess. Where it is not clear, the rivals are refined, too, and \
+                      the margin after that decides. The tab Hypotheses marks the rival.";
+
+/// The hypothesis whose figure beside that of the first one makes the margin, by its place in the list.
+pub fn rival(estimate: &Estimate) -> Option<usize> {
+    let margin = estimate.assessment.margin?;
+    let (best, others) = estimate.hypotheses().split_first()?;
+    let is_it = |other: &Estimate| {
+        let by_support = best.support_score().zip(other.support_score());
+        let by_support = by_support.map(|(best, other)| (best - other) / best.max(1e-9));
+        let by_lines = best.line_score().zip(other.line_score());
+        let by_lines = by_lines.map(|(best, other)| (other - best) / other.max(1e-9));
+        by_support.or(by_lines).is_some_and(|own| (own - margin).abs() < 1e-9)
+    };
+    others.iter().position(is_it).map(|place| place + 1)
+}
+
+fn grade(is_good: bool, is_fair: bool) -> Tone {
+    match (is_good, is_fair) {
+        (true, _) => Tone::Good,
+        (false, true) => Tone::Caution,
+        (false, false) => Tone::Bad,
+    }
+}
+
+/// The figures of a hypothesis that is shown in place of the result.
+pub fn hypothesis_facts(document: &Document, hypothesis: &Estimate) -> Vec<Fact> {
+    let mut facts = epipoles(document, hypothesis.fundamental());
+    facts.extend(line_figures(document, hypothesis));
+    if let Some(support) = hypothesis.support_score() {
+        facts.push(Fact::new("Support", format!("{support:.1}"), SUPPORT));
+    }
+    facts
+}
+
+/// Where the epipoles of a geometry are.
+pub fn epipoles(document: &Document, f: &FundamentalMatrix) -> Vec<Fact> {
+    let frame = |k: usize| document.pictures.as_ref().map(|pictures| pictures[k].frame);
+    vec![
+        Fact::new(
+            "Left epipole",
+            epipole_text(&f.epipole1(), frame(0)),
+            "Where the left image sees the other camera; all its epipolar lines meet there.",
+        ),
+        Fact::new(
+            "Right epipole",
+            epipole_text(&f.epipole2(), frame(1)),
+            "Where the right image sees the other camera; all its epipolar lines meet there.",
+        ),
+    ]
+}
+
+/// What the lines say; the first result of a computation has neither figure yet.
+fn line_figures(document: &Document, estimate: &Estimate) -> impl Iterator<Item = Fact> {
+    let score = estimate.line_score().map(|score| match document.parameters.validation.line_score {
+        LineScore::AgainstMismatched => Fact::new(
+            "Line score",
+            format!("{} of mismatched", line_score_text(LineScore::AgainstMismatched, score)),
+            "What corresponding lines cost to match, beside deliberately mismatched lines; lower is better, and 100 % \
+             are no better than mismatched.",
+        ),
+        LineScore::Cost => Fact::new(
+            "Line score",
+            format!("{} grey² a sample", line_score_text(LineScore::Cost, score)),
+            "What corresponding lines cost to match, as published; lower is better. It depends on the contrast of the \
+             images: compare it with those of the other hypotheses.",
+        ),
+    });
+    let area = estimate.assessment.lines.as_ref().and_then(|lines| lines.round_trip_area);
+    let round_trip = area.map(|area| {
+        Fact::new(
+            "Round trip",
+            format!("{area:.2} px"),
+            "How far a line ends from where it began when the lines matched through the clicks carry it to the other \
+             image and back: a figure of the published search, to compare its hypotheses by. The verdict rests on \
+             the matches, and a good result may have a large one.",
+        )
+    });
+    score.into_iter().chain(round_trip)
+}
+
+/// A line score in its unit, which depends on what is measured.
+pub fn line_score_text(kind: LineScore, score: f64) -> String {
+    match kind {
+        LineScore::AgainstMismatched => format!("{:.1} %", score * 100.0),
+        LineScore::Cost => format!("{score:.1}"),
+    }
+}
+
+/// Where an epipole is, in words and figures.
+pub fn epipole_text(epipole: &HomogeneousPoint, frame: Option<Frame>) -> String {
+    // Farther away than this, the lines of an image are parallel to the eye.
+    const FAR: f64 = 1e6;
+    let Some(p) = finite_point(epipole).filter(|p| p.coords.amax() < FAR) else {
+        let degrees = epipole.y.atan2(epipole.x).rem_euclid(PI).to_degrees();
+        return format!("at infinity, {degrees:.1}°");
+    };
+    // Far away, fractions of a pixel mean nothing.
+    let decimals = usize::from(p.coords.amax() < 1000.0);
+    let inside = if frame.is_some_and(|frame| frame.contains(p)) { " in the image" } else { "" };
+    format!("({:.decimals$}, {:.decimals$}){inside}", p.x, p.y)
+}

@@ -1,0 +1,199 @@
+//! The result in words: a headline, the figures behind it, and what to know about it.
+
+mod facts;
+#[cfg(test)]
+mod tests;
+
+use crate::app::model::computation::{Computation, EstimateFailure, Freshness};
+use crate::app::model::document::{Document, Imported, Role, pair_name};
+use crate::estimate::{self, CLICK_DEVIATIONS, Reason};
+use crate::geometry::{FundamentalMatrix, sampson_distance, symmetric_epipolar_distance};
+
+use facts::facts;
+pub use facts::{Fact, Tone, epipole_text, epipoles, hypothesis_facts, import_facts, line_score_text, rival};
+
+/// What to say about the state of the estimate.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct VerdictInWords {
+    /// How the news is.
+    pub tone: Tone,
+    /// One sentence.
+    pub headline: String,
+    /// The figures behind it.
+    pub facts: Vec<Fact>,
+    /// What to know about it, a sentence each.
+    pub warnings: Vec<String>,
+}
+
+/// What to beware of with a geometry from a file.
+pub fn import_warning(imported: &Imported) -> Option<&'static str> {
+    match &imported.check {
+        None => Some(
+            "Unchecked: nobody knows whether it is meant as its file says. Import it again when there are 8 matches.",
+        ),
+        Some(check) if !check.fits => {
+            Some("It does not fit the matches it was checked with: it may belong to other images.")
+        }
+        Some(_) => None,
+    }
+}
+
+/// Puts the state into words.
+pub fn verdict(document: &Document, computation: &Computation) -> VerdictInWords {
+    let bare =
+        |tone, headline: String| VerdictInWords { tone, headline, facts: Vec::new(), warnings: Vec::new() };
+    let Some((estimate, freshness)) = computation.result() else {
+        if computation.is_running() {
+            let stage = computation.stage().map_or(String::new(), |stage| format!(": {}", stage.label()));
+            return bare(Tone::Busy, format!("Estimating{stage}"));
+        }
+        return match computation.failure() {
+            Some(EstimateFailure::Estimate(error)) => {
+                bare(Tone::Bad, format!("No result: {}.", in_names(&error.to_string(), document)))
+            }
+            Some(EstimateFailure::Panic(text)) => bare(
+                Tone::Bad,
+                format!(
+                    "The computation stopped unexpectedly ({text}). This is a fault of the program; \
+                     the points are kept. Move a point or press F5 to try again."
+                ),
+            ),
+            None if computation.was_stopped() => bare(Tone::Idle, "Stopped. F5 computes again.".into()),
+            None => bare(Tone::Idle, waiting(document)),
+        };
+    };
+    let assessment = &estimate.assessment;
+    let reasons = assessment.trust.iter().flat_map(|trust| &trust.reasons);
+    let reasons = reasons.map(|reason| in_units(reason, document, estimate.fundamental()));
+    // A geometry that is not final may still come nearer to them, and a stale one is not that of these points.
+    let is_final = freshness == Freshness::Final;
+    let checked = is_final.then(|| contradicting_check(document, estimate.fundamental())).flatten();
+    // What is not finished has nothing to be warned of: the next moment may take it back.
+    let finished = matches!(freshness, Freshness::Final | Freshness::Stopped);
+    let warnings: Vec<_> = reasons
+        .chain(assessment.warnings.iter().map(ToString::to_string))
+        .map(|sentence| format!("{}.", capitalised(&in_names(&sentence, document))))
+        .chain(checked)
+        .filter(|_| finished)
+        .collect();
+    let unreliable =
+        assessment.trust.as_ref().is_some_and(|trust| trust.verdict == estimate::Verdict::Unreliable);
+    let (tone, headline) = match freshness {
+        Freshness::Stale => (Tone::Busy, "Updating; the lines still belong to the points before.".to_owned()),
+        Freshness::Followed => (
+            Tone::Busy,
+            "The latest geometry, adjusted to the points; the search for the best one goes on.".into(),
+        ),
+        Freshness::Preliminary => (
+            Tone::Busy,
+            format!(
+                "First result, being refined{}",
+                computation.stage().map_or(String::new(), |stage| format!(": {}", stage.label()))
+            ),
+        ),
+        Freshness::Stopped => (Tone::Caution, "First result; stopped before it was refined.".into()),
+        Freshness::Final if unreliable => {
+            (Tone::Bad, format!("The geometry from {} is unreliable:", used(document)))
+        }
+        Freshness::Final if warnings.is_empty() => {
+            let checked = if assessment.trust.is_some() { "; nothing speaks against it" } else { "" };
+            (Tone::Good, format!("Epipolar geometry found from {}{checked}.", used(document)))
+        }
+        Freshness::Final => {
+            (Tone::Caution, format!("Epipolar geometry found from {}, with doubts:", used(document)))
+        }
+    };
+    VerdictInWords { tone, headline, facts: facts(document, estimate, freshness), warnings }
+}
+
+fn waiting(document: &Document) -> String {
+    let needed = document.pairs_needed();
+    if document.pictures.is_none() {
+        return "Nothing to estimate from yet.".into();
+    }
+    let more = needed.saturating_sub(document.used().count());
+    let pairs = if more == 1 { "One more point pair gives" } else { "Two point pairs give" };
+    let pairs = if more == 3 { "Three point pairs give" } else { pairs };
+    format!("{pairs} the epipolar lines, the epipoles and how far to trust them.")
+}
+
+/// More names than this are only counted.
+const MOST_NAMES: usize = 4;
+
+/// `pairs p and q`, or `12 pairs`.
+fn used(document: &Document) -> String {
+    let names: Vec<_> = document.used().map(pair_name).collect();
+    match names.split_last() {
+        _ if names.len() > MOST_NAMES => format!("{} pairs", names.len()),
+        Some((last, rest)) if !rest.is_empty() => format!("pairs {} and {last}", rest.join(", ")),
+        _ => "the pairs".into(),
+    }
+}
+
+/// What the pairs that are only checked have against a geometry, if a person would see it.
+fn contradicting_check(document: &Document, f: &FundamentalMatrix) -> Option<String> {
+    let off = document.parameters.click_sigma * CLICK_DEVIATIONS;
+    let checks = (0..document.pairs.len()).filter(|pair| document.role(*pair) == Role::Check);
+    let contradicting: Vec<(usize, f64)> = checks
+        .filter(|pair| sampson_distance(f, &document.pairs[*pair]) > off)
+        .map(|pair| (pair, symmetric_epipolar_distance(f, &document.pairs[pair])))
+        .collect();
+    let (pair, distance) = contradicting.iter().copied().max_by(|a, b| a.1.total_cmp(&b.1))?;
+    let others = match contradicting.len() - 1 {
+        0 => String::new(),
+        1 => ", and one more is off, too".to_owned(),
+        more => format!(", and {more} more are off, too"),
+    };
+    Some(format!(
+        "Pair {}, which is only checked, is {distance:.1} px (symmetric distance) off its epipolar line{others}: use it, or \
+         check that it shows the same scene point.",
+        pair_name(pair)
+    ))
+}
+
+/// A reason with its figures as the rest of the window has them: the symmetric distance for how far a pair is off, the
+/// margin in percent.
+fn in_units(reason: &Reason, document: &Document, f: &FundamentalMatrix) -> String {
+    let sentence = reason.to_string();
+    match reason {
+        Reason::ClickOff { pair, distance, .. } => {
+            let clicked = pair.checked_sub(1).and_then(|pair| document.used().nth(pair));
+            let clicked = clicked.and_then(|pair| document.pairs.get(pair));
+            let Some(clicked) = clicked else { return sentence };
+            let symmetric = symmetric_epipolar_distance(f, clicked);
+            sentence.replacen(
+                &format!("{distance:.1} px"),
+                &format!("{symmetric:.1} px (symmetric distance)"),
+                1,
+            )
+        }
+        Reason::Ambiguous { margin } => {
+            sentence.replacen(&format!("margin {margin:.2}"), &format!("margin {:.0} %", margin * 100.0), 1)
+        }
+        _ => sentence,
+    }
+}
+
+/// A sentence of the estimator, which counts the pairs it was given, with the names they have in the window.
+fn in_names(sentence: &str, document: &Document) -> String {
+    let used: Vec<usize> = document.used().collect();
+    let (mut expected, mut after) = (false, false);
+    let words = sentence.split(' ').map(|word| {
+        let is_number = expected;
+        // `pair 3`, `pairs 1 and 2`.
+        expected = matches!(word, "pair" | "pairs") || after && word == "and";
+        after = is_number;
+        let digits = word.find(|c: char| !c.is_ascii_digit()).unwrap_or(word.len());
+        let number = word[..digits].parse::<usize>().ok().filter(|_| is_number);
+        let name = number.and_then(|number| Some(pair_name(*used.get(number.checked_sub(1)?)?)));
+        name.map_or_else(|| word.to_owned(), |name| name + &word[digits..])
+    });
+    words.collect::<Vec<_>>().join(" ")
+}
+
+/// The text with a capital first letter.
+pub fn capitalised(text: &str) -> String {
+    let mut characters = text.chars();
+    let first = characters.next().map(|first| first.to_ascii_uppercase());
+    first.into_iter().chain(characters).collect()
+}

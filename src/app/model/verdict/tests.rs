@@ -1,0 +1,127 @@
+use super::*;
+use crate::app::fake;
+use crate::app::model::computation::EstimateNews;
+use crate::estimate::{Estimate, Suspect, Trust, Warning};
+use crate::geometry::{Frame, HomogeneousPoint, PointPair};
+
+fn computed(change: impl Fn(&mut Estimate)) -> (Document, Computation) {
+    let request = fake::request(1.0);
+    let mut estimate = fake::result(&request.pairs, &request.parameters).unwrap();
+    change(&mut estimate);
+    ended(Ok(Box::new(estimate)))
+}
+
+fn ended(result: Result<Box<Estimate>, EstimateFailure>) -> (Document, Computation) {
+    let mut computation = Computation::default();
+    let request = fake::request(1.0);
+    computation.adopt(Some(&request));
+    computation.begin(1, false);
+    computation.take(1, EstimateNews::Finished(result));
+    (Document { pairs: request.pairs, ..Document::default() }, computation)
+}
+
+#[test]
+fn a_clean_result_is_good_and_one_with_warnings_is_not() {
+    let (document, computation) = computed(|_| ());
+    let good = verdict(&document, &computation);
+    assert_eq!(good.tone, Tone::Good);
+    assert_eq!(good.headline, "Epipolar geometry found from pairs p and q.");
+    assert!(good.facts.iter().any(|fact| fact.name == "Margin" && fact.value == "40 %"));
+    let (document, computation) =
+        computed(|e| e.assessment.warnings.push(Warning::CloseClicks { distance: 9.0 }));
+    let doubtful = verdict(&document, &computation);
+    assert_eq!(doubtful.tone, Tone::Caution);
+    assert!(doubtful.warnings[0].starts_with("The two clicks are only 9 px apart"));
+}
+
+#[test]
+fn a_result_called_wrong_is_bad_news_with_its_reasons() {
+    let (document, computation) = computed(|e| {
+        let reasons = vec![Reason::ClickOff { pair: 2, distance: 40.0, suspect: Suspect::Click }];
+        e.assessment.trust = Some(Trust { verdict: estimate::Verdict::Unreliable, reasons });
+    });
+    let bad = verdict(&document, &computation);
+    assert_eq!(bad.tone, Tone::Bad);
+    assert!(bad.headline.ends_with("is unreliable:"));
+    let (estimate, _) = computation.result().unwrap();
+    let own = symmetric_epipolar_distance(estimate.fundamental(), &document.pairs[1]);
+    let told = format!("Point pair q is {own:.1} px (symmetric distance) off");
+    assert!(bad.warnings[0].starts_with(&told), "{}", bad.warnings[0]);
+}
+
+#[test]
+fn a_margin_is_in_percent_wherever_it_is_told() {
+    let (document, computation) = computed(|e| {
+        e.assessment.margin = Some(0.054);
+        let reasons = vec![Reason::Ambiguous { margin: 0.054 }];
+        e.assessment.trust = Some(Trust { verdict: estimate::Verdict::Doubtful, reasons });
+    });
+    let doubtful = verdict(&document, &computation);
+    assert!(doubtful.warnings[0].contains("(margin 5 %)"), "{}", doubtful.warnings[0]);
+    let margin = doubtful.facts.iter().find(|fact| fact.name == "Margin").unwrap();
+    assert_eq!((margin.value.as_str(), margin.tone), ("5 %", Some(Tone::Caution)));
+}
+
+#[test]
+fn the_margin_after_refinement_decides() {
+    let (document, computation) = computed(|e| {
+        e.assessment.margin = Some(0.054);
+        e.assessment.refined_margin = Some(0.62);
+    });
+    let good = verdict(&document, &computation);
+    let margin = good.facts.iter().find(|fact| fact.name == "Margin").unwrap();
+    assert_eq!((margin.value.as_str(), margin.tone), ("5 %, 62 % refined", Some(Tone::Good)));
+}
+
+#[test]
+fn a_checked_pair_far_off_speaks_against_the_result() {
+    let (mut document, mut computation) = computed(|_| ());
+    let f = *computation.result().unwrap().0.fundamental();
+    let point1 = crate::geometry::Point::new(40.0, 40.0);
+    let line = f.line2_from_point1(point1).unwrap();
+    let [a, b, c] = [0, 1, 2].map(|k| line.coefficients()[k]);
+    let at = |off: f64| crate::geometry::Point::new(a * (off - c), b * (off - c));
+    for (off, tone) in [(0.0, Tone::Good), (90.0, Tone::Caution)] {
+        document.pairs.truncate(2);
+        document.pairs.push(PointPair { point1, point2: at(off) });
+        document.check_only(2, true);
+        let told = verdict(&document, &computation);
+        assert_eq!(told.tone, tone, "{off} px: {:?}", told.warnings);
+        let named = told.warnings.iter().any(|w| w.starts_with("Pair r, which is only checked, is "));
+        assert_eq!(named, off > 0.0);
+    }
+    // What is computed for other points says nothing of these.
+    computation.begin(2, false);
+    assert!(verdict(&document, &computation).warnings.iter().all(|w| !w.contains("only checked")));
+}
+
+#[test]
+fn sentences_name_pairs_as_the_window_does() {
+    let pairs = vec![PointPair::new(1.0, 2.0, 3.0, 4.0); 14];
+    let mut document = Document { pairs, ..Document::default() };
+    document.check_only(1, true);
+    let named = |sentence: &str| in_names(sentence, &document);
+    assert_eq!(named("point pair 1 is 3 px off"), "point pair p is 3 px off");
+    assert_eq!(named("through point pair 12: choose"), "through point pair 13: choose");
+    assert_eq!(named("point pairs 2 and 10 are only 2 px"), "point pairs r and 11 are only 2 px");
+    assert_eq!(named("3 point pairs are needed, 2 given"), "3 point pairs are needed, 2 given");
+    assert_eq!(used(&document), "13 pairs");
+}
+
+#[test]
+fn a_panic_is_told_without_losing_the_points() {
+    let (document, computation) = ended(Err(EstimateFailure::Panic("boom".into())));
+    let bad = verdict(&document, &computation);
+    assert_eq!(bad.tone, Tone::Bad);
+    assert!(bad.headline.contains("boom") && bad.headline.contains("points are kept"));
+}
+
+#[test]
+fn epipoles_are_told_near_far_and_at_infinity() {
+    let frame = Some(Frame::new(100, 100));
+    let text = |x, y, z| epipole_text(&HomogeneousPoint::new(x, y, z), frame);
+    assert_eq!(text(50.0, 20.0, 1.0), "(50.0, 20.0) in the image");
+    assert_eq!(text(-50.0, 20.0, 0.5), "(-100.0, 40.0)");
+    assert_eq!(text(-1.0, -1.0, 0.0), "at infinity, 45.0°");
+    assert_eq!(text(1.0, 0.0, 1e-8), "at infinity, 0.0°");
+}

@@ -1,0 +1,16 @@
+//! When actions make sense.
+
+use crate::app::model::Model;
+use crate::estimate::Search;
+
+pub fn has_neighbour(model: &Model, forward: bool) -> bool {
+    model.folder().is_some_and(|(folder, pair)| folder.neighbour(pair, forward).is_some())
+}
+
+pub fn is_published_search(model: &Model) -> bool {
+    model.document.parameters.search == Search::Lines
+}
+
+pub fn has_rectified(model: &Model) -> bool {
+    model.open.rectified.is_some()
+}

@@ -1,0 +1,131 @@
+//! The actions that are in the list of all commands, without keys.
+
+use super::action::{Action, action};
+use super::conditions::{has_rectified, is_published_search};
+use crate::app::model::command::{Command, ExchangeCommand};
+use crate::app::model::comparison::Contestant;
+use crate::app::model::point_table::PointsCommand;
+use crate::app::model::rectified::{RectifiedCommand, RectifiedLayout};
+use crate::app::model::tones::TonesCommand;
+use crate::estimate::{Method, Preset};
+use crate::rectify::RectifyMethod;
+
+/// Those that are in the list of all commands, without keys.
+pub fn by_name() -> Vec<Action> {
+    let methods = "The published search finds the geometry from two pairs, or from three, which is faster and steadier.";
+    let presets = "Robust measured best on real images; Paper follows the published method to the letter.";
+    let layouts = "Show the rectified pictures side by side, by turns, red and cyan, with a wipe, or how far things are apart.";
+    let layout = |layout| action(RectifiedCommand::LayOut(layout), "Layout of the rectified pair", layouts);
+    vec![
+        action(
+            Command::ToggleLoupe,
+            "Loupe",
+            "Magnify the surroundings of a point while it is placed or dragged.",
+        )
+        .listed(|_| "Loupe while placing points"),
+        action(Command::OpenSample, "Sample", "Open the built-in image pair.")
+            .listed(|_| "Open the sample images"),
+        action(Command::ClearPairs, "Clear points", "Remove all point pairs. Undo brings them back.")
+            .listed(|_| "Clear all points")
+            .when(|model| !model.document.pairs.is_empty() || model.document.half.is_some()),
+        action(
+            TonesCommand::Stretch,
+            "Stretch",
+            "Make the darkest of the image black and the brightest white, to see what is dark or flat.",
+        )
+        .listed(|_| "Tones: stretch from black to white")
+        .when(|model| model.document.pictures.is_some()),
+        action(TonesCommand::Reset, "As they are", "Show both images as they are in their files.")
+            .listed(|_| "Tones: images as they are")
+            .when(|model| model.open.tones.of.iter().any(|own| !own.is_plain())),
+        action(PointsCommand::Copy, "Copy", "Copy the chosen pairs, or all, as a table for a spreadsheet (Ctrl+C).")
+            .listed(|_| "Copy the point pairs as a table")
+            .when(|model| !model.document.pairs.is_empty()),
+        action(
+            PointsCommand::RequestPaste,
+            "Paste",
+            "Add the point pairs of a copied table: rows of x1 y1 x2 y2, with a name in front or without (Ctrl+V).",
+        )
+        .listed(|_| "Paste point pairs")
+        .when(|model| model.document.pictures.is_some()),
+        action(PointsCommand::ChooseAll, "Choose all", "Choose all point pairs of the table (Ctrl+A).")
+            .listed(|_| "Choose all point pairs")
+            .when(|model| !model.document.pairs.is_empty()),
+        action(
+            PointsCommand::ToggleNames,
+            "Names in the images",
+            "Show the names that you gave to pairs beside their points, or their letters alone.",
+        )
+        .listed(|_| "Show the names of pairs in the images"),
+        action(Command::Stop, "Stop", "Stop the computation; a first result stays.")
+            .listed(|_| "Stop the computation")
+            .when(|model| model.open.computation.is_running()),
+        action(Command::UnpinAll, "Unpin all", "Remove all pinned line pairs from the images.")
+            .listed(|_| "Unpin all lines")
+            .when(|model| !model.open.focus.pins().is_empty()),
+        action(
+            Command::ChooseContestant(Contestant::Imported),
+            "Show this geometry",
+            "Show this geometry in the whole window instead of the result.",
+        )
+        .listed(|_| "Show the imported geometry")
+        .when(|model| model.document.imported.is_some()),
+        action(
+            ExchangeCommand::RemoveImported,
+            "Remove the imported geometry",
+            "Remove the imported geometry. Undo brings it back.",
+        )
+        .listed(|_| "Remove the imported geometry")
+        .when(|model| model.document.imported.is_some()),
+        action(Command::SetMethod(Method::TwoPoint), "Published method", methods)
+            .listed(|_| "Published search: two-point method")
+            .when(is_published_search),
+        action(Command::SetMethod(Method::ThreePoint), "Published method", methods)
+            .listed(|_| "Published search: three-point method")
+            .when(is_published_search),
+        action(Command::SetPreset(Preset::Robust), "Preset", presets).listed(|_| "Preset: robust"),
+        action(Command::SetPreset(Preset::Paper), "Preset", presets).listed(|_| "Preset: paper"),
+        action(
+            RectifiedCommand::SetMethod(RectifyMethod::Auto),
+            "Rectification method",
+            "Planar where it bends the images little, else polar; the reason is given below.",
+        )
+        .listed(|_| "Rectify: choose the method automatically"),
+        action(
+            RectifiedCommand::SetMethod(RectifyMethod::Planar),
+            "Rectification method",
+            "One homography an image: straight lines stay straight. Impossible with an epipole inside an image.",
+        )
+        .listed(|_| "Rectify: planar method"),
+        action(
+            RectifiedCommand::SetMethod(RectifyMethod::Polar),
+            "Rectification method",
+            "A row for each pair of half epipolar lines: works wherever the epipoles are, but bends straight lines.",
+        )
+        .listed(|_| "Rectify: polar method"),
+        layout(RectifiedLayout::SideBySide).listed(|_| "Rectified pair side by side").when(has_rectified),
+        layout(RectifiedLayout::Blink).listed(|_| "Rectified pair by turns (blink)").when(has_rectified),
+        layout(RectifiedLayout::Anaglyph)
+            .listed(|_| "Rectified pair as anaglyph, red and cyan")
+            .when(has_rectified),
+        layout(RectifiedLayout::Wipe).listed(|_| "Rectified pair with a wipe").when(has_rectified),
+        layout(RectifiedLayout::Disparity).listed(|_| "Rectified pair: disparities").when(has_rectified),
+        action(
+            RectifiedCommand::Shift(0.0),
+            "No shift",
+            "Show the rectified pictures without a shift; a click on a point brings its depth into register.",
+        )
+        .listed(|_| "Rectified pair: no shift")
+        .when(|model| model.open.viewing.shift != 0.0),
+        action(
+            RectifiedCommand::View(None),
+            "Fit the rectified pair",
+            "Show the rectified pictures whole; a double click does it, too.",
+        )
+        .listed(|_| "Fit the rectified pair")
+        .when(has_rectified),
+        action(RectifiedCommand::StopExport, "Stop", "Stop writing the rectified pair.")
+            .listed(|_| "Stop the export of the rectified pair")
+            .when(|model| model.activity.writing.is_some()),
+    ]
+}

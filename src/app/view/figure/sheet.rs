@@ -1,0 +1,221 @@
+//! The sheet of a figure: both images in their places, and what the overlays drew over them.
+
+use std::collections::HashMap;
+
+use egui::epaint::textures::TexturesDelta;
+use egui::epaint::{ClippedShape, ImageData};
+use egui::{Color32, ColorImage, Rect, TextureId, Vec2, pos2, vec2};
+use image::DynamicImage;
+
+use crate::app::model::Model;
+use crate::app::model::document::Side;
+use crate::app::model::exchange::{FigureChoices, trust_note};
+use crate::app::model::ids::{OverlayId, Visibility};
+use crate::app::model::pane_view::PaneView;
+use crate::app::model::picture::Pictures;
+use crate::app::model::tones::Rendition;
+use crate::app::view::panes::overlays::{Canvas, Labels, OVERLAYS};
+use crate::app::view::panes::{PanePlace, Transform};
+use crate::io::TrustNote;
+
+/// Height of images beside each other and width of images above each other, points: with text of 13 points, about what a
+/// column of a paper has.
+const EXTENT: f32 = 360.0;
+/// Between the images and around both, points.
+const GAP: f32 = 8.0;
+/// A larger file is refused by most programs, px.
+const MOST_PIXELS: f32 = 120e6;
+/// Pixels a point at most: lines and letters of larger pictures are thinner, and need no huge letters.
+const MOST_A_POINT: f32 = 8.0;
+
+/// An image in its place on the sheet.
+pub struct Placed {
+    /// Where its pixels appear on the sheet.
+    pub transform: Transform,
+    /// The pixels that are seen: the first ones and how many.
+    pub first: [u32; 2],
+    /// How many pixels are seen.
+    pub count: [u32; 2],
+    /// How bright and dark it is shown.
+    pub rendition: Rendition,
+}
+
+/// Everything that is on the sheet.
+pub struct Sheet {
+    /// Both pictures.
+    pub pictures: Pictures,
+    /// Where they are.
+    pub places: [Placed; 2],
+    /// Size of the sheet, points.
+    pub size: Vec2,
+    /// Colour of the paper.
+    pub background: Color32,
+    /// What the overlays drew, each image's within its bounds.
+    pub drawn: Vec<ClippedShape>,
+    /// The letters, as textures.
+    pub letters: HashMap<TextureId, ColorImage>,
+    /// Who wrote the letters.
+    pub context: egui::Context,
+    /// Pixels a point.
+    pub scale: f32,
+    /// How far the geometry is to be trusted.
+    pub trust: Option<TrustNote>,
+    /// The names of the images.
+    pub title: String,
+}
+
+/// Lets the overlays draw onto a sheet.
+pub fn sheet(model: &Model, panes: [Option<PanePlace>; 2], choices: &FigureChoices) -> Option<Sheet> {
+    let pictures = model.open.pictures()?;
+    let frames = pictures.each_ref().map(|picture| picture.frame());
+    // What is seen has the shape of its pane, a whole image its own.
+    let seen = panes.map(|pane| pane.filter(|_| choices.seen));
+    let aspect = |k: usize| match &seen[k] {
+        Some(pane) => pane.rect.width() / pane.rect.height().max(1.0),
+        None => frames[k].width as f32 / frames[k].height as f32,
+    };
+    let stacked = model.look.stacked;
+    let sizes = [0, 1].map(|k| {
+        let (width, height) =
+            if stacked { (EXTENT, EXTENT / aspect(k)) } else { (EXTENT * aspect(k), EXTENT) };
+        vec2(width.clamp(8.0, 40.0 * EXTENT), height.clamp(8.0, 40.0 * EXTENT))
+    });
+    let views =
+        [0, 1].map(|k| seen[k].as_ref().map_or_else(|| PaneView::fitting(frames[k]), |pane| pane.view));
+    // Image pixels a point, where the image is shown with all of them.
+    let fit = [0, 1].map(|k| {
+        let rect = Rect::from_min_size(pos2(0.0, 0.0), sizes[k]);
+        let mut transform = views[k].transform(frames[k], rect);
+        match (&seen[k], views[k].scale) {
+            // The same part in a place of another size.
+            (Some(pane), Some(scale)) => {
+                transform.scale = scale * f64::from(sizes[k].x / pane.rect.width().max(1.0))
+            }
+            (None, _) => transform.scale = f64::from(sizes[k].x) / frames[k].width as f64,
+            _ => {}
+        }
+        transform
+    });
+    let full = fit.iter().map(|transform| (1.0 / transform.scale) as f32).fold(0.1, f32::max);
+    let total = |sizes: [Vec2; 2]| {
+        let [a, b] = sizes;
+        let together =
+            if stacked { vec2(a.x.max(b.x), a.y + b.y + GAP) } else { vec2(a.x + b.x + GAP, a.y.max(b.y)) };
+        together + Vec2::splat(2.0 * GAP)
+    };
+    let mut scale = choices.width.map_or(full, |width| width as f32 / total(sizes).x).max(0.1);
+    scale = scale.min((MOST_PIXELS / (total(sizes).x * total(sizes).y)).sqrt());
+    // Larger sheets in place of larger letters.
+    let enlarged = (scale / MOST_A_POINT).max(1.0);
+    scale /= enlarged;
+    let sizes = sizes.map(|size| size * enlarged);
+    let size = total(sizes);
+    let first = pos2(GAP, GAP);
+    let second = first + if stacked { vec2(0.0, sizes[0].y + GAP) } else { vec2(sizes[0].x + GAP, 0.0) };
+    let places = [first, second].map(|corner| corner.to_vec2());
+    let places: [Placed; 2] = std::array::from_fn(|k| {
+        let rect = Rect::from_min_size(places[k].to_pos2(), sizes[k]);
+        let transform = Transform::new(rect, views[k].centre, fit[k].scale * f64::from(enlarged));
+        let (low, high) = (transform.image_from_screen(rect.min), transform.image_from_screen(rect.max));
+        let range = |low: f64, high: f64, size: usize| {
+            let first = (low + 0.5 + 1e-6).floor().clamp(0.0, size as f64 - 1.0);
+            let end = (high + 0.5 - 1e-6).ceil().clamp(first + 1.0, size as f64);
+            (first as u32, (end - first) as u32)
+        };
+        let (x, width) = range(low.x, high.x, frames[k].width);
+        let (y, height) = range(low.y, high.y, frames[k].height);
+        Placed { transform, first: [x, y], count: [width, height], rendition: model.open.tones.of[k] }
+    });
+    let context = egui::Context::default();
+    let input = egui::RawInput {
+        screen_rect: Some(Rect::from_min_size(pos2(0.0, 0.0), size)),
+        max_texture_side: Some(16_384),
+        ..egui::RawInput::default()
+    };
+    context.set_pixels_per_point(scale);
+    // A new scale counts from the next frame on.
+    let mut before = context.run_ui(input.clone(), |_| ());
+    let mut drawn = context.run_ui(input, |ui| {
+        for (side, place) in Side::BOTH.into_iter().zip(&places) {
+            let painter = ui.painter().with_clip_rect(place.transform.rect);
+            let labels = Labels::default();
+            let canvas = Canvas {
+                painter: &painter,
+                transform: &place.transform,
+                side,
+                frame: frames[side.index()],
+                model,
+                labels: choices.labels.then_some(&labels),
+            };
+            // What follows the cursor belongs to the window.
+            let lasting =
+                |id: OverlayId| id.visibility() != Visibility::Always && id != OverlayId::CursorLine;
+            for overlay in
+                OVERLAYS.iter().filter(|overlay| model.look.shows(overlay.id) && lasting(overlay.id))
+            {
+                (overlay.draw)(&canvas);
+            }
+        }
+    });
+    // The letters of both frames.
+    let mut letters = HashMap::new();
+    for deltas in [&mut before.textures_delta, &mut drawn.textures_delta] {
+        take_letters(&mut letters, deltas);
+    }
+    let names = model.document.pictures.as_ref().map(|pictures| pictures.each_ref().map(|p| p.name.clone()));
+    Some(Sheet {
+        pictures,
+        places,
+        size,
+        background: if choices.dark { Color32::from_gray(24) } else { Color32::WHITE },
+        drawn: drawn.shapes,
+        letters,
+        context,
+        scale,
+        trust: trust_note(model),
+        title: names.map_or(String::new(), |[left, right]| format!("{left} and {right}")),
+    })
+}
+
+/// Takes in the letters that a frame was the first to need.
+fn take_letters(letters: &mut HashMap<TextureId, ColorImage>, deltas: &mut TexturesDelta) {
+    let taken = std::mem::take(&mut deltas.set);
+    deltas.clear();
+    for (id, delta) in
+        taken.into_iter().flat_map(|(id, deltas)| deltas.into_iter().map(move |delta| (id, delta)))
+    {
+        let ImageData::Color(image) = delta.image;
+        match (delta.pos, letters.get_mut(&id)) {
+            (Some([left, top]), Some(whole)) => {
+                for y in 0..image.height() {
+                    for x in 0..image.width() {
+                        whole[(left + x, top + y)] = image[(x, y)];
+                    }
+                }
+            }
+            _ => {
+                letters.insert(id, ColorImage::clone(&image));
+            }
+        }
+    }
+}
+
+impl Sheet {
+    /// What the overlays drew.
+    pub fn shapes(&self) -> impl Iterator<Item = &ClippedShape> {
+        let areas = self.places.each_ref().map(|place| place.transform.rect.expand(0.5));
+        let inside =
+            move |shape: &&ClippedShape| areas.iter().any(|area| area.contains_rect(shape.clip_rect));
+        self.drawn.iter().filter(inside)
+    }
+
+    /// What is seen of an image, and where it is on the sheet, points.
+    pub fn picture(&self, k: usize) -> (DynamicImage, Rect) {
+        let Placed { transform, first: [x, y], count: [width, height], rendition } = &self.places[k];
+        let seen = self.pictures[k].pixels.crop_imm(*x, *y, *width, *height);
+        let pixels = rendition.render(&seen);
+        let pixels = image::RgbaImage::from_raw(*width, *height, pixels).unwrap_or_default();
+        let end = [x + width, y + height].map(|v| v as usize);
+        (pixels.into(), transform.screen_from_pixels([*x as usize, *y as usize], end))
+    }
+}

@@ -1,0 +1,185 @@
+//! The list of point pairs: several rows chosen, names, sorting, and tables from and for spreadsheets; what exports say of
+//! the pairs and of the geometry.
+
+use crate::support::*;
+
+use std::path::Path;
+
+use egui::{Event, Key, Modifiers, OutputCommand, vec2};
+use egui_kittest::kittest::Queryable;
+use epiline::app::Start;
+use epiline::app::model::document::{Role, Side};
+use epiline::estimate::{Trust, Verdict};
+use epiline::io::PairOrigin;
+
+const TABLE: &str =
+    "name\tx1\ty1\tx2\ty2\nroof\t300\t100,5\t280\t101\nstep\t200\t200\t190\t201\n\t120\t60\t110\t61\n";
+
+fn paste(window: &mut Window, text: &str) {
+    window.event(Event::Paste(text.to_owned()));
+    settle(window);
+}
+
+/// Clicks the name of a pair in its row, which leaves other things of the row alone.
+fn click_row(window: &mut Window, pair: &str, held: Modifiers) {
+    let row = window.get_by_label(&format!("Row of pair {pair}")).rect();
+    let place = row.left_center() + vec2(6.0, 0.0);
+    window.hover_at(place);
+    window.event(Event::ModifiersChanged(held));
+    for pressed in [true, false] {
+        window.event(Event::PointerButton {
+            pos: place,
+            button: egui::PointerButton::Primary,
+            pressed,
+            modifiers: held,
+        });
+    }
+    for _ in 0..8 {
+        window.step();
+    }
+    window.event(Event::ModifiersChanged(Modifiers::NONE));
+    settle(window);
+}
+
+#[test]
+fn a_table_is_pasted_named_and_copied() {
+    let mut window = sample();
+    paste(&mut window, TABLE);
+    let document = window.state().document();
+    assert_eq!(document.pairs.len(), 3);
+    assert_eq!((document.name(0).as_str(), document.given_name(2)), ("roof", None));
+    assert_eq!((document.pairs[0].point1.y, document.origin(0)), (100.5, PairOrigin::Pasted));
+    window.get_by_label_contains("Pasted 3 point pairs");
+    window.get_by_label("Name of pair q").focus();
+    settle(&mut window);
+    window.key_press_modifiers(Modifiers::COMMAND, Key::A);
+    window.get_by_label("Name of pair q").type_text("door");
+    settle(&mut window);
+    assert_eq!(window.state().document().name(1), "door");
+    window.key_press(Key::Enter);
+    settle(&mut window);
+    window.event(Event::Copy);
+    window.step();
+    let copied = window.output().platform_output.commands.iter().find_map(|command| match command {
+        OutputCommand::CopyText(text) => Some(text.clone()),
+        _ => None,
+    });
+    let expected =
+        "name\tx1\ty1\tx2\ty2\nroof\t300\t100.5\t280\t101\ndoor\t200\t200\t190\t201\nr\t120\t60\t110\t61\n";
+    assert_eq!(copied.as_deref(), Some(expected));
+    for _ in 0..2 {
+        window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+        settle(&mut window);
+    }
+    assert!(window.state().document().pairs.is_empty(), "a name and a paste are a step each");
+}
+
+#[test]
+fn several_rows_are_chosen_and_edited_together() {
+    let mut window = sample();
+    paste(&mut window, TABLE);
+    click_row(&mut window, "p", Modifiers::NONE);
+    assert_eq!(window.state().document().chosen.iter().copied().collect::<Vec<_>>(), [0]);
+    click_row(&mut window, "r", Modifiers::SHIFT);
+    click_row(&mut window, "q", Modifiers::COMMAND);
+    window.get_by_label("2 chosen");
+    window.get_by_label("Check only chosen").click();
+    settle(&mut window);
+    let roles: Vec<_> = (0..3).map(|pair| window.state().document().role(pair)).collect();
+    assert_eq!(roles, [Role::Check, Role::Used, Role::Check]);
+    window.key_press(Key::Delete);
+    settle(&mut window);
+    assert_eq!(window.state().document().name(0), "step");
+    assert_eq!(window.state().document().pairs.len(), 1);
+    window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    settle(&mut window);
+    assert_eq!(window.state().document().pairs.len(), 3);
+}
+
+#[test]
+fn headings_sort_the_list() {
+    let mut window = sample();
+    paste(&mut window, TABLE);
+    let above = |window: &Window, upper: &str, lower: &str| {
+        let y = |pair: &str| window.get_by_label(&format!("Row of pair {pair}")).rect().top();
+        y(upper) < y(lower)
+    };
+    assert!(above(&window, "p", "r"));
+    window.get_by_label("Sort points by Left x, y").click();
+    settle(&mut window);
+    assert!(above(&window, "r", "q") && above(&window, "q", "p"));
+}
+
+fn unreliable() -> Window {
+    let mut services = services();
+    services.estimate = Box::new(|request, _| {
+        let mut estimate = fake_estimate(&request.pairs, &request.parameters)?;
+        estimate.assessment.trust =
+            Some(Trust { verdict: Verdict::Unreliable, reasons: vec![click_off(2, 40.0)] });
+        Ok(estimate)
+    });
+    let mut window = window(Start::default(), services);
+    click_two_pairs(&mut window);
+    window
+}
+
+fn export(window: &mut Window, choice: &str, path: &Path) -> String {
+    window.key_press_modifiers(Modifiers::COMMAND, Key::E);
+    settle(window);
+    window.get_by_label(choice).click();
+    settle(window);
+    if choice != "Pairs alone" {
+        window.get_by_label_contains("geometry is unreliable, and the file says so");
+    }
+    window.get_by_label("File").focus();
+    settle(window);
+    window.key_press_modifiers(Modifiers::COMMAND, Key::A);
+    window.get_by_label("File").type_text(path.to_str().unwrap());
+    settle(window);
+    window.get_by_label("Export this").click();
+    settle(window);
+    std::fs::read_to_string(path).unwrap()
+}
+
+#[test]
+fn what_is_exported_says_that_it_is_unreliable_and_where_each_pair_comes_from() {
+    let files = Files::new();
+    let mut window = unreliable();
+    paste(&mut window, "eave\t300\t100\t280\t101");
+    for (choice, name) in [("Geometry", "g.json"), ("Table", "t.csv"), ("Report", "r.txt")] {
+        let text = export(&mut window, choice, &files.0.path().join(name)).to_lowercase();
+        for words in ["unreliable", "off its epipolar line", "clicked", "pasted", "eave"] {
+            assert!(text.contains(words), "{choice}: {words} is not in\n{text}");
+        }
+    }
+    let pairs = export(&mut window, "Pairs alone", &files.0.path().join("p.json"));
+    assert!(pairs.contains("clicked") && pairs.contains("pasted"));
+    // The table comes back as point pairs.
+    let before = window.state().document().pairs.clone();
+    drop_files(&mut window, &[files.0.path().join("t.csv")]);
+    assert_eq!(window.state().document().pairs, before);
+    assert_eq!(window.state().document().origin(0), PairOrigin::Imported);
+}
+
+#[test]
+fn a_name_stands_beside_its_points_until_names_are_off() {
+    let mut window = sample();
+    paste(&mut window, TABLE);
+    let written = |window: &Window, name: &str| {
+        let image = pane(window, Side::Left);
+        let mut shapes = window
+            .output()
+            .shapes
+            .iter()
+            .filter(|clipped| image.expand(1.0).contains_rect(clipped.clip_rect));
+        shapes.any(|clipped| matches!(&clipped.shape, egui::Shape::Text(text) if text.galley.text() == name))
+    };
+    assert!(written(&window, "roof"));
+    window.get_by_label("View").click();
+    settle(&mut window);
+    window.get_by_label("Names of pairs").click();
+    settle(&mut window);
+    window.key_press(Key::Escape);
+    settle(&mut window);
+    assert!(!written(&window, "roof") && written(&window, "p"));
+}
