@@ -40,7 +40,7 @@ fn session(number: u64) -> SessionFile<Vec<u64>> {
         frame: Frame::new(640, 480),
     };
     // Long enough to be cut in the middle.
-    SessionFile { images: [image(), image()], fundamental: None, content: vec![number; 40_000] }
+    SessionFile { images: [image(), image()], fundamental: None, trust: None, content: vec![number; 40_000] }
 }
 
 /// What the child does; as a test by itself it does nothing.

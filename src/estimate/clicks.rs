@@ -57,8 +57,9 @@ impl Clicks {
         self.0.is_empty()
     }
 
-    /// The same clicks, with two matches that stand in for anchors.
-    pub(super) fn with_chosen(&self, chosen: [PointPair; 2]) -> Self {
+    /// The same clicks, with two matches that stand in for anchors: a clicked anchor becomes an observed pair.
+    #[must_use]
+    pub fn with_chosen(&self, chosen: [PointPair; 2]) -> Self {
         let observed = self.0.iter().map(|click| match click.role {
             ClickRole::Anchor => Click { role: ClickRole::Observed, ..*click },
             _ => *click,

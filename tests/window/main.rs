@@ -13,3 +13,4 @@ mod repairing;
 mod sessions;
 mod support;
 mod truth;
+mod unclicked;

@@ -39,6 +39,16 @@ impl Inspector {
                     });
                 }
             }
+            Command::FindWithoutClicks => {
+                model.edit(Step::Single, |document| {
+                    document.unclicked = true;
+                    document.half = None;
+                });
+            }
+            Command::KeepMatches => {
+                let matches = model.standing_in();
+                model.edit(Step::Single, |document| document.keep_as_checks(&matches));
+            }
             Command::Undo => self.travel(true),
             Command::Redo => self.travel(false),
             Command::DeleteSelected => model.delete_selected(),

@@ -55,6 +55,11 @@ impl Inspector {
         inspector
     }
 
+    /// All of the state.
+    pub fn model(&self) -> &Model {
+        &self.model
+    }
+
     /// What is edited.
     pub fn document(&self) -> &Document {
         &self.model.document

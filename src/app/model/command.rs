@@ -51,6 +51,10 @@ pub enum Command {
     RandomTrial(Protocol),
     /// Place two point pairs on the built-in pair.
     ShowMe,
+    /// Look for a geometry without clicks.
+    FindWithoutClicks,
+    /// Make point pairs of the matches that stand in for clicks.
+    KeepMatches,
     /// Take the last step back.
     Undo,
     /// Make the step again that was taken back.

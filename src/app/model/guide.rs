@@ -41,9 +41,19 @@ pub fn guide(model: &Model) -> String {
     }
     let needed = document.pairs_needed();
     match document.used().count() {
+        _ if document.is_unclicked() && computation.is_running() => {
+            "Looking for the geometry without clicks. Points that you place take part.".into()
+        }
+        _ if document.is_unclicked() && computation.failure().is_some() => {
+            "Click a distinct point in the left image, then its match in the right one: two such pairs hold the geometry.".into()
+        }
+        _ if document.is_unclicked() && computation.result().is_some() => {
+            "Move the cursor over an image to see its epipolar line in the other, or click pairs to make the geometry firmer."
+                .into()
+        }
         0 if has_sample_points => {
             "Click a distinct point in the left image, then its match in the right one. \
-             Or press Show me."
+             Or press Show me, or let the program find the geometry alone."
                 .into()
         }
         0 => "Click a distinct point in the left image, then its match in the right one.".into(),

@@ -48,6 +48,7 @@ pub mod step;
 pub mod suggesting;
 pub mod tones;
 pub mod truth;
+mod unclicked;
 pub mod verdict;
 
 use document::{Document, PictureIdentity, PointRef};

@@ -180,6 +180,7 @@ impl Document {
             excluded,
             checks,
             notes,
+            unclicked,
             half,
             parameters,
             rectification,
@@ -193,6 +194,7 @@ impl Document {
             && *excluded == other.excluded
             && *checks == other.checks
             && *notes == other.notes
+            && *unclicked == other.unclicked
             && *half == other.half
             && *parameters == other.parameters
             && *rectification == other.rectification

@@ -120,9 +120,11 @@ impl Model {
 
     /// Whether the pencils compared last are those through the points as they are.
     pub fn has_current_pencils(&self) -> bool {
-        let mut used = self.document.used().map(|pair| self.document.pairs[pair]);
+        let standing_in = self.standing_in().into_iter();
+        let used: Vec<PointPair> =
+            self.document.used().map(|pair| self.document.pairs[pair]).chain(standing_in).collect();
         let mut pencils = self.open.computation.pencils().into_iter().flatten();
-        pencils.all(|pencil| used.any(|pair| pair == pencil.click))
+        pencils.all(|pencil| used.contains(&pencil.click))
     }
 
     /// The lines of a source under the geometry shown; `None` while there are none.
@@ -193,7 +195,10 @@ impl Model {
     pub fn inspected(&self) -> Option<InspectedLines> {
         let source = match self.open.focus.inspected() {
             Some(pin) => pin.source,
-            None => LineSource::Pair(self.document.used().next()?),
+            None => match (self.document.used().next(), self.standing_in().first()) {
+                (Some(pair), _) => LineSource::Pair(pair),
+                (None, found) => LineSource::Through { side: Side::Left, point: found?.point1 },
+            },
         };
         Some(InspectedLines { source, lines: self.lines(source)? })
     }

@@ -60,7 +60,7 @@ pub fn result_text(stage: Stage, document: &Document, computation: &Computation)
                 let own = &pencils[k];
                 format!(
                     "{}: {} × {} lines, {} candidates",
-                    document.used().nth(k).map_or(String::new(), pair_name),
+                    document.used().nth(k).map_or_else(|| format!("match {}", k + 1), pair_name),
                     own.angles1.len(),
                     own.angles2.len(),
                     own.candidates.len()

@@ -39,6 +39,9 @@ pub struct Document {
     /// Names and origins of pairs; one without is a clicked one without a name.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub notes: BTreeMap<usize, PairNote>,
+    /// Whether the geometry is searched without clicks as long as there are too few.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub unclicked: bool,
     /// The pair whose second click is due.
     pub half: Option<HalfPair>,
     /// Parameters of the estimate.
@@ -169,6 +172,7 @@ impl Document {
         self.checks.clear();
         self.half = None;
         self.selection = None;
+        self.unclicked = false;
     }
 
     /// Puts the pairs of a random trial in place of the first ones; those behind them stay, to check the result.
@@ -233,14 +237,6 @@ impl Document {
         }
     }
 
-    /// The parameters that the search is given: the published methods are a choice of the published search alone.
-    pub fn search_parameters(&self) -> Parameters {
-        match self.parameters.search {
-            Search::Lines => self.parameters.clone(),
-            Search::Patches => Parameters { method: Method::TwoPoint, ..self.parameters.clone() },
-        }
-    }
-
     /// Numbers of the pairs the geometry is estimated from: all that are neither left out nor set to check only. The
     /// published search takes the first ones of them, as many as its method needs.
     pub fn used(&self) -> impl Iterator<Item = usize> + '_ {
@@ -252,10 +248,10 @@ impl Document {
         (0..self.pairs.len()).filter(move |pair| !set_aside(pair)).take(most)
     }
 
-    /// The pairs the geometry is estimated from; `None` while there are too few.
+    /// The pairs the geometry is estimated from; `None` while there are too few and nobody asked for it without.
     pub fn used_pairs(&self) -> Option<Vec<PointPair>> {
         let pairs: Vec<PointPair> = self.used().map(|pair| self.pairs[pair]).collect();
-        (pairs.len() >= self.pairs_needed()).then_some(pairs)
+        (pairs.len() >= self.pairs_needed() || self.unclicked).then_some(pairs)
     }
 
     /// What a pair is for.

@@ -122,6 +122,12 @@ const MOST_NAMES: usize = 4;
 
 /// `pairs p and q`, or `12 pairs`.
 fn used(document: &Document) -> String {
+    if document.is_unclicked() {
+        return match document.used().count() {
+            0 => "the images alone, without clicks".into(),
+            _ => "the images and one pair".into(),
+        };
+    }
     let names: Vec<_> = document.used().map(pair_name).collect();
     match names.split_last() {
         _ if names.len() > MOST_NAMES => format!("{} pairs", names.len()),

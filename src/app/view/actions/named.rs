@@ -2,6 +2,7 @@
 
 use super::action::{Action, action};
 use super::conditions::{has_rectified, is_published_search};
+use crate::app::model::Model;
 use crate::app::model::command::{Command, ExchangeCommand};
 use crate::app::model::comparison::Contestant;
 use crate::app::model::point_table::PointsCommand;
@@ -25,6 +26,20 @@ pub fn by_name() -> Vec<Action> {
         .listed(|_| "Loupe while placing points"),
         action(Command::OpenSample, "Sample", "Open the built-in image pair.")
             .listed(|_| "Open the sample images"),
+        action(
+            Command::FindWithoutClicks,
+            "Find without clicks",
+            "Let the program find the geometry by itself, from what looks alike in both images. Points that you place take part.",
+        )
+        .listed(|_| "Find the geometry without clicks")
+        .when(Model::can_find_without_clicks),
+        action(
+            Command::KeepMatches,
+            "Make point pairs of its matches",
+            "Make point pairs of the two matches that stand in for clicks, to look at and to correct. They only check until you use them.",
+        )
+        .listed(|_| "Make point pairs of the matches that stand in for clicks")
+        .when(Model::can_keep_matches),
         action(Command::ClearPairs, "Clear points", "Remove all point pairs. Undo brings them back.")
             .listed(|_| "Clear all points")
             .when(|model| !model.document.pairs.is_empty() || model.document.half.is_some()),

@@ -30,6 +30,14 @@ fn sentence(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         let button = ui.add(Button::new(text).fill(palette.accent));
         finish_button(ui, button, Command::ShowMe, commands);
     }
+    if model.can_find_without_clicks() && document.half.is_none() {
+        let button = ui.button(Command::FindWithoutClicks.name());
+        finish_button(ui, button, Command::FindWithoutClicks, commands);
+    }
+    if model.can_keep_matches() {
+        let button = ui.button(Command::KeepMatches.name());
+        finish_button(ui, button, Command::KeepMatches, commands);
+    }
     if model.activity.loading {
         busy::show(ui);
     }

@@ -76,8 +76,9 @@ fn one(ui: &mut Ui, model: &Model, number: usize, pencils: &ComparedPencils, com
     if plot.width() < 40.0 || plot.height() < 30.0 {
         return;
     }
-    let Some(pair) = model.document.used().nth(number) else { return };
-    let name = pair_name(pair);
+    // Of a geometry without clicks they pass through matches that are no pairs, so that nothing can be pinned by them.
+    let pair = model.document.used().nth(number).filter(|_| !model.document.is_unclicked());
+    let name = pair.map_or_else(|| format!("match {}", number + 1), pair_name);
     let response = ui.interact(plot, ui.scope_id().with("matrix"), egui::Sense::click());
     response.widget_info(|| {
         egui::WidgetInfo::labeled(egui::Role::Image, true, format!("pencil matrix of {name}"))
@@ -102,7 +103,7 @@ fn one(ui: &mut Ui, model: &Model, number: usize, pencils: &ComparedPencils, com
     let Some([row, column]) = hovered else { return };
     commands.push(Command::PointAt(Target::Cell { pair: number, row, column }));
     if response.clicked()
-        && let Some(angles) = pencils.angles(row, column)
+        && let (Some(angles), Some(pair)) = (pencils.angles(row, column), pair)
     {
         commands.push(Command::Pin(LineSource::Pencil { pair, angles }));
     }

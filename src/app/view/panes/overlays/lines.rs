@@ -4,6 +4,7 @@ use super::{Canvas, Overlay};
 use crate::app::model::document::{PointRef, Role};
 use crate::app::model::ids::OverlayId;
 use crate::app::view::theme;
+use crate::geometry::PointPair;
 
 /// Registered in [`super::OVERLAYS`].
 pub const OVERLAY: Overlay = Overlay {
@@ -17,6 +18,12 @@ pub const OVERLAY: Overlay = Overlay {
 fn draw(canvas: &Canvas) {
     let Some((shown, opacity)) = canvas.shown() else { return };
     let document = &canvas.model.document;
+    let opposite = |pair: &PointPair| canvas.side.other().point(pair);
+    for pair in canvas.model.standing_in() {
+        let Some(line) = canvas.line_from_other(shown.fundamental, opposite(&pair)) else { continue };
+        canvas.line(&line, theme::LINE_WIDTH, theme::ESTIMATED.gamma_multiply(opacity));
+        canvas.dot(canvas.side.point(&pair), theme::HANDLE_RADIUS, theme::ESTIMATED.gamma_multiply(opacity));
+    }
     let selected = document.selection.map(|at| at.pair);
     let wanted =
         document.points(canvas.side.other()).filter(|(at, _)| document.role(at.pair) != Role::Excluded);

@@ -1,0 +1,83 @@
+//! A geometry that nobody clicked for: offered, shown with the matches that stand in, and made into point pairs.
+
+use crate::support::*;
+
+use std::sync::Arc;
+
+use egui_kittest::kittest::Queryable;
+use epiline::app::Start;
+use epiline::app::model::document::{Role, Side};
+use epiline::app::Services;
+use epiline::estimate::{Clicks, EstimateError};
+use epiline::geometry::PointPair;
+use epiline::io::PairOrigin;
+
+/// Found where there is no click, and held by what is clicked where there is.
+fn finding() -> Services {
+    Services {
+        estimate: Box::new(|request, _| {
+            let standing_in =
+                [PointPair::new(100.0, 80.0, 90.0, 82.0), PointPair::new(420.0, 300.0, 400.0, 310.0)];
+            if request.pairs.len() > 1 {
+                return fake_estimate(&request.pairs, &request.parameters);
+            }
+            let mut found = fake_estimate(&standing_in, &request.parameters)?;
+            let mut trace = found.trace.as_deref().ok_or(EstimateError::NoGeometry)?.clone();
+            let (method, search) = (request.parameters.method, request.parameters.search);
+            trace.clicks = Clicks::for_search(&request.pairs, method, search).with_chosen(standing_in);
+            found.trace = Some(Arc::new(trace));
+            Ok(found)
+        }),
+        ..services()
+    }
+}
+
+fn press(window: &mut Window, name: &str) {
+    window.get_by_label(name).click();
+    settle(window);
+}
+
+#[test]
+fn a_geometry_is_found_without_a_click_and_its_matches_become_pairs() {
+    let mut window = window(Start::default(), finding());
+    assert!(window.state().model().shown().is_none(), "nobody asked");
+    press(&mut window, "Find without clicks");
+    let model = window.state().model();
+    assert!(model.shown().is_some() && model.document.pairs.is_empty());
+    assert_eq!(model.standing_in().len(), 2);
+    assert!(model.inspected().is_some(), "lines to look at");
+    window.get_by_label_contains("the images alone, without clicks");
+    assert!(window.query_by_label("Find without clicks").is_none(), "found already");
+
+    press(&mut window, "Make point pairs of its matches");
+    let document = window.state().document();
+    let about = |pair| (document.role(pair), document.origin(pair));
+    assert_eq!([about(0), about(1)], [(Role::Check, PairOrigin::Automatic); 2]);
+    assert!(window.query_by_label("Make point pairs of its matches").is_none(), "they are");
+
+    // Enough clicks, and the images alone are not asked any more; undo goes back to them.
+    click_two_pairs(&mut window);
+    let model = window.state().model();
+    assert!(!model.document.is_unclicked() && model.standing_in().is_empty());
+    assert_eq!(model.document.used_pairs().map(|pairs| pairs.len()), Some(2));
+}
+
+#[test]
+fn one_click_takes_part_and_clearing_asks_no_more() {
+    let mut window = window(Start::default(), finding());
+    press(&mut window, "Find without clicks");
+    for side in Side::BOTH {
+        let position = at(&window, side, 0.1, 0.1);
+        click(&mut window, position);
+    }
+    let model = window.state().model();
+    assert_eq!(model.document.used_pairs().map(|pairs| pairs.len()), Some(1));
+    assert!(model.shown().is_some());
+    window.get_by_label_contains("the images and one pair");
+    for _ in 0..4 {
+        window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::Z);
+        settle(&mut window);
+    }
+    assert!(!window.state().document().unclicked, "undone");
+    window.get_by_label("Find without clicks");
+}
