@@ -9,14 +9,11 @@
 //! EPILINE_MUTATIONS=10000000 cargo test --test mutations -- --ignored --nocapture
 //! ```
 
-// The one way to know what an input allocates is an allocator that counts.
-#![allow(unsafe_code)]
+mod counting;
 
-use std::alloc::{GlobalAlloc, Layout, System};
 use std::io::Cursor;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
 use epiline::geometry::{Frame, FundamentalMatrix, PointPair};
@@ -36,48 +33,6 @@ const LONGEST: f64 = 20.0;
 const LONGEST_FILE: u64 = 20_000;
 /// Characters of a message at most.
 const LONGEST_MESSAGE: usize = 900;
-
-/// Counts what is held, and the most that was.
-struct Counting;
-
-static HELD: AtomicUsize = AtomicUsize::new(0);
-static MOST_HELD: AtomicUsize = AtomicUsize::new(0);
-
-fn note(more: usize, less: usize) {
-    let held = HELD.fetch_add(more, Ordering::Relaxed).wrapping_add(more);
-    MOST_HELD.fetch_max(held, Ordering::Relaxed);
-    HELD.fetch_sub(less, Ordering::Relaxed);
-}
-
-// SAFETY: the system's allocator does the work; the counts touch nothing of it.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        note(layout.size(), 0);
-        // SAFETY: as promised to this function.
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
-        note(layout.size(), 0);
-        // SAFETY: as promised to this function.
-        unsafe { System.alloc_zeroed(layout) }
-    }
-
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        note(0, layout.size());
-        // SAFETY: as promised to this function.
-        unsafe { System.dealloc(pointer, layout) }
-    }
-
-    unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
-        note(size, layout.size());
-        // SAFETY: as promised to this function.
-        unsafe { System.realloc(pointer, layout, size) }
-    }
-}
-
-#[global_allocator]
-static ALLOCATOR: Counting = Counting;
 
 /// The generator `SplitMix64`: the same numbers everywhere.
 struct Random(u64);
@@ -280,12 +235,10 @@ fn run(count: usize, seed: u64) {
         for _ in 0..=random.below(6) {
             mutate(&mut bytes, other, &mut random);
         }
-        let before = HELD.load(Ordering::Relaxed);
-        MOST_HELD.store(before, Ordering::Relaxed);
         let started = Instant::now();
-        let said = catch_unwind(AssertUnwindSafe(|| read(&bytes, sample.reader, &file)));
+        let (memory, said) =
+            counting::most_held(|| catch_unwind(AssertUnwindSafe(|| read(&bytes, sample.reader, &file))));
         let seconds = started.elapsed().as_secs_f64();
-        let memory = MOST_HELD.load(Ordering::Relaxed).saturating_sub(before);
         let long = said.as_ref().is_ok_and(|said| {
             said.iter().any(|s| s.chars().count() > LONGEST_MESSAGE || s.contains(char::is_control))
         });
