@@ -13,6 +13,7 @@ use crate::io::PairOrigin;
 
 impl Inspector {
     /// Does what a command says.
+    #[expect(clippy::too_many_lines, reason = "it is a table")]
     pub(super) fn apply(&mut self, ctx: &egui::Context, command: Command) {
         let (model, dialogs) = (&mut self.model, &mut self.view.dialogs);
         match command {
@@ -35,7 +36,7 @@ impl Inspector {
             Command::ShowMe => {
                 if let Some(pairs) = model.open.show_me {
                     model.edit(Step::Single, |document| {
-                        document.set_pairs(pairs.to_vec(), PairOrigin::TrueMatch)
+                        document.set_pairs(pairs.to_vec(), PairOrigin::TrueMatch);
                     });
                 }
             }
@@ -62,7 +63,7 @@ impl Inspector {
             Command::Points(command) => self.apply_to_points(ctx, command),
             Command::Repair(pair, how) => self.repair(pair, how),
             Command::ClearPairs => {
-                model.edit(Step::Single, |document| document.set_pairs(Vec::new(), PairOrigin::Clicked))
+                model.edit(Step::Single, |document| document.set_pairs(Vec::new(), PairOrigin::Clicked));
             }
             Command::Cancel => self.cancel(),
             Command::FitAll => self.fit_all(),

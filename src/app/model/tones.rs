@@ -245,6 +245,7 @@ mod tests {
     }
 
     #[test]
+    #[expect(clippy::float_cmp, reason = "these numbers are set, not computed")]
     fn one_picture_is_adjusted_alone_or_both_with_a_range_of_their_own() {
         let flat = |from: u8| {
             let pixels = image::GrayImage::from_fn(64, 64, |x, _| image::Luma([from + x as u8]));

@@ -123,7 +123,7 @@ fn textured(shift: impl Fn(u32) -> u32) -> DynamicImage {
     let value = |x: u32, y: u32| {
         (x.wrapping_mul(2_654_435_761) ^ y.wrapping_mul(40_503)).wrapping_mul(2_246_822_519) >> 24
     };
-    GrayImage::from_fn(200, 60, |x, y| Luma([value((x + shift(y)) / 2, y) as u8])).into()
+    GrayImage::from_fn(200, 60, |x, y| Luma([value((x + shift(y)) >> 1, y) as u8])).into()
 }
 
 #[cfg(test)]

@@ -12,6 +12,7 @@ use crate::estimate::{Method, Preset};
 use crate::rectify::RectifyMethod;
 
 /// Those that are in the list of all commands, without keys.
+#[expect(clippy::too_many_lines, reason = "it is a table")]
 pub fn by_name() -> Vec<Action> {
     let methods = "The published search finds the geometry from two pairs, or from three, which is faster and steadier.";
     let presets = "Robust measured best on real images; Paper follows the published method to the letter.";

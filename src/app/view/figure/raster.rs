@@ -84,6 +84,7 @@ fn triangle(canvas: &mut RgbaImage, mut corners: [Vertex; 3], texture: Option<&C
         return;
     }
     // A pixel on an edge that two triangles share belongs to one of them.
+    #[expect(clippy::float_cmp, reason = "the same edge has the very same ends in both")]
     let owns = |from: Pos2, to: Pos2| to.y > from.y || to.y == from.y && to.x < from.x;
     let edges = [(b, c), (c, a), (a, b)];
     for y in bounds.min.y.floor().max(0.0) as u32..(bounds.max.y.ceil() as u32).min(canvas.height()) {

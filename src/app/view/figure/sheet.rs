@@ -65,6 +65,7 @@ pub struct Sheet {
 }
 
 /// Lets the overlays draw onto a sheet.
+#[expect(clippy::too_many_lines, reason = "one place after the other, with nothing to share")]
 pub fn sheet(model: &Model, panes: [Option<PanePlace>; 2], choices: &FigureChoices) -> Option<Sheet> {
     let pictures = model.open.pictures()?;
     let frames = pictures.each_ref().map(|picture| picture.frame());
@@ -89,7 +90,7 @@ pub fn sheet(model: &Model, panes: [Option<PanePlace>; 2], choices: &FigureChoic
         match (&seen[k], views[k].scale) {
             // The same part in a place of another size.
             (Some(pane), Some(scale)) => {
-                transform.scale = scale * f64::from(sizes[k].x / pane.rect.width().max(1.0))
+                transform.scale = scale * f64::from(sizes[k].x / pane.rect.width().max(1.0));
             }
             (None, _) => transform.scale = f64::from(sizes[k].x) / frames[k].width as f64,
             _ => {}
@@ -112,7 +113,7 @@ pub fn sheet(model: &Model, panes: [Option<PanePlace>; 2], choices: &FigureChoic
     let size = total(sizes);
     let first = pos2(GAP, GAP);
     let second = first + if stacked { vec2(0.0, sizes[0].y + GAP) } else { vec2(sizes[0].x + GAP, 0.0) };
-    let places = [first, second].map(|corner| corner.to_vec2());
+    let places = [first, second].map(egui::Pos2::to_vec2);
     let places: [Placed; 2] = std::array::from_fn(|k| {
         let rect = Rect::from_min_size(places[k].to_pos2(), sizes[k]);
         let transform = Transform::new(rect, views[k].centre, fit[k].scale * f64::from(enlarged));

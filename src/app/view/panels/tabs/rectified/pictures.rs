@@ -31,11 +31,10 @@ impl Sheet {
     /// Whose picture it is; `None` when it is of both.
     pub(super) fn side(self) -> Option<Side> {
         match self {
-            Self::Left => Some(Side::Left),
+            // The places of the disparities are those of the left picture.
+            Self::Left | Self::Disparity => Some(Side::Left),
             Self::Right => Some(Side::Right),
             Self::Both => None,
-            // Its places are those of the left picture.
-            Self::Disparity => Some(Side::Left),
         }
     }
 
