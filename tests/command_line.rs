@@ -200,7 +200,7 @@ mod options {
         let pictures = Pictures::new();
         for (rest, words) in [
             (["--preset", "magic"], "invalid value 'magic'"),
-            (["--method", "lines"], "invalid value 'lines'"),
+            (["--method", "magic"], "invalid value 'magic'"),
             (["--seed", "-1"], "--seed"),
             (["--threads", "0"], "from 1 to 1024"),
             (["--set", "nonsense=1"], "there is no parameter nonsense"),

@@ -17,7 +17,9 @@ use crate::estimate::{
 };
 use crate::geometry::PointPair;
 use crate::image::Picture;
-use crate::io::{Format, GeometryFile, ResultFile, refuse_clashes, result_in_words};
+use crate::io::{
+    Format, GeometryFile, PairLabel, PairOrigin, ResultFile, TrustNote, refuse_clashes, result_in_words,
+};
 
 /// Estimate the fundamental matrix of two images from point pairs, or from none
 #[derive(Debug, Args)]
@@ -128,9 +130,14 @@ fn watched(input: &EstimateInput, parameters: &Parameters) -> Result<Estimate, E
 
 /// What other programs can use of it: the clicks, and behind them the matches that the refinement found.
 fn geometry_file(found: &Estimate, input: &EstimateInput) -> GeometryFile {
+    let label = |origin| PairLabel { origin, ..PairLabel::default() };
+    let given = input.pairs.iter().map(|_| label(PairOrigin::Clicked));
+    let matched = found.matches().iter().map(|_| label(PairOrigin::Automatic));
     GeometryFile {
         fundamental: Some(*found.fundamental()),
         pairs: input.pairs.iter().copied().chain(found.matches().iter().map(|m| m.pair)).collect(),
+        labels: given.chain(matched).collect(),
+        trust: found.assessment.trust.as_ref().map(TrustNote::from),
         images: Some(image_notes(&input.pictures)),
         ..GeometryFile::default()
     }

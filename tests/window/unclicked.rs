@@ -5,9 +5,9 @@ use crate::support::*;
 use std::sync::Arc;
 
 use egui_kittest::kittest::Queryable;
+use epiline::app::Services;
 use epiline::app::Start;
 use epiline::app::model::document::{Role, Side};
-use epiline::app::Services;
 use epiline::estimate::{Clicks, EstimateError};
 use epiline::geometry::PointPair;
 use epiline::io::PairOrigin;

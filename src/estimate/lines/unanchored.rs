@@ -13,6 +13,7 @@
 //! - The map is between pencils, so it takes lines through the epipole. A candidate line that misses it is taken for the
 //!   line of the pencil through its middle, if the area between these two is below the threshold, too.
 
+use std::cmp::Reverse;
 use std::f64::consts::{PI, TAU};
 
 use rand::{RngExt, SeedableRng};
@@ -223,10 +224,10 @@ pub(in crate::estimate) fn geometries_from_lines(
         .flat_map_iter(|task| counting.draw(task as u64))
         .collect();
     cancel.check()?;
-    drawn.sort_by(|a, b| b.0.cmp(&a.0));
+    drawn.sort_by_key(|(count, _)| Reverse(*count));
     let mut refitted: Vec<LineGeometry> =
         drawn.par_iter().take(REFITTED).map(|(_, f)| counting.refitted(f)).collect();
-    refitted.sort_by(|a, b| b.agreeing.len().cmp(&a.agreeing.len()));
+    refitted.sort_by_key(|one| Reverse(one.agreeing.len()));
     let mut different: Vec<LineGeometry> = Vec::new();
     for one in refitted {
         let shares = |other: &LineGeometry| {
@@ -279,25 +280,9 @@ impl<'a> Counting<'a> {
             .filter(|r| (0..2).all(|i| self.is_near(i, &r.lines[i], &epipoles[i], r.middles()[i])))
             .take(THIRD);
         third
-            .filter_map(|r| self.through(p, q, r))
+            .filter_map(|r| through(p, q, r))
             .map(|f| (self.agreeing_few(&f), f))
             .max_by_key(|(count, _)| *count)
-    }
-
-    /// The geometry of three line pairs, of which the first two give the epipoles.
-    fn through(&self, p: &Measured, q: &Measured, r: &Measured) -> Option<FundamentalMatrix> {
-        let coordinates = |i: usize| {
-            let middle = r.middles()[i];
-            [q.lines[i].signed_distance(middle), -p.lines[i].signed_distance(middle)]
-        };
-        let (c1, c2) = (coordinates(0), coordinates(1));
-        let kappa = (c2[1] * c1[0]) / (c2[0] * c1[1]);
-        if !kappa.is_finite() || kappa == 0.0 {
-            return None;
-        }
-        let [lines_p, lines_q] = [p, q].map(|pair| pair.lines.map(|line| *line.coefficients()));
-        let f = lines_p[1] * lines_q[0].transpose() - lines_q[1] * lines_p[0].transpose() * kappa;
-        FundamentalMatrix::from_rank_two(f)
     }
 
     /// Whether a line passes the epipole so near that the area between it and the line of the pencil through its middle is
@@ -359,6 +344,22 @@ impl<'a> Counting<'a> {
         }
         best
     }
+}
+
+/// The geometry of three line pairs, of which the first two give the epipoles.
+fn through(p: &Measured, q: &Measured, r: &Measured) -> Option<FundamentalMatrix> {
+    let coordinates = |i: usize| {
+        let middle = r.middles()[i];
+        [q.lines[i].signed_distance(middle), -p.lines[i].signed_distance(middle)]
+    };
+    let (c1, c2) = (coordinates(0), coordinates(1));
+    let kappa = (c2[1] * c1[0]) / (c2[0] * c1[1]);
+    if !kappa.is_finite() || kappa == 0.0 {
+        return None;
+    }
+    let [lines_p, lines_q] = [p, q].map(|pair| pair.lines.map(|line| *line.coefficients()));
+    let f = lines_p[1] * lines_q[0].transpose() - lines_q[1] * lines_p[0].transpose() * kappa;
+    FundamentalMatrix::from_rank_two(f)
 }
 
 #[cfg(test)]

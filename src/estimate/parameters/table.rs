@@ -193,19 +193,6 @@ pub const PARAMETERS: [ParameterEntry; 25] = [
     ),
     number(
         (
-            "agreement",
-            Stage::Hypotheses,
-            "Agreement without clicks",
-            " px",
-            "A line pair agrees with a geometry that lines alone gave when the area between its line and the one it is mapped to is below this many pixels times the width of the coarse image.",
-        ),
-        [0.1, 50.0],
-        1,
-        |p| p.lines_alone.agreement,
-        |p, v| p.lines_alone.agreement = v,
-    ),
-    number(
-        (
             "hypotheses",
             Stage::Hypotheses,
             "Hypotheses",
@@ -241,6 +228,19 @@ pub const PARAMETERS: [ParameterEntry; 25] = [
             set: |p, v| p.search = if v { Search::Patches } else { Search::Lines },
         },
     },
+    number(
+        (
+            "agreement",
+            Stage::Hypotheses,
+            "Agreement without clicks",
+            " px",
+            "A line pair agrees with a geometry that lines alone gave when the area between its line and the one it is mapped to is below this many pixels times the width of the coarse image.",
+        ),
+        [0.1, 50.0],
+        1,
+        |p| p.lines_alone.agreement,
+        |p, v| p.lines_alone.agreement = v,
+    ),
     number(
         (
             "validated",

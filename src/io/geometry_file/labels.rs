@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::estimate::Trust;
+
 /// Where the points of a pair come from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -57,6 +59,13 @@ pub struct TrustNote {
     pub verdict: String,
     /// Why, a sentence each.
     pub reasons: Vec<String>,
+}
+
+impl From<&Trust> for TrustNote {
+    fn from(trust: &Trust) -> Self {
+        let reasons = trust.reasons.iter().map(ToString::to_string).collect();
+        Self { verdict: trust.verdict.label().to_owned(), reasons }
+    }
 }
 
 /// Pairs of the same origin that follow each other, in words: `clicked: p, q`.
