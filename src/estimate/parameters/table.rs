@@ -182,7 +182,7 @@ pub const PARAMETERS: [ParameterEntry; 25] = [
         (
             "all_lines",
             Stage::Pencils,
-            "Lines without clicks",
+            "All lines",
             " per image",
             "About how many lines of each image are compared when lines alone are to give the geometry.",
         ),
@@ -232,7 +232,7 @@ pub const PARAMETERS: [ParameterEntry; 25] = [
         (
             "agreement",
             Stage::Hypotheses,
-            "Agreement without clicks",
+            "Agreement",
             " px",
             "A line pair agrees with a geometry that lines alone gave when the area between its line and the one it is mapped to is below this many pixels times the width of the coarse image.",
         ),
