@@ -16,7 +16,7 @@ pub enum Stage {
     Validation,
     /// Local refinement, coarse to fine.
     Refinement,
-    /// Covariant features and the views that they suggest, ranked and refined: where the steps before leave doubts.
+    /// Covariant features and the views that they suggest: where the steps before leave doubts, and where nobody has clicked.
     Features,
 }
 
@@ -33,7 +33,7 @@ impl Stage {
             Self::Hypotheses => "Epipole hypotheses",
             Self::Validation => "Validation",
             Self::Refinement => "Refinement",
-            Self::Features => "Turned and scaled views",
+            Self::Features => "Features and views",
         }
     }
 }

@@ -132,8 +132,8 @@ impl<'a> PencilMatrix<'a> {
         }
     }
 
-    /// Directions of two undirected lines as the matrix has them: the first in `[0, π)`, the second in the sense
-    /// that is turned less against it.
+    /// Directions of two undirected lines as the matrix has them: the first in `[0, π)`, the second in the sense that was
+    /// compared with it, or that is turned less against it.
     fn directions(&self, line1: &Line, line2: &Line) -> [f64; 2] {
         let angle = |line: &Line| {
             let d = line.direction();
@@ -142,7 +142,20 @@ impl<'a> PencilMatrix<'a> {
         let angle1 = angle(line1).rem_euclid(PI);
         let angle2 = angle(line2).rem_euclid(TAU);
         let other = (angle2 + PI).rem_euclid(TAU);
-        let in_matrix = |angle2: f64| turn([angle1, angle2]).abs() <= self.picture.extent;
+        let nearest = |all: &[f64], angle: f64, period: f64| {
+            let apart = |other: f64| {
+                let apart = (other - angle).rem_euclid(period);
+                apart.min(period - apart)
+            };
+            (0..all.len()).min_by(|a, b| apart(all[*a]).total_cmp(&apart(all[*b])))
+        };
+        let was_compared = |angle2: f64| {
+            let row = nearest(&self.pencils.angles1, angle1, PI);
+            let column = nearest(&self.pencils.angles2, angle2, TAU);
+            row.zip(column).is_some_and(|(row, column)| self.pencils.costs.at(row, column).is_finite())
+        };
+        let in_matrix =
+            |angle2: f64| turn([angle1, angle2]).abs() <= self.picture.extent && was_compared(angle2);
         // Where both senses were compared, the candidates tell which one was meant.
         let less = turn([angle1, angle2]).abs() <= turn([angle1, other]).abs();
         if in_matrix(angle2) && (less || !in_matrix(other)) { [angle1, angle2] } else { [angle1, other] }
