@@ -120,7 +120,7 @@ fn textured(
 /// Compares about `count` lines of each image with each other. `rotation` is how far image 2 is turned, about.
 ///
 /// Of `n` lines with texture in one image and `m` in the other `2 n m` costs of 4 bytes are kept, and one batch
-/// besides: 32 MB at 2,000.
+/// besides: 32 MB at 2,000, and as much again while they are normalised.
 pub(in crate::estimate) fn compare_lines(
     level: &ScaledSimilarity,
     count: usize,
