@@ -120,21 +120,30 @@ fn textured(
     fraction: f64,
 ) -> Vec<f64> {
     let lines: Vec<AnchoredLine> = angles.iter().map(|a| AnchoredLine::at_angle(point, *a)).collect();
-    let information = similarity.information(image, &lines);
+    let kept = have_texture(similarity, image, frame, &lines, fraction, SHORTEST_LINE);
+    angles.iter().zip(kept).filter(|(_, kept)| *kept).map(|(angle, _)| *angle).collect()
+}
+
+/// Which lines cross texture, at least a fraction of their median, and as much of the image as `shortest` times its
+/// shorter side.
+pub(super) fn have_texture(
+    similarity: &dyn LineSimilarity,
+    image: usize,
+    frame: Frame,
+    lines: &[AnchoredLine],
+    fraction: f64,
+    shortest: f64,
+) -> Vec<bool> {
+    let information = similarity.information(image, lines);
     let mut sorted = information.clone();
     sorted.sort_by(f64::total_cmp);
     let threshold = sorted.get(sorted.len() / 2).map_or(0.0, |median| median * fraction);
-    let shortest = SHORTEST_LINE * frame.shorter_side();
-    angles
-        .iter()
-        .zip(&lines)
-        .zip(&information)
-        .filter(|((_, line), value)| {
-            let length = frame.clip(&line.line()).map_or(0.0, |s| s.length());
-            **value > 0.0 && **value >= threshold && length >= shortest
-        })
-        .map(|((angle, _), _)| *angle)
-        .collect()
+    let shortest = shortest * frame.shorter_side();
+    let is_kept = |(line, value): (&AnchoredLine, f64)| {
+        let length = frame.clip(&line.line()).map_or(0.0, |s| s.length());
+        value > 0.0 && value >= threshold && length >= shortest
+    };
+    lines.iter().zip(information).map(is_kept).collect()
 }
 
 /// Pairs that are among the `k` cheapest of their row and of their column.

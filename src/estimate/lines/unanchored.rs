@@ -21,15 +21,17 @@ use rand_pcg::Pcg64Mcg;
 use rayon::prelude::*;
 
 use super::SHORTEST_LINE;
-use super::pencils::mutual_best;
+use super::pencils::{have_texture, mutual_best};
 use crate::cancel::CancelFlag;
 use crate::estimate::{EstimateError, PencilParameters};
 use crate::geometry::{
     AnchoredLine, Frame, FundamentalMatrix, HomogeneousPoint, Line, Observation, Point, PointPair, Segment,
     area_between_lines, fit_fundamental,
 };
-use crate::similarity::{CostMatrix, LineSimilarity, ScaledSimilarity};
+use crate::similarity::{CostMatrix, ScaledSimilarity};
 
+/// Shortest line, as a fraction of the shorter side: twice that of a pencil, since nothing says that a short one is right.
+const SHORTEST: f64 = 2.0 * SHORTEST_LINE;
 /// Lines of image 1 compared in one batch: a stop is noticed between batches.
 const BATCH: usize = 64;
 /// Pairs through both epipoles that are tried as the third one of a draw.
@@ -93,30 +95,6 @@ fn line_grid(frame: Frame, count: usize) -> Vec<AnchoredLine> {
     lines
 }
 
-/// The lines that are long enough and cross enough texture.
-fn textured(
-    similarity: &dyn LineSimilarity,
-    image: usize,
-    frame: Frame,
-    lines: Vec<AnchoredLine>,
-    fraction: f64,
-) -> Vec<AnchoredLine> {
-    let information = similarity.information(image, &lines);
-    let mut sorted = information.clone();
-    sorted.sort_by(f64::total_cmp);
-    let threshold = sorted.get(sorted.len() / 2).map_or(0.0, |median| median * fraction);
-    let shortest = SHORTEST_LINE * frame.shorter_side();
-    lines
-        .into_iter()
-        .zip(information)
-        .filter(|(line, value)| {
-            let length = frame.clip(&line.line()).map_or(0.0, |s| s.length());
-            *value > 0.0 && *value >= threshold && length >= 2.0 * shortest
-        })
-        .map(|(line, _)| line)
-        .collect()
-}
-
 /// Compares about `count` lines of each image with each other. `rotation` is how far image 2 is turned, about.
 ///
 /// Of `n` lines with texture in one image and `m` in the other `2 n m` costs of 4 bytes are kept, and one batch
@@ -131,7 +109,9 @@ pub(in crate::estimate) fn compare_lines(
     let similarity = &*level.lines;
     let [lines1, half2] = [0, 1].map(|image| {
         let frame = level.frames[image];
-        textured(similarity, image, frame, line_grid(frame, count), parameters.texture)
+        let lines = line_grid(frame, count);
+        let kept = have_texture(similarity, image, frame, &lines, parameters.texture, SHORTEST);
+        lines.into_iter().zip(kept).filter(|(_, kept)| *kept).map(|(line, _)| line).collect::<Vec<_>>()
     });
     // Lines have no sense of their own, so those of image 2 are compared in both.
     let reversed = half2.iter().map(|line| AnchoredLine { direction: -line.direction, ..*line });
