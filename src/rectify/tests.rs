@@ -269,6 +269,36 @@ fn pictures_side_by_side_and_in_one() {
     assert_eq!(anaglyph([&left, &right]).get_pixel(1, 1).0, [200, 100, 100, 255]);
 }
 
+/// An epipole on the very border: half lines that leave the image at once still have their line in the other image.
+#[test]
+fn an_epipole_on_the_border_keeps_its_lines() {
+    let f = FundamentalMatrix::nearest_rank_two(nalgebra::Matrix3::new(
+        0.0,
+        0.0,
+        6.421382018367434e-8,
+        -6.228070931161787,
+        5.035892884284909e-9,
+        -9.357127918368904e-9,
+        -7.028983503556255,
+        -1.3655790382549354e-9,
+        -8.777637226655178e-8,
+    ))
+    .unwrap();
+    let frames = [Frame::new(2, 33), FRAME];
+    assert!(f.epipole1().x.abs() < 1e-20);
+    let r = rectify(&f, frames, &[], RectifyMethod::Polar, &Limits::default()).unwrap();
+    let mut compared = 0;
+    for y in 0..r.size.height {
+        let q = Point::new(r.size.width as f64 / 2.0, y as f64);
+        let (a, b) =
+            (r.maps[0].original_from_rectified(q).unwrap(), r.maps[1].original_from_rectified(q).unwrap());
+        let line2 = f.line2_from_point1(a).unwrap();
+        assert!(line2.distance(b) < 0.5, "{a} {b} {}", line2.distance(b));
+        compared += 1;
+    }
+    assert!(compared > 100, "{compared}");
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(200))]
 

@@ -77,14 +77,15 @@ impl HalfPencil {
         self.reach(angle).map_or_else(|| (self.frame.centre() - self.epipole).norm(), |r| r[1]).max(1.0)
     }
 
-    /// A point of the half line in the middle of the image, or as near as it comes.
+    /// A point of the half line in the middle of the image, or as near as it comes; at least 1 px from the epipole,
+    /// where `F` has no line, even if the image ends before.
     pub(super) fn point(&self, angle: f64) -> Point {
         let along = direction(angle);
         let reach = self.reach(angle).map_or_else(
-            || (self.frame.centre() - self.epipole).dot(&along).max(1.0),
+            || (self.frame.centre() - self.epipole).dot(&along),
             |[from, to]| f64::midpoint(from, to),
         );
-        self.epipole + along * reach
+        self.epipole + along * reach.max(1.0)
     }
 
     /// The angle of an oriented line through the epipole, whose direction tells which half is meant.
