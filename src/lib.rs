@@ -83,6 +83,7 @@ pub mod geometry;
 pub mod image;
 #[cfg(feature = "files")]
 pub mod io;
+pub mod motion;
 #[cfg(feature = "evaluate")]
 pub mod publish;
 pub mod rectify;

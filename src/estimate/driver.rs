@@ -7,6 +7,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use super::assess::{check_images, check_points};
+use super::barcodes::{self, by_barcodes};
 use super::lines_alone::by_lines_alone;
 use super::record::SearchRecord;
 use super::search::{Input, by_lines};
@@ -15,6 +16,7 @@ use super::wider::wider;
 use super::{Clicks, Estimate, EstimateError, Method, Monitor, Parameters, PreparedPair, Search};
 use crate::geometry::PointPair;
 use crate::image::{GrayPlane, RelativeView};
+use crate::similarity::LineMeasure;
 
 /// Estimates the fundamental matrix of two images from clicked point pairs, full-size pixels, or from none.
 ///
@@ -49,6 +51,15 @@ fn run(
     monitor: &Monitor,
     begun: Instant,
 ) -> Result<Estimate, EstimateError> {
+    let adapted;
+    let (compared_by_barcodes, parameters) = match (parameters.similarity.measure, prepared.silhouettes()) {
+        (LineMeasure::Stereo, _) => (None, parameters),
+        (LineMeasure::Barcodes, None) => return Err(EstimateError::NoSequences),
+        (LineMeasure::Barcodes, Some(silhouettes)) => {
+            adapted = barcodes::adapted(parameters);
+            (Some(silhouettes), &adapted)
+        }
+    };
     let clicks = Clicks::for_search(pairs, parameters.method, parameters.search);
     parameters.check()?;
     check_points(prepared.frames(), pairs, parameters.pairs_needed())?;
@@ -59,6 +70,7 @@ fn run(
     let input = Input { prepared, source: &*source, patches: &patches, clicks: &clicks, parameters, cancel };
     let mut record = SearchRecord::new(begun, monitor);
     let best = match parameters.search {
+        _ if let Some(silhouettes) = compared_by_barcodes => by_barcodes(&input, silhouettes, &mut record)?,
         _ if parameters.method == Method::LinesAlone => by_lines_alone(&input, &mut record)?,
         Search::Lines => {
             let found = by_lines(&input, &mut record)?;

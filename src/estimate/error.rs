@@ -103,6 +103,14 @@ pub enum EstimateError {
         "no epipolar geometry was found without clicks: mark two scene points in both images, and try again with these"
     )]
     NothingWithoutClicks,
+    /// Lines are to be compared by motion barcodes, and there are only pictures.
+    #[error("motion barcodes need two sequences of frames, not two pictures: open sequences, or compare lines by stereo")]
+    NoSequences,
+    /// No geometry that barcodes agree on.
+    #[error(
+        "no epipolar geometry was found from motion barcodes: too few lines are crossed in ways of their own, so more has to move in more places, or more frames are needed"
+    )]
+    NothingFromBarcodes,
     /// A newer request or the user stopped the computation.
     #[error("the computation was cancelled")]
     Cancelled,
@@ -122,6 +130,7 @@ impl EstimateError {
             Self::NoCandidates { .. }
                 | Self::NoGeometry
                 | Self::NothingWithoutClicks
+                | Self::NothingFromBarcodes
                 | Self::NoParallax
                 | Self::Cancelled
         )

@@ -7,6 +7,7 @@
 //! The method in equations is `docs/estimator.md`; `docs/parameters.md` lists every parameter.
 
 mod assess;
+mod barcodes;
 mod clicks;
 pub mod covariant;
 mod driver;
@@ -31,6 +32,7 @@ mod wider;
 
 pub use crate::cancel::CancelFlag;
 pub use assess::{SMALLEST_SIDE, examine};
+pub use barcodes::BarcodeFigures;
 pub use clicks::{Click, ClickRole, Clicks};
 pub use driver::{estimate, estimate_prepared};
 pub use error::{EstimateError, Warning};

@@ -9,7 +9,10 @@ use super::{Estimate, EstimateError, Parameters, PencilParameters};
 use crate::features::{FeatureMatch, FeatureParameters, FeatureSet, find_features, match_features};
 use crate::geometry::{Frame, PointPair};
 use crate::image::{GrayPlane, PyramidPair, RelativeView};
-use crate::similarity::{PictureSource, SimilarityParameters, SimilaritySource};
+use crate::motion::Silhouettes;
+use crate::similarity::{
+    BarcodeSource, LineMeasure, PictureSource, SimilarityParameters, SimilaritySource,
+};
 
 /// Two images made ready for estimates. Keep it while the images stay the same: moving a click then costs only
 /// what depends on the click.
@@ -21,6 +24,7 @@ pub struct PreparedPair {
     /// The latest views with features, newest first.
     views: Mutex<VecDeque<Arc<PatchLevels>>>,
     pencils: PencilCache,
+    silhouettes: Option<[Arc<Silhouettes>; 2]>,
 }
 
 /// Levels smaller than this are never used, px.
@@ -39,7 +43,19 @@ impl PreparedPair {
             features: OnceLock::new(),
             views: Mutex::default(),
             pencils: PencilCache::default(),
+            silhouettes: None,
         }
+    }
+
+    /// The same two cameras with what moves in front of them, in as many frames of either, of the size of the images.
+    #[must_use]
+    pub fn with_silhouettes(self, silhouettes: [Arc<Silhouettes>; 2]) -> Self {
+        Self { silhouettes: Some(silhouettes), ..self }
+    }
+
+    /// What moves in the sequences of the two cameras, if that is what they are.
+    pub fn silhouettes(&self) -> Option<[&Silhouettes; 2]> {
+        self.silhouettes.as_ref().map(|[first, second]| [&**first, &**second])
     }
 
     /// Sizes of the two images.
@@ -101,6 +117,9 @@ impl PreparedPair {
         view: RelativeView,
         parameters: &Parameters,
     ) -> Box<dyn SimilaritySource + '_> {
+        if let (LineMeasure::Barcodes, Some(silhouettes)) = (parameters.similarity.measure, &self.silhouettes) {
+            return Box::new(BarcodeSource { silhouettes: silhouettes.clone() });
+        }
         Box::new(PictureSource { pyramids: &self.pyramids, view, parameters: parameters.similarity })
     }
 

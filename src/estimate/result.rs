@@ -9,6 +9,7 @@ use serde::Serialize;
 
 use super::patches::Hypothesis;
 use super::{
+    BarcodeFigures,
     Clicks, ComparedPencils, LineFigures, Method, PatchSupport, Preset, RefinedMatch, Refinement, Stage,
     Trust, Uncertainty, Warning,
 };
@@ -43,6 +44,8 @@ pub struct Assessment {
     /// The same after refinement, by what the matches weigh: measured where the margin before leaves open which geometry
     /// is better, and then what decides.
     pub refined_margin: Option<f64>,
+    /// What the motion barcodes of lines say of it, where sequences were compared.
+    pub barcodes: Option<BarcodeFigures>,
     /// The fit of all seven degrees of freedom at full resolution, if there was one.
     pub refinement: Option<Refinement>,
     /// What the user should know.

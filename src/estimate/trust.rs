@@ -51,6 +51,30 @@ pub enum Reason {
         /// Matches found.
         matches: usize,
     },
+    /// Barcodes agree no better than by chance.
+    #[error(
+        "the motion barcodes of corresponding lines agree by {correlation:.2}, and by up to {by_chance:.2} when one sequence is shifted in time: they may not have been recorded at the same time, or too little moves"
+    )]
+    BarcodesByChance {
+        /// Agreement, 1 for equal ones.
+        correlation: f64,
+        /// Agreement by chance.
+        by_chance: f64,
+    },
+    /// Few lines have barcodes of their own.
+    #[error(
+        "only about {lines} lines are crossed in ways of their own: more things have to move, or in more places, or more frames are needed"
+    )]
+    FewBarcodes {
+        /// Independent lines.
+        lines: usize,
+    },
+    /// The barcodes leave the epipolar lines loose.
+    #[error("the motion barcodes leave the epipolar lines uncertain by {deviation:.1} px")]
+    LooseBarcodes {
+        /// Standard deviation across the lines, px.
+        deviation: f64,
+    },
     /// A click is off its epipolar line.
     #[error("point pair {pair} is {distance:.1} px off its epipolar line: {suspect}")]
     ClickOff {
@@ -219,11 +243,26 @@ impl Together {
     }
 }
 
+/// What motion barcodes say of a geometry.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct BarcodeEvidence {
+    /// Agreement of corresponding lines, and the best one at shifts in time.
+    pub correlation: f64,
+    pub by_chance: f64,
+    /// Lines that tell something of their own.
+    pub lines: f64,
+}
+
+/// Twice as many lines as there are unknowns.
+const ENOUGH_LINES: f64 = 14.0;
+
 /// What a verdict rests on.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Evidence<'a> {
     /// Whether patches were looked at.
     pub patches: bool,
+    /// What barcodes say, where sequences were compared.
+    pub barcodes: Option<BarcodeEvidence>,
     /// Whether the result was refined, and on how many matches.
     pub matches: Option<usize>,
     /// Sampson distances of the clicks, px.
@@ -246,7 +285,15 @@ impl Trust {
     pub(super) fn judge(evidence: &Evidence) -> Self {
         let mut reasons = Vec::new();
         let mut unreliable = false;
-        if !evidence.patches {
+        if let Some(BarcodeEvidence { correlation, by_chance, lines }) = evidence.barcodes {
+            if correlation <= by_chance {
+                unreliable = true;
+                reasons.push(Reason::BarcodesByChance { correlation, by_chance });
+            }
+            if lines < ENOUGH_LINES {
+                reasons.push(Reason::FewBarcodes { lines: lines as usize });
+            }
+        } else if !evidence.patches {
             reasons.push(Reason::NotChecked);
         }
         match evidence.matches {
@@ -261,7 +308,10 @@ impl Trust {
             reasons.push(Reason::Ambiguous { margin });
         }
         if let Some(deviation) = evidence.deviation.filter(|d| *d > LOOSEST * evidence.side) {
-            reasons.push(Reason::Loose { deviation });
+            reasons.push(match evidence.barcodes {
+                Some(_) => Reason::LooseBarcodes { deviation },
+                None => Reason::Loose { deviation },
+            });
         }
         let Together { matches, contradicting } = evidence.together;
         if evidence.together.contradict() {
@@ -301,6 +351,7 @@ mod tests {
 
     const GOOD: Evidence = Evidence {
         patches: true,
+        barcodes: None,
         matches: Some(300),
         clicks: &[0.5, 1.2],
         click_sigma: 1.0,

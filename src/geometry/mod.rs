@@ -20,6 +20,8 @@ mod frame;
 mod fundamental;
 mod homography;
 mod line;
+mod line_grid;
+mod orthonormal;
 mod pencil;
 mod point;
 #[cfg(test)]
@@ -38,6 +40,8 @@ pub use frame::{Frame, Segment};
 pub use fundamental::{FundamentalMatrix, NotFundamental};
 pub use homography::{homography, transfer_error};
 pub use line::Line;
+pub use line_grid::line_grid;
+pub use orthonormal::Vector7;
 pub use pencil::{LinePair, PencilMap, pencil_angles};
 pub use point::{HomogeneousPoint, PointPair, finite_point, rescaled};
 pub use residual::{algebraic_residual, sampson_distance, symmetric_epipolar_distance};

@@ -1,12 +1,9 @@
 //! Robust fit of all seven degrees of freedom of `F` to point matches: Levenberg–Marquardt on a Cauchy cost of
 //! the Sampson distance (Hartley & Zisserman, §11.4.3 and A6.8).
-//!
-//! `F = U diag(cos φ, sin φ, 0) Vᵀ` with rotations `U`, `V` (Bartoli & Sturm 2004): seven numbers, rank 2 at
-//! every step, no special case for epipoles at infinity. Increments are small rotations on either side, so the
-//! derivatives are products of `F` with the generators of rotation.
 
-use nalgebra::{Matrix3, Rotation3, SMatrix, SVector, Vector3};
+use nalgebra::{Matrix3, SMatrix, Vector3};
 
+use super::orthonormal::{Orthonormal, Vector7};
 use super::{FundamentalMatrix, PointPair};
 
 /// A match and its standard deviation in px, each coordinate.
@@ -18,68 +15,7 @@ pub struct Observation {
     pub sigma: f64,
 }
 
-type Vector7 = SVector<f64, 7>;
 type Matrix7 = SMatrix<f64, 7, 7>;
-
-/// The orthonormal representation of `F` in conditioned coordinates.
-#[derive(Clone)]
-struct Representation {
-    u: Matrix3<f64>,
-    v: Matrix3<f64>,
-    phi: f64,
-}
-
-impl Representation {
-    fn new(f: &Matrix3<f64>) -> Option<Self> {
-        let svd = f.try_svd(true, true, f64::EPSILON, 200)?;
-        let (u, v_t) = (svd.u?, svd.v_t?);
-        let mut order = [0, 1, 2];
-        order.sort_by(|a, b| svd.singular_values[*b].total_cmp(&svd.singular_values[*a]));
-        let mut u = Matrix3::from_columns(&order.map(|k| u.column(k).into_owned()));
-        let mut v = Matrix3::from_columns(&order.map(|k| v_t.row(k).transpose()));
-        // The third column has no weight, so its sign is free: it makes both rotations proper.
-        if u.determinant() < 0.0 {
-            u.column_mut(2).neg_mut();
-        }
-        if v.determinant() < 0.0 {
-            v.column_mut(2).neg_mut();
-        }
-        let phi = svd.singular_values[order[1]].atan2(svd.singular_values[order[0]]);
-        Some(Self { u, v, phi })
-    }
-
-    fn matrix(&self) -> Matrix3<f64> {
-        let (sin, cos) = self.phi.sin_cos();
-        self.u * Matrix3::from_diagonal(&Vector3::new(cos, sin, 0.0)) * self.v.transpose()
-    }
-
-    /// Derivatives of the matrix by the seven increments.
-    fn derivatives(&self, f: &Matrix3<f64>) -> [Matrix3<f64>; 7] {
-        let generator = |k: usize| Vector3::from_fn(|i, _| f64::from(u8::from(i == k))).cross_matrix();
-        let (sin, cos) = self.phi.sin_cos();
-        let by_phi = self.u * Matrix3::from_diagonal(&Vector3::new(-sin, cos, 0.0)) * self.v.transpose();
-        [
-            generator(0) * f,
-            generator(1) * f,
-            generator(2) * f,
-            f * generator(0),
-            f * generator(1),
-            f * generator(2),
-            by_phi,
-        ]
-    }
-
-    fn moved(&self, step: &Vector7) -> Self {
-        let left = Rotation3::new(Vector3::new(step[0], step[1], step[2]));
-        let right = Rotation3::new(Vector3::new(step[3], step[4], step[5]));
-        Self {
-            u: left.matrix() * self.u,
-            // F·exp(b) = U S (exp(−b) V)ᵀ
-            v: right.matrix().transpose() * self.v,
-            phi: self.phi + step[6],
-        }
-    }
-}
 
 /// Result of a robust fit.
 #[derive(Debug, Clone)]
@@ -106,7 +42,7 @@ pub fn fit_fundamental(
         return None;
     }
     let conditioning = Conditioning::new(observations);
-    let mut representation = Representation::new(&conditioning.conditioned(start.matrix()))?;
+    let mut representation = Orthonormal::new(&conditioning.conditioned(start.matrix()))?;
     let (mut cost, mut gradient, mut hessian) = conditioning.normal_equations(&representation, scale)?;
     let mut damping = 1e-4;
     for _ in 0..ITERATIONS {
@@ -197,7 +133,7 @@ impl Conditioning {
     /// Robust cost, its gradient and Gauss–Newton Hessian in the seven increments.
     fn normal_equations(
         &self,
-        representation: &Representation,
+        representation: &Orthonormal,
         scale: f64,
     ) -> Option<(f64, Vector7, Matrix7)> {
         let f = representation.matrix();

@@ -65,9 +65,28 @@ pub struct StereoParameters {
     pub ordering: Ordering,
 }
 
-/// What the stereo similarity of two images depends on besides the images.
+/// What two lines are compared by.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum LineMeasure {
+    /// Stereo matching of the intensities along them.
+    #[default]
+    Stereo,
+    /// In which frames of two synchronised sequences something moves across them.
+    Barcodes,
+}
+
+impl LineMeasure {
+    /// Both measures.
+    pub const ALL: [Self; 2] = [Self::Stereo, Self::Barcodes];
+}
+
+/// What the similarity of lines of two images depends on besides the images.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct SimilarityParameters {
+    /// What two lines are compared by.
+    #[serde(default)]
+    pub measure: LineMeasure,
     /// The numbers of the stereo cost.
     pub stereo: StereoParameters,
     /// Largest disparity tried, as a fraction of the longer image side, either way.

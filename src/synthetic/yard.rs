@@ -11,7 +11,7 @@ use rand_pcg::Pcg32;
 
 use super::Motion;
 use crate::geometry::{Camera, Frame, FundamentalMatrix, Point, PointPair, Vector};
-use crate::image::Picture;
+use crate::image::{GrayPlane, Picture};
 
 /// A made pair with its truth.
 #[derive(Debug, Clone)]
@@ -147,6 +147,12 @@ impl<'a> YardView<'a> {
         });
         Picture::from_pixels("test pair".to_owned(), None, DynamicImage::ImageLuma8(pixels)).ok()
     }
+}
+
+/// The yard as a camera sees it. `None` only for a frame without pixels.
+pub(super) fn yard_picture(camera: Camera, frame: Frame, seed: u64) -> Option<GrayPlane> {
+    let yard = yard(seed);
+    Some(YardView::new(&yard, camera).picture(frame, seed)?.gray)
 }
 
 /// Draws a pair. `None` only for a frame without pixels.

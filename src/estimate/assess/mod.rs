@@ -56,6 +56,7 @@ impl Judge<'_> {
             support,
             margin: self.margin(f, &[]),
             refined_margin: None,
+            barcodes: None,
             refinement: None,
             warnings: self.warnings(f),
             trust: None,
@@ -84,7 +85,7 @@ impl Judge<'_> {
         let refinement = refined.map(|refined| refined.refinement);
         let trust = Some(self.trust(f, refined_margin.or(margin), refinement.as_ref()));
         let warnings = self.warnings(f);
-        Assessment { lines, support, margin, refined_margin, refinement, warnings, trust }
+        Assessment { lines, support, margin, refined_margin, barcodes: None, refinement, warnings, trust }
     }
 
     /// Advantage of a refined geometry, whose matches weigh `weight`, over the rivals when these are refined, too: those
@@ -156,6 +157,7 @@ impl Judge<'_> {
         let (plane, together) = self.plane(f, &matches, tolerance).unzip();
         Trust::judge(&Evidence {
             patches: parameters.search == Search::Patches,
+            barcodes: None,
             matches: refinement.map(|r| r.matches.len()),
             clicks: &distances,
             click_sigma: parameters.click_sigma,

@@ -6,7 +6,7 @@ mod table;
 
 use serde::{Deserialize, Deserializer, Serialize};
 
-use crate::similarity::{SimilarityParameters, StereoParameters};
+use crate::similarity::{LineMeasure, SimilarityParameters, StereoParameters};
 
 pub use entry::{ParameterEntry, ParameterValue};
 pub use table::{PARAMETERS, parameters_as_markdown};
@@ -221,6 +221,7 @@ impl Parameters {
     /// Point pairs without which there is no estimate.
     pub fn pairs_needed(&self) -> usize {
         match self.search {
+            _ if self.similarity.measure == LineMeasure::Barcodes => 0,
             Search::Lines => self.method.pairs_needed(),
             Search::Patches if self.method == Method::ThreePoint => Method::ThreePoint.pairs_needed(),
             Search::Patches => 0,
@@ -234,7 +235,11 @@ impl From<Preset> for Parameters {
             preset,
             method: Method::default(),
             seed: 0,
-            similarity: SimilarityParameters { stereo: StereoParameters::PAPER, disparity_reach: 0.125 },
+            similarity: SimilarityParameters {
+                measure: LineMeasure::Stereo,
+                stereo: StereoParameters::PAPER,
+                disparity_reach: 0.125,
+            },
             pencils: PencilParameters {
                 coarse_side: 192.0,
                 line_spacing: 2.0,
@@ -255,6 +260,7 @@ impl From<Preset> for Parameters {
             Preset::Paper => paper,
             Preset::Robust => Self {
                 similarity: SimilarityParameters {
+                    measure: LineMeasure::Stereo,
                     stereo: StereoParameters {
                         lambda: 400,
                         alpha: 2000,

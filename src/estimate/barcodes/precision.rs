@@ -1,0 +1,90 @@
+//! How firmly barcodes hold the epipolar lines: the jackknife over time.
+
+use super::refinement::{NEARBY, Objective, refine};
+use crate::cancel::CancelFlag;
+use crate::estimate::EstimateError;
+use crate::geometry::{FundamentalMatrix, Point};
+use crate::motion::{FEWEST_FRAMES, Silhouettes};
+
+/// Groups of frames that are left out in turn.
+const GROUPS: usize = 5;
+/// Runs of frames that a group is made of: things that move stay about where they are from frame to frame, so frames are
+/// left out in runs, and each group has some from all over the sequence.
+const RUNS: usize = 3;
+/// Places of image 1 that the lines are measured at, at most.
+const PLACES: usize = 200;
+
+/// Median standard deviation of the epipolar lines in image 2 of places where things move in image 1, px; `None` where too
+/// few frames are left when a group is left out.
+pub(super) fn deviation(
+    objective: &Objective,
+    f: &FundamentalMatrix,
+    seed: u64,
+    cancel: &CancelFlag,
+) -> Result<Option<f64>, EstimateError> {
+    let count = objective.silhouettes[0].len();
+    if count * (GROUPS - 1) / GROUPS < FEWEST_FRAMES {
+        return Ok(None);
+    }
+    let mut left: Vec<FundamentalMatrix> = Vec::with_capacity(GROUPS);
+    for group in 0..GROUPS {
+        let times: Vec<usize> = (0..count).filter(|t| t * GROUPS * RUNS / count % GROUPS != group).collect();
+        let [first, second] = objective.silhouettes.map(|silhouettes| silhouettes.at_times(&times));
+        let fewer = objective.with([&first, &second]);
+        let Some(refined) = refine(&fewer, f, NEARBY, seed ^ (group as u64 + 1), cancel)? else { return Ok(None) };
+        left.push(refined.fundamental);
+    }
+    let mut deviations: Vec<f64> =
+        moving_places(objective.silhouettes).into_iter().filter_map(|at| line_deviation(&left, f, at)).collect();
+    deviations.sort_by(f64::total_cmp);
+    Ok(deviations.get(deviations.len() / 2).copied())
+}
+
+/// The jackknife's deviation of the line of one place, across the line, where that is nearest to the middle of what all
+/// of them say.
+fn line_deviation(left: &[FundamentalMatrix], f: &FundamentalMatrix, (at, seen): (Point, Point)) -> Option<f64> {
+    let foot = f.line2_from_point1(at)?.foot(seen);
+    let distances: Vec<f64> =
+        left.iter().map(|g| Some(g.line2_from_point1(at)?.signed_distance(foot))).collect::<Option<_>>()?;
+    // A line has no sense of its own: distances to either side are made comparable by their normal.
+    let normal = f.line2_from_point1(at)?.coefficients().xy();
+    let signed: Vec<f64> = left
+        .iter()
+        .zip(&distances)
+        .map(|(g, d)| {
+            let own = g.line2_from_point1(at).map_or(normal, |line| line.coefficients().xy());
+            if own.dot(&normal) < 0.0 { -d } else { *d }
+        })
+        .collect();
+    let n = signed.len() as f64;
+    let mean = signed.iter().sum::<f64>() / n;
+    Some(((n - 1.0) / n * signed.iter().map(|d| (d - mean).powi(2)).sum::<f64>()).sqrt())
+}
+
+/// Places of image 1 where something moves, each with the middle of what moves in image 2, full-size pixels.
+fn moving_places(silhouettes: [&Silhouettes; 2]) -> Vec<(Point, Point)> {
+    let every = (silhouettes[0].len() / 20).max(1);
+    let places = |image: usize, time: usize| {
+        let (size, full) = (silhouettes[image].size(), silhouettes[image].full_size());
+        let scale = full.width as f64 / size.width as f64;
+        let mask = silhouettes[image].mask(time);
+        let moving = (0..mask.len()).filter(|k| mask[*k]);
+        let place = move |k: usize| {
+            let centre = |v: usize| (v as f64 + 0.5) * scale - 0.5;
+            Point::new(centre(k % size.width), centre(k / size.width))
+        };
+        moving.map(place).collect::<Vec<_>>()
+    };
+    let mut all = Vec::new();
+    for time in (0..silhouettes[0].len()).step_by(every) {
+        let (first, second) = (places(0, time), places(1, time));
+        if second.is_empty() {
+            continue;
+        }
+        let middle = second.iter().fold(nalgebra::Vector2::zeros(), |s, p| s + p.coords) / second.len() as f64;
+        let step = (first.len() / 10).max(1);
+        all.extend(first.into_iter().step_by(step).map(|at| (at, Point::from(middle))));
+    }
+    let step = all.len().div_ceil(PLACES).max(1);
+    all.into_iter().step_by(step).collect()
+}

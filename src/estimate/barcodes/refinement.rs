@@ -1,0 +1,116 @@
+//! All seven numbers of `F`, moved so that the barcodes of corresponding lines agree best.
+//!
+//! Which pixels a line crosses changes in steps, so the search uses no derivatives: steps are drawn from a Gaussian, the
+//! best of them give the next one (the cross-entropy method: Rubinstein 1999). They are drawn from the seed; the order
+//! of threads changes nothing.
+
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+use rayon::prelude::*;
+
+use super::agreement::Pencils;
+use crate::cancel::CancelFlag;
+use crate::estimate::EstimateError;
+use crate::geometry::{Frame, FundamentalMatrix, PointPair, Vector7, sampson_distance};
+use crate::motion::Silhouettes;
+
+/// How far and how long is searched.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Search {
+    /// Deviation of the first steps, of half a diagonal.
+    pub first: f64,
+    /// Rounds.
+    pub rounds: usize,
+}
+
+/// From where lines have proposed: some per cent of the side off.
+pub(super) const FROM_AFAR: Search = Search { first: 0.015, rounds: 14 };
+/// From a refined geometry.
+pub(super) const NEARBY: Search = Search { first: 0.003, rounds: 14 };
+
+/// Steps a round, and the best of them that give the next one.
+const POPULATION: usize = 64;
+const ELITE: usize = 10;
+/// Part of the deviation of the round before that stays: the search does not settle too early.
+const INERTIA: f64 = 0.3;
+
+/// What is made small: how badly barcodes agree, and how far clicks are off.
+pub(super) struct Objective<'a> {
+    pub silhouettes: [&'a Silhouettes; 2],
+    clicks: Vec<PointPair>,
+    click_sigma: f64,
+}
+
+/// A refined geometry, full-size pixels, and its value; lower is better.
+#[derive(Debug, Clone)]
+pub(super) struct Refined {
+    pub fundamental: FundamentalMatrix,
+    pub value: f64,
+}
+
+impl<'a> Objective<'a> {
+    pub(super) fn new(silhouettes: [&'a Silhouettes; 2], clicks: &[PointPair], click_sigma: f64) -> Self {
+        Self { silhouettes, clicks: clicks.to_vec(), click_sigma }
+    }
+
+    /// The same clicks with some of the frames.
+    pub(super) fn with<'b>(&self, silhouettes: [&'b Silhouettes; 2]) -> Objective<'b> {
+        Objective { silhouettes, clicks: self.clicks.clone(), click_sigma: self.click_sigma }
+    }
+
+    pub(super) fn frames(&self) -> [Frame; 2] {
+        self.silhouettes.map(Silhouettes::full_size)
+    }
+
+    /// The negative logarithm of the likelihood up to a constant: each event is a time that is off by a Laplace-distributed
+    /// error of unknown spread, which leaves `events · ln cost`; clicks are Gaussian, with influence bounded at four
+    /// deviations. `events` are counted once, where the search begins.
+    fn value(&self, f: &FundamentalMatrix, events: f64) -> f64 {
+        let Some(pencils) = Pencils::new(self.silhouettes, f) else { return f64::INFINITY };
+        let off = |pair: &PointPair| (sampson_distance(f, pair) / self.click_sigma).powi(2).min(16.0);
+        events * pencils.cost().max(1e-9).ln() + 0.5 * self.clicks.iter().map(off).sum::<f64>()
+    }
+}
+
+/// The best geometry around a start; `None` where the start has no lines.
+pub(super) fn refine(
+    objective: &Objective,
+    start: &FundamentalMatrix,
+    search: Search,
+    seed: u64,
+    cancel: &CancelFlag,
+) -> Result<Option<Refined>, EstimateError> {
+    let Some(pencils) = Pencils::new(objective.silhouettes, start) else { return Ok(None) };
+    let (events, frames) = (pencils.events().max(1.0), objective.frames());
+    let mut random = Pcg64Mcg::seed_from_u64(seed);
+    let mut best = Refined { fundamental: *start, value: objective.value(start, events) };
+    let (mut mean, mut deviation) = (Vector7::zeros(), Vector7::repeat(search.first));
+    for _ in 0..search.rounds {
+        let steps: Vec<Vector7> =
+            (0..POPULATION).map(|_| mean + deviation.component_mul(&gaussian(&mut random))).collect();
+        let mut tried: Vec<(f64, Vector7, FundamentalMatrix)> = steps
+            .into_par_iter()
+            .filter_map(|step| {
+                let moved = start.moved(&step, frames)?;
+                Some((objective.value(&moved, events), step, moved))
+            })
+            .collect();
+        cancel.check()?;
+        tried.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let Some((value, _, fundamental)) = tried.first().copied() else { return Ok(None) };
+        if value < best.value {
+            best = Refined { fundamental, value };
+        }
+        tried.truncate(ELITE);
+        let count = tried.len() as f64;
+        mean = tried.iter().map(|t| t.1).sum::<Vector7>() / count;
+        let spread = tried.iter().map(|t| (t.1 - mean).map(|v| v * v)).sum::<Vector7>() / count;
+        deviation = deviation * INERTIA + spread.map(f64::sqrt) * (1.0 - INERTIA);
+    }
+    Ok(Some(best))
+}
+
+/// Seven nearly Gaussian numbers: sums of twelve.
+fn gaussian(random: &mut Pcg64Mcg) -> Vector7 {
+    Vector7::from_fn(|_, _| (0..12).map(|_| random.random::<f64>()).sum::<f64>() - 6.0)
+}

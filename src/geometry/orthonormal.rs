@@ -1,0 +1,111 @@
+//! `F` in seven numbers.
+//!
+//! `F = U diag(cos φ, sin φ, 0) Vᵀ` with rotations `U`, `V` (Bartoli & Sturm 2004): seven numbers, rank 2 at
+//! every step, no special case for epipoles at infinity. Increments are small rotations on either side, so the
+//! derivatives are products of `F` with the generators of rotation.
+
+use nalgebra::{Matrix3, Rotation3, SVector, Vector3};
+
+use super::{Frame, FundamentalMatrix};
+
+/// Increments of the seven numbers: a small rotation on either side, and φ.
+pub type Vector7 = SVector<f64, 7>;
+
+/// The orthonormal representation of a matrix of rank 2.
+#[derive(Debug, Clone)]
+pub(super) struct Orthonormal {
+    u: Matrix3<f64>,
+    v: Matrix3<f64>,
+    phi: f64,
+}
+
+impl Orthonormal {
+    pub(super) fn new(f: &Matrix3<f64>) -> Option<Self> {
+        let svd = f.try_svd(true, true, f64::EPSILON, 200)?;
+        let (u, v_t) = (svd.u?, svd.v_t?);
+        let mut order = [0, 1, 2];
+        order.sort_by(|a, b| svd.singular_values[*b].total_cmp(&svd.singular_values[*a]));
+        let mut u = Matrix3::from_columns(&order.map(|k| u.column(k).into_owned()));
+        let mut v = Matrix3::from_columns(&order.map(|k| v_t.row(k).transpose()));
+        // The third column has no weight, so its sign is free: it makes both rotations proper.
+        if u.determinant() < 0.0 {
+            u.column_mut(2).neg_mut();
+        }
+        if v.determinant() < 0.0 {
+            v.column_mut(2).neg_mut();
+        }
+        let phi = svd.singular_values[order[1]].atan2(svd.singular_values[order[0]]);
+        Some(Self { u, v, phi })
+    }
+
+    pub(super) fn matrix(&self) -> Matrix3<f64> {
+        let (sin, cos) = self.phi.sin_cos();
+        self.u * Matrix3::from_diagonal(&Vector3::new(cos, sin, 0.0)) * self.v.transpose()
+    }
+
+    /// Derivatives of the matrix by the seven increments.
+    pub(super) fn derivatives(&self, f: &Matrix3<f64>) -> [Matrix3<f64>; 7] {
+        let generator = |k: usize| Vector3::from_fn(|i, _| f64::from(u8::from(i == k))).cross_matrix();
+        let (sin, cos) = self.phi.sin_cos();
+        let by_phi = self.u * Matrix3::from_diagonal(&Vector3::new(-sin, cos, 0.0)) * self.v.transpose();
+        [
+            generator(0) * f,
+            generator(1) * f,
+            generator(2) * f,
+            f * generator(0),
+            f * generator(1),
+            f * generator(2),
+            by_phi,
+        ]
+    }
+
+    pub(super) fn moved(&self, step: &Vector7) -> Self {
+        let left = Rotation3::new(Vector3::new(step[0], step[1], step[2]));
+        let right = Rotation3::new(Vector3::new(step[3], step[4], step[5]));
+        Self {
+            u: left.matrix() * self.u,
+            // F·exp(b) = U S (exp(−b) V)ᵀ
+            v: right.matrix().transpose() * self.v,
+            phi: self.phi + step[6],
+        }
+    }
+}
+
+impl FundamentalMatrix {
+    /// The matrix after a small step of its seven numbers, in coordinates in which half a diagonal of each image is 1: a
+    /// component of the step of 0.01 moves epipolar lines by about 1 % of that. `None` when the numbers degenerate.
+    #[must_use]
+    pub fn moved(&self, step: &Vector7, frames: [Frame; 2]) -> Option<Self> {
+        let [from1, from2] = frames.map(|frame| {
+            let (s, c) = (0.5 * frame.diagonal(), frame.centre());
+            Matrix3::new(s, 0.0, c.x, 0.0, s, c.y, 0.0, 0.0, 1.0)
+        });
+        let conditioned = from2.transpose() * self.matrix() * from1;
+        let moved = Orthonormal::new(&(conditioned / conditioned.norm()))?.moved(step).matrix();
+        Self::from_rank_two(from2.try_inverse()?.transpose() * moved * from1.try_inverse()?)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::{Camera, Point};
+
+    #[test]
+    fn a_step_of_nothing_stays_and_each_of_the_seven_moves_the_lines_by_its_size() {
+        let (camera1, camera2) = Camera::example_pair();
+        let f = Camera::fundamental(&camera1, &camera2).unwrap();
+        let frames = [Frame::new(768, 576); 2];
+        let stays = f.moved(&Vector7::zeros(), frames).unwrap();
+        assert!((stays.matrix() - f.matrix()).norm() < 1e-12);
+        for k in 0..7 {
+            let mut step = Vector7::zeros();
+            step[k] = 0.01;
+            let moved = f.moved(&step, frames).unwrap();
+            let line = |f: &FundamentalMatrix| f.line2_from_point1(Point::new(300.0, 200.0)).unwrap();
+            let apart = line(&f).distance(line(&moved).foot(frames[1].centre()));
+            assert!(apart < 20.0, "{k}: {apart} px");
+            assert!((moved.matrix() - f.matrix()).norm() > 1e-6, "{k}");
+        }
+    }
+}

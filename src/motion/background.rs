@@ -1,0 +1,92 @@
+//! What a scene looks like without what moves in it: medians over time, and how much each pixel varies by itself.
+
+use rayon::prelude::*;
+
+use super::FrameSequence;
+
+/// How what moves is told from what stands still.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BackgroundParameters {
+    /// Frames before and after one from which its background is the median: light that changes more slowly is followed.
+    pub reach: usize,
+    /// Smallest difference from the background that counts, grey levels.
+    pub least_difference: f32,
+    /// The same in standard deviations of the pixel.
+    pub deviations: f32,
+}
+
+impl Default for BackgroundParameters {
+    fn default() -> Self {
+        Self { reach: 150, least_difference: 12.0, deviations: 5.0 }
+    }
+}
+
+/// Frames that a median is taken of, at most: more change nothing.
+const SAMPLES: usize = 41;
+/// Medians over one sequence, at most, and frames between two of them, at least.
+const EVERY: usize = 30;
+/// Mean of the smaller half of the differences from the median, in standard deviations of a Gaussian: what moves may be
+/// among the larger half.
+const QUIET_DEVIATIONS: f32 = 0.325;
+/// Smallest deviation, grey levels: rounding alone makes a third of one.
+const LEAST_DEVIATION: f32 = 0.5;
+
+/// The background at some times of a sequence; between them it is interpolated.
+pub(super) struct Background {
+    times: Vec<usize>,
+    medians: Vec<Vec<f32>>,
+    deviations: Vec<Vec<f32>>,
+}
+
+impl Background {
+    pub(super) fn new(sequence: &FrameSequence, parameters: &BackgroundParameters) -> Self {
+        let count = sequence.len();
+        let last = count.saturating_sub(1);
+        let steps = last.div_ceil(EVERY).max(1);
+        // Shorter sequences than the window have one background.
+        let times: Vec<usize> = if count <= parameters.reach {
+            vec![last / 2]
+        } else {
+            (0..=steps).map(|k| k * last / steps).collect()
+        };
+        let both: Vec<(Vec<f32>, Vec<f32>)> =
+            times.iter().map(|time| medians(sequence, *time, parameters.reach)).collect();
+        let (medians, deviations) = both.into_iter().unzip();
+        Self { times, medians, deviations }
+    }
+
+    /// Background and deviation of each pixel at a time, as `each(pixel, background, deviation)`.
+    pub(super) fn at(&self, time: usize) -> impl Fn(usize) -> (f32, f32) + '_ {
+        let after = self.times.partition_point(|t| *t <= time).clamp(1, self.times.len().max(2) - 1);
+        let (a, b) = (after - 1, after.min(self.times.len() - 1));
+        let span = (self.times[b] - self.times[a]).max(1) as f32;
+        let share = ((time as f32 - self.times[a] as f32) / span).clamp(0.0, 1.0);
+        move |pixel| {
+            let between = |values: &[Vec<f32>]| values[a][pixel] * (1.0 - share) + values[b][pixel] * share;
+            (between(&self.medians), between(&self.deviations))
+        }
+    }
+}
+
+/// Median and deviation of each pixel over the frames around a time.
+fn medians(sequence: &FrameSequence, time: usize, reach: usize) -> (Vec<f32>, Vec<f32>) {
+    // A window at the end of the sequence is moved inwards, not cut: what moves must stay the smaller part.
+    let length = (2 * reach + 1).min(sequence.len());
+    let first = time.saturating_sub(reach).min(sequence.len() - length);
+    let samples = SAMPLES.min(length);
+    let numbers: Vec<usize> = (0..samples).map(|k| first + k * length / samples).collect();
+    let of_pixel = |values: &mut Vec<u8>, pixel: usize| {
+        values.clear();
+        values.extend(numbers.iter().map(|number| sequence.frame(*number)[pixel]));
+        let middle = samples / 2;
+        let median = *values.select_nth_unstable(middle).1;
+        for value in values.iter_mut() {
+            *value = value.abs_diff(median);
+        }
+        values.select_nth_unstable(middle);
+        let quiet = values[..=middle].iter().map(|v| f32::from(*v)).sum::<f32>() / (middle + 1) as f32;
+        (f32::from(median), (quiet / QUIET_DEVIATIONS).max(LEAST_DEVIATION))
+    };
+    let pixels = sequence.size().width * sequence.size().height;
+    (0..pixels).into_par_iter().map_init(Vec::new, of_pixel).unzip()
+}

@@ -1,0 +1,63 @@
+//! How far two recordings are shifted against each other in time.
+
+use rayon::prelude::*;
+
+use super::silhouettes::starts;
+use super::{Barcode, FEWEST_FRAMES, MotionError, Silhouettes};
+use crate::cancel::CancelFlag;
+use crate::geometry::{AnchoredLine, line_grid};
+
+/// Offsets are looked for within this many frames either way.
+pub const MOST_OFFSET: i32 = 50;
+/// Lines of each image that are compared.
+const LINES: usize = 500;
+/// Share of the lines of image 1 that count, those with the most similar partner: most lines correspond to none.
+const BEST: f64 = 0.2;
+
+/// How well the barcodes of two sequences agree at an offset.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct OffsetAgreement {
+    /// Frame `k` of the first goes with frame `k + offset` of the second.
+    pub offset: i32,
+    /// Mean correlation of the best pairs of lines, −1 to 1.
+    pub correlation: f64,
+}
+
+/// Agreement at every offset from `−reach` to `reach` at which enough frames are left, best first.
+pub fn find_offset(
+    both: [&Silhouettes; 2],
+    reach: i32,
+    cancel: &CancelFlag,
+) -> Result<Vec<OffsetAgreement>, MotionError> {
+    let barcodes = both.map(|silhouettes| {
+        let lines = line_grid(silhouettes.size(), LINES);
+        let informative = |line: &AnchoredLine| {
+            let barcode = silhouettes.barcode(line, 1.0);
+            (barcode.variance() > 0.0).then_some(barcode)
+        };
+        lines.par_iter().filter_map(informative).collect::<Vec<Barcode>>()
+    });
+    let [count1, count2] = both.map(Silhouettes::len);
+    let agreement = |offset: i32| {
+        let [from1, from2] = starts(offset);
+        let common = count1.saturating_sub(from1).min(count2.saturating_sub(from2));
+        // A third of the frames may be lost to the shift; with fewer left, chance agrees as well.
+        if cancel.is_cancelled() || common < FEWEST_FRAMES.max(count1.min(count2) / 2) {
+            return None;
+        }
+        let parts = |all: &[Barcode], from: usize| all.iter().map(|b| b.part(from, common)).collect::<Vec<_>>();
+        let (first, second) = (parts(&barcodes[0], from1), parts(&barcodes[1], from2));
+        let best = |a: &Barcode| second.iter().filter_map(|b| a.correlation(b)).fold(-1.0, f64::max);
+        let mut correlations: Vec<f64> = first.iter().map(best).collect();
+        correlations.sort_by(|a, b| b.total_cmp(a));
+        correlations.truncate(((correlations.len() as f64 * BEST) as usize).max(1));
+        let correlation = correlations.iter().sum::<f64>() / correlations.len().max(1) as f64;
+        Some(OffsetAgreement { offset, correlation })
+    };
+    let mut found: Vec<OffsetAgreement> = (-reach..=reach).into_par_iter().filter_map(agreement).collect();
+    cancel.check()?;
+    // Of equal ones that with the smaller shift.
+    found.sort_by(|a, b| b.correlation.total_cmp(&a.correlation).then(a.offset.abs().cmp(&b.offset.abs())));
+    Ok(found)
+}
+

@@ -1,0 +1,290 @@
+//! Which pixels show something that moves, frame by frame.
+
+use rayon::prelude::*;
+
+use super::background::Background;
+use super::{BackgroundParameters, Barcode, FEWEST_FRAMES, FrameSequence, MotionError};
+use crate::cancel::CancelFlag;
+use crate::geometry::{AnchoredLine, Frame};
+
+/// Bits of a word.
+pub(super) const WORD: usize = 64;
+/// Of a pixel and its eight neighbours at least so many must differ from the background: specks of noise go, and holes.
+const MAJORITY: u8 = 5;
+/// Share of a frame that moves, in the median frame, from which on there is no background left.
+const EVERYTHING: f64 = 0.5;
+/// Share of a sequence's pixels that have to move in all for something to move: a speck now and then is noise.
+const NOTHING: f64 = 2e-5;
+/// Median shift of the background, px, from which on the camera moves.
+const SHAKING: f64 = 0.35;
+/// Differences from the background that the shift is measured on, grey levels: larger ones are things that move.
+const SHIFT_DIFFERENCE: f32 = 40.0;
+/// Pixels that the light of a frame is measured on.
+const LIGHT_PIXELS: usize = 4000;
+
+/// Which pixels of which frame show something that moves. The frames of one pixel lie together, one bit each, so that
+/// the barcode of a line is a union of few words.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Silhouettes {
+    name: String,
+    size: Frame,
+    full_size: Frame,
+    frames: usize,
+    words: usize,
+    bits: Vec<u64>,
+}
+
+impl Silhouettes {
+    /// Tells what moves in a sequence from what stands still.
+    pub fn new(
+        sequence: &FrameSequence,
+        parameters: &BackgroundParameters,
+        cancel: &CancelFlag,
+    ) -> Result<Self, MotionError> {
+        let name = || sequence.name().to_owned();
+        let found = sequence.len();
+        if found < FEWEST_FRAMES {
+            return Err(MotionError::TooFewFrames { name: name(), found, least: FEWEST_FRAMES });
+        }
+        let background = Background::new(sequence, parameters);
+        cancel.check()?;
+        let of_frame = |number: usize| {
+            if cancel.is_cancelled() { FrameMotion::default() } else { FrameMotion::new(sequence, &background, number, parameters) }
+        };
+        let moving: Vec<FrameMotion> = (0..found).into_par_iter().map(of_frame).collect();
+        cancel.check()?;
+        let shift = median(moving.iter().map(|m| m.shift));
+        if shift > SHAKING {
+            return Err(MotionError::CameraMoves { name: name(), shift });
+        }
+        let masks: Vec<Vec<bool>> = moving.into_iter().map(|m| m.mask).collect();
+        Self::from_masks(sequence.name(), sequence.size(), sequence.full_size(), &masks)
+    }
+
+    /// Silhouettes from masks, one a frame, each row by row at `size`. Specks and holes of single pixels are taken out.
+    pub fn from_masks(
+        name: &str,
+        size: Frame,
+        full_size: Frame,
+        masks: &[Vec<bool>],
+    ) -> Result<Self, MotionError> {
+        let frames = masks.len();
+        let clean: Vec<Vec<bool>> = masks.par_iter().map(|mask| by_majority(mask, size)).collect();
+        let covered = |mask: &Vec<bool>| mask.iter().filter(|m| **m).count() as f64 / mask.len().max(1) as f64;
+        let shares: Vec<f64> = clean.iter().map(covered).collect();
+        let name = name.to_owned();
+        if shares.iter().sum::<f64>() < NOTHING * frames as f64 {
+            return Err(MotionError::NothingMoves { name });
+        }
+        let middle = median(shares.into_iter());
+        if middle > EVERYTHING {
+            return Err(MotionError::EverythingMoves { name, percent: (100.0 * middle) as u32 });
+        }
+        let words = frames.div_ceil(WORD);
+        let mut bits = vec![0u64; size.width * size.height * words];
+        bits.par_chunks_mut(words.max(1)).enumerate().for_each(|(pixel, own)| {
+            for (time, _) in clean.iter().enumerate().filter(|(_, mask)| mask[pixel]) {
+                own[time / WORD] |= 1 << (time % WORD);
+            }
+        });
+        Ok(Self { name, size, full_size, frames, words, bits })
+    }
+
+    /// What the sequence is called in messages.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Number of frames.
+    pub fn len(&self) -> usize {
+        self.frames
+    }
+
+    /// Whether there are no frames.
+    pub fn is_empty(&self) -> bool {
+        self.frames == 0
+    }
+
+    /// Size of the masks, px.
+    pub fn size(&self) -> Frame {
+        self.size
+    }
+
+    /// Size of the frames as they were recorded, px.
+    pub fn full_size(&self) -> Frame {
+        self.full_size
+    }
+
+    /// Whether a pixel shows something that moves.
+    pub fn is_moving(&self, x: usize, y: usize, time: usize) -> bool {
+        let word = self.bits[(y * self.size.width + x) * self.words + time / WORD];
+        word >> (time % WORD) & 1 == 1
+    }
+
+    /// The mask of a frame, row by row.
+    pub fn mask(&self, time: usize) -> Vec<bool> {
+        let of_pixel = |own: &[u64]| own[time / WORD] >> (time % WORD) & 1 == 1;
+        self.bits.chunks_exact(self.words).map(of_pixel).collect()
+    }
+
+    /// The share of all pixels of all frames that show something that moves.
+    pub fn share(&self) -> f64 {
+        let set: u64 = self.bits.iter().map(|word| u64::from(word.count_ones())).sum();
+        set as f64 / (self.size.width * self.size.height * self.frames).max(1) as f64
+    }
+
+    /// In which frames a line is crossed. The line is in pixels of an image that is `scale` times as large as the masks.
+    pub fn barcode(&self, line: &AnchoredLine, scale: f64) -> Barcode {
+        let mut words = vec![0u64; self.words];
+        let Frame { width, height } = self.size;
+        // Pixel centres stay in their place when sizes change.
+        let to_mask = |v: f64| (v + 0.5) / scale - 0.5;
+        let anchor = crate::geometry::Point::new(to_mask(line.anchor.x), to_mask(line.anchor.y));
+        let own = AnchoredLine { anchor, direction: line.direction };
+        if let Some((first, last)) = own.index_range(self.size, 1.0) {
+            for step in first..=last {
+                let at = own.point_at(f64::from(step));
+                let (x, y) = ((at.x + 0.5) as usize, (at.y + 0.5) as usize);
+                let pixel = (y.min(height - 1) * width + x.min(width - 1)) * self.words;
+                for (word, own) in words.iter_mut().zip(&self.bits[pixel..pixel + self.words]) {
+                    *word |= own;
+                }
+            }
+        }
+        Barcode::new(words, self.frames)
+    }
+
+    /// The same with some of the frames only, in the order given.
+    #[must_use]
+    pub fn at_times(&self, times: &[usize]) -> Self {
+        let words = times.len().div_ceil(WORD);
+        let mut bits = vec![0u64; self.size.width * self.size.height * words];
+        let choose = |(own, all): (&mut [u64], &[u64])| {
+            if all.iter().all(|word| *word == 0) {
+                return;
+            }
+            for (k, time) in times.iter().enumerate() {
+                own[k / WORD] |= (all[time / WORD] >> (time % WORD) & 1) << (k % WORD);
+            }
+        };
+        bits.par_chunks_mut(words.max(1)).zip(self.bits.par_chunks(self.words.max(1))).for_each(choose);
+        Self { name: self.name.clone(), frames: times.len(), words, bits, ..*self }
+    }
+
+    /// Both sequences where they overlap, when frame `k` of the first was taken together with frame `k + offset` of the
+    /// second.
+    pub fn overlapping(both: [&Self; 2], offset: i32) -> Result<[Self; 2], MotionError> {
+        let [from1, from2] = starts(offset);
+        let left = |sequence: &Self, from: usize| sequence.frames.saturating_sub(from);
+        let common = left(both[0], from1).min(left(both[1], from2));
+        if common < FEWEST_FRAMES {
+            return Err(MotionError::NoOverlap { offset, common, least: FEWEST_FRAMES });
+        }
+        let part = |sequence: &Self, from: usize| {
+            if from == 0 && common == sequence.frames {
+                return sequence.clone();
+            }
+            sequence.at_times(&(from..from + common).collect::<Vec<_>>())
+        };
+        Ok([part(both[0], from1), part(both[1], from2)])
+    }
+}
+
+/// First frames in common at an offset.
+pub(super) fn starts(offset: i32) -> [usize; 2] {
+    [(-offset).max(0) as usize, offset.max(0) as usize]
+}
+
+/// What moves in one frame, and how far the background is shifted.
+#[derive(Default)]
+struct FrameMotion {
+    mask: Vec<bool>,
+    shift: f64,
+}
+
+impl FrameMotion {
+    fn new(
+        sequence: &FrameSequence,
+        background: &Background,
+        number: usize,
+        parameters: &BackgroundParameters,
+    ) -> Self {
+        let frame = sequence.frame(number);
+        let at = background.at(number);
+        // A camera that adapts to the light changes all of a frame at once.
+        let step = frame.len().div_ceil(LIGHT_PIXELS).max(1);
+        let light = median((0..frame.len()).step_by(step).map(|p| f64::from(frame[p]) - f64::from(at(p).0)));
+        let difference = |pixel: usize| {
+            let (still, deviation) = at(pixel);
+            (f32::from(frame[pixel]) - still - light as f32, deviation)
+        };
+        let is_moving = |pixel: usize| {
+            let (difference, deviation) = difference(pixel);
+            difference.abs() > parameters.least_difference.max(parameters.deviations * deviation)
+        };
+        let mask = (0..frame.len()).map(is_moving).collect();
+        let shift = shift(sequence.size(), &|p| at(p).0, &|p| difference(p).0);
+        Self { mask, shift }
+    }
+}
+
+/// How far a frame is shifted against its background, px: one step of least squares on the brightness.
+fn shift(size: Frame, still: &dyn Fn(usize) -> f32, difference: &dyn Fn(usize) -> f32) -> f64 {
+    let Frame { width, height } = size;
+    let [mut xx, mut xy, mut yy, mut xd, mut yd] = [0.0f64; 5];
+    // Every third pixel either way is enough to see the whole picture move.
+    for y in (1..height.saturating_sub(1)).step_by(3) {
+        for x in (1..width.saturating_sub(1)).step_by(3) {
+            let pixel = y * width + x;
+            let d = difference(pixel);
+            if d.abs() > SHIFT_DIFFERENCE {
+                continue;
+            }
+            let gx = f64::from(still(pixel + 1) - still(pixel - 1)) * 0.5;
+            let gy = f64::from(still(pixel + width) - still(pixel - width)) * 0.5;
+            let d = f64::from(d);
+            (xx, xy, yy) = (xx + gx * gx, xy + gx * gy, yy + gy * gy);
+            (xd, yd) = (xd + gx * d, yd + gy * d);
+        }
+    }
+    let determinant = xx * yy - xy * xy;
+    // A flat picture shows no shift.
+    if determinant <= 1e-6 * (xx + yy).powi(2) {
+        return 0.0;
+    }
+    let (dx, dy) = ((yy * xd - xy * yd) / determinant, (xx * yd - xy * xd) / determinant);
+    dx.hypot(dy)
+}
+
+/// Each pixel as most of its neighbourhood is.
+fn by_majority(mask: &[bool], size: Frame) -> Vec<bool> {
+    let Frame { width, height } = size;
+    // Sums of three in a row first, then of three rows.
+    let at = |x: usize, y: usize| u8::from(mask[y * width + x]);
+    let mut rows = vec![0u8; mask.len()];
+    for y in 0..height {
+        for x in 0..width {
+            let right = if x + 1 < width { at(x + 1, y) } else { 0 };
+            rows[y * width + x] = at(x, y) + right + if x > 0 { at(x - 1, y) } else { 0 };
+        }
+    }
+    let mut clean = Vec::with_capacity(mask.len());
+    for y in 0..height {
+        for x in 0..width {
+            let above = if y > 0 { rows[(y - 1) * width + x] } else { 0 };
+            let below = if y + 1 < height { rows[(y + 1) * width + x] } else { 0 };
+            clean.push(above + rows[y * width + x] + below >= MAJORITY);
+        }
+    }
+    clean
+}
+
+/// Median of some values; 0 of none.
+fn median(values: impl Iterator<Item = f64>) -> f64 {
+    let mut values: Vec<f64> = values.collect();
+    if values.is_empty() {
+        return 0.0;
+    }
+    let middle = values.len() / 2;
+    *values.select_nth_unstable_by(middle, f64::total_cmp).1
+}

@@ -1,0 +1,98 @@
+//! Motion barcodes of lines as a similarity (paper, section 2.3).
+
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
+use super::{CostMatrix, LineSimilarity, ScaledSimilarity, SimilaritySource};
+use crate::geometry::{AnchoredLine, Frame};
+use crate::motion::{Barcode, Silhouettes};
+
+/// Two synchronised sequences of static cameras, compared by the motion barcodes of lines.
+pub struct BarcodeSource {
+    /// What moves, in as many frames of either.
+    pub silhouettes: [Arc<Silhouettes>; 2],
+}
+
+impl SimilaritySource for BarcodeSource {
+    fn at(&self, side: f64) -> ScaledSimilarity<'_> {
+        let full = [0, 1].map(|image| self.silhouettes[image].full_size());
+        let scale = (side / full[0].longer_side()).min(1.0);
+        let frames = full.map(|frame| {
+            Frame::new(
+                ((frame.width as f64 * scale).round() as usize).max(1),
+                ((frame.height as f64 * scale).round() as usize).max(1),
+            )
+        });
+        let scales = [0, 1].map(|image| frames[image].width as f64 / full[image].width as f64);
+        let to_mask = |image: usize| frames[image].width as f64 / self.silhouettes[image].size().width as f64;
+        let lines = BarcodeSimilarity {
+            silhouettes: [&self.silhouettes[0], &self.silhouettes[1]],
+            scales: [to_mask(0), to_mask(1)],
+        };
+        ScaledSimilarity { lines: Box::new(lines), frames, scales }
+    }
+}
+
+/// One minus the normalised cross-correlation of two motion barcodes, 0 to 2.
+pub struct BarcodeSimilarity<'a> {
+    /// What moves in either sequence.
+    pub silhouettes: [&'a Silhouettes; 2],
+    /// Size of the images that lines are given in, over that of the masks.
+    pub scales: [f64; 2],
+}
+
+/// The cost of lines that have nothing to do with each other.
+const UNRELATED: f32 = 1.0;
+
+impl BarcodeSimilarity<'_> {
+    fn barcodes(&self, image: usize, lines: &[AnchoredLine]) -> Vec<Barcode> {
+        lines.par_iter().map(|line| self.silhouettes[image].barcode(line, self.scales[image])).collect()
+    }
+}
+
+fn cost(a: &Barcode, b: &Barcode) -> f32 {
+    a.correlation(b).map_or(f32::INFINITY, |correlation| 1.0 - correlation as f32)
+}
+
+impl LineSimilarity for BarcodeSimilarity<'_> {
+    fn pair_costs(&self, pairs: &[(AnchoredLine, AnchoredLine)]) -> Vec<f32> {
+        let of_pair = |(line1, line2): &(AnchoredLine, AnchoredLine)| {
+            let barcode = |image: usize, line| self.silhouettes[image].barcode(line, self.scales[image]);
+            cost(&barcode(0, line1), &barcode(1, line2))
+        };
+        pairs.par_iter().map(of_pair).collect()
+    }
+
+    fn cost_matrix(
+        &self,
+        lines1: &[AnchoredLine],
+        lines2: &[AnchoredLine],
+        allowed: &(dyn Fn(usize, usize) -> bool + Sync),
+        stop: &(dyn Fn() -> bool + Sync),
+    ) -> CostMatrix {
+        let (barcodes1, barcodes2) = (self.barcodes(0, lines1), self.barcodes(1, lines2));
+        let mut costs = vec![f32::INFINITY; lines1.len() * lines2.len()];
+        if !lines2.is_empty() {
+            costs.par_chunks_mut(lines2.len()).enumerate().for_each(|(i, row)| {
+                if stop() {
+                    return;
+                }
+                for j in (0..row.len()).filter(|j| allowed(i, *j)) {
+                    row[j] = cost(&barcodes1[i], &barcodes2[j]);
+                }
+            });
+        }
+        CostMatrix::new(lines1.len(), lines2.len(), costs)
+    }
+
+    /// The deviation of the bits of each line's barcode, 0 to 1/2; 0 where it is nearly constant. The correlations of
+    /// many pairs of lines, each weighted with both deviations, are the correlation of all their bits.
+    fn information(&self, image: usize, lines: &[AnchoredLine]) -> Vec<f64> {
+        self.barcodes(image, lines).iter().map(|barcode| barcode.variance().sqrt()).collect()
+    }
+
+    fn outside_cost(&self) -> f32 {
+        UNRELATED
+    }
+}
