@@ -43,7 +43,10 @@ fn main() {
     println!("|---|---|---|---|---|---|---|");
     for case in &cases {
         for seed in 1..=seeds {
-            println!("{}", row(case, seed).unwrap_or_else(|problem| format!("| {} | {problem} |", case.name)));
+            println!(
+                "{}",
+                row(case, seed).unwrap_or_else(|problem| format!("| {} | {problem} |", case.name))
+            );
         }
     }
 }
@@ -81,16 +84,26 @@ fn row(case: &Case, seed: u64) -> Result<String, String> {
     let clicks: Vec<PointPair> = vec![matches[0], matches[1]];
     let mut parameters = Parameters { seed, ..Parameters::default() };
     parameters.similarity.measure = LineMeasure::Barcodes;
-    let measured = |clicks: &[PointPair]| match estimate_prepared(&prepared, clicks, &parameters, &Monitor::silent()) {
-        Ok(found) => {
-            let f = found.fundamental();
-            let sum: f64 = matches.iter().map(|m| symmetric_epipolar_distance(f, m)).sum();
-            let trust = found.assessment.trust.as_ref().map_or("", |t| t.verdict.label());
-            let figures = found.assessment.barcodes.map_or(String::new(), |b| format!("{:.2}/{:.2} {:.0} lines dev {:.2} m {:.2}", b.correlation, b.by_chance, b.lines, b.deviation.unwrap_or(-1.0), found.assessment.margin.unwrap_or(-1.0)));
-            format!("{:.2} | {trust} {figures}", sum / matches.len() as f64)
-        }
-        Err(error) => format!("– | {error}"),
-    };
+    let measured =
+        |clicks: &[PointPair]| match estimate_prepared(&prepared, clicks, &parameters, &Monitor::silent()) {
+            Ok(found) => {
+                let f = found.fundamental();
+                let sum: f64 = matches.iter().map(|m| symmetric_epipolar_distance(f, m)).sum();
+                let trust = found.assessment.trust.as_ref().map_or("", |t| t.verdict.label());
+                let figures = found.assessment.barcodes.map_or(String::new(), |b| {
+                    format!(
+                        "{:.2}/{:.2} {:.0} lines dev {:.2} m {:.2}",
+                        b.correlation,
+                        b.by_chance,
+                        b.lines,
+                        b.deviation.unwrap_or(-1.0),
+                        found.assessment.margin.unwrap_or(-1.0)
+                    )
+                });
+                format!("{:.2} | {trust} {figures}", sum / matches.len() as f64)
+            }
+            Err(error) => format!("– | {error}"),
+        };
     let (none, two) = (measured(&[]), measured(&clicks));
     let seconds = begun.elapsed().as_secs_f64();
     Ok(format!("| {} | {offset} | {none} | {two} | {seconds:.1} |", case.name))

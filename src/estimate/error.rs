@@ -104,7 +104,9 @@ pub enum EstimateError {
     )]
     NothingWithoutClicks,
     /// Lines are to be compared by motion barcodes, and there are only pictures.
-    #[error("motion barcodes need two sequences of frames, not two pictures: open sequences, or compare lines by stereo")]
+    #[error(
+        "motion barcodes need two sequences of frames, not two pictures: open sequences, or compare lines by stereo"
+    )]
     NoSequences,
     /// No geometry that barcodes agree on.
     #[error(

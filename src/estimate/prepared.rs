@@ -10,9 +10,7 @@ use crate::features::{FeatureMatch, FeatureParameters, FeatureSet, find_features
 use crate::geometry::{Frame, PointPair};
 use crate::image::{GrayPlane, PyramidPair, RelativeView};
 use crate::motion::Silhouettes;
-use crate::similarity::{
-    BarcodeSource, LineMeasure, PictureSource, SimilarityParameters, SimilaritySource,
-};
+use crate::similarity::{BarcodeSource, LineMeasure, PictureSource, SimilarityParameters, SimilaritySource};
 
 /// Two images made ready for estimates. Keep it while the images stay the same: moving a click then costs only
 /// what depends on the click.
@@ -117,7 +115,8 @@ impl PreparedPair {
         view: RelativeView,
         parameters: &Parameters,
     ) -> Box<dyn SimilaritySource + '_> {
-        if let (LineMeasure::Barcodes, Some(silhouettes)) = (parameters.similarity.measure, &self.silhouettes) {
+        if let (LineMeasure::Barcodes, Some(silhouettes)) = (parameters.similarity.measure, &self.silhouettes)
+        {
             return Box::new(BarcodeSource { silhouettes: silhouettes.clone() });
         }
         Box::new(PictureSource { pyramids: &self.pyramids, view, parameters: parameters.similarity })

@@ -9,9 +9,8 @@ use serde::Serialize;
 
 use super::patches::Hypothesis;
 use super::{
-    BarcodeFigures,
-    Clicks, ComparedPencils, LineFigures, Method, PatchSupport, Preset, RefinedMatch, Refinement, Stage,
-    Trust, Uncertainty, Warning,
+    BarcodeFigures, Clicks, ComparedPencils, LineFigures, Method, PatchSupport, Preset, RefinedMatch,
+    Refinement, Stage, Trust, Uncertainty, Warning,
 };
 use crate::geometry::{EpipolarGeometry, FundamentalMatrix};
 use crate::image::RelativeView;

@@ -4,14 +4,20 @@ use std::f64::consts::PI;
 
 use super::{AnchoredLine, Frame, Point};
 
+/// How far neighbours among about `count` lines of an image are apart, px.
+pub fn line_spacing(frame: Frame, count: usize) -> f64 {
+    // Directions times distances, both `spacing` px apart at the corners: the mean width of a rectangle seen from all
+    // directions is 2 (w + h) / π.
+    let half = 0.5 * frame.diagonal();
+    let width = 2.0 * (frame.right() + frame.bottom()) / PI;
+    (PI * half * width / count.max(1) as f64).sqrt().max(1.0)
+}
+
 /// About `count` lines of an image, evenly spread over direction (radians, `[0, π)`) and distance from its middle.
 pub fn line_grid(frame: Frame, count: usize) -> Vec<AnchoredLine> {
     let middle = Point::new(0.5 * frame.right(), 0.5 * frame.bottom());
     let half = 0.5 * frame.diagonal();
-    // Directions times distances, both `spacing` px apart at the corners: the mean width of a rectangle seen from all
-    // directions is 2 (w + h) / π.
-    let width = 2.0 * (frame.right() + frame.bottom()) / PI;
-    let spacing = (PI * half * width / count.max(1) as f64).sqrt().max(1.0);
+    let spacing = line_spacing(frame, count);
     let directions = (PI * half / spacing).round().max(4.0) as usize;
     let mut lines = Vec::with_capacity(count + directions);
     for k in 0..directions {

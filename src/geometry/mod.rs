@@ -40,7 +40,7 @@ pub use frame::{Frame, Segment};
 pub use fundamental::{FundamentalMatrix, NotFundamental};
 pub use homography::{homography, transfer_error};
 pub use line::Line;
-pub use line_grid::line_grid;
+pub use line_grid::{line_grid, line_spacing};
 pub use orthonormal::Vector7;
 pub use pencil::{LinePair, PencilMap, pencil_angles};
 pub use point::{HomogeneousPoint, PointPair, finite_point, rescaled};

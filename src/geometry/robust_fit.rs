@@ -131,11 +131,7 @@ impl Conditioning {
     }
 
     /// Robust cost, its gradient and Gauss–Newton Hessian in the seven increments.
-    fn normal_equations(
-        &self,
-        representation: &Orthonormal,
-        scale: f64,
-    ) -> Option<(f64, Vector7, Matrix7)> {
+    fn normal_equations(&self, representation: &Orthonormal, scale: f64) -> Option<(f64, Vector7, Matrix7)> {
         let f = representation.matrix();
         let derivatives = representation.derivatives(&f);
         let (mut cost, mut gradient, mut hessian) = (0.0, Vector7::zeros(), Matrix7::zeros());

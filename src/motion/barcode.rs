@@ -5,19 +5,31 @@ use super::silhouettes::WORD;
 /// A barcode that is 0, or 1, in fewer frames than this is nearly constant and is like any other.
 pub const FEWEST_CHANGES: usize = 4;
 
+/// Standard deviations below the correlation: nineteen of twenty are higher.
+const BELOW: f64 = 1.64;
+/// Events without which there is no interval.
+const FEWEST_EVENTS: usize = 4;
+
 /// One bit a frame, set when something that moves crosses the line.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Barcode {
     words: Vec<u64>,
     frames: usize,
     ones: usize,
+    changes: usize,
 }
 
 impl Barcode {
     /// A barcode from its bits, 64 frames a word, the first in the lowest bit. Bits beyond `frames` must be 0.
     pub(super) fn new(words: Vec<u64>, frames: usize) -> Self {
         let ones = words.iter().map(|word| word.count_ones() as usize).sum();
-        Self { words, frames, ones }
+        // Each bit against the one after it, which may be the first of the next word.
+        let after = |k: usize| words[k] >> 1 | words.get(k + 1).map_or(0, |next| next << (WORD - 1));
+        let differing: usize = (0..words.len()).map(|k| (words[k] ^ after(k)).count_ones() as usize).sum();
+        // What follows the last bit is no bit of the barcode.
+        let last = frames.checked_sub(1).is_some_and(|last| words[last / WORD] >> (last % WORD) & 1 == 1);
+        let changes = differing - usize::from(last);
+        Self { words, frames, ones, changes }
     }
 
     /// Number of frames.
@@ -62,9 +74,21 @@ impl Barcode {
         Some(covariance / spread.sqrt())
     }
 
+    /// What the correlation with another barcode is at least: the lower end of its confidence interval (Fisher 1915), in
+    /// which each time that something begins or ends to cross a line is one observation. Barcodes of few events, which are
+    /// alike by chance, are no match for those of many. `None` where one of them is nearly constant.
+    pub fn least_correlation(&self, other: &Self) -> Option<f64> {
+        let events = self.changes.min(other.changes);
+        let correlation = self.correlation(other).filter(|_| events >= FEWEST_EVENTS)?;
+        let n = events as f64;
+        // Equal barcodes could differ by half an event.
+        let most = 1.0 - 0.5 / n;
+        Some((correlation.clamp(-most, most).atanh() - BELOW / (n - 3.0).sqrt()).tanh())
+    }
+
     /// How often it changes between 0 and 1.
     pub fn changes(&self) -> usize {
-        (1..self.frames).filter(|k| self.is_set(*k) != self.is_set(k - 1)).count()
+        self.changes
     }
 
     /// The same with the first `by` frames moved to the end.
@@ -74,7 +98,7 @@ impl Barcode {
         for time in (0..self.frames).filter(|time| self.is_set((time + by) % self.frames)) {
             words[time / WORD] |= 1 << (time % WORD);
         }
-        Self { words, ..*self }
+        Self::new(words, self.frames)
     }
 
     /// The frames from `first` on, `count` of them.
@@ -82,12 +106,16 @@ impl Barcode {
         let (skipped, shift) = (first / WORD, first % WORD);
         let word = |k: usize| {
             let low = self.words.get(skipped + k).map_or(0, |w| w >> shift);
-            let high = if shift == 0 { 0 } else { self.words.get(skipped + k + 1).map_or(0, |w| w << (WORD - shift)) };
+            let high = if shift == 0 {
+                0
+            } else {
+                self.words.get(skipped + k + 1).map_or(0, |w| w << (WORD - shift))
+            };
             low | high
         };
         let mut words: Vec<u64> = (0..count.div_ceil(WORD)).map(word).collect();
         if let Some(last) = words.last_mut()
-            && count % WORD != 0
+            && !count.is_multiple_of(WORD)
         {
             *last &= (1 << (count % WORD)) - 1;
         }
@@ -101,7 +129,8 @@ mod tests {
 
     fn barcode(bits: impl Iterator<Item = bool>) -> Barcode {
         let bits: Vec<bool> = bits.collect();
-        let word = |few: &[bool]| few.iter().enumerate().fold(0, |word, (k, bit)| word | u64::from(*bit) << k);
+        let word =
+            |few: &[bool]| few.iter().enumerate().fold(0, |word, (k, bit)| word | u64::from(*bit) << k);
         Barcode::new(bits.chunks(WORD).map(word).collect(), bits.len())
     }
 
@@ -127,6 +156,7 @@ mod tests {
             let part = all.part(first, count);
             assert_eq!(part.len(), count);
             assert!((0..count).all(|k| part.is_set(k) == all.is_set(first + k)));
+            assert_eq!(part.changes(), (1..count).filter(|k| part.is_set(*k) != part.is_set(k - 1)).count());
             assert_eq!(part.ones(), (first..first + count).filter(|k| all.is_set(*k)).count());
         }
     }

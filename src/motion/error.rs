@@ -34,7 +34,9 @@ pub enum MotionError {
         first_height: usize,
     },
     /// Nothing moves.
-    #[error("nothing moves in {name}: motion barcodes need things that move in front of a camera that stands still")]
+    #[error(
+        "nothing moves in {name}: motion barcodes need things that move in front of a camera that stands still"
+    )]
     NothingMoves {
         /// The sequence.
         name: String,

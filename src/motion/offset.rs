@@ -19,7 +19,7 @@ const BEST: f64 = 0.2;
 pub struct OffsetAgreement {
     /// Frame `k` of the first goes with frame `k + offset` of the second.
     pub offset: i32,
-    /// Mean correlation of the best pairs of lines, −1 to 1.
+    /// What the best pairs of lines correlate by at least ([`Barcode::least_correlation`]), on average, −1 to 1.
     pub correlation: f64,
 }
 
@@ -45,9 +45,10 @@ pub fn find_offset(
         if cancel.is_cancelled() || common < FEWEST_FRAMES.max(count1.min(count2) / 2) {
             return None;
         }
-        let parts = |all: &[Barcode], from: usize| all.iter().map(|b| b.part(from, common)).collect::<Vec<_>>();
+        let parts =
+            |all: &[Barcode], from: usize| all.iter().map(|b| b.part(from, common)).collect::<Vec<_>>();
         let (first, second) = (parts(&barcodes[0], from1), parts(&barcodes[1], from2));
-        let best = |a: &Barcode| second.iter().filter_map(|b| a.correlation(b)).fold(-1.0, f64::max);
+        let best = |a: &Barcode| second.iter().filter_map(|b| a.least_correlation(b)).fold(-1.0, f64::max);
         let mut correlations: Vec<f64> = first.iter().map(best).collect();
         correlations.sort_by(|a, b| b.total_cmp(a));
         correlations.truncate(((correlations.len() as f64 * BEST) as usize).max(1));
@@ -60,4 +61,3 @@ pub fn find_offset(
     found.sort_by(|a, b| b.correlation.total_cmp(&a.correlation).then(a.offset.abs().cmp(&b.offset.abs())));
     Ok(found)
 }
-

@@ -49,7 +49,11 @@ impl Silhouettes {
         let background = Background::new(sequence, parameters);
         cancel.check()?;
         let of_frame = |number: usize| {
-            if cancel.is_cancelled() { FrameMotion::default() } else { FrameMotion::new(sequence, &background, number, parameters) }
+            if cancel.is_cancelled() {
+                FrameMotion::default()
+            } else {
+                FrameMotion::new(sequence, &background, number, parameters)
+            }
         };
         let moving: Vec<FrameMotion> = (0..found).into_par_iter().map(of_frame).collect();
         cancel.check()?;
@@ -70,7 +74,8 @@ impl Silhouettes {
     ) -> Result<Self, MotionError> {
         let frames = masks.len();
         let clean: Vec<Vec<bool>> = masks.par_iter().map(|mask| by_majority(mask, size)).collect();
-        let covered = |mask: &Vec<bool>| mask.iter().filter(|m| **m).count() as f64 / mask.len().max(1) as f64;
+        let covered =
+            |mask: &Vec<bool>| mask.iter().filter(|m| **m).count() as f64 / mask.len().max(1) as f64;
         let shares: Vec<f64> = clean.iter().map(covered).collect();
         let name = name.to_owned();
         if shares.iter().sum::<f64>() < NOTHING * frames as f64 {
@@ -169,6 +174,26 @@ impl Silhouettes {
         };
         bits.par_chunks_mut(words.max(1)).zip(self.bits.par_chunks(self.words.max(1))).for_each(choose);
         Self { name: self.name.clone(), frames: times.len(), words, bits, ..*self }
+    }
+
+    /// The same at half the size: a pixel shows something that moves if one of its four does.
+    #[must_use]
+    pub fn halved(&self) -> Self {
+        let Frame { width, height } = self.size;
+        let size = Frame::new(width.div_ceil(2), height.div_ceil(2));
+        let mut bits = vec![0u64; size.width * size.height * self.words];
+        bits.par_chunks_mut(size.width * self.words).enumerate().for_each(|(y, row)| {
+            for (x, own) in row.chunks_exact_mut(self.words).enumerate() {
+                for (dx, dy) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
+                    let (x, y) = ((2 * x + dx).min(width - 1), (2 * y + dy).min(height - 1));
+                    let pixel = (y * width + x) * self.words;
+                    for (word, all) in own.iter_mut().zip(&self.bits[pixel..pixel + self.words]) {
+                        *word |= all;
+                    }
+                }
+            }
+        });
+        Self { name: self.name.clone(), size, bits, ..*self }
     }
 
     /// Both sequences where they overlap, when frame `k` of the first was taken together with frame `k + offset` of the

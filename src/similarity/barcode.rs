@@ -34,7 +34,8 @@ impl SimilaritySource for BarcodeSource {
     }
 }
 
-/// One minus the normalised cross-correlation of two motion barcodes, 0 to 2.
+/// One minus what the normalised cross-correlation of two motion barcodes is at least ([`Barcode::least_correlation`]),
+/// 0 to 2.
 pub struct BarcodeSimilarity<'a> {
     /// What moves in either sequence.
     pub silhouettes: [&'a Silhouettes; 2],
@@ -52,7 +53,7 @@ impl BarcodeSimilarity<'_> {
 }
 
 fn cost(a: &Barcode, b: &Barcode) -> f32 {
-    a.correlation(b).map_or(f32::INFINITY, |correlation| 1.0 - correlation as f32)
+    a.least_correlation(b).map_or(f32::INFINITY, |correlation| 1.0 - correlation as f32)
 }
 
 impl LineSimilarity for BarcodeSimilarity<'_> {

@@ -294,7 +294,8 @@ mod tests {
         let mask = scene.mask(0, 7);
         let [a, b] = [left.frame(7), left.frame(17)];
         let differ = |k: &usize| a[*k].abs_diff(b[*k]) > 20;
-        let (inside, outside): (Vec<usize>, Vec<usize>) = (0..a.len()).partition(|k| mask[*k] != scene.mask(0, 17)[*k]);
+        let (inside, outside): (Vec<usize>, Vec<usize>) =
+            (0..a.len()).partition(|k| mask[*k] != scene.mask(0, 17)[*k]);
         assert!(inside.iter().filter(|k| differ(k)).count() * 10 > inside.len() * 7);
         assert!(outside.iter().filter(|k| differ(k)).count() * 100 < outside.len());
     }

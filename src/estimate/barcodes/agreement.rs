@@ -30,11 +30,13 @@ impl Pencils {
         let mut pairs = Vec::with_capacity(2 * LINES);
         for at in border(frame1) {
             let lines = Line::joining(&e1, &at.to_homogeneous()).zip(f.line2_from_point1(at));
-            pairs.extend(lines.map(|(line1, line2)| [barcode(0, &line1, frame1), barcode(1, &line2, frame2)]));
+            pairs
+                .extend(lines.map(|(line1, line2)| [barcode(0, &line1, frame1), barcode(1, &line2, frame2)]));
         }
         for at in border(frame2) {
             let lines = f.line1_from_point2(at).zip(Line::joining(&e2, &at.to_homogeneous()));
-            pairs.extend(lines.map(|(line1, line2)| [barcode(0, &line1, frame1), barcode(1, &line2, frame2)]));
+            pairs
+                .extend(lines.map(|(line1, line2)| [barcode(0, &line1, frame1), barcode(1, &line2, frame2)]));
         }
         (!pairs.is_empty()).then_some(Self { pairs })
     }
@@ -61,7 +63,8 @@ impl Pencils {
     /// How many lines of either image tell something that their neighbours do not: `n (1 − ρ) / (1 + ρ)` of `n` lines that
     /// are correlated by ρ with the next one.
     pub(super) fn independent_lines(&self) -> f64 {
-        let telling = |image: usize| self.pairs.iter().filter(move |pair| pair[image].variance() > 0.0).count();
+        let telling =
+            |image: usize| self.pairs.iter().filter(move |pair| pair[image].variance() > 0.0).count();
         let neighbours = self.pairs.windows(2).filter_map(|two| two[0][0].correlation(&two[1][0]));
         let (sum, count) = neighbours.fold((0.0, 0usize), |(sum, count), c| (sum + c, count + 1));
         let rho = (sum / count.max(1) as f64).clamp(0.0, 0.999);

@@ -8,6 +8,7 @@
 mod agreement;
 mod precision;
 mod refinement;
+mod sharpening;
 
 use serde::Serialize;
 
@@ -17,12 +18,13 @@ use super::result::REPORTED;
 use super::search::{Input, Judged, by_lines};
 use super::trust::{BarcodeEvidence, Evidence, Together};
 use super::{Assessment, Estimate, EstimateError, Parameters, Stage, Trust};
-use crate::geometry::{FundamentalMatrix, PointPair, sampson_distance};
+use crate::geometry::{FundamentalMatrix, PointPair, line_spacing, sampson_distance};
 use crate::motion::Silhouettes;
 
 use agreement::Pencils;
 use precision::deviation;
 use refinement::{Objective, Refined, refine};
+use sharpening::sharpen;
 
 /// Longer side of the images that lines are compared at, px: barcodes cost little, so more of them than by stereo.
 const SIDE: f64 = 384.0;
@@ -90,15 +92,19 @@ pub(super) fn by_barcodes(
     }
 
     record.enter(Stage::Refinement)?;
-    let objective = Objective::new(silhouettes, &clicks.observed(), parameters.click_sigma);
+    let events =
+        proposed.first().and_then(|f| Pencils::new(silhouettes, f)).map_or(1.0, |pencils| pencils.events());
+    let objective = Objective::new(silhouettes, &clicks.observed(), parameters.click_sigma, events);
     let mut refined = Vec::new();
+    // Half the size is fine enough to tell proposals apart, and for how much the result depends on single frames.
+    let half = silhouettes.map(Silhouettes::halved);
+    let coarse = objective.with([&half[0], &half[1]]);
     for start in &proposed {
-        refined.extend(refine(&objective, start, refinement::FROM_AFAR, parameters.seed, cancel)?);
+        refined.extend(refine(&coarse, start, refinement::FROM_AFAR, parameters.seed, cancel)?);
     }
     refined.sort_by(|a: &Refined, b| a.value.total_cmp(&b.value));
     let best = refined.first().ok_or(EstimateError::NothingFromBarcodes)?;
     let best = refine(&objective, &best.fundamental, refinement::NEARBY, parameters.seed, cancel)?
-        .filter(|closer| closer.value <= best.value)
         .unwrap_or_else(|| best.clone());
 
     record.enter(Stage::Validation)?;
@@ -106,13 +112,15 @@ pub(super) fn by_barcodes(
     let margin = refined
         .iter()
         .filter(|rival| apart(&best.fundamental, &rival.fundamental, silhouettes) > SAME)
-        .filter_map(|rival| Some(1.0 - pencils.cost() / Pencils::new(silhouettes, &rival.fundamental)?.cost()))
+        .filter_map(|rival| {
+            Some(1.0 - pencils.cost() / Pencils::new(silhouettes, &rival.fundamental)?.cost())
+        })
         .min_by(f64::total_cmp);
     let figures = BarcodeFigures {
         correlation: 1.0 - pencils.cost(),
         by_chance: pencils.correlation_by_chance(),
         lines: pencils.independent_lines(),
-        deviation: deviation(&objective, &best.fundamental, parameters.seed, cancel)?,
+        deviation: deviation(&coarse, &best.fundamental, parameters.seed, cancel)?,
         frames: silhouettes[0].len(),
     };
     let assessment = assessed(input, record, &best.fundamental, figures, margin);
@@ -135,8 +143,15 @@ fn from_all_lines(input: &Input, record: &mut SearchRecord) -> Result<Vec<Fundam
     let compared = compare_lines(&level, alone.lines, source.rotation(), &parameters.pencils, cancel)?;
     record.lines_alone(compared.lines, compared.pairs.len());
     record.enter(Stage::Hypotheses)?;
+    let pairs = sharpen(
+        &level,
+        &compared.pairs,
+        line_spacing(level.frames[0], alone.lines),
+        parameters.seed,
+        cancel,
+    )?;
     let how = LineConsensus { draws: parameters.hypotheses, area: alone.agreement, seed: parameters.seed };
-    let found = geometries_from_lines(&compared.pairs, level.frames, &how, cancel)?;
+    let found = geometries_from_lines(&pairs, level.frames, &how, cancel)?;
     record.counts.hypotheses += parameters.hypotheses;
     let full_size = level.scales.map(f64::recip);
     Ok(found.iter().filter_map(|one| one.fundamental.rescaled(full_size[0], full_size[1])).collect())
@@ -148,7 +163,10 @@ fn apart(a: &FundamentalMatrix, b: &FundamentalMatrix, silhouettes: [&Silhouette
     let mut distances = Vec::new();
     for k in 0..PLACES * PLACES {
         let share = |k: usize| (k as f64 + 0.5) / PLACES as f64;
-        let at = crate::geometry::Point::new(share(k % PLACES) * frame1.right(), share(k / PLACES) * frame1.bottom());
+        let at = crate::geometry::Point::new(
+            share(k % PLACES) * frame1.right(),
+            share(k / PLACES) * frame1.bottom(),
+        );
         let lines = (a.line2_from_point1(at), b.line2_from_point1(at));
         if let (Some(one), Some(other)) = lines
             && let Some(seen) = frame2.clip(&one)

@@ -31,18 +31,26 @@ pub(super) fn deviation(
         let times: Vec<usize> = (0..count).filter(|t| t * GROUPS * RUNS / count % GROUPS != group).collect();
         let [first, second] = objective.silhouettes.map(|silhouettes| silhouettes.at_times(&times));
         let fewer = objective.with([&first, &second]);
-        let Some(refined) = refine(&fewer, f, NEARBY, seed ^ (group as u64 + 1), cancel)? else { return Ok(None) };
+        let Some(refined) = refine(&fewer, f, NEARBY, seed ^ (group as u64 + 1), cancel)? else {
+            return Ok(None);
+        };
         left.push(refined.fundamental);
     }
-    let mut deviations: Vec<f64> =
-        moving_places(objective.silhouettes).into_iter().filter_map(|at| line_deviation(&left, f, at)).collect();
+    let mut deviations: Vec<f64> = moving_places(objective.silhouettes)
+        .into_iter()
+        .filter_map(|at| line_deviation(&left, f, at))
+        .collect();
     deviations.sort_by(f64::total_cmp);
     Ok(deviations.get(deviations.len() / 2).copied())
 }
 
 /// The jackknife's deviation of the line of one place, across the line, where that is nearest to the middle of what all
 /// of them say.
-fn line_deviation(left: &[FundamentalMatrix], f: &FundamentalMatrix, (at, seen): (Point, Point)) -> Option<f64> {
+fn line_deviation(
+    left: &[FundamentalMatrix],
+    f: &FundamentalMatrix,
+    (at, seen): (Point, Point),
+) -> Option<f64> {
     let foot = f.line2_from_point1(at)?.foot(seen);
     let distances: Vec<f64> =
         left.iter().map(|g| Some(g.line2_from_point1(at)?.signed_distance(foot))).collect::<Option<_>>()?;
@@ -81,7 +89,8 @@ fn moving_places(silhouettes: [&Silhouettes; 2]) -> Vec<(Point, Point)> {
         if second.is_empty() {
             continue;
         }
-        let middle = second.iter().fold(nalgebra::Vector2::zeros(), |s, p| s + p.coords) / second.len() as f64;
+        let middle =
+            second.iter().fold(nalgebra::Vector2::zeros(), |s, p| s + p.coords) / second.len() as f64;
         let step = (first.len() / 10).max(1);
         all.extend(first.into_iter().step_by(step).map(|at| (at, Point::from(middle))));
     }

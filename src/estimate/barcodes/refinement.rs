@@ -24,13 +24,13 @@ pub(super) struct Search {
 }
 
 /// From where lines have proposed: some per cent of the side off.
-pub(super) const FROM_AFAR: Search = Search { first: 0.015, rounds: 14 };
+pub(super) const FROM_AFAR: Search = Search { first: 0.015, rounds: 8 };
 /// From a refined geometry.
-pub(super) const NEARBY: Search = Search { first: 0.003, rounds: 14 };
+pub(super) const NEARBY: Search = Search { first: 0.003, rounds: 10 };
 
 /// Steps a round, and the best of them that give the next one.
-const POPULATION: usize = 64;
-const ELITE: usize = 10;
+const POPULATION: usize = 40;
+const ELITE: usize = 8;
 /// Part of the deviation of the round before that stays: the search does not settle too early.
 const INERTIA: f64 = 0.3;
 
@@ -39,6 +39,7 @@ pub(super) struct Objective<'a> {
     pub silhouettes: [&'a Silhouettes; 2],
     clicks: Vec<PointPair>,
     click_sigma: f64,
+    events: f64,
 }
 
 /// A refined geometry, full-size pixels, and its value; lower is better.
@@ -49,13 +50,23 @@ pub(super) struct Refined {
 }
 
 impl<'a> Objective<'a> {
-    pub(super) fn new(silhouettes: [&'a Silhouettes; 2], clicks: &[PointPair], click_sigma: f64) -> Self {
-        Self { silhouettes, clicks: clicks.to_vec(), click_sigma }
+    pub(super) fn new(
+        silhouettes: [&'a Silhouettes; 2],
+        clicks: &[PointPair],
+        click_sigma: f64,
+        events: f64,
+    ) -> Self {
+        Self { silhouettes, clicks: clicks.to_vec(), click_sigma, events }
     }
 
     /// The same clicks with some of the frames.
     pub(super) fn with<'b>(&self, silhouettes: [&'b Silhouettes; 2]) -> Objective<'b> {
-        Objective { silhouettes, clicks: self.clicks.clone(), click_sigma: self.click_sigma }
+        Objective {
+            silhouettes,
+            clicks: self.clicks.clone(),
+            click_sigma: self.click_sigma,
+            events: self.events,
+        }
     }
 
     pub(super) fn frames(&self) -> [Frame; 2] {
@@ -65,10 +76,10 @@ impl<'a> Objective<'a> {
     /// The negative logarithm of the likelihood up to a constant: each event is a time that is off by a Laplace-distributed
     /// error of unknown spread, which leaves `events · ln cost`; clicks are Gaussian, with influence bounded at four
     /// deviations. `events` are counted once, where the search begins.
-    fn value(&self, f: &FundamentalMatrix, events: f64) -> f64 {
+    fn value(&self, f: &FundamentalMatrix) -> f64 {
         let Some(pencils) = Pencils::new(self.silhouettes, f) else { return f64::INFINITY };
         let off = |pair: &PointPair| (sampson_distance(f, pair) / self.click_sigma).powi(2).min(16.0);
-        events * pencils.cost().max(1e-9).ln() + 0.5 * self.clicks.iter().map(off).sum::<f64>()
+        self.events * pencils.cost().max(1e-9).ln() + 0.5 * self.clicks.iter().map(off).sum::<f64>()
     }
 }
 
@@ -80,10 +91,9 @@ pub(super) fn refine(
     seed: u64,
     cancel: &CancelFlag,
 ) -> Result<Option<Refined>, EstimateError> {
-    let Some(pencils) = Pencils::new(objective.silhouettes, start) else { return Ok(None) };
-    let (events, frames) = (pencils.events().max(1.0), objective.frames());
+    let frames = objective.frames();
     let mut random = Pcg64Mcg::seed_from_u64(seed);
-    let mut best = Refined { fundamental: *start, value: objective.value(start, events) };
+    let mut best = Refined { fundamental: *start, value: objective.value(start) };
     let (mut mean, mut deviation) = (Vector7::zeros(), Vector7::repeat(search.first));
     for _ in 0..search.rounds {
         let steps: Vec<Vector7> =
@@ -92,7 +102,7 @@ pub(super) fn refine(
             .into_par_iter()
             .filter_map(|step| {
                 let moved = start.moved(&step, frames)?;
-                Some((objective.value(&moved, events), step, moved))
+                Some((objective.value(&moved), step, moved))
             })
             .collect();
         cancel.check()?;

@@ -21,7 +21,7 @@ pub use pencils::{Candidate, ComparedPencils, lines_at};
 pub(super) use draws::draw_pairs;
 pub(super) use figures::{LineExaminer, unvalidated_figures};
 pub(super) use pencil_pair::{PencilAngles, PencilPair};
-pub(super) use unanchored::{LineConsensus, compare_lines, geometries_from_lines};
+pub(super) use unanchored::{LineCandidate, LineConsensus, compare_lines, geometries_from_lines};
 
 /// Lines that cross less of an image than this fraction of its shorter side are not compared: they hold too few samples
 /// to tell one line from another.
