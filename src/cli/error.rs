@@ -6,7 +6,8 @@ use crate::convention::CheckError;
 use crate::estimate::EstimateError;
 use crate::evaluate::EvaluateError;
 use crate::image::LoadError;
-use crate::io::{ReadError, RectifiedError, WriteError};
+use crate::io::{ReadError, RectifiedError, SequenceError, WriteError};
+use crate::motion::MotionError;
 use crate::rectify::RectifyError;
 use crate::suggest::SuggestError;
 
@@ -25,6 +26,12 @@ pub enum CliError {
     /// The estimator refused the input or found nothing.
     #[error(transparent)]
     Estimate(#[from] EstimateError),
+    /// A sequence of frames could not be read.
+    #[error(transparent)]
+    Sequence(#[from] SequenceError),
+    /// In a sequence nothing can be compared.
+    #[error(transparent)]
+    Motion(#[from] MotionError),
     /// Nothing could be evaluated.
     #[error(transparent)]
     Evaluate(#[from] EvaluateError),

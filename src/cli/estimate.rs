@@ -13,7 +13,7 @@ use super::geometry_file::{GeometryOutput, image_notes};
 use super::output::Output;
 use super::overrides::Overrides;
 use crate::estimate::{
-    CancelFlag, Estimate, EstimateError, Method, Monitor, Parameters, Preset, Progress, Search, estimate,
+    CancelFlag, Estimate, EstimateError, Method, Monitor, Preset, Progress, Search, estimate,
 };
 use crate::geometry::PointPair;
 use crate::image::Picture;
@@ -83,9 +83,12 @@ pub(super) fn run(arguments: &EstimateArguments) -> Result<(), CliError> {
     parameters.method = arguments.method.unwrap_or(fallback);
 
     let input = input(arguments, parameters.pairs_needed(), parameters.method)?;
-    let found = on_threads(arguments.threads, || watched(&input, &parameters))??;
+    let [image1, image2] = &input.pictures;
+    let compute =
+        |monitor: &Monitor| estimate(&image1.gray, &image2.gray, &input.pairs, &parameters, monitor);
+    let found = on_threads(arguments.threads, || watched(compute))??;
     if let Some(export) = export {
-        export.write(&geometry_file(&found, &input))?;
+        export.write(&geometry_file(&found, &input.pairs, &input.pictures))?;
     }
     let images = image_notes(&input.pictures);
     let result = ResultFile::new(&found, &input.pairs, &images, &parameters);
@@ -108,8 +111,10 @@ fn input(arguments: &EstimateArguments, needed: usize, method: Method) -> Result
     Ok(EstimateInput { pictures, pairs: pairs.clone() })
 }
 
-/// The estimate, its progress told on standard error.
-fn watched(input: &EstimateInput, parameters: &Parameters) -> Result<Estimate, EstimateError> {
+/// An estimate, its progress told on standard error.
+pub(super) fn watched(
+    work: impl FnOnce(&Monitor) -> Result<Estimate, EstimateError>,
+) -> Result<Estimate, EstimateError> {
     let started = Instant::now();
     let is_first = AtomicBool::new(true);
     let monitor = Monitor::new(CancelFlag::default(), |news| {
@@ -124,21 +129,20 @@ fn watched(input: &EstimateInput, parameters: &Parameters) -> Result<Estimate, E
             Progress::Pencils(_) | Progress::Preliminary(_) => {}
         }
     });
-    let [image1, image2] = &input.pictures;
-    estimate(&image1.gray, &image2.gray, &input.pairs, parameters, &monitor)
+    work(&monitor)
 }
 
 /// What other programs can use of it: the clicks, and behind them the matches that the refinement found.
-fn geometry_file(found: &Estimate, input: &EstimateInput) -> GeometryFile {
+pub(super) fn geometry_file(found: &Estimate, pairs: &[PointPair], pictures: &[Picture; 2]) -> GeometryFile {
     let label = |origin| PairLabel { origin, ..PairLabel::default() };
-    let given = input.pairs.iter().map(|_| label(PairOrigin::Clicked));
+    let given = pairs.iter().map(|_| label(PairOrigin::Clicked));
     let matched = found.matches().iter().map(|_| label(PairOrigin::Automatic));
     GeometryFile {
         fundamental: Some(*found.fundamental()),
-        pairs: input.pairs.iter().copied().chain(found.matches().iter().map(|m| m.pair)).collect(),
+        pairs: pairs.iter().copied().chain(found.matches().iter().map(|m| m.pair)).collect(),
         labels: given.chain(matched).collect(),
         trust: found.assessment.trust.as_ref().map(TrustNote::from),
-        images: Some(image_notes(&input.pictures)),
+        images: Some(image_notes(pictures)),
         ..GeometryFile::default()
     }
 }

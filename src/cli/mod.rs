@@ -4,6 +4,7 @@
 //! computation that found nothing, 2 bad input, 130 stopped by Ctrl-C, 70 an error in the program itself.
 
 mod arguments;
+mod barcode;
 mod check;
 mod console;
 mod convert;
@@ -37,6 +38,7 @@ pub struct CommandLine {
 
 #[derive(Debug, Subcommand)]
 enum CliCommand {
+    Barcode(Box<barcode::BarcodeArguments>),
     Check(check::CheckArguments),
     Convert(convert::ConvertArguments),
     Estimate(Box<estimate::EstimateArguments>),
@@ -50,6 +52,7 @@ impl CommandLine {
     pub fn run(self) -> Result<(), CliError> {
         match self.command {
             None => window::run(self.window),
+            Some(CliCommand::Barcode(arguments)) => barcode::run(&arguments),
             Some(CliCommand::Check(arguments)) => check::run(&arguments),
             Some(CliCommand::Convert(arguments)) => convert::run(&arguments),
             Some(CliCommand::Estimate(arguments)) => estimate::run(&arguments),

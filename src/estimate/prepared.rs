@@ -9,7 +9,7 @@ use super::{Estimate, EstimateError, Parameters, PencilParameters};
 use crate::features::{FeatureMatch, FeatureParameters, FeatureSet, find_features, match_features};
 use crate::geometry::{Frame, PointPair};
 use crate::image::{GrayPlane, PyramidPair, RelativeView};
-use crate::motion::Silhouettes;
+use crate::motion::{MotionError, Silhouettes};
 use crate::similarity::{BarcodeSource, LineMeasure, PictureSource, SimilarityParameters, SimilaritySource};
 
 /// Two images made ready for estimates. Keep it while the images stay the same: moving a click then costs only
@@ -49,6 +49,18 @@ impl PreparedPair {
     #[must_use]
     pub fn with_silhouettes(self, silhouettes: [Arc<Silhouettes>; 2]) -> Self {
         Self { silhouettes: Some(silhouettes), ..self }
+    }
+
+    /// Two static cameras by what moves in front of them. The images are what they see, of the size of their frames; frame
+    /// `k` of the first sequence was taken together with frame `k + offset` of the second.
+    pub fn of_sequences(
+        image1: &GrayPlane,
+        image2: &GrayPlane,
+        silhouettes: [&Silhouettes; 2],
+        offset: i32,
+    ) -> Result<Self, MotionError> {
+        let together = Silhouettes::overlapping(silhouettes, offset)?;
+        Ok(Self::new(image1, image2).with_silhouettes(together.map(Arc::new)))
     }
 
     /// What moves in the sequences of the two cameras, if that is what they are.

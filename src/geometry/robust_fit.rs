@@ -164,6 +164,7 @@ impl Conditioning {
 mod tests {
     use super::*;
     use crate::geometry::{Camera, symmetric_epipolar_distance};
+    use nalgebra::SVector;
     use rand::{RngExt, SeedableRng};
 
     fn scene(count: usize) -> (FundamentalMatrix, Vec<PointPair>) {

@@ -132,15 +132,7 @@ impl Job<'_> {
 
     /// Whether so many pixels may be read.
     fn check(&self, width: u32, height: u32, bytes_a_pixel: u64) -> Result<(), LoadError> {
-        if width == 0 || height == 0 {
-            return Err(LoadError::Empty { path: self.path() });
-        }
-        let (width, height) = (u64::from(width), u64::from(height));
-        if self.options.allows(width * height, bytes_a_pixel) {
-            return Ok(());
-        }
-        let most_pixels = self.options.most_pixels;
-        Err(LoadError::TooLarge { path: self.path(), width, height, bytes_a_pixel, most_pixels })
+        self.options.check(self.path, width, height, bytes_a_pixel)
     }
 
     /// [`Job::check`] of what the header claims; a header that cannot be read is not judged.

@@ -57,6 +57,26 @@ impl LoadOptions {
         Ok(options)
     }
 
+    /// An error when a picture of that size has more pixels than are read.
+    pub(crate) fn check(
+        self,
+        path: &str,
+        width: u32,
+        height: u32,
+        bytes_a_pixel: u64,
+    ) -> Result<(), LoadError> {
+        let path = path.to_owned();
+        if width == 0 || height == 0 {
+            return Err(LoadError::Empty { path });
+        }
+        let (width, height) = (u64::from(width), u64::from(height));
+        if self.allows(width * height, bytes_a_pixel) {
+            return Ok(());
+        }
+        let most_pixels = self.most_pixels;
+        Err(LoadError::TooLarge { path, width, height, bytes_a_pixel, most_pixels })
+    }
+
     /// Whether that many pixels of so many bytes are within the limit.
     pub(super) fn allows(self, pixels: u64, bytes_a_pixel: u64) -> bool {
         weight(pixels, bytes_a_pixel) <= u128::from(self.most_pixels)

@@ -13,6 +13,7 @@ mod point_pairs;
 mod read;
 mod rectified;
 mod result_file;
+mod sequence_file;
 mod session;
 mod truth_folder;
 mod vgg;
@@ -30,6 +31,7 @@ pub use point_pairs::{PairProblem, parse_point_pairs};
 pub use read::ReadError;
 pub use rectified::{RectifiedError, RectifiedFiles, RectifiedOptions};
 pub use result_file::{ResultFile, result_in_words};
+pub use sequence_file::{MOST_FRAMES, SequenceError, SequenceFile, is_sequence, read_sequence};
 pub use session::{
     ImageReference, ImageSource, Located, SESSION_VERSION, SessionError, SessionFile, relative, resolve,
     sha256_of,

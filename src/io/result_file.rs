@@ -6,7 +6,8 @@ use serde::Serialize;
 
 use super::geometry_file::{Format, ImageNote, PairLabel};
 use crate::estimate::{
-    Estimate, Method, Parameters, PatchSupport, Preset, SearchCounts, StageTiming, Verdict, Warning,
+    BarcodeFigures, Estimate, Method, Parameters, PatchSupport, Preset, SearchCounts, StageTiming, Verdict,
+    Warning,
 };
 use crate::geometry::{
     FundamentalMatrix, PointPair, place_in_words, sampson_distance, symmetric_epipolar_distance,
@@ -26,6 +27,12 @@ pub struct ResultFile<'a> {
     margin: Option<f64>,
     refined_margin: Option<f64>,
     support: Option<PatchSupport>,
+    /// What motion barcodes say, where sequences were compared.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    barcodes: Option<BarcodeFigures>,
+    /// Frame `k` of the first sequence was taken together with frame `k + frame_offset` of the second.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    frame_offset: Option<i32>,
     verdict: Option<Verdict>,
     reasons: Vec<String>,
     refined: bool,
@@ -95,6 +102,8 @@ impl<'a> ResultFile<'a> {
             margin: assessment.margin,
             refined_margin: assessment.refined_margin,
             support: assessment.support,
+            barcodes: assessment.barcodes,
+            frame_offset: None,
             verdict: trust.map(|t| t.verdict),
             reasons: trust.iter().flat_map(|t| t.reasons.iter().map(ToString::to_string)).collect(),
             refined: found.is_refined(),
@@ -131,6 +140,13 @@ impl<'a> ResultFile<'a> {
             parameters,
             version: env!("CARGO_PKG_VERSION"),
         }
+    }
+
+    /// Says how the sequences that it was computed from were shifted in time.
+    #[must_use]
+    pub fn at_offset(mut self, offset: i32) -> Self {
+        self.frame_offset = Some(offset);
+        self
     }
 
     /// Says what each pair is called and where it comes from, in their order.
@@ -171,6 +187,19 @@ pub fn result_in_words(found: &Estimate, images: &[ImageNote; 2]) -> String {
     if found.is_refined() {
         let matches = found.matches().len();
         let _ = writeln!(text, "Refined on {matches} patches matched along the epipolar lines");
+    }
+    if let Some(barcodes) = &assessment.barcodes {
+        let BarcodeFigures { correlation, by_chance, lines, deviation, frames } = *barcodes;
+        let _ = writeln!(
+            text,
+            "Motion barcodes of {frames} frames: corresponding lines agree by {correlation:.3}, by chance up to {by_chance:.3}, {lines:.0} of them in ways of their own"
+        );
+        if let Some(deviation) = deviation {
+            let _ = writeln!(
+                text,
+                "Lines where things move are certain to {deviation:.2} px (one standard deviation)"
+            );
+        }
     }
     if let Some(score) = found.line_score() {
         let _ = writeln!(text, "Score: {score:.4} (lower is better)");

@@ -61,3 +61,31 @@ pub fn find_offset(
     found.sort_by(|a, b| b.correlation.total_cmp(&a.correlation).then(a.offset.abs().cmp(&b.offset.abs())));
     Ok(found)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Frame;
+    use crate::synthetic::{BallScene, ThrownBalls};
+
+    #[test]
+    fn the_offset_of_two_recordings_is_found_either_way() {
+        for offset in [0, 7, -23] {
+            let thrown = ThrownBalls {
+                frame: Frame::new(160, 120),
+                frames: 240,
+                offset,
+                noise: 0.0,
+                ..ThrownBalls::default()
+            };
+            let scene = BallScene::new(thrown).unwrap();
+            let [first, second] = [0, 1].map(|camera| {
+                let masks: Vec<Vec<bool>> = (0..240).map(|number| scene.mask(camera, number)).collect();
+                Silhouettes::from_masks("made", thrown.frame, thrown.frame, &masks).unwrap()
+            });
+            let found = find_offset([&first, &second], 50, &CancelFlag::default()).unwrap();
+            assert_eq!(found.len(), 101);
+            assert_eq!(found[0].offset, offset, "{:?}", &found[..4]);
+        }
+    }
+}

@@ -313,3 +313,100 @@ fn median(values: impl Iterator<Item = f64>) -> f64 {
     let middle = values.len() / 2;
     *values.select_nth_unstable_by(middle, f64::total_cmp).1
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Point;
+    use crate::image::GrayPlane;
+
+    const SIZE: Frame = Frame { width: 96, height: 72 };
+
+    /// Frames with a texture, made by a brightness at a place and a time.
+    fn sequence(frames: usize, level: impl Fn(usize, usize, usize) -> f32) -> FrameSequence {
+        let mut sequence = FrameSequence::new("left");
+        for time in 0..frames {
+            sequence.push(&GrayPlane::from_fn(SIZE, |x, y| level(x, y, time))).unwrap();
+        }
+        sequence
+    }
+
+    fn texture(x: usize, y: usize) -> f32 {
+        90.0 + 40.0 * ((x as f32) * 0.35).sin() * ((y as f32) * 0.27).cos()
+    }
+
+    /// Noise of some grey levels, the same every time.
+    fn noise(x: usize, y: usize, time: usize) -> f32 {
+        let hash = (x * 73_856_093) ^ (y * 19_349_663) ^ (time * 83_492_791);
+        ((hash >> 7) % 9) as f32 - 4.0
+    }
+
+    fn is_in_square(x: usize, y: usize, time: usize) -> bool {
+        (time..time + 12).contains(&x) && (30..42).contains(&y)
+    }
+
+    fn silhouettes(sequence: &FrameSequence) -> Result<Silhouettes, MotionError> {
+        Silhouettes::new(sequence, &BackgroundParameters::default(), &CancelFlag::default())
+    }
+
+    #[test]
+    fn what_moves_is_found_under_noise_and_changing_light() {
+        let light = |time: usize| 1.0 + 0.004 * time as f32;
+        let level = |x: usize, y: usize, time: usize| {
+            let still = if is_in_square(x, y, time) { 200.0 } else { texture(x, y) };
+            still * light(time) + noise(x, y, time)
+        };
+        let found = silhouettes(&sequence(80, level)).unwrap();
+        let (mut wrong, mut all) = (0, 0);
+        for time in 0..80 {
+            let mask = found.mask(time);
+            wrong += (0..mask.len()).filter(|k| mask[*k] != is_in_square(k % 96, k / 96, time)).count();
+            all += mask.iter().filter(|moving| **moving).count();
+        }
+        // The corners of the square go with the specks.
+        assert!(wrong * 20 < all, "{wrong} of {all}");
+        let line = AnchoredLine::at_angle(Point::new(40.0, 0.0), std::f64::consts::FRAC_PI_2);
+        let barcode = found.barcode(&line, 1.0);
+        assert!((0..80).all(|time| barcode.is_set(time) == (time..time + 12).contains(&40)), "{barcode:?}");
+        let twice = AnchoredLine::at_angle(Point::new(80.5, 3.0), std::f64::consts::FRAC_PI_2);
+        assert_eq!(found.barcode(&twice, 2.0), barcode);
+        assert!(found.halved().barcode(&line, 2.0).ones() >= barcode.ones());
+        assert_eq!(found.at_times(&[35, 36, 70]).mask(1), found.mask(36));
+    }
+
+    #[test]
+    fn recordings_without_barcodes_are_told() {
+        let told = |sequence: &FrameSequence| silhouettes(sequence).unwrap_err().to_string();
+        assert!(
+            told(&sequence(80, |x, y, t| texture(x, y) + noise(x, y, t)))
+                .starts_with("nothing moves in left")
+        );
+        assert!(told(&sequence(9, |x, y, _| texture(x, y))).starts_with("left has 9 frames, at least 16"));
+        // Everything: another texture each time.
+        let all = sequence(80, |x, y, t| if (x / 9 + y / 7 + t * t / 3) % 3 == 0 { 220.0 } else { 20.0 });
+        let message = told(&all);
+        assert!(message.contains("% of left moves") || message.contains("camera of left moves"), "{message}");
+        let shaking = sequence(80, |x, y, t| texture(x + [0, 2, 1, 3, 0, 3][t % 6], y + t % 3));
+        assert!(told(&shaking).starts_with("the camera of left moves"), "{}", told(&shaking));
+    }
+
+    #[test]
+    fn frames_in_common_follow_from_the_offset() {
+        let moving = |from: usize| {
+            let mask =
+                |time: usize| (0..96 * 72).map(|k| is_in_square(k % 96, k / 96, time + from)).collect();
+            let masks: Vec<Vec<bool>> = (0..40).map(mask).collect();
+            Silhouettes::from_masks("made", SIZE, SIZE, &masks).unwrap()
+        };
+        // The second camera began seven frames earlier, so that the same is seen seven frames later in it.
+        let (first, second) = (moving(7), moving(0));
+        let [a, b] = Silhouettes::overlapping([&first, &second], 7).unwrap();
+        assert_eq!((a.len(), a.mask(20)), (33, b.mask(20)));
+        let [a, b] = Silhouettes::overlapping([&second, &first], -7).unwrap();
+        assert_eq!((a.len(), a.mask(0)), (33, b.mask(0)));
+        assert!(matches!(
+            Silhouettes::overlapping([&first, &second], -30),
+            Err(MotionError::NoOverlap { common: 10, .. })
+        ));
+    }
+}

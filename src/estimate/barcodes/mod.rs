@@ -214,3 +214,88 @@ fn assessed(
         ..Assessment::default()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::estimate::{CancelFlag, Monitor, PreparedPair, Verdict, estimate_prepared};
+    use crate::geometry::{Frame, symmetric_epipolar_distance};
+    use crate::image::GrayPlane;
+    use crate::similarity::LineMeasure;
+    use crate::synthetic::{BallScene, ThrownBalls};
+
+    const SMALL: ThrownBalls = ThrownBalls {
+        frame: Frame { width: 320, height: 240 },
+        frames: 200,
+        balls: 8,
+        offset: 0,
+        noise: 0.0,
+        brightening: 0.0,
+        seed: 1,
+    };
+
+    fn prepared(scene: &BallScene, thrown: &ThrownBalls, offset: i32) -> PreparedPair {
+        let [first, second] = [0, 1].map(|camera| {
+            let masks: Vec<Vec<bool>> = (0..thrown.frames).map(|number| scene.mask(camera, number)).collect();
+            Silhouettes::from_masks("made", thrown.frame, thrown.frame, &masks).unwrap()
+        });
+        let plane = |k: usize| GrayPlane::from_fn(thrown.frame, |x, y| ((x * (7 + k) + y * 13) % 97) as f32);
+        PreparedPair::of_sequences(&plane(0), &plane(4), [&first, &second], offset).unwrap()
+    }
+
+    fn parameters() -> Parameters {
+        let mut parameters = Parameters::default();
+        parameters.similarity.measure = LineMeasure::Barcodes;
+        parameters
+    }
+
+    fn found(prepared: &PreparedPair, clicks: &[PointPair]) -> Result<Estimate, EstimateError> {
+        estimate_prepared(prepared, clicks, &parameters(), &Monitor::silent())
+    }
+
+    #[test]
+    fn balls_seen_from_far_apart_give_the_geometry_with_clicks_and_without() {
+        let scene = BallScene::new(SMALL).unwrap();
+        let (prepared, matches) = (prepared(&scene, &SMALL, 0), scene.matches(200));
+        for clicks in [&[][..], &matches[..2]] {
+            let found = found(&prepared, clicks).unwrap();
+            let f = found.fundamental();
+            let sum: f64 = matches.iter().map(|m| symmetric_epipolar_distance(f, m)).sum();
+            let error = sum / matches.len() as f64;
+            assert!(error < 1.0, "{} clicks: {error} px", clicks.len());
+            assert_eq!(found.assessment.trust.as_ref().unwrap().verdict, Verdict::Reliable);
+            let figures = found.assessment.barcodes.unwrap();
+            assert!(figures.correlation > 0.9 && figures.by_chance < 0.5, "{figures:?}");
+            assert!(figures.deviation.unwrap() < 1.0 && figures.frames == 200, "{figures:?}");
+            assert!(!found.hypotheses().is_empty() && found.matches().is_empty());
+        }
+    }
+
+    #[test]
+    fn what_was_not_recorded_together_or_moves_too_little_is_not_reliable() {
+        let scene = BallScene::new(SMALL).unwrap();
+        let shifted = found(&prepared(&scene, &SMALL, 60), &[]);
+        let is_reliable = |found: &Estimate| {
+            found.assessment.trust.as_ref().is_some_and(|trust| trust.verdict == Verdict::Reliable)
+        };
+        assert!(shifted.is_err() || !is_reliable(&shifted.unwrap()));
+        let lonely = ThrownBalls { balls: 1, frames: 60, ..SMALL };
+        let scene = BallScene::new(lonely).unwrap();
+        let one = found(&prepared(&scene, &lonely, 0), &[]);
+        assert!(one.is_err() || !is_reliable(&one.unwrap()));
+    }
+
+    #[test]
+    fn pictures_without_frames_are_refused_and_a_stop_is_one() {
+        let plane = GrayPlane::from_fn(SMALL.frame, |x, y| ((x * 7 + y * 13) % 97) as f32);
+        let other = GrayPlane::from_fn(SMALL.frame, |x, y| ((x * 11 + y * 5) % 89) as f32);
+        let pictures = PreparedPair::new(&plane, &other);
+        assert_eq!(found(&pictures, &[]).unwrap_err(), EstimateError::NoSequences);
+        let scene = BallScene::new(ThrownBalls { frames: 40, ..SMALL }).unwrap();
+        let prepared = prepared(&scene, &ThrownBalls { frames: 40, ..SMALL }, 0);
+        let flag = CancelFlag::default();
+        flag.cancel();
+        let stopped = estimate_prepared(&prepared, &[], &parameters(), &Monitor::new(flag, |_| ()));
+        assert_eq!(stopped.unwrap_err(), EstimateError::Cancelled);
+    }
+}

@@ -1,0 +1,157 @@
+//! Sequences of frames: folders of numbered pictures, animated pictures, and videos through an `ffmpeg` found on the
+//! machine.
+
+mod animation;
+mod folder;
+mod video;
+
+use std::path::Path;
+
+use thiserror::Error;
+
+use super::ReadError;
+use super::read::has_image_extension;
+use crate::cancel::CancelFlag;
+use crate::foreign::shown_path;
+use crate::image::{GrayPlane, LoadError, Picture};
+use crate::motion::{FrameSequence, MotionError};
+
+/// Most frames that are read: at 640×480 px they take 0.6 GB.
+pub const MOST_FRAMES: usize = 2000;
+
+/// A sequence that was read.
+#[derive(Debug, Clone)]
+pub struct SequenceFile {
+    /// The frames.
+    pub sequence: FrameSequence,
+    /// The first frame as it was recorded.
+    pub first: Picture,
+    /// What the user should know: frames that are missing, say. Sentences.
+    pub notes: Vec<String>,
+}
+
+/// Why a sequence could not be read. Each message is one sentence for the user.
+#[derive(Debug, Error)]
+pub enum SequenceError {
+    /// A frame could not be read.
+    #[error(transparent)]
+    Frame(#[from] LoadError),
+    /// The folder could not be read, or holds no frames.
+    #[error(transparent)]
+    Read(#[from] ReadError),
+    /// The frames do not go together.
+    #[error(transparent)]
+    Motion(#[from] MotionError),
+    /// More frames than are read.
+    #[error(
+        "{path} has more than {MOST_FRAMES} frames, more than are read: take a part of it, or every second one"
+    )]
+    TooLong {
+        /// The file or folder.
+        path: String,
+    },
+    /// A picture with one frame.
+    #[error(
+        "{path} is a single picture: a sequence is a folder of numbered frames, an animated picture or a video"
+    )]
+    OneFrame {
+        /// The file.
+        path: String,
+    },
+    /// A video without a program that reads it.
+    #[error(
+        "{path} is no animated picture, and the program ffmpeg, which reads videos, is not on this machine: install it, or give a folder of frames"
+    )]
+    NoFfmpeg {
+        /// The file.
+        path: String,
+    },
+    /// The program that reads videos does not read this one.
+    #[error("ffmpeg cannot read {path} as a video: {reason}")]
+    Ffmpeg {
+        /// The file.
+        path: String,
+        /// Its own words.
+        reason: String,
+    },
+}
+
+/// Whether a path is a sequence by its looks: a folder with numbered frames, an animation or a video. Folders are looked
+/// into, files are not.
+pub fn is_sequence(path: &Path) -> bool {
+    if path.is_dir() {
+        return folder::is_frame_folder(path);
+    }
+    path.is_file() && !has_image_extension(path) && video::has_video_extension(path)
+        || path.extension().is_some_and(|e| e.eq_ignore_ascii_case("gif"))
+}
+
+/// Reads a sequence. `each` hears of the frames read so far.
+pub fn read_sequence(
+    path: &Path,
+    cancel: &CancelFlag,
+    each: &dyn Fn(usize),
+) -> Result<SequenceFile, SequenceError> {
+    if path.is_dir() {
+        return folder::read(path, cancel, each);
+    }
+    match animation::read(path, cancel, each)? {
+        Some(read) => Ok(read),
+        None if has_image_extension(path) => Err(SequenceError::OneFrame { path: shown_path(path) }),
+        None => video::read(path, "ffmpeg", cancel, each),
+    }
+}
+
+/// Frames as they come in.
+struct Gathered<'a> {
+    path: &'a Path,
+    sequence: FrameSequence,
+    first: Option<Picture>,
+    notes: Vec<String>,
+    cancel: &'a CancelFlag,
+    each: &'a dyn Fn(usize),
+}
+
+impl<'a> Gathered<'a> {
+    fn new(path: &'a Path, cancel: &'a CancelFlag, each: &'a dyn Fn(usize)) -> Self {
+        let sequence = FrameSequence::new(name_of(path));
+        Self { path, sequence, first: None, notes: Vec::new(), cancel, each }
+    }
+
+    fn push(&mut self, gray: &GrayPlane) -> Result<(), SequenceError> {
+        self.cancel.check().map_err(MotionError::from)?;
+        if self.sequence.len() >= MOST_FRAMES {
+            return Err(SequenceError::TooLong { path: shown_path(self.path) });
+        }
+        self.sequence.push(gray)?;
+        (self.each)(self.sequence.len());
+        Ok(())
+    }
+
+    fn push_picture(&mut self, picture: Picture) -> Result<(), SequenceError> {
+        self.push(&picture.gray)?;
+        self.first.get_or_insert(picture);
+        Ok(())
+    }
+
+    fn finish(self) -> Result<SequenceFile, SequenceError> {
+        let Self { path, sequence, first, notes, .. } = self;
+        match first {
+            Some(first) if sequence.len() > 1 => {
+                let first = Picture { name: name_of(path), path: Some(path.to_owned()), ..first };
+                Ok(SequenceFile { sequence, first, notes })
+            }
+            _ => Err(SequenceError::OneFrame { path: shown_path(path) }),
+        }
+    }
+}
+
+/// The last part of a path, fit to be shown.
+fn name_of(path: &Path) -> String {
+    let name = path.canonicalize().ok().and_then(|full| full.file_name().map(ToOwned::to_owned));
+    let name = name.or_else(|| path.file_name().map(ToOwned::to_owned));
+    name.map_or_else(|| shown_path(path), |name| crate::foreign::escaped(&name.to_string_lossy()))
+}
+
+#[cfg(test)]
+mod tests;

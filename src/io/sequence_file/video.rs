@@ -1,0 +1,197 @@
+//! Videos, read by an `ffmpeg` found on the machine. It is asked for grey pictures one after the other, and for nothing
+//! from the network.
+
+use std::io::{BufRead, BufReader, ErrorKind, Read};
+use std::path::Path;
+use std::process::{Child, ChildStdout, Command, Stdio};
+
+use super::{Gathered, SequenceError, SequenceFile};
+use crate::cancel::CancelFlag;
+use crate::foreign::{excerpt, shown_path};
+use crate::geometry::Frame;
+use crate::image::{GrayPlane, LoadOptions, Picture};
+
+/// Bytes of what the program complains about that are kept.
+const MOST_WORDS: u64 = 4096;
+/// Longest header of a frame, bytes: two letters, three numbers and white space.
+const HEADER: usize = 64;
+
+/// Whether a name ends like that of a video.
+pub(super) fn has_video_extension(path: &Path) -> bool {
+    const KNOWN: [&str; 11] = ["mp4", "mov", "avi", "mkv", "webm", "m4v", "mpg", "mpeg", "wmv", "mts", "ogv"];
+    path.extension()
+        .and_then(|e| e.to_str())
+        .is_some_and(|e| KNOWN.iter().any(|known| known.eq_ignore_ascii_case(e)))
+}
+
+/// A program that is stopped when nobody reads from it any more.
+struct Running(Child);
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        // It may have ended by itself.
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+pub(super) fn read(
+    path: &Path,
+    program: &str,
+    cancel: &CancelFlag,
+    each: &dyn Fn(usize),
+) -> Result<SequenceFile, SequenceError> {
+    let shown = shown_path(path);
+    let failed = |reason: &str| SequenceError::Ffmpeg { path: shown.clone(), reason: excerpt(reason) };
+    // An absolute path cannot be taken for an option or an address.
+    let absolute = std::path::absolute(path).map_err(|e| failed(&crate::foreign::reason(&e)))?;
+    let started = Command::new(program)
+        .args(["-nostdin", "-v", "error", "-protocol_whitelist", "file,pipe", "-i"])
+        .arg(&absolute)
+        .args(["-map", "0:v:0", "-fps_mode", "passthrough", "-pix_fmt", "gray", "-c:v", "pgm"])
+        .args(["-f", "image2pipe", "pipe:1"])
+        .stdin(Stdio::null())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn();
+    let mut running = match started {
+        Ok(child) => Running(child),
+        Err(error) if error.kind() == ErrorKind::NotFound => {
+            return Err(SequenceError::NoFfmpeg { path: shown });
+        }
+        Err(error) => return Err(failed(&crate::foreign::reason(&error))),
+    };
+    let complaints = running.0.stderr.take().map(|stderr| {
+        std::thread::spawn(move || {
+            let mut words = String::new();
+            // What is not text is left out; the rest must be read, or the program would wait for ever.
+            let mut stderr = stderr;
+            let _ = (&mut stderr).take(MOST_WORDS).read_to_string(&mut words);
+            let _ = std::io::copy(&mut stderr, &mut std::io::sink());
+            words
+        })
+    });
+    let mut frames = BufReader::new(running.0.stdout.take().ok_or_else(|| failed("it has no output"))?);
+    let mut gathered = Gathered::new(path, cancel, each);
+    let outcome = loop {
+        match next_frame(&mut frames, &shown) {
+            Ok(Some(gray)) if gathered.first.is_none() => {
+                let pixels = gray_picture(&gray);
+                if let Err(error) = Picture::from_pixels(String::new(), None, pixels)
+                    .map_err(SequenceError::from)
+                    .and_then(|picture| gathered.push_picture(picture))
+                {
+                    break Err(error);
+                }
+            }
+            Ok(Some(gray)) => {
+                if let Err(error) = gathered.push(&gray) {
+                    break Err(error);
+                }
+            }
+            Ok(None) => break Ok(()),
+            Err(error) => break Err(error),
+        }
+    };
+    drop(frames);
+    outcome?;
+    let status = running.0.wait().map_err(|e| failed(&crate::foreign::reason(&e)))?;
+    let words = complaints.and_then(|thread| thread.join().ok()).unwrap_or_default();
+    let last =
+        words.lines().map(str::trim).rfind(|line| !line.is_empty()).unwrap_or("it gave no frames").to_owned();
+    if gathered.sequence.is_empty() {
+        return Err(failed(&last));
+    }
+    if !status.success() {
+        let read = gathered.sequence.len();
+        gathered.notes.push(format!("ffmpeg stopped in {shown} after {read} frames: {}", excerpt(&last)));
+    }
+    gathered.finish()
+}
+
+/// The next picture of the stream, a binary PGM; `None` at its end.
+fn next_frame(stream: &mut BufReader<ChildStdout>, shown: &str) -> Result<Option<GrayPlane>, SequenceError> {
+    let broken =
+        || SequenceError::Ffmpeg { path: shown.to_owned(), reason: "its frames are not as expected".into() };
+    let Some(kind) = word(stream).map_err(|_| broken())? else { return Ok(None) };
+    let mut number = || -> Result<u32, SequenceError> {
+        word(stream).ok().flatten().and_then(|w| w.parse().ok()).ok_or_else(broken)
+    };
+    let (width, height, most) = (number()?, number()?, number()?);
+    if kind != "P5" || most != 255 || width == 0 || height == 0 {
+        return Err(broken());
+    }
+    LoadOptions::from_environment()?.check(shown, width, height, 1)?;
+    let frame = Frame::new(width as usize, height as usize);
+    let mut bytes = vec![0u8; frame.width * frame.height];
+    stream.read_exact(&mut bytes).map_err(|_| broken())?;
+    Ok(Some(GrayPlane::new(frame, bytes.into_iter().map(f32::from).collect())))
+}
+
+/// The next word of a header and the one character behind it; `None` at the end of the stream.
+fn word(stream: &mut impl BufRead) -> std::io::Result<Option<String>> {
+    let mut found = String::new();
+    let mut byte = [0u8];
+    while found.len() < HEADER {
+        if stream.read(&mut byte)? == 0 {
+            return Ok((!found.is_empty()).then_some(found));
+        }
+        let c = char::from(byte[0]);
+        match (c.is_ascii_whitespace(), found.is_empty()) {
+            (true, true) => {}
+            (true, false) => return Ok(Some(found)),
+            (false, _) => found.push(c),
+        }
+    }
+    Err(ErrorKind::InvalidData.into())
+}
+
+fn gray_picture(plane: &GrayPlane) -> image::DynamicImage {
+    let frame = plane.frame();
+    let level = |x: u32, y: u32| image::Luma([plane.at(x as usize, y as usize) as u8]);
+    image::GrayImage::from_fn(frame.width as u32, frame.height as u32, level).into()
+}
+
+#[cfg(all(test, unix))]
+mod tests {
+    use std::os::unix::fs::PermissionsExt;
+
+    use super::*;
+
+    /// A program that behaves as ffmpeg does where it is asked for grey pictures.
+    fn program(folder: &Path, script: &str) -> String {
+        let path = folder.join("ffmpeg");
+        std::fs::write(&path, format!("#!/bin/sh\n{script}\n")).unwrap();
+        std::fs::set_permissions(&path, std::fs::Permissions::from_mode(0o755)).unwrap();
+        path.display().to_string()
+    }
+
+    fn read_with(script: &str) -> Result<SequenceFile, SequenceError> {
+        let folder = tempfile::tempdir().unwrap();
+        let program = program(folder.path(), script);
+        super::read(&folder.path().join("film.mp4"), &program, &CancelFlag::default(), &|_| ())
+    }
+
+    const FRAME: &str = "printf 'P5\\n4 3\\n255\\n'; printf 'abcdefghijkl';";
+
+    #[test]
+    fn frames_come_one_after_the_other() {
+        let read = read_with(&FRAME.repeat(5)).unwrap();
+        assert_eq!((read.sequence.len(), read.sequence.full_size()), (5, Frame::new(4, 3)));
+        assert_eq!(read.sequence.frame(4), b"abcdefghijkl");
+        assert_eq!((read.first.name.as_str(), read.notes.len()), ("film.mp4", 0));
+    }
+
+    #[test]
+    fn what_goes_wrong_is_told_in_its_words() {
+        let told = |script: &str| read_with(script).unwrap_err().to_string();
+        assert!(told("echo 'moov atom not found' >&2; exit 1").ends_with("as a video: moov atom not found"));
+        assert!(told("printf 'P6 4 3 255 abc'").contains("not as expected"));
+        assert!(told("printf 'P5 99999999 99999999 255 abc'").contains("pixels"), "no memory is asked for");
+        assert!(told(FRAME).contains("single picture"));
+        let cut = read_with(&format!("{FRAME}{FRAME} echo 'end of file' >&2; exit 1")).unwrap();
+        assert_eq!(cut.notes.len(), 1);
+        let missing = super::read(Path::new("film.mp4"), "no-such-program", &CancelFlag::default(), &|_| ());
+        assert!(missing.unwrap_err().to_string().contains("install it, or give a folder of frames"));
+    }
+}
