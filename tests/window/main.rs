@@ -4,6 +4,7 @@
 mod computing;
 mod editing;
 mod exchange;
+mod killed;
 mod looking;
 mod opening;
 mod panels;
