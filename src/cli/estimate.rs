@@ -47,7 +47,8 @@ pub(super) struct EstimateArguments {
     /// Write the result as JSON, to standard output when it is -
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
-    /// Write F, the epipoles, the points and the matched patches for another program
+    /// Write F, the epipoles, the points and the matched patches for another program, and where one plane or a turn of the
+    /// camera is all that is certain its homography H21
     #[arg(long, value_name = "FILE")]
     export: Option<PathBuf>,
     /// Format of the export, by default the one its extension stands for
@@ -128,7 +129,8 @@ fn watched(input: &EstimateInput, parameters: &Parameters) -> Result<Estimate, E
     estimate(&image1.gray, &image2.gray, &input.pairs, parameters, &monitor)
 }
 
-/// What other programs can use of it: the clicks, and behind them the matches that the refinement found.
+/// What other programs can use of it: the clicks, and behind them the matches that the refinement found; where the
+/// epipoles are open, the homography that is not.
 fn geometry_file(found: &Estimate, input: &EstimateInput) -> GeometryFile {
     let label = |origin| PairLabel { origin, ..PairLabel::default() };
     let given = input.pairs.iter().map(|_| label(PairOrigin::Clicked));
@@ -139,6 +141,7 @@ fn geometry_file(found: &Estimate, input: &EstimateInput) -> GeometryFile {
         labels: given.chain(matched).collect(),
         trust: found.assessment.trust.as_ref().map(TrustNote::from),
         images: Some(image_notes(&input.pictures)),
+        homography21: found.assessment.plane.map(|plane| plane.homography21),
         ..GeometryFile::default()
     }
 }

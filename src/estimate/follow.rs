@@ -123,12 +123,12 @@ mod tests {
             let after = scene.error(found.fundamental());
             // Corners are found to a pixel; some hundred of them.
             assert!(after < 0.5 && after < 0.5 * before, "{before} px before, {after} px after");
-            let Assessment { lines, support, margin, refined_margin, refinement, warnings, trust } =
+            let Assessment { lines, support, margin, refined_margin, refinement, warnings, trust, plane } =
                 found.assessment;
             assert!(support.unwrap().matches > 60 && found.trace.is_none());
             assert!(lines.is_none() && refinement.is_none() && trust.is_none());
             assert!(margin.is_none() && refined_margin.is_none());
-            assert!(warnings.is_empty());
+            assert!(warnings.is_empty() && plane.is_none());
         }
         // A click that is mistaken by far does not take the geometry along, but has its say.
         let far = moved(&scene, Vector::new(0.0, 30.0));

@@ -8,6 +8,7 @@ mod killed;
 mod looking;
 mod opening;
 mod panels;
+mod planes;
 mod points;
 mod rectified;
 mod repairing;
