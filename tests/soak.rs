@@ -67,15 +67,13 @@ impl Material {
         let files = Files::new();
         let path = |name: &str| files.0.path().join(name);
         let frame = Frame::new(240, 180);
-        let mut points = String::from("x1,y1,x2,y2\n");
+        let mut points = Vec::new();
         let pairs = [3, 5].map(|seed| {
             let pair = test_pair(frame, Motion::Sideways, seed).unwrap();
             let far = |p: &&PointPair| (p.point1 - pair.matches[0].point1).norm() > 80.0;
             let two = [pair.matches[0], *pair.matches.iter().find(far).unwrap()];
             if seed == 3 {
-                for PointPair { point1: p, point2: q } in two {
-                    points += &format!("{},{},{},{}\n", p.x, p.y, q.x, q.y);
-                }
+                points.extend(two.map(|p| [p.point1.x, p.point1.y, p.point2.x, p.point2.y]));
             }
             let mut sides = ["left", "right"].into_iter();
             pair.pictures.map(|picture| {
@@ -85,7 +83,8 @@ impl Material {
             })
         });
         let file = path("points.csv");
-        std::fs::write(&file, points).unwrap();
+        let rows = points.iter().map(|row| row.map(|v| v.to_string()).join(","));
+        std::fs::write(&file, rows.collect::<Vec<_>>().join("\n")).unwrap();
         Self { pairs, points: file, session: path("work.json"), files }
     }
 
