@@ -10,7 +10,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use epiline::estimate::CancelFlag;
-use epiline::evaluate::{Scene, pair_scenes, vgg_scenes};
+use epiline::evaluate::{KnownScene, pair_scenes, vgg_scenes};
 use epiline::geometry::{Camera, Frame};
 use epiline::image::GrayPlane;
 use epiline::io::{PictureFormat, encode_picture};
@@ -26,10 +26,10 @@ fn picture(plane: &GrayPlane) -> DynamicImage {
         .unwrap_or_default()
 }
 
-fn sample_scene(sample: Sample) -> Scene {
+fn sample_scene(sample: Sample) -> KnownScene {
     let name = sample.name().to_owned();
     let pair = sample.load();
-    Scene {
+    KnownScene {
         name,
         images: pair.pictures.map(|p| Arc::new(p.gray)),
         matches: pair.matches,
@@ -51,7 +51,7 @@ fn shape(d: &Distortion) -> String {
 }
 
 /// The images, F, the matches and the planar homographies of a pair, for `compare-rectify.py`.
-fn write_pair(folder: &Path, scene: &Scene) -> Result<(), Box<dyn Error>> {
+fn write_pair(folder: &Path, scene: &KnownScene) -> Result<(), Box<dyn Error>> {
     let frames = [scene.images[0].frame(), scene.images[1].frame()];
     let mut pair = json!({
         "fundamental": scene.truth,

@@ -8,7 +8,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use epiline::estimate::PreparedPair;
-use epiline::evaluate::{Scene, pair_scenes, vgg_scenes};
+use epiline::evaluate::{KnownScene, pair_scenes, vgg_scenes};
 use epiline::suggest::{ClickedImage, Known, SuggestParameters, suggest};
 
 #[derive(Default)]
@@ -21,7 +21,7 @@ struct Tally {
     milliseconds: Vec<f64>,
 }
 
-fn measure(scene: &Scene, every: usize, with_f: bool, tally: &mut Tally) {
+fn measure(scene: &KnownScene, every: usize, with_f: bool, tally: &mut Tally) {
     let prepared = PreparedPair::new(&scene.images[0], &scene.images[1]);
     for m in scene.matches.iter().step_by(every) {
         for (clicked, point, truth) in

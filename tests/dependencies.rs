@@ -29,8 +29,9 @@ const TWICE: [&str; 22] = [
     "block2",
 ];
 
-/// Crates that must not come back: C code that decodes files, and whatever reaches a network.
-const UNWANTED: [&str; 6] = ["openssl-sys", "libwebp-sys", "curl-sys", "reqwest", "hyper", "roxmltree"];
+/// Crates that must not come back: C code that decodes files, whatever reaches a network, and what nobody maintains.
+const UNWANTED: [&str; 7] =
+    ["openssl-sys", "libwebp-sys", "curl-sys", "reqwest", "hyper", "roxmltree", "ttf-parser"];
 
 /// `name version source` of every package.
 fn packages() -> Vec<[String; 3]> {

@@ -33,6 +33,7 @@ pub(super) fn run(arguments: &ConvertArguments) -> Result<(), CliError> {
         file.geometry().map(|_| "F".to_owned()),
         file.cameras.map(|_| "two cameras".to_owned()),
         file.homographies.map(|_| "two homographies".to_owned()),
+        file.homography21.map(|_| "the homography of a plane".to_owned()),
         (!file.pairs.is_empty()).then(|| format!("{} point pairs", file.pairs.len())),
     ]
     .into_iter()

@@ -47,7 +47,8 @@ pub(super) struct EstimateArguments {
     /// Write the result as JSON, to standard output when it is -
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
-    /// Write F, the epipoles, the points and the matched patches for another program
+    /// Write F, the epipoles, the points and the matched patches for another program, and where one plane or a turn of the
+    /// camera is all that is certain its homography H21
     #[arg(long, value_name = "FILE")]
     export: Option<PathBuf>,
     /// Format of the export, by default the one its extension stands for
@@ -132,7 +133,8 @@ pub(super) fn watched(
     work(&monitor)
 }
 
-/// What other programs can use of it: the clicks, and behind them the matches that the refinement found.
+/// What other programs can use of it: the clicks, and behind them the matches that the refinement found; where the
+/// epipoles are open, the homography that is not.
 pub(super) fn geometry_file(found: &Estimate, pairs: &[PointPair], pictures: &[Picture; 2]) -> GeometryFile {
     let label = |origin| PairLabel { origin, ..PairLabel::default() };
     let given = pairs.iter().map(|_| label(PairOrigin::Clicked));
@@ -143,6 +145,7 @@ pub(super) fn geometry_file(found: &Estimate, pairs: &[PointPair], pictures: &[P
         labels: given.chain(matched).collect(),
         trust: found.assessment.trust.as_ref().map(TrustNote::from),
         images: Some(image_notes(pictures)),
+        homography21: found.assessment.plane.map(|plane| plane.homography21),
         ..GeometryFile::default()
     }
 }

@@ -123,10 +123,19 @@ mod tests {
             let after = scene.error(found.fundamental());
             // Corners are found to a pixel; some hundred of them.
             assert!(after < 0.5 && after < 0.5 * before, "{before} px before, {after} px after");
-            let Assessment { lines, support, margin, refined_margin, barcodes, refinement, warnings, trust } =
-                found.assessment;
+            let Assessment {
+                lines,
+                support,
+                margin,
+                refined_margin,
+                barcodes,
+                refinement,
+                warnings,
+                trust,
+                plane,
+            } = found.assessment;
             assert!(support.unwrap().matches > 60 && found.trace.is_none());
-            assert!(lines.is_none() && refinement.is_none() && trust.is_none());
+            assert!(lines.is_none() && refinement.is_none() && trust.is_none() && plane.is_none());
             assert!(margin.is_none() && refined_margin.is_none() && barcodes.is_none());
             assert!(warnings.is_empty());
         }

@@ -46,7 +46,7 @@ pub use parameters::{
 };
 pub use patches::{EpipoleEllipse, PatchSupport, RefinedMatch, Refinement, Uncertainty};
 pub use prepared::PreparedPair;
-pub use result::{Assessment, Estimate, SearchCounts, SearchTrace, StageTiming};
+pub use result::{Assessment, Estimate, PlaneHomography, SearchCounts, SearchTrace, StageTiming};
 pub use stage::Stage;
 pub use trust::{
     CLEAR_MARGIN, CLICK_DEVIATIONS, ENOUGH_MATCHES, FAR_TOO_FEW, Reason, Suspect, Trust, Verdict,

@@ -5,6 +5,7 @@
 
 use std::sync::Arc;
 
+use nalgebra::Matrix3;
 use serde::Serialize;
 
 use super::patches::Hypothesis;
@@ -51,6 +52,21 @@ pub struct Assessment {
     pub warnings: Vec<Warning>,
     /// How far to trust it; `None` before everything was looked at.
     pub trust: Option<Trust>,
+    /// What is determined where the verdict says that the epipoles are not: one plane, or a turn of the camera.
+    pub plane: Option<PlaneHomography>,
+}
+
+/// What takes one image to the other where all that is seen lies on one plane, or the camera only turned.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PlaneHomography {
+    /// `x2 ∝ H x1`, in full-size pixels; its last entry is 1, where that does not make the others endless.
+    pub homography21: Matrix3<f64>,
+    /// Matches that follow it.
+    pub matches: usize,
+    /// Their share of all matches, 0 to 1.
+    pub share: f64,
+    /// Median distance in image 2 between these matches and where it puts them, px.
+    pub residual: f64,
 }
 
 /// How a geometry was found.

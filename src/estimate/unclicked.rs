@@ -13,7 +13,7 @@ use super::record::SearchRecord;
 use super::search::{Input, Judged, by_patches, compared};
 use super::wider::{FeatureProposals, by_features, heaviest};
 use super::{EstimateError, PreparedPair, Stage};
-use crate::geometry::{FundamentalMatrix, Line, PointPair, sampson_distance};
+use crate::geometry::{FundamentalMatrix, PointPair, apart_across_lines, sampson_distance};
 use crate::image::RelativeView;
 
 /// Searches with lines through drawn matches, at most.
@@ -115,11 +115,7 @@ pub(super) fn chosen(
     let step = explained.len().div_ceil(CHOSEN_FROM).max(1);
     let few: Vec<PointPair> = explained.into_iter().step_by(step).collect();
     let apart = |p: &PointPair, q: &PointPair| {
-        let far = |line: Option<Line>, point| line.map_or(0.0, |l| l.distance(point));
-        let in1 =
-            far(f.line1_from_point2(p.point2), q.point1).min(far(f.line1_from_point2(q.point2), p.point1));
-        let in2 =
-            far(f.line2_from_point1(p.point1), q.point2).min(far(f.line2_from_point1(q.point1), p.point2));
+        let [in1, in2] = apart_across_lines(f, p, q);
         (in1 / sides[0]).min(in2 / sides[1])
     };
     let mut best: Option<(f64, [PointPair; 2])> = None;

@@ -7,7 +7,7 @@ use std::time::Instant;
 use serde_json::{Value, json};
 
 use super::comparison::fit_seven;
-use super::{EvaluateError, Scene};
+use super::{EvaluateError, KnownScene};
 use crate::estimate::{
     Estimate, Method, Monitor, Parameters, PreparedPair, Preset, Verdict, estimate, estimate_prepared,
     examine,
@@ -72,11 +72,11 @@ pub trait Contender: Sync {
     }
 
     /// The F of one trial, or in one sentence why there is none.
-    fn estimate(&self, scene: &Scene, clicks: &[PointPair]) -> Result<Outcome, String>;
+    fn estimate(&self, scene: &KnownScene, clicks: &[PointPair]) -> Result<Outcome, String>;
 
     /// The same once more with everything that led to it, for pictures; `None` for a method that finds nothing but
     /// F, and where there is no F.
-    fn estimate_in_detail(&self, _: &Scene, _: &[PointPair]) -> Option<Detail> {
+    fn estimate_in_detail(&self, _: &KnownScene, _: &[PointPair]) -> Option<Detail> {
         None
     }
 
@@ -165,7 +165,7 @@ fn more_clicks(clicks: usize, mut parameters: Parameters) -> Box<dyn Contender> 
 impl Clicked {
     fn choice(
         &self,
-        scene: &Scene,
+        scene: &KnownScene,
         clicks: &[PointPair],
         prepared: &PreparedPair,
         found: &Estimate,
@@ -203,7 +203,7 @@ impl Contender for Clicked {
         serde_json::to_value(&self.parameters).unwrap_or(Value::Null)
     }
 
-    fn estimate(&self, scene: &Scene, clicks: &[PointPair]) -> Result<Outcome, String> {
+    fn estimate(&self, scene: &KnownScene, clicks: &[PointPair]) -> Result<Outcome, String> {
         let [image1, image2] = &scene.images;
         let begun = Instant::now();
         let prepared = PreparedPair::new(image1, image2);
@@ -226,7 +226,7 @@ impl Contender for Clicked {
         })
     }
 
-    fn estimate_in_detail(&self, scene: &Scene, clicks: &[PointPair]) -> Option<Detail> {
+    fn estimate_in_detail(&self, scene: &KnownScene, clicks: &[PointPair]) -> Option<Detail> {
         let [image1, image2] = &scene.images;
         let estimate = estimate(image1, image2, clicks, &self.parameters, &Monitor::silent()).ok()?;
         Some(Detail { estimate, parameters: self.parameters.clone() })
@@ -250,7 +250,7 @@ impl Contender for SevenPoint {
         json!({ "solution": "the one with the least mean distance of all true matches (given the truth)" })
     }
 
-    fn estimate(&self, scene: &Scene, clicks: &[PointPair]) -> Result<Outcome, String> {
+    fn estimate(&self, scene: &KnownScene, clicks: &[PointPair]) -> Result<Outcome, String> {
         let begun = Instant::now();
         let fit = fit_seven(clicks, &scene.matches).map_err(|e| e.to_string())?;
         Ok(from_points(fit.fundamental, begun.elapsed().as_secs_f64()))
@@ -269,7 +269,7 @@ impl Contender for EightPoint {
         8
     }
 
-    fn estimate(&self, _: &Scene, clicks: &[PointPair]) -> Result<Outcome, String> {
+    fn estimate(&self, _: &KnownScene, clicks: &[PointPair]) -> Result<Outcome, String> {
         let begun = Instant::now();
         let fundamental = eight_point(clicks).map_err(|e| e.to_string())?;
         Ok(from_points(fundamental, begun.elapsed().as_secs_f64()))

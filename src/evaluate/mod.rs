@@ -1,6 +1,6 @@
 //! Measuring estimators on image pairs whose geometry is known.
 //!
-//! A [`Scene`] is an image pair with true matches and a true F. A [`Protocol`] says which of the true matches
+//! A [`KnownScene`] is an image pair with true matches and a true F. A [`Protocol`] says which of the true matches
 //! are clicked in a trial; a [`Contender`] turns the clicks into an F; [`run`] lets all contenders make all
 //! trials and [`Report`] holds what came out. [`table`] shows it as text, [`publication`] as a document with plots and
 //! pictures.
@@ -52,7 +52,7 @@ pub use ranking::SearchRecord;
 pub use report::{Overall, Record, Report, Settings, Shares, TrialRecord, Verdicts};
 pub use run::{TrialDone, run};
 pub use scene::{
-    EvaluateError, Scene, SceneSet, files_read, pair_scene_set, pair_scenes, vgg_scene_set, vgg_scenes,
+    EvaluateError, KnownScene, SceneSet, files_read, pair_scene_set, pair_scenes, vgg_scene_set, vgg_scenes,
 };
 pub use statistics::{mean, median, quantile, share_below};
 pub use table::{search_table, table, verdict_sentences};

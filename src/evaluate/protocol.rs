@@ -239,7 +239,7 @@ fn disturbed(point: Point, sigma: f64, frame: Frame, random: &mut impl Rng) -> P
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::evaluate::Scene;
+    use crate::evaluate::KnownScene;
     use crate::evaluate::scene::tests::example_scene;
 
     const BOTH: [Protocol; 2] = [Protocol::Paper, Protocol::WellPosed];
@@ -286,7 +286,8 @@ mod tests {
     #[test]
     fn trials_are_all_different_and_follow_seed_and_name() {
         let scene = example_scene("scene", 40);
-        let draw = |scene: &Scene, seed| Draws::new(scene.known(), Protocol::Paper, 30, 0.0, seed).firsts;
+        let draw =
+            |scene: &KnownScene, seed| Draws::new(scene.known(), Protocol::Paper, 30, 0.0, seed).firsts;
         let first = draw(&scene, 1);
         let mut distinct = first.clone();
         distinct.sort_unstable();

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::statistics::mean;
-use super::{Choice, Scene};
+use super::{Choice, KnownScene};
 use crate::estimate::Estimate;
 
 /// The search of one trial. Ranks count from 1.
@@ -25,7 +25,7 @@ pub struct SearchRecord {
 
 impl SearchRecord {
     /// `None` without hypotheses.
-    pub(super) fn new(scene: &Scene, choice: &Choice) -> Option<Self> {
+    pub(super) fn new(scene: &KnownScene, choice: &Choice) -> Option<Self> {
         let all = &choice.generated;
         let error = |h: &Estimate| mean(&scene.distances(h.fundamental()));
         let (best, best_error) = all.iter().map(|h| (h, error(h))).min_by(|(_, a), (_, b)| a.total_cmp(b))?;

@@ -6,7 +6,7 @@ use serde_json::Value;
 use super::bootstrap::{self, Interval, PairErrors};
 use super::ranking::SearchRecord;
 use super::statistics::{mean, median, share_below};
-use super::{Contender, Plan, Scene};
+use super::{Contender, KnownScene, Plan};
 use crate::estimate::Verdict;
 use crate::geometry::FundamentalMatrix;
 
@@ -138,7 +138,7 @@ pub struct Record {
 
 impl Record {
     pub(super) fn new(
-        scene: &Scene,
+        scene: &KnownScene,
         contender: &dyn Contender,
         plan: &Plan,
         trials: Vec<TrialRecord>,

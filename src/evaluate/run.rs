@@ -9,7 +9,7 @@ use serde_json::json;
 use super::ranking::SearchRecord;
 use super::report::{Overall, Record, Report, Settings, TrialRecord};
 use super::statistics::{mean, median};
-use super::{Contender, Draws, EvaluateError, Outcome, Plan, Scene};
+use super::{Contender, Draws, EvaluateError, KnownScene, Outcome, Plan};
 use crate::estimate::CancelFlag;
 
 /// News of a finished trial.
@@ -41,7 +41,7 @@ struct TrialJob {
 /// The first trial of every pair and contender comes before the second of any. Once `stop` is raised no trial
 /// begins; those under way are finished, and the report holds about as many trials of each.
 pub fn run(
-    scenes: &[Scene],
+    scenes: &[KnownScene],
     contenders: &[Box<dyn Contender>],
     plan: &Plan,
     progress: &(dyn Fn(&TrialDone) + Sync),
@@ -87,7 +87,7 @@ pub fn run(
 
 /// The trials to make, trial by trial, and what cannot be made as asked.
 fn plan_jobs(
-    scenes: &[Scene],
+    scenes: &[KnownScene],
     contenders: &[Box<dyn Contender>],
     plan: &Plan,
     draws: &[Draws],
@@ -126,7 +126,7 @@ fn plan_jobs(
 
 /// The records of all jobs begun before the stop, with the number of the job and in that order.
 fn run_jobs(
-    scenes: &[Scene],
+    scenes: &[KnownScene],
     contenders: &[Box<dyn Contender>],
     plan: &Plan,
     draws: &[Draws],
@@ -170,7 +170,7 @@ fn run_jobs(
 }
 
 /// One trial. A panic of the contender is a failed trial, not the end of an hour's work.
-fn run_trial(scene: &Scene, contender: &dyn Contender, draws: &Draws, job: &TrialJob) -> TrialRecord {
+fn run_trial(scene: &KnownScene, contender: &dyn Contender, draws: &Draws, job: &TrialJob) -> TrialRecord {
     let clicks = draws.clicks(job.trial, &job.matches);
     let started = Instant::now();
     let outcome = catch_unwind(AssertUnwindSafe(|| contender.estimate(scene, &clicks)))
@@ -235,7 +235,7 @@ mod tests {
             self.clicks
         }
 
-        fn estimate(&self, scene: &Scene, clicks: &[PointPair]) -> Result<Outcome, String> {
+        fn estimate(&self, scene: &KnownScene, clicks: &[PointPair]) -> Result<Outcome, String> {
             assert_eq!(clicks.len(), self.clicks);
             if (self.fails)(clicks) {
                 return Err("no idea".into());

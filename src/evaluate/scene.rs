@@ -62,7 +62,7 @@ pub enum EvaluateError {
 
 /// An image pair with true matches and a true F.
 #[derive(Debug, Clone)]
-pub struct Scene {
+pub struct KnownScene {
     /// Name, unique within a run.
     pub name: String,
     /// The images.
@@ -79,7 +79,7 @@ pub struct Scene {
 #[derive(Debug, Default)]
 pub struct SceneSet {
     /// The pairs, at least one.
-    pub scenes: Vec<Scene>,
+    pub scenes: Vec<KnownScene>,
     /// A sentence about each pair that is left out.
     pub left_out: Vec<String>,
 }
@@ -87,7 +87,7 @@ pub struct SceneSet {
 impl SceneSet {
     /// What can be had; an error when that is nothing.
     fn of(
-        results: impl Iterator<Item = (String, Result<Scene, EvaluateError>)>,
+        results: impl Iterator<Item = (String, Result<KnownScene, EvaluateError>)>,
     ) -> Result<Self, EvaluateError> {
         let mut set = Self::default();
         let mut first = None;
@@ -104,7 +104,7 @@ impl SceneSet {
     }
 }
 
-impl Scene {
+impl KnownScene {
     fn new(known: GroundTruth, images: [Arc<GrayPlane>; 2], printed: Option<PrintedErrors>) -> Self {
         let GroundTruth { name, fundamental: truth, matches, .. } = known;
         Self { name, images, matches, truth, printed }
@@ -145,7 +145,7 @@ impl Scene {
 }
 
 /// [`vgg_scene_set`] of which every pair must be there.
-pub fn vgg_scenes(folder: &Path, step: usize, only: &[String]) -> Result<Vec<Scene>, EvaluateError> {
+pub fn vgg_scenes(folder: &Path, step: usize, only: &[String]) -> Result<Vec<KnownScene>, EvaluateError> {
     vgg_results(folder, step, only)?.into_iter().map(|(_, scene)| scene).collect()
 }
 
@@ -156,7 +156,7 @@ pub fn vgg_scene_set(folder: &Path, step: usize, only: &[String]) -> Result<Scen
 }
 
 /// Pairs by name.
-type NamedScenes = Vec<(String, Result<Scene, EvaluateError>)>;
+type NamedScenes = Vec<(String, Result<KnownScene, EvaluateError>)>;
 
 fn vgg_results(folder: &Path, step: usize, only: &[String]) -> Result<NamedScenes, EvaluateError> {
     let set = VggFolder::open(folder)?;
@@ -181,14 +181,14 @@ fn vgg_results(folder: &Path, step: usize, only: &[String]) -> Result<NamedScene
         let frame = images[0].frame();
         let size = [frame.width, frame.height];
         let printed = printed_errors(&set.prefix, views, size, [view1, view2]);
-        Ok(Scene::new(truth, images, printed))
+        Ok(KnownScene::new(truth, images, printed))
     };
     let chosen = chosen(named, only, |(name, ..)| name)?;
     Ok(chosen.into_iter().map(|(name, view1, view2)| (name, scene(view1, view2))).collect())
 }
 
 /// [`pair_scene_set`] of which every pair must be there.
-pub fn pair_scenes(folder: &Path, only: &[String]) -> Result<Vec<Scene>, EvaluateError> {
+pub fn pair_scenes(folder: &Path, only: &[String]) -> Result<Vec<KnownScene>, EvaluateError> {
     pair_results(folder, only)?.map(|(_, scene)| scene).collect()
 }
 
@@ -201,12 +201,12 @@ pub fn pair_scene_set(folder: &Path, only: &[String]) -> Result<SceneSet, Evalua
 fn pair_results(
     folder: &Path,
     only: &[String],
-) -> Result<impl Iterator<Item = (String, Result<Scene, EvaluateError>)>, EvaluateError> {
+) -> Result<impl Iterator<Item = (String, Result<KnownScene, EvaluateError>)>, EvaluateError> {
     let scene = |files: &PairFiles| {
         let truth = GroundTruth::of_pair(files)?;
         let [a, b] = &files.images;
         let images = [Arc::new(Picture::open(a)?.gray), Arc::new(Picture::open(b)?.gray)];
-        Ok(Scene::new(truth, images, None))
+        Ok(KnownScene::new(truth, images, None))
     };
     let chosen = chosen(pair_folder(folder)?, only, |files| &files.name)?;
     Ok(chosen.into_iter().map(move |files| {
@@ -257,7 +257,7 @@ pub(super) mod tests {
     use crate::geometry::{Camera, Frame};
 
     /// A scene of exact matches under two general cameras, images grey.
-    pub(in crate::evaluate) fn example_scene(name: &str, matches: usize) -> Scene {
+    pub(in crate::evaluate) fn example_scene(name: &str, matches: usize) -> KnownScene {
         let (camera1, camera2) = Camera::example_pair();
         let frame = Frame::new(768, 576);
         let plane = Arc::new(GrayPlane::from_fn(frame, |_, _| 128.0));
@@ -275,7 +275,7 @@ pub(super) mod tests {
             .take(matches)
             .collect();
         let truth = Camera::fundamental(&camera1, &camera2).unwrap();
-        Scene { name: name.to_owned(), images: [plane.clone(), plane], matches, truth, printed: None }
+        KnownScene { name: name.to_owned(), images: [plane.clone(), plane], matches, truth, printed: None }
     }
 
     #[test]

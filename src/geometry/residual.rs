@@ -1,6 +1,6 @@
 //! How far a point pair is from satisfying a fundamental matrix.
 
-use super::{FundamentalMatrix, PointPair};
+use super::{FundamentalMatrix, Line, PointPair};
 
 /// Mean of the two distances from a point to the epipolar line of its partner, px. Infinite when a point
 /// is an epipole, where no line is defined.
@@ -24,6 +24,17 @@ pub fn algebraic_residual(f: &FundamentalMatrix, pair: &PointPair) -> f64 {
     pair.point2.to_homogeneous().dot(&(f.matrix() * pair.point1.to_homogeneous()))
 }
 
+/// How far two pairs are apart across their epipolar lines, in image 1 and in image 2, px: the nearer of each point to the
+/// line of the other pair. Where they are near, their lines are one, which leaves open where on it the epipole is; 0 at an
+/// epipole, which has no line.
+pub fn apart_across_lines(f: &FundamentalMatrix, p: &PointPair, q: &PointPair) -> [f64; 2] {
+    let far = |line: Option<Line>, point| line.map_or(0.0, |l| l.distance(point));
+    [
+        far(f.line1_from_point2(p.point2), q.point1).min(far(f.line1_from_point2(q.point2), p.point1)),
+        far(f.line2_from_point1(p.point1), q.point2).min(far(f.line2_from_point1(q.point1), p.point2)),
+    ]
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -43,6 +54,15 @@ mod tests {
         // Both points move half way each: 3/√2.
         assert!((sampson_distance(&f, &pair) - 3.0 / 2f64.sqrt()).abs() < 1e-12);
         assert!((algebraic_residual(&f, &pair).abs() - 3.0 / 2f64.sqrt()).abs() < 1e-12);
+    }
+
+    #[test]
+    fn pairs_are_as_far_apart_as_the_nearer_of_their_lines() {
+        let (p, q) = (PointPair::new(10.0, 20.0, 30.0, 23.0), PointPair::new(400.0, 25.0, 7.0, 24.0));
+        // Lines are rows: 25 is 2 px from 23, 20 is 4 px from 24.
+        for apart in [apart_across_lines(&sideways(), &p, &q), apart_across_lines(&sideways(), &q, &p)] {
+            assert!(apart.iter().all(|distance| (distance - 2.0).abs() < 1e-12), "{apart:?}");
+        }
     }
 
     #[test]

@@ -2,12 +2,13 @@
 
 use std::fmt::Write;
 
+use nalgebra::Matrix3;
 use serde::Serialize;
 
 use super::geometry_file::{Format, ImageNote, PairLabel};
 use crate::estimate::{
-    BarcodeFigures, Estimate, Method, Parameters, PatchSupport, Preset, SearchCounts, StageTiming, Verdict,
-    Warning,
+    BarcodeFigures, Estimate, Method, Parameters, PatchSupport, PlaneHomography, Preset, SearchCounts,
+    StageTiming, Verdict, Warning,
 };
 use crate::geometry::{
     FundamentalMatrix, PointPair, place_in_words, sampson_distance, symmetric_epipolar_distance,
@@ -35,6 +36,12 @@ pub struct ResultFile<'a> {
     frame_offset: Option<i32>,
     verdict: Option<Verdict>,
     reasons: Vec<String>,
+    /// Nested rows, `x2 ∝ H x1`, where the verdict says that one plane is all that is known.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    homography21: Option<[[f64; 3]; 3]>,
+    /// What that homography explains.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    plane: Option<PlaneFigures>,
     refined: bool,
     matches: Vec<MatchFile>,
     method: Method,
@@ -61,6 +68,17 @@ pub struct ResultFile<'a> {
     parameters: &'a Parameters,
     /// The version of the program.
     version: &'static str,
+}
+
+/// What the homography of a plane explains.
+#[derive(Serialize)]
+struct PlaneFigures {
+    /// Matches that follow it.
+    matches: usize,
+    /// Their share of all, 0 to 1.
+    share: f64,
+    /// Median distance of these matches in image 2, px.
+    residual: f64,
 }
 
 /// A match that the refinement rests on.
@@ -106,6 +124,12 @@ impl<'a> ResultFile<'a> {
             frame_offset: None,
             verdict: trust.map(|t| t.verdict),
             reasons: trust.iter().flat_map(|t| t.reasons.iter().map(ToString::to_string)).collect(),
+            homography21: assessment.plane.map(|plane| nested(&plane.homography21)),
+            plane: assessment.plane.map(|PlaneHomography { matches, share, residual, .. }| PlaneFigures {
+                matches,
+                share,
+                residual,
+            }),
             refined: found.is_refined(),
             matches: found
                 .matches()
@@ -158,6 +182,11 @@ impl<'a> ResultFile<'a> {
     }
 }
 
+/// The rows of a matrix.
+fn nested(matrix: &Matrix3<f64>) -> [[f64; 3]; 3] {
+    std::array::from_fn(|row| std::array::from_fn(|column| matrix[(row, column)]))
+}
+
 /// `x1 y1 x2 y2`.
 fn numbers(pair: &PointPair) -> [f64; 4] {
     [pair.point1.x, pair.point1.y, pair.point2.x, pair.point2.y]
@@ -179,6 +208,19 @@ pub fn result_in_words(found: &Estimate, images: &[ImageNote; 2]) -> String {
         let _ = writeln!(text, "Verdict: {}", trust.verdict.label());
         for reason in &trust.reasons {
             let _ = writeln!(text, "  {reason}");
+        }
+    }
+    if let Some(plane) = &assessment.plane {
+        let _ = writeln!(
+            text,
+            "Homography of the plane (x2 ∝ H x1), {:.2} px from {} of the matches ({:.0} %):",
+            plane.residual,
+            plane.matches,
+            100.0 * plane.share
+        );
+        for row in nested(&plane.homography21) {
+            let cells = row.map(|v| format!("{:>25}", format!("{v:e}")));
+            let _ = writeln!(text, " {}", cells.join(""));
         }
     }
     if found.trace.as_ref().is_some_and(|trace| !trace.clicks.chosen().is_empty()) {

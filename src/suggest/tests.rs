@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::*;
-use crate::evaluate::{Scene, pair_scenes, vgg_scenes};
+use crate::evaluate::{KnownScene, pair_scenes, vgg_scenes};
 use crate::geometry::{Frame, PointPair};
 use crate::image::GrayPlane;
 use crate::synthetic::{Motion, test_pair};
@@ -191,7 +191,7 @@ fn impossible_points_are_refused() {
 }
 
 /// Shares over the true matches of real pairs: clicks, clear, clear and right.
-fn tally(scenes: &[Scene], every: usize, with_f: bool) -> (usize, usize, usize) {
+fn tally(scenes: &[KnownScene], every: usize, with_f: bool) -> (usize, usize, usize) {
     let (mut clicks, mut clear, mut right) = (0, 0, 0);
     for scene in scenes {
         let prepared = PreparedPair::new(&scene.images[0], &scene.images[1]);

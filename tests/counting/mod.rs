@@ -1,6 +1,7 @@
 //! An allocator that counts: the one way to know what a piece of work holds at most.
 
 #![allow(unsafe_code)]
+#![allow(dead_code, reason = "each test uses its part of it")]
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -11,6 +12,11 @@ pub fn most_held<T>(work: impl FnOnce() -> T) -> (usize, T) {
     MOST_HELD.store(before, Ordering::Relaxed);
     let done = work();
     (MOST_HELD.load(Ordering::Relaxed).saturating_sub(before), done)
+}
+
+/// What is held now, bytes, on all threads together.
+pub fn held() -> usize {
+    HELD.load(Ordering::Relaxed)
 }
 
 /// Counts what is held, and the most that was.

@@ -5,6 +5,7 @@ use epiline::estimate::{
 };
 use epiline::geometry::{Frame, Point, PointPair, Vector};
 use epiline::image::{GrayPlane, Picture, Pyramid};
+use epiline::io::{GeometryFile, ImageNote, ResultFile, result_in_words};
 use epiline::synthetic::{Motion, TestPair, test_pair};
 use image::imageops::{FilterType, resize};
 use image::{DynamicImage, GrayImage, ImageBuffer, Luma};
@@ -151,6 +152,34 @@ fn a_turned_camera_is_not_trusted() {
     let outcome = run([image, &turned], &clicks, &Parameters::default());
     is_sound(&outcome);
     assert!(is_doubted(&outcome), "{}", told(&outcome));
+    // What is certain is offered in its place.
+    let found = outcome.unwrap();
+    let plane = found.assessment.plane.expect("the verdict says one plane");
+    assert!(plane.share > 0.9 && plane.residual < 0.3, "{plane:?}");
+    assert_eq!(plane.matches, (plane.share * found.matches().len() as f64).round() as usize);
+    let h = plane.homography21;
+    assert!((h[(2, 2)] - 1.0).abs() < 1e-12, "{h}");
+    for (x, y) in [(30.0, 30.0), (700.0, 40.0), (380.0, 290.0), (60.0, 520.0), (700.0, 540.0)] {
+        let p = Point::new(x, y);
+        let q = h * p.to_homogeneous();
+        let off = (Point::new(q.x / q.z, q.y / q.z) - mapped(&there, p)).norm();
+        // Near the corners there are few matches; nowhere more than what counts as explained.
+        assert!(off < 1.0, "{off} px at {p}");
+    }
+    let images = ["left.png", "right.png"].map(|name| ImageNote { name: name.into(), frame: image.frame() });
+    let parameters = Parameters::default();
+    let file = ResultFile::new(&found, &clicks, &images, &parameters);
+    let text = serde_json::to_string(&file).unwrap();
+    assert!(text.contains("\"plane\":{\"matches\":"), "{text}");
+    assert_eq!(GeometryFile::parse(&text).unwrap().0.homography21, Some(h));
+    assert!(result_in_words(&found, &images).contains("Homography of the plane (x2 ∝ H x1), "));
+}
+
+#[test]
+fn a_scene_with_depth_has_no_homography_to_offer() {
+    let found = COURTYARD.estimate(&COURTYARD.show_me, &Parameters::default()).unwrap();
+    assert_eq!(found.assessment.trust.as_ref().unwrap().verdict, Verdict::Reliable);
+    assert_eq!(found.assessment.plane, None);
 }
 
 /// Two matches on one true epipolar line, far from each other: the line is known, the epipole on it is not.

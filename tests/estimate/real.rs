@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use epiline::estimate::{Monitor, Parameters, PreparedPair, estimate_prepared};
-use epiline::evaluate::{Draws, Protocol, Scene, mean, median, pair_scenes, vgg_scenes};
+use epiline::evaluate::{Draws, KnownScene, Protocol, mean, median, pair_scenes, vgg_scenes};
 
 pub(crate) fn real_data(folder: &str) -> Option<PathBuf> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data").join(folder);
@@ -16,7 +16,7 @@ pub(crate) fn real_data(folder: &str) -> Option<PathBuf> {
 
 /// Errors of a few trials on each scene, px: the clicks follow from the name of the pair and are the same at
 /// every run.
-fn errors(scenes: &[Scene], trials: usize, noise: f64) -> Vec<f64> {
+fn errors(scenes: &[KnownScene], trials: usize, noise: f64) -> Vec<f64> {
     let mut all = Vec::new();
     for scene in scenes {
         let prepared = PreparedPair::new(&scene.images[0], &scene.images[1]);

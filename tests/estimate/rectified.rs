@@ -1,13 +1,13 @@
 //! Rectification with the true F of real pairs: matches must come into the same row.
 
-use epiline::evaluate::{Scene, pair_scenes, vgg_scenes};
+use epiline::evaluate::{KnownScene, pair_scenes, vgg_scenes};
 use epiline::rectify::{Limits, RectifyMethod, rectify};
 use epiline::synthetic::Sample;
 
 use super::real::real_data;
 
 /// Mean vertical distance of the true matches, px of the rectified picture.
-fn rows(scene: &Scene, method: RectifyMethod) -> f64 {
+fn rows(scene: &KnownScene, method: RectifyMethod) -> f64 {
     let frames = [scene.images[0].frame(), scene.images[1].frame()];
     let found = rectify(&scene.truth, frames, &scene.matches, method, &Limits::default()).unwrap();
     let rows = found.measures.rows.unwrap();

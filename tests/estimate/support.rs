@@ -5,7 +5,7 @@ use std::sync::{Arc, LazyLock};
 use epiline::estimate::{
     Estimate, EstimateError, Method, Monitor, Parameters, PreparedPair, Preset, estimate_prepared,
 };
-use epiline::evaluate::{Draws, Protocol, Scene, mean};
+use epiline::evaluate::{Draws, KnownScene, Protocol, mean};
 use epiline::geometry::{FundamentalMatrix, Point, PointPair, symmetric_epipolar_distance};
 use epiline::synthetic::Sample;
 use rand::{RngExt, SeedableRng};
@@ -14,7 +14,7 @@ use rand_pcg::Pcg64Mcg;
 /// A built-in pair, its pyramids and corners computed once for all tests.
 pub struct Known {
     pub name: &'static str,
-    pub scene: Scene,
+    pub scene: KnownScene,
     pub prepared: PreparedPair,
     pub show_me: [PointPair; 2],
     pub third: PointPair,
@@ -35,7 +35,7 @@ impl Known {
         Self {
             name: sample.name(),
             prepared: PreparedPair::new(&image1, &image2),
-            scene: Scene {
+            scene: KnownScene {
                 name: sample.name().to_owned(),
                 images: [image1, image2],
                 matches: pair.matches,

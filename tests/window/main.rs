@@ -4,9 +4,11 @@
 mod computing;
 mod editing;
 mod exchange;
+mod killed;
 mod looking;
 mod opening;
 mod panels;
+mod planes;
 mod points;
 mod rectified;
 mod repairing;

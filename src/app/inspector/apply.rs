@@ -24,6 +24,7 @@ impl Inspector {
             Command::OpenSample => self.open_sample(),
             Command::OpenFiles(paths) => self.open_files(paths),
             Command::OpenFolder(path) => self.open_folder(path),
+            Command::OpenAnyway => self.open_anyway(),
             Command::OpenViews(views) => self.open_views(views),
             Command::StepPair { forward } => self.step_pair(forward),
             Command::Browse(side) => self.pick(PickPurpose::Image(side)),

@@ -14,8 +14,8 @@ use crate::app::tasks::{Autosave, SaveJob, Written};
 use crate::app::view::SaveDialog;
 use crate::io::{ImageReference, SessionFile};
 
-/// How long unsaved work may be without a copy.
-const AUTOSAVE_EVERY: Duration = Duration::from_secs(2);
+/// How long unsaved work waits for a copy: with the time that writing takes, no edit older than two seconds is without one.
+const AUTOSAVE_EVERY: Duration = Duration::from_millis(1500);
 
 impl Inspector {
     fn work(&self) -> Work {

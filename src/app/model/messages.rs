@@ -20,6 +20,8 @@ pub enum MessageKind {
     LeftBehind,
     /// Whether to replace a file that others have changed.
     Replace,
+    /// Whether to open damaged pictures.
+    Damaged,
 }
 
 /// Something the user should read.

@@ -1,7 +1,7 @@
 //! Inputs from which no geometry follows, told before any work is done, and results that deserve a warning.
 
 use crate::estimate::{Clicks, EstimateError, PreparedPair, Warning};
-use crate::geometry::{Frame, FundamentalMatrix, Line, PointPair};
+use crate::geometry::{Frame, FundamentalMatrix, PointPair, apart_across_lines};
 use crate::image::GrayPlane;
 
 /// Smallest image side in px that is worth comparing lines in.
@@ -107,11 +107,7 @@ pub(in crate::estimate) fn click_warnings(
         return Vec::new();
     }
     let mut warnings = Vec::new();
-    let far = |line: Option<Line>, point| line.map_or(0.0, |l| l.distance(point));
-    let apart1 =
-        far(f.line1_from_point2(p.point2), q.point1).min(far(f.line1_from_point2(q.point2), p.point1));
-    let apart2 =
-        far(f.line2_from_point1(p.point1), q.point2).min(far(f.line2_from_point1(q.point1), p.point2));
+    let [apart1, apart2] = apart_across_lines(f, p, q);
     let relative1 = apart1 / frames[0].longer_side();
     let relative2 = apart2 / frames[1].longer_side();
     if relative1.min(relative2) < SAME_LINE {

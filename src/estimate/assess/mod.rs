@@ -11,13 +11,16 @@ pub use examination::examine;
 
 pub(super) use degeneracy::{check_images, check_points};
 
+use nalgebra::Matrix3;
+
 use super::patches::{PatchLevels, Refined, largest_plane, resized};
 use super::trust::{CLEAR_MARGIN, Evidence, PlaneEvidence, Together};
 use super::{
-    Assessment, Clicks, Estimate, Parameters, PatchSupport, PreparedPair, Refinement, Search, Trust, Warning,
+    Assessment, Clicks, Estimate, Parameters, PatchSupport, PlaneHomography, PreparedPair, Refinement,
+    Search, Trust, Warning,
 };
 use crate::cancel::CancelFlag;
-use crate::geometry::{FundamentalMatrix, PointPair, sampson_distance};
+use crate::geometry::{FundamentalMatrix, PointPair, sampson_distance, transfer_error};
 use crate::similarity::SimilaritySource;
 use examination::Examiner;
 use margin::{differs, margin};
@@ -60,6 +63,7 @@ impl Judge<'_> {
             refinement: None,
             warnings: self.warnings(f),
             trust: None,
+            plane: None,
         }
     }
 
@@ -83,9 +87,19 @@ impl Judge<'_> {
         let is_open = margin.is_some_and(|margin| margin < CLEAR_MARGIN);
         let refined_margin = weight.filter(|_| is_open).map(|w| self.refined_margin(f, w, supporting));
         let refinement = refined.map(|refined| refined.refinement);
-        let trust = Some(self.trust(f, refined_margin.or(margin), refinement.as_ref()));
-        let warnings = self.warnings(f);
-        Assessment { lines, support, margin, refined_margin, barcodes: None, refinement, warnings, trust }
+        let (trust, plane) = self.trust(f, refined_margin.or(margin), refinement.as_ref());
+        let (trust, warnings) = (Some(trust), self.warnings(f));
+        Assessment {
+            lines,
+            support,
+            margin,
+            refined_margin,
+            barcodes: None,
+            refinement,
+            warnings,
+            trust,
+            plane,
+        }
     }
 
     /// Advantage of a refined geometry, whose matches weigh `weight`, over the rivals when these are refined, too: those
@@ -118,13 +132,13 @@ impl Judge<'_> {
         self.warnings.iter().cloned().chain(of_clicks).collect()
     }
 
-    /// What one plane explains, what lies off it, and what stands out whatever the geometry.
+    /// The largest plane, what it explains, what lies off it, and what stands out whatever the geometry.
     fn plane(
         &self,
         f: &FundamentalMatrix,
         matches: &[PointPair],
         tolerance: f64,
-    ) -> Option<(PlaneEvidence, Together)> {
+    ) -> Option<(PlaneHomography, PlaneEvidence, Together)> {
         let frames = self.prepared.frames();
         let (h, most) = largest_plane(matches, tolerance, self.parameters.seed)?;
         let share = most as f64 / matches.len() as f64;
@@ -141,10 +155,17 @@ impl Judge<'_> {
         let off = if closely.by_chance < afar.by_chance { closely } else { afar };
         let OffPlane { groups, agreeing, motions, by_chance } = off;
         let together = parallax::together(&distinctive, &f_fine, &h_fine, side_fine);
-        Some((PlaneEvidence { share, bent_share, groups, agreeing, motions, by_chance }, together))
+        let evidence = PlaneEvidence { share, bent_share, groups, agreeing, motions, by_chance };
+        Some((plane_homography(&h, matches, tolerance), evidence, together))
     }
 
-    fn trust(&self, f: &FundamentalMatrix, margin: Option<f64>, refinement: Option<&Refinement>) -> Trust {
+    /// The verdict, and the plane where it says that there is no more.
+    fn trust(
+        &self,
+        f: &FundamentalMatrix,
+        margin: Option<f64>,
+        refinement: Option<&Refinement>,
+    ) -> (Trust, Option<PlaneHomography>) {
         let parameters = self.parameters;
         let distances: Vec<f64> =
             self.clicks.observed().iter().map(|pair| sampson_distance(f, pair)).collect();
@@ -154,8 +175,8 @@ impl Judge<'_> {
         let deviation = uncertainty.and_then(|uncertainty| uncertainty.median_line2_deviation(&matches));
         let side = self.prepared.frames()[0].longer_side();
         let tolerance = PLANE_TOLERANCE * side.max(PLANE_SIDE) / PLANE_SIDE;
-        let (plane, together) = self.plane(f, &matches, tolerance).unzip();
-        Trust::judge(&Evidence {
+        let found = self.plane(f, &matches, tolerance);
+        let trust = Trust::judge(&Evidence {
             patches: parameters.search == Search::Patches,
             barcodes: None,
             matches: refinement.map(|r| r.matches.len()),
@@ -163,9 +184,26 @@ impl Judge<'_> {
             click_sigma: parameters.click_sigma,
             margin,
             deviation,
-            plane,
-            together: together.unwrap_or_default(),
+            plane: found.as_ref().map(|(_, evidence, _)| *evidence),
+            together: found.as_ref().map(|(.., together)| *together).unwrap_or_default(),
             side,
-        })
+        });
+        let plane = found.map(|(plane, ..)| plane).filter(|_| trust.says_one_plane());
+        (trust, plane)
+    }
+}
+
+/// A plane that was found, as it is told.
+fn plane_homography(h: &Matrix3<f64>, matches: &[PointPair], tolerance: f64) -> PlaneHomography {
+    let mut residuals: Vec<f64> =
+        matches.iter().map(|m| transfer_error(h, m)).filter(|error| *error < tolerance).collect();
+    residuals.sort_by(f64::total_cmp);
+    let last = h[(2, 2)];
+    let divisor = if last.abs() > 1e-9 * h.norm() { last } else { h.norm() };
+    PlaneHomography {
+        homography21: h / divisor,
+        matches: residuals.len(),
+        share: residuals.len() as f64 / matches.len().max(1) as f64,
+        residual: residuals.get(residuals.len() / 2).copied().unwrap_or(0.0),
     }
 }

@@ -4,8 +4,9 @@ use std::sync::{Arc, OnceLock};
 
 use nalgebra::Matrix3;
 
+use super::feature_support::{FeatureSupport, SupportingMatch};
 use super::refinement::{Refined, RefinementLevel};
-use super::support::{FeatureSupport, Support, SupportLevel, SupportingMatch};
+use super::support::{Support, SupportLevel};
 use super::voting::KappaVoting;
 use crate::cancel::CancelFlag;
 use crate::geometry::{FundamentalMatrix, Observation, PointPair};

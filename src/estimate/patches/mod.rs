@@ -3,6 +3,7 @@
 //!
 //! Line similarity proposes (see [`super::lines`]), patches dispose.
 
+mod feature_support;
 mod levels;
 mod plane;
 mod polish;
@@ -18,10 +19,11 @@ pub use refinement::{RefinedMatch, Refinement};
 pub use support::PatchSupport;
 pub use uncertainty::{EpipoleEllipse, Uncertainty};
 
+pub(super) use feature_support::FeatureSupport;
 pub(super) use levels::{PatchLevels, resized};
 pub(super) use plane::largest_plane;
 pub(super) use polish::LEAST_CLICK_SIGMA;
 pub(super) use rank::{different, hypotheses, rank, rank_fine};
 pub(super) use refinement::Refined;
 pub(super) use search::{Hypothesis, Proposal, propose};
-pub(super) use support::{BAND, FeatureSupport, SupportLevel};
+pub(super) use support::{BAND, SupportLevel};

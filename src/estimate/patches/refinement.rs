@@ -11,7 +11,7 @@ use nalgebra::Matrix3;
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::support::{FLOOR, FeatureSupport, is_within};
+use super::feature_support::{FLOOR, FeatureSupport, is_within};
 use super::uncertainty::Uncertainty;
 use crate::cancel::CancelFlag;
 use crate::geometry::{

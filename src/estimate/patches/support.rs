@@ -5,9 +5,9 @@
 //! then the support of any `F` is what agrees with it: the mutual best matches among corners within a few
 //! pixels of each other's epipolar lines, each counting by how far its correlation exceeds a threshold.
 
-use multiversion::multiversion;
 use rayon::prelude::*;
 
+use super::feature_support::{FLOOR, FeatureMatches, LANES, SupportingMatch};
 use crate::geometry::{FundamentalMatrix, Line, Point, PointPair};
 use crate::image::{GrayPlane, HALF, Patch, Warp, correlate_all, find_corners, patch};
 use serde::Serialize;
@@ -15,8 +15,6 @@ use serde::Serialize;
 /// How far a supporting corner may be from the epipolar line of its partner, px of the level: corners are found to a
 /// pixel in each image, and the geometry is not refined yet.
 pub(in crate::estimate) const BAND: f64 = 2.0;
-/// Correlations below this say nothing.
-pub(super) const FLOOR: f32 = 0.6;
 
 /// Patches that agree with a geometry.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
@@ -45,18 +43,7 @@ pub(in crate::estimate) struct Support {
     /// Pairs with the positions of the corners of image 2, laid out for the vector units.
     groups: Vec<Group>,
     /// Matches of covariant features, which stand beside those of the corners.
-    features: Vec<SupportingMatch>,
-    /// Where they are, laid out for the vector units.
-    feature_blocks: Vec<FeatureBlock>,
-}
-
-/// Positions of some matches in both images.
-#[derive(Debug, Clone, Copy)]
-struct FeatureBlock {
-    x1: [f32; LANES],
-    y1: [f32; LANES],
-    x2: [f32; LANES],
-    y2: [f32; LANES],
+    features: FeatureMatches,
 }
 
 /// The look-alikes in image 2 of one corner of image 1.
@@ -68,13 +55,10 @@ struct Group {
     partners: Vec<(u32, f32)>,
 }
 
-const LANES: usize = 8;
 /// Patches of image 1 compared in one pass over those of image 2.
 const AT_ONCE: usize = 16;
 /// Far from every epipolar line that crosses an image.
 const NOWHERE: f32 = 1e9;
-/// What is added to the band where single precision looks first, px.
-const NEAR_SLACK: f64 = 0.1;
 /// Correlation of a distinctive match, and how much less that of the next look-alike is.
 const DISTINCTIVE: f32 = 0.8;
 const DISTINCTIVE_BY: f32 = 0.1;
@@ -87,32 +71,6 @@ pub(in crate::estimate) struct Putative {
     pub corner1: u32,
     pub corner2: u32,
     pub correlation: f32,
-}
-
-/// A supporting match and its correlation.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(in crate::estimate) struct SupportingMatch {
-    pub pair: PointPair,
-    pub correlation: f32,
-}
-
-/// A match of covariant features that supports a geometry beside those of corners.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(in crate::estimate) struct FeatureSupport {
-    /// Full-size pixels.
-    pub pair: PointPair,
-    /// Standard deviation of a coordinate, px of image 1.
-    pub sigma: f64,
-    /// What it is worth, on the scale of correlations of patches.
-    pub correlation: f32,
-}
-
-impl FeatureSupport {
-    /// A match whose descriptors' distance is this share of that to the next best. What is as near to another place says
-    /// nothing, as a correlation at the floor; what is unique is worth a correlation of 1.
-    pub fn new(pair: PointPair, sigma: f64, ratio: f64) -> Self {
-        Self { pair, sigma, correlation: FLOOR + (1.0 - FLOOR) * (1.0 - ratio).clamp(0.0, 1.0) as f32 }
-    }
 }
 
 impl Support {
@@ -143,23 +101,13 @@ impl Support {
             .flat_map_iter(|alike: Vec<Putative>| alike)
             .collect();
         let groups = grouped(&pairs, &corners);
-        Self { corners, pairs, groups, features: Vec::new(), feature_blocks: Vec::new() }
+        Self { corners, pairs, groups, features: FeatureMatches::default() }
     }
 
     /// Support with matches of covariant features beside those of the corners.
     #[must_use]
     pub fn with_features(self, features: Vec<SupportingMatch>) -> Self {
-        let blocks = features.chunks(LANES).map(|chunk| {
-            // Lanes without a match compare as false.
-            let [x1, y1, x2, y2] = [[f32::NAN; LANES]; 4];
-            let mut block = FeatureBlock { x1, y1, x2, y2 };
-            for (k, SupportingMatch { pair, .. }) in chunk.iter().enumerate() {
-                (block.x1[k], block.y1[k]) = (pair.point1.x as f32, pair.point1.y as f32);
-                (block.x2[k], block.y2[k]) = (pair.point2.x as f32, pair.point2.y as f32);
-            }
-            block
-        });
-        Self { feature_blocks: blocks.collect(), features, ..self }
+        Self { features: FeatureMatches::new(features), ..self }
     }
 
     pub fn pairs(&self) -> &[Putative] {
@@ -236,19 +184,8 @@ impl Support {
                 pair: PointPair { point1: self.corners[0][i], point2: self.corners[1][*j as usize] },
                 correlation: *correlation,
             })
-            .chain(self.features_within(f, band))
+            .chain(self.features.within(f, band))
             .collect()
-    }
-
-    /// The matches of features within `band` px of each other's epipolar lines. Nearly all are far from them, which
-    /// single precision tells: lines are good to some thousandths of a pixel.
-    fn features_within(&self, f: &FundamentalMatrix, band: f64) -> impl Iterator<Item = SupportingMatch> {
-        let scaled = f.matrix() / f.matrix().amax();
-        let rows = std::array::from_fn(|k| scaled[(k / 3, k % 3)] as f32);
-        near_lines(&self.feature_blocks, &rows, (band + NEAR_SLACK) as f32)
-            .into_iter()
-            .map(|k| self.features[k])
-            .filter(move |m| is_within(f, &m.pair, band))
     }
 
     /// How many matches agree with a geometry, and by how much their correlation exceeds the floor in all.
@@ -257,32 +194,6 @@ impl Support {
         let score = matches.iter().map(|m| f64::from(m.correlation - FLOOR)).sum();
         PatchSupport { matches: matches.len(), score }
     }
-}
-
-/// Numbers of the matches whose points in image 2 are within `band` px of their lines.
-#[multiversion(targets("x86_64+avx512f+avx512vl+avx2", "x86_64+avx2", "aarch64+neon"))]
-fn near_lines(blocks: &[FeatureBlock], f: &[f32; 9], band: f32) -> Vec<usize> {
-    let mut found = Vec::new();
-    for (index, block) in blocks.iter().enumerate() {
-        let near: [bool; LANES] = std::array::from_fn(|k| {
-            let (x1, y1) = (block.x1[k], block.y1[k]);
-            let a = f[0] * x1 + f[1] * y1 + f[2];
-            let b = f[3] * x1 + f[4] * y1 + f[5];
-            let c = f[6] * x1 + f[7] * y1 + f[8];
-            let e = a * block.x2[k] + b * block.y2[k] + c;
-            e * e <= band * band * (a * a + b * b)
-        });
-        if near != [false; LANES] {
-            found.extend((0..LANES).filter(|k| near[*k]).map(|k| index * LANES + k));
-        }
-    }
-    found
-}
-
-/// Whether both points of a pair are within `band` px of each other's epipolar lines.
-pub(super) fn is_within(f: &FundamentalMatrix, pair: &PointPair, band: f64) -> bool {
-    f.line2_from_point1(pair.point1).is_some_and(|line| line.distance(pair.point2) <= band)
-        && f.line1_from_point2(pair.point2).is_some_and(|line| line.distance(pair.point1) <= band)
 }
 
 /// The best look-alikes of one corner of image 1, from its correlations with every warped patch.
@@ -327,7 +238,7 @@ impl Support {
     /// Corners of which those at these indices look alike, to test without pictures.
     pub fn of_look_alikes(corners: [Vec<Point>; 2], pairs: Vec<Putative>) -> Self {
         let groups = grouped(&pairs, &corners);
-        Self { corners, pairs, groups, features: Vec::new(), feature_blocks: Vec::new() }
+        Self { corners, pairs, groups, features: FeatureMatches::default() }
     }
 
     /// Corners of which each has one look-alike.

@@ -14,7 +14,8 @@
 //! A pair votes only when its points lie on the same side of each click's line in both images, as points in
 //! front of both cameras must.
 
-use super::support::{FLOOR, Support};
+use super::feature_support::FLOOR;
+use super::support::Support;
 use crate::estimate::lines::{Candidate, PencilAngles};
 use crate::geometry::{Line, PointPair};
 

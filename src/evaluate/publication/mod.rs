@@ -15,7 +15,7 @@ mod times;
 mod worst;
 
 use super::table::{counted, verdict_sentences};
-use super::{Contender, Protocol, Record, Report, Scene};
+use super::{Contender, KnownScene, Protocol, Record, Report};
 use crate::publish::Publication;
 
 /// What a document is made from.
@@ -23,7 +23,7 @@ pub struct ReportSubject<'a> {
     /// What came out.
     pub report: &'a Report,
     /// The scenes of the run.
-    pub scenes: &'a [Scene],
+    pub scenes: &'a [KnownScene],
     /// The contenders of the run.
     pub contenders: &'a [Box<dyn Contender>],
     /// What was measured on, for the title.
@@ -141,12 +141,12 @@ mod tests {
             2
         }
 
-        fn estimate(&self, _: &Scene, _: &[PointPair]) -> Result<Outcome, String> {
+        fn estimate(&self, _: &KnownScene, _: &[PointPair]) -> Result<Outcome, String> {
             Err("the clicks say <nothing>".to_owned())
         }
     }
 
-    fn document(scenes: &[Scene], contenders: &[Box<dyn Contender>], stop: &CancelFlag) -> Publication {
+    fn document(scenes: &[KnownScene], contenders: &[Box<dyn Contender>], stop: &CancelFlag) -> Publication {
         let plan = Plan {
             protocol: Protocol::Paper,
             trials: 3,

@@ -7,7 +7,7 @@ use super::{ReportSubject, style};
 use crate::estimate::{Construction, Estimate};
 use crate::evaluate::contender::Detail;
 use crate::evaluate::report::TrialRecord;
-use crate::evaluate::{Record, Scene};
+use crate::evaluate::{KnownScene, Record};
 use crate::geometry::{FundamentalMatrix, Point, PointPair, finite_point, place_in_words};
 use crate::publish::plot::{Curve, Mark, MarkedPicture, Panel, Sign, Stroke, SvgDrawing, curves, pictures};
 use crate::similarity::{WarpedProfile, inspect_lines, inspection_scale};
@@ -17,7 +17,7 @@ const LINES: usize = 8;
 
 /// A trial that is shown.
 pub(super) struct Sight<'a> {
-    pub(super) scene: &'a Scene,
+    pub(super) scene: &'a KnownScene,
     pub(super) record: &'a Record,
     pub(super) trial: &'a TrialRecord,
     pub(super) clicks: Vec<PointPair>,

@@ -29,6 +29,8 @@ pub struct GeometryFile {
     pub cameras: Option<[Camera; 2]>,
     /// `rectified ∝ H original`, for image 1 and image 2, both in pixels.
     pub homographies: Option<[Matrix3<f64>; 2]>,
+    /// `x2 ∝ H x1` in pixels, where one plane or a turn of the camera is all that is known for certain.
+    pub homography21: Option<Matrix3<f64>>,
     /// Points of the same scene point, px.
     pub pairs: Vec<PointPair>,
     /// The two images.

@@ -71,6 +71,9 @@ impl<'a> WrittenGeometry<'a> {
             add(Quantity::Homography1, rows(&(there * h1 * back)));
             add(Quantity::Homography2, rows(&(there * h2 * back)));
         }
+        if let Some(h) = &file.homography21 {
+            add(Quantity::PlaneHomography, rows(&(there * h * back)));
+        }
         let pairs: Vec<_> = file.pairs.iter().map(|p| moved_pair(p, origin)).collect();
         let check = fundamental.and_then(|f| SelfCheck::new(&f, &pairs));
         let labels = if file.labels.len() == pairs.len() { &file.labels[..] } else { &[] };

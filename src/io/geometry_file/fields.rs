@@ -163,6 +163,7 @@ impl Fields {
             fundamental,
             cameras: self.both([Quantity::Camera1, Quantity::Camera2], camera)?,
             homographies: self.both([Quantity::Homography1, Quantity::Homography2], NumberTable::matrix3)?,
+            homography21: self.get(Quantity::PlaneHomography, NumberTable::matrix3)?,
             pairs: self.pairs()?,
             images: match self.images {
                 [Some(image1), Some(image2)] => Some([image1, image2]),
@@ -170,8 +171,8 @@ impl Fields {
             },
         };
         let is_finite = |h: &Matrix3<f64>| h.iter().all(|v| v.is_finite());
-        if !file.pairs.iter().all(PointPair::is_finite) || !file.homographies.iter().flatten().all(is_finite)
-        {
+        let mut homographies = file.homographies.iter().flatten().chain(&file.homography21);
+        if !file.pairs.iter().all(PointPair::is_finite) || !homographies.all(is_finite) {
             return Err(Problem::whole("its numbers are too large"));
         }
         if file == GeometryFile::default() {

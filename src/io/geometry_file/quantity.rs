@@ -10,13 +10,14 @@ pub(super) enum Quantity {
     Camera2,
     Homography1,
     Homography2,
+    PlaneHomography,
     Points1,
     Points2,
     Pairs,
 }
 
 impl Quantity {
-    const ALL: [Self; 10] = [
+    const ALL: [Self; 11] = [
         Self::Fundamental,
         Self::Epipole1,
         Self::Epipole2,
@@ -24,6 +25,7 @@ impl Quantity {
         Self::Camera2,
         Self::Homography1,
         Self::Homography2,
+        Self::PlaneHomography,
         Self::Points1,
         Self::Points2,
         Self::Pairs,
@@ -47,6 +49,7 @@ impl Quantity {
             Self::Camera2 => &["P2", "camera2"],
             Self::Homography1 => &["H1", "homography1"],
             Self::Homography2 => &["H2", "homography2"],
+            Self::PlaneHomography => &["H21", "homography21"],
             Self::Points1 => &["points1", "pts1", "matchedPoints1"],
             Self::Points2 => &["points2", "pts2", "matchedPoints2"],
             Self::Pairs => &["pairs", "matches"],
@@ -78,6 +81,7 @@ impl Quantity {
             Self::Camera2 => "camera of image 2, x2 ~ P2 X",
             Self::Homography1 => "rectifying homography of image 1, rectified ~ H1 x1",
             Self::Homography2 => "rectifying homography of image 2, rectified ~ H2 x2",
+            Self::PlaneHomography => "homography of the plane, or of the turn of the camera, x2 ~ H21 x1",
             Self::Points1 => "points in image 1, one a row: x y",
             Self::Points2 => "points in image 2, one a row: x y, in the order of points1",
             Self::Pairs => "point pairs, one a row: x1 y1 x2 y2",

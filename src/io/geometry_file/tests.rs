@@ -19,6 +19,7 @@ fn example() -> GeometryFile {
             Matrix3::new(1.01, 0.02, -3.5, -0.01, 0.99, 7.25, 1e-5, -2e-6, 1.0),
             Matrix3::new(0.97, 1.0 / 3.0, 12.0, 0.03, 1.02, -4.0, 3e-7, 1e-6, 1.0),
         ]),
+        homography21: Some(Matrix3::new(0.9, -0.1, 30.5, 0.1, 0.9, -7.0, 1e-5, 3e-6, 1.0)),
         pairs: (0..30).map(|k| pair(f64::from(k))).collect(),
         images: Some(
             ["left view.png", "it's F = [<a> \"test\"] & more.png"]
@@ -90,6 +91,7 @@ fn parts_can_be_missing() {
             ..GeometryFile::default()
         },
         GeometryFile { homographies: whole.homographies, ..GeometryFile::default() },
+        GeometryFile { homography21: whole.homography21, ..GeometryFile::default() },
     ];
     for format in read_formats() {
         for part in &parts {
@@ -99,6 +101,7 @@ fn parts_can_be_missing() {
             assert_eq!(found.pairs.len(), part.pairs.len());
             assert_eq!(found.fundamental.is_some(), part.fundamental.is_some());
             assert_eq!(found.homographies.is_some(), part.homographies.is_some());
+            assert_eq!(found.homography21, part.homography21);
             assert!(found.images.is_none() && found.cameras.is_none());
         }
     }

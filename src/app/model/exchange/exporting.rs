@@ -8,6 +8,7 @@ use crate::app::model::comparison::Contestant;
 use crate::app::model::computation::Freshness;
 use crate::app::model::rectified::RectifyQuestion;
 use crate::app::model::verdict::{Tone, VerdictInWords, import_warning, verdict};
+use crate::estimate::PlaneHomography;
 use crate::geometry::PointPair;
 use crate::io::{
     Format, GeometryFile, ImageNote, PairLabel, PairOrigin, ResultFile, TrustNote, result_in_words,
@@ -21,6 +22,10 @@ impl ExportKind {
             Self::Geometry => {
                 (model.shown().is_some(), "There is no geometry yet: click two point pairs, or import one.")
             }
+            Self::Plane => (
+                plane(model).is_some(),
+                "The result does not say that one plane, or a turn of the camera, is all there is.",
+            ),
             Self::Pairs | Self::Table => (!model.document.pairs.is_empty(), "There are no point pairs yet."),
             Self::Report => {
                 (model.open.computation.result().is_some(), "There is no result yet: click two point pairs.")
@@ -32,6 +37,11 @@ impl ExportKind {
             Self::Figure | Self::View => (model.document.pictures.is_some(), "No images are open."),
         };
         (!there).then_some(why)
+    }
+
+    /// Whether there is a choice of it: what only few pairs of images have is not shown for the others.
+    pub fn is_offered(self, model: &Model) -> bool {
+        self != Self::Plane || self.missing(model).is_none()
     }
 }
 
@@ -56,8 +66,10 @@ pub fn content(
         file.pairs = pairs(model, order.with_matches);
         file.labels = labels(model, order.with_matches);
     }
-    if order.what == ExportKind::Geometry {
-        file.trust = trust_note(model);
+    match order.what {
+        ExportKind::Geometry => file.trust = trust_note(model),
+        ExportKind::Plane => file.trust = result_note(model),
+        _ => {}
     }
     Ok(match order.what {
         ExportKind::Geometry => {
@@ -68,6 +80,13 @@ pub fn content(
                 Ok(file.to_text(format).into_bytes())
             });
             (content, what)
+        }
+        ExportKind::Plane => {
+            file.homography21 = plane(model).map(|plane| plane.homography21);
+            (
+                Box::new(move || Ok(file.to_text(format).into_bytes())),
+                "the homography of the plane".to_owned(),
+            )
         }
         ExportKind::Pairs => {
             let what = counted(file.pairs.len());
@@ -88,6 +107,11 @@ pub fn content(
         }
         ExportKind::Figure | ExportKind::View => return Err("This is drawn, not composed.".to_owned()),
     })
+}
+
+/// What is certain of the result where its epipoles are not.
+fn plane(model: &Model) -> Option<PlaneHomography> {
+    model.open.computation.result().and_then(|(estimate, _)| estimate.assessment.plane)
 }
 
 fn counted(pairs: usize) -> String {

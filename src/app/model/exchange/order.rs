@@ -10,6 +10,8 @@ pub enum ExportKind {
     /// F and the epipoles of the geometry shown, the point pairs, the homographies that rectify.
     #[default]
     Geometry,
+    /// The homography of the plane that all lies on, where that is all that is certain.
+    Plane,
     /// The point pairs alone.
     Pairs,
     /// The point pairs with their names, origins, roles and distances.
@@ -26,13 +28,22 @@ pub enum ExportKind {
 
 impl ExportKind {
     /// All of them, in the order in which they are offered.
-    pub const ALL: [Self; 7] =
-        [Self::Geometry, Self::Pairs, Self::Table, Self::Report, Self::Profile, Self::Figure, Self::View];
+    pub const ALL: [Self; 8] = [
+        Self::Geometry,
+        Self::Plane,
+        Self::Pairs,
+        Self::Table,
+        Self::Report,
+        Self::Profile,
+        Self::Figure,
+        Self::View,
+    ];
 
     /// What it is called.
     pub fn name(self) -> &'static str {
         match self {
             Self::Geometry => "Geometry",
+            Self::Plane => "Homography of the plane",
             Self::Pairs => "Pairs alone",
             Self::Table => "Table",
             Self::Report => "Report",
@@ -48,6 +59,10 @@ impl ExportKind {
             Self::Geometry => {
                 "F and epipoles of the geometry that the window shows, the point pairs, and the homographies that \
                  rectify the images where one each does."
+            }
+            Self::Plane => {
+                "The homography that takes the left image to the right one: all that is certain where everything lies on \
+                 one plane or the camera only turned."
             }
             Self::Pairs => "The point pairs that are not left out.",
             Self::Table => {

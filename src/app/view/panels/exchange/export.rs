@@ -52,7 +52,7 @@ impl FileExport {
     /// The ending of files of the kind that is chosen.
     fn extension(&self) -> &'static str {
         match self.order.what {
-            ExportKind::Geometry | ExportKind::Pairs => self.order.format.extension(),
+            ExportKind::Geometry | ExportKind::Plane | ExportKind::Pairs => self.order.format.extension(),
             ExportKind::Report if self.order.reported == ReportFormat::Json => "json",
             ExportKind::Report => "txt",
             ExportKind::Table | ExportKind::Profile => "csv",
@@ -65,6 +65,7 @@ impl FileExport {
     fn suggest(&mut self) {
         let kind = match self.order.what {
             ExportKind::Geometry => "geometry",
+            ExportKind::Plane => "plane",
             ExportKind::Pairs => "pairs",
             ExportKind::Table => "points",
             ExportKind::Report => "report",
@@ -97,6 +98,10 @@ impl FileExport {
     pub fn show(&mut self, ctx: &egui::Context, model: &Model, commands: &mut Vec<Command>) {
         if !self.open {
             return;
+        }
+        if !self.order.what.is_offered(model) {
+            self.order.what = ExportKind::default();
+            self.suggest();
         }
         let open = dialog(ctx, "Export", 560.0, |ui| {
             let before = (self.order.what, self.order.format, self.order.reported, self.order.figure.format);
@@ -141,7 +146,7 @@ impl FileExport {
     }
 
     fn kinds(&mut self, ui: &mut Ui, model: &Model) {
-        for what in ExportKind::ALL {
+        for what in ExportKind::ALL.into_iter().filter(|what| what.is_offered(model)) {
             let missing = what.missing(model);
             let button =
                 ui.add_enabled(missing.is_none(), Button::selectable(self.order.what == what, what.name()));
@@ -155,19 +160,9 @@ impl FileExport {
     /// What there is to choose for the kind of file.
     fn choices(&mut self, ui: &mut Ui, model: &Model) {
         match self.order.what {
+            ExportKind::Plane => self.formats(ui),
             ExportKind::Geometry | ExportKind::Pairs => {
-                ui.horizontal(|ui| {
-                    let label = ui.add_sized([LABEL_WIDTH, 26.0], Label::new("Format"));
-                    let formats = ComboBox::from_id_salt("export format")
-                        .selected_text(self.order.format.label())
-                        .width(240.0)
-                        .show_ui(ui, |ui| {
-                            for format in Format::ALL {
-                                ui.selectable_value(&mut self.order.format, format, format.label());
-                            }
-                        });
-                    formats.response.labelled_by(label.id);
-                });
+                self.formats(ui);
                 let count =
                     model.open.computation.result().map_or(0, |(estimate, _)| estimate.matches().len());
                 if count > 0 {
@@ -193,6 +188,21 @@ impl FileExport {
                 ui.radio_value(&mut self.order.part, ViewPart::Window, "The whole window");
             }),
         }
+    }
+
+    fn formats(&mut self, ui: &mut Ui) {
+        ui.horizontal(|ui| {
+            let label = ui.add_sized([LABEL_WIDTH, 26.0], Label::new("Format"));
+            let formats = ComboBox::from_id_salt("export format")
+                .selected_text(self.order.format.label())
+                .width(240.0)
+                .show_ui(ui, |ui| {
+                    for format in Format::ALL {
+                        ui.selectable_value(&mut self.order.format, format, format.label());
+                    }
+                });
+            formats.response.labelled_by(label.id);
+        });
     }
 
     /// What is on a figure.
@@ -233,7 +243,7 @@ impl FileExport {
         let sentences: Vec<String> = match self.order.what {
             ExportKind::Geometry => self.order.format.convention(),
             // What is said about F does not belong to points alone.
-            ExportKind::Pairs | ExportKind::Table => {
+            ExportKind::Plane | ExportKind::Pairs | ExportKind::Table => {
                 self.order.format.convention().into_iter().skip(1).take(2).collect()
             }
             ExportKind::Report => Format::Json.convention(),
@@ -284,7 +294,7 @@ impl FileExport {
 /// How far what is written is to be trusted, where it is not beyond doubt: the file says so, too.
 fn trust(ui: &mut Ui, what: ExportKind, model: &Model) {
     let note = match what {
-        ExportKind::Report => result_note(model),
+        ExportKind::Plane | ExportKind::Report => result_note(model),
         ExportKind::Geometry | ExportKind::Table | ExportKind::Figure | ExportKind::View => trust_note(model),
         ExportKind::Pairs | ExportKind::Profile => None,
     };

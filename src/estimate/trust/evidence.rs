@@ -1,4 +1,4 @@
-//! How far to trust a result: a verdict with its reasons in words.
+//! What a verdict follows from, and the thresholds.
 //!
 //! What a wrong geometry usually fails: how many patches match along the epipolar lines at full resolution, whether the
 //! clicks lie on their lines, how much better the result is than the best clearly different geometry, how firmly the
@@ -7,159 +7,7 @@
 //! thresholds of counts and distances are round numbers from results whose truth is known, right and wrong clicks alike
 //! (`docs/measurements.md` has the figures); those of chance are probabilities.
 
-use serde::{Deserialize, Serialize};
-use thiserror::Error;
-
-/// How far to trust a result.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Verdict {
-    /// Everything that was looked at speaks for the result.
-    #[serde(alias = "right")]
-    Reliable,
-    /// Something speaks against the result.
-    Doubtful,
-    /// The result contradicts the images or the clicks.
-    #[serde(alias = "wrong")]
-    Unreliable,
-}
-
-impl Verdict {
-    /// What the user reads.
-    pub fn label(self) -> &'static str {
-        match self {
-            Self::Reliable => "reliable",
-            Self::Doubtful => "doubtful",
-            Self::Unreliable => "unreliable",
-        }
-    }
-}
-
-/// Something that speaks against a result. Each message is one sentence.
-#[derive(Debug, Clone, PartialEq, Error, Serialize)]
-#[serde(tag = "kind", rename_all = "kebab-case")]
-pub enum Reason {
-    /// Patches were not looked at, so only the lines speak for it.
-    #[error("patches were not compared, so nothing but the lines speaks for this geometry")]
-    NotChecked,
-    /// The refinement did not find enough matches.
-    #[error("too few patches match along the epipolar lines at full resolution")]
-    NotRefined,
-    /// Few matches carry the result.
-    #[error("only {matches} patches match along the epipolar lines")]
-    FewMatches {
-        /// Matches found.
-        matches: usize,
-    },
-    /// Barcodes agree no better than by chance.
-    #[error(
-        "the motion barcodes of corresponding lines agree by {correlation:.2}, and by up to {by_chance:.2} when one sequence is shifted in time: they may not have been recorded at the same time, or too little moves"
-    )]
-    BarcodesByChance {
-        /// Agreement, 1 for equal ones.
-        correlation: f64,
-        /// Agreement by chance.
-        by_chance: f64,
-    },
-    /// Few lines have barcodes of their own.
-    #[error(
-        "only about {lines} lines are crossed in ways of their own: more things have to move, or in more places, or more frames are needed"
-    )]
-    FewBarcodes {
-        /// Independent lines.
-        lines: usize,
-    },
-    /// The barcodes leave the epipolar lines loose.
-    #[error("the motion barcodes leave the epipolar lines uncertain by {deviation:.1} px")]
-    LooseBarcodes {
-        /// Standard deviation across the lines, px.
-        deviation: f64,
-    },
-    /// A click is off its epipolar line.
-    #[error("point pair {pair} is {distance:.1} px off its epipolar line: {suspect}")]
-    ClickOff {
-        /// Number of the pair, from 1.
-        pair: usize,
-        /// Sampson distance, px.
-        distance: f64,
-        /// What is likelier to be wrong.
-        suspect: Suspect,
-    },
-    /// Matches that stand out and move together contradict the geometry.
-    #[error(
-        "{contradicting} of {matches} matches that stand out and move together contradict the geometry: something moves by itself, or the images are bent, or the geometry is wrong"
-    )]
-    Contradicted {
-        /// How many contradict it.
-        contradicting: usize,
-        /// All that stand out and move together.
-        matches: usize,
-    },
-    /// Nearly all matches follow one homography and a lens.
-    #[error(
-        "{percent} % of the matches fit one plane or a turn of the camera seen through a lens that bends straight lines: remove the distortion first, or use views from places farther apart"
-    )]
-    Bent {
-        /// Percent of the matches.
-        percent: u32,
-    },
-    /// A clearly different geometry has nearly as much support.
-    #[error("a clearly different geometry has nearly as much support (margin {margin:.2})")]
-    Ambiguous {
-        /// Relative advantage over it.
-        margin: f64,
-    },
-    /// Nearly all matches follow one homography.
-    #[error(
-        "{percent} % of the matches fit one plane or a turn of the camera: lines through these hold, but where they meet is not determined, as only {agreeing} of {groups} motions beside it agree on that, which chance may explain: use views from places farther apart, or a scene with more depth and nothing that moves"
-    )]
-    OnePlane {
-        /// Percent of the matches.
-        percent: u32,
-        /// Groups of matches off it that move alike.
-        groups: usize,
-        /// How many of these agree with the epipoles.
-        agreeing: usize,
-    },
-    /// The matches leave the epipolar lines loose.
-    #[error("the matches leave the epipolar lines uncertain by {deviation:.1} px")]
-    Loose {
-        /// Standard deviation across the lines, px.
-        deviation: f64,
-    },
-}
-
-/// What is likelier to be wrong where a click and a geometry disagree.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Suspect {
-    /// The click: everything else speaks for the geometry.
-    Click,
-    /// The geometry: other things speak against it, too.
-    Geometry,
-}
-
-impl std::fmt::Display for Suspect {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            Self::Click => {
-                "the images speak for the geometry, so check that the pair shows the same scene point"
-            }
-            Self::Geometry => {
-                "more than this speaks against the geometry, so the pair may be right: add another pair"
-            }
-        })
-    }
-}
-
-/// A verdict and what led to it.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Trust {
-    /// The verdict.
-    pub verdict: Verdict,
-    /// What speaks against the result; empty when it is called reliable.
-    pub reasons: Vec<Reason>,
-}
+use super::{Reason, Suspect, Trust, Verdict};
 
 /// Fewer matches than this do not call a result reliable.
 pub const ENOUGH_MATCHES: usize = 60;
@@ -193,7 +41,7 @@ const LOOSEST: f64 = 0.002;
 
 /// What one homography explains of the matches, and what the rest says of the epipoles.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct PlaneEvidence {
+pub(in crate::estimate) struct PlaneEvidence {
     /// Share of the matches that it explains, 0 to 1.
     pub share: f64,
     /// Share that it explains when seen through a lens.
@@ -224,7 +72,7 @@ impl PlaneEvidence {
 
 /// Matches that stand out whatever the geometry and move like others around them, and how many of them contradict F.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub(super) struct Together {
+pub(in crate::estimate) struct Together {
     pub matches: usize,
     pub contradicting: usize,
 }
@@ -245,7 +93,7 @@ impl Together {
 
 /// What motion barcodes say of a geometry.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct BarcodeEvidence {
+pub(in crate::estimate) struct BarcodeEvidence {
     /// Agreement of corresponding lines, and the best one at shifts in time.
     pub correlation: f64,
     pub by_chance: f64,
@@ -258,7 +106,7 @@ const ENOUGH_LINES: f64 = 14.0;
 
 /// What a verdict rests on.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Evidence<'a> {
+pub(in crate::estimate) struct Evidence<'a> {
     /// Whether patches were looked at.
     pub patches: bool,
     /// What barcodes say, where sequences were compared.
@@ -282,7 +130,7 @@ pub(super) struct Evidence<'a> {
 }
 
 impl Trust {
-    pub(super) fn judge(evidence: &Evidence) -> Self {
+    pub(in crate::estimate) fn judge(evidence: &Evidence) -> Self {
         let mut reasons = Vec::new();
         let mut unreliable = false;
         if let Some(BarcodeEvidence { correlation, by_chance, lines }) = evidence.barcodes {

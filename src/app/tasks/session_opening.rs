@@ -1,0 +1,107 @@
+//! Opening a session: its images are found, checked against their hashes, and read.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use super::opening::{LoadedPair, OpenFolder, OpeningFailure, Reading, sample};
+use crate::app::model::document::{Side, TruthSource};
+use crate::app::model::pair_folder::PairFolder;
+use crate::app::model::session::{Lost, OpenSession, Relocation, Restored, Work};
+use crate::app::model::shared::Shared;
+use crate::app::model::truth::KnownTruth;
+use crate::foreign::{excerpt, shown_path};
+use crate::io::{ImageReference, ImageSource, Located, SessionError, SessionFile, TruthFolder, sha256_of};
+use crate::synthetic::Sample;
+
+/// Opens a session with its pictures.
+pub fn open_session(session: OpenSession, reading: &mut Reading) -> Result<LoadedPair, OpeningFailure> {
+    let path = session.path.clone();
+    let unchanged = |text: &str| {
+        OpeningFailure::Text(format!(
+            "The session could not be opened: {text}. Nothing was changed; try another one."
+        ))
+    };
+    let file = SessionFile::<Work>::read(&path).map_err(|error| match error {
+        SessionError::Foreign { .. } => {
+            OpeningFailure::NoSession { path: path.clone(), problem: error.to_string() }
+        }
+        _ => unchanged(&error.to_string()),
+    })?;
+    let from_sample = file.images.iter().all(|image| matches!(image.source, ImageSource::Sample { .. }));
+    let mut pair = if from_sample {
+        if file.images.iter().any(|image| !is_known_sample(image)) {
+            return Err(unchanged("it is about a built-in sample that this program does not have"));
+        }
+        sample()
+    } else {
+        let mut found = [None, None];
+        let mut lost = [None, None];
+        for (k, image) in file.images.iter().enumerate() {
+            match place(image, &session, k) {
+                Some(Located::Same(path)) => found[k] = Some(path),
+                Some(Located::Changed(path)) if session.accepts_changed => found[k] = Some(path),
+                Some(Located::Changed(path)) => lost[k] = Some(Lost::Changed(path)),
+                Some(Located::Missing(path)) => lost[k] = Some(Lost::Missing(path)),
+                None => return Err(unchanged("only one of its images is of a built-in sample")),
+            }
+        }
+        let [Some(left), Some(right)] = found else {
+            return Err(OpeningFailure::Relocate(Box::new(Relocation { session, lost })));
+        };
+        LoadedPair::of([reading.picture(&left, Side::Left)?, reading.picture(&right, Side::Right)?])
+    };
+    let frames = pair.pictures.each_ref().map(|opened| opened.picture.frame());
+    let mut notes = Vec::new();
+    if frames != file.images.map(|image| image.frame) {
+        notes.push("An image has another size than when the session was saved: check the points.".to_owned());
+    }
+    let pairs = file.content.document.pairs.len();
+    let mut work = file.content.made_valid(frames, &path);
+    if work.document.pairs.len() < pairs {
+        notes.push(format!(
+            "Of the {pairs} point pairs of the session the first {} that are on the images are shown.",
+            work.document.pairs.len()
+        ));
+    }
+    if let Some(TruthSource::Folder { folder, views }) = &work.document.truth {
+        match known(folder, views) {
+            Ok((known, folder)) => (pair.known, pair.folder) = (Some(known), Some(folder)),
+            Err(problem) => {
+                notes.push(format!("The ground truth of the session is left out: {problem}."));
+                work.document.truth = None;
+            }
+        }
+    }
+    pair.uses_truth = work.document.truth.is_some();
+    pair.restored = Some(Box::new(Restored { session, work, notes }));
+    Ok(pair)
+}
+
+/// Where image `k` is: where a person says, else where the session says.
+fn place(image: &ImageReference, session: &OpenSession, k: usize) -> Option<Located> {
+    let Some(given) = &session.images[k] else { return image.locate(&session.path) };
+    let ImageSource::File { sha256, .. } = &image.source else { return None };
+    Some(match sha256_of(given) {
+        Ok(found) if found.eq_ignore_ascii_case(sha256) => Located::Same(given.clone()),
+        Ok(_) => Located::Changed(given.clone()),
+        Err(_) => Located::Missing(given.clone()),
+    })
+}
+
+fn is_known_sample(image: &ImageReference) -> bool {
+    matches!(&image.source, ImageSource::Sample { sample } if sample == Sample::default().name())
+}
+
+/// The ground truth of two views of a folder.
+fn known(folder: &Path, views: &[String; 2]) -> Result<(KnownTruth, OpenFolder), String> {
+    let truths = TruthFolder::open(folder).map_err(|error| error.to_string())?;
+    let number = |view: &String| {
+        let position = truths.names().iter().position(|name| name == view);
+        position.ok_or_else(|| format!("{} has no view {}", shown_path(folder), excerpt(view)))
+    };
+    let pair = [number(&views[0])?, number(&views[1])?];
+    let truth = truths.truth(pair).map_err(|error| error.to_string())?;
+    let source = TruthSource::Folder { folder: folder.to_owned(), views: views.clone() };
+    let known = KnownTruth { truth: Shared::new(truth), source };
+    Ok((known, (Arc::new(PairFolder::Known(truths)), pair)))
+}

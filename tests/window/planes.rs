@@ -1,0 +1,60 @@
+//! One plane, or a turn of the camera: what of it can be exported.
+
+use crate::support::*;
+
+use egui::{Key, Modifiers};
+use egui_kittest::kittest::Queryable;
+use epiline::app::{Services, Start};
+use epiline::estimate::{Assessment, Estimate, PlaneHomography};
+use epiline::io::GeometryFile;
+use nalgebra::Matrix3;
+
+const PLANE: PlaneHomography = PlaneHomography {
+    homography21: Matrix3::new(1.0, 0.25, 3.0, -0.125, 1.0, 7.5, 0.0, 1e-4, 1.0),
+    matches: 90,
+    share: 0.9,
+    residual: 0.125,
+};
+
+fn with_result(plane: Option<PlaneHomography>) -> Window {
+    let services = Services {
+        estimate: Box::new(move |request, _| {
+            let found = fake_estimate(&request.pairs, &request.parameters)?;
+            Ok(Estimate { assessment: Assessment { plane, ..found.assessment }, ..found })
+        }),
+        ..services()
+    };
+    let mut window = window(Start::default(), services);
+    click_two_pairs(&mut window);
+    window.key_press_modifiers(Modifiers::COMMAND, Key::E);
+    settle(&mut window);
+    window
+}
+
+#[test]
+fn the_homography_of_a_plane_is_exported_where_there_is_one() {
+    let files = Files::new();
+    let path = files.0.path().join("plane.json");
+    let mut window = with_result(Some(PLANE));
+    for label in ["Homography of the plane", "File"] {
+        window.get_by_label(label).click();
+        settle(&mut window);
+    }
+    window.key_press_modifiers(Modifiers::COMMAND, Key::A);
+    window.get_by_label("File").type_text(path.to_str().unwrap());
+    settle(&mut window);
+    window.get_by_label("Export this").click();
+    settle(&mut window);
+    window.get_by_label_contains("Exported the homography of the plane to");
+    let (read, _) = GeometryFile::read(&path).unwrap();
+    assert_eq!(read.homography21, Some(PLANE.homography21));
+    assert_eq!(read.fundamental, None, "what is not determined is not in it");
+    assert!(read.images.is_some());
+}
+
+#[test]
+fn where_there_is_none_it_is_not_offered() {
+    let window = with_result(None);
+    window.get_by_label("Pairs alone");
+    assert!(window.query_by_label("Homography of the plane").is_none());
+}
