@@ -1,6 +1,7 @@
 //! The window without a display: clicks, drags, keys and dropped files, as a person would make them.
 #![cfg(feature = "inspector")]
 
+mod album;
 mod computing;
 mod editing;
 mod exchange;

@@ -10,6 +10,7 @@ use super::opening;
 use super::task::{Event, Task, Waiting};
 use super::waker::Waker;
 use crate::app::model::document::{Side, TruthSource};
+use crate::app::model::open_pair::OpenFolder;
 use crate::app::model::pair_folder::PairFolder;
 use crate::app::model::picture::Opened;
 use crate::app::model::sample::sample_pair;
@@ -32,9 +33,6 @@ pub enum Opening {
     /// A session.
     Session(PathBuf),
 }
-
-/// A folder, and which of its pairs is open.
-pub type OpenFolder = (Arc<PairFolder>, [usize; 2]);
 
 /// What an opening gives.
 pub struct LoadedPair {

@@ -6,6 +6,7 @@ use super::table;
 use crate::app::model::Model;
 use crate::app::model::comparison::Contestant;
 use crate::app::model::computation::Freshness;
+use crate::app::model::document::counted;
 use crate::app::model::rectified::RectifyQuestion;
 use crate::app::model::verdict::{Tone, VerdictInWords, import_warning, verdict};
 use crate::geometry::PointPair;
@@ -88,10 +89,6 @@ pub fn content(
         }
         ExportKind::Figure | ExportKind::View => return Err("This is drawn, not composed.".to_owned()),
     })
-}
-
-fn counted(pairs: usize) -> String {
-    if pairs == 1 { "1 point pair".to_owned() } else { format!("{pairs} point pairs") }
 }
 
 fn notes(model: &Model) -> Option<[ImageNote; 2]> {
