@@ -22,6 +22,7 @@ mod patches;
 mod prepared;
 mod record;
 mod result;
+mod scale;
 mod search;
 mod stage;
 mod trust;
@@ -45,6 +46,7 @@ pub use parameters::{
 pub use patches::{EpipoleEllipse, PatchSupport, RefinedMatch, Refinement, Uncertainty};
 pub use prepared::PreparedPair;
 pub use result::{Assessment, Estimate, SearchCounts, SearchTrace, StageTiming};
+pub use scale::Scale;
 pub use stage::Stage;
 pub use trust::{
     CLEAR_MARGIN, CLICK_DEVIATIONS, ENOUGH_MATCHES, FAR_TOO_FEW, Reason, Suspect, Trust, Verdict,

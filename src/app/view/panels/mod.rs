@@ -6,6 +6,7 @@ mod dialog;
 mod exchange;
 mod export_dialog;
 mod film_strip;
+mod gauge;
 mod guide_bar;
 mod legend;
 mod messages;
