@@ -5,6 +5,7 @@ mod album;
 mod computing;
 mod editing;
 mod exchange;
+mod figures;
 mod looking;
 mod opening;
 mod panels;

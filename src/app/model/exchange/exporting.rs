@@ -84,7 +84,9 @@ pub fn content(
         }
         ExportKind::Profile => {
             let inspection = model.open.inspection.as_ref().ok_or_else(nothing)?.clone();
-            let content: ExportContent = Box::new(move || Ok(profile::csv(&inspection).into_bytes()));
+            let trust = trust_note(model);
+            let content: ExportContent =
+                Box::new(move || Ok(profile::csv(&inspection, trust.as_ref()).into_bytes()));
             (content, "the profile of the inspected line pair".to_owned())
         }
         ExportKind::Figure | ExportKind::View => return Err("This is drawn, not composed.".to_owned()),
