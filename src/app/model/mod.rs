@@ -52,6 +52,7 @@ pub mod suggesting;
 pub mod thumbnails;
 pub mod tones;
 pub mod truth;
+mod turning;
 mod unclicked;
 pub mod verdict;
 
