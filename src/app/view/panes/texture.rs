@@ -181,7 +181,7 @@ mod tests {
     #[test]
     fn while_tones_are_changing_a_large_picture_is_a_draft() {
         let ctx = egui::Context::default();
-        for (width, draft) in [(3000, [512, 171]), (1200, [512, 427]), (300, [300, 200])] {
+        for (width, draft) in [(3000, [512, 171]), (1200, [512, 341]), (300, [300, 200])] {
             let height = if width == 3000 { 1000 } else { width * 2 / 3 };
             let pixels = DynamicImage::new_luma8(width, height);
             let opened = Opened::new(Picture::from_pixels("a".into(), None, pixels).unwrap());

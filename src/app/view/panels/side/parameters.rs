@@ -9,6 +9,8 @@ use crate::estimate::{PARAMETERS, ParameterEntry, ParameterValue, Parameters, St
 /// Size of the field of a number.
 const FIELD: Vec2 = vec2(88.0, 22.0);
 
+/// Largest width of the field of a choice.
+const LARGEST_CHOICE: f32 = 160.0;
 /// Width of the button behind it.
 const RESET: f32 = 50.0;
 /// Between the columns.
@@ -105,12 +107,10 @@ fn edit(
         ParameterValue::Choice { names, get, set } => {
             let before = get(parameters);
             let mut chosen = before;
-            let response = ComboBox::from_id_salt(setting.name).width(FIELD.x).show_index(
-                ui,
-                &mut chosen,
-                names.len(),
-                |k| names[k],
-            );
+            // What does not fit is cut: all of it is in the list.
+            let width = (ui.available_width() - RESET - GAP).clamp(FIELD.x, LARGEST_CHOICE);
+            let list = ComboBox::from_id_salt(setting.name).width(width).truncate();
+            let response = list.show_index(ui, &mut chosen, names.len(), |k| names[k]);
             set(&mut changed, chosen);
             (response, chosen != before)
         }
