@@ -110,7 +110,12 @@ fn edit(
             // What does not fit is cut: all of it is in the list.
             let width = (ui.available_width() - RESET - GAP).clamp(FIELD.x, LARGEST_CHOICE);
             let list = ComboBox::from_id_salt(setting.name).width(width).truncate();
-            let response = list.show_index(ui, &mut chosen, names.len(), |k| names[k]);
+            let shown = ui.scope(|ui| {
+                // A list is cut only where its room ends.
+                ui.set_max_width(width);
+                list.show_index(ui, &mut chosen, names.len(), |k| names[k])
+            });
+            let response = shown.inner;
             set(&mut changed, chosen);
             (response, chosen != before)
         }
