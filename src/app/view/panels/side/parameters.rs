@@ -12,7 +12,7 @@ const FIELD: Vec2 = vec2(88.0, 22.0);
 /// Largest width of the field of a choice.
 const LARGEST_CHOICE: f32 = 160.0;
 /// Width of the button behind it.
-const RESET: f32 = 50.0;
+const RESET: f32 = 58.0;
 /// Between the columns.
 const GAP: f32 = 8.0;
 /// With less room than this for the names they are above the fields.
