@@ -23,6 +23,7 @@ mod patches;
 mod prepared;
 mod record;
 mod result;
+mod scale;
 mod search;
 mod stage;
 mod trust;
@@ -47,6 +48,7 @@ pub use parameters::{
 pub use patches::{EpipoleEllipse, PatchSupport, RefinedMatch, Refinement, Uncertainty};
 pub use prepared::PreparedPair;
 pub use result::{Assessment, Estimate, PlaneHomography, SearchCounts, SearchTrace, StageTiming};
+pub use scale::Scale;
 pub use stage::Stage;
 pub use trust::{
     CLEAR_MARGIN, CLICK_DEVIATIONS, ENOUGH_MATCHES, FAR_TOO_FEW, Reason, Suspect, Trust, Verdict,

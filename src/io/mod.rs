@@ -26,7 +26,7 @@ pub use ground_truth::{GroundTruth, TruthError, TruthOrigin};
 pub use identity::refuse_clashes;
 pub use output::{OutputFile, WriteError};
 pub use pair_folder::{PairFiles, pair_folder};
-pub use picture_file::{PictureError, PictureFormat, encode_picture};
+pub use picture_file::{PictureError, PictureFormat, described, encode_picture};
 pub use point_pairs::{PairProblem, parse_point_pairs};
 pub use read::ReadError;
 pub use rectified::{RectifiedError, RectifiedFiles, RectifiedOptions};

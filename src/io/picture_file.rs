@@ -60,9 +60,45 @@ pub fn encode_picture(picture: &DynamicImage, format: PictureFormat) -> Result<V
     Ok(content.into_inner())
 }
 
+/// A PNG file with a sentence about it, which picture viewers show as its description.
+pub fn described(png: Vec<u8>, words: &str) -> Vec<u8> {
+    /// The signature, and the first chunk, which has 13 bytes and 12 around them.
+    const HEAD: usize = 8 + 12 + 13;
+    if png.len() < HEAD {
+        return png;
+    }
+    // Neither compressed nor in a language; without zero bytes, which separate the parts.
+    let words = words.replace('\0', " ");
+    let chunk = [b"iTXt", &b"Description\0\0\0\0\0"[..], words.as_bytes()].concat();
+    let length = (chunk.len() - 4) as u32;
+    let check = chunk_check(&chunk);
+    [&png[..HEAD], &length.to_be_bytes(), &chunk, &check.to_be_bytes(), &png[HEAD..]].concat()
+}
+
+/// The cyclic redundancy check of a chunk of a PNG file, with its name.
+fn chunk_check(bytes: &[u8]) -> u32 {
+    let next = |check: u32, byte: &u8| {
+        (0..8).fold(check ^ u32::from(*byte), |check, _| (check >> 1) ^ (0xedb8_8320 * (check & 1)))
+    };
+    !bytes.iter().fold(u32::MAX, next)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_description_is_a_chunk_like_any_other() {
+        assert_eq!(chunk_check(b"IEND"), 0xae42_6082, "as in every PNG file");
+        let picture = DynamicImage::new_rgb8(3, 2);
+        let png = encode_picture(&picture, PictureFormat::Png).unwrap();
+        let with = described(png.clone(), "The geometry is doubtful: 5 \u{b0}.");
+        assert_eq!(image::load_from_memory(&with).unwrap(), picture);
+        let reader = image::codecs::png::PngDecoder::new(Cursor::new(&with));
+        assert!(reader.is_ok() && with.len() > png.len());
+        assert!(with.windows(8).any(|part| part == b"doubtful"));
+        assert_eq!(described(vec![1, 2], "x"), [1, 2]);
+    }
 
     #[test]
     fn depth_and_alpha_come_back() {

@@ -214,7 +214,7 @@ fn the_published_search_keeps_its_two_methods_beside_its_preset() {
     let mut window = sample();
     click_two_pairs(&mut window);
     click_a_third_pair(&mut window);
-    window.get_by_label("Paper").click();
+    window.get_by_label("As published").click();
     settle(&mut window);
     assert_eq!(clicks(&window), 2);
     assert!(window.get_by_label("Use pair r").accesskit_node().is_disabled());

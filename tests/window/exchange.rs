@@ -287,7 +287,8 @@ fn type_into(window: &mut Window, label: &str, path: &Path) {
 }
 
 /// Exports what the buttons named choose.
-fn export(window: &mut Window, choices: &[&str], path: &Path) {
+/// Exports with these choices.
+pub fn export(window: &mut Window, choices: &[&str], path: &Path) {
     window.key_press_modifiers(Modifiers::COMMAND, Key::E);
     settle(window);
     for choice in choices {
@@ -336,6 +337,7 @@ fn exports_can_be_read_again() {
     settle(&mut window);
     export(&mut window, &["Profile"], &path);
     let text = std::fs::read_to_string(&path).unwrap();
+    assert!(text.contains("# The geometry shown, which the lines may come from, is "), "{text}");
     let mut rows = text.lines().filter(|line| !line.starts_with('#'));
     assert_eq!(rows.next(), Some("distance,x1,y1,left,right_unmatched,shift,x2,y2,right_matched,cost"));
     assert!(rows.clone().count() > 100 && rows.all(|row| row.split(',').count() == 10));
@@ -454,37 +456,4 @@ fn nothing_measured_on_one_pair_shows_beside_another() {
     window.get_by_label_contains("that takes 8 matches, 0 are at hand");
     press_click(&mut window, "As it is");
     window.get_by_label("unchecked");
-}
-
-#[test]
-fn a_figure_has_the_images_with_lines_and_letters_or_pixels_of_any_size() {
-    let files = Files::new();
-    let mut window = sample();
-    click_two_pairs(&mut window);
-    let path = files.0.path().join("figure.svg");
-    export(&mut window, &["Figure"], &path);
-    let text = std::fs::read_to_string(&path).unwrap();
-    assert_eq!(text.matches("data:image/png;base64,").count(), 2, "both images");
-    assert!(text.matches("<line ").count() >= 8, "the lines of two pairs with their edges in both images");
-    for name in ["p", "q"] {
-        assert_eq!(text.matches(&format!(">{name}</text>")).count(), 2, "{name} is named in both images");
-    }
-    assert!(text.contains("<desc>The geometry is "));
-    export(&mut window, &["Figure", "Labels"], &path);
-    assert!(!std::fs::read_to_string(&path).unwrap().contains("<text"), "without labels");
-
-    let path = files.0.path().join("figure.png");
-    export(&mut window, &["Figure", "PNG"], &path);
-    let full = image::open(&path).unwrap();
-    let [left, right] = Side::BOTH.map(|side| window.state().document().frame(side).unwrap());
-    assert!((left.width + right.width) as u32 <= full.width() && full.height() >= left.height as u32);
-    let green =
-        |picture: &image::DynamicImage| picture.to_rgb8().pixels().filter(|p| p.0 == [26, 204, 140]).count();
-    assert!(green(&full) > 100, "the lines are on it");
-    export(&mut window, &["Figure", "PNG", "Width", "Dark paper"], &path);
-    let narrow = image::open(&path).unwrap();
-    assert!(narrow.width().abs_diff(1600) <= 1, "{}", narrow.width());
-    assert_eq!(narrow.to_rgb8().get_pixel(1, 1).0, [24; 3]);
-    export(&mut window, &["Figure", "What is seen"], &path);
-    assert!(image::open(&path).is_ok());
 }

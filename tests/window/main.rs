@@ -1,9 +1,11 @@
 //! The window without a display: clicks, drags, keys and dropped files, as a person would make them.
 #![cfg(feature = "inspector")]
 
+mod album;
 mod computing;
 mod editing;
 mod exchange;
+mod figures;
 mod killed;
 mod looking;
 mod opening;

@@ -4,7 +4,7 @@ use crate::support::*;
 
 use egui::accesskit::Role;
 use egui::{Color32, Key, Modifiers, vec2};
-use egui_kittest::kittest::Queryable;
+use egui_kittest::kittest::{NodeT, Queryable};
 use epiline::app::Start;
 use epiline::app::model::document::Side;
 use epiline::app::model::focus::{LineSource, Target};
@@ -360,4 +360,20 @@ fn the_key_sheet_is_grouped() {
     for group in ["Mouse", "Points", "Files", "Looking", "Panels", "Result", "Program"] {
         assert!(window.query_all_by_label(group).count() >= 1, "{group}");
     }
+}
+
+#[test]
+fn figures_stand_on_their_scales_of_good_and_bad() {
+    let mut window = with_result();
+    // The limits are those of the verdict's rules; what no rule judges says so.
+    window.get_by_label("Margin on its scale: Good from 20 % on, bad below 5 %.");
+    window.get_by_label_contains("Line score on its scale: No rule judges it by itself");
+    window.get_by_label_contains("Round trip on its scale: No rule judges it by itself");
+    let of_p =
+        window.get_by_label_contains("Distance of pair p on its scale: ").accesskit_node().label().unwrap();
+    assert!(of_p.ends_with("Good up to 4.0 px, bad above 12.0 px."), "{of_p}");
+    press(&mut window, Key::Num4);
+    window.get_by_label("Hypothesis 3").click();
+    settle(&mut window);
+    window.get_by_label_contains("Support on its scale: ");
 }

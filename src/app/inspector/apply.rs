@@ -126,6 +126,7 @@ impl Inspector {
             Command::FoldTabs => model.look.tabs_folded = !model.look.tabs_folded,
             Command::FoldSide => model.look.side_folded = !model.look.side_folded,
             Command::FoldOverlays => model.look.overlays_folded = !model.look.overlays_folded,
+            Command::FoldStrip => model.look.strip_folded = !model.look.strip_folded,
             Command::EnlargeTabs => {
                 model.look.tabs_enlarged = !model.look.tabs_enlarged || model.look.tabs_folded;
                 model.look.tabs_folded = false;

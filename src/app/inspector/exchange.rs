@@ -88,7 +88,7 @@ impl Inspector {
             return;
         };
         let part = self.view.images.filter(|_| part == ViewPart::Images);
-        let content = picture(screen, part, ctx.pixels_per_point());
+        let content = picture(screen, part, ctx.pixels_per_point(), trust_note(&self.model));
         self.write(captured.path, "the view".to_owned(), content);
     }
 

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::{HeldBack, Inspector};
+use crate::app::model::album::Album;
 use crate::app::model::command::{Command, ExchangeCommand};
 use crate::app::model::document::{Side, Trial};
 use crate::app::model::exchange::is_importable;
@@ -83,15 +84,31 @@ impl Inspector {
 
     /// Starts over with other pictures.
     fn show_pictures(&mut self, ctx: &egui::Context, pair: LoadedPair) {
-        let set_aside = self.set_aside();
+        // Another pair of the same folder is of the same session.
+        let turns = pair.restored.is_none() && self.model.is_of_open_folder(pair.folder.as_ref());
+        let set_aside = !turns && self.set_aside();
         self.note_recent(&pair);
         for (pane, opened) in self.view.panes.iter_mut().zip(&pair.pictures) {
             pane.set_picture(ctx, opened);
         }
         self.tasks.forget_pair();
         self.view.dialogs.reading = None;
-        self.model.open(pair.pictures, pair.known, pair.uses_truth, pair.show_me);
-        self.model.open.folder = pair.folder;
+        if !turns {
+            self.tasks.thumbnailing.forget();
+        }
+        self.model.thumbnails.follow(pair.folder.as_ref().map(|(folder, _)| folder));
+        match pair.folder {
+            Some(folder) if turns => {
+                self.model.turn_to(pair.pictures, pair.known, folder);
+                self.start_pairs.clear();
+                return;
+            }
+            folder => {
+                self.model.open(pair.pictures, pair.known, pair.uses_truth, pair.show_me);
+                self.model.album = folder.as_ref().map(|(folder, views)| Album::new(folder, *views));
+                self.model.open.folder = folder;
+            }
+        }
         let document = &mut self.model.document;
         let pairs = std::mem::take(&mut self.start_pairs);
         let (inside, outside): (Vec<_>, Vec<_>) = pairs.into_iter().partition(|pair| {

@@ -5,6 +5,7 @@ use std::time::{Duration, Instant};
 
 use super::Inspector;
 use crate::app::model::command::{PickPurpose, SessionCommand};
+use crate::app::model::document::counted;
 use crate::app::model::exchange::result_note;
 use crate::app::model::history::History;
 use crate::app::model::look::Tool;
@@ -37,12 +38,12 @@ impl Inspector {
             copies.find_map(|path| Some((path.to_owned(), SessionFile::<Work>::read(path).ok()?)))
         });
         let Some((path, copy)) = readable else { return };
-        let what = match copy.content.document.pairs.len() {
+        let count = copy.content.count_points();
+        let what = match count {
             0 => "Points or pinned lines".to_owned(),
-            1 => "1 point pair".to_owned(),
-            pairs => format!("{pairs} point pairs"),
+            pairs => counted(pairs),
         };
-        let were = if copy.content.document.pairs.len() == 1 { "was" } else { "were" };
+        let were = if count == 1 { "was" } else { "were" };
         let images = match copy.images.each_ref().map(ImageReference::name) {
             [left, right] if left == right => format!("the sample {left}"),
             [left, right] => format!("{left} and {right}"),
@@ -200,6 +201,10 @@ impl Inspector {
             model.tool = Tool::Points;
         }
         model.look = work.look.clone();
+        // Older sessions do not know of it.
+        let album = work.album.take().or_else(|| model.album.take());
+        work.album.clone_from(&album);
+        model.album = album;
         for (pane, view) in self.view.panes.iter_mut().zip(work.views.into_iter().flatten()) {
             pane.set_view(view);
         }

@@ -154,6 +154,8 @@ pub enum Command {
     FoldSide,
     /// Fold the row of overlays away, or bring it back.
     FoldOverlays,
+    /// Fold the small images of the folder away, or bring them back.
+    FoldStrip,
     /// Let the bottom panel take most of the window, or not.
     EnlargeTabs,
     /// Show or hide an overlay.

@@ -42,6 +42,8 @@ pub struct Look {
     pub side_folded: bool,
     /// Whether the row of overlays is folded away.
     pub overlays_folded: bool,
+    /// Whether the small images of the folder are folded away.
+    pub strip_folded: bool,
     /// Whether the names that were given to pairs are shown in the images.
     pub names: bool,
     /// Whether the images are above each other.
@@ -64,6 +66,7 @@ impl Default for Look {
             tabs_enlarged: false,
             side_folded: false,
             overlays_folded: false,
+            strip_folded: false,
             names: true,
             stacked: false,
             compared: Subject::default(),
@@ -101,6 +104,7 @@ struct SavedLook {
     tabs_enlarged: bool,
     side_folded: bool,
     overlays_folded: bool,
+    strip_folded: bool,
     names: bool,
     stacked: bool,
     compared: Subject,
@@ -125,6 +129,7 @@ impl From<Look> for SavedLook {
             tabs_enlarged,
             side_folded,
             overlays_folded,
+            strip_folded,
             names,
             stacked,
             compared,
@@ -142,6 +147,7 @@ impl From<Look> for SavedLook {
             tabs_enlarged,
             side_folded,
             overlays_folded,
+            strip_folded,
             names,
             stacked,
             compared,
@@ -162,6 +168,7 @@ impl From<SavedLook> for Look {
             tabs_enlarged,
             side_folded,
             overlays_folded,
+            strip_folded,
             names,
             stacked,
             compared,
@@ -177,6 +184,7 @@ impl From<SavedLook> for Look {
             tabs_enlarged,
             side_folded,
             overlays_folded,
+            strip_folded,
             names,
             stacked,
             compared,

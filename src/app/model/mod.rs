@@ -5,9 +5,11 @@
 //! | [`document`], [`history`] | what is edited; undo and redo |
 //! | [`point_table`] | the list of point pairs: its order, what is chosen in it, copying and pasting |
 //! | [`open_pair`], [`pair_folder`] | all that belongs to the pictures that are open, and goes with them; the folder they are of |
+//! | [`album`] | what was set on the other pairs of that folder |
 //! | [`computation`] | where the estimate stands |
 //! | [`comparison`], [`inspection`], [`suggesting`], [`rectified`] | what else is found out: the question and its answer |
 //! | [`focus`], [`look`], [`ids`] | what is pointed at and chosen; what is drawn, remembered between runs |
+//! | [`thumbnails`] | small pictures of the images of that folder |
 //! | [`tones`] | how bright and dark the pictures are shown |
 //! | [`shown`] | the geometry that the whole window shows |
 //! | [`command`] | everything that can be done |
@@ -16,6 +18,7 @@
 //! | [`recents`] | what was opened last |
 //! | [`session`], [`exchange`] | what is saved; files from and for other programs |
 
+pub mod album;
 pub mod command;
 pub mod comparison;
 pub mod computation;
@@ -46,11 +49,14 @@ pub mod shared;
 pub mod shown;
 pub mod step;
 pub mod suggesting;
+pub mod thumbnails;
 pub mod tones;
 pub mod truth;
+mod turning;
 mod unclicked;
 pub mod verdict;
 
+use album::Album;
 use document::{Document, PictureIdentity, PointRef};
 use exchange::PendingImport;
 use focus::LineSource;
@@ -65,6 +71,7 @@ use point_table::ChosenEdit;
 use recents::Recents;
 use rectified::WritingProgress;
 use session::{SessionState, Work};
+use thumbnails::Thumbnails;
 use truth::KnownTruth;
 
 use crate::estimate::{Parameters, Preset};
@@ -107,6 +114,8 @@ pub struct Model {
     pub look: Look,
     /// What a click in an image does.
     pub tool: Tool,
+    /// The folder that the pictures are of, with what was set on its other pairs.
+    pub album: Option<Album>,
     /// The session that is open.
     pub session: SessionState,
     /// What the user was told and has not dismissed.
@@ -119,6 +128,8 @@ pub struct Model {
     pub wanted: Option<[usize; 2]>,
     /// The seed of the next random trial.
     pub next_seed: u64,
+    /// The small pictures of the folder that is open.
+    pub thumbnails: Thumbnails,
     /// What was opened last.
     pub recents: Recents,
 }
@@ -138,6 +149,7 @@ impl Model {
         self.history = History::default();
         self.open = OpenPair::new(pictures, known, show_me);
         self.wanted = None;
+        self.album = None;
         let SessionState { copied, last_copy, .. } = std::mem::take(&mut self.session);
         self.session = SessionState { copied, last_copy, ..SessionState::default() };
     }
@@ -214,6 +226,7 @@ impl Model {
             pins: self.pins().collect(),
             views,
             look: self.look.clone(),
+            album: self.album.clone(),
             belongs_to: None,
         }
     }
@@ -222,14 +235,10 @@ impl Model {
         self.open.focus.pins().iter().map(|pin| pin.source)
     }
 
-    /// Whether a person has made nothing since.
-    pub fn is_same_work(&self, work: &Work) -> bool {
-        work.is_same_work(&self.document, self.pins())
-    }
-
     /// Whether there is anything that would be a loss.
     pub fn is_worth_keeping(&self) -> bool {
-        self.document.is_worth_keeping() || self.pins().next().is_some()
+        let elsewhere = self.album.as_ref().is_some_and(|album| !album.pairs().is_empty());
+        elsewhere || self.document.is_worth_keeping() || self.pins().next().is_some()
     }
 
     /// Whether closing now would lose something that saving would keep.

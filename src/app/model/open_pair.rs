@@ -19,6 +19,9 @@ use crate::estimate::Estimate;
 use crate::geometry::{Point, PointPair};
 use crate::suggest::NextClick;
 
+/// A folder, and which of its pairs is open.
+pub type OpenFolder = (Arc<PairFolder>, [usize; 2]);
+
 /// A position under the cursor.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hover {
@@ -40,7 +43,7 @@ pub struct OpenPair {
     /// What is known about the pictures, whether or not it is in use.
     pub known: Option<KnownTruth>,
     /// The folder that they are of, and which of its pairs they are.
-    pub folder: Option<(Arc<PairFolder>, [usize; 2])>,
+    pub folder: Option<OpenFolder>,
     /// What was done last, for the status bar.
     pub done: Option<String>,
     /// Where the estimate stands.

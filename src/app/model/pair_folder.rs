@@ -22,6 +22,7 @@ pub enum PairFolder {
 /// A folder of images about which nothing is known: any two of them are a pair.
 #[derive(Debug, Clone)]
 pub struct ImageFolder {
+    path: PathBuf,
     images: Vec<PathBuf>,
     names: Vec<String>,
 }
@@ -40,7 +41,7 @@ impl PairFolder {
         if claims_truth(&entries) {
             return Err(problem);
         }
-        let images = ImageFolder::new(entries);
+        let images = ImageFolder::new(path, entries);
         match images.images.len() {
             0 => Err(format!("{} has no images in it", path.display())),
             1 => Err(format!("{} has only one image in it, and it takes two", path.display())),
@@ -53,6 +54,14 @@ impl PairFolder {
         match self {
             Self::Known(folder) => Some(folder),
             Self::Images(_) => None,
+        }
+    }
+
+    /// Where it is.
+    pub fn path(&self) -> &Path {
+        match self {
+            Self::Known(folder) => folder.path(),
+            Self::Images(folder) => &folder.path,
         }
     }
 
@@ -106,7 +115,7 @@ impl PairFolder {
 }
 
 impl ImageFolder {
-    fn new(entries: Vec<PathBuf>) -> Self {
+    fn new(path: &Path, entries: Vec<PathBuf>) -> Self {
         let mut images: Vec<PathBuf> = entries.into_iter().filter(|path| is_image(path)).collect();
         images.sort_by_cached_key(|path| natural_key(&file_name(path)));
         let stem = |path: &PathBuf| path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
@@ -117,7 +126,7 @@ impl ImageFolder {
         } else {
             images.iter().map(|path| file_name(path)).collect()
         };
-        Self { images, names }
+        Self { path: path.to_owned(), images, names }
     }
 }
 

@@ -5,6 +5,7 @@ use std::time::{Instant, SystemTime};
 
 use serde::{Deserialize, Serialize};
 
+use super::album::Album;
 use super::document::{Document, PointRef, TruthSource};
 use super::focus::LineSource;
 use super::look::Look;
@@ -31,6 +32,9 @@ pub struct Work {
     /// What is drawn.
     #[serde(default)]
     pub look: Look,
+    /// The folder that the pictures are of, with what was set on its other pairs.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub album: Option<Album>,
     /// The session that unsaved work belongs to, in the program's own copy of it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub belongs_to: Option<PathBuf>,
@@ -60,6 +64,9 @@ impl Work {
         if let Some(TruthSource::Folder { folder, .. }) = &mut content.document.truth {
             *folder = relative(folder, path).into();
         }
+        if let Some(album) = &mut content.album {
+            album.to_session(path);
+        }
         Some(SessionFile {
             images: [reference(&pictures[0])?, reference(&pictures[1])?],
             fundamental: None,
@@ -73,6 +80,9 @@ impl Work {
     pub fn made_valid(mut self, frames: [Frame; 2], path: &Path) -> Self {
         if let Some(TruthSource::Folder { folder, .. }) = &mut self.document.truth {
             *folder = resolve(&folder.to_string_lossy(), path);
+        }
+        if let Some(album) = &mut self.album {
+            album.make_valid(path);
         }
         self.document.keep_within(frames);
         self.views =
@@ -173,7 +183,7 @@ fn state_on_disk(path: &Path) -> Option<(SystemTime, u64)> {
 
 impl Document {
     /// Whether a person made the same of it. What is selected does not count.
-    fn is_same_work(&self, other: &Self) -> bool {
+    pub(super) fn is_same_work(&self, other: &Self) -> bool {
         let Self {
             pictures: _,
             pairs,
@@ -210,7 +220,7 @@ impl Document {
     }
 
     /// Keeps points on images of these sizes, and forgets what refers to points that are not there.
-    fn keep_within(&mut self, frames: [Frame; 2]) {
+    pub(super) fn keep_within(&mut self, frames: [Frame; 2]) {
         self.pairs.truncate(MOST_PAIRS);
         let broken: Vec<_> = (0..self.pairs.len()).filter(|pair| !self.pairs[*pair].is_finite()).collect();
         let selection = self.selection;

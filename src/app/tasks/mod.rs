@@ -10,6 +10,7 @@ mod saver;
 mod services;
 mod session_opening;
 mod task;
+mod thumbnails;
 mod waker;
 mod writing;
 
@@ -34,6 +35,7 @@ use super::model::rectified::{Rectified, RectifyQuestion};
 use super::model::suggesting::{NextClickQuestion, RepairQuestion, Repaired, SuggestQuestion, Suggested};
 use crate::suggest::NextClick;
 use task::{Following, Task, Waiting};
+use thumbnails::Thumbnailing;
 
 /// All of them.
 pub struct Tasks {
@@ -50,6 +52,8 @@ pub struct Tasks {
     rectifying: Following<RectifyQuestion, Rectified>,
     /// Pictures to be opened.
     pub loader: Loader,
+    /// Small pictures of the folder.
+    pub thumbnailing: Thumbnailing,
     /// Files to be imported.
     pub importing: Importing,
     /// The rectified pair to be written.
@@ -115,6 +119,7 @@ impl Tasks {
             repairing,
             rectifying: Following::keeping(rectifying),
             loader: Loader::new(waker.clone()),
+            thumbnailing: Thumbnailing::new(waker.clone()),
             importing: Importing::new(waker.clone()),
             writing: Writing::new(waker.clone()),
             saver: Saver::new(waker.clone()),
@@ -127,6 +132,7 @@ impl Tasks {
 
     /// Takes in what was found out about the pictures that are open.
     pub fn take(&mut self, model: &mut Model) {
+        self.thumbnailing.take(&mut model.thumbnails);
         let open = &mut model.open;
         self.estimating.take(&mut open.computation);
         self.inspecting.take(&mut open.inspection);
@@ -173,6 +179,7 @@ impl Tasks {
     /// Whether something is under way that the window waits for, besides the estimate.
     pub fn is_busy(&self) -> bool {
         self.loader.is_busy()
+            || self.thumbnailing.is_busy()
             || self.suggesting.is_busy()
             || self.advising.is_busy()
             || self.repairing.is_busy()

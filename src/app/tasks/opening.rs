@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use crate::app::model::document::{Side, TruthSource};
+use crate::app::model::open_pair::OpenFolder;
 use crate::app::model::pair_folder::PairFolder;
 use crate::app::model::picture::Opened;
 use crate::app::model::sample::sample_pair;
@@ -26,9 +27,6 @@ pub enum Opening {
     /// A session.
     Session(PathBuf),
 }
-
-/// A folder, and which of its pairs is open.
-pub type OpenFolder = (Arc<PairFolder>, [usize; 2]);
 
 /// What an opening gives.
 pub struct LoadedPair {

@@ -3,8 +3,10 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use super::opening::{LoadedPair, OpenFolder, OpeningFailure, Reading, sample};
+use super::opening::{LoadedPair, OpeningFailure, Reading, sample};
+use crate::app::model::album::Album;
 use crate::app::model::document::{Side, TruthSource};
+use crate::app::model::open_pair::OpenFolder;
 use crate::app::model::pair_folder::PairFolder;
 use crate::app::model::session::{Lost, OpenSession, Relocation, Restored, Work};
 use crate::app::model::shared::Shared;
@@ -72,6 +74,14 @@ pub fn open_session(session: OpenSession, reading: &mut Reading) -> Result<Loade
             }
         }
     }
+    if let Some(album) = work.album.as_ref().filter(|_| pair.folder.is_none()) {
+        match views(album) {
+            Ok((known, folder)) => (pair.known, pair.folder) = (known, Some(folder)),
+            Err(problem) => notes.push(format!(
+                "The other images of the session cannot be shown: {problem}. What was set on them stays in the session."
+            )),
+        }
+    }
     pair.uses_truth = work.document.truth.is_some();
     pair.restored = Some(Box::new(Restored { session, work, notes }));
     Ok(pair)
@@ -90,6 +100,21 @@ fn place(image: &ImageReference, session: &OpenSession, k: usize) -> Option<Loca
 
 fn is_known_sample(image: &ImageReference) -> bool {
     matches!(&image.source, ImageSource::Sample { sample } if sample == Sample::default().name())
+}
+
+/// The folder of a session, with what is known about the pair that was open.
+fn views(album: &Album) -> Result<(Option<KnownTruth>, OpenFolder), String> {
+    let folder = PairFolder::open(album.folder())?;
+    let missing = || format!("{} has not the images that were open", shown_path(album.folder()));
+    let pair = album.pair_in(&folder).ok_or_else(missing)?;
+    let known = folder.known().and_then(|truths| {
+        let source = TruthSource::Folder {
+            folder: truths.path().to_owned(),
+            views: pair.map(|view| truths.names()[view].clone()),
+        };
+        Some(KnownTruth { truth: Shared::new(truths.truth(pair).ok()?), source })
+    });
+    Ok((known, (Arc::new(folder), pair)))
 }
 
 /// The ground truth of two views of a folder.

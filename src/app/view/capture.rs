@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 use egui::{ColorImage, Context, Rect};
 
 use crate::app::model::exchange::{ExportContent, ViewPart};
-use crate::io::{PictureFormat, encode_picture};
+use crate::io::{PictureFormat, TrustNote, described, encode_picture};
 
 /// A screen that takes longer than this has no picture to give.
 const PATIENCE: Duration = Duration::from_secs(5);
@@ -76,10 +76,17 @@ impl ViewCapture {
 }
 
 /// The view as it was on the screen; `part` in screen points.
-pub fn picture(screen: Arc<ColorImage>, part: Option<Rect>, pixels_per_point: f32) -> ExportContent {
+/// `trust` is how far its geometry is to be trusted.
+pub fn picture(
+    screen: Arc<ColorImage>,
+    part: Option<Rect>,
+    pixels_per_point: f32,
+    trust: Option<TrustNote>,
+) -> ExportContent {
     Box::new(move || {
         let picture = cut(&screen, part, pixels_per_point).into();
-        encode_picture(&picture, PictureFormat::Png).map_err(|error| error.to_string())
+        let png = encode_picture(&picture, PictureFormat::Png).map_err(|error| error.to_string())?;
+        Ok(trust.iter().fold(png, |png, trust| described(png, &trust.in_words())))
     })
 }
 

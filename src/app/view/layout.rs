@@ -2,6 +2,7 @@
 
 use egui::{CentralPanel, Context, Frame, Margin, Panel, Rect, Sense, Ui, UiBuilder};
 
+use super::actions::conditions::has_strip;
 use super::capture::ViewCapture;
 use super::dialogs::Dialogs;
 use super::panels;
@@ -23,6 +24,8 @@ pub struct View {
     pub dialogs: Dialogs,
     /// The picture of the window that is being taken.
     pub capture: ViewCapture,
+    /// The small images of the folder.
+    pub strip: panels::FilmStrip,
     /// Where both images are in the window, screen points.
     pub images: Option<Rect>,
     title: String,
@@ -34,6 +37,7 @@ impl Default for View {
             panes: Side::BOTH.map(ImagePane::new),
             dialogs: Dialogs::default(),
             capture: ViewCapture::default(),
+            strip: panels::FilmStrip::default(),
             images: None,
             title: String::new(),
         }
@@ -95,6 +99,19 @@ impl View {
             ui.set_min_height(28.0);
             panels::guide_bar(ui, model, commands);
         });
+        let strip = model.folder().filter(|_| has_strip(model) && !model.look.strip_folded);
+        let room_for_legend = ROOM_FOR_LEGEND + strip.map_or(0.0, |_| panels::FilmStrip::height(height));
+        match strip {
+            Some(folder) => {
+                let strip = bar(ui).inner_margin(Margin::symmetric(8, 3));
+                Panel::top("images of the folder")
+                    .frame(strip)
+                    .resizable(false)
+                    .exact_size(panels::FilmStrip::height(height))
+                    .show(ui, |ui| self.strip.show(ui, model, folder, commands));
+            }
+            None => self.strip.hide(),
+        }
         Panel::bottom("status").frame(bar(ui)).show(ui, |ui| {
             panels::status(ui, model, commands);
         });
@@ -146,7 +163,7 @@ impl View {
         // A low window has better use for the space; the menu View has every overlay too.
         let enlarged = model.tab().is_some() && model.look.tabs_enlarged;
         let wanted = model.document.pictures.is_some() && !model.look.overlays_folded;
-        if wanted && height > ROOM_FOR_LEGEND && !enlarged {
+        if wanted && height > room_for_legend && !enlarged {
             let strip = bar(ui).inner_margin(Margin::symmetric(8, 3));
             Panel::bottom("legend").frame(strip).show(ui, |ui| panels::legend(ui, model, commands));
         }

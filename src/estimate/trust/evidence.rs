@@ -16,9 +16,11 @@ pub const FAR_TOO_FEW: usize = 25;
 /// A click farther off its line than this many standard deviations (Sampson distance) is a mistake, or the result is.
 pub const CLICK_DEVIATIONS: f64 = 4.0;
 /// A click farther off than this makes the result unreliable unless everything else speaks for it.
-const CLICK_DEVIATIONS_WRONG: f64 = 12.0;
+pub(in crate::estimate) const CLICK_DEVIATIONS_WRONG: f64 = 12.0;
 /// Smallest advantage over a clearly different geometry with which a result is called reliable.
 pub const CLEAR_MARGIN: f64 = 0.2;
+/// Below this advantage a result is a guess.
+pub(in crate::estimate) const GUESS: f64 = 0.05;
 /// Share of the matches on one plane from which on the epipoles hang on a handful of matches.
 const ONE_PLANE: f64 = 0.95;
 /// Share from which on what lies off the plane has to hold the epipoles by itself.

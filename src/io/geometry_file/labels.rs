@@ -61,6 +61,14 @@ pub struct TrustNote {
     pub reasons: Vec<String>,
 }
 
+impl TrustNote {
+    /// All of it in one line.
+    pub fn in_words(&self) -> String {
+        let verdict = std::iter::once(format!("The geometry is {}.", self.verdict));
+        verdict.chain(self.reasons.iter().cloned()).collect::<Vec<_>>().join(" ")
+    }
+}
+
 impl From<&Trust> for TrustNote {
     fn from(trust: &Trust) -> Self {
         let reasons = trust.reasons.iter().map(ToString::to_string).collect();

@@ -19,7 +19,7 @@ use crate::rectify::RectifyMethod;
 
 pub use parts::{
     Checked, HalfPair, Imported, PairNote, PictureIdentity, PointRef, Role, Side, Trial, TruthSource,
-    pair_name,
+    counted, pair_name,
 };
 
 /// Everything a person can change and undo.

@@ -182,3 +182,8 @@ pub fn pair_name(pair: usize) -> String {
         more => (more + 1).to_string(),
     }
 }
+
+/// So many point pairs, in words.
+pub fn counted(pairs: usize) -> String {
+    if pairs == 1 { "1 point pair".to_owned() } else { format!("{pairs} point pairs") }
+}

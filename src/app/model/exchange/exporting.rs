@@ -6,6 +6,7 @@ use super::table;
 use crate::app::model::Model;
 use crate::app::model::comparison::Contestant;
 use crate::app::model::computation::Freshness;
+use crate::app::model::document::counted;
 use crate::app::model::rectified::RectifyQuestion;
 use crate::app::model::verdict::{Tone, VerdictInWords, import_warning, verdict};
 use crate::estimate::PlaneHomography;
@@ -102,7 +103,9 @@ pub fn content(
         }
         ExportKind::Profile => {
             let inspection = model.open.inspection.as_ref().ok_or_else(nothing)?.clone();
-            let content: ExportContent = Box::new(move || Ok(profile::csv(&inspection).into_bytes()));
+            let trust = trust_note(model);
+            let content: ExportContent =
+                Box::new(move || Ok(profile::csv(&inspection, trust.as_ref()).into_bytes()));
             (content, "the profile of the inspected line pair".to_owned())
         }
         ExportKind::Figure | ExportKind::View => return Err("This is drawn, not composed.".to_owned()),
@@ -112,10 +115,6 @@ pub fn content(
 /// What is certain of the result where its epipoles are not.
 fn plane(model: &Model) -> Option<PlaneHomography> {
     model.open.computation.result().and_then(|(estimate, _)| estimate.assessment.plane)
-}
-
-fn counted(pairs: usize) -> String {
-    if pairs == 1 { "1 point pair".to_owned() } else { format!("{pairs} point pairs") }
 }
 
 fn notes(model: &Model) -> Option<[ImageNote; 2]> {

@@ -71,7 +71,7 @@ impl ExportKind {
             Self::Report => "The result of the estimate: F, verdict, figures, matches, parameters, times.",
             Self::Profile => "Intensities, shifts and costs along the inspected line pair, as a table.",
             Self::Figure => {
-                "Both images with the overlays that are shown, for a paper: as SVG with lines and letters, or as PNG of any size."
+                "Both images with the overlays that are shown, for a paper: as SVG or PDF with lines and letters, or as PNG of any size."
             }
             Self::View => "What is on the screen, as a picture.",
         }
@@ -94,8 +94,21 @@ pub enum FigureFormat {
     /// The images as PNG inside it, lines and letters as such.
     #[default]
     Svg,
+    /// The same for programs that set type.
+    Pdf,
     /// Pixels.
     Png,
+}
+
+impl FigureFormat {
+    /// The extension of its files, without a dot.
+    pub fn extension(self) -> &'static str {
+        match self {
+            Self::Svg => "svg",
+            Self::Pdf => "pdf",
+            Self::Png => "png",
+        }
+    }
 }
 
 /// What is on a figure.

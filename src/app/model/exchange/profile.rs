@@ -3,6 +3,7 @@
 use std::fmt::Write;
 
 use crate::app::model::inspection::Inspection;
+use crate::io::TrustNote;
 
 /// What the columns mean, a sentence a line.
 pub const CONVENTION: [&str; 3] = [
@@ -12,12 +13,18 @@ pub const CONVENTION: [&str; 3] = [
 ];
 
 /// Comma-separated values, one row a sample of the left line. Comment lines begin with `#`.
-pub fn csv(inspection: &Inspection) -> String {
+pub fn csv(inspection: &Inspection, trust: Option<&TrustNote>) -> String {
     let mut text = String::from("# Intensities along two lines, written by epiline ");
     text.push_str(env!("CARGO_PKG_VERSION"));
     text.push('\n');
     for sentence in CONVENTION {
         let _ = writeln!(text, "# {sentence}");
+    }
+    if let Some(trust) = trust {
+        let _ = writeln!(text, "# The geometry shown, which the lines may come from, is {}.", trust.verdict);
+        for reason in &trust.reasons {
+            let _ = writeln!(text, "#   {reason}");
+        }
     }
     text.push_str("distance,x1,y1,left,right_unmatched,shift,x2,y2,right_matched,cost\n");
     let warped = &inspection.warped;

@@ -13,6 +13,7 @@ use pasting::{is_name_of_a_place, parse_table};
 
 use super::document::Role;
 use super::history::Step;
+use super::verdict::Gauge;
 use super::{EditKey, Model};
 use crate::geometry::{PointPair, symmetric_epipolar_distance};
 use crate::io::PairOrigin;
@@ -53,6 +54,12 @@ impl Model {
     pub fn pair_distance(&self, pair: usize) -> Option<f64> {
         let distance = symmetric_epipolar_distance(self.shown()?.fundamental, self.document.pairs.get(pair)?);
         distance.is_finite().then_some(distance)
+    }
+
+    /// Where that lies between bad and good.
+    pub fn pair_gauge(&self, pair: usize) -> Option<Gauge> {
+        let sigma = self.document.parameters.click_sigma;
+        Some(Gauge::of_click(self.shown()?.fundamental, self.document.pairs.get(pair)?, sigma))
     }
 
     /// Sorts the list.

@@ -2,9 +2,10 @@
 
 use std::f64::consts::PI;
 
+use super::gauge::{Figure, Gauge, HypothesisScales};
 use crate::app::model::computation::Freshness;
 use crate::app::model::document::{Document, Imported};
-use crate::estimate::{CLEAR_MARGIN, ENOUGH_MATCHES, Estimate, FAR_TOO_FEW, LineScore};
+use crate::estimate::{Estimate, LineScore, Scale};
 use crate::geometry::{Frame, FundamentalMatrix, HomogeneousPoint, finite_point};
 
 /// How the news is.
@@ -23,27 +24,39 @@ pub enum Tone {
 }
 
 /// A figure with its name.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Fact {
     /// What it is.
     pub name: &'static str,
     /// The figure with its unit.
     pub value: String,
-    /// What it means, and what is good and bad.
+    /// What it means.
     pub tooltip: &'static str,
     /// Whether it speaks for the result, where there is a measure for that.
     pub tone: Option<Tone>,
+    /// Where it lies between bad and good.
+    pub gauge: Option<Gauge>,
 }
 
 impl Fact {
     /// A figure without a measure of good and bad.
     pub fn new(name: &'static str, value: impl Into<String>, tooltip: &'static str) -> Self {
-        Self { name, value: value.into(), tooltip, tone: None }
+        Self { name, value: value.into(), tooltip, tone: None, gauge: None }
+    }
+
+    /// With where it lies between bad and good.
+    #[must_use]
+    fn on(self, gauge: Option<Gauge>) -> Self {
+        Self { tone: gauge.as_ref().and_then(|gauge| gauge.tone), gauge, ..self }
+    }
+
+    /// What it means, with what is good and bad.
+    pub fn explained(&self) -> String {
+        self.gauge
+            .as_ref()
+            .map_or_else(|| self.tooltip.to_owned(), |gauge| format!("{}\n{}", self.tooltip, gauge.words))
     }
 }
-
-/// Below this margin a result is a guess.
-const GUESS: f64 = 0.05;
 
 /// What is known about a geometry from a file.
 pub fn import_facts(imported: &Imported) -> Vec<Fact> {
@@ -77,24 +90,23 @@ pub fn facts(document: &Document, estimate: &Estimate, freshness: Freshness) -> 
     facts.extend((freshness == Freshness::Final).then(|| margin(estimate)));
     if let Some(refinement) = &estimate.assessment.refinement {
         let count = refinement.matches.len();
-        let tone = grade(count >= ENOUGH_MATCHES, count >= FAR_TOO_FEW);
-        facts.push(Fact {
-            tone: Some(tone).filter(|_| count > 0),
-            ..Fact::new(
-                "Matches",
-                format!("{count} patches at full size"),
-                "Image patches that were matched along the epipolar lines at full resolution; the result was fitted to \
-                 them. 60 or more are enough, fewer than 25 far too few.",
-            )
-        });
+        let fact = Fact::new(
+            "Matches",
+            format!("{count} patches at full size"),
+            "Image patches that were matched along the epipolar lines at full resolution; the result was fitted to them.",
+        );
+        let gauge = Gauge::judged(Scale::MATCHES, count as f64, |v| format!("{v:.0}"));
+        facts.push(fact.on(Some(gauge).filter(|_| count > 0)));
     }
-    facts.extend(line_figures(document, estimate));
+    // Before the end it is not known which of the hypotheses is the rival.
+    let scales = (freshness == Freshness::Final)
+        .then(|| HypothesisScales::new(estimate, document.parameters.validation.line_score));
+    let gauge = |figure: Figure| scales.as_ref()?.of_result(figure, figure.of(estimate));
+    facts.extend(line_figures(document, estimate, &gauge));
     if let Some(support) = &estimate.assessment.support {
-        facts.push(Fact::new(
-            "Support",
-            format!("{:.1}, over {} corners", support.score, support.matches),
-            SUPPORT,
-        ));
+        let value = format!("{:.1}, over {} corners", support.score, support.matches);
+        let gauge = scales.as_ref().and_then(|scales| scales.of_result(Figure::Support, support.score));
+        facts.push(Fact::new("Support", value, SUPPORT).on(gauge));
     }
     if let Some(trace) = &estimate.trace {
         facts.push(Fact::new(
@@ -119,15 +131,13 @@ fn margin(estimate: &Estimate) -> Fact {
     let refined = estimate.assessment.refined_margin;
     let decides = refined.unwrap_or(margin);
     let after = refined.map_or(String::new(), |refined| format!(", {:.0} % refined", refined * 100.0));
-    Fact {
-        tone: Some(grade(decides >= CLEAR_MARGIN, decides >= GUESS)),
-        ..Fact::new("Margin", format!("{:.0} %{rival}{after}", margin * 100.0), MARGIN)
-    }
+    let gauge = Gauge::judged(Scale::MARGIN, decides, |v| format!("{:.0} %", v * 100.0));
+    Fact::new("Margin", format!("{:.0} %{rival}{after}", margin * 100.0), MARGIN).on(Some(gauge))
 }
 
 const MARGIN: &str = "How much less support the best clearly different geometry has than hypothesis 1, from which the result was \
-                      refined; of the published search, how much worse its line score is. 20 % or more is clear, a few \
-                      percent mean that the result is a guess. Where it is not clear, the rivals are refined, too, and \
+                      refined; of the published search, how much worse its line score is. A small one means that the \
+                      result is a guess. Where it is not clear, the rivals are refined, too, and \
                       the margin after that decides. The tab Hypotheses marks the rival.";
 
 /// The hypothesis whose figure beside that of the first one makes the margin, by its place in the list.
@@ -144,20 +154,15 @@ pub fn rival(estimate: &Estimate) -> Option<usize> {
     others.iter().position(is_it).map(|place| place + 1)
 }
 
-fn grade(is_good: bool, is_fair: bool) -> Tone {
-    match (is_good, is_fair) {
-        (true, _) => Tone::Good,
-        (false, true) => Tone::Caution,
-        (false, false) => Tone::Bad,
-    }
-}
-
-/// The figures of a hypothesis that is shown in place of the result.
-pub fn hypothesis_facts(document: &Document, hypothesis: &Estimate) -> Vec<Fact> {
+/// The figures of a hypothesis that is shown in place of the result, which it was found with.
+pub fn hypothesis_facts(document: &Document, hypothesis: &Estimate, of: Option<&Estimate>) -> Vec<Fact> {
+    let scales = of.map(|of| HypothesisScales::new(of, document.parameters.validation.line_score));
     let mut facts = epipoles(document, hypothesis.fundamental());
-    facts.extend(line_figures(document, hypothesis));
+    let gauge = |figure: Figure| scales.as_ref()?.gauge(figure, figure.of(hypothesis));
+    facts.extend(line_figures(document, hypothesis, &gauge));
     if let Some(support) = hypothesis.support_score() {
-        facts.push(Fact::new("Support", format!("{support:.1}"), SUPPORT));
+        let gauge = gauge(Figure::Support);
+        facts.push(Fact::new("Support", format!("{support:.1}"), SUPPORT).on(gauge));
     }
     facts
 }
@@ -180,7 +185,11 @@ pub fn epipoles(document: &Document, f: &FundamentalMatrix) -> Vec<Fact> {
 }
 
 /// What the lines say; the first result of a computation has neither figure yet.
-fn line_figures(document: &Document, estimate: &Estimate) -> impl Iterator<Item = Fact> {
+fn line_figures(
+    document: &Document,
+    estimate: &Estimate,
+    gauge: &dyn Fn(Figure) -> Option<Gauge>,
+) -> impl Iterator<Item = Fact> + use<> {
     let score = estimate.line_score().map(|score| match document.parameters.validation.line_score {
         LineScore::AgainstMismatched => Fact::new(
             "Line score",
@@ -195,6 +204,7 @@ fn line_figures(document: &Document, estimate: &Estimate) -> impl Iterator<Item 
              images: compare it with those of the other hypotheses.",
         ),
     });
+    let score = score.map(|fact| fact.on(gauge(Figure::LineScore)));
     let area = estimate.assessment.lines.as_ref().and_then(|lines| lines.round_trip_area);
     let round_trip = area.map(|area| {
         Fact::new(
@@ -204,6 +214,7 @@ fn line_figures(document: &Document, estimate: &Estimate) -> impl Iterator<Item 
              image and back: a figure of the published search, to compare its hypotheses by. The verdict rests on \
              the matches, and a good result may have a large one.",
         )
+        .on(gauge(Figure::RoundTrip))
     });
     score.into_iter().chain(round_trip)
 }

@@ -1,6 +1,7 @@
 //! The result in words: a headline, the figures behind it, and what to know about it.
 
 mod facts;
+mod gauge;
 #[cfg(test)]
 mod tests;
 
@@ -11,9 +12,10 @@ use crate::geometry::{FundamentalMatrix, sampson_distance, symmetric_epipolar_di
 
 use facts::facts;
 pub use facts::{Fact, Tone, epipole_text, epipoles, hypothesis_facts, import_facts, line_score_text, rival};
+pub use gauge::{Figure, Gauge, HypothesisScales};
 
 /// What to say about the state of the estimate.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct VerdictInWords {
     /// How the news is.
     pub tone: Tone,

@@ -7,6 +7,11 @@ pub fn has_neighbour(model: &Model, forward: bool) -> bool {
     model.folder().is_some_and(|(folder, pair)| folder.neighbour(pair, forward).is_some())
 }
 
+/// Whether the folder that is open has more images than those that are.
+pub fn has_strip(model: &Model) -> bool {
+    model.folder().is_some_and(|(folder, _)| folder.names().len() > 2)
+}
+
 pub fn is_published_search(model: &Model) -> bool {
     model.document.parameters.search == Search::Lines
 }

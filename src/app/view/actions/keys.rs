@@ -3,7 +3,7 @@
 use egui::{Key, Modifiers};
 
 use super::action::{Action, action, tab};
-use super::conditions::{has_neighbour, has_rectified};
+use super::conditions::{has_neighbour, has_rectified, has_strip};
 use crate::app::model::Model;
 use crate::app::model::command::{Command, ExchangeCommand, SessionCommand};
 use crate::app::model::ids::TabId;
@@ -176,6 +176,13 @@ pub fn with_keys() -> Vec<Action> {
         )
         .key(NONE, Key::O)
         .listed(|_| "Hide or show the overlay row"),
+        action(
+            Command::FoldStrip,
+            "Hide or show the images of the folder",
+            "Fold the small images of the folder away, or bring them back.",
+        )
+        .key(NONE, Key::A)
+        .when(has_strip),
         tab(
             TabId::Points,
             Key::Num1,

@@ -2,7 +2,7 @@
 //! is a variant of [`Command`], an entry in a file here, and an arm where commands are applied.
 
 mod action;
-mod conditions;
+pub mod conditions;
 mod dialogs;
 mod keys;
 mod named;

@@ -15,7 +15,8 @@ use crate::rectify::RectifyMethod;
 #[expect(clippy::too_many_lines, reason = "it is a table")]
 pub fn by_name() -> Vec<Action> {
     let methods = "The published search finds the geometry from two pairs, or from three, which is faster and steadier.";
-    let presets = "Robust measured best on real images; Paper follows the published method to the letter.";
+    let presets =
+        "Robust measured best on real images; As published follows the paper to the letter (--preset paper).";
     let layouts = "Show the rectified pictures side by side, by turns, red and cyan, with a wipe, or how far things are apart.";
     let layout = |layout| action(RectifiedCommand::LayOut(layout), "Layout of the rectified pair", layouts);
     vec![

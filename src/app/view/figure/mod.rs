@@ -1,8 +1,10 @@
 //! Both images with what is drawn over them as a figure for a paper.
 //!
-//! The overlays draw as they do in the window, but onto a sheet of paper: what they drew is one list, from which the SVG
-//! and the PNG come.
+//! The overlays draw as they do in the window, but onto a sheet of paper: what they drew is one list, from which the SVG,
+//! the PDF and the PNG come.
 
+mod pdf;
+mod pieces;
 mod raster;
 mod sheet;
 mod svg;
@@ -22,6 +24,7 @@ pub fn figure(
     // The letters are in the context that wrote them, and it does the same in another thread.
     Some(Box::new(move || match format {
         FigureFormat::Svg => svg::write(&sheet),
+        FigureFormat::Pdf => pdf::write(&sheet),
         FigureFormat::Png => raster::write(&sheet),
     }))
 }

@@ -6,7 +6,7 @@ use image::imageops::{FilterType, overlay, resize};
 use image::{Rgba, RgbaImage};
 
 use super::sheet::Sheet;
-use crate::io::{PictureFormat, encode_picture};
+use crate::io::{PictureFormat, described, encode_picture};
 
 /// The whole file.
 pub fn write(sheet: &Sheet) -> Result<Vec<u8>, String> {
@@ -23,8 +23,9 @@ pub fn write(sheet: &Sheet) -> Result<Vec<u8>, String> {
             draw(&mut canvas, mesh, sheet.letters.get(&mesh.texture_id), sheet.scale, clip);
         }
     }
-    encode_picture(&image::DynamicImage::from(canvas).into_rgb8().into(), PictureFormat::Png)
-        .map_err(|e| e.to_string())
+    let png = encode_picture(&image::DynamicImage::from(canvas).into_rgb8().into(), PictureFormat::Png)
+        .map_err(|e| e.to_string())?;
+    Ok(sheet.trust.iter().fold(png, |png, trust| described(png, &trust.in_words())))
 }
 
 /// Draws what is seen of an image in its place.

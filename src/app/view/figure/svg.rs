@@ -4,9 +4,9 @@ use std::fmt::Write;
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use egui::epaint::{Mesh, PathShape, RectShape, TextShape};
-use egui::{Color32, Pos2, Shape, Stroke};
+use egui::{Color32, Pos2, Stroke};
 
+use super::pieces::{Piece, take_apart};
 use super::sheet::Sheet;
 use crate::io::{PictureFormat, encode_picture};
 
@@ -18,8 +18,7 @@ pub fn write(sheet: &Sheet) -> Result<Vec<u8>, String> {
     );
     let _ = writeln!(text, "<title>{}</title>", escaped(&sheet.title));
     if let Some(trust) = &sheet.trust {
-        let reasons = escaped(&trust.reasons.join(" "));
-        let _ = writeln!(text, "<desc>The geometry is {}. {reasons}</desc>", escaped(&trust.verdict));
+        let _ = writeln!(text, "<desc>{}</desc>", escaped(&trust.in_words()));
     }
     let background = paint("fill", sheet.background);
     let _ = writeln!(text, "<rect width=\"100%\" height=\"100%\" {background}/>");
@@ -46,7 +45,7 @@ pub fn write(sheet: &Sheet) -> Result<Vec<u8>, String> {
             STANDARD.encode(png)
         );
         for clipped in sheet.shapes().filter(|clipped| area.expand(0.5).contains_rect(clipped.clip_rect)) {
-            shape(&mut text, &clipped.shape);
+            take_apart(&clipped.shape, &mut |piece| write_piece(&mut text, piece));
         }
         text.push_str("</g>\n");
     }
@@ -54,93 +53,49 @@ pub fn write(sheet: &Sheet) -> Result<Vec<u8>, String> {
     Ok(text.into_bytes())
 }
 
-fn shape(text: &mut String, shape: &Shape) {
-    match shape {
-        Shape::Vec(shapes) => shapes.iter().for_each(|inner| self::shape(text, inner)),
-        Shape::LineSegment { points: [a, b], stroke } => {
-            let _ = writeln!(
-                text,
-                "<line x1=\"{:.2}\" y1=\"{:.2}\" x2=\"{:.2}\" y2=\"{:.2}\" {}/>",
-                a.x,
-                a.y,
-                b.x,
-                b.y,
-                stroked(*stroke)
-            );
+fn write_piece(text: &mut String, piece: Piece) {
+    let _ = match piece {
+        Piece::Line([a, b], stroke) => writeln!(
+            text,
+            "<line x1=\"{:.2}\" y1=\"{:.2}\" x2=\"{:.2}\" y2=\"{:.2}\" {}/>",
+            a.x,
+            a.y,
+            b.x,
+            b.y,
+            stroked(stroke)
+        ),
+        Piece::Circle { centre, radius, fill, stroke } => writeln!(
+            text,
+            "<circle cx=\"{:.2}\" cy=\"{:.2}\" r=\"{radius:.2}\" {} {}/>",
+            centre.x,
+            centre.y,
+            paint("fill", fill),
+            stroked(stroke)
+        ),
+        Piece::Rect { rect, rounding, fill, stroke } => writeln!(
+            text,
+            "<rect x=\"{:.2}\" y=\"{:.2}\" width=\"{:.2}\" height=\"{:.2}\" rx=\"{rounding}\" {} {}/>",
+            rect.min.x,
+            rect.min.y,
+            rect.width(),
+            rect.height(),
+            paint("fill", fill),
+            stroked(stroke)
+        ),
+        Piece::Path { points, closed, fill, stroke } => {
+            let element = if closed { "polygon" } else { "polyline" };
+            let (fill, stroke) = (paint("fill", fill), stroked(stroke));
+            writeln!(text, "<{element} points=\"{}\" {fill} {stroke}/>", list(points))
         }
-        Shape::Circle(circle) => {
-            let (centre, fill) = (circle.center, paint("fill", circle.fill));
-            let _ = writeln!(
-                text,
-                "<circle cx=\"{:.2}\" cy=\"{:.2}\" r=\"{:.2}\" {fill} {}/>",
-                centre.x,
-                centre.y,
-                circle.radius,
-                stroked(circle.stroke)
-            );
-        }
-        Shape::Rect(RectShape { rect, corner_radius, fill, stroke, .. }) => {
-            let _ = writeln!(
-                text,
-                "<rect x=\"{:.2}\" y=\"{:.2}\" width=\"{:.2}\" height=\"{:.2}\" rx=\"{}\" {} {}/>",
-                rect.min.x,
-                rect.min.y,
-                rect.width(),
-                rect.height(),
-                corner_radius.nw,
-                paint("fill", *fill),
-                stroked(*stroke)
-            );
-        }
-        Shape::Path(PathShape { points, closed, fill, stroke }) => {
-            let element = if *closed { "polygon" } else { "polyline" };
-            let color = match &stroke.color {
-                egui::epaint::ColorMode::Solid(color) => *color,
-                egui::epaint::ColorMode::UV(_) => Color32::TRANSPARENT,
-            };
-            let stroke = stroked(Stroke::new(stroke.width, color));
-            let _ =
-                writeln!(text, "<{element} points=\"{}\" {} {stroke}/>", list(points), paint("fill", *fill));
-        }
-        Shape::Mesh(mesh) => triangles(text, mesh),
-        Shape::Text(letters) => write_text(text, letters),
-        // Nothing else is drawn over the images.
-        _ => {}
-    }
-}
-
-fn triangles(text: &mut String, mesh: &Mesh) {
-    for corners in mesh.indices.as_chunks::<3>().0 {
-        let corners = corners.map(|k| mesh.vertices[k as usize]);
-        let channel =
-            |k: usize| (corners.iter().map(|v| u32::from(v.color.to_array()[k])).sum::<u32>() / 3) as u8;
-        let color = Color32::from_rgba_premultiplied(channel(0), channel(1), channel(2), channel(3));
-        if color.a() > 0 {
-            let points = corners.map(|corner| corner.pos);
-            let _ = writeln!(text, "<polygon points=\"{}\" {}/>", list(&points), paint("fill", color));
-        }
-    }
-}
-
-fn write_text(text: &mut String, letters: &TextShape) {
-    let galley = &letters.galley;
-    let format = galley.job.sections.first().map(|section| &section.format);
-    let color = letters.override_text_color.or(format.map(|format| format.color)).unwrap_or(Color32::WHITE);
-    let color = if color == Color32::PLACEHOLDER { letters.fallback_color } else { color };
-    let size = format.map_or(13.0, |format| format.font_id.size);
-    for row in &galley.rows {
-        let Some(glyph) = row.row.glyphs.first() else { continue };
-        let at = letters.pos + row.pos.to_vec2() + glyph.pos.to_vec2();
-        let words: String = row.row.glyphs.iter().map(|glyph| glyph.chr).collect();
-        let _ = writeln!(
+        Piece::Letters { at, size, color, words } => writeln!(
             text,
             "<text x=\"{:.2}\" y=\"{:.2}\" font-size=\"{size}\" {}>{}</text>",
             at.x,
             at.y,
             paint("fill", color),
             escaped(&words)
-        );
-    }
+        ),
+    };
 }
 
 fn list(points: &[Pos2]) -> String {

@@ -5,6 +5,8 @@ mod busy;
 mod dialog;
 mod exchange;
 mod export_dialog;
+mod film_strip;
+mod gauge;
 mod guide_bar;
 mod legend;
 mod messages;
@@ -29,6 +31,7 @@ use crate::app::view::keyboard::key_text;
 
 pub use exchange::{FileExport, ReadingDialog};
 pub use export_dialog::ExportDialog;
+pub use film_strip::FilmStrip;
 pub use open_dialog::OpenDialog;
 pub use pair_menu::show as pair_menu;
 pub use palette::CommandPalette;

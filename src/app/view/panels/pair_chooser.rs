@@ -1,11 +1,11 @@
 //! The pairs of the folder that is open, and what can be done with its ground truth, if it has any.
 
-use egui::{Button, ComboBox, Ui};
+use egui::{Button, ComboBox, ScrollArea, Ui};
 
 use super::{command_button, finish_button};
 use crate::app::model::Model;
 use crate::app::model::command::Command;
-use crate::app::model::document::Side;
+use crate::app::model::document::{Side, counted};
 use crate::app::model::pair_folder::PairFolder;
 use crate::evaluate::Protocol;
 
@@ -25,6 +25,28 @@ pub fn show(ui: &mut Ui, model: &Model, folder: &PairFolder, pair: [usize; 2], c
         pair_chooser(ui, folder, pair, commands);
     }
     step(ui, folder, pair, false, commands);
+    kept_pairs(ui, model, folder, commands);
+}
+
+/// The pairs on which something was set, to go back to.
+fn kept_pairs(ui: &mut Ui, model: &Model, folder: &PairFolder, commands: &mut Vec<Command>) {
+    let kept = model.kept_pairs();
+    if kept.is_empty() {
+        return;
+    }
+    let menu = ui.menu_button(format!("Kept: {}", kept.len()), |ui| {
+        ScrollArea::vertical().show(ui, |ui| {
+            for pair in kept {
+                let name = format!("{}: {}", folder.pair_name(pair), counted(model.points_on(pair)));
+                if ui.button(name).clicked() {
+                    commands.push(Command::OpenViews(pair));
+                }
+            }
+        });
+    });
+    menu.response.on_hover_text(
+        "The other pairs on which you placed points or pinned lines. They are kept in this session and saved with it.",
+    );
 }
 
 /// The switch of the ground truth and the random trial, from the right.

@@ -38,6 +38,7 @@ fn group(command: &Command) -> &'static str {
         | Command::FoldTabs
         | Command::FoldSide
         | Command::FoldOverlays
+        | Command::FoldStrip
         | Command::EnlargeTabs => "Panels",
         Command::ToggleTruth
         | Command::RandomTrial(_)

@@ -8,6 +8,8 @@ use egui::{
     Align2, Color32, FontId, Id, Rect, Role, ScrollArea, Sense, Stroke, TextStyle, Ui, WidgetInfo, pos2, vec2,
 };
 
+use super::gauge;
+use crate::app::model::verdict::Gauge;
 use crate::app::view::theme;
 
 /// A column.
@@ -80,6 +82,8 @@ pub struct Table<'a> {
     pub key: &'a dyn Fn(usize, usize) -> f64,
     /// What a row shows in a column.
     pub text: &'a dyn Fn(usize, usize) -> String,
+    /// Where the figure of a row in a column lies between bad and good.
+    pub gauge: &'a dyn Fn(usize, usize) -> Option<Gauge>,
     /// How a row looks.
     pub look: &'a dyn Fn(usize) -> RowLook,
     /// The switch in front of a row, if it has one: whether it is on, and its name.
@@ -96,6 +100,8 @@ struct Ordered {
 }
 
 const ROW: f32 = 22.0;
+/// Width of the bar of a figure, screen points.
+const BAR: f32 = 24.0;
 /// From the edge of a column to its words, screen points.
 const INSET: f32 = 6.0;
 
@@ -237,6 +243,7 @@ impl Table<'_> {
         }
         let painter = ui.painter().with_clip_rect(area.intersect(ui.clip_rect()));
         let mut left = 0.0;
+        let mut words = None;
         for ((number, right), column) in edges.iter().enumerate().zip(self.columns) {
             let (start, end) = (area.min.x + left + INSET, area.min.x + right - 14.0);
             let text = (self.text)(row, number);
@@ -244,7 +251,21 @@ impl Table<'_> {
                 let at = pos2(start, area.center().y);
                 painter.text(at, Align2::LEFT_CENTER, text, font.clone(), color);
             } else {
-                painter.text(pos2(end, area.center().y), Align2::RIGHT_CENTER, text, font.clone(), color);
+                let text =
+                    painter.text(pos2(end, area.center().y), Align2::RIGHT_CENTER, text, font.clone(), color);
+                if let Some(bar) = (self.gauge)(row, number) {
+                    let place =
+                        Rect::from_min_max(pos2(start, area.min.y), pos2(text.min.x - 8.0, area.max.y));
+                    let place = Rect::from_center_size(
+                        pos2(place.max.x - BAR / 2.0, area.center().y),
+                        vec2(BAR.min(place.width()).max(0.0), 4.0),
+                    );
+                    gauge::draw(&painter, ui.visuals(), place, &bar);
+                    let cell = Rect::from_min_max(pos2(start, area.min.y), pos2(end, area.max.y));
+                    if response.hovered() && ui.rect_contains_pointer(cell) {
+                        words = Some(bar.words);
+                    }
+                }
             }
             left = *right;
         }
@@ -254,6 +275,10 @@ impl Table<'_> {
             switch.widget_info(|| WidgetInfo::selected(Role::CheckBox, true, on, &name));
             switch.changed().then_some((row, on))
         });
+        let response = match words {
+            Some(words) => response.on_hover_text(words),
+            None => response,
+        };
         (response, toggled)
     }
 }
@@ -279,6 +304,7 @@ mod tests {
             row_name: &|_| String::new(),
             key: &|row, _| figures[row],
             text: &|_, _| String::new(),
+            gauge: &|_, _| None,
             look: &|_| RowLook::default(),
             toggle: &|_| None,
             revision: 0,

@@ -10,6 +10,7 @@ use crate::app::model::command::ExchangeCommand;
 use crate::app::model::command::SessionCommand;
 use crate::app::model::look::Tool;
 use crate::app::model::point_table::PointsCommand;
+use crate::app::view::actions::conditions::has_strip;
 use crate::app::view::panes::overlays::OVERLAYS;
 
 /// With less room than this the tools wrap into further rows, screen points.
@@ -86,6 +87,9 @@ fn view_menu(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     switch(ui, Command::FoldSide, "Side panel", !look.side_folded);
     switch(ui, Command::FoldTabs, "Bottom panel", !look.tabs_folded);
     switch(ui, Command::FoldOverlays, "Overlay row", !look.overlays_folded);
+    if has_strip(model) {
+        switch(ui, Command::FoldStrip, "Images of the folder", !look.strip_folded);
+    }
     ui.separator();
     // Also where a low window has no room for their row.
     ui.menu_button("Overlays", |ui| {

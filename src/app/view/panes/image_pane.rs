@@ -144,7 +144,8 @@ impl ImagePane {
         }
         self.press(ui, &response, model, &transform, commands);
         let image = self.image.as_mut()?;
-        image.texture.set_rendition(model.open.tones.of[side.index()]);
+        let changing = ui.input(|input| input.pointer.any_down());
+        image.texture.set_rendition(model.open.tones.of[side.index()], changing);
         image.texture.draw(&painter, &transform);
         let labels = Labels::default();
         let canvas =

@@ -25,6 +25,9 @@ const TILES_KEPT: usize = 96;
 /// How many times the overview may be magnified before tiles take its place.
 const OVERVIEW_MAGNIFICATION: f64 = 1.5;
 
+/// Longest side of a picture whose tones are being changed, px: what can be made anew within a frame.
+const DRAFT_SIDE: u32 = 512;
+
 /// Crisp pixels when magnified, smooth when reduced.
 const PIXELS: TextureOptions = TextureOptions {
     magnification: TextureFilter::Nearest,
@@ -46,6 +49,10 @@ pub struct PictureTexture {
     overview: TextureHandle,
     reduced: Arc<Overview>,
     rendition: Rendition,
+    /// What the overview is made from while its tones are being changed, once that was needed.
+    draft: Option<DynamicImage>,
+    /// Whether the overview is only a draft.
+    is_draft: bool,
     scale: f64,
     tiles: HashMap<[usize; 2], Tile>,
     frame: u64,
@@ -63,22 +70,35 @@ impl PictureTexture {
             overview: handle,
             reduced: opened.overview.clone(),
             rendition: Rendition::default(),
+            draft: None,
+            is_draft: false,
             scale: *scale,
             tiles: HashMap::new(),
             frame: 0,
         }
     }
 
-    /// Shows the picture brighter, darker or in other colours.
-    pub fn set_rendition(&mut self, rendition: Rendition) {
-        if rendition == self.rendition {
+    /// Shows the picture brighter, darker or in other colours. While they are `changing`, in every frame say, a large
+    /// picture is a draft; it is shown in full once they rest.
+    pub fn set_rendition(&mut self, rendition: Rendition, changing: bool) {
+        let is_new = rendition != self.rendition;
+        if !is_new && (changing || !self.is_draft) {
             return;
         }
-        self.rendition = rendition;
-        self.tiles.clear();
+        if is_new {
+            self.rendition = rendition;
+            self.tiles.clear();
+        }
         let source = self.reduced.reduced.as_ref().unwrap_or(&self.picture.pixels);
-        let image = ColorImage::from_rgba_premultiplied(self.reduced.size, &rendered(rendition, source));
-        self.overview.set(image, if self.scale < 1.0 { SMOOTH } else { PIXELS });
+        self.is_draft = changing && source.width().max(source.height()) > DRAFT_SIDE;
+        let shown = if self.is_draft {
+            self.draft.get_or_insert_with(|| source.thumbnail(DRAFT_SIDE, DRAFT_SIDE))
+        } else {
+            source
+        };
+        let size = [shown.width(), shown.height()].map(|v| v as usize);
+        let image = ColorImage::from_rgba_premultiplied(size, &rendered(rendition, shown));
+        self.overview.set(image, if self.scale < 1.0 || self.is_draft { SMOOTH } else { PIXELS });
     }
 
     /// Draws what is in sight.
@@ -152,4 +172,31 @@ fn draw(painter: &Painter, handle: &TextureHandle, area: Rect, tint: Color32) {
     let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
     mesh.add_rect_with_uv(area, whole, tint);
     painter.add(mesh);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn while_tones_are_changing_a_large_picture_is_a_draft() {
+        let ctx = egui::Context::default();
+        for (width, draft) in [(3000, [512, 171]), (1200, [512, 341]), (300, [300, 200])] {
+            let height = if width == 3000 { 1000 } else { width * 2 / 3 };
+            let pixels = DynamicImage::new_luma8(width, height);
+            let opened = Opened::new(Picture::from_pixels("a".into(), None, pixels).unwrap());
+            let mut texture = PictureTexture::new(&ctx, &opened);
+            let full = texture.overview.size();
+            for stops in [0.5, 1.0] {
+                texture.set_rendition(Rendition { stops, ..Rendition::default() }, true);
+                assert_eq!(texture.overview.size(), draft);
+            }
+            let rest = Rendition { stops: 1.0, ..Rendition::default() };
+            texture.set_rendition(rest, false);
+            assert_eq!(texture.overview.size(), full, "{width}");
+            // Pressing something else changes nothing.
+            texture.set_rendition(rest, true);
+            assert_eq!(texture.overview.size(), full);
+        }
+    }
 }

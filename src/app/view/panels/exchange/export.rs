@@ -56,8 +56,8 @@ impl FileExport {
             ExportKind::Report if self.order.reported == ReportFormat::Json => "json",
             ExportKind::Report => "txt",
             ExportKind::Table | ExportKind::Profile => "csv",
-            ExportKind::Figure if self.order.figure.format == FigureFormat::Svg => "svg",
-            ExportKind::Figure | ExportKind::View => "png",
+            ExportKind::Figure => self.order.figure.format.extension(),
+            ExportKind::View => "png",
         }
     }
 
@@ -210,9 +210,11 @@ impl FileExport {
         let figure = &mut self.order.figure;
         row(ui, "Format", |ui| {
             ui.radio_value(&mut figure.format, FigureFormat::Svg, "SVG")
-                .on_hover_text("Lines and letters, sharp at any size.");
+                .on_hover_text("Lines and letters, sharp at any size, to be edited and for the web.");
+            ui.radio_value(&mut figure.format, FigureFormat::Pdf, "PDF")
+                .on_hover_text("Lines and letters, sharp at any size, for LaTeX and printing.");
             ui.radio_value(&mut figure.format, FigureFormat::Png, "PNG")
-                .on_hover_text("Pixels, for programs without SVG.");
+                .on_hover_text("Pixels, for programs without the other two.");
         });
         if figure.format == FigureFormat::Png {
             row(ui, "Size", |ui| {
@@ -251,6 +253,10 @@ impl FileExport {
             ExportKind::Figure => vec![match self.order.figure.format {
                 FigureFormat::Svg => {
                     "The images are in it with all their pixels; lines and letters can be edited.".to_owned()
+                }
+                FigureFormat::Pdf => {
+                    "One page with the images in all their pixels; letters are in Helvetica, which every reader has."
+                        .to_owned()
                 }
                 FigureFormat::Png => {
                     "Full size is that of the larger image; very large figures are reduced.".to_owned()
@@ -295,17 +301,14 @@ impl FileExport {
 fn trust(ui: &mut Ui, what: ExportKind, model: &Model) {
     let note = match what {
         ExportKind::Plane | ExportKind::Report => result_note(model),
-        ExportKind::Geometry | ExportKind::Table | ExportKind::Figure | ExportKind::View => trust_note(model),
-        ExportKind::Pairs | ExportKind::Profile => None,
+        ExportKind::Pairs => None,
+        _ => trust_note(model),
     };
     let Some(note) = note.filter(|note| note.verdict != "reliable") else { return };
     let palette = theme::palette(ui.visuals());
     let color = if note.verdict == "unreliable" { palette.bad } else { palette.caution };
     ui.add_space(4.0);
-    let text = match what {
-        ExportKind::Figure | ExportKind::View => format!("The geometry shown is {}.", note.verdict),
-        _ => format!("This geometry is {}, and the file says so.", note.verdict),
-    };
+    let text = format!("This geometry is {}, and the file says so.", note.verdict);
     let reasons = note.reasons.join("\n");
     let label = ui.add(Label::new(RichText::new(text).color(color).strong()).wrap());
     if !reasons.is_empty() {

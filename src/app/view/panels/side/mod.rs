@@ -64,7 +64,7 @@ fn choices(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     egui::Grid::new("choices").num_columns(2).spacing([10.0, 4.0]).show(ui, |ui| {
         ui.weak("Preset");
         ui.horizontal(|ui| {
-            for (preset, name) in [(Preset::Robust, "Robust"), (Preset::Paper, "Paper")] {
+            for (preset, name) in [(Preset::Robust, "Robust"), (Preset::Paper, "As published")] {
                 let response = ui.selectable_label(parameters.preset == preset, name);
                 finish_button(ui, response, Command::SetPreset(preset), commands);
             }

@@ -7,7 +7,16 @@ use crate::app::view::theme;
 use crate::estimate::{PARAMETERS, ParameterEntry, ParameterValue, Parameters, Stage};
 
 /// Size of the field of a number.
-const FIELD: Vec2 = vec2(112.0, 22.0);
+const FIELD: Vec2 = vec2(88.0, 22.0);
+
+/// Largest width of the field of a choice.
+const LARGEST_CHOICE: f32 = 160.0;
+/// Width of the button behind it.
+const RESET: f32 = 58.0;
+/// Between the columns.
+const GAP: f32 = 8.0;
+/// With less room than this for the names they are above the fields.
+const LEAST_NAME: f32 = 60.0;
 
 /// Whether a parameter of a step differs from the preset.
 pub fn is_any_changed(stage: Stage, parameters: &Parameters) -> bool {
@@ -19,17 +28,38 @@ fn of(stage: Stage) -> impl Iterator<Item = &'static ParameterEntry> {
     PARAMETERS.iter().filter(move |setting| setting.stage == stage)
 }
 
-/// Shows the parameters of a step.
+/// Shows the parameters of a step. Long names go on in further lines, so that the field and its button stay in the panel;
+/// in a narrow panel these are below the name.
 pub fn show(ui: &mut Ui, stage: Stage, parameters: &Parameters, commands: &mut Vec<Command>) {
-    Grid::new(("parameters", stage.label())).num_columns(3).spacing([8.0, 3.0]).show(ui, |ui| {
+    let name = |ui: &mut Ui, setting: &ParameterEntry, width: f32| {
+        let tooltip = format!("{} {}", setting.tooltip, setting.range_text(parameters.preset));
+        let label = ui.scope(|ui| {
+            ui.set_width(width);
+            ui.add(Label::new(setting.name).wrap())
+        });
+        (label.inner.on_hover_text(tooltip.as_str()).id, tooltip)
+    };
+    let width = ui.available_width();
+    let room = width - FIELD.x - RESET - 2.0 * GAP;
+    if room < LEAST_NAME {
         for setting in of(stage) {
-            let tooltip = format!("{} {}", setting.tooltip, setting.range_text(parameters.preset));
-            let label = ui.label(setting.name).on_hover_text(tooltip.as_str());
-            edit(ui, setting, parameters, label.id, &tooltip, commands);
-            reset(ui, setting, parameters, commands);
-            ui.end_row();
+            let (label, tooltip) = name(ui, setting, width);
+            ui.horizontal(|ui| {
+                edit(ui, setting, parameters, label, &tooltip, commands);
+                reset(ui, setting, parameters, commands);
+            });
         }
-    });
+    } else {
+        let grid = Grid::new(("parameters", stage.label())).num_columns(3).spacing([GAP, 3.0]);
+        grid.min_col_width(0.0).show(ui, |ui| {
+            for setting in of(stage) {
+                let (label, tooltip) = name(ui, setting, room);
+                edit(ui, setting, parameters, label, &tooltip, commands);
+                reset(ui, setting, parameters, commands);
+                ui.end_row();
+            }
+        });
+    }
     let color = theme::palette(ui.visuals()).bad;
     for problem in of(stage).filter_map(|setting| setting.problem(parameters)) {
         ui.add(Label::new(RichText::new(problem).color(color)).wrap());
@@ -77,12 +107,15 @@ fn edit(
         ParameterValue::Choice { names, get, set } => {
             let before = get(parameters);
             let mut chosen = before;
-            let response = ComboBox::from_id_salt(setting.name).width(FIELD.x).show_index(
-                ui,
-                &mut chosen,
-                names.len(),
-                |k| names[k],
-            );
+            // What does not fit is cut: all of it is in the list.
+            let width = (ui.available_width() - RESET - GAP).clamp(FIELD.x, LARGEST_CHOICE);
+            let list = ComboBox::from_id_salt(setting.name).width(width).truncate();
+            let shown = ui.scope(|ui| {
+                // A list is cut only where its room ends.
+                ui.set_max_width(width);
+                list.show_index(ui, &mut chosen, names.len(), |k| names[k])
+            });
+            let response = shown.inner;
             set(&mut changed, chosen);
             (response, chosen != before)
         }
@@ -120,5 +153,41 @@ fn reset(ui: &mut Ui, setting: &ParameterEntry, parameters: &Parameters, command
         setting.copy(&defaults, &mut changed);
         set_parameters(setting, changed, commands);
         commands.push(Command::EndDrag);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::estimate::Preset;
+    use egui_kittest::Harness;
+    use egui_kittest::kittest::{NodeT, Queryable};
+
+    #[test]
+    fn every_reset_button_stays_in_the_panel_however_long_the_name_and_narrow_the_panel() {
+        // As many as can be differ from their preset.
+        let parameters = Parameters { preset: Preset::Paper, ..Parameters::from(Preset::Robust) };
+        for width in [190.0, 240.0, 430.0] {
+            let mut found = 0;
+            for stage in Stage::ALL {
+                let parameters = parameters.clone();
+                let mut window = Harness::builder().with_size(vec2(600.0, 900.0)).build_ui(move |ui| {
+                    crate::app::view::theme::install(ui.ctx());
+                    ui.set_max_width(width);
+                    show(ui, stage, &parameters, &mut Vec::new());
+                });
+                window.run();
+                for button in window.query_all_by_label_contains("Reset ") {
+                    found += 1;
+                    let right = button.rect().max.x;
+                    assert!(
+                        right <= width + 10.0,
+                        "{:?} ends at {right} of {width}",
+                        button.accesskit_node().label()
+                    );
+                }
+            }
+            assert!(found >= 3, "{found} parameters differ");
+        }
     }
 }

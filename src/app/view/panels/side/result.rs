@@ -1,8 +1,9 @@
 //! The verdict: what was found, how far to trust it, and why.
 
-use egui::{Color32, Grid, Label, RichText, Ui, vec2};
+use egui::{Grid, Label, RichText, Ui, vec2};
 
 use super::super::dialog::named;
+use super::super::gauge::{self, tone_color};
 use super::super::{busy, command_button, finish_button};
 use crate::app::model::Model;
 use crate::app::model::command::Command;
@@ -28,7 +29,14 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     if let Some(shown) = model.shown() {
         if let Some((number, hypothesis)) = shown.hypothesis {
             another_shown(ui, &format!("hypothesis {}", number + 1), commands);
-            list(ui, true_error(model).chain(hypothesis_facts(&model.document, hypothesis)));
+            list(
+                ui,
+                true_error(model).chain(hypothesis_facts(
+                    &model.document,
+                    hypothesis,
+                    model.open.computation.searched(),
+                )),
+            );
             return;
         }
         if let Some(contestant) = shown.contestant {
@@ -46,7 +54,9 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
             }
             let imported = model.document.imported.as_ref().filter(|_| contestant == Contestant::Imported);
             if let Some(warning) = imported.and_then(import_warning) {
-                ui.add(Label::new(RichText::new(warning).color(tone_color(ui, Tone::Caution))).wrap());
+                ui.add(
+                    Label::new(RichText::new(warning).color(tone_color(ui.visuals(), Tone::Caution))).wrap(),
+                );
             }
             let facts = imported.map(import_facts).unwrap_or_default().into_iter();
             list(ui, true_error(model).chain(facts).chain(epipoles(&model.document, shown.fundamental)));
@@ -61,7 +71,7 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let VerdictInWords { tone, headline, facts, warnings } =
         verdict(&model.document, &model.open.computation);
     ui.horizontal_top(|ui| {
-        let color = tone_color(ui, tone);
+        let color = tone_color(ui.visuals(), tone);
         if tone == Tone::Busy {
             busy::show(ui);
         } else {
@@ -71,7 +81,7 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         ui.add(Label::new(RichText::new(headline).strong()).wrap());
     });
     for warning in warnings {
-        let color = tone_color(ui, Tone::Caution);
+        let color = tone_color(ui.visuals(), Tone::Caution);
         ui.add(Label::new(RichText::new(warning).color(color)).wrap());
     }
     if let Some(Some(next)) = model.open.next_click {
@@ -92,7 +102,7 @@ pub fn light(ui: &mut Ui, model: &Model) {
         busy::show(ui);
     } else {
         let (dot, response) = ui.allocate_exact_size(vec2(18.0, 18.0), egui::Sense::hover());
-        ui.painter().circle_filled(dot.center(), 6.0, tone_color(ui, tone));
+        ui.painter().circle_filled(dot.center(), 6.0, tone_color(ui.visuals(), tone));
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, &headline));
         response.on_hover_text(headline);
     }
@@ -117,16 +127,22 @@ fn true_error(model: &Model) -> impl Iterator<Item = Fact> + use<> {
 fn list(ui: &mut Ui, facts: impl Iterator<Item = Fact>) {
     Grid::new("facts").num_columns(2).min_row_height(18.0).spacing([10.0, 3.0]).show(ui, |ui| {
         for fact in facts {
-            ui.weak(fact.name).on_hover_text(fact.tooltip);
-            ui.horizontal_top(|ui| {
-                ui.spacing_mut().item_spacing.x = 6.0;
+            let tooltip = fact.explained();
+            ui.weak(fact.name).on_hover_text(&tooltip);
+            ui.vertical(|ui| {
                 // As high as its text.
                 ui.spacing_mut().interact_size.y = 0.0;
-                if let Some(tone) = fact.tone {
-                    let (dot, _) = ui.allocate_exact_size(vec2(8.0, 16.0), egui::Sense::hover());
-                    ui.painter().circle_filled(dot.center(), 4.0, tone_color(ui, tone));
+                ui.spacing_mut().item_spacing = vec2(6.0, 1.0);
+                ui.horizontal_top(|ui| {
+                    if let Some(tone) = fact.tone.filter(|_| fact.gauge.is_none()) {
+                        let (dot, _) = ui.allocate_exact_size(vec2(8.0, 16.0), egui::Sense::hover());
+                        ui.painter().circle_filled(dot.center(), 4.0, tone_color(ui.visuals(), tone));
+                    }
+                    ui.add(Label::new(fact.value).wrap()).on_hover_text(&tooltip);
+                });
+                if let Some(bar) = &fact.gauge {
+                    gauge::show(ui, fact.name, bar).on_hover_text(tooltip);
                 }
-                ui.add(Label::new(fact.value).wrap()).on_hover_text(fact.tooltip);
             });
             ui.end_row();
         }
@@ -145,14 +161,4 @@ fn another_shown(ui: &mut Ui, name: &str, commands: &mut Vec<Command>) {
             ui.add(Label::new(RichText::new(text).color(palette.accent)).wrap());
             command_button(ui, Command::ChooseHypothesis(None), true, commands);
         });
-}
-
-fn tone_color(ui: &Ui, tone: Tone) -> Color32 {
-    let palette = theme::palette(ui.visuals());
-    match tone {
-        Tone::Idle | Tone::Busy => ui.visuals().weak_text_color(),
-        Tone::Good => palette.good,
-        Tone::Caution => palette.caution,
-        Tone::Bad => palette.bad,
-    }
 }

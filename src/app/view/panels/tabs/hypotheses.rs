@@ -9,8 +9,8 @@ use crate::app::model::Model;
 use crate::app::model::command::Command;
 use crate::app::model::focus::Target;
 use crate::app::model::ids::TabId;
-use crate::app::model::verdict::{epipole_text, line_score_text, rival};
-use crate::estimate::{Construction, Estimate, LineScore};
+use crate::app::model::verdict::{Figure, HypothesisScales, epipole_text, line_score_text, rival};
+use crate::estimate::{Estimate, LineScore};
 use crate::geometry::{Frame, HomogeneousPoint, finite_point};
 
 /// Registered in [`super::TABS`].
@@ -33,7 +33,7 @@ const COLUMNS: [Column; 7] = [
         "Line score",
         104.0,
         "What its corresponding lines cost to match over both images; lower is better. With the preset Robust in parts of \
-         what mismatched lines cost, with Paper in squared grey levels a sample.",
+         what mismatched lines cost, As published in squared grey levels a sample.",
     ),
     Column::figures(
         "Round trip, px",
@@ -86,6 +86,8 @@ fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     };
     let number = |row: usize| listed.number(row);
     let line_score = model.document.parameters.validation.line_score;
+    let searched = model.open.computation.searched();
+    let scales = searched.map(|searched| HypothesisScales::new(searched, line_score));
     let rival = listed.result.and_then(rival);
     let is_rival = |row: usize| number(row).is_some() && number(row) == rival;
     let touched = Table {
@@ -103,6 +105,11 @@ fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
             (0, Some(number)) if is_rival(row) => format!("rival   {}", number + 1),
             (0, Some(number)) => (number + 1).to_string(),
             _ => text(listed.hypothesis(row), column, line_score),
+        },
+        gauge: &|row, column| {
+            let figure = figure(column)?;
+            let (scales, value) = (scales.as_ref()?, figure.of(listed.hypothesis(row)));
+            if number(row).is_some() { scales.gauge(figure, value) } else { scales.of_result(figure, value) }
         },
         look: &|row| RowLook {
             chosen: chosen == number(row),
@@ -157,38 +164,37 @@ fn key(hypothesis: &Estimate, row: usize, column: usize, frames: Option<[Frame; 
         let centre = frames.map_or(crate::geometry::Point::origin(), |frames| frames[side].centre());
         finite_point(epipole).map_or(f64::INFINITY, |point| (point - centre).norm())
     };
+    if let Some(figure) = figure(column) {
+        return figure.of(hypothesis);
+    }
     match column {
         0 => row as f64,
-        1 => hypothesis.support_score().unwrap_or(f64::NAN),
-        2 => hypothesis.line_score().unwrap_or(f64::NAN),
-        3 => round_trip_area(hypothesis),
-        4 => ratio(hypothesis),
         5 => away(&hypothesis.geometry.epipole1(), 0),
         _ => away(&hypothesis.geometry.epipole2(), 1),
     }
 }
 
-fn ratio(hypothesis: &Estimate) -> f64 {
-    let construction = hypothesis.assessment.lines.as_ref().map(|lines| &lines.construction);
-    let backward = construction.and_then(Construction::kappa_line1_from_line2);
-    construction
-        .zip(backward)
-        .map_or(f64::NAN, |(construction, backward)| construction.kappa_line2_from_line1() / backward)
-}
-
-fn round_trip_area(hypothesis: &Estimate) -> f64 {
-    hypothesis.assessment.lines.as_ref().and_then(|lines| lines.round_trip_area).unwrap_or(f64::NAN)
+/// What a column shows.
+fn figure(column: usize) -> Option<Figure> {
+    match column {
+        1 => Some(Figure::Support),
+        2 => Some(Figure::LineScore),
+        3 => Some(Figure::RoundTrip),
+        4 => Some(Figure::ThereBack),
+        _ => None,
+    }
 }
 
 fn text(hypothesis: &Estimate, column: usize, line_score: LineScore) -> String {
-    let figure = |value: f64, decimals: usize| {
+    let decimals = |figure: Figure, decimals: usize| {
+        let value = figure.of(hypothesis);
         if value.is_finite() { format!("{value:.decimals$}") } else { String::new() }
     };
     match column {
-        1 => figure(hypothesis.support_score().unwrap_or(f64::NAN), 1),
+        1 => decimals(Figure::Support, 1),
         2 => hypothesis.line_score().map_or(String::new(), |score| line_score_text(line_score, score)),
-        3 => figure(round_trip_area(hypothesis), 2),
-        4 => figure(ratio(hypothesis), 3),
+        3 => decimals(Figure::RoundTrip, 2),
+        4 => decimals(Figure::ThereBack, 3),
         5 => epipole_text(&hypothesis.geometry.epipole1(), None),
         _ => epipole_text(&hypothesis.geometry.epipole2(), None),
     }

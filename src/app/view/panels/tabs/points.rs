@@ -7,6 +7,7 @@ use egui::{
 };
 
 use super::super::dialog::named;
+use super::super::gauge;
 use super::super::table::sort_mark;
 use super::super::{command_button, finish_button, pair_menu};
 use super::{Tab, empty};
@@ -177,9 +178,14 @@ fn row(ui: &mut Ui, model: &Model, pair: usize, wide: bool, commands: &mut Vec<C
     }
     role(ui, model, pair, commands);
     match model.pair_distance(pair) {
-        Some(distance) => ui.label(RichText::new(format!("{distance:6.2} px")).monospace()),
-        None => ui.add(Label::new("")),
-    };
+        Some(distance) => {
+            let text = ui.label(RichText::new(format!("{distance:6.2} px")).monospace());
+            if let Some(scale) = model.pair_gauge(pair) {
+                gauge::under(ui, &text, &format!("Distance of pair {name}"), &scale);
+            }
+        }
+        None => drop(ui.add(Label::new(""))),
+    }
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 4.0;
         let mut offer = |ui: &mut Ui, command: Command, enabled: bool| {

@@ -10,6 +10,7 @@ use crate::app::model::comparison::{Comparison, Contestant, Measure, PointSet, S
 use crate::app::model::document::{PointRef, Role, Side, pair_name};
 use crate::app::model::focus::{LineSource, Target};
 use crate::app::model::ids::TabId;
+use crate::app::model::verdict::Gauge;
 use crate::app::view::panels::truth_buttons;
 use crate::io::TruthOrigin;
 
@@ -186,6 +187,7 @@ fn summary(ui: &mut Ui, model: &Model, comparison: &Comparison, commands: &mut V
                 _ => spread.map_or(String::new(), |spread| format!("{:.0} %", 100.0 * spread.below_one)),
             }
         },
+        gauge: &|_, _| None,
         look: &|row| RowLook { chosen: chosen == Some(contestants[row]), lit: false },
         toggle: &|_| None,
     }
@@ -247,6 +249,12 @@ fn points(ui: &mut Ui, model: &Model, comparison: &Comparison, commands: &mut Ve
             0 if are_pairs && document.role(row) == Role::Excluded => format!("{}, out", name(row)),
             0 => name(row),
             _ => distances(column).get(row).map_or(String::new(), |d| px(*d)),
+        },
+        gauge: &|row, column| {
+            let contestant = contestants[column.checked_sub(1)?];
+            let pair = document.pairs.get(row).filter(|_| are_pairs)?;
+            let sigma = document.parameters.click_sigma;
+            Some(Gauge::of_click(comparison.fundamental(contestant)?, pair, sigma))
         },
         look: &|row| RowLook {
             chosen: are_pairs && document.selection.is_some_and(|at| at.pair == row),

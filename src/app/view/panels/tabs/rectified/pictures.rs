@@ -212,7 +212,7 @@ impl Kept {
         let grey = Rendition { channel: Channel::Grey, ..Rendition::default() };
         let picture = |k: usize, rendition| {
             let mut texture = PictureTexture::new(ctx, &drawn.pictures[k]);
-            texture.set_rendition(rendition);
+            texture.set_rendition(rendition, false);
             texture
         };
         Some(match self {

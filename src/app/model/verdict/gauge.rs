@@ -1,0 +1,195 @@
+//! Where a figure lies between bad and good, for a bar beside it. What is good and bad is the estimator's to say; where
+//! no rule judges a figure, it lies between the best and the worst of the hypotheses, without a colour.
+
+use super::facts::{Tone, line_score_text, rival};
+use crate::estimate::{self, Construction, Estimate, LineScore, Scale};
+use crate::geometry::{FundamentalMatrix, PointPair, sampson_distance};
+
+/// A bar: bad at the left, good at the right.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Gauge {
+    /// Where the figure is, 0 to 1.
+    pub place: f32,
+    /// Up to where it is bad and from where on good, where a rule says so.
+    pub limits: Option<[f32; 2]>,
+    /// What the figure alone makes of the result, where a rule says so.
+    pub tone: Option<Tone>,
+    /// The limits in words.
+    pub words: String,
+}
+
+impl Gauge {
+    /// A figure that a rule judges.
+    pub fn judged(scale: Scale, figure: f64, text: impl Fn(f64) -> String) -> Self {
+        let more = scale.more_is_better();
+        // Twice what is good, or a little more than what is bad, is the end of the bar.
+        let span = if more { 2.0 * scale.good } else { 1.25 * scale.bad };
+        let at = |v: f64| {
+            let share = if span > 0.0 && v.is_finite() { (v / span).clamp(0.0, 1.0) } else { 1.0 };
+            (if more { share } else { 1.0 - share }) as f32
+        };
+        let tone = match scale.judge(figure) {
+            estimate::Verdict::Reliable => Tone::Good,
+            estimate::Verdict::Doubtful => Tone::Caution,
+            estimate::Verdict::Unreliable => Tone::Bad,
+        };
+        let (good, bad) = (text(scale.good), text(scale.bad));
+        let words = if more {
+            format!("Good from {good} on, bad below {bad}.")
+        } else {
+            format!("Good up to {good}, bad above {bad}.")
+        };
+        Self { place: at(figure), limits: Some([at(scale.bad), at(scale.good)]), tone: Some(tone), words }
+    }
+
+    /// A figure that no rule judges, between the worst and the best of the hypotheses.
+    fn among(worst: f64, best: f64, figure: f64, text: impl Fn(f64) -> String) -> Self {
+        let range = best - worst;
+        let place = if range.abs() > 0.0 { ((figure - worst) / range).clamp(0.0, 1.0) } else { 0.5 };
+        let words = format!(
+            "No rule judges it by itself: the bar goes from the worst of the hypotheses ({}) to the best ({}).",
+            text(worst),
+            text(best)
+        );
+        Self { place: place as f32, limits: None, tone: None, words }
+    }
+
+    /// How far a clicked pair is from a geometry, by the distance and the limits that the verdict goes by.
+    pub fn of_click(f: &FundamentalMatrix, pair: &PointPair, sigma: f64) -> Self {
+        let distance = sampson_distance(f, pair);
+        let gauge = Self::judged(Scale::click(sigma), distance, |v| format!("{v:.1} px"));
+        let words = format!(
+            "Judged by the Sampson distance, {distance:.2} px here, which takes the points to be wrong by the deviation of \
+             a click. {}",
+            gauge.words
+        );
+        Self { words, ..gauge }
+    }
+}
+
+/// The figures of a hypothesis.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Figure {
+    /// How strongly matching corners agree with it.
+    Support,
+    /// What its lines cost to match.
+    LineScore,
+    /// How far a line ends from where it began.
+    RoundTrip,
+    /// The stretch of one map over that of the other.
+    ThereBack,
+}
+
+impl Figure {
+    const ALL: [Self; 4] = [Self::Support, Self::LineScore, Self::RoundTrip, Self::ThereBack];
+
+    /// That of a hypothesis; not a number where it has none.
+    pub fn of(self, hypothesis: &Estimate) -> f64 {
+        let lines = hypothesis.assessment.lines.as_ref();
+        let figure = match self {
+            Self::Support => hypothesis.support_score(),
+            Self::LineScore => hypothesis.line_score(),
+            Self::RoundTrip => lines.and_then(|lines| lines.round_trip_area),
+            Self::ThereBack => lines.and_then(|lines| ratio(&lines.construction)),
+        };
+        figure.unwrap_or(f64::NAN)
+    }
+
+    /// The larger the worse.
+    fn badness(self, figure: f64) -> f64 {
+        match self {
+            Self::Support => -figure,
+            Self::LineScore | Self::RoundTrip => figure,
+            Self::ThereBack => figure.ln().abs(),
+        }
+    }
+
+    fn text(self, figure: f64, kind: LineScore) -> String {
+        match self {
+            Self::Support => format!("{figure:.1}"),
+            Self::LineScore => line_score_text(kind, figure),
+            Self::RoundTrip => format!("{figure:.2} px"),
+            Self::ThereBack => format!("{figure:.3}"),
+        }
+    }
+}
+
+fn ratio(construction: &Construction) -> Option<f64> {
+    Some(construction.kappa_line2_from_line1() / construction.kappa_line1_from_line2()?)
+}
+
+/// What is good and bad of the hypotheses of one search.
+#[derive(Debug, Clone)]
+pub struct HypothesisScales {
+    /// Of each figure the worst and the best that a hypothesis has.
+    ends: [Option<[f64; 2]>; 4],
+    support: Option<Scale>,
+    line_score: Option<Scale>,
+    kind: LineScore,
+}
+
+impl HypothesisScales {
+    /// Those of a result; `kind` is what line scores measure.
+    pub fn new(result: &Estimate, kind: LineScore) -> Self {
+        let ends = Figure::ALL.map(|figure| {
+            let order = |a: &f64, b: &f64| figure.badness(*a).total_cmp(&figure.badness(*b));
+            let values = || result.hypotheses().iter().map(|own| figure.of(own)).filter(|v| v.is_finite());
+            Some([values().max_by(order)?, values().min_by(order)?])
+        });
+        // A margin after refinement decides in place of these figures.
+        let rival = rival(result).filter(|_| result.assessment.refined_margin.is_none());
+        let rival = rival.and_then(|place| result.hypotheses().get(place));
+        let support = rival.and_then(Estimate::support_score).map(Scale::support_beside);
+        let line_score =
+            rival.filter(|_| support.is_none()).and_then(Estimate::line_score).map(Scale::line_score_beside);
+        Self { ends, support, line_score, kind }
+    }
+
+    /// The bar of a figure of a hypothesis.
+    pub fn gauge(&self, figure: Figure, value: f64) -> Option<Gauge> {
+        let scale = match figure {
+            Figure::Support => self.support,
+            Figure::LineScore => self.line_score,
+            Figure::RoundTrip | Figure::ThereBack => None,
+        };
+        let Some(scale) = scale.filter(|_| value.is_finite()) else { return self.of_result(figure, value) };
+        let gauge = Gauge::judged(scale, value, |v| figure.text(v, self.kind));
+        let words = format!("Beside the rival: {}", gauge.words.to_lowercase());
+        Some(Gauge { words, ..gauge })
+    }
+
+    /// The bar of a figure of the result, which refinement has made: the margin is of the hypothesis before that.
+    pub fn of_result(&self, figure: Figure, value: f64) -> Option<Gauge> {
+        if !value.is_finite() {
+            return None;
+        }
+        let text = |v: f64| figure.text(v, self.kind);
+        let [worst, best] = self.ends[figure as usize]?;
+        let gauge = Gauge::among(figure.badness(worst), figure.badness(best), figure.badness(value), |_| {
+            String::new()
+        });
+        let words = Gauge::among(worst, best, value, text).words;
+        Some(Gauge { words, ..gauge })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bad_is_at_the_left_and_good_at_the_right_whatever_is_better() {
+        let matches = |count: f64| Gauge::judged(Scale::MATCHES, count, |v| format!("{v:.0}"));
+        let click = |distance: f64| Gauge::judged(Scale::click(1.0), distance, |v| format!("{v:.1} px"));
+        for (worse, better) in [(matches(10.0), matches(50.0)), (click(9.0), click(1.0))] {
+            assert!(worse.place < better.place);
+            let [bad, good] = better.limits.unwrap();
+            assert!(0.0 < bad && bad < good && good < 1.0, "{bad} {good}");
+        }
+        assert_eq!(matches(1e9).place.to_bits(), 1.0_f32.to_bits());
+        assert_eq!(click(f64::INFINITY).place.to_bits(), 0.0_f32.to_bits());
+        assert_eq!((matches(80.0).tone, click(5.0).tone), (Some(Tone::Good), Some(Tone::Caution)));
+        assert_eq!(matches(80.0).words, "Good from 60 on, bad below 25.");
+        assert_eq!(click(5.0).words, "Good up to 4.0 px, bad above 12.0 px.");
+    }
+}

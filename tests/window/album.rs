@@ -1,0 +1,181 @@
+//! A folder of images as a list: thumbnails, any two as a pair, and points that are kept per pair.
+
+use crate::support::*;
+
+use std::path::{Path, PathBuf};
+
+use egui::{Key, Modifiers};
+use egui_kittest::kittest::Queryable;
+use epiline::app::model::document::{Document, Side};
+use epiline::app::{Opening, Services, Start};
+
+fn folder(count: usize) -> Files {
+    let files = Files::new();
+    for number in 1..=count {
+        files.image(&format!("shot{number}.png"), 60, 40);
+    }
+    files
+}
+
+fn opened(files: &Files, services: Services) -> Window {
+    window(Start { opening: Opening::Folder(files.0.path().to_owned()), ..Start::default() }, services)
+}
+
+fn names(window: &Window) -> [String; 2] {
+    window.state().document().pictures.as_ref().unwrap().each_ref().map(|picture| picture.name.clone())
+}
+
+fn made(window: &Window) -> Document {
+    Document { pictures: None, selection: None, ..window.state().document().clone() }
+}
+
+fn press(window: &mut Window, key: Key) {
+    window.key_press(key);
+    settle(window);
+}
+
+fn one_pair(window: &mut Window, x: f32) {
+    for side in Side::BOTH {
+        let place = at(window, side, x, 0.1);
+        click(window, place);
+    }
+}
+
+fn save_as(window: &mut Window, path: &Path) {
+    window.key_press_modifiers(Modifiers::COMMAND | Modifiers::SHIFT, Key::S);
+    settle(window);
+    window.get_by_label("File").focus();
+    settle(window);
+    window.key_press_modifiers(Modifiers::COMMAND, Key::A);
+    window.get_by_label("File").type_text(path.to_str().unwrap());
+    settle(window);
+    press(window, Key::Enter);
+}
+
+fn session(path: PathBuf) -> Window {
+    window(Start { opening: Opening::Session(path), ..Start::default() }, services())
+}
+
+#[test]
+fn the_images_of_a_folder_are_shown_small_and_any_two_open() {
+    let files = folder(4);
+    std::fs::write(files.0.path().join("shot5.png"), "not an image").unwrap();
+    let mut window = opened(&files, services());
+    let model = window.state().model();
+    for view in 0..4 {
+        let small = model.thumbnails.of(view).flatten().expect("it was made");
+        assert_eq!(small.size, [60, 40]);
+    }
+    assert_eq!(model.thumbnails.of(4), Some(None), "one that cannot be read is known as such");
+    window.get_by_label("Show shot4 on the left").click();
+    settle(&mut window);
+    assert_eq!(names(&window), ["shot4.png", "shot2.png"]);
+    window.get_by_label("Image shot3").click();
+    settle(&mut window);
+    assert_eq!(names(&window), ["shot4.png", "shot3.png"]);
+    // The one on the other side changes places with it.
+    window.get_by_label("Show shot4 on the right").click();
+    settle(&mut window);
+    assert_eq!(names(&window), ["shot3.png", "shot4.png"]);
+    press(&mut window, Key::A);
+    assert!(window.query_by_label("Image shot3").is_none());
+    press(&mut window, Key::A);
+    window.get_by_label("Image shot3");
+    assert_eq!(window.state().messages().count(), 0);
+}
+
+#[test]
+fn two_images_need_no_list() {
+    let mut window = opened(&folder(2), services());
+    assert!(window.query_by_label("Image shot1").is_none());
+    press(&mut window, Key::A);
+    assert!(window.query_by_label("Image shot1").is_none());
+}
+
+#[test]
+fn points_stay_with_their_pair_while_others_are_looked_at() {
+    let (files, copies) = (folder(4), tempfile::tempdir().unwrap());
+    let with_copies = || Services { copies: Some(copies.path().to_owned()), ..services() };
+    let mut window = opened(&files, with_copies());
+    one_pair(&mut window, 0.1);
+    let first = made(&window);
+    assert_eq!(first.pairs.len(), 1);
+    press(&mut window, Key::PageDown);
+    assert!(made(&window).pairs.is_empty());
+    assert_eq!(window.state().messages().count(), 0, "nothing is lost, so nothing is told");
+    one_pair(&mut window, -0.2);
+    one_pair(&mut window, 0.2);
+    let second = made(&window);
+    press(&mut window, Key::PageUp);
+    assert_eq!(made(&window), first);
+    // The other one is offered, with what is on it.
+    window.get_by_label("Kept: 1").click();
+    settle(&mut window);
+    window.get_by_label("shot2 and shot3: 2 point pairs").click();
+    settle(&mut window);
+    assert_eq!(made(&window), second);
+    // A crash leaves all of it behind, once the copy of it is due.
+    std::thread::sleep(std::time::Duration::from_millis(2100));
+    settle(&mut window);
+    drop(window);
+    let mut next = crate::support::window(Start::default(), with_copies());
+    assert!(next.state().messages().any(|text| text.starts_with("3 point pairs on ")));
+    next.get_by_label("Restore").click();
+    settle(&mut next);
+    assert_eq!(made(&next), second);
+    press(&mut next, Key::PageUp);
+    assert_eq!(made(&next), first);
+}
+
+#[test]
+fn one_session_has_the_points_of_all_pairs() {
+    let files = folder(3);
+    let mut window = opened(&files, services());
+    one_pair(&mut window, 0.1);
+    let first = made(&window);
+    press(&mut window, Key::PageDown);
+    one_pair(&mut window, -0.2);
+    let second = made(&window);
+    let path = files.0.path().join("work.json");
+    save_as(&mut window, &path);
+    assert!(!window.state().model().has_unsaved_work());
+    // Looking at the other pair changes nothing, a click there does.
+    press(&mut window, Key::PageUp);
+    assert!(!window.state().model().has_unsaved_work(), "{}", window.state().model().title());
+    let text = std::fs::read_to_string(&path).unwrap();
+    assert!(!text.contains(&*files.0.path().to_string_lossy()), "paths are relative to the session");
+
+    let mut again = session(path.clone());
+    assert_eq!(again.state().messages().count(), 0);
+    assert_eq!(made(&again), second);
+    assert!(!again.state().model().has_unsaved_work());
+    press(&mut again, Key::PageUp);
+    assert_eq!(made(&again), first);
+    assert!(!again.state().model().has_unsaved_work());
+    one_pair(&mut again, 0.3);
+    press(&mut again, Key::PageDown);
+    assert!(again.state().model().has_unsaved_work());
+    again.key_press_modifiers(Modifiers::COMMAND, Key::S);
+    settle(&mut again);
+    let mut last = session(path.clone());
+    press(&mut last, Key::PageUp);
+    assert_eq!(made(&last).pairs.len(), 2);
+
+    // A session from before there were lists, and one whose folder has lost an image.
+    let mut value: serde_json::Value =
+        serde_json::from_str(&std::fs::read_to_string(&path).unwrap()).unwrap();
+    std::fs::remove_file(files.0.path().join("shot1.png")).unwrap();
+    let mut without = session(path.clone());
+    assert_eq!(made(&without), second);
+    save_as(&mut without, &path);
+    let kept: serde_json::Value = serde_json::from_str(&std::fs::read_to_string(&path).unwrap()).unwrap();
+    assert_eq!(
+        kept["content"]["album"]["pairs"], value["content"]["album"]["pairs"],
+        "what cannot be shown stays"
+    );
+    value["content"].as_object_mut().unwrap().remove("album");
+    std::fs::write(&path, value.to_string()).unwrap();
+    let old = session(path);
+    assert_eq!(made(&old), second);
+    assert_eq!(old.state().messages().count(), 0);
+}
