@@ -28,6 +28,11 @@ const EVERY: usize = 30;
 /// Mean of the smaller half of the differences from the median, in standard deviations of a Gaussian: what moves may be
 /// among the larger half.
 const QUIET_DEVIATIONS: f32 = 0.325;
+/// Pixels that the light of a frame is measured on, and darker ones that say little about it, grey levels.
+const LIGHT_PIXELS: usize = 4000;
+const DARK: f32 = 16.0;
+/// A pixel that varies by more than this has no background, grey levels: no camera is as noisy.
+const RESTLESS: f32 = 25.0;
 /// Smallest deviation, grey levels: rounding alone makes a third of one.
 const LEAST_DEVIATION: f32 = 0.5;
 
@@ -55,6 +60,13 @@ impl Background {
         Self { times, medians, deviations }
     }
 
+    /// The share of the pixels that never come to rest.
+    pub(super) fn restless(&self) -> f64 {
+        let count = |deviations: &Vec<f32>| deviations.iter().filter(|d| **d > RESTLESS).count();
+        let all: usize = self.deviations.iter().map(Vec::len).sum();
+        self.deviations.iter().map(count).sum::<usize>() as f64 / all.max(1) as f64
+    }
+
     /// Background and deviation of each pixel at a time, as `each(pixel, background, deviation)`.
     pub(super) fn at(&self, time: usize) -> impl Fn(usize) -> (f32, f32) + '_ {
         let after = self.times.partition_point(|t| *t <= time).clamp(1, self.times.len().max(2) - 1);
@@ -75,18 +87,44 @@ fn medians(sequence: &FrameSequence, time: usize, reach: usize) -> (Vec<f32>, Ve
     let first = time.saturating_sub(reach).min(sequence.len() - length);
     let samples = SAMPLES.min(length);
     let numbers: Vec<usize> = (0..samples).map(|k| first + k * length / samples).collect();
-    let of_pixel = |values: &mut Vec<u8>, pixel: usize| {
-        values.clear();
-        values.extend(numbers.iter().map(|number| sequence.frame(*number)[pixel]));
-        let middle = samples / 2;
-        let median = *values.select_nth_unstable(middle).1;
-        for value in values.iter_mut() {
-            *value = value.abs_diff(median);
-        }
-        values.select_nth_unstable(middle);
-        let quiet = values[..=middle].iter().map(|v| f32::from(*v)).sum::<f32>() / (middle + 1) as f32;
-        (f32::from(median), (quiet / QUIET_DEVIATIONS).max(LEAST_DEVIATION))
-    };
     let pixels = sequence.size().width * sequence.size().height;
+    let middle = samples / 2;
+    let raw: Vec<u8> = (0..pixels)
+        .into_par_iter()
+        .map_init(Vec::new, |values: &mut Vec<u8>, pixel| {
+            values.clear();
+            values.extend(numbers.iter().map(|number| sequence.frame(*number)[pixel]));
+            *values.select_nth_unstable(middle).1
+        })
+        .collect();
+    // Light that changes is no noise: each frame is brought to the light of the median first.
+    let gains: Vec<f32> =
+        numbers.par_iter().map(|number| gain(sequence.frame(*number), &|p| f32::from(raw[p]))).collect();
+    let of_pixel = |values: &mut Vec<f32>, pixel: usize| {
+        values.clear();
+        let levels = numbers.iter().zip(&gains);
+        values.extend(levels.map(|(number, gain)| f32::from(sequence.frame(*number)[pixel]) / gain));
+        let median = *values.select_nth_unstable_by(middle, f32::total_cmp).1;
+        for value in values.iter_mut() {
+            *value = (*value - median).abs();
+        }
+        values.select_nth_unstable_by(middle, f32::total_cmp);
+        let quiet = values[..=middle].iter().sum::<f32>() / (middle + 1) as f32;
+        (median, (quiet / QUIET_DEVIATIONS).max(LEAST_DEVIATION))
+    };
     (0..pixels).into_par_iter().map_init(Vec::new, of_pixel).unzip()
+}
+
+/// How much brighter a frame is than its background: a camera that adapts to the light, or the sun, changes all of it in
+/// proportion.
+pub(super) fn gain(frame: &[u8], still: &dyn Fn(usize) -> f32) -> f32 {
+    let step = frame.len().div_ceil(LIGHT_PIXELS).max(1);
+    let bright = (0..frame.len()).step_by(step).filter(|pixel| still(*pixel) > DARK);
+    let mut gains: Vec<f32> = bright.map(|pixel| f32::from(frame[pixel]) / still(pixel)).collect();
+    if gains.is_empty() {
+        return 1.0;
+    }
+    let middle = gains.len() / 2;
+    let gain = *gains.select_nth_unstable_by(middle, f32::total_cmp).1;
+    if gain > 0.0 { gain } else { 1.0 }
 }

@@ -43,12 +43,12 @@ pub enum MotionError {
     },
     /// Everything moves.
     #[error(
-        "{percent} % of {name} moves in the middle of its frames, so that there is no background left: the light changes too fast, or something covers most of the picture"
+        "{percent} % of the pixels of {name} show something that moves nearly all the time, so that there is no background: something covers most of the picture, or the light flickers"
     )]
     EverythingMoves {
         /// The sequence.
         name: String,
-        /// Percent of the pixels that move, in the median frame.
+        /// Percent of the pixels.
         percent: u32,
     },
     /// The camera moves.

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::background::Background;
+use super::background::{Background, gain};
 use super::{BackgroundParameters, Barcode, FEWEST_FRAMES, FrameSequence, MotionError};
 use crate::cancel::CancelFlag;
 use crate::geometry::{AnchoredLine, Frame};
@@ -11,7 +11,7 @@ use crate::geometry::{AnchoredLine, Frame};
 pub(super) const WORD: usize = 64;
 /// Of a pixel and its eight neighbours at least so many must differ from the background: specks of noise go, and holes.
 const MAJORITY: u8 = 5;
-/// Share of a frame that moves, in the median frame, from which on there is no background left.
+/// Share of the pixels that never rest, or that move in the median frame, from which on there is no background.
 const EVERYTHING: f64 = 0.5;
 /// Share of a sequence's pixels that have to move in all for something to move: a speck now and then is noise.
 const NOTHING: f64 = 2e-5;
@@ -19,9 +19,6 @@ const NOTHING: f64 = 2e-5;
 const SHAKING: f64 = 0.35;
 /// Differences from the background that the shift is measured on, grey levels: larger ones are things that move.
 const SHIFT_DIFFERENCE: f32 = 40.0;
-/// Pixels that the light of a frame is measured on.
-const LIGHT_PIXELS: usize = 4000;
-
 /// Which pixels of which frame show something that moves. The frames of one pixel lie together, one bit each, so that
 /// the barcode of a line is a union of few words.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -48,6 +45,10 @@ impl Silhouettes {
         }
         let background = Background::new(sequence, parameters);
         cancel.check()?;
+        let restless = background.restless();
+        if restless > EVERYTHING {
+            return Err(MotionError::EverythingMoves { name: name(), percent: (100.0 * restless) as u32 });
+        }
         let of_frame = |number: usize| {
             if cancel.is_cancelled() {
                 FrameMotion::default()
@@ -236,12 +237,10 @@ impl FrameMotion {
     ) -> Self {
         let frame = sequence.frame(number);
         let at = background.at(number);
-        // A camera that adapts to the light changes all of a frame at once.
-        let step = frame.len().div_ceil(LIGHT_PIXELS).max(1);
-        let light = median((0..frame.len()).step_by(step).map(|p| f64::from(frame[p]) - f64::from(at(p).0)));
+        let gain = gain(frame, &|pixel| at(pixel).0);
         let difference = |pixel: usize| {
             let (still, deviation) = at(pixel);
-            (f32::from(frame[pixel]) - still - light as f32, deviation)
+            (f32::from(frame[pixel]) - gain * still, deviation)
         };
         let is_moving = |pixel: usize| {
             let (difference, deviation) = difference(pixel);
@@ -383,9 +382,10 @@ mod tests {
         );
         assert!(told(&sequence(9, |x, y, _| texture(x, y))).starts_with("left has 9 frames, at least 16"));
         // Everything: another texture each time.
-        let all = sequence(80, |x, y, t| if (x / 9 + y / 7 + t * t / 3) % 3 == 0 { 220.0 } else { 20.0 });
-        let message = told(&all);
-        assert!(message.contains("% of left moves") || message.contains("camera of left moves"), "{message}");
+        let all = sequence(80, |x, y, t| {
+            [20.0, 120.0, 220.0][((x / 9) * 73 + (y / 7) * 199 + t * t * 31 + t * 7) % 101 % 3]
+        });
+        assert!(told(&all).contains("nearly all the time"), "{}", told(&all));
         let shaking = sequence(80, |x, y, t| texture(x + [0, 2, 1, 3, 0, 3][t % 6], y + t % 3));
         assert!(told(&shaking).starts_with("the camera of left moves"), "{}", told(&shaking));
     }

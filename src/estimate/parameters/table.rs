@@ -7,7 +7,7 @@ use std::fmt::Write;
 use super::entry::{ParameterEntry, ParameterValue};
 use super::{LineScore, Parameters, Preset, Search};
 use crate::estimate::{EstimateError, Stage};
-use crate::similarity::{LineMeasure, Ordering};
+use crate::similarity::Ordering;
 
 const ORDERINGS: [Ordering; 3] = [Ordering::Positions, Ordering::Free, Ordering::Disparities];
 const LINE_SCORES: [LineScore; 2] = [LineScore::Cost, LineScore::AgainstMismatched];
@@ -24,18 +24,7 @@ const fn number(
 }
 
 /// Every parameter, in the order of the steps.
-pub const PARAMETERS: [ParameterEntry; 26] = [
-    ParameterEntry {
-        key: "measure",
-        stage: Stage::Pencils,
-        name: "Lines compared by",
-        tooltip: "What two lines are compared by: stereo matching of the intensities along them, or in which frames of two sequences something moves across them.",
-        value: ParameterValue::Choice {
-            names: &["Stereo", "Motion barcodes"],
-            get: |p| LineMeasure::ALL.iter().position(|m| *m == p.similarity.measure).unwrap_or(0),
-            set: |p, k| p.similarity.measure = LineMeasure::ALL[k],
-        },
-    },
+pub const PARAMETERS: [ParameterEntry; 25] = [
     number(
         (
             "coarse_side",

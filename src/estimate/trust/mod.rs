@@ -5,7 +5,9 @@ mod evidence;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-pub(super) use evidence::{BarcodeEvidence, CLICK_DEVIATIONS_WRONG, Evidence, GUESS, PlaneEvidence, Together};
+pub(super) use evidence::{
+    BarcodeEvidence, CLICK_DEVIATIONS_WRONG, Evidence, GUESS, PlaneEvidence, Together,
+};
 pub use evidence::{CLEAR_MARGIN, CLICK_DEVIATIONS, ENOUGH_MATCHES, FAR_TOO_FEW};
 
 /// How far to trust a result.

@@ -16,7 +16,7 @@ const RESET: f32 = 58.0;
 /// Between the columns.
 const GAP: f32 = 8.0;
 /// With less room than this for the names they are above the fields.
-const LEAST_NAME: f32 = 60.0;
+const LEAST_NAME: f32 = 80.0;
 
 /// Whether a parameter of a step differs from the preset.
 pub fn is_any_changed(stage: Stage, parameters: &Parameters) -> bool {
@@ -40,12 +40,15 @@ pub fn show(ui: &mut Ui, stage: Stage, parameters: &Parameters, commands: &mut V
         (label.inner.on_hover_text(tooltip.as_str()).id, tooltip)
     };
     let width = ui.available_width();
-    let room = width - FIELD.x - RESET - 2.0 * GAP;
+    let without_field = RESET + 2.0 * GAP;
+    let field = (width - without_field - LEAST_NAME).clamp(FIELD.x, LARGEST_CHOICE);
+    let room = width - without_field - field;
     if room < LEAST_NAME {
+        let field = (width - RESET - GAP).clamp(FIELD.x, LARGEST_CHOICE);
         for setting in of(stage) {
             let (label, tooltip) = name(ui, setting, width);
             ui.horizontal(|ui| {
-                edit(ui, setting, parameters, label, &tooltip, commands);
+                edit(ui, setting, parameters, label, &tooltip, field, commands);
                 reset(ui, setting, parameters, commands);
             });
         }
@@ -54,7 +57,7 @@ pub fn show(ui: &mut Ui, stage: Stage, parameters: &Parameters, commands: &mut V
         grid.min_col_width(0.0).show(ui, |ui| {
             for setting in of(stage) {
                 let (label, tooltip) = name(ui, setting, room);
-                edit(ui, setting, parameters, label, &tooltip, commands);
+                edit(ui, setting, parameters, label, &tooltip, field, commands);
                 reset(ui, setting, parameters, commands);
                 ui.end_row();
             }
@@ -66,13 +69,14 @@ pub fn show(ui: &mut Ui, stage: Stage, parameters: &Parameters, commands: &mut V
     }
 }
 
-/// The field of a parameter. All of a drag is one step of the history, anything else is a step of its own.
+/// The field of a parameter, at most `largest` wide. All of a drag is one step of the history, anything else is a step of its own.
 fn edit(
     ui: &mut Ui,
     setting: &ParameterEntry,
     parameters: &Parameters,
     label: egui::Id,
     tooltip: &str,
+    largest: f32,
     commands: &mut Vec<Command>,
 ) {
     let mut changed = parameters.clone();
@@ -108,11 +112,10 @@ fn edit(
             let before = get(parameters);
             let mut chosen = before;
             // What does not fit is cut: all of it is in the list.
-            let width = (ui.available_width() - RESET - GAP).clamp(FIELD.x, LARGEST_CHOICE);
-            let list = ComboBox::from_id_salt(setting.name).width(width).truncate();
+            let list = ComboBox::from_id_salt(setting.name).width(largest).truncate();
             let shown = ui.scope(|ui| {
                 // A list is cut only where its room ends.
-                ui.set_max_width(width);
+                ui.set_max_width(largest);
                 list.show_index(ui, &mut chosen, names.len(), |k| names[k])
             });
             let response = shown.inner;
