@@ -6,6 +6,8 @@ use std::process::{Command, Output, Stdio};
 use serde_json::Value;
 
 // Beside this file they would be test programs of their own.
+#[path = "command_line/barcode.rs"]
+mod barcode;
 #[path = "command_line/files.rs"]
 mod files;
 #[path = "command_line/hostile.rs"]

@@ -33,7 +33,6 @@ mod wider;
 
 pub use crate::cancel::CancelFlag;
 pub use assess::{SMALLEST_SIDE, examine};
-pub use barcodes::BarcodeFigures;
 pub use clicks::{Click, ClickRole, Clicks};
 pub use driver::{estimate, estimate_prepared};
 pub use error::{EstimateError, Warning};
@@ -47,7 +46,9 @@ pub use parameters::{
 };
 pub use patches::{EpipoleEllipse, PatchSupport, RefinedMatch, Refinement, Uncertainty};
 pub use prepared::PreparedPair;
-pub use result::{Assessment, Estimate, PlaneHomography, SearchCounts, SearchTrace, StageTiming};
+pub use result::{
+    Assessment, BarcodeFigures, Estimate, PlaneHomography, SearchCounts, SearchTrace, StageTiming,
+};
 pub use scale::Scale;
 pub use stage::Stage;
 pub use trust::{

@@ -10,8 +10,8 @@ use serde::Serialize;
 
 use super::patches::Hypothesis;
 use super::{
-    BarcodeFigures, Clicks, ComparedPencils, LineFigures, Method, PatchSupport, Preset, RefinedMatch,
-    Refinement, Stage, Trust, Uncertainty, Warning,
+    Clicks, ComparedPencils, LineFigures, Method, PatchSupport, Preset, RefinedMatch, Refinement, Stage,
+    Trust, Uncertainty, Warning,
 };
 use crate::geometry::{EpipolarGeometry, FundamentalMatrix};
 use crate::image::RelativeView;
@@ -67,6 +67,22 @@ pub struct PlaneHomography {
     pub share: f64,
     /// Median distance in image 2 between these matches and where it puts them, px.
     pub residual: f64,
+}
+
+/// What the barcodes of corresponding lines say of a geometry.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct BarcodeFigures {
+    /// How well the barcodes of corresponding epipolar lines agree over both images, 1 for equal ones, 0 for unrelated.
+    pub correlation: f64,
+    /// The best agreement when the second sequence is shifted in time, so that it cannot agree but by chance.
+    pub by_chance: f64,
+    /// Epipolar lines that tell something of their own: neighbours are crossed by the same things.
+    pub lines: f64,
+    /// Standard deviation of the epipolar lines where things move, px, from leaving out a part of the frames at a time;
+    /// `None` where too few frames are left.
+    pub deviation: Option<f64>,
+    /// Frames that were compared.
+    pub frames: usize,
 }
 
 /// How a geometry was found.

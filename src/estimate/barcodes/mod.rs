@@ -10,11 +10,9 @@ mod precision;
 mod refinement;
 mod sharpening;
 
-use serde::Serialize;
-
 use super::lines::{LineConsensus, compare_lines, geometries_from_lines};
 use super::record::SearchRecord;
-use super::result::REPORTED;
+use super::result::{BarcodeFigures, REPORTED};
 use super::search::{Input, Judged, by_lines};
 use super::trust::{BarcodeEvidence, Evidence, Together};
 use super::{Assessment, Estimate, EstimateError, Parameters, Stage, Trust};
@@ -34,22 +32,6 @@ const REFINED: usize = 6;
 const SAME: f64 = 0.02;
 /// Epipolar lines differ between two geometries by what is measured at so many places of image 1 either way.
 const PLACES: usize = 8;
-
-/// What the barcodes of corresponding lines say of a geometry.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct BarcodeFigures {
-    /// How well the barcodes of corresponding epipolar lines agree over both images, 1 for equal ones, 0 for unrelated.
-    pub correlation: f64,
-    /// The best agreement when the second sequence is shifted in time, so that it cannot agree but by chance.
-    pub by_chance: f64,
-    /// Epipolar lines that tell something of their own: neighbours are crossed by the same things.
-    pub lines: f64,
-    /// Standard deviation of the epipolar lines where things move, px, from leaving out a part of the frames at a time;
-    /// `None` where too few frames are left.
-    pub deviation: Option<f64>,
-    /// Frames that were compared.
-    pub frames: usize,
-}
 
 /// Parameters as barcodes take them: a barcode is the same whichever way its line is read, cameras may stand anywhere
 /// around the scene, and there are no patches.
