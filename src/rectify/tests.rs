@@ -327,8 +327,12 @@ proptest! {
                     else { continue };
                     prop_assert!(a.x.is_finite() && b.y.is_finite());
                     if frames[0].contains(a) && frames[1].contains(b) {
-                        let line = f.line2_from_point1(a);
-                        prop_assert!(line.is_none_or(|l| l.distance(b) < 0.5), "{method:?} {a} {b}");
+                        // A matrix may squeeze a whole pencil into a millionth of a pixel of one image; there the row is
+                        // right to what pixels of that image hold.
+                        let (line2, line1) = (f.line2_from_point1(a), f.line1_from_point2(b));
+                        let is_on = line2.is_none_or(|l| l.distance(b) < 0.5)
+                            || line1.is_none_or(|l| l.distance(a) < 1e-4);
+                        prop_assert!(is_on, "{method:?} {a} {b}");
                     }
                 }
                 Err(error) => prop_assert!(!error.to_string().is_empty()),
