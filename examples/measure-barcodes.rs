@@ -1,7 +1,7 @@
 //! Measures geometry from motion barcodes on made sequences: error against the number of frames, of things that move and
 //! of noise in the masks, with two clicks and without. Prints a table in Markdown.
 //!
-//! `cargo run --release --example measure-barcodes [SEEDS]`
+//! `cargo run --release --example measure-barcodes [SEEDS [PART OF A NAME]]`
 
 use std::sync::Arc;
 
@@ -41,7 +41,8 @@ fn main() {
     cases.push(case("150 frames, 2 % of the pixels flipped, offset 7", half, Some(0.02)));
     println!("| recording | offset found | no clicks, px | verdict | two clicks, px | verdict | seconds |");
     println!("|---|---|---|---|---|---|---|");
-    for case in &cases {
+    let part = std::env::args().nth(2).unwrap_or_default();
+    for case in cases.iter().filter(|case| case.name.contains(&part)) {
         for seed in 1..=seeds {
             println!(
                 "{}",
