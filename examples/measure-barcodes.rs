@@ -70,7 +70,7 @@ fn row(case: &Case, seed: u64) -> Result<String, String> {
                     scene.mask(camera, number).into_iter().map(flip).collect()
                 })
                 .collect();
-            Silhouettes::from_masks("made", case.thrown.frame, case.thrown.frame, &masks)
+            Silhouettes::from_masks("made", case.thrown.frame, case.thrown.frame, masks)
         }),
     };
     let [first, second] = silhouettes.map(|s| s.map_err(|e| e.to_string()));

@@ -7,14 +7,13 @@ use clap::Args;
 use super::CliError;
 use super::arguments::{on_threads, point_pair, threads};
 use super::console::tell;
-use super::estimate::{geometry_file, watched};
-use super::geometry_file::{GeometryOutput, image_notes};
-use super::output::Output;
+use super::estimate::watched;
 use super::overrides::Overrides;
+use super::result_output::ResultArguments;
 use crate::estimate::{CancelFlag, Estimate, Method, Monitor, PreparedPair, Preset, estimate_prepared};
 use crate::geometry::PointPair;
 use crate::image::Picture;
-use crate::io::{Format, ResultFile, SequenceFile, read_sequence, refuse_clashes, result_in_words};
+use crate::io::{SequenceFile, read_sequence};
 use crate::motion::{BackgroundParameters, MOST_OFFSET, MotionError, Silhouettes, find_offset};
 use crate::similarity::LineMeasure;
 use crate::synthetic::{BallScene, ThrownBalls};
@@ -55,31 +54,17 @@ pub(super) struct BarcodeArguments {
     /// Threads to use, all cores by default
     #[arg(long, value_parser = threads)]
     threads: Option<usize>,
-    /// Write the result as JSON, to standard output when it is -
-    #[arg(long, value_name = "FILE")]
-    json: Option<PathBuf>,
-    /// Write F, the epipoles and the points for another program
-    #[arg(long, value_name = "FILE")]
-    export: Option<PathBuf>,
-    /// Format of the export, by default the one its extension stands for
-    #[arg(long, value_enum, requires = "export")]
-    format: Option<Format>,
+    #[command(flatten)]
+    result: ResultArguments,
     #[command(flatten)]
     overrides: Overrides,
 }
 
 /// Reads the sequences, finds what moves and the offset, estimates, writes and prints.
 pub(super) fn run(arguments: &BarcodeArguments) -> Result<(), CliError> {
-    let output = Output::prepare(arguments.json.as_deref())?;
-    let export = GeometryOutput::prepare_optional(arguments.export.as_deref(), arguments.format)?;
-    if export.as_ref().is_some_and(GeometryOutput::is_piped) && matches!(output, Output::Piped) {
-        return Err(CliError::Arguments("--json and --export cannot both be -".into()));
-    }
-    let outputs: Vec<&Path> =
-        output.file().into_iter().chain(export.as_ref().and_then(GeometryOutput::file)).collect();
     let inputs: Vec<&Path> =
         [&arguments.left, &arguments.right].into_iter().flatten().map(PathBuf::as_path).collect();
-    refuse_clashes(&outputs, &inputs)?;
+    let output = arguments.result.prepare(&inputs)?;
     let mut parameters = arguments.overrides.parameters(arguments.preset)?;
     parameters.seed = arguments.seed;
     parameters.similarity.measure = LineMeasure::Barcodes;
@@ -97,12 +82,7 @@ pub(super) fn run(arguments: &BarcodeArguments) -> Result<(), CliError> {
         let found: Estimate = watched(compute)?;
         Ok((pictures, found, offset))
     })??;
-    if let Some(export) = export {
-        export.write(&geometry_file(&found, &arguments.pairs, &pictures))?;
-    }
-    let images = image_notes(&pictures);
-    let result = ResultFile::new(&found, &arguments.pairs, &images, &parameters).at_offset(offset);
-    output.write(&result, &result_in_words(&found, &images))
+    output.write(&found, &arguments.pairs, &pictures, &parameters, Some(offset))
 }
 
 /// The two sequences with their notes told.

@@ -1,6 +1,5 @@
 //! `epiline estimate`: F from point pairs given as numbers.
 
-use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
@@ -9,17 +8,13 @@ use clap::Args;
 use super::CliError;
 use super::arguments::{ImagePair, on_threads, point_pair, threads};
 use super::console::tell;
-use super::geometry_file::{GeometryOutput, image_notes};
-use super::output::Output;
 use super::overrides::Overrides;
+use super::result_output::ResultArguments;
 use crate::estimate::{
     CancelFlag, Estimate, EstimateError, Method, Monitor, Preset, Progress, Search, estimate,
 };
 use crate::geometry::PointPair;
 use crate::image::Picture;
-use crate::io::{
-    Format, GeometryFile, PairLabel, PairOrigin, ResultFile, TrustNote, refuse_clashes, result_in_words,
-};
 
 /// Estimate the fundamental matrix of two images from point pairs, or from none
 #[derive(Debug, Args)]
@@ -44,16 +39,8 @@ pub(super) struct EstimateArguments {
     /// Threads to use, all cores by default
     #[arg(long, value_parser = threads)]
     threads: Option<usize>,
-    /// Write the result as JSON, to standard output when it is -
-    #[arg(long, value_name = "FILE")]
-    json: Option<PathBuf>,
-    /// Write F, the epipoles, the points and the matched patches for another program, and where one plane or a turn of the
-    /// camera is all that is certain its homography H21
-    #[arg(long, value_name = "FILE")]
-    export: Option<PathBuf>,
-    /// Format of the export, by default the one its extension stands for
-    #[arg(long, value_enum, requires = "export")]
-    format: Option<Format>,
+    #[command(flatten)]
+    result: ResultArguments,
     #[command(flatten)]
     overrides: Overrides,
 }
@@ -66,14 +53,7 @@ struct EstimateInput {
 
 /// Estimates, writes the JSON file, prints the summary.
 pub(super) fn run(arguments: &EstimateArguments) -> Result<(), CliError> {
-    let output = Output::prepare(arguments.json.as_deref())?;
-    let export = GeometryOutput::prepare_optional(arguments.export.as_deref(), arguments.format)?;
-    if export.as_ref().is_some_and(GeometryOutput::is_piped) && matches!(output, Output::Piped) {
-        return Err(CliError::Arguments("--json and --export cannot both be -".into()));
-    }
-    let outputs: Vec<&Path> =
-        output.file().into_iter().chain(export.as_ref().and_then(GeometryOutput::file)).collect();
-    refuse_clashes(&outputs, &arguments.images.files().collect::<Vec<_>>())?;
+    let output = arguments.result.prepare(&arguments.images.files().collect::<Vec<_>>())?;
     let mut parameters = arguments.overrides.parameters(arguments.preset)?;
     parameters.seed = arguments.seed;
     let fallback = match (arguments.pairs.len(), parameters.search) {
@@ -88,12 +68,7 @@ pub(super) fn run(arguments: &EstimateArguments) -> Result<(), CliError> {
     let compute =
         |monitor: &Monitor| estimate(&image1.gray, &image2.gray, &input.pairs, &parameters, monitor);
     let found = on_threads(arguments.threads, || watched(compute))??;
-    if let Some(export) = export {
-        export.write(&geometry_file(&found, &input.pairs, &input.pictures))?;
-    }
-    let images = image_notes(&input.pictures);
-    let result = ResultFile::new(&found, &input.pairs, &images, &parameters);
-    output.write(&result, &result_in_words(&found, &images))
+    output.write(&found, &input.pairs, &input.pictures, &parameters, None)
 }
 
 /// Reads the images; counts the pairs before, which is quicker. A built-in pair has points of its own.
@@ -131,21 +106,4 @@ pub(super) fn watched(
         }
     });
     work(&monitor)
-}
-
-/// What other programs can use of it: the clicks, and behind them the matches that the refinement found; where the
-/// epipoles are open, the homography that is not.
-pub(super) fn geometry_file(found: &Estimate, pairs: &[PointPair], pictures: &[Picture; 2]) -> GeometryFile {
-    let label = |origin| PairLabel { origin, ..PairLabel::default() };
-    let given = pairs.iter().map(|_| label(PairOrigin::Clicked));
-    let matched = found.matches().iter().map(|_| label(PairOrigin::Automatic));
-    GeometryFile {
-        fundamental: Some(*found.fundamental()),
-        pairs: pairs.iter().copied().chain(found.matches().iter().map(|m| m.pair)).collect(),
-        labels: given.chain(matched).collect(),
-        trust: found.assessment.trust.as_ref().map(TrustNote::from),
-        images: Some(image_notes(pictures)),
-        homography21: found.assessment.plane.map(|plane| plane.homography21),
-        ..GeometryFile::default()
-    }
 }

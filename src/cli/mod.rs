@@ -15,6 +15,7 @@ mod geometry_file;
 mod output;
 mod overrides;
 mod rectify;
+mod result_output;
 mod suggest;
 mod window;
 

@@ -12,7 +12,7 @@ use super::{KnownPair, PrintedErrors};
 use crate::foreign::excerpt;
 use crate::geometry::{FundamentalMatrix, PointPair, symmetric_epipolar_distance};
 use crate::image::{GrayPlane, LoadError, Picture};
-use crate::io::{GroundTruth, PairFiles, ReadError, TruthError, VggFolder, pair_folder};
+use crate::io::{GroundTruth, PairFiles, ReadError, TruthError, VggFolder, has_image_extension, pair_folder};
 
 /// Why nothing could be evaluated. Each message is one sentence for the user.
 #[derive(Debug, Error)]
@@ -217,27 +217,11 @@ fn pair_results(
 
 /// The files of a folder that an evaluation may read: the images, and what is known about them.
 pub fn files_read(folder: &Path) -> Vec<PathBuf> {
-    const KNOWN: [&str; 16] = [
-        "png",
-        "jpg",
-        "jpeg",
-        "tif",
-        "tiff",
-        "bmp",
-        "pgm",
-        "ppm",
-        "pbm",
-        "pnm",
-        "pam",
-        "webp",
-        "txt",
-        "p",
-        "corners",
-        "nview-corners",
-    ];
+    const KNOWN: [&str; 4] = ["txt", "p", "corners", "nview-corners"];
     let entries = std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
     let is_read = |path: &PathBuf| {
-        path.extension().is_some_and(|e| KNOWN.iter().any(|known| e.eq_ignore_ascii_case(known)))
+        let is_known = |e: &std::ffi::OsStr| KNOWN.iter().any(|known| e.eq_ignore_ascii_case(known));
+        has_image_extension(path) || path.extension().is_some_and(is_known)
     };
     entries.filter(is_read).collect()
 }

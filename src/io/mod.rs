@@ -28,10 +28,10 @@ pub use output::{OutputFile, WriteError};
 pub use pair_folder::{PairFiles, pair_folder};
 pub use picture_file::{PictureError, PictureFormat, described, encode_picture};
 pub use point_pairs::{PairProblem, parse_point_pairs};
-pub use read::ReadError;
+pub use read::{IMAGE_EXTENSIONS, ReadError, has_image_extension};
 pub use rectified::{RectifiedError, RectifiedFiles, RectifiedOptions};
 pub use result_file::{ResultFile, result_in_words};
-pub use sequence_file::{MOST_FRAMES, SequenceError, SequenceFile, is_sequence, read_sequence};
+pub use sequence_file::{MOST_FRAMES, SequenceError, SequenceFile, read_sequence};
 pub use session::{
     ImageReference, ImageSource, Located, SESSION_VERSION, SessionError, SessionFile, relative, resolve,
     sha256_of,

@@ -102,11 +102,13 @@ pub(super) fn read_folder(path: &Path) -> Result<Vec<PathBuf>, ReadError> {
     Ok(paths)
 }
 
+/// Endings of files that are opened as images.
+pub const IMAGE_EXTENSIONS: [&str; 13] =
+    ["png", "jpg", "jpeg", "tif", "tiff", "bmp", "pgm", "ppm", "pnm", "pbm", "pam", "webp", "exr"];
+
 /// Whether the name ends like that of an image the program can open.
-pub(super) fn has_image_extension(path: &Path) -> bool {
-    const KNOWN: [&str; 12] =
-        ["png", "jpg", "jpeg", "tif", "tiff", "bmp", "pgm", "ppm", "pbm", "pnm", "pam", "webp"];
+pub fn has_image_extension(path: &Path) -> bool {
     path.extension()
         .and_then(|e| e.to_str())
-        .is_some_and(|e| KNOWN.iter().any(|known| known.eq_ignore_ascii_case(e)))
+        .is_some_and(|e| IMAGE_EXTENSIONS.iter().any(|known| known.eq_ignore_ascii_case(e)))
 }

@@ -168,8 +168,8 @@ impl<'a> ResultFile<'a> {
 
     /// Says how the sequences that it was computed from were shifted in time.
     #[must_use]
-    pub fn at_offset(mut self, offset: i32) -> Self {
-        self.frame_offset = Some(offset);
+    pub fn at_offset(mut self, offset: Option<i32>) -> Self {
+        self.frame_offset = offset;
         self
     }
 

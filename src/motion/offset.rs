@@ -41,7 +41,7 @@ pub fn find_offset(
     let agreement = |offset: i32| {
         let [from1, from2] = starts(offset);
         let common = count1.saturating_sub(from1).min(count2.saturating_sub(from2));
-        // A third of the frames may be lost to the shift; with fewer left, chance agrees as well.
+        // Half of the frames may be lost to the shift; with fewer left, chance agrees as well.
         if cancel.is_cancelled() || common < FEWEST_FRAMES.max(count1.min(count2) / 2) {
             return None;
         }
@@ -81,7 +81,7 @@ mod tests {
             let scene = BallScene::new(thrown).unwrap();
             let [first, second] = [0, 1].map(|camera| {
                 let masks: Vec<Vec<bool>> = (0..240).map(|number| scene.mask(camera, number)).collect();
-                Silhouettes::from_masks("made", thrown.frame, thrown.frame, &masks).unwrap()
+                Silhouettes::from_masks("made", thrown.frame, thrown.frame, masks).unwrap()
             });
             let found = find_offset([&first, &second], 50, &CancelFlag::default()).unwrap();
             assert_eq!(found.len(), 101);

@@ -63,7 +63,7 @@ impl Silhouettes {
             return Err(MotionError::CameraMoves { name: name(), shift });
         }
         let masks: Vec<Vec<bool>> = moving.into_iter().map(|m| m.mask).collect();
-        Self::from_masks(sequence.name(), sequence.size(), sequence.full_size(), &masks)
+        Self::from_masks(sequence.name(), sequence.size(), sequence.full_size(), masks)
     }
 
     /// Silhouettes from masks, one a frame, each row by row at `size`. Specks and holes of single pixels are taken out.
@@ -71,10 +71,10 @@ impl Silhouettes {
         name: &str,
         size: Frame,
         full_size: Frame,
-        masks: &[Vec<bool>],
+        masks: Vec<Vec<bool>>,
     ) -> Result<Self, MotionError> {
         let frames = masks.len();
-        let clean: Vec<Vec<bool>> = masks.par_iter().map(|mask| by_majority(mask, size)).collect();
+        let clean: Vec<Vec<bool>> = masks.into_par_iter().map(|mask| by_majority(&mask, size)).collect();
         let covered =
             |mask: &Vec<bool>| mask.iter().filter(|m| **m).count() as f64 / mask.len().max(1) as f64;
         let shares: Vec<f64> = clean.iter().map(covered).collect();
@@ -396,7 +396,7 @@ mod tests {
             let mask =
                 |time: usize| (0..96 * 72).map(|k| is_in_square(k % 96, k / 96, time + from)).collect();
             let masks: Vec<Vec<bool>> = (0..40).map(mask).collect();
-            Silhouettes::from_masks("made", SIZE, SIZE, &masks).unwrap()
+            Silhouettes::from_masks("made", SIZE, SIZE, masks).unwrap()
         };
         // The second camera began seven frames earlier, so that the same is seen seven frames later in it.
         let (first, second) = (moving(7), moving(0));

@@ -76,11 +76,6 @@ pub enum LineMeasure {
     Barcodes,
 }
 
-impl LineMeasure {
-    /// Both measures.
-    pub const ALL: [Self; 2] = [Self::Stereo, Self::Barcodes];
-}
-
 /// What the similarity of lines of two images depends on besides the images.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct SimilarityParameters {

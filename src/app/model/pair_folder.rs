@@ -4,11 +4,7 @@ use std::collections::HashSet;
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
-use crate::io::TruthFolder;
-
-/// Endings of files that are opened as images.
-pub const IMAGE_EXTENSIONS: [&str; 13] =
-    ["png", "jpg", "jpeg", "tif", "tiff", "bmp", "pgm", "ppm", "pnm", "pbm", "pam", "webp", "exr"];
+use crate::io::{TruthFolder, has_image_extension};
 
 /// A folder and what is known about its images.
 #[derive(Debug, Clone)]
@@ -136,9 +132,7 @@ fn file_name(path: &Path) -> String {
 
 fn is_image(path: &Path) -> bool {
     let hidden = path.file_name().is_some_and(|name| name.to_string_lossy().starts_with('.'));
-    let extension = path.extension().and_then(OsStr::to_str);
-    let known = extension.is_some_and(|own| IMAGE_EXTENSIONS.iter().any(|e| e.eq_ignore_ascii_case(own)));
-    known && !hidden && path.is_file()
+    has_image_extension(path) && !hidden && path.is_file()
 }
 
 /// Whether a folder is meant to be one whose geometry is known: then what is wrong with it is to be told.

@@ -5,13 +5,13 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::app::model::computation::EstimateRequest;
 use crate::app::model::document::Side;
-use crate::app::model::pair_folder::IMAGE_EXTENSIONS;
 use crate::app::model::picture::Pictures;
 use crate::app::model::suggesting::{
     NextClickQuestion, Outcome, Repair, RepairQuestion, SuggestQuestion, Suggested,
 };
 use crate::app::model::verdict::capitalised;
 use crate::estimate::{Estimate, EstimateError, Monitor, PreparedPair, estimate_prepared, follow};
+use crate::io::IMAGE_EXTENSIONS;
 use crate::suggest::{
     ClickedImage, Known, NextClick, SuggestError, SuggestParameters, next_click, refine, suggest, view_at,
 };

@@ -16,7 +16,7 @@ use super::result::{BarcodeFigures, REPORTED};
 use super::search::{Input, Judged, by_lines};
 use super::trust::{BarcodeEvidence, Evidence, Together};
 use super::{Assessment, Estimate, EstimateError, Parameters, Stage, Trust};
-use crate::geometry::{FundamentalMatrix, PointPair, line_spacing, sampson_distance};
+use crate::geometry::{FundamentalMatrix, PointPair, epipolar_difference, line_spacing, sampson_distance};
 use crate::motion::Silhouettes;
 
 use agreement::Pencils;
@@ -30,9 +30,6 @@ const SIDE: f64 = 384.0;
 const REFINED: usize = 6;
 /// Two geometries are one when their lines are nearer to each other than this fraction of the longer side, on average.
 const SAME: f64 = 0.02;
-/// Epipolar lines differ between two geometries by what is measured at so many places of image 1 either way.
-const PLACES: usize = 8;
-
 /// Parameters as barcodes take them: a barcode is the same whichever way its line is read, cameras may stand anywhere
 /// around the scene, and there are no patches.
 pub(super) fn adapted(parameters: &Parameters) -> Parameters {
@@ -141,25 +138,9 @@ fn from_all_lines(input: &Input, record: &mut SearchRecord) -> Result<Vec<Fundam
 
 /// How far the lines of two geometries are apart on average, as a fraction of the longer side of image 2.
 fn apart(a: &FundamentalMatrix, b: &FundamentalMatrix, silhouettes: [&Silhouettes; 2]) -> f64 {
-    let [frame1, frame2] = silhouettes.map(Silhouettes::full_size);
-    let mut distances = Vec::new();
-    for k in 0..PLACES * PLACES {
-        let share = |k: usize| (k as f64 + 0.5) / PLACES as f64;
-        let at = crate::geometry::Point::new(
-            share(k % PLACES) * frame1.right(),
-            share(k / PLACES) * frame1.bottom(),
-        );
-        let lines = (a.line2_from_point1(at), b.line2_from_point1(at));
-        if let (Some(one), Some(other)) = lines
-            && let Some(seen) = frame2.clip(&one)
-        {
-            distances.push(0.5 * (other.distance(seen.start) + other.distance(seen.end)));
-        }
-    }
-    if distances.is_empty() {
-        return 0.0;
-    }
-    distances.iter().sum::<f64>() / distances.len() as f64 / frame2.longer_side()
+    let frames = silhouettes.map(Silhouettes::full_size);
+    let side = frames[1].longer_side();
+    epipolar_difference(a, b, frames, side) / side
 }
 
 fn assessed(
@@ -219,7 +200,7 @@ mod tests {
     fn prepared(scene: &BallScene, thrown: &ThrownBalls, offset: i32) -> PreparedPair {
         let [first, second] = [0, 1].map(|camera| {
             let masks: Vec<Vec<bool>> = (0..thrown.frames).map(|number| scene.mask(camera, number)).collect();
-            Silhouettes::from_masks("made", thrown.frame, thrown.frame, &masks).unwrap()
+            Silhouettes::from_masks("made", thrown.frame, thrown.frame, masks).unwrap()
         });
         let plane = |k: usize| GrayPlane::from_fn(thrown.frame, |x, y| ((x * (7 + k) + y * 13) % 97) as f32);
         PreparedPair::of_sequences(&plane(0), &plane(4), [&first, &second], offset).unwrap()

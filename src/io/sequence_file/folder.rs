@@ -9,15 +9,8 @@ use crate::cancel::CancelFlag;
 use crate::foreign::shown_path;
 use crate::image::Picture;
 
-/// Fewer numbered pictures than this are no sequence, but pictures.
-const FEWEST: usize = 8;
 /// Missing frames named in a note, at most.
 const NAMED: usize = 5;
-
-/// Whether a folder holds numbered frames.
-pub(super) fn is_frame_folder(path: &Path) -> bool {
-    numbered(path).is_ok_and(|frames| frames.len() >= FEWEST)
-}
 
 pub(super) fn read(
     path: &Path,

@@ -76,16 +76,6 @@ pub enum SequenceError {
     },
 }
 
-/// Whether a path is a sequence by its looks: a folder with numbered frames, an animation or a video. Folders are looked
-/// into, files are not.
-pub fn is_sequence(path: &Path) -> bool {
-    if path.is_dir() {
-        return folder::is_frame_folder(path);
-    }
-    path.is_file() && !has_image_extension(path) && video::has_video_extension(path)
-        || path.extension().is_some_and(|e| e.eq_ignore_ascii_case("gif"))
-}
-
 /// Reads a sequence. `each` hears of the frames read so far.
 pub fn read_sequence(
     path: &Path,

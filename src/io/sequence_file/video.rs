@@ -16,14 +16,6 @@ const MOST_WORDS: u64 = 4096;
 /// Longest header of a frame, bytes: two letters, three numbers and white space.
 const HEADER: usize = 64;
 
-/// Whether a name ends like that of a video.
-pub(super) fn has_video_extension(path: &Path) -> bool {
-    const KNOWN: [&str; 11] = ["mp4", "mov", "avi", "mkv", "webm", "m4v", "mpg", "mpeg", "wmv", "mts", "ogv"];
-    path.extension()
-        .and_then(|e| e.to_str())
-        .is_some_and(|e| KNOWN.iter().any(|known| known.eq_ignore_ascii_case(e)))
-}
-
 /// A program that is stopped when nobody reads from it any more.
 struct Running(Child);
 
