@@ -51,6 +51,13 @@ impl CameraRig {
         Ok(Some(Self { path: folder.to_owned(), names, sequences, cameras }))
     }
 
+    /// [`CameraRig::find`] in a folder that is to have two cameras or more.
+    pub fn open(folder: &Path) -> Result<Self, ReadError> {
+        let missing =
+            "no sequences with cameras found, expected folders of frames or videos NAME with NAME.P";
+        Self::find(folder)?.ok_or_else(|| ReadError::content(folder, missing))
+    }
+
     /// What a pair of cameras is called.
     pub fn pair_name(&self, [first, second]: [usize; 2]) -> String {
         format!("{}-{}", self.names[first], self.names[second])
