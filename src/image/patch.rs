@@ -262,7 +262,7 @@ mod tests {
         let sampler = |warp: &Warp| PatchSampler::new(&plane, warp);
         let at = |k: usize| Point::new(14.0 + (k % 11) as f64, 13.0 + (k / 3) as f64);
         let few: Vec<Patch> =
-            (0..2 * AT_ONCE + 1).map(|k| sampler(&Warp::identity()).patch(at(k)).unwrap()).collect();
+            (0..=2 * AT_ONCE).map(|k| sampler(&Warp::identity()).patch(at(k)).unwrap()).collect();
         let turned = warps()[1..4].to_vec();
         let many: Vec<Vec<Patch>> =
             turned.iter().map(|w| (0..LANES).map(|k| sampler(w).patch(at(k)).unwrap()).collect()).collect();

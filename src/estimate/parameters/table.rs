@@ -24,7 +24,7 @@ const fn number(
 }
 
 /// Every parameter, in the order of the steps.
-pub const PARAMETERS: [ParameterEntry; 25] = [
+pub const PARAMETERS: [ParameterEntry; 26] = [
     number(
         (
             "coarse_side",
@@ -177,6 +177,19 @@ pub const PARAMETERS: [ParameterEntry; 25] = [
         0,
         |p| p.pencils.mutual as f64,
         |p, v| p.pencils.mutual = v as usize,
+    ),
+    number(
+        (
+            "screened",
+            Stage::Pencils,
+            "Screened",
+            " of lines",
+            "Two lines are compared at the coarse size when they are among this share of each other's best at half of it; 1 compares all.",
+        ),
+        [0.05, 1.0],
+        2,
+        |p| p.pencils.screened,
+        |p, v| p.pencils.screened = v,
     ),
     number(
         (

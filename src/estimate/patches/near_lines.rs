@@ -58,14 +58,14 @@ fn near_lines(blocks: &[Block], f: &[f32; 9], band: f32) -> Vec<usize> {
     let band = band * band;
     for (index, block) in blocks.iter().enumerate() {
         let mut is_near = [0u8; LANES];
-        for k in 0..LANES {
+        for (k, is_near) in is_near.iter_mut().enumerate() {
             let (x1, y1, x2, y2) = (block.x1[k], block.y1[k], block.x2[k], block.y2[k]);
             let (a2, b2) = (f[0] * x1 + f[1] * y1 + f[2], f[3] * x1 + f[4] * y1 + f[5]);
             let (a1, b1) = (f[0] * x2 + f[3] * y2 + f[6], f[1] * x2 + f[4] * y2 + f[7]);
             let c2 = f[6] * x1 + f[7] * y1 + f[8];
             let e = a2 * x2 + b2 * y2 + c2;
             let (n1, n2) = (a1 * a1 + b1 * b1, a2 * a2 + b2 * b2);
-            is_near[k] = u8::from(e * e <= band * if n1 < n2 { n1 } else { n2 });
+            *is_near = u8::from(e * e <= band * if n1 < n2 { n1 } else { n2 });
         }
         add_numbers(is_near, index, &mut found);
     }

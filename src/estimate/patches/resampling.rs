@@ -94,7 +94,7 @@ pub(in crate::estimate) fn resample(
         }
     }
     cancel.check()?;
-    Ok(best_of(found, support, leader, count))
+    Ok(best_of(&found, support, leader, count))
 }
 
 /// A geometry from a sample, and a bound on the score of its support.
@@ -103,23 +103,30 @@ struct Sampled {
     most: f64,
 }
 
-/// Samples measured at once.
-const AT_ONCE: usize = 32;
+/// Samples measured at once, for each one that is wanted.
+const AT_ONCE: usize = 4;
 
-/// The `count` best of the samples that are promising beside the leader, best first, the first drawn of equals. Only those
-/// are measured whose bound leaves open whether they are among them.
-fn best_of(samples: Vec<Sampled>, support: &Support, leader: &Proposal, count: usize) -> Vec<Proposal> {
+/// The `count` best of the samples that are promising beside the leader, best first, the first drawn of equals. They are
+/// measured in the order of their bounds until these leave nothing open, or until four times as many as are wanted bring
+/// none among the best: of a geometry that is right there are hundreds of samples alike.
+fn best_of(samples: &[Sampled], support: &Support, leader: &Proposal, count: usize) -> Vec<Proposal> {
     let mut order: Vec<usize> = (0..samples.len()).collect();
     order.sort_by(|a, b| samples[*b].most.total_cmp(&samples[*a].most));
     let mut best: Vec<(usize, PatchSupport)> = Vec::new();
-    for few in order.chunks(AT_ONCE) {
-        if best.len() >= count && best.last().is_none_or(|(_, last)| last.score > samples[few[0]].most) {
+    for few in order.chunks(AT_ONCE.saturating_mul(count).max(1)) {
+        let is_full = best.len() >= count;
+        if is_full && best.last().is_none_or(|(_, last)| last.score > samples[few[0]].most) {
             break;
         }
         let measured: Vec<(usize, PatchSupport)> =
             few.par_iter().map(|k| (*k, support.measure(&samples[*k].fundamental))).collect();
-        let least = PROMISING * leader.support.score;
+        let last = best.last().map_or(0.0, |(_, last)| last.score);
+        let least = if is_full { last } else { PROMISING * leader.support.score };
+        let before = best.len();
         best.extend(measured.into_iter().filter(|(_, own)| own.score > least));
+        if is_full && best.len() == before {
+            break;
+        }
         best.sort_by(|(a, of_a), (b, of_b)| of_b.score.total_cmp(&of_a.score).then(a.cmp(b)));
         best.truncate(count);
     }

@@ -85,15 +85,20 @@ impl Support {
                 let mut best = Vec::new();
                 best_correlations(&firsts, &blocks, &mut best);
                 let first2 = (chunk * LANES) as u32;
-                let pairs = names.iter().zip(&best).flat_map(|(corner1, best)| {
+                let mut pairs = Vec::new();
+                for (corner1, best) in names.iter().zip(&best) {
+                    // Nothing looks like most corners.
+                    if best.iter().fold(-1f32, |most, c| most.max(*c)) <= FLOOR {
+                        continue;
+                    }
                     let alike = best.iter().zip(first2..).filter(|(correlation, _)| **correlation > FLOOR);
-                    alike.map(|(correlation, corner2)| Putative {
+                    pairs.extend(alike.map(|(correlation, corner2)| Putative {
                         corner1: *corner1,
                         corner2,
                         correlation: *correlation,
-                    })
-                });
-                pairs.collect()
+                    }));
+                }
+                pairs
             })
             .collect();
         let pairs = best_look_alikes(&found, corners[0].len());

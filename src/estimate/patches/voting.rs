@@ -159,7 +159,6 @@ fn terms(blocks: &[Voters], [line1, line2]: &[[f32; 3]; 2], sign: f32) -> Vec<Te
 /// Natural logarithm of an ordinary positive number, which the compiler can make vectors of: `ln 2ᵉm = e ln 2 + ln m` and
 /// `ln m = 2 artanh((m − 1)/(m + 1))` by its series, good to single precision for m between √½ and √2.
 #[inline(always)]
-#[expect(clippy::inline_always, reason = "must be compiled once per instruction set, inside `terms`")]
 fn logarithm(x: f32) -> f32 {
     // The bits of √½ below those of x: what they exceed is the exponent, and the mantissa begins there.
     const HALF_ROOT: u32 = 0x3f35_04f3;
@@ -191,7 +190,7 @@ fn histogram(blocks: &[Voters], p: &[Terms], q: &[Terms], cosine: f32, band: f32
             let (low, high) = (middle - half, middle + half);
             // Comparisons with NaN are false: voters without a vote drop out here too. A vote for a seventh of all bins
             // says nothing.
-            let counts = (low >= 0.0) & (high < BINS as f32) & (half < WIDEST);
+            let counts = low >= 0.0 && high < BINS as f32 && half < WIDEST;
             votes[k] = u8::from(counts);
             bins[0][k] = (if counts { low } else { 0.0 }) as i32;
             bins[1][k] = (if counts { high } else { 0.0 }) as i32;
