@@ -279,7 +279,7 @@ impl From<Preset> for Parameters {
                     },
                     disparity_reach: 0.16,
                 },
-                pencils: PencilParameters { normalise: true, mutual: 5, screened: 0.3, ..paper.pencils },
+                pencils: PencilParameters { normalise: true, mutual: 5, screened: 0.5, ..paper.pencils },
                 hypotheses: 12_000,
                 validation: ValidationParameters {
                     validated: 1.0,
