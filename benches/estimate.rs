@@ -1,16 +1,20 @@
-//! Time of whole estimates: until the first geometry, and until the final one. Run with
-//! `cargo bench --bench estimate`.
+//! Time of whole estimates: until the first geometry, until the final one, and stage by stage. Run with
+//! `cargo bench --bench estimate`; with `-- stages` behind it only the stages.
 //!
-//! The built-in courtyard at several sizes, from the images on (nothing is prepared before), from its own two
+//! Stages: the built-in courtyard as it is and at 12 megapixels, and three pairs of photographs where the folder
+//! `../shared/data` is there. Sizes: the built-in courtyard at several sizes, from the images on (nothing is prepared before), from its own two
 //! point pairs, on all cores. Sizes other than 768 px are resampled: enlarged images hold no more detail, so
 //! they tell the cost of the pixels, not of the corners they would have had.
 
+use std::path::Path;
 use std::time::Instant;
 
-use epiline::estimate::{Monitor, Parameters, Preset, estimate};
+use epiline::estimate::{
+    Estimate, Monitor, Parameters, PreparedPair, Preset, Stage, estimate, estimate_prepared,
+};
 use epiline::evaluate::{mean, median};
-use epiline::geometry::{Frame, Point, PointPair, symmetric_epipolar_distance};
-use epiline::image::GrayPlane;
+use epiline::geometry::{Frame, Point, PointPair, Vector, symmetric_epipolar_distance};
+use epiline::image::{GrayPlane, Picture};
 use epiline::synthetic::{Sample, SamplePair};
 use image::imageops::{FilterType, resize};
 use image::{ImageBuffer, Luma};
@@ -82,7 +86,109 @@ fn peak_memory() -> Option<f64> {
     Some(line.split_whitespace().nth(1)?.parse::<f64>().ok()? / 1024.0)
 }
 
+/// A pair of photographs.
+struct Photographs {
+    name: &'static str,
+    files: [&'static str; 2],
+    /// Two clicks, true to a pixel.
+    clicks: [[f64; 4]; 2],
+}
+
+const PHOTOGRAPHS: [Photographs; 3] = [
+    Photographs {
+        name: "house, 768 px",
+        files: ["house/house.000.pgm", "house/house.001.pgm"],
+        clicks: [[192.3, 363.7, 154.9, 345.8], [540.9, 172.9, 554.8, 180.7]],
+    },
+    Photographs {
+        name: "head, 1408 px",
+        files: ["pairs/headA.jpg", "pairs/headB.jpg"],
+        clicks: [[1205.4, 849.2, 1241.2, 899.3], [612.5, 455.7, 693.6, 470.5]],
+    },
+    Photographs {
+        name: "booksh, turned by 92°, 2.9 times larger",
+        files: ["pairs/bookshA.png", "pairs/bookshB.png"],
+        clicks: [[219.4, 376.3, 696.9, 521.7], [293.8, 149.0, 33.8, 331.9]],
+    },
+];
+const DATA: &str = "../shared/data";
+const RUNS: usize = 5;
+
+/// Seconds of each stage, and until the first and the final geometry.
+fn stages(found: &Estimate) -> Vec<f64> {
+    let Some(trace) = &found.trace else { return vec![f64::NAN; Stage::ALL.len() + 2] };
+    let seconds = |stage: Stage| trace.timings.iter().filter(|t| t.stage == stage).map(|t| t.seconds).sum();
+    Stage::ALL.into_iter().map(seconds).chain([trace.first_seconds, trace.seconds]).collect()
+}
+
+/// One row of times: medians over the runs, milliseconds.
+fn print_stages(name: &str, runs: &[Estimate]) {
+    let times: Vec<Vec<f64>> = runs.iter().map(stages).collect();
+    print!("{name:<42}");
+    for k in 0..Stage::ALL.len() + 2 {
+        print!(" {:>8.0}", 1e3 * median(&times.iter().map(|run| run[k]).collect::<Vec<_>>()));
+    }
+    let verdict = runs.last().and_then(|run| run.assessment.trust.as_ref()).map_or("", |t| t.verdict.label());
+    println!("  {verdict}");
+}
+
+/// Times from the images on, and again with the images prepared after both clicks were moved a little.
+fn time_stages(name: &str, planes: &[GrayPlane; 2], clicks: &[PointPair]) {
+    let (parameters, silent) = (Parameters::from(Preset::Robust), Monitor::silent());
+    let moved = |by: f64| -> Vec<PointPair> {
+        clicks.iter().map(|c| PointPair { point1: c.point1 + Vector::new(by, 0.0), ..*c }).collect()
+    };
+    let found: Result<Vec<Estimate>, _> =
+        (0..RUNS).map(|_| estimate(&planes[0], &planes[1], clicks, &parameters, &silent)).collect();
+    match found {
+        Ok(found) => print_stages(name, &found),
+        Err(error) => return println!("{name:<42} failed: {error}"),
+    }
+    let prepared: Result<Vec<Estimate>, _> = (0..RUNS)
+        .map(|_| {
+            let prepared = PreparedPair::new(&planes[0], &planes[1]);
+            estimate_prepared(&prepared, &moved(1.0), &parameters, &silent)?;
+            estimate_prepared(&prepared, clicks, &parameters, &silent)
+        })
+        .collect();
+    if let Ok(found) = prepared {
+        print_stages("  the same after a click was moved", &found);
+    }
+}
+
+fn all_stages() {
+    println!(
+        "Stages of an estimate, robust, two pairs, {} threads; ms, medians",
+        rayon::current_num_threads()
+    );
+    let words = ["pyramid", "pencils", "hypoth.", "validat.", "refine", "features", "first F", "final F"];
+    println!("{:<42} {}", "", words.map(|word| format!("{word:>8}")).join(" "));
+    let sample = Sample::default().load();
+    for (name, frame) in [("courtyard, 768 px", SIZES[2].0), ("courtyard, 12 megapixels", SIZES[4].0)] {
+        let pair = Sized::new(&sample, frame);
+        time_stages(name, &pair.planes, &pair.clicks);
+    }
+    for Photographs { name, files, clicks } in PHOTOGRAPHS {
+        let paths = files.map(|file| Path::new(DATA).join(file));
+        if !paths.iter().all(|path| path.exists()) {
+            println!("{name:<42} skipped: there is no {}", paths[0].display());
+            continue;
+        }
+        let planes = paths.each_ref().map(|path| Picture::open(path).expect("a picture").gray);
+        let clicks = clicks.map(|[x1, y1, x2, y2]| PointPair::new(x1, y1, x2, y2));
+        time_stages(name, &planes, &clicks);
+    }
+}
+
 fn main() {
+    all_stages();
+    // `cargo bench` adds an argument of its own.
+    if !std::env::args().any(|argument| argument == "stages") {
+        sizes();
+    }
+}
+
+fn sizes() {
     let sample = Sample::default().load();
     println!(
         "Whole estimate, courtyard, two pairs, {} threads; medians; ratios to {NATIVE} px",

@@ -14,7 +14,8 @@ impl Line {
     pub fn from_homogeneous(coefficients: Vector3<f64>) -> Option<Self> {
         let norm = coefficients.xy().norm();
         let line = coefficients / norm;
-        (norm > 0.0 && line.iter().all(|v| v.is_finite())).then_some(Self(line))
+        // The first two are at most 1, so the sum is finite when all are.
+        (norm > 0.0 && line.sum().is_finite()).then_some(Self(line))
     }
 
     /// The line through `point` whose direction makes `angle` radians with the x axis.

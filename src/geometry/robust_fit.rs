@@ -1,7 +1,8 @@
 //! Robust fit of all seven degrees of freedom of `F` to point matches: Levenberg–Marquardt on a Cauchy cost of
 //! the Sampson distance (Hartley & Zisserman, §11.4.3 and A6.8).
 
-use nalgebra::{Matrix3, SMatrix, Vector3};
+use multiversion::multiversion;
+use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
 use super::orthonormal::{Orthonormal, Vector7};
 use super::{FundamentalMatrix, PointPair};
@@ -85,12 +86,22 @@ pub fn fit_fundamental(
 /// Steps tried at most: a fit that starts within some pixels settles in fewer than ten.
 const ITERATIONS: usize = 25;
 
+/// Observations that are looked at together.
+const LANES: usize = 8;
+
 /// Coordinates moved and scaled to order one, the same for both images.
 struct Conditioning {
     to: [Matrix3<f64>; 2],
-    points: Vec<[Vector3<f64>; 2]>,
-    /// Conditioned units per σ, each observation.
-    sigmas: Vec<f64>,
+    blocks: Vec<Block>,
+}
+
+/// Some observations, laid out for the vector units.
+#[derive(Clone)]
+struct Block {
+    point1: [[f64; LANES]; 2],
+    point2: [[f64; LANES]; 2],
+    /// Inverse of σ in conditioned units; 0 in lanes without an observation.
+    weight: [f64; LANES],
 }
 
 impl Conditioning {
@@ -111,11 +122,22 @@ impl Conditioning {
         // One scale for both images keeps the Sampson distance a distance.
         let s = 1.0 / spread.sqrt().max(1e-9);
         let to = [centre1, centre2].map(|c| Matrix3::new(s, 0.0, -s * c.x, 0.0, s, -s * c.y, 0.0, 0.0, 1.0));
-        let points = observations
-            .iter()
-            .map(|o| [to[0] * o.pair.point1.to_homogeneous(), to[1] * o.pair.point2.to_homogeneous()])
-            .collect();
-        Self { to, points, sigmas: observations.iter().map(|o| s * o.sigma).collect() }
+        let conditioned = |chunk: &[Observation]| {
+            // Lanes that are left over repeat the last observation, without weight.
+            let of = |lane: usize| &chunk[lane.min(chunk.len() - 1)];
+            let coordinate = |image: usize, axis: usize| {
+                std::array::from_fn(|lane| {
+                    let point = if image == 0 { of(lane).pair.point1 } else { of(lane).pair.point2 };
+                    s * point[axis] + to[image][(axis, 2)]
+                })
+            };
+            Block {
+                point1: [coordinate(0, 0), coordinate(0, 1)],
+                point2: [coordinate(1, 0), coordinate(1, 1)],
+                weight: std::array::from_fn(|lane| chunk.get(lane).map_or(0.0, |o| 1.0 / (s * o.sigma))),
+            }
+        };
+        Self { to, blocks: observations.chunks(LANES).map(conditioned).collect() }
     }
 
     fn conditioned(&self, f: &Matrix3<f64>) -> Matrix3<f64> {
@@ -134,30 +156,90 @@ impl Conditioning {
     fn normal_equations(&self, representation: &Orthonormal, scale: f64) -> Option<(f64, Vector7, Matrix7)> {
         let f = representation.matrix();
         let derivatives = representation.derivatives(&f);
-        let (mut cost, mut gradient, mut hessian) = (0.0, Vector7::zeros(), Matrix7::zeros());
-        for ([x1, x2], sigma) in self.points.iter().zip(&self.sigmas) {
-            let (l2, l1) = (f * x1, f.tr_mul(x2));
-            let numerator = x2.dot(&l2);
-            let denominator = (l2.xy().norm_squared() + l1.xy().norm_squared()).sqrt();
-            if denominator < 1e-14 {
-                continue;
-            }
-            let residual = numerator / denominator / sigma;
-            let mut jacobian = Vector7::zeros();
-            for (k, d) in derivatives.iter().enumerate() {
-                let (d2, d1) = (d * x1, d.tr_mul(x2));
-                let change = (l2.xy().dot(&d2.xy()) + l1.xy().dot(&d1.xy())) / denominator;
-                jacobian[k] = (x2.dot(&d2) - numerator * change / denominator) / (denominator * sigma);
-            }
-            // Cauchy: ρ = s² ln(1 + r²/s²), weight 1/(1 + r²/s²).
-            let ratio = (residual / scale).powi(2);
-            let weight = 1.0 / (1.0 + ratio);
-            cost += scale * scale * ratio.ln_1p();
-            gradient += jacobian * (weight * residual);
-            hessian += jacobian * jacobian.transpose() * weight;
-        }
+        let by_entries = SMatrix::<f64, 9, 7>::from_fn(|row, k| derivatives[k][(row / 3, row % 3)]);
+        let sums = sums(&self.blocks, &std::array::from_fn(|k| f[(k / 3, k % 3)]), scale);
+        let gradient = by_entries.tr_mul(&SVector::<f64, 9>::from(sums.gradient));
+        let entry = |row: usize, column: usize| sums.hessian[row.max(column)][row.min(column)];
+        let hessian = by_entries.tr_mul(&(Matrix9::from_fn(entry) * by_entries));
+        let cost = scale * scale * sums.cost;
         (cost.is_finite() && hessian.iter().all(|v| v.is_finite())).then_some((cost, gradient, hessian))
     }
+}
+
+/// Sums over all observations, by the nine entries of the matrix, row by row.
+struct Sums {
+    /// `Σ ln(1 + r²/s²)`.
+    cost: f64,
+    gradient: [f64; 9],
+    /// Row by row up to the diagonal.
+    hessian: [[f64; 9]; 9],
+}
+
+/// Blocks of which `1 + r²/s²` is multiplied before the logarithm is taken: of few enough the product is finite.
+const MULTIPLIED: usize = 4;
+
+/// Adds up cost, gradient and Gauss–Newton Hessian. With lines `l2 = F x1`, `l1 = Fᵀ x2` and the residual
+/// `r = n / d` of `n = x2ᵀ F x1`, `d² = |l2|² + |l1|²` (first two coordinates), the derivative by an entry is
+///
+/// ```text
+///     d · ∂r/∂F(i,j) = x2(i) x1(j) − n/d² · (l2(i) x1(j) [i < 2] + x2(i) l1(j) [j < 2]).
+/// ```
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq+avx2", "x86_64+avx2", "aarch64+neon"))]
+fn sums(blocks: &[Block], f: &[f64; 9], scale: f64) -> Sums {
+    type Lanes = [f64; LANES];
+    let inverse_square = 1.0 / (scale * scale);
+    let mut cost = 0.0;
+    let (mut gradient, mut hessian) = ([[0.0; LANES]; 9], [[[0.0; LANES]; 9]; 9]);
+    for blocks in blocks.chunks(MULTIPLIED) {
+        // The product less one, which keeps what small residuals add.
+        let mut product = [0.0; LANES];
+        for Block { point1: [x1, y1], point2: [x2, y2], weight } in blocks {
+            // Derivatives by the entries, the residual, and what the loss leaves of the weight.
+            let mut by: [Lanes; 9] = [[0.0; LANES]; 9];
+            let (mut residual, mut left) = ([0.0; LANES], [0.0; LANES]);
+            for k in 0..LANES {
+                let (a2, b2) = (f[0] * x1[k] + f[1] * y1[k] + f[2], f[3] * x1[k] + f[4] * y1[k] + f[5]);
+                let (a1, b1) = (f[0] * x2[k] + f[3] * y2[k] + f[6], f[1] * x2[k] + f[4] * y2[k] + f[7]);
+                let n = a2 * x2[k] + b2 * y2[k] + f[6] * x1[k] + f[7] * y1[k] + f[8];
+                let square = a2 * a2 + b2 * b2 + a1 * a1 + b1 * b1;
+                // At both epipoles at once nothing is known.
+                let inverse = if square < 1e-28 { 0.0 } else { 1.0 / square };
+                let (c, s) = (n * inverse, inverse.sqrt() * weight[k]);
+                residual[k] = n * s;
+                let ratio = residual[k] * residual[k] * inverse_square;
+                // Cauchy: ρ = s² ln(1 + r²/s²), weight 1/(1 + r²/s²).
+                product[k] += ratio * (1.0 + product[k]);
+                left[k] = 1.0 / (1.0 + ratio);
+                let (u, v) = (s * (x2[k] - c * a2), s * (y2[k] - c * b2));
+                let (a, b) = (s * c * a1, s * c * b1);
+                by[0][k] = u * x1[k] - a * x2[k];
+                by[1][k] = u * y1[k] - b * x2[k];
+                by[2][k] = u;
+                by[3][k] = v * x1[k] - a * y2[k];
+                by[4][k] = v * y1[k] - b * y2[k];
+                by[5][k] = v;
+                by[6][k] = s * x1[k] - a;
+                by[7][k] = s * y1[k] - b;
+                by[8][k] = s;
+            }
+            for i in 0..9 {
+                let mut weighted = [0.0; LANES];
+                for k in 0..LANES {
+                    weighted[k] = by[i][k] * left[k];
+                    gradient[i][k] += weighted[k] * residual[k];
+                }
+                for j in 0..=i {
+                    for k in 0..LANES {
+                        hessian[i][j][k] += weighted[k] * by[j][k];
+                    }
+                }
+            }
+        }
+        cost += product.iter().map(|product| product.ln_1p()).sum::<f64>();
+    }
+    let total = |lanes: &Lanes| lanes.iter().sum::<f64>();
+    let hessian = std::array::from_fn(|i| std::array::from_fn(|j| total(&hessian[i][j])));
+    Sums { cost, gradient: std::array::from_fn(|i| total(&gradient[i])), hessian }
 }
 
 #[cfg(test)]

@@ -13,6 +13,7 @@
 
 use std::ops::Range;
 
+use multiversion::multiversion;
 use nalgebra::{SMatrix, SVector};
 
 use super::GrayPlane;
@@ -110,28 +111,26 @@ pub(crate) fn align(
         .filter(|x| counts(0, point1 + x))
         .map(|x| (x, f64::from(planes[0].sample(point1 + x)) - how.middle))
         .collect();
-    let least = how.least_inside.unwrap_or(0.0) * offsets().count() as f64;
+    let least = how.least_inside.unwrap_or(0.0) * AREA as f64;
     let mut placed = start;
+    let mut equations = Equations::default();
     for _ in 0..how.iterations {
-        let (mut normal, mut right, mut inside) = (Matrix8::zeros(), Vector8::zeros(), 0.0);
+        equations.count = 0;
         for (offset, reference) in &reference {
             let q = placed.at + placed.affine * offset;
             if !counts(1, q) {
                 continue;
             }
-            inside += 1.0;
-            let value = |dx: f64, dy: f64| f64::from(planes[1].sample(Point::new(q.x + dx, q.y + dy)));
-            let gx = 0.5 * (value(1.0, 0.0) - value(-1.0, 0.0));
-            let gy = 0.5 * (value(0.0, 1.0) - value(0.0, -1.0));
+            let [value, gx, gy] = value_and_slopes(planes[1], q);
             // gain·I1 + offset − ∇I2·(step + dA x) = I2
             let (x, y) = (offset.x / how.unit, offset.y / how.unit);
-            let row = Vector8::from([-gx, -gy, -gx * x, -gx * y, -gy * x, -gy * y, *reference, 1.0]);
-            normal.syger(1.0, &row, &row, 1.0);
-            right += row * (value(0.0, 0.0) - how.middle);
+            let row = [-gx, -gy, -gx * x, -gx * y, -gy * x, -gy * y, *reference, 1.0];
+            equations.push(row, value - how.middle);
         }
-        if inside < least {
+        if (equations.count as f64) < least {
             return None;
         }
+        let (mut normal, mut right) = equations.normal();
         let gradient = normal[(0, 0)] + normal[(1, 1)];
         for k in 2..6 {
             match how.hold {
@@ -161,6 +160,84 @@ pub(crate) fn align(
         }
     }
     (!how.must_settle).then_some(placed)
+}
+
+/// The value at a point by bilinear interpolation, and half the differences of those a pixel before and after it in x and
+/// in y; outside the image the nearest border value counts.
+fn value_and_slopes(plane: &GrayPlane, p: Point) -> [f64; 3] {
+    let frame = plane.frame();
+    if !(p.x >= 1.0 && p.y >= 1.0 && p.x < frame.right() - 1.0 && p.y < frame.bottom() - 1.0) {
+        let value = |dx: f64, dy: f64| f64::from(plane.sample(Point::new(p.x + dx, p.y + dy)));
+        let slopes = [value(1.0, 0.0) - value(-1.0, 0.0), value(0.0, 1.0) - value(0.0, -1.0)];
+        return [value(0.0, 0.0), 0.5 * slopes[0], 0.5 * slopes[1]];
+    }
+    // All five lie alike between the pixels around them: twelve pixels and one way to interpolate.
+    let (x, y) = (p.x as usize, p.y as usize);
+    let (fx, fy) = ((p.x - x as f64) as f32, (p.y - y as f64) as f32);
+    let row = |k: usize| &plane.row(y + k - 1)[x - 1..x + 3];
+    let across = |row: &[f32], k: usize| row[k] + (row[k + 1] - row[k]) * fx;
+    let down = |above: f32, below: f32| above + (below - above) * fy;
+    let [before, top, below, after] = [row(0), row(1), row(2), row(3)];
+    let [left, middle, right] = [0, 1, 2].map(|k| down(across(top, k), across(below, k)));
+    let upper = down(across(before, 1), across(top, 1));
+    let lower = down(across(below, 1), across(after, 1));
+    [f64::from(middle), 0.5 * f64::from(right - left), 0.5 * f64::from(lower - upper)]
+}
+
+const AREA: usize = (2 * HALF + 1) * (2 * HALF + 1);
+/// Numbers added up at once.
+const LANES: usize = 8;
+const PADDED: usize = AREA.next_multiple_of(LANES);
+
+/// Linear equations of a least-squares step, a column of all of them after the other.
+struct Equations {
+    count: usize,
+    /// Eight coefficients and the right side.
+    columns: [[f64; PADDED]; 9],
+}
+
+impl Default for Equations {
+    fn default() -> Self {
+        Self { count: 0, columns: [[0.0; PADDED]; 9] }
+    }
+}
+
+impl Equations {
+    fn push(&mut self, row: [f64; 8], right: f64) {
+        for (column, value) in self.columns.iter_mut().zip(row.into_iter().chain([right])) {
+            column[self.count] = value;
+        }
+        self.count += 1;
+    }
+
+    /// The normal equations.
+    fn normal(&mut self) -> (Matrix8, Vector8) {
+        for column in &mut self.columns {
+            column[self.count..].fill(0.0);
+        }
+        let products = products(&self.columns);
+        let entry = |row: usize, column: usize| products[row.max(column)][row.min(column)];
+        (Matrix8::from_fn(entry), Vector8::from_fn(|k, _| products[8][k]))
+    }
+}
+
+/// Products of the columns with each other and those before them.
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq+avx2", "x86_64+avx2", "aarch64+neon"))]
+fn products(columns: &[[f64; PADDED]; 9]) -> [[f64; 9]; 9] {
+    let mut products = [[0.0; 9]; 9];
+    for i in 0..9 {
+        for j in 0..=i {
+            let mut sums = [0f64; LANES];
+            for (a, b) in columns[i].chunks_exact(LANES).zip(columns[j].chunks_exact(LANES)) {
+                for k in 0..LANES {
+                    sums[k] += a[k] * b[k];
+                }
+            }
+            let [a, b, c, d, e, f, g, h] = sums;
+            products[i][j] = ((a + e) + (c + g)) + ((b + f) + (d + h));
+        }
+    }
+    products
 }
 
 #[cfg(test)]
@@ -201,6 +278,23 @@ mod tests {
         let Placement { at, affine } = align([&plane1, &plane2], from, start, &Alignment::STRICT).unwrap();
         assert!((at - to).norm() < 0.03, "{at}");
         assert!((affine - truth).norm() < 0.05, "{affine}");
+    }
+
+    #[test]
+    fn values_and_slopes_are_those_of_interpolation() {
+        let plane = GrayPlane::from_fn(Frame::new(30, 20), |x, y| texture(x as f64, y as f64));
+        for (x, y) in [(8.3, 9.7), (1.0, 1.0), (28.2, 9.0), (27.9, 17.9), (0.4, 19.5), (-3.0, 40.0)] {
+            let value = |dx: f64, dy: f64| f64::from(plane.sample(Point::new(x + dx, y + dy)));
+            let expected = [
+                value(0.0, 0.0),
+                0.5 * (value(1.0, 0.0) - value(-1.0, 0.0)),
+                0.5 * (value(0.0, 1.0) - value(0.0, -1.0)),
+            ];
+            let found = value_and_slopes(&plane, Point::new(x, y));
+            // Single precision of some hundred grey levels.
+            let apart = found.iter().zip(expected).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            assert!(apart < 1e-3, "{x} {y}: {found:?} {expected:?}");
+        }
     }
 
     #[test]

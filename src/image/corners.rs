@@ -57,6 +57,11 @@ const RADIUS: usize = 2;
 const BAND: usize = 64;
 
 fn is_peak(response: &Response, x: usize, y: usize, value: f32) -> bool {
+    // Most pixels are on a slope, which the next ones tell.
+    let next = [(x - 1, y), (x + 1, y), (x, y - 1), (x, y + 1)];
+    if next.iter().any(|(u, v)| response.at(*u, *v) > value) {
+        return false;
+    }
     (y - 2..=y + 2).all(|v| {
         (x - 2..=x + 2).all(|u| {
             // On a plateau the first pixel in reading order wins.
@@ -105,7 +110,8 @@ impl Response {
                 }
                 let [a, b, c] = sum;
                 let half = 0.5 * (a - c);
-                *value = (0.5 * (a + c) - half.hypot(b)) / area;
+                // Squares of grey levels are far from the largest numbers.
+                *value = (0.5 * (a + c) - (half * half + b * b).sqrt()) / area;
             }
         }
         Self { first, width, values }

@@ -23,7 +23,9 @@ pub use load::Picture;
 pub use load_error::LoadError;
 pub use options::{DAMAGED_VARIABLE, LoadOptions, MEGAPIXELS_VARIABLE};
 pub use pair::{PairLevel, PyramidPair, RelativeView};
-pub(crate) use patch::{HALF, Patch, Warp, correlate_all, patch, warps_around};
+pub(crate) use patch::{
+    HALF, LANES, Patch, PatchBlock, PatchSampler, Warp, best_correlations, correlations, warps_around,
+};
 pub use plane::GrayPlane;
 pub use pyramid::Pyramid;
 pub use sampling::Profile;

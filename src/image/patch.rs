@@ -1,6 +1,7 @@
 //! Square patches and their normalised correlation.
 
 use multiversion::multiversion;
+use multiversion::target::target_cfg_f;
 use nalgebra::Matrix2;
 
 use super::GrayPlane;
@@ -9,8 +10,11 @@ use crate::geometry::Point;
 /// Half width of a patch: 11×11 pixels.
 pub(crate) const HALF: usize = 5;
 const SIDE: usize = 2 * HALF + 1;
-/// Patch values padded to a multiple of eight for the vector units.
+const AREA: usize = SIDE * SIDE;
+/// Patch values padded to a multiple of the lanes of the vector units.
 const PADDED: usize = 128;
+/// Patches of a [`PatchBlock`].
+pub(crate) const LANES: usize = 16;
 
 /// A patch with mean zero and norm one, padded with zeros.
 pub(crate) type Patch = [f32; PADDED];
@@ -43,64 +47,164 @@ fn warps() -> Vec<Warp> {
     all
 }
 
-/// [`warps`] after the one that both images have in common.
+/// [`warps`] after the one that both images have in common; at most [`LANES`].
 pub(crate) fn warps_around(common: &Warp) -> Vec<Warp> {
     let all = warps();
     if *common == Warp::identity() { all } else { all.iter().map(|warp| common * warp).collect() }
 }
 
-/// The patch around a point under a warp, by bilinear interpolation; `None` where it is flat.
-pub(crate) fn patch(plane: &GrayPlane, centre: Point, warp: &Warp) -> Option<Patch> {
-    let mut patch = [0.0; PADDED];
-    // In steps along the warped rows and columns; inside the image no position needs a clamp.
-    let [a, b, c, d] = [warp.m11, warp.m21, warp.m12, warp.m22].map(|v| v as f32);
-    let (x, y) = (centre.x as f32, centre.y as f32);
-    let half = HALF as f32;
-    let reach = [half * (a.abs() + c.abs()), half * (b.abs() + d.abs())];
-    let (right, bottom) = (plane.frame().right() as f32, plane.frame().bottom() as f32);
-    let inside = x >= reach[0] && y >= reach[1] && x + reach[0] <= right && y + reach[1] <= bottom;
-    for (row, out) in patch.chunks_exact_mut(SIDE).take(SIDE).enumerate() {
-        let v = row as f32 - half;
-        for (column, value) in out.iter_mut().enumerate() {
-            let u = column as f32 - half;
-            let (px, py) = (x + a * u + c * v, y + b * u + d * v);
-            *value = if inside {
-                plane.interpolate(px, py)
-            } else {
-                plane.sample(Point::new(f64::from(px), f64::from(py)))
-            };
-        }
-    }
-    let values = &mut patch[..SIDE * SIDE];
-    let mean = values.iter().sum::<f32>() / values.len() as f32;
-    for value in values.iter_mut() {
-        *value -= mean;
-    }
-    let norm = values.iter().map(|v| v * v).sum::<f32>().sqrt();
-    for value in values.iter_mut() {
-        *value /= norm;
-    }
-    (norm > 1e-3).then_some(patch)
+/// Takes patches from one plane under one warp. Around all corners, which are whole pixels, the samples lie alike between
+/// the pixels, so where they lie is computed once.
+#[derive(Debug)]
+pub(crate) struct PatchSampler<'a> {
+    plane: &'a GrayPlane,
+    warp: Warp,
+    /// How far the samples reach from the centre, px.
+    reach: [f64; 2],
+    /// Index of the pixel up and left of each sample after that of the first pixel needed; that one before the centre.
+    offsets: [usize; AREA],
+    before: usize,
+    /// Where each sample lies between the pixels around it, px.
+    right: [f32; AREA],
+    down: [f32; AREA],
 }
 
-/// Correlations, −1 to 1, of each of a few normalised patches with many: those of the first patch, then those of
-/// the second, and so on. The few stay in the first-level cache while the many pass by once.
-#[multiversion(targets("x86_64+avx512f+avx512vl+avx2", "x86_64+avx2", "aarch64+neon"))]
-pub(crate) fn correlate_all(few: &[Patch], many: &[Patch], out: &mut Vec<f32>) {
-    out.clear();
-    out.resize(few.len() * many.len(), 0.0);
-    for (j, b) in many.iter().enumerate() {
-        for (i, a) in few.iter().enumerate() {
-            // Sixteen running sums whatever the instruction set, so that all give the same number.
-            let mut sums = [0f32; 16];
-            for (x, y) in a.chunks_exact(16).zip(b.chunks_exact(16)) {
-                for k in 0..16 {
-                    sums[k] += x[k] * y[k];
+impl<'a> PatchSampler<'a> {
+    pub(crate) fn new(plane: &'a GrayPlane, warp: &Warp) -> Self {
+        let half = HALF as f64;
+        let reach = [half * (warp.m11.abs() + warp.m12.abs()), half * (warp.m21.abs() + warp.m22.abs())];
+        // Whole pixels, so that all indices count from the first one.
+        let [left, up] = reach.map(f64::ceil);
+        let width = plane.frame().width;
+        let (mut offsets, mut right, mut down) = ([0; AREA], [0.0; AREA], [0.0; AREA]);
+        for (k, offset) in super::offsets().enumerate() {
+            let q = warp * offset + nalgebra::Vector2::new(left, up);
+            offsets[k] = q.y.floor() as usize * width + q.x.floor() as usize;
+            (right[k], down[k]) = ((q.x - q.x.floor()) as f32, (q.y - q.y.floor()) as f32);
+        }
+        let before = up as usize * width + left as usize;
+        Self { plane, warp: *warp, reach, offsets, before, right, down }
+    }
+
+    /// The patch around a point, by bilinear interpolation; `None` where it is flat.
+    pub(crate) fn patch(&self, centre: Point) -> Option<Patch> {
+        let mut patch = [0.0; PADDED];
+        if let Some(pixels) = self.pixels(centre) {
+            let width = self.plane.frame().width;
+            for (k, value) in patch.iter_mut().take(AREA).enumerate() {
+                let offset = self.offsets[k];
+                let (top, below) = (&pixels[offset..offset + 2], &pixels[offset + width..offset + width + 2]);
+                let a = top[0] + (top[1] - top[0]) * self.right[k];
+                let b = below[0] + (below[1] - below[0]) * self.right[k];
+                *value = a + (b - a) * self.down[k];
+            }
+        } else {
+            for (value, offset) in patch.iter_mut().zip(super::offsets()) {
+                *value = self.plane.sample(centre + self.warp * offset);
+            }
+        }
+        normalised(&patch)
+    }
+
+    /// The pixels from the first one that is needed on, where all samples around a whole pixel lie inside the image.
+    fn pixels(&self, centre: Point) -> Option<&[f32]> {
+        let frame = self.plane.frame();
+        let [reach_x, reach_y] = self.reach.map(f64::ceil);
+        let is_inside = centre.x >= reach_x
+            && centre.y >= reach_y
+            && centre.x + reach_x < frame.right()
+            && centre.y + reach_y < frame.bottom();
+        let is_whole = centre.x.fract() == 0.0 && centre.y.fract() == 0.0;
+        let index = || centre.y as usize * frame.width + centre.x as usize;
+        (is_inside && is_whole).then(|| &self.plane.values()[index() - self.before..])
+    }
+}
+
+/// Brings the mean of the patch to zero and its norm to one; `None` where it is flat.
+fn normalised(patch: &Patch) -> Option<Patch> {
+    let sum = |values: &Patch| -> f32 {
+        let mut sums = [0f32; LANES];
+        for chunk in values.chunks_exact(LANES) {
+            for (sum, value) in sums.iter_mut().zip(chunk) {
+                *sum += value;
+            }
+        }
+        sums.iter().sum()
+    };
+    let mean = sum(patch) / AREA as f32;
+    let mut centred = [0.0; PADDED];
+    for (value, own) in centred.iter_mut().zip(&patch[..AREA]) {
+        *value = own - mean;
+    }
+    let norm = sum(&centred.map(|v| v * v)).sqrt();
+    (norm > 1e-3).then(|| centred.map(|v| v / norm))
+}
+
+/// Up to [`LANES`] patches interleaved pixel by pixel, so that one patch is compared with all of them in step.
+#[derive(Debug, Clone)]
+pub(crate) struct PatchBlock([[f32; LANES]; AREA]);
+
+impl PatchBlock {
+    /// The patches in their lanes; a lane without one correlates with nothing.
+    pub(crate) fn new(patches: impl IntoIterator<Item = Option<Patch>>) -> Self {
+        let mut rows = [[0.0; LANES]; AREA];
+        for (lane, patch) in patches.into_iter().take(LANES).enumerate() {
+            for (row, value) in rows.iter_mut().zip(patch.iter().flatten()) {
+                row[lane] = *value;
+            }
+        }
+        Self(rows)
+    }
+}
+
+/// Patches that pass over a block together: as many sums as the registers of most processors hold.
+const AT_ONCE: usize = 6;
+
+/// For each of a few patches and each lane the best correlation, −1 to 1, with the patches which the blocks have there.
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx2+fma", "x86_64+avx2+fma", "aarch64+neon"))]
+pub(crate) fn best_correlations(few: &[Patch], blocks: &[PatchBlock], best: &mut Vec<[f32; LANES]>) {
+    // Where there is no such instruction, it would be a slow function.
+    let fused = target_cfg_f!(any(target_feature = "fma", target_arch = "aarch64"));
+    best.clear();
+    best.resize(few.len(), [-1.0; LANES]);
+    for (few, best) in few.chunks(AT_ONCE).zip(best.chunks_mut(AT_ONCE)) {
+        let few: [&Patch; AT_ONCE] = std::array::from_fn(|i| &few[i.min(few.len() - 1)]);
+        for PatchBlock(rows) in blocks {
+            let mut sums = [[0f32; LANES]; AT_ONCE];
+            for (k, row) in rows.iter().enumerate() {
+                for i in 0..AT_ONCE {
+                    let own = few[i][k];
+                    for lane in 0..LANES {
+                        let sum = &mut sums[i][lane];
+                        *sum = if fused { own.mul_add(row[lane], *sum) } else { own * row[lane] + *sum };
+                    }
                 }
             }
-            out[i * many.len() + j] = sums.iter().sum();
+            for (best, sums) in best.iter_mut().zip(&sums) {
+                for lane in 0..LANES {
+                    best[lane] = if sums[lane] > best[lane] { sums[lane] } else { best[lane] };
+                }
+            }
         }
     }
+}
+
+/// Sums that a correlation is split into, so that none waits for the one before.
+const SPLIT: usize = 4;
+
+/// Correlations of a patch with those of a block, −1 to 1.
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx2+fma", "x86_64+avx2+fma", "aarch64+neon"))]
+pub(crate) fn correlations(patch: &Patch, block: &PatchBlock) -> [f32; LANES] {
+    let fused = target_cfg_f!(any(target_feature = "fma", target_arch = "aarch64"));
+    let mut sums = [[0f32; LANES]; SPLIT];
+    for (rows, own) in block.0.chunks(SPLIT).zip(patch.chunks_exact(SPLIT)) {
+        for ((row, own), sums) in rows.iter().zip(own).zip(&mut sums) {
+            for (sum, value) in sums.iter_mut().zip(row) {
+                *sum = if fused { own.mul_add(*value, *sum) } else { own * value + *sum };
+            }
+        }
+    }
+    std::array::from_fn(|lane| sums.iter().map(|sums| sums[lane]).sum())
 }
 
 #[cfg(test)]
@@ -112,17 +216,71 @@ mod tests {
         (120.0 + 50.0 * (0.41 * x).sin() * (0.37 * y).cos() + 30.0 * (0.23 * x + 0.31 * y).sin()) as f32
     }
 
+    fn plane(brightness: impl Fn(f32) -> f32) -> GrayPlane {
+        GrayPlane::from_fn(Frame::new(40, 36), |x, y| brightness(texture(x as f64, y as f64)))
+    }
+
     #[test]
     fn correlation_ignores_brightness_and_flat_patches_have_none() {
-        let frame = Frame::new(30, 30);
-        let plane = GrayPlane::from_fn(frame, |x, y| texture(x as f64, y as f64));
-        let darker = GrayPlane::from_fn(frame, |x, y| 0.5 * texture(x as f64, y as f64) + 3.0);
-        let at = Point::new(12.0, 13.0);
-        let (a, b) =
-            (patch(&plane, at, &Warp::identity()).unwrap(), patch(&darker, at, &Warp::identity()).unwrap());
-        let mut found = Vec::new();
-        correlate_all(&[a], &[b, a], &mut found);
-        assert!(found.iter().all(|c| (c - 1.0).abs() < 1e-4));
-        assert!(patch(&GrayPlane::from_fn(frame, |_, _| 5.0), at, &Warp::identity()).is_none());
+        let (bright, darker) = (plane(|v| v), plane(|v| 0.5 * v + 3.0));
+        let (at, same) = (Point::new(12.0, 13.0), Warp::identity());
+        let of = |plane: &GrayPlane| PatchSampler::new(plane, &same).patch(at);
+        let (a, b) = (of(&bright).unwrap(), of(&darker).unwrap());
+        let block = PatchBlock::new([Some(b), None, Some(a)]);
+        let found = correlations(&a, &block);
+        assert!([found[0], found[2]].iter().all(|c| (c - 1.0).abs() < 1e-4));
+        assert!(found.iter().enumerate().all(|(lane, c)| lane == 0 || lane == 2 || c.abs() < 1e-9));
+        assert!(of(&plane(|_| 5.0)).is_none());
+    }
+
+    #[test]
+    fn what_is_computed_once_for_whole_pixels_is_what_interpolation_gives() {
+        let plane = plane(|v| v);
+        for warp in warps() {
+            let sampler = PatchSampler::new(&plane, &warp);
+            // Inside, at the border, and between the pixels.
+            for at in [
+                Point::new(20.0, 17.0),
+                Point::new(5.0, 6.0),
+                Point::new(34.0, 30.0),
+                Point::new(19.5, 17.25),
+            ] {
+                let mut expected = [0.0; PADDED];
+                for (value, offset) in expected.iter_mut().zip(crate::image::offsets()) {
+                    *value = plane.sample(at + warp * offset);
+                }
+                let (found, expected) = (sampler.patch(at).unwrap(), normalised(&expected).unwrap());
+                let apart = found.iter().zip(&expected).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+                assert!(apart < 1e-4, "{warp} {at}: {apart}");
+            }
+        }
+    }
+
+    #[test]
+    fn all_ways_to_correlate_give_the_same() {
+        let plane = plane(|v| v);
+        let sampler = |warp: &Warp| PatchSampler::new(&plane, warp);
+        let at = |k: usize| Point::new(14.0 + (k % 11) as f64, 13.0 + (k / 3) as f64);
+        let few: Vec<Patch> =
+            (0..=2 * AT_ONCE).map(|k| sampler(&Warp::identity()).patch(at(k)).unwrap()).collect();
+        let turned = warps()[1..4].to_vec();
+        let many: Vec<Vec<Patch>> =
+            turned.iter().map(|w| (0..LANES).map(|k| sampler(w).patch(at(k)).unwrap()).collect()).collect();
+        let blocks: Vec<PatchBlock> =
+            many.iter().map(|list| PatchBlock::new(list.iter().copied().map(Some))).collect();
+        let mut best = Vec::new();
+        best_correlations(&few, &blocks, &mut best);
+        assert_eq!(best.len(), few.len());
+        for (a, best) in few.iter().zip(&best) {
+            for lane in 0..LANES {
+                let plain = |b: &Patch| a.iter().zip(b).map(|(x, y)| x * y).sum::<f32>();
+                let expected: Vec<f32> = many.iter().map(|list| plain(&list[lane])).collect();
+                let apart = |found: f32, expected: f32| (found - expected).abs() > 1e-5;
+                assert!(!apart(best[lane], expected.iter().copied().fold(-1.0, f32::max)));
+                for (block, expected) in blocks.iter().zip(expected) {
+                    assert!(!apart(correlations(a, block)[lane], expected));
+                }
+            }
+        }
     }
 }

@@ -17,19 +17,62 @@ pub(in crate::estimate) fn draw_pairs(
         return p.iter().flat_map(|a| q.iter().map(move |b| (*a, *b))).collect();
     }
     // Weighted sampling without replacement (Efraimidis & Spirakis 2006): the smallest −ln(u)/w win.
-    let mut rng = Pcg64Mcg::seed_from_u64(seed);
     let weights = [weights(p), weights(q)];
-    let mut keys: Vec<(f64, usize)> = (0..total)
-        .map(|k| {
-            let weight = weights[0][k / q.len()] * weights[1][k % q.len()];
-            let u: f64 = rng.random_range(f64::MIN_POSITIVE..1.0);
-            (-u.ln() / weight, k)
-        })
-        .collect();
-    keys.select_nth_unstable_by(count, |a, b| a.0.total_cmp(&b.0));
-    keys.truncate(count);
+    let mut limit = limit(&weights, count);
+    let mut keys = keys_below(limit, &weights, seed);
+    while keys.len() < count && limit.is_finite() {
+        limit *= 2.0;
+        keys = keys_below(limit, &weights, seed);
+    }
+    if keys.len() > count {
+        keys.select_nth_unstable_by(count, |a, b| a.0.total_cmp(&b.0));
+        keys.truncate(count);
+    }
     keys.sort_by_key(|(_, k)| *k);
     keys.into_iter().map(|(_, k)| (p[k / q.len()], q[k % q.len()])).collect()
+}
+
+/// The keys below a limit, with the numbers of their pairs.
+fn keys_below(limit: f64, weights: &[Vec<f64>; 2], seed: u64) -> Vec<(f64, usize)> {
+    let mut rng = Pcg64Mcg::seed_from_u64(seed);
+    let mut keys = Vec::new();
+    for (row, own) in weights[0].iter().enumerate() {
+        for (column, other) in weights[1].iter().enumerate() {
+            let (weight, u) = (own * other, rng.random_range(f64::MIN_POSITIVE..1.0));
+            // −ln u is at least 1 − u: few logarithms are needed.
+            if 1.0 - u < limit * weight {
+                let key = -u.ln() / weight;
+                if key < limit {
+                    keys.push((key, row * weights[1].len() + column));
+                }
+            }
+        }
+    }
+    keys
+}
+
+/// Weights of a click that a limit is guessed from.
+const LOOKED_AT: usize = 24;
+/// Keys expected below the limit, for each one that is wanted.
+const SPARE: f64 = 1.3;
+
+/// A limit that is expected to have somewhat more keys than wanted below it: one of weight w is below t with probability
+/// `1 − exp(−w t)`.
+fn limit(weights: &[Vec<f64>; 2], count: usize) -> f64 {
+    let [few_p, few_q] = weights
+        .each_ref()
+        .map(|all| -> Vec<f64> { all.iter().step_by(all.len().div_ceil(LOOKED_AT)).copied().collect() });
+    let total = weights[0].len() as f64 * weights[1].len() as f64;
+    let share = (SPARE * count as f64 / total).min(0.99);
+    let wanted = share * (few_p.len() * few_q.len()) as f64;
+    let below = |limit: f64| -> f64 {
+        few_p.iter().flat_map(|a| few_q.iter().map(move |b| 1.0 - (-a * b * limit).exp())).sum()
+    };
+    let mut limit = 1e-6;
+    while below(limit) < wanted && limit < 1e12 {
+        limit *= 1.25;
+    }
+    limit
 }
 
 /// Weight of each candidate: inverse square of its cost in units of the cheapest.
@@ -68,5 +111,23 @@ mod tests {
             }
         }
         assert!(of_each[0] > 2 * of_each[1] && of_each[1] > 2 * of_each[2], "{of_each:?}");
+    }
+
+    #[test]
+    fn keys_that_are_passed_over_are_none_of_the_smallest() {
+        let costs =
+            |turn: f32| -> Vec<f32> { (0..70).map(|k| 1.0 + (k as f32 * turn).sin().abs() * 3.0).collect() };
+        let (p, q) = (candidates(&costs(0.7)), candidates(&costs(1.1)));
+        let (all_weights, seed) = ([weights(&p), weights(&q)], 11);
+        let mut all = keys_below(f64::INFINITY, &all_weights, seed);
+        assert_eq!(all.len(), 70 * 70);
+        all.sort_by(|a, b| a.0.total_cmp(&b.0));
+        for count in [1, 50, 1000, 4899] {
+            let mut expected: Vec<usize> = all[..count].iter().map(|(_, k)| *k).collect();
+            expected.sort_unstable();
+            let drawn = draw_pairs([&p, &q], count, seed);
+            let number = |(a, b): &(Candidate, Candidate)| a.angles[0] as usize * 70 + b.angles[0] as usize;
+            assert_eq!(drawn.iter().map(number).collect::<Vec<_>>(), expected);
+        }
     }
 }

@@ -112,6 +112,15 @@ pub struct PencilParameters {
     pub normalise: bool,
     /// Candidates are line pairs that are among each other's `mutual` best.
     pub mutual: usize,
+    /// Line pairs are compared at that size when they are among this share of each other's best at half of it; all of them
+    /// when it is 1.
+    #[serde(default = "all")]
+    pub screened: f64,
+}
+
+/// What was compared before there was a choice.
+fn all() -> f64 {
+    1.0
 }
 
 /// How lines alone give a geometry (paper, section 4).
@@ -247,6 +256,7 @@ impl From<Preset> for Parameters {
                 texture: 0.25,
                 normalise: false,
                 mutual: 1,
+                screened: 1.0,
             },
             hypotheses: 2000,
             lines_alone: LinesAloneParameters::default(),
@@ -269,7 +279,7 @@ impl From<Preset> for Parameters {
                     },
                     disparity_reach: 0.16,
                 },
-                pencils: PencilParameters { normalise: true, mutual: 5, ..paper.pencils },
+                pencils: PencilParameters { normalise: true, mutual: 5, screened: 0.5, ..paper.pencils },
                 hypotheses: 12_000,
                 validation: ValidationParameters {
                     validated: 1.0,

@@ -192,6 +192,19 @@ pub const PARAMETERS: [ParameterEntry; 26] = [
     ),
     number(
         (
+            "screened",
+            Stage::Pencils,
+            "Screened",
+            " of lines",
+            "Two lines are compared at the coarse size when they are among this share of each other's best at half of it; 1 compares all.",
+        ),
+        [0.05, 1.0],
+        2,
+        |p| p.pencils.screened,
+        |p, v| p.pencils.screened = v,
+    ),
+    number(
+        (
             "all_lines",
             Stage::Pencils,
             "All lines",

@@ -4,7 +4,10 @@
 //! Line similarity proposes (see [`super::lines`]), patches dispose.
 
 mod feature_support;
+mod level_corners;
 mod levels;
+mod look_alikes;
+mod near_lines;
 mod plane;
 mod polish;
 mod rank;

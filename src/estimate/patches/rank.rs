@@ -63,7 +63,7 @@ pub(in crate::estimate) fn rank_fine(
             // Rounds must not repeat each other, with any seed.
             seed: parameters.seed.wrapping_mul(64).wrapping_add(round),
         };
-        let polished = polish_fine(&resample(&fine.support, &ranked, &drawing, cancel)?)?;
+        let polished = polish_fine(&resample(&fine.support, &ranked, FINE.count, &drawing, cancel)?)?;
         let after = polished.first().map_or(0.0, |best| best.support.score);
         ranked.extend(polished);
         if after < SETTLED * before {

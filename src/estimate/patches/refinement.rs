@@ -11,16 +11,15 @@ use nalgebra::Matrix3;
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::feature_support::{FLOOR, FeatureSupport, is_within};
+use super::feature_support::{FLOOR, FeatureSupport};
+use super::level_corners::{Alike, LevelCorners};
+use super::near_lines::is_within;
 use super::uncertainty::Uncertainty;
 use crate::cancel::CancelFlag;
 use crate::geometry::{
     FundamentalMatrix, Line, Observation, Point, PointPair, finite_point, fit_fundamental, sampson_distance,
 };
-use crate::image::{
-    Alignment, HALF, PairLevel, Patch, Placement, RelativeView, Warp, align, correlate_all, find_corners,
-    patch, warps_around,
-};
+use crate::image::{Alignment, PairLevel, Placement, RelativeView, align};
 
 /// A match found along the epipolar lines, full-size pixels.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -52,30 +51,12 @@ impl FeatureSupport {
 /// Corners and patches of one level, computed once per image pair.
 #[derive(Debug, Default)]
 pub(in crate::estimate) struct RefinementLevel {
-    features: OnceLock<[Vec<Feature>; 2]>,
+    corners: OnceLock<LevelCorners>,
     /// Where in image 2 the surroundings of a corner of image 1 fit best, starting at a corner of image 2 under a
     /// warp: the same whatever `F`, and most matches of one refinement are those of the next.
     aligned: Mutex<HashMap<Alike, Option<Point>>>,
 }
 
-/// Two features, by their numbers, and the warp under which they look alike.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-struct Alike {
-    feature1: u32,
-    feature2: u32,
-    warp: u8,
-}
-
-/// A corner with its patch under each warp: one in image 1, all of them in image 2.
-#[derive(Debug, Clone)]
-struct Feature {
-    point: Point,
-    patches: Vec<Patch>,
-    warps: Vec<Warp>,
-}
-
-/// Corners an image.
-const CORNERS: usize = 1500;
 /// Patches that correlate less than this are no match.
 const LEAST_CORRELATION: f32 = 0.75;
 /// Widths of the band, px of the level, one round each.
@@ -101,24 +82,8 @@ pub(in crate::estimate) struct Refined {
 }
 
 impl RefinementLevel {
-    fn features(&self, level: &PairLevel, view: RelativeView) -> &[Vec<Feature>; 2] {
-        self.features.get_or_init(|| {
-            let of = |image: usize| -> Vec<Feature> {
-                let tried = if image == 0 { vec![Warp::identity()] } else { warps_around(&level.warp(view)) };
-                find_corners(level.planes[image], CORNERS, HALF + 2)
-                    .into_par_iter()
-                    .filter_map(|point| {
-                        let (patches, warps): (Vec<Patch>, Vec<Warp>) = tried
-                            .iter()
-                            .filter_map(|warp| Some((patch(level.planes[image], point, warp)?, *warp)))
-                            .unzip();
-                        (!patches.is_empty()).then_some(Feature { point, patches, warps })
-                    })
-                    .collect()
-            };
-            let (a, b) = rayon::join(|| of(0), || of(1));
-            [a, b]
-        })
+    fn corners(&self, level: &PairLevel, view: RelativeView) -> &LevelCorners {
+        self.corners.get_or_init(|| LevelCorners::new(level, view))
     }
 
     /// Refines `f` (full size) at this level; `None` when too few matches support it there. Clicks and
@@ -142,7 +107,7 @@ impl RefinementLevel {
             if cancel.is_cancelled() {
                 return None;
             }
-            let guided = self.guided_matches(level, self.features(level, view), &current, band);
+            let guided = self.guided_matches(level, self.corners(level, view), &current, band);
             matches = guided.into_iter().map(|m| (m, MATCH_SIGMA)).collect();
             matches.extend(features.iter().filter(|(m, _)| is_within(&current, &m.pair, band)));
             if matches.len() < LEAST_MATCHES {
@@ -187,18 +152,16 @@ impl RefinementLevel {
     fn guided_matches(
         &self,
         level: &PairLevel,
-        features: &[Vec<Feature>; 2],
+        corners: &LevelCorners,
         f: &FundamentalMatrix,
         band: f64,
     ) -> Vec<RefinedMatch> {
-        let lines1: Vec<Option<Line>> = features[1].iter().map(|b| f.line1_from_point2(b.point)).collect();
-        let lines1 = &lines1;
-        self.mutual_matches(level, features, |point1| {
-            let line2 = f.line2_from_point1(point1)?;
-            Some(move |j: usize, point2| {
-                line2.distance(point2) <= band
-                    && lines1[j].as_ref().is_some_and(|line1| line1.distance(point1) <= band)
-            })
+        let lines1: Vec<Option<Line>> =
+            corners.places2.points.iter().map(|point2| f.line1_from_point2(*point2)).collect();
+        self.mutual_matches(level, corners, |point1, near| {
+            let Some(line2) = f.line2_from_point1(point1) else { return };
+            corners.places2.near_line(&line2, band, near);
+            near.retain(|j| lines1[*j].as_ref().is_some_and(|line1| line1.distance(point1) <= band));
         })
     }
 
@@ -211,63 +174,28 @@ impl RefinementLevel {
         h: &Matrix3<f64>,
         radius: f64,
     ) -> Vec<RefinedMatch> {
-        self.mutual_matches(level, self.features(level, view), |point1| {
-            let expected = finite_point(&(h * point1.to_homogeneous()))?;
-            Some(move |_, point2: Point| (point2 - expected).norm() <= radius)
+        let corners = self.corners(level, view);
+        self.mutual_matches(level, corners, |point1, near| {
+            if let Some(expected) = finite_point(&(h * point1.to_homogeneous())) {
+                corners.places2.near_point(expected, radius, near);
+            }
         })
     }
 
-    /// Mutual best matches among corners: `near` says for a point of image 1 which corners of image 2, by their number
-    /// and position, may be its partner.
-    fn mutual_matches<N: Fn(usize, Point) -> bool>(
+    /// Mutual best matches among corners where `find` looks for them, at sub-pixel positions.
+    fn mutual_matches(
         &self,
         level: &PairLevel,
-        features: &[Vec<Feature>; 2],
-        near: impl Fn(Point) -> Option<N> + Sync,
+        corners: &LevelCorners,
+        find: impl Fn(Point, &mut Vec<usize>) + Sync,
     ) -> Vec<RefinedMatch> {
-        let [features1, features2] = features;
-        // Best partner of each corner of image 1 with its warp, then of each corner of image 2.
-        let best1: Vec<Option<(usize, usize, f32)>> = features1
-            .par_iter()
-            .map_init(Vec::new, |correlations, a| {
-                let is_near = near(a.point)?;
-                let mut best = None;
-                for (j, b) in features2.iter().enumerate() {
-                    if !is_near(j, b.point) {
-                        continue;
-                    }
-                    correlate_all(&a.patches, &b.patches, correlations);
-                    for (warp, correlation) in correlations.iter().enumerate() {
-                        if *correlation > best.map_or(LEAST_CORRELATION, |(_, _, c)| c) {
-                            best = Some((j, warp, *correlation));
-                        }
-                    }
-                }
-                best
-            })
-            .collect();
-        let mut best2: Vec<Option<(usize, usize, f32)>> = vec![None; features2.len()];
-        for (i, best) in best1.iter().enumerate() {
-            if let Some((j, warp, correlation)) = best
-                && best2[*j].is_none_or(|(_, _, c)| *correlation > c)
-            {
-                best2[*j] = Some((i, *warp, *correlation));
-            }
-        }
-        let mutual: Vec<(Alike, f32)> = best2
-            .iter()
-            .enumerate()
-            .filter_map(|(j, best)| {
-                let (i, warp, correlation) = (*best)?;
-                Some((Alike { feature1: i as u32, feature2: j as u32, warp: warp as u8 }, correlation))
-            })
-            .collect();
-        let positions = self.positions(level, features, &mutual);
+        let mutual = corners.mutual(LEAST_CORRELATION, find);
+        let positions = self.positions(level, corners, &mutual);
         mutual
             .iter()
             .zip(positions)
             .filter_map(|((alike, correlation), point2)| {
-                let point1 = features1[alike.feature1 as usize].point;
+                let (point1, _) = corners.firsts[alike.corner1 as usize];
                 Some(RefinedMatch { pair: PointPair { point1, point2: point2? }, correlation: *correlation })
             })
             .collect()
@@ -278,25 +206,25 @@ impl RefinementLevel {
     fn positions(
         &self,
         level: &PairLevel,
-        [features1, features2]: &[Vec<Feature>; 2],
+        corners: &LevelCorners,
         mutual: &[(Alike, f32)],
     ) -> Vec<Option<Point>> {
-        let known = |alike: &Alike| self.known().get(alike).copied();
-        let fresh: Vec<(Alike, Option<Point>)> = mutual
-            .iter()
-            .filter(|(alike, _)| known(alike).is_none())
-            .collect::<Vec<_>>()
+        let fresh: Vec<Alike> = {
+            let known = self.known();
+            mutual.iter().map(|(alike, _)| *alike).filter(|alike| !known.contains_key(alike)).collect()
+        };
+        let found: Vec<(Alike, Option<Point>)> = fresh
             .into_par_iter()
-            .map(|(alike, _)| {
-                let a = &features1[alike.feature1 as usize];
-                let b = &features2[alike.feature2 as usize];
-                let start = Placement { at: b.point, affine: b.warps[alike.warp as usize] };
-                let found = align(level.planes, a.point, start, &Alignment::STRICT);
-                (*alike, found.map(|placement| placement.at))
+            .map(|alike| {
+                let (point1, _) = corners.firsts[alike.corner1 as usize];
+                let at = corners.places2.points[alike.corner2 as usize];
+                let start = Placement { at, affine: corners.warps[alike.warp as usize] };
+                let found = align(level.planes, point1, start, &Alignment::STRICT);
+                (alike, found.map(|placement| placement.at))
             })
             .collect();
         let mut known = self.known();
-        known.extend(fresh);
+        known.extend(found);
         mutual.iter().map(|(alike, _)| known.get(alike).copied().flatten()).collect()
     }
 

@@ -9,6 +9,8 @@
 //!   `H` of the largest plane known, every point off the plane gives a line through the epipole of image 2,
 //!   `Hx1 × x2`, so two of them determine `F = [e2]× H`.
 
+use std::collections::HashSet;
+
 use nalgebra::{Matrix3, Vector3};
 use rand::{Rng, RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
@@ -16,7 +18,7 @@ use rayon::prelude::*;
 
 use super::Proposal;
 use super::plane::largest_plane;
-use super::support::{BAND, Support};
+use super::support::{BAND, PatchSupport, Support};
 use crate::cancel::CancelFlag;
 use crate::estimate::EstimateError;
 use crate::geometry::{FundamentalMatrix, PointPair, eight_point, transfer_error};
@@ -49,27 +51,25 @@ pub(in crate::estimate) struct Drawing<'a> {
     pub seed: u64,
 }
 
-/// Hypotheses from small samples and from planes, best first, in pixels of the level of `support`.
+/// The best `count` hypotheses from small samples and from planes, best first, in pixels of the level of `support`.
 pub(in crate::estimate) fn resample(
     support: &Support,
     best: &[Proposal],
+    count: usize,
     drawing: &Drawing,
     cancel: &CancelFlag,
 ) -> Result<Vec<Proposal>, EstimateError> {
     let Some(leader) = best.first() else { return Ok(Vec::new()) };
     let Drawing { clicks, parallax, seed } = *drawing;
-    let promising = |f: FundamentalMatrix| {
-        let own = support.measure(&f);
-        let angles = leader.angles;
-        (own.score > PROMISING * leader.support.score).then_some(Proposal {
-            fundamental: f,
-            support: own,
-            angles,
-        })
+    let least = PROMISING * leader.support.score;
+    // Most samples are wrong, which a bound on their support tells.
+    let promising = |fundamental: FundamentalMatrix| {
+        let most = support.most(&fundamental);
+        (most > least).then_some(Sampled { fundamental, most })
     };
     let draw = |kind: u64, make: &(dyn Fn(&mut Pcg64Mcg) -> Option<FundamentalMatrix> + Sync)| {
         let samples = SAMPLES as u64;
-        let found: Vec<Proposal> = (0..samples)
+        let found: Vec<Sampled> = (0..samples)
             .into_par_iter()
             .filter(|_| !cancel.is_cancelled())
             .filter_map(|k| {
@@ -94,21 +94,58 @@ pub(in crate::estimate) fn resample(
         }
     }
     cancel.check()?;
-    Proposal::sort(&mut found);
-    Ok(found)
+    Ok(best_of(&found, support, leader, count))
+}
+
+/// A geometry from a sample, and a bound on the score of its support.
+struct Sampled {
+    fundamental: FundamentalMatrix,
+    most: f64,
+}
+
+/// Samples measured at once, for each one that is wanted.
+const AT_ONCE: usize = 4;
+
+/// The `count` best of the samples that are promising beside the leader, best first, the first drawn of equals. They are
+/// measured in the order of their bounds until these leave nothing open, or until four times as many as are wanted bring
+/// none among the best: of a geometry that is right there are hundreds of samples alike.
+fn best_of(samples: &[Sampled], support: &Support, leader: &Proposal, count: usize) -> Vec<Proposal> {
+    let mut order: Vec<usize> = (0..samples.len()).collect();
+    order.sort_by(|a, b| samples[*b].most.total_cmp(&samples[*a].most));
+    let mut best: Vec<(usize, PatchSupport)> = Vec::new();
+    for few in order.chunks(AT_ONCE.saturating_mul(count).max(1)) {
+        let is_full = best.len() >= count;
+        if is_full && best.last().is_none_or(|(_, last)| last.score > samples[few[0]].most) {
+            break;
+        }
+        let measured: Vec<(usize, PatchSupport)> =
+            few.par_iter().map(|k| (*k, support.measure(&samples[*k].fundamental))).collect();
+        let last = best.last().map_or(0.0, |(_, last)| last.score);
+        let least = if is_full { last } else { PROMISING * leader.support.score };
+        let before = best.len();
+        best.extend(measured.into_iter().filter(|(_, own)| own.score > least));
+        if is_full && best.len() == before {
+            break;
+        }
+        best.sort_by(|(a, of_a), (b, of_b)| of_b.score.total_cmp(&of_a.score).then(a.cmp(b)));
+        best.truncate(count);
+    }
+    let proposal = |(k, support): (usize, PatchSupport)| Proposal {
+        fundamental: samples[k].fundamental,
+        support,
+        angles: leader.angles,
+    };
+    best.into_iter().map(proposal).collect()
 }
 
 /// The matches of the best hypotheses, each once.
 fn pooled(support: &Support, best: &[Proposal]) -> Vec<PointPair> {
-    let mut pool: Vec<PointPair> = Vec::new();
-    for hypothesis in best.iter().take(POOLED) {
-        for m in support.matches(&hypothesis.fundamental, POOL_BAND) {
-            if !pool.contains(&m.pair) {
-                pool.push(m.pair);
-            }
-        }
-    }
-    pool
+    let mut known: HashSet<[u64; 4]> = HashSet::new();
+    let matches = best.iter().take(POOLED).flat_map(|own| support.matches(&own.fundamental, POOL_BAND));
+    let pairs = matches.map(|m| m.pair);
+    let place =
+        |pair: &PointPair| [pair.point1.x, pair.point1.y, pair.point2.x, pair.point2.y].map(f64::to_bits);
+    pairs.filter(|pair| known.insert(place(pair))).collect()
 }
 
 fn sample(pool: &[PointPair], clicks: &[PointPair], rng: &mut impl Rng) -> Option<FundamentalMatrix> {
@@ -241,7 +278,7 @@ mod tests {
     }
 
     fn drawn(support: &Support, leader: &Proposal, drawing: &Drawing) -> Vec<Proposal> {
-        resample(support, std::slice::from_ref(leader), drawing, &CancelFlag::default()).unwrap()
+        resample(support, std::slice::from_ref(leader), usize::MAX, drawing, &CancelFlag::default()).unwrap()
     }
 
     #[test]
@@ -286,10 +323,10 @@ mod tests {
         };
         assert!(matrices(1) == matrices(1) && matrices(1) != matrices(2));
         let drawing = Drawing { clicks: &clicks, parallax: true, seed: 1 };
-        assert!(resample(&support, &[], &drawing, &CancelFlag::default()).unwrap().is_empty());
+        assert!(resample(&support, &[], 9, &drawing, &CancelFlag::default()).unwrap().is_empty());
         let flag = CancelFlag::default();
         flag.cancel();
-        let stopped = resample(&support, &[leader], &drawing, &flag);
+        let stopped = resample(&support, &[leader], 9, &drawing, &flag);
         assert_eq!(stopped.unwrap_err(), EstimateError::Cancelled);
     }
 }

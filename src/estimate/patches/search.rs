@@ -10,7 +10,7 @@ use std::cmp::Ordering;
 use rayon::prelude::*;
 
 use super::support::{BAND, PatchSupport, SupportLevel};
-use super::voting::{CandidateVotes, KappaVoting, VoteCount, VotedKappa};
+use super::voting::{CandidateVotes, KappaVoting, VotedKappa};
 use crate::cancel::CancelFlag;
 use crate::estimate::EstimateError;
 use crate::estimate::lines::{Candidate, LineFigures, PencilAngles, PencilPair, unvalidated_figures};
@@ -98,11 +98,11 @@ pub(in crate::estimate) fn propose(
     let votes_q = prepare(drawn.iter().map(|(_, q)| *q).collect(), q, p, false);
     let mut voted: Vec<VotedKappa> = drawn
         .par_iter()
-        .map_init(VoteCount::default, |counting, (p, q)| {
+        .map(|(p, q)| {
             if cancel.is_cancelled() {
                 return None;
             }
-            Some(voting.count(votes_of(p, &votes_p), votes_of(q, &votes_q), BAND as f32, counting))
+            Some(voting.count(votes_of(p, &votes_p), votes_of(q, &votes_q), BAND as f32))
         })
         .flatten()
         .collect();

@@ -7,9 +7,13 @@
 
 use rayon::prelude::*;
 
-use super::feature_support::{FLOOR, FeatureMatches, LANES, SupportingMatch};
-use crate::geometry::{FundamentalMatrix, Line, Point, PointPair};
-use crate::image::{GrayPlane, HALF, Patch, Warp, correlate_all, find_corners, patch};
+use super::feature_support::{FLOOR, FeatureMatches, SupportingMatch};
+use super::look_alikes::LookAlikes;
+use super::near_lines::is_within;
+use crate::geometry::{FundamentalMatrix, Point, PointPair};
+use crate::image::{
+    GrayPlane, HALF, LANES, Patch, PatchBlock, PatchSampler, Warp, best_correlations, find_corners,
+};
 use serde::Serialize;
 
 /// How far a supporting corner may be from the epipolar line of its partner, px of the level: corners are found to a
@@ -40,25 +44,12 @@ pub(in crate::estimate) struct Support {
     corners: [Vec<Point>; 2],
     /// Pairs of corner indices with their correlation, those above [`FLOOR`], grouped by corner of image 1.
     pairs: Vec<Putative>,
-    /// Pairs with the positions of the corners of image 2, laid out for the vector units.
-    groups: Vec<Group>,
+    /// The same pairs, laid out for the vector units.
+    look_alikes: LookAlikes,
     /// Matches of covariant features, which stand beside those of the corners.
     features: FeatureMatches,
 }
 
-/// The look-alikes in image 2 of one corner of image 1.
-#[derive(Debug, Clone, Default)]
-struct Group {
-    /// Positions, padded with points that lie on no line to a multiple of [`LANES`].
-    x: Vec<f32>,
-    y: Vec<f32>,
-    partners: Vec<(u32, f32)>,
-}
-
-/// Patches of image 1 compared in one pass over those of image 2.
-const AT_ONCE: usize = 16;
-/// Far from every epipolar line that crosses an image.
-const NOWHERE: f32 = 1e9;
 /// Correlation of a distinctive match, and how much less that of the next look-alike is.
 const DISTINCTIVE: f32 = 0.8;
 const DISTINCTIVE_BY: f32 = 0.1;
@@ -77,31 +68,46 @@ impl Support {
     /// Finds up to `count` corners an image and compares all their patches, those of image 2 under each warp.
     pub fn new(planes: [&GrayPlane; 2], count: usize, warps: &[Warp]) -> Self {
         let corners = planes.map(|plane| find_corners(plane, count, HALF + 1));
-        let (names, firsts): (Vec<u32>, Vec<Patch>) = corners[0]
-            .iter()
+        let sampler = PatchSampler::new(planes[0], &Warp::identity());
+        let (names, firsts): (Vec<u32>, Vec<Patch>) =
+            corners[0].iter().zip(0..).filter_map(|(c, i)| Some((i, sampler.patch(*c)?))).unzip();
+        let samplers: Vec<PatchSampler> =
+            warps.iter().map(|warp| PatchSampler::new(planes[1], warp)).collect();
+        // Some corners of image 2 at a time, in a lane each, so that the best of all warps is one maximum.
+        let found: Vec<Vec<Putative>> = corners[1]
+            .par_chunks(LANES)
             .enumerate()
-            .filter_map(|(i, c)| Some((i as u32, patch(planes[0], *c, &Warp::identity())?)))
-            .unzip();
-        // Every corner of image 2 under every warp, flat ones left out.
-        let (owners, seconds): (Vec<u32>, Vec<Patch>) = corners[1]
-            .par_iter()
-            .enumerate()
-            .flat_map_iter(|(j, c)| {
-                warps.iter().filter_map(move |warp| Some((j as u32, patch(planes[1], *c, warp)?)))
+            .map(|(chunk, few)| {
+                let blocks: Vec<PatchBlock> = samplers
+                    .iter()
+                    .map(|sampler| PatchBlock::new(few.iter().map(|corner| sampler.patch(*corner))))
+                    .collect();
+                let mut best = Vec::new();
+                best_correlations(&firsts, &blocks, &mut best);
+                let first2 = (chunk * LANES) as u32;
+                let mut pairs = Vec::new();
+                for (corner1, best) in names.iter().zip(&best) {
+                    // Nothing looks like most corners.
+                    if best.iter().fold(-1f32, |most, c| most.max(*c)) <= FLOOR {
+                        continue;
+                    }
+                    let alike = best.iter().zip(first2..).filter(|(correlation, _)| **correlation > FLOOR);
+                    pairs.extend(alike.map(|(correlation, corner2)| Putative {
+                        corner1: *corner1,
+                        corner2,
+                        correlation: *correlation,
+                    }));
+                }
+                pairs
             })
-            .unzip();
-        let pairs: Vec<Putative> = firsts
-            .par_chunks(AT_ONCE)
-            .zip(names.par_chunks(AT_ONCE))
-            .map_init(Vec::new, |correlations, (few, names)| {
-                correlate_all(few, &seconds, correlations);
-                let rows = correlations.chunks_exact(seconds.len().max(1));
-                names.iter().zip(rows).flat_map(|(name, row)| look_alikes(*name, &owners, row)).collect()
-            })
-            .flat_map_iter(|alike: Vec<Putative>| alike)
             .collect();
-        let groups = grouped(&pairs, &corners);
-        Self { corners, pairs, groups, features: FeatureMatches::default() }
+        let pairs = best_look_alikes(&found, corners[0].len());
+        Self::of_pairs(corners, pairs)
+    }
+
+    fn of_pairs(corners: [Vec<Point>; 2], pairs: Vec<Putative>) -> Self {
+        let look_alikes = LookAlikes::new(&corners, &pairs);
+        Self { corners, pairs, look_alikes, features: FeatureMatches::default() }
     }
 
     /// Support with matches of covariant features beside those of the corners.
@@ -140,52 +146,37 @@ impl Support {
         PointPair { point1: self.corners[0][m.corner1 as usize], point2: self.corners[1][m.corner2 as usize] }
     }
 
-    pub fn corners(&self, image: usize) -> &[Point] {
-        &self.corners[image]
-    }
-
     /// The mutual best matches within `band` px of each other's epipolar lines.
     pub fn matches(&self, f: &FundamentalMatrix, band: f64) -> Vec<SupportingMatch> {
-        let lines1: Vec<_> = self.corners[1].iter().map(|c| f.line1_from_point2(*c)).collect();
-        let mut best1 = vec![(FLOOR, u32::MAX); self.corners[0].len()];
-        let mut best2 = vec![(FLOOR, u32::MAX); self.corners[1].len()];
-        for (i, group) in self.groups.iter().enumerate() {
-            let Some(line2) = f.line2_from_point1(self.corners[0][i]) else { continue };
-            let [a, b, c] = [0, 1, 2].map(|k| line2.coefficients()[k] as f32);
-            for (chunk, (x, y)) in group.x.chunks_exact(LANES).zip(group.y.chunks_exact(LANES)).enumerate() {
-                // Nearly all are far from the line: eight at a time, then the few that are near.
-                let mut distances = [0f32; LANES];
-                for k in 0..LANES {
-                    distances[k] = (a * x[k] + b * y[k] + c).abs();
-                }
-                for (k, distance) in distances.iter().enumerate() {
-                    if *distance > band as f32 {
-                        continue;
-                    }
-                    let (j, correlation) = group.partners[chunk * LANES + k];
-                    let near = |line1: &Line| line1.distance(self.corners[0][i]) <= band;
-                    if !lines1[j as usize].as_ref().is_some_and(near) {
-                        continue;
-                    }
-                    if correlation > best1[i].0 {
-                        best1[i] = (correlation, j);
-                    }
-                    if correlation > best2[j as usize].0 {
-                        best2[j as usize] = (correlation, i as u32);
-                    }
+        // Best of each corner of either image.
+        let [mut best1, mut best2]: [Vec<Option<&Putative>>; 2] =
+            self.corners.each_ref().map(|corners| vec![None; corners.len()]);
+        for k in self.look_alikes.near(f, band) {
+            let pair = &self.pairs[k as usize];
+            if !is_within(f, &self.pair(pair), band) {
+                continue;
+            }
+            let (own1, own2) = (&mut best1[pair.corner1 as usize], &mut best2[pair.corner2 as usize]);
+            for best in [own1, own2] {
+                if best.is_none_or(|best| pair.correlation > best.correlation) {
+                    *best = Some(pair);
                 }
             }
         }
         best1
-            .iter()
-            .enumerate()
-            .filter(|(i, (_, j))| *j != u32::MAX && best2[*j as usize].1 == *i as u32)
-            .map(|(i, (correlation, j))| SupportingMatch {
-                pair: PointPair { point1: self.corners[0][i], point2: self.corners[1][*j as usize] },
-                correlation: *correlation,
-            })
+            .into_iter()
+            .flatten()
+            .filter(|m| best2[m.corner2 as usize].is_some_and(|best| best.corner1 == m.corner1))
+            .map(|m| SupportingMatch { pair: self.pair(m), correlation: m.correlation })
             .chain(self.features.within(f, band))
             .collect()
+    }
+
+    /// A score that [`Self::measure`] does not exceed, in a fraction of its time.
+    pub fn most(&self, f: &FundamentalMatrix) -> f64 {
+        let sum = self.look_alikes.most_support(f, BAND) + self.features.most_support(f, BAND);
+        // Far more than sums of some thousand numbers in single precision are off.
+        f64::from(sum) * 1.001
     }
 
     /// How many matches agree with a geometry, and by how much their correlation exceeds the floor in all.
@@ -196,49 +187,24 @@ impl Support {
     }
 }
 
-/// The best look-alikes of one corner of image 1, from its correlations with every warped patch.
-fn look_alikes(corner1: u32, owners: &[u32], correlations: &[f32]) -> Vec<Putative> {
-    let mut alike: Vec<Putative> = Vec::new();
-    for (corner2, correlation) in owners.iter().copied().zip(correlations.iter().copied()) {
-        if correlation <= FLOOR {
-            continue;
-        }
-        // Warps of one corner stand together: the best one speaks for it.
-        match alike.last_mut() {
-            Some(last) if last.corner2 == corner2 => last.correlation = last.correlation.max(correlation),
-            _ => alike.push(Putative { corner1, corner2, correlation }),
-        }
+/// The best look-alikes of each corner of image 1, best first.
+fn best_look_alikes(found: &[Vec<Putative>], corners1: usize) -> Vec<Putative> {
+    let mut alike: Vec<Vec<Putative>> = vec![Vec::new(); corners1];
+    for pair in found.iter().flatten() {
+        alike[pair.corner1 as usize].push(*pair);
     }
-    alike.sort_by(|a, b| b.correlation.total_cmp(&a.correlation).then(a.corner2.cmp(&b.corner2)));
-    alike.truncate(PER_CORNER);
-    alike
-}
-
-fn grouped(pairs: &[Putative], corners: &[Vec<Point>; 2]) -> Vec<Group> {
-    let mut groups = vec![Group::default(); corners[0].len()];
-    for pair in pairs {
-        let group = &mut groups[pair.corner1 as usize];
-        let point = corners[1][pair.corner2 as usize];
-        group.x.push(point.x as f32);
-        group.y.push(point.y as f32);
-        group.partners.push((pair.corner2, pair.correlation));
-    }
-    for group in &mut groups {
-        let padded = group.x.len().next_multiple_of(LANES);
-        group.x.resize(padded, NOWHERE);
-        // Unequal coordinates keep the padding off diagonal lines too.
-        group.y.resize(padded, -2.7 * NOWHERE);
-        group.partners.resize(padded, (0, 0.0));
-    }
-    groups
+    alike.par_iter_mut().for_each(|group| {
+        group.sort_by(|a, b| b.correlation.total_cmp(&a.correlation).then(a.corner2.cmp(&b.corner2)));
+        group.truncate(PER_CORNER);
+    });
+    alike.concat()
 }
 
 #[cfg(test)]
 impl Support {
     /// Corners of which those at these indices look alike, to test without pictures.
     pub fn of_look_alikes(corners: [Vec<Point>; 2], pairs: Vec<Putative>) -> Self {
-        let groups = grouped(&pairs, &corners);
-        Self { corners, pairs, groups, features: FeatureMatches::default() }
+        Self::of_pairs(corners, pairs)
     }
 
     /// Corners of which each has one look-alike.
@@ -358,7 +324,7 @@ mod tests {
     #[test]
     fn every_look_alike_of_a_corner_is_looked_at() {
         // More than the vector units take at a time, the last one alone on the line.
-        let count = 2 * LANES as u32 + 3;
+        let count = 2 * 16 + 3;
         let heights: Vec<f64> = (0..count).map(|k| 200.0 - 10.0 * f64::from(k)).collect();
         let alike: Vec<_> = (0..count).map(|k| (0, k, 0.9 - 0.01 * k as f32)).collect();
         let support = at_heights(&[heights[count as usize - 1]], &heights, &alike);
@@ -368,14 +334,21 @@ mod tests {
     }
 
     #[test]
-    fn of_the_warps_of_a_corner_the_best_one_speaks_and_few_corners_are_kept() {
-        let owners: Vec<u32> = (0..PER_CORNER as u32 + 4).flat_map(|j| [j, j]).collect();
-        let correlations: Vec<f32> = owners.iter().enumerate().map(|(k, _)| 0.59 + 0.01 * k as f32).collect();
-        let found = look_alikes(7, &owners, &correlations);
-        assert_eq!(found.len(), PER_CORNER);
-        let last = owners.len() - 1;
-        assert_eq!(found[0], Putative { corner1: 7, corner2: owners[last], correlation: correlations[last] });
-        assert!(found.is_sorted_by(|a, b| a.correlation > b.correlation));
-        assert!(look_alikes(7, &[0, 0], &[FLOOR, 0.1]).is_empty());
+    fn a_corner_keeps_a_few_best_look_alikes_from_wherever_they_were_found() {
+        let alike = |corner1: u32, corner2: u32| Putative {
+            corner1,
+            corner2,
+            correlation: 0.61 + 0.01 * (corner2 % 7) as f32,
+        };
+        let halves = [0..PER_CORNER as u32, PER_CORNER as u32..PER_CORNER as u32 + 6];
+        let mut found: Vec<Vec<Putative>> =
+            halves.map(|half| half.map(|corner2| alike(2, corner2)).collect()).into();
+        found[1].push(alike(0, 3));
+        let best = best_look_alikes(&found, 3);
+        assert_eq!(best.len(), 1 + PER_CORNER);
+        assert_eq!(best[0], alike(0, 3));
+        let key = |m: &Putative| (-m.correlation, m.corner2);
+        assert!(best[1..].is_sorted_by(|a, b| a.corner1 == 2 && key(a) < key(b)));
+        assert_eq!(best[1].corner2, 6);
     }
 }

@@ -14,6 +14,8 @@
 //! A pair votes only when its points lie on the same side of each click's line in both images, as points in
 //! front of both cameras must.
 
+use multiversion::multiversion;
+
 use super::feature_support::FLOOR;
 use super::support::Support;
 use crate::estimate::lines::{Candidate, PencilAngles};
@@ -29,26 +31,39 @@ const LOWEST: f32 = -(BINS as f32) * BIN / 2.0;
 /// Corner pairs that vote, as points with their weight.
 #[derive(Debug, Clone)]
 pub(in crate::estimate) struct KappaVoting {
-    look_alikes: Vec<(PointPair, f32)>,
+    blocks: Vec<Voters>,
+}
+
+/// Voters that are looked at together.
+const LANES: usize = 16;
+
+type Lanes = [f32; LANES];
+
+/// Points of some voters in both images, and their weights, 0 in lanes without one.
+#[derive(Debug, Clone, Copy, Default)]
+struct Voters {
+    x1: Lanes,
+    y1: Lanes,
+    x2: Lanes,
+    y2: Lanes,
+    weight: Lanes,
+}
+
+/// What one candidate line pair contributes to some voters.
+#[derive(Debug, Clone, Copy)]
+struct Terms {
+    /// Bracket of ln κ for each voter; not a number where it has no vote.
+    bracket: Lanes,
+    /// Inverse distance of the voter's point from the line of image 2, px⁻¹.
+    inverse: Lanes,
 }
 
 /// What one candidate line pair contributes to each voter.
 #[derive(Debug, Clone)]
 pub(in crate::estimate) struct CandidateVotes {
     candidate: Candidate,
-    /// Bracket of ln κ for each voter; not a number where it has no vote.
-    terms: Vec<f32>,
-    /// Inverse distance of the voter's point from the line of image 2, px⁻¹.
-    inverse: Vec<f32>,
+    terms: Vec<Terms>,
     line2: Line,
-}
-
-/// Working memory of a count.
-#[derive(Debug, Default)]
-pub(in crate::estimate) struct VoteCount {
-    histogram: Vec<f32>,
-    middle: Vec<f32>,
-    half: Vec<f32>,
 }
 
 /// The κ with most votes for one combination of candidates.
@@ -65,13 +80,23 @@ impl KappaVoting {
         for group in support.pairs().chunk_by(|a, b| a.corner1 == b.corner1) {
             let mut group: Vec<_> = group.iter().collect();
             group.sort_by(|a, b| b.correlation.total_cmp(&a.correlation).then(a.corner2.cmp(&b.corner2)));
-            look_alikes.extend(group.iter().take(per_corner).map(|pair| {
-                let point1 = support.corners(0)[pair.corner1 as usize];
-                let point2 = support.corners(1)[pair.corner2 as usize];
-                (PointPair { point1, point2 }, pair.correlation - FLOOR)
-            }));
+            look_alikes
+                .extend(group.iter().take(per_corner).map(|m| (support.pair(m), m.correlation - FLOOR)));
         }
-        Self { look_alikes }
+        Self::of_look_alikes(&look_alikes)
+    }
+
+    fn of_look_alikes(look_alikes: &[(PointPair, f32)]) -> Self {
+        let block = |few: &[(PointPair, f32)]| {
+            let mut voters = Voters::default();
+            for (lane, (PointPair { point1, point2 }, weight)) in few.iter().enumerate() {
+                (voters.x1[lane], voters.y1[lane]) = (point1.x as f32, point1.y as f32);
+                (voters.x2[lane], voters.y2[lane]) = (point2.x as f32, point2.y as f32);
+                voters.weight[lane] = *weight;
+            }
+            voters
+        };
+        Self { blocks: look_alikes.chunks(LANES).map(block).collect() }
     }
 
     /// Prepares a candidate through the click `own`; the other click tells the positive sides of its lines.
@@ -85,57 +110,19 @@ impl KappaVoting {
     ) -> CandidateVotes {
         let line1 = Line::through_at_angle(own.point1, candidate.angles[0]).with_positive_side(other.point1);
         let line2 = Line::through_at_angle(own.point2, candidate.angles[1]).with_positive_side(other.point2);
-        let sign = if first { 1.0 } else { -1.0 };
-        let (terms, inverse) = self
-            .look_alikes
-            .iter()
-            .map(|(pair, _)| {
-                let d1 = line1.signed_distance(pair.point1) as f32;
-                let d2 = line2.signed_distance(pair.point2) as f32;
-                if d1 * d2 <= 0.0 || d1.abs() < 1.0 || d2.abs() < 1.0 {
-                    return (f32::NAN, 1.0);
-                }
-                (sign * (d2.abs().ln() - d1.abs().ln()), 1.0 / d2.abs())
-            })
-            .unzip();
-        CandidateVotes { candidate: *candidate, terms, inverse, line2 }
+        let coefficients = [line1, line2].map(|line| [0, 1, 2].map(|k| line.coefficients()[k] as f32));
+        let terms = terms(&self.blocks, &coefficients, if first { 1.0 } else { -1.0 });
+        CandidateVotes { candidate: *candidate, terms, line2 }
     }
 
     /// Counts the votes of one combination. `band` is how far, in px, a point of image 2 may be from its
     /// epipolar line.
-    pub fn count(
-        &self,
-        p: &CandidateVotes,
-        q: &CandidateVotes,
-        band: f32,
-        counting: &mut VoteCount,
-    ) -> VotedKappa {
-        let VoteCount { histogram, middle, half } = counting;
-        histogram.clear();
-        histogram.resize(BINS + 1, 0.0);
-        let n = self.look_alikes.len();
-        middle.resize(n, 0.0);
-        half.resize(n, 0.0);
+    pub fn count(&self, p: &CandidateVotes, q: &CandidateVotes, band: f32) -> VotedKappa {
         let cosine = p.line2.coefficients().xy().dot(&q.line2.coefficients().xy()) as f32;
-        // Plain arithmetic first, which the compiler turns into vectors; then the scattered sums.
-        for k in 0..n {
-            middle[k] = (p.terms[k] + q.terms[k] - LOWEST) / BIN;
-            let (a, b) = (p.inverse[k], q.inverse[k]);
-            // Change of ln κ, in bins, for a point of image 2 that moves by `band` across its line.
-            half[k] = band / BIN * (a * a + b * b - 2.0 * cosine * a * b).max(0.0).sqrt();
-        }
-        for (k, (_, weight)) in self.look_alikes.iter().enumerate() {
-            let (low, high) = (middle[k] - half[k], middle[k] + half[k]);
-            // Comparisons with NaN are false: look_alikes without a vote drop out here too. A vote for a seventh of
-            // all bins says nothing.
-            if low >= 0.0 && high < BINS as f32 && half[k] < WIDEST {
-                histogram[low as usize] += weight;
-                histogram[high as usize + 1] -= weight;
-            }
-        }
+        let histogram = histogram(&self.blocks, &p.terms, &q.terms, cosine, band);
         let (mut votes, mut running, mut bin) = (0.0, 0.0, BINS / 2);
         let mut width = 0;
-        for (k, change) in histogram.iter().enumerate() {
+        for (k, change) in histogram[..=BINS].iter().enumerate() {
             running += change;
             if running > votes + 1e-4 {
                 (votes, bin, width) = (running, k, 1);
@@ -150,6 +137,75 @@ impl KappaVoting {
     }
 }
 
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq+avx2", "x86_64+avx2", "aarch64+neon"))]
+fn terms(blocks: &[Voters], [line1, line2]: &[[f32; 3]; 2], sign: f32) -> Vec<Terms> {
+    let mut all = Vec::with_capacity(blocks.len());
+    for voters in blocks {
+        let mut terms = Terms { bracket: [0.0; LANES], inverse: [0.0; LANES] };
+        for k in 0..LANES {
+            let d1 = line1[0] * voters.x1[k] + line1[1] * voters.y1[k] + line1[2];
+            let d2 = line2[0] * voters.x2[k] + line2[1] * voters.y2[k] + line2[2];
+            // Within a pixel the distance is mostly error.
+            let has_vote = d1 * d2 > 0.0 && d1.abs() >= 1.0 && d2.abs() >= 1.0;
+            let ratio = if has_vote { d2 / d1 } else { 1.0 };
+            terms.bracket[k] = if has_vote { sign * logarithm(ratio) } else { f32::NAN };
+            terms.inverse[k] = if has_vote { 1.0 / d2.abs() } else { 1.0 };
+        }
+        all.push(terms);
+    }
+    all
+}
+
+/// Natural logarithm of an ordinary positive number, which the compiler can make vectors of: `ln 2ᵉm = e ln 2 + ln m` and
+/// `ln m = 2 artanh((m − 1)/(m + 1))` by its series, good to single precision for m between √½ and √2.
+#[inline(always)]
+fn logarithm(x: f32) -> f32 {
+    // The bits of √½ below those of x: what they exceed is the exponent, and the mantissa begins there.
+    const HALF_ROOT: u32 = 0x3f35_04f3;
+    let above = x.to_bits().wrapping_sub(HALF_ROOT);
+    let exponent = (above as i32 >> 23) as f32;
+    let m = f32::from_bits((above & 0x007f_ffff).wrapping_add(HALF_ROOT));
+    let s = (m - 1.0) / (m + 1.0);
+    let t = s * s;
+    let series = 2.0 + t * (2.0 / 3.0 + t * (2.0 / 5.0 + t * (2.0 / 7.0 + t * (2.0 / 9.0))));
+    exponent * std::f32::consts::LN_2 + s * series
+}
+
+/// Room for all bins and one more, a power of two.
+const ROOM: usize = 512;
+
+/// Changes of the number of votes from bin to bin.
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq+avx2", "x86_64+avx2", "aarch64+neon"))]
+fn histogram(blocks: &[Voters], p: &[Terms], q: &[Terms], cosine: f32, band: f32) -> [f32; ROOM] {
+    let mut histogram = [0f32; ROOM];
+    for (voters, (p, q)) in blocks.iter().zip(p.iter().zip(q)) {
+        let mut bins = [[0i32; LANES]; 2];
+        let mut votes = [0u8; LANES];
+        for k in 0..LANES {
+            let middle = (p.bracket[k] + q.bracket[k] - LOWEST) / BIN;
+            let (a, b) = (p.inverse[k], q.inverse[k]);
+            // Change of ln κ, in bins, for a point of image 2 that moves by `band` across its line.
+            let square = a * a + b * b - 2.0 * cosine * a * b;
+            let half = band / BIN * (if square > 0.0 { square } else { 0.0 }).sqrt();
+            let (low, high) = (middle - half, middle + half);
+            // Comparisons with NaN are false: voters without a vote drop out here too. A vote for a seventh of all bins
+            // says nothing.
+            let counts = low >= 0.0 && high < BINS as f32 && half < WIDEST;
+            votes[k] = u8::from(counts);
+            bins[0][k] = (if counts { low } else { 0.0 }) as i32;
+            bins[1][k] = (if counts { high } else { 0.0 }) as i32;
+        }
+        let mut left = u128::from_le_bytes(votes);
+        while left != 0 {
+            let k = left.trailing_zeros() as usize / 8;
+            left &= left - 1;
+            histogram[bins[0][k] as usize % ROOM] += voters.weight[k];
+            histogram[(bins[1][k] + 1) as usize % ROOM] -= voters.weight[k];
+        }
+    }
+    histogram
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -160,7 +216,7 @@ mod tests {
     const WEIGHT: f32 = 0.25;
 
     fn voting(pairs: &[PointPair]) -> KappaVoting {
-        KappaVoting { look_alikes: pairs.iter().map(|pair| (*pair, WEIGHT)).collect() }
+        KappaVoting::of_look_alikes(&pairs.iter().map(|pair| (*pair, WEIGHT)).collect::<Vec<_>>())
     }
 
     /// The votes of two candidates with these directions.
@@ -174,7 +230,7 @@ mod tests {
 
     fn counted(voting: &KappaVoting, clicks: &[PointPair; 2], p: [f64; 2], q: [f64; 2]) -> VotedKappa {
         let [p, q] = votes(voting, clicks, p, q);
-        voting.count(&p, &q, BAND, &mut VoteCount::default())
+        voting.count(&p, &q, BAND)
     }
 
     /// Every vote with every other's partner.
@@ -211,7 +267,9 @@ mod tests {
         let pairs = [at(120.0, 120.0), at(120.0, 30.0), at(30.0, 30.0), at(50.5, 120.0), at(120.0, 50.5)];
         let voting = voting(&pairs);
         let [p, q] = votes(&voting, &clicks, [0.0; 2], [0.0; 2]);
-        let has_vote = |votes: &CandidateVotes| votes.terms.iter().map(|t| t.is_finite()).collect::<Vec<_>>();
+        let has_vote = |votes: &CandidateVotes| {
+            votes.terms[0].bracket[..5].iter().map(|t| t.is_finite()).collect::<Vec<_>>()
+        };
         // Nor have those within a pixel of it, whose distance is mostly error.
         assert_eq!(has_vote(&p), [true, false, true, false, false]);
         assert_eq!(has_vote(&q), [true; 5]);
@@ -255,8 +313,18 @@ mod tests {
             |corner2, correlation| super::super::support::Putative { corner1: 0, corner2, correlation };
         let pairs = vec![alike(0, 0.7), alike(1, 0.9), alike(2, 0.9), alike(3, 0.8)];
         let voting = KappaVoting::new(&Support::of_look_alikes(corners, pairs), 3);
-        let found: Vec<(f64, f32)> = voting.look_alikes.iter().map(|(m, w)| (m.point2.x, *w)).collect();
+        let voters = &voting.blocks[0];
         let excess = |correlation: f32| correlation - FLOOR;
-        assert_eq!(found, [(1.0, excess(0.9)), (2.0, excess(0.9)), (3.0, excess(0.8))]);
+        assert_eq!(voters.x2[..3], [1.0, 2.0, 3.0]);
+        assert_eq!(voters.weight[..4], [excess(0.9), excess(0.9), excess(0.8), 0.0]);
+    }
+
+    #[test]
+    fn logarithms_are_good_to_single_precision() {
+        for k in 0..4000 {
+            let x = 1e-4 * 1.005f32.powi(k);
+            let off = (logarithm(x) - x.ln()).abs();
+            assert!(off < 2e-7 * x.ln().abs().max(1.0), "{x}: {off}");
+        }
     }
 }

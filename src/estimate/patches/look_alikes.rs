@@ -1,0 +1,154 @@
+//! Which look-alikes of many corners lie near the epipolar lines of a geometry, asked of one geometry after another.
+
+use multiversion::multiversion;
+
+use super::feature_support::FLOOR;
+use super::support::Putative;
+use crate::geometry::{FundamentalMatrix, Point};
+
+/// Corners of image 1 that are looked at together, in a lane each.
+const LANES: usize = 16;
+/// What is added to the band where single precision looks first, px.
+const SLACK: f64 = 0.1;
+
+type Lanes = [f32; LANES];
+
+/// The look-alikes of all corners of image 1, laid out for the vector units: for some corners at a time the best
+/// look-alike of each, then the next best of each, and so on.
+#[derive(Debug, Clone, Default)]
+pub(super) struct LookAlikes {
+    groups: Vec<Group>,
+    /// Those of all groups, one group after another.
+    ranks: Vec<Rank>,
+}
+
+/// Some corners of image 1.
+#[derive(Debug, Clone, Copy)]
+struct Group {
+    x1: Lanes,
+    y1: Lanes,
+    /// How many ranks they have.
+    ranks: usize,
+}
+
+/// Look-alikes of some corners, of the same rank; not a number in lanes without one.
+#[derive(Debug, Clone, Copy)]
+struct Rank {
+    x2: Lanes,
+    y2: Lanes,
+    /// By how much the correlation exceeds the floor.
+    excess: Lanes,
+    /// Numbers of the pairs.
+    pairs: [u32; LANES],
+}
+
+impl LookAlikes {
+    /// Pairs of corners that look alike, grouped by the corner of image 1, the best of each first.
+    pub fn new(corners: &[Vec<Point>; 2], pairs: &[Putative]) -> Self {
+        let mut of_corner: Vec<(usize, &[Putative])> = Vec::new();
+        let mut first = 0;
+        for group in pairs.chunk_by(|a, b| a.corner1 == b.corner1) {
+            of_corner.push((first, group));
+            first += group.len();
+        }
+        let mut all = Self::default();
+        for few in of_corner.chunks(LANES) {
+            let ranks = few.iter().map(|(_, group)| group.len()).max().unwrap_or(0);
+            let [mut x1, mut y1] = [[0.0; LANES]; 2];
+            for (lane, (_, group)) in few.iter().enumerate() {
+                let point = corners[0][group[0].corner1 as usize];
+                (x1[lane], y1[lane]) = (point.x as f32, point.y as f32);
+            }
+            all.groups.push(Group { x1, y1, ranks });
+            all.ranks.extend((0..ranks).map(|rank| {
+                let [mut x2, mut y2, mut excess] = [[f32::NAN; LANES], [f32::NAN; LANES], [0.0; LANES]];
+                let mut pairs = [0; LANES];
+                for (lane, (first, group)) in few.iter().enumerate() {
+                    let Some(pair) = group.get(rank) else { continue };
+                    let point = corners[1][pair.corner2 as usize];
+                    (x2[lane], y2[lane]) = (point.x as f32, point.y as f32);
+                    excess[lane] = pair.correlation - FLOOR;
+                    pairs[lane] = (first + rank) as u32;
+                }
+                Rank { x2, y2, excess, pairs }
+            }));
+        }
+        all
+    }
+
+    /// Numbers of all pairs whose point in image 2 is within `band` px of its line, and of some a little farther off.
+    pub fn near(&self, f: &FundamentalMatrix, band: f64) -> Vec<u32> {
+        let mut found = Vec::with_capacity(512);
+        near(&self.groups, &self.ranks, &single(f), (band + SLACK) as f32, &mut found);
+        found
+    }
+
+    /// What the excess of mutual best matches within `band` px sums up to at most: that of the best look-alike near its
+    /// line, of each corner of image 1.
+    pub fn most_support(&self, f: &FundamentalMatrix, band: f64) -> f32 {
+        most_support(&self.groups, &self.ranks, &single(f), (band + SLACK) as f32)
+    }
+}
+
+/// Single precision is good to some thousandths of a pixel.
+fn single(f: &FundamentalMatrix) -> [f32; 9] {
+    let scaled = f.matrix() / f.matrix().amax();
+    std::array::from_fn(|k| scaled[(k / 3, k % 3)] as f32)
+}
+
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq+avx2", "x86_64+avx2", "aarch64+neon"))]
+fn near(groups: &[Group], mut ranks: &[Rank], f: &[f32; 9], band: f32, found: &mut Vec<u32>) {
+    for group in groups {
+        let (own, others) = ranks.split_at(group.ranks);
+        ranks = others;
+        let [mut a, mut b, mut c, mut limit] = [[0f32; LANES]; 4];
+        for k in 0..LANES {
+            let (x, y) = (group.x1[k], group.y1[k]);
+            a[k] = f[0] * x + f[1] * y + f[2];
+            b[k] = f[3] * x + f[4] * y + f[5];
+            c[k] = f[6] * x + f[7] * y + f[8];
+            limit[k] = band * band * (a[k] * a[k] + b[k] * b[k]);
+        }
+        for rank in own {
+            let mut is_near = [0u8; LANES];
+            for k in 0..LANES {
+                let e = a[k] * rank.x2[k] + b[k] * rank.y2[k] + c[k];
+                is_near[k] = u8::from(e * e <= limit[k]);
+            }
+            let mut left = u128::from_le_bytes(is_near);
+            while left != 0 {
+                found.push(rank.pairs[left.trailing_zeros() as usize / 8]);
+                left &= left - 1;
+            }
+        }
+    }
+}
+
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq+avx2", "x86_64+avx2", "aarch64+neon"))]
+fn most_support(groups: &[Group], mut ranks: &[Rank], f: &[f32; 9], band: f32) -> f32 {
+    let mut total = [0f32; LANES];
+    for group in groups {
+        let (own, others) = ranks.split_at(group.ranks);
+        ranks = others;
+        let [mut a, mut b, mut c, mut limit] = [[0f32; LANES]; 4];
+        for k in 0..LANES {
+            let (x, y) = (group.x1[k], group.y1[k]);
+            a[k] = f[0] * x + f[1] * y + f[2];
+            b[k] = f[3] * x + f[4] * y + f[5];
+            c[k] = f[6] * x + f[7] * y + f[8];
+            limit[k] = band * band * (a[k] * a[k] + b[k] * b[k]);
+        }
+        let mut best = [0f32; LANES];
+        for rank in own {
+            for k in 0..LANES {
+                let e = a[k] * rank.x2[k] + b[k] * rank.y2[k] + c[k];
+                let excess = if e * e <= limit[k] { rank.excess[k] } else { 0.0 };
+                best[k] = if excess > best[k] { excess } else { best[k] };
+            }
+        }
+        for k in 0..LANES {
+            total[k] += best[k];
+        }
+    }
+    total.iter().sum()
+}
