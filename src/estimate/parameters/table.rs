@@ -25,7 +25,7 @@ const fn number(
 }
 
 /// Every parameter, in the order of the steps.
-pub const PARAMETERS: [ParameterEntry; 26] = [
+pub const PARAMETERS: [ParameterEntry; 27] = [
     number(
         (
             "coarse_side",
