@@ -30,6 +30,7 @@ fn sample_scene(sample: Sample) -> KnownScene {
     let name = sample.name().to_owned();
     let pair = sample.load();
     KnownScene {
+        silhouettes: None,
         name,
         images: pair.pictures.map(|p| Arc::new(p.gray)),
         matches: pair.matches,

@@ -12,7 +12,6 @@ use super::overrides::Overrides;
 use super::result_output::ResultArguments;
 use crate::estimate::{CancelFlag, Estimate, Method, Monitor, PreparedPair, Preset, estimate_prepared};
 use crate::geometry::PointPair;
-use crate::image::Picture;
 use crate::io::{SequenceFile, read_sequence};
 use crate::motion::{BackgroundParameters, MOST_OFFSET, MotionError, Silhouettes, find_offset};
 use crate::similarity::LineMeasure;
@@ -115,16 +114,8 @@ fn sequences(arguments: &BarcodeArguments) -> Result<[SequenceFile; 2], CliError
 
 /// The built-in sequences as if they had been read.
 fn built_in() -> Option<[SequenceFile; 2]> {
-    let sequences = BallScene::new(ThrownBalls::default())?.sequences()?;
-    let mut files = Vec::new();
-    for sequence in sequences {
-        let size = sequence.size();
-        let pixels =
-            image::GrayImage::from_raw(size.width as u32, size.height as u32, sequence.frame(0).to_vec())?;
-        let first = Picture::from_pixels(sequence.name().to_owned(), None, pixels.into()).ok()?;
-        files.push(SequenceFile { sequence, first, notes: Vec::new() });
-    }
-    files.try_into().ok()
+    let [left, right] = BallScene::new(ThrownBalls::default())?.sequences()?;
+    Some([SequenceFile::made(left).ok()?, SequenceFile::made(right).ok()?])
 }
 
 /// What moves in either sequence.

@@ -11,10 +11,13 @@ use crate::geometry::PointPair;
 /// What the window opens with.
 #[derive(Debug, Args)]
 pub(super) struct WindowArguments {
-    /// Two images to open, or a session (.json), or one folder with ground truth (VGG layout, or pairs NAMEA.*, NAMEB.* with NAME.txt);
-    /// without them the built-in sample opens
+    /// Two images to open, two sequences (folders of frames, videos, animated pictures), a session (.json), or one folder of images,
+    /// with ground truth or without; without them the built-in sample opens
     #[arg(value_names = ["LEFT", "RIGHT"], num_args = 0..=2)]
     images: Vec<PathBuf>,
+    /// Open the built-in sequences: balls thrown about, seen by two cameras that stand still
+    #[arg(long, conflicts_with = "images")]
+    sequences: bool,
     /// Point pair to place, pixels in the left and in the right image; repeatable
     #[arg(long = "pair", value_name = "X1,Y1,X2,Y2", value_parser = point_pair, allow_hyphen_values = true)]
     pairs: Vec<PointPair>,
@@ -26,6 +29,7 @@ pub(super) struct WindowArguments {
 /// Opens the window and returns when it is closed.
 pub(super) fn run(arguments: WindowArguments) -> Result<(), CliError> {
     let what = match &arguments.images[..] {
+        [] if arguments.sequences => WindowContent::SampleSequences,
         [] => WindowContent::Sample,
         [left, right] => WindowContent::Images(left.clone(), right.clone()),
         [folder] if folder.is_dir() => WindowContent::Folder(folder.clone()),
@@ -45,6 +49,7 @@ pub(super) fn run(arguments: WindowArguments) -> Result<(), CliError> {
 #[cfg_attr(not(feature = "inspector"), expect(dead_code, reason = "there is no window to tell"))]
 enum WindowContent {
     Sample,
+    SampleSequences,
     Images(PathBuf, PathBuf),
     Folder(PathBuf),
     Session(PathBuf),
@@ -56,6 +61,7 @@ fn open(what: WindowContent, pairs: Vec<PointPair>, imports: Vec<PathBuf>) -> Re
     use crate::app::{Opening, Start, run};
     let opening = match what {
         WindowContent::Sample => Opening::Sample,
+        WindowContent::SampleSequences => Opening::SampleSequences,
         WindowContent::Images(left, right) => Opening::Files(left, right),
         WindowContent::Folder(folder) => Opening::Folder(folder),
         WindowContent::Session(file) => Opening::Session(file),

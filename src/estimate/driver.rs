@@ -60,7 +60,9 @@ fn run(
             (Some(silhouettes), &adapted)
         }
     };
-    let clicks = Clicks::for_search(pairs, parameters.method, parameters.search);
+    // Barcodes are refined on every click.
+    let taking = if compared_by_barcodes.is_some() { Search::Patches } else { parameters.search };
+    let clicks = Clicks::for_search(pairs, parameters.method, taking);
     parameters.check()?;
     check_points(prepared.frames(), pairs, parameters.pairs_needed())?;
     check_images(prepared)?;

@@ -4,6 +4,7 @@ use serde::Serialize;
 use thiserror::Error;
 
 use crate::cancel::Cancelled;
+use crate::motion::MotionError;
 
 /// Why no fundamental matrix was estimated. Each message is one sentence: what happened, what to do.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -108,6 +109,9 @@ pub enum EstimateError {
         "motion barcodes need two sequences of frames, not two pictures: open sequences, or compare lines by stereo"
     )]
     NoSequences,
+    /// The sequences cannot be compared.
+    #[error(transparent)]
+    Motion(#[from] MotionError),
     /// No geometry that barcodes agree on.
     #[error(
         "no epipolar geometry was found from motion barcodes: too few lines are crossed in ways of their own, so more has to move in more places, or more frames are needed"

@@ -9,8 +9,7 @@ use serde_json::{Value, json};
 use super::comparison::fit_seven;
 use super::{EvaluateError, KnownScene};
 use crate::estimate::{
-    Estimate, Method, Monitor, Parameters, PreparedPair, Preset, Verdict, estimate, estimate_prepared,
-    examine,
+    Estimate, Method, Monitor, Parameters, PreparedPair, Preset, Search, Verdict, estimate_prepared, examine,
 };
 use crate::geometry::{FundamentalMatrix, PointPair, eight_point};
 
@@ -100,7 +99,8 @@ pub struct MethodEntry {
 }
 
 /// All methods.
-pub const METHODS: [MethodEntry; 7] = [
+pub const METHODS: [MethodEntry; 8] = [
+    MethodEntry { name: "no-clicks", has_presets: true, build: without_clicks },
     MethodEntry {
         name: "two-point",
         has_presets: true,
@@ -162,6 +162,15 @@ fn more_clicks(clicks: usize, mut parameters: Parameters) -> Box<dyn Contender> 
     Box::new(Clicked { clicks, parameters })
 }
 
+/// The program's own estimator without a click: the published search compares all lines.
+fn without_clicks(mut parameters: Parameters) -> Box<dyn Contender> {
+    parameters.method = match parameters.search {
+        Search::Lines => Method::LinesAlone,
+        Search::Patches => Method::TwoPoint,
+    };
+    Box::new(Clicked { clicks: 0, parameters })
+}
+
 impl Clicked {
     fn choice(
         &self,
@@ -169,15 +178,17 @@ impl Clicked {
         clicks: &[PointPair],
         prepared: &PreparedPair,
         found: &Estimate,
-    ) -> Choice {
-        let truth = examine(prepared, [clicks[0], clicks[1]], &scene.truth, found, &self.parameters);
-        Choice { generated: found.hypotheses().to_vec(), truth }
+    ) -> Option<Choice> {
+        let [p, q, ..] = clicks else { return None };
+        let truth = examine(prepared, [*p, *q], &scene.truth, found, &self.parameters);
+        Some(Choice { generated: found.hypotheses().to_vec(), truth })
     }
 }
 
 impl Contender for Clicked {
     fn method(&self) -> &'static str {
         match self.clicks {
+            0 => "no-clicks",
             2 => "two-point",
             3 => "three-point",
             4 => "four-clicks",
@@ -204,9 +215,8 @@ impl Contender for Clicked {
     }
 
     fn estimate(&self, scene: &KnownScene, clicks: &[PointPair]) -> Result<Outcome, String> {
-        let [image1, image2] = &scene.images;
         let begun = Instant::now();
-        let prepared = PreparedPair::new(image1, image2);
+        let prepared = scene.prepared();
         let preparation = begun.elapsed().as_secs_f64();
         let found = estimate_prepared(&prepared, clicks, &self.parameters, &Monitor::silent())
             .map_err(|e| e.to_string())?;
@@ -215,7 +225,7 @@ impl Contender for Clicked {
         let assessment = &found.assessment;
         let reasons = assessment.trust.iter().flat_map(|t| t.reasons.iter().map(ToString::to_string));
         Ok(Outcome {
-            choice: Some(self.choice(scene, clicks, &prepared, &found)),
+            choice: self.choice(scene, clicks, &prepared, &found),
             fundamental: *found.fundamental(),
             seconds: preparation + seconds,
             first_seconds: preparation + first_seconds,
@@ -227,8 +237,12 @@ impl Contender for Clicked {
     }
 
     fn estimate_in_detail(&self, scene: &KnownScene, clicks: &[PointPair]) -> Option<Detail> {
-        let [image1, image2] = &scene.images;
-        let estimate = estimate(image1, image2, clicks, &self.parameters, &Monitor::silent()).ok()?;
+        // Pictures are of what lies between the clicks and F.
+        if clicks.len() < 2 {
+            return None;
+        }
+        let estimate =
+            estimate_prepared(&scene.prepared(), clicks, &self.parameters, &Monitor::silent()).ok()?;
         Some(Detail { estimate, parameters: self.parameters.clone() })
     }
 }

@@ -52,7 +52,8 @@ pub use ranking::SearchRecord;
 pub use report::{Overall, Record, Report, Settings, Shares, TrialRecord, Verdicts};
 pub use run::{TrialDone, run};
 pub use scene::{
-    EvaluateError, KnownScene, SceneSet, files_read, pair_scene_set, pair_scenes, vgg_scene_set, vgg_scenes,
+    EvaluateError, KnownScene, SceneSet, files_read, pair_scene_set, pair_scenes, sequence_scene_set,
+    vgg_scene_set, vgg_scenes,
 };
 pub use statistics::{mean, median, quantile, share_below};
 pub use table::{search_table, table, verdict_sentences};

@@ -107,6 +107,11 @@ fn plan_jobs(
         }
         for (contender, who) in contenders.iter().enumerate() {
             let before = jobs.len();
+            if who.clicks_needed() == 0 {
+                // Nothing is drawn, so one trial says it all.
+                jobs.push(TrialJob { scene, contender, trial: 0, matches: Vec::new() });
+                continue;
+            }
             jobs.extend((0..draws.trials()).filter_map(|trial| {
                 let matches = draws.matches(trial, who.clicks_needed())?;
                 Some(TrialJob { scene, contender, trial, matches })

@@ -9,10 +9,15 @@ use thiserror::Error;
 use super::printed::printed_errors;
 use super::statistics::{mean, median};
 use super::{KnownPair, PrintedErrors};
+use crate::estimate::{CancelFlag, PreparedPair};
 use crate::foreign::excerpt;
 use crate::geometry::{FundamentalMatrix, PointPair, symmetric_epipolar_distance};
 use crate::image::{GrayPlane, LoadError, Picture};
-use crate::io::{GroundTruth, PairFiles, ReadError, TruthError, VggFolder, has_image_extension, pair_folder};
+use crate::io::{
+    CameraRig, GroundTruth, PairFiles, ReadError, SequenceError, TruthError, VggFolder, has_image_extension,
+    is_sequence, pair_folder, read_sequence,
+};
+use crate::motion::{BackgroundParameters, MotionError, Silhouettes};
 
 /// Why nothing could be evaluated. Each message is one sentence for the user.
 #[derive(Debug, Error)]
@@ -23,6 +28,12 @@ pub enum EvaluateError {
     /// An image could not be read.
     #[error(transparent)]
     Load(#[from] LoadError),
+    /// A sequence could not be read.
+    #[error(transparent)]
+    Sequence(#[from] SequenceError),
+    /// A sequence cannot be compared.
+    #[error(transparent)]
+    Motion(#[from] MotionError),
     /// A pair has no ground truth.
     #[error(transparent)]
     Truth(#[from] TruthError),
@@ -65,8 +76,10 @@ pub enum EvaluateError {
 pub struct KnownScene {
     /// Name, unique within a run.
     pub name: String,
-    /// The images.
+    /// The images, of sequences their first frames.
     pub images: [Arc<GrayPlane>; 2],
+    /// What moves in the frames that both sequences have, where it is sequences.
+    pub silhouettes: Option<[Arc<Silhouettes>; 2]>,
     /// All true matches.
     pub matches: Vec<PointPair>,
     /// The true F.
@@ -107,7 +120,17 @@ impl SceneSet {
 impl KnownScene {
     fn new(known: GroundTruth, images: [Arc<GrayPlane>; 2], printed: Option<PrintedErrors>) -> Self {
         let GroundTruth { name, fundamental: truth, matches, .. } = known;
-        Self { name, images, matches, truth, printed }
+        Self { name, images, silhouettes: None, matches, truth, printed }
+    }
+
+    /// The images, with what moves in front of them, made ready for estimates.
+    pub fn prepared(&self) -> PreparedPair {
+        let [image1, image2] = &self.images;
+        let prepared = PreparedPair::new(image1, image2);
+        match &self.silhouettes {
+            Some(silhouettes) => prepared.with_silhouettes(silhouettes.clone()),
+            None => prepared,
+        }
     }
 
     /// What the choice of clicks depends on.
@@ -187,6 +210,39 @@ fn vgg_results(folder: &Path, step: usize, only: &[String]) -> Result<NamedScene
     Ok(chosen.into_iter().map(|(name, view1, view2)| (name, scene(view1, view2))).collect())
 }
 
+/// All pairs of the cameras of a folder of sequences, called `cam1-cam2` and so on; `only` those named when it is not
+/// empty. The sequences have to begin together. The true F comes from the two cameras.
+pub fn sequence_scene_set(
+    folder: &Path,
+    only: &[String],
+    cancel: &CancelFlag,
+) -> Result<SceneSet, EvaluateError> {
+    let rig = CameraRig::open(folder)?;
+    let count = rig.names.len();
+    let pairs = (0..count).flat_map(|first| (first + 1..count).map(move |second| [first, second]));
+    let named: Vec<_> = pairs.map(|pair| (rig.pair_name(pair), pair)).collect();
+    let mut read: BTreeMap<usize, (Arc<GrayPlane>, Arc<Silhouettes>)> = BTreeMap::new();
+    let mut load = |camera: usize| -> Result<_, EvaluateError> {
+        if let Some(known) = read.get(&camera) {
+            return Ok(known.clone());
+        }
+        let file = read_sequence(&rig.sequences[camera], cancel, &|_| ())?;
+        let moving = Silhouettes::new(&file.sequence, &BackgroundParameters::default(), cancel)?;
+        let loaded = (Arc::new(file.first.gray), Arc::new(moving));
+        read.insert(camera, loaded.clone());
+        Ok(loaded)
+    };
+    let mut scene = |pair: [usize; 2]| -> Result<KnownScene, EvaluateError> {
+        let truth = GroundTruth::of_cameras(&rig, pair)?;
+        let ((image1, moving1), (image2, moving2)) = (load(pair[0])?, load(pair[1])?);
+        let together = Silhouettes::overlapping([&moving1, &moving2], 0)?;
+        let scene = KnownScene::new(truth, [image1, image2], None);
+        Ok(KnownScene { silhouettes: Some(together.map(Arc::new)), ..scene })
+    };
+    let chosen = chosen(named, only, |(name, _)| name)?;
+    SceneSet::of(chosen.into_iter().map(|(name, pair)| (name, scene(pair))))
+}
+
 /// [`pair_scene_set`] of which every pair must be there.
 pub fn pair_scenes(folder: &Path, only: &[String]) -> Result<Vec<KnownScene>, EvaluateError> {
     pair_results(folder, only)?.map(|(_, scene)| scene).collect()
@@ -215,15 +271,18 @@ fn pair_results(
     }))
 }
 
-/// The files of a folder that an evaluation may read: the images, and what is known about them.
+/// The files of a folder that an evaluation may read: the images, the frames of sequences, and what is known about them.
 pub fn files_read(folder: &Path) -> Vec<PathBuf> {
     const KNOWN: [&str; 4] = ["txt", "p", "corners", "nview-corners"];
-    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
+    let entries =
+        |folder: &Path| std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
     let is_read = |path: &PathBuf| {
         let is_known = |e: &std::ffi::OsStr| KNOWN.iter().any(|known| e.eq_ignore_ascii_case(known));
-        has_image_extension(path) || path.extension().is_some_and(is_known)
+        has_image_extension(path) || path.extension().is_some_and(is_known) || is_sequence(path)
     };
-    entries.filter(is_read).collect()
+    let (folders, files): (Vec<_>, Vec<_>) = entries(folder).partition(|path| path.is_dir());
+    let frames = folders.iter().flat_map(|folder| entries(folder)).filter(|path| has_image_extension(path));
+    files.into_iter().filter(is_read).chain(frames).collect()
 }
 
 /// Scenes whose name is among `only`, in their own order; all when `only` is empty.
@@ -259,7 +318,8 @@ pub(super) mod tests {
             .take(matches)
             .collect();
         let truth = Camera::fundamental(&camera1, &camera2).unwrap();
-        KnownScene { name: name.to_owned(), images: [plane.clone(), plane], matches, truth, printed: None }
+        let images = [plane.clone(), plane];
+        KnownScene { name: name.to_owned(), images, silhouettes: None, matches, truth, printed: None }
     }
 
     #[test]

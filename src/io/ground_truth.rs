@@ -2,6 +2,7 @@
 
 use thiserror::Error;
 
+use super::camera_rig::CameraRig;
 use super::geometry_file::read_point_pairs;
 use super::pair_folder::PairFiles;
 use super::read::ReadError;
@@ -65,6 +66,18 @@ impl GroundTruth {
         };
         let matches = set.matches(view1, view2);
         Ok(Self { name, fundamental, matches, origin: TruthOrigin::Cameras })
+    }
+
+    /// Two cameras of a rig, by their numbers: F from the cameras, and the true matches of their file.
+    ///
+    /// # Panics
+    /// When there are no such cameras.
+    pub fn of_cameras(rig: &CameraRig, pair: [usize; 2]) -> Result<Self, TruthError> {
+        let name = rig.pair_name(pair);
+        let Some(fundamental) = Camera::fundamental(&rig.cameras[pair[0]], &rig.cameras[pair[1]]) else {
+            return Err(TruthError::SameCentre { name });
+        };
+        Ok(Self { name, fundamental, matches: rig.matches(pair)?, origin: TruthOrigin::Cameras })
     }
 
     /// A pair of a folder of pairs: the matches of its file, and F fitted to all of them.

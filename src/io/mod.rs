@@ -1,8 +1,10 @@
 //! Files: geometry in the formats of other programs, point pairs, folders of pairs, the VGG layout, and output that is
 //! never half written.
 
+mod camera_rig;
 mod geometry_file;
 mod ground_truth;
+mod hash;
 mod identity;
 mod number;
 mod output;
@@ -18,6 +20,7 @@ mod session;
 mod truth_folder;
 mod vgg;
 
+pub use camera_rig::CameraRig;
 pub use geometry_file::{
     Format, GeometryFile, ImageNote, PairLabel, PairOrigin, Problem, TrustNote, read_fundamental,
     read_point_pairs,
@@ -31,7 +34,9 @@ pub use point_pairs::{PairProblem, parse_point_pairs};
 pub use read::{IMAGE_EXTENSIONS, ReadError, has_image_extension};
 pub use rectified::{RectifiedError, RectifiedFiles, RectifiedOptions};
 pub use result_file::{ResultFile, result_in_words};
-pub use sequence_file::{MOST_FRAMES, SequenceError, SequenceFile, read_sequence};
+pub use sequence_file::{
+    MOST_FRAMES, SequenceError, SequenceFile, VIDEO_EXTENSIONS, first_frame, is_sequence, read_sequence,
+};
 pub use session::{
     ImageReference, ImageSource, Located, SESSION_VERSION, SessionError, SessionFile, relative, resolve,
     sha256_of,

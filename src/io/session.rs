@@ -5,20 +5,19 @@
 //!
 //! Pitfall: a path is only a hint. Whether the file found there is the image of the session is decided by its hash.
 
-use std::fmt::Write as _;
-use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
-use sha2::{Digest, Sha256};
 use thiserror::Error;
 
 use super::geometry_file::TrustNote;
+use super::hash::sha256_of_file;
 use super::output::{OutputFile, WriteError};
 use super::read::{ReadError, limited, read_text};
-use crate::foreign::{open_input, reason, shown_path};
+use super::sequence_file::folder_sha256;
+use crate::foreign::shown_path;
 use crate::geometry::{Frame, FundamentalMatrix};
 
 /// The version that this program writes, and the newest that it reads.
@@ -257,27 +256,9 @@ impl ImageReference {
     }
 }
 
-/// SHA-256 of a file's bytes, hexadecimal.
+/// SHA-256 of a file's bytes, hexadecimal; of a folder of frames, of their names and bytes.
 pub fn sha256_of(path: &Path) -> Result<String, ReadError> {
-    let failed = |e: std::io::Error| ReadError::Open { path: shown_path(path), reason: reason(&e) };
-    let input = open_input(path).map_err(|reason| ReadError::Open { path: shown_path(path), reason })?;
-    if input.size.is_none() {
-        return Err(ReadError::content(path, "this is not a file"));
-    }
-    let mut file = input.file;
-    let mut hash = Sha256::new();
-    let mut block = vec![0; 1 << 16];
-    loop {
-        match file.read(&mut block).map_err(failed)? {
-            0 => break,
-            count => hash.update(&block[..count]),
-        }
-    }
-    Ok(hash.finalize().iter().fold(String::with_capacity(64), |mut text, byte| {
-        // Writing to a string cannot fail.
-        let _ = write!(text, "{byte:02x}");
-        text
-    }))
+    if path.is_dir() { folder_sha256(path) } else { sha256_of_file(path) }
 }
 
 /// A path as it is written into a session: relative to the folder of the session where that is possible, with `/`

@@ -3,15 +3,16 @@
 
 use std::path::{Path, PathBuf};
 
+use super::camera_rig::CameraRig;
 use super::ground_truth::{GroundTruth, TruthError};
 use super::pair_folder::{PairFiles, find_pairs};
 use super::read::{ReadError, read_folder};
 use super::vgg::VggFolder;
 
-/// A folder in the VGG layout, or one of pairs; images not loaded.
+/// A folder in the VGG layout, one of pairs, or one of sequences with their cameras; nothing of that is loaded.
 ///
-/// Views are counted from 0. In a VGG folder any two of them are a pair, in a folder of pairs 0 and 1, 2 and 3, and
-/// so on.
+/// Views are counted from 0. In a VGG folder any two of them are a pair, as are any two sequences; in a folder of pairs
+/// 0 and 1, 2 and 3, and so on.
 #[derive(Debug, Clone)]
 pub struct TruthFolder {
     path: PathBuf,
@@ -23,6 +24,7 @@ pub struct TruthFolder {
 enum FolderLayout {
     Views(VggFolder),
     Pairs(Vec<PairFiles>),
+    Sequences(CameraRig),
 }
 
 impl TruthFolder {
@@ -32,21 +34,28 @@ impl TruthFolder {
         let is_vgg = entries.iter().any(|entry| entry.extension().is_some_and(|e| e == "nview-corners"));
         let layout = if is_vgg {
             FolderLayout::Views(VggFolder::open(path)?)
+        } else if let Some(rig) = CameraRig::find(path)? {
+            FolderLayout::Sequences(rig)
         } else {
             FolderLayout::Pairs(find_pairs(path)?)
         };
         let images: Vec<&PathBuf> = match &layout {
             FolderLayout::Views(set) => set.images.iter().collect(),
             FolderLayout::Pairs(pairs) => pairs.iter().flat_map(|files| &files.images).collect(),
+            FolderLayout::Sequences(rig) => rig.sequences.iter().collect(),
         };
         if images.is_empty() {
             let problem = "no image pairs with ground truth found, expected a VGG folder (PREFIX.NNN.P, \
-                           PREFIX.NNN.corners and PREFIX.nview-corners beside the images) or pairs (NAMEA.*, NAMEB.* \
-                           and NAME.txt)";
+                           PREFIX.NNN.corners and PREFIX.nview-corners beside the images), pairs (NAMEA.*, NAMEB.* \
+                           and NAME.txt) or sequences (folders of frames NAME with NAME.P)";
             return Err(ReadError::content(path, problem));
         }
         let name = |image: &&PathBuf| image.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        let names = images.iter().map(name).collect();
+        let names = match &layout {
+            // A folder has no ending to leave out.
+            FolderLayout::Sequences(rig) => rig.names.clone(),
+            _ => images.iter().map(name).collect(),
+        };
         Ok(Self { path: path.to_owned(), names, layout })
     }
 
@@ -62,7 +71,7 @@ impl TruthFolder {
 
     /// Whether any two views are a pair.
     pub fn pairs_freely(&self) -> bool {
-        matches!(self.layout, FolderLayout::Views(_))
+        !matches!(self.layout, FolderLayout::Pairs(_))
     }
 
     /// Whether two views are a pair.
@@ -81,12 +90,14 @@ impl TruthFolder {
     /// What a pair is called.
     pub fn pair_name(&self, [view1, view2]: [usize; 2]) -> String {
         match &self.layout {
-            FolderLayout::Views(_) => format!("{} and {}", self.names[view1], self.names[view2]),
+            FolderLayout::Views(_) | FolderLayout::Sequences(_) => {
+                format!("{} and {}", self.names[view1], self.names[view2])
+            }
             FolderLayout::Pairs(pairs) => pairs[view1 / 2].name.clone(),
         }
     }
 
-    /// Where the image of a view is.
+    /// Where the image of a view is, or its sequence.
     ///
     /// # Panics
     /// When there is no such view.
@@ -94,6 +105,7 @@ impl TruthFolder {
         match &self.layout {
             FolderLayout::Views(set) => &set.images[view],
             FolderLayout::Pairs(pairs) => &pairs[view / 2].images[view % 2],
+            FolderLayout::Sequences(rig) => &rig.sequences[view],
         }
     }
 
@@ -105,6 +117,7 @@ impl TruthFolder {
         match &self.layout {
             FolderLayout::Views(set) => GroundTruth::of_views(set, pair),
             FolderLayout::Pairs(pairs) => GroundTruth::of_pair(&pairs[pair[0] / 2]),
+            FolderLayout::Sequences(rig) => GroundTruth::of_cameras(rig, pair),
         }
     }
 }

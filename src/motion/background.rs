@@ -39,6 +39,8 @@ const LEAST_DEVIATION: f32 = 0.5;
 /// The background at some times of a sequence; between them it is interpolated.
 pub(super) struct Background {
     times: Vec<usize>,
+    /// Which of the backgrounds is that of each time: windows at the ends of a sequence are the same.
+    of_times: Vec<usize>,
     medians: Vec<Vec<f32>>,
     deviations: Vec<Vec<f32>>,
 }
@@ -54,10 +56,17 @@ impl Background {
         } else {
             (0..=steps).map(|k| k * last / steps).collect()
         };
+        // A window at the end of the sequence is moved inwards, not cut: what moves must stay the smaller part.
+        let length = (2 * parameters.reach + 1).min(count);
+        let firsts: Vec<usize> =
+            times.iter().map(|time| time.saturating_sub(parameters.reach).min(count - length)).collect();
+        let mut windows = firsts.clone();
+        windows.dedup();
+        let of_times = firsts.iter().map(|first| windows.partition_point(|window| window < first)).collect();
         let both: Vec<(Vec<f32>, Vec<f32>)> =
-            times.iter().map(|time| medians(sequence, *time, parameters.reach)).collect();
+            windows.iter().map(|first| medians(sequence, *first, length)).collect();
         let (medians, deviations) = both.into_iter().unzip();
-        Self { times, medians, deviations }
+        Self { times, of_times, medians, deviations }
     }
 
     /// The share of the pixels that never come to rest.
@@ -73,18 +82,18 @@ impl Background {
         let (a, b) = (after - 1, after.min(self.times.len() - 1));
         let span = (self.times[b] - self.times[a]).max(1) as f32;
         let share = ((time as f32 - self.times[a] as f32) / span).clamp(0.0, 1.0);
+        let (a, b) = (self.of_times[a], self.of_times[b]);
+        let medians = [&*self.medians[a], &*self.medians[b]];
+        let deviations = [&*self.deviations[a], &*self.deviations[b]];
         move |pixel| {
-            let between = |values: &[Vec<f32>]| values[a][pixel] * (1.0 - share) + values[b][pixel] * share;
-            (between(&self.medians), between(&self.deviations))
+            let between = |[before, after]: [&[f32]; 2]| before[pixel] * (1.0 - share) + after[pixel] * share;
+            (between(medians), between(deviations))
         }
     }
 }
 
-/// Median and deviation of each pixel over the frames around a time.
-fn medians(sequence: &FrameSequence, time: usize, reach: usize) -> (Vec<f32>, Vec<f32>) {
-    // A window at the end of the sequence is moved inwards, not cut: what moves must stay the smaller part.
-    let length = (2 * reach + 1).min(sequence.len());
-    let first = time.saturating_sub(reach).min(sequence.len() - length);
+/// Median and deviation of each pixel over `length` frames.
+fn medians(sequence: &FrameSequence, first: usize, length: usize) -> (Vec<f32>, Vec<f32>) {
     let samples = SAMPLES.min(length);
     let numbers: Vec<usize> = (0..samples).map(|k| first + k * length / samples).collect();
     let pixels = sequence.size().width * sequence.size().height;

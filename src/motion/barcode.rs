@@ -102,7 +102,8 @@ impl Barcode {
     }
 
     /// The frames from `first` on, `count` of them.
-    pub(super) fn part(&self, first: usize, count: usize) -> Self {
+    #[must_use]
+    pub fn part(&self, first: usize, count: usize) -> Self {
         let (skipped, shift) = (first / WORD, first % WORD);
         let word = |k: usize| {
             let low = self.words.get(skipped + k).map_or(0, |w| w >> shift);

@@ -20,4 +20,4 @@ pub use barcode::{Barcode, FEWEST_CHANGES};
 pub use error::MotionError;
 pub use offset::{MOST_OFFSET, OffsetAgreement, find_offset};
 pub use sequence::{FEWEST_FRAMES, FrameSequence, LONGEST_SIDE};
-pub use silhouettes::Silhouettes;
+pub use silhouettes::{Silhouettes, common_frames};

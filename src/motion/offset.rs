@@ -2,8 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::silhouettes::starts;
-use super::{Barcode, FEWEST_FRAMES, MotionError, Silhouettes};
+use super::{Barcode, FEWEST_FRAMES, MotionError, Silhouettes, common_frames};
 use crate::cancel::CancelFlag;
 use crate::geometry::{AnchoredLine, line_grid};
 
@@ -37,12 +36,11 @@ pub fn find_offset(
         };
         lines.par_iter().filter_map(informative).collect::<Vec<Barcode>>()
     });
-    let [count1, count2] = both.map(Silhouettes::len);
+    let counts = both.map(Silhouettes::len);
     let agreement = |offset: i32| {
-        let [from1, from2] = starts(offset);
-        let common = count1.saturating_sub(from1).min(count2.saturating_sub(from2));
+        let ([from1, from2], common) = common_frames(counts, offset);
         // Half of the frames may be lost to the shift; with fewer left, chance agrees as well.
-        if cancel.is_cancelled() || common < FEWEST_FRAMES.max(count1.min(count2) / 2) {
+        if cancel.is_cancelled() || common < FEWEST_FRAMES.max(counts[0].min(counts[1]) / 2) {
             return None;
         }
         let parts =

@@ -1,5 +1,7 @@
 //! The frames of a camera that stands still.
 
+use std::fmt;
+
 use super::MotionError;
 use crate::geometry::Frame;
 use crate::image::GrayPlane;
@@ -10,12 +12,22 @@ pub const FEWEST_FRAMES: usize = 16;
 pub const LONGEST_SIDE: usize = 640;
 
 /// Grey frames of one size, reduced to [`LONGEST_SIDE`].
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Clone, PartialEq)]
 pub struct FrameSequence {
     name: String,
     full_size: Frame,
     size: Frame,
     frames: Vec<Vec<u8>>,
+}
+
+/// Without its pixels, of which there are millions.
+impl fmt::Debug for FrameSequence {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { name, size, full_size, frames } = self;
+        let mut shown = f.debug_struct("FrameSequence");
+        shown.field("name", name).field("size", size).field("full_size", full_size);
+        shown.field("frames", &frames.len()).finish()
+    }
 }
 
 impl FrameSequence {

@@ -1,5 +1,7 @@
 //! Which pixels show something that moves, frame by frame.
 
+use std::fmt;
+
 use rayon::prelude::*;
 
 use super::background::{Background, gain};
@@ -21,7 +23,7 @@ const SHAKING: f64 = 0.35;
 const SHIFT_DIFFERENCE: f32 = 40.0;
 /// Which pixels of which frame show something that moves. The frames of one pixel lie together, one bit each, so that
 /// the barcode of a line is a union of few words.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Clone, PartialEq, Eq)]
 pub struct Silhouettes {
     name: String,
     size: Frame,
@@ -29,6 +31,16 @@ pub struct Silhouettes {
     frames: usize,
     words: usize,
     bits: Vec<u64>,
+}
+
+/// Without its bits, of which there are millions.
+impl fmt::Debug for Silhouettes {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { name, size, full_size, frames, .. } = self;
+        let mut shown = f.debug_struct("Silhouettes");
+        shown.field("name", name).field("size", size).field("full_size", full_size);
+        shown.field("frames", frames).finish_non_exhaustive()
+    }
 }
 
 impl Silhouettes {
@@ -141,23 +153,49 @@ impl Silhouettes {
 
     /// In which frames a line is crossed. The line is in pixels of an image that is `scale` times as large as the masks.
     pub fn barcode(&self, line: &AnchoredLine, scale: f64) -> Barcode {
-        let mut words = vec![0u64; self.words];
         let Frame { width, height } = self.size;
         // Pixel centres stay in their place when sizes change.
         let to_mask = |v: f64| (v + 0.5) / scale - 0.5;
         let anchor = crate::geometry::Point::new(to_mask(line.anchor.x), to_mask(line.anchor.y));
         let own = AnchoredLine { anchor, direction: line.direction };
-        if let Some((first, last)) = own.index_range(self.size, 1.0) {
-            for step in first..=last {
-                let at = own.point_at(f64::from(step));
-                let (x, y) = ((at.x + 0.5) as usize, (at.y + 0.5) as usize);
-                let pixel = (y.min(height - 1) * width + x.min(width - 1)) * self.words;
-                for (word, own) in words.iter_mut().zip(&self.bits[pixel..pixel + self.words]) {
+        let (first, last) = own.index_range(self.size, 1.0).unwrap_or((0, -1));
+        let place = |step: i32| {
+            let at = own.point_at(f64::from(step));
+            let (x, y) = ((at.x + 0.5) as usize, (at.y + 0.5) as usize);
+            (y.min(height - 1) * width + x.min(width - 1)) * self.words
+        };
+        let pixels: Vec<usize> = (first..=last).map(place).collect();
+        Barcode::new(self.union(&pixels), self.frames)
+    }
+
+    /// The union over some pixels, given by the places of their first words. Nearly all the time of a search by barcodes
+    /// is spent here: some words at a time stay in registers.
+    fn union(&self, pixels: &[usize]) -> Vec<u64> {
+        let mut words = Vec::with_capacity(self.words);
+        while words.len() < self.words {
+            let from = words.len();
+            match self.words - from {
+                1 => words.extend(self.union_of::<1>(pixels, from)),
+                2 => words.extend(self.union_of::<2>(pixels, from)),
+                3 => words.extend(self.union_of::<3>(pixels, from)),
+                4 | 8 => words.extend(self.union_of::<4>(pixels, from)),
+                5 => words.extend(self.union_of::<5>(pixels, from)),
+                _ => words.extend(self.union_of::<6>(pixels, from)),
+            }
+        }
+        words
+    }
+
+    fn union_of<const N: usize>(&self, pixels: &[usize], from: usize) -> [u64; N] {
+        let mut union = [0; N];
+        for pixel in pixels {
+            if let Some(own) = self.bits.get(pixel + from..).and_then(<[u64]>::first_chunk::<N>) {
+                for (word, own) in union.iter_mut().zip(own) {
                     *word |= own;
                 }
             }
         }
-        Barcode::new(words, self.frames)
+        union
     }
 
     /// The same with some of the frames only, in the order given.
@@ -200,9 +238,7 @@ impl Silhouettes {
     /// Both sequences where they overlap, when frame `k` of the first was taken together with frame `k + offset` of the
     /// second.
     pub fn overlapping(both: [&Self; 2], offset: i32) -> Result<[Self; 2], MotionError> {
-        let [from1, from2] = starts(offset);
-        let left = |sequence: &Self, from: usize| sequence.frames.saturating_sub(from);
-        let common = left(both[0], from1).min(left(both[1], from2));
+        let ([from1, from2], common) = common_frames(both.map(Self::len), offset);
         if common < FEWEST_FRAMES {
             return Err(MotionError::NoOverlap { offset, common, least: FEWEST_FRAMES });
         }
@@ -216,8 +252,15 @@ impl Silhouettes {
     }
 }
 
+/// The frames in common at an offset: the first one of either sequence, and how many; none where they do not overlap.
+pub fn common_frames(counts: [usize; 2], offset: i32) -> ([usize; 2], usize) {
+    let first = starts(offset);
+    let left = |k: usize| counts[k].saturating_sub(first[k]);
+    (first, left(0).min(left(1)))
+}
+
 /// First frames in common at an offset.
-pub(super) fn starts(offset: i32) -> [usize; 2] {
+fn starts(offset: i32) -> [usize; 2] {
     [(-offset).max(0) as usize, offset.max(0) as usize]
 }
 

@@ -171,6 +171,11 @@ impl BallScene {
         Some(Self { thrown, cameras, balls })
     }
 
+    /// The two cameras.
+    pub fn cameras(&self) -> &[Camera; 2] {
+        &self.cameras
+    }
+
     /// The exact fundamental matrix.
     pub fn fundamental(&self) -> Option<FundamentalMatrix> {
         Camera::fundamental(&self.cameras[0], &self.cameras[1])

@@ -36,6 +36,7 @@ impl Known {
             name: sample.name(),
             prepared: PreparedPair::new(&image1, &image2),
             scene: KnownScene {
+                silhouettes: None,
                 name: sample.name().to_owned(),
                 images: [image1, image2],
                 matches: pair.matches,

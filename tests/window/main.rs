@@ -14,6 +14,7 @@ mod planes;
 mod points;
 mod rectified;
 mod repairing;
+mod sequences;
 mod sessions;
 mod support;
 mod truth;

@@ -221,7 +221,10 @@ fn every_tab_says_what_will_appear_and_folds_away() {
     let mut window = window(Start::default(), rich_services());
     for (key, says) in [
         (Key::Num1, "The pairs you click appear here"),
-        (Key::Num2, "Intensities along the epipolar lines of p appear here"),
+        (
+            Key::Num2,
+            "Intensities along the epipolar lines of p (of sequences, their motion barcodes) appear here",
+        ),
         (Key::Num3, "All lines through p and q"),
         (Key::Num4, "The geometries that the estimate considered appear here"),
     ] {

@@ -15,19 +15,6 @@ fn made(window: &Window) -> Document {
     Document { pictures: None, selection: None, ..window.state().document().clone() }
 }
 
-fn save_as(window: &mut Window, path: &Path) {
-    window.key_press_modifiers(Modifiers::COMMAND | Modifiers::SHIFT, Key::S);
-    settle(window);
-    let field = window.get_by_label("File");
-    field.focus();
-    settle(window);
-    window.key_press_modifiers(Modifiers::COMMAND, Key::A);
-    window.get_by_label("File").type_text(path.to_str().unwrap());
-    settle(window);
-    window.key_press(Key::Enter);
-    settle(window);
-}
-
 fn pairs() -> Vec<PointPair> {
     vec![PointPair::new(5.25, 6.5, 7.125, 8.0), PointPair::new(40.0, 31.5, 33.0, 30.0625)]
 }

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use egui::{Color32, Modifiers, PointerButton, Pos2, Rect, Shape, vec2};
+use egui::{Color32, Key, Modifiers, PointerButton, Pos2, Rect, Shape, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use epiline::app::model::document::{PointRef, Side};
@@ -300,3 +300,17 @@ pub fn open(paths: [PathBuf; 2]) -> Window {
 
 /// The colour of the line pair of the cursor.
 pub const HOVER: Color32 = Color32::from_rgb(240, 228, 66);
+
+/// Saves the session in a file, by its dialog.
+pub fn save_as(window: &mut Window, path: &Path) {
+    window.key_press_modifiers(Modifiers::COMMAND | Modifiers::SHIFT, Key::S);
+    settle(window);
+    let field = window.get_by_label("File");
+    field.focus();
+    settle(window);
+    window.key_press_modifiers(Modifiers::COMMAND, Key::A);
+    window.get_by_label("File").type_text(path.to_str().unwrap());
+    settle(window);
+    window.key_press(Key::Enter);
+    settle(window);
+}

@@ -8,6 +8,7 @@ use crate::app::model::command::{Command, PickPurpose};
 use crate::app::model::document::Side;
 use crate::app::model::history::Step;
 use crate::app::model::look::Tool;
+use crate::app::model::recording::PlayerCommand;
 use crate::app::model::suggesting::Repair;
 use crate::io::PairOrigin;
 
@@ -22,6 +23,7 @@ impl Inspector {
             Command::ToggleShortcuts => dialogs.shortcuts = !dialogs.shortcuts,
             Command::OfferFile(path) => self.offer(&path),
             Command::OpenSample => self.open_sample(),
+            Command::OpenSampleSequences => self.open_sample_sequences(),
             Command::OpenFiles(paths) => self.open_files(paths),
             Command::OpenFolder(path) => self.open_folder(path),
             Command::OpenAnyway => self.open_anyway(),
@@ -112,6 +114,12 @@ impl Inspector {
             }
             Command::ToggleMap => model.look.map = !model.look.map,
             Command::Tones(command) => model.open.adjust_tones(command),
+            Command::Player(PlayerCommand::FindOffset) => {
+                if let Some(recordings) = model.recordings() {
+                    self.tasks.aligning.ask(recordings);
+                }
+            }
+            Command::Player(command) => model.apply_to_player(command),
             Command::ToggleStacked => {
                 model.look.stacked = !model.look.stacked;
                 self.fit_all();

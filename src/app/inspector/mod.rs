@@ -53,6 +53,7 @@ impl Inspector {
         let mut tasks = Tasks::new(services);
         match start.opening {
             Opening::Sample => tasks.loader.open_sample(),
+            Opening::SampleSequences => tasks.loader.open_sample_sequences(),
             Opening::Files(left, right) => tasks.loader.open([left, right]),
             Opening::Folder(path) => tasks.loader.open_folder(path),
             Opening::Session(path) => tasks.loader.open_session(OpenSession::from(path)),
@@ -139,6 +140,9 @@ impl Inspector {
         }
         self.model.open.follow_imported(&self.model.document);
         self.capture(&ctx);
+        if self.model.play_on(f64::from(ctx.input(|input| input.stable_dt))) {
+            ctx.request_repaint();
+        }
         self.note_activity();
         let mut commands = Vec::new();
         let hover = self.view.draw(ui, &self.model, &mut commands);
@@ -176,6 +180,9 @@ impl Inspector {
             Some(Err(text)) => self.model.messages.tell(text),
             None => {}
         }
+        if let Some(found) = self.tasks.aligning.latest() {
+            self.model.take_offset(found);
+        }
         self.take_pictures(ctx);
         self.take_written();
         self.take_imports();
@@ -192,6 +199,7 @@ impl Inspector {
     fn note_activity(&mut self) {
         self.model.activity.loading = self.tasks.loader.is_busy();
         self.model.activity.rectifying = self.tasks.is_rectifying();
+        self.model.activity.aligning = self.tasks.aligning.is_busy();
     }
 
     /// Notes what is pointed at in this frame, for the next one to draw.

@@ -13,9 +13,9 @@ use crate::app::model::messages::{MessageAction, MessageKind};
 use crate::app::model::session::{OpenSession, has_session_extension};
 use crate::app::model::truth::NO_TRUTH;
 use crate::app::tasks::{LoadedPair, OpeningFailure};
-use crate::app::view::RelocateDialog;
+use crate::app::view::{OpenDialog, RelocateDialog};
 use crate::evaluate::Protocol;
-use crate::io::PairOrigin;
+use crate::io::{PairOrigin, is_sequence};
 
 impl Inspector {
     /// Takes in pictures that were opened, or why none were.
@@ -154,9 +154,18 @@ impl Inspector {
         self.model.wanted = None;
     }
 
-    /// A dropped or chosen file: two of them open, the first one waits in the dialog. A folder opens at once.
+    /// Opens the built-in sequences.
+    pub(super) fn open_sample_sequences(&mut self) {
+        self.tasks.loader.open_sample_sequences();
+        self.model.wanted = None;
+    }
+
+    /// A dropped or chosen file: two of them open, the first one waits in the dialog. A folder opens at once,
+    /// unless a sequence waits for another one.
     pub(super) fn offer(&mut self, path: &Path) {
-        if path.is_dir() {
+        let waits =
+            |dialog: &OpenDialog| dialog.open && dialog.waiting().is_some_and(|path| is_sequence(&path));
+        if path.is_dir() && !waits(&self.view.dialogs.open) {
             self.open_folder(path.to_owned());
         } else if let Some(dialog) = &mut self.view.dialogs.relocate {
             dialog.offer_dropped(path);
@@ -171,7 +180,9 @@ impl Inspector {
 
     /// Opens what was named: images, or else a folder, a session, files to import.
     pub(super) fn open_files(&mut self, paths: Vec<PathBuf>) {
-        if let Some(folder) = paths.iter().find(|path| path.is_dir()) {
+        if let [folder] = &paths[..]
+            && folder.is_dir()
+        {
             self.open_folder(folder.clone());
             return;
         }
@@ -179,7 +190,8 @@ impl Inspector {
             self.open_session(session.clone().into());
             return;
         }
-        let (imports, images): (Vec<_>, Vec<_>) = paths.into_iter().partition(|path| is_importable(path));
+        let is_imported = |path: &PathBuf| is_importable(path) && !path.is_dir();
+        let (imports, images): (Vec<_>, Vec<_>) = paths.into_iter().partition(is_imported);
         if imports.is_empty() {
             if let Ok(both) = <[PathBuf; 2]>::try_from(images) {
                 self.tasks.loader.open(both);

@@ -9,6 +9,7 @@ use super::exchange::ExportOrder;
 use super::focus::{LineSource, Target};
 use super::ids::{OverlayId, TabId};
 use super::point_table::PointsCommand;
+use super::recording::PlayerCommand;
 use super::rectified::RectifiedCommand;
 use super::session::OpenSession;
 use super::suggesting::Repair;
@@ -26,6 +27,8 @@ pub enum Command {
     OfferFile(PathBuf),
     /// Open the built-in pair.
     OpenSample,
+    /// Open the built-in sequences.
+    OpenSampleSequences,
     /// Open files: two images, or a folder, a session, files to import.
     OpenFiles(Vec<PathBuf>),
     /// Open the first pair of a folder.
@@ -127,6 +130,8 @@ pub enum Command {
     ToggleMap,
     /// Show the pictures brighter, darker or in other colours.
     Tones(TonesCommand),
+    /// Do something with the sequences that are open.
+    Player(PlayerCommand),
     /// Show the images above each other, or side by side.
     ToggleStacked,
     /// Show or hide the loupe.
@@ -233,6 +238,12 @@ pub enum PickPurpose {
 impl From<RectifiedCommand> for Command {
     fn from(command: RectifiedCommand) -> Self {
         Self::Rectified(command)
+    }
+}
+
+impl From<PlayerCommand> for Command {
+    fn from(command: PlayerCommand) -> Self {
+        Self::Player(command)
     }
 }
 

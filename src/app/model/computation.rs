@@ -5,6 +5,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use super::picture::Pictures;
+use super::recording::Synchronised;
 use super::revision;
 use crate::estimate::{ComparedPencils, Estimate, EstimateError, Parameters, Stage};
 use crate::geometry::PointPair;
@@ -14,6 +15,8 @@ use crate::geometry::PointPair;
 pub struct EstimateRequest {
     /// The two pictures.
     pub pictures: Pictures,
+    /// The sequences, where lines are compared by what moves in them.
+    pub recordings: Option<Synchronised>,
     /// The pairs to estimate from.
     pub pairs: Vec<PointPair>,
     /// Everything else.
@@ -174,7 +177,9 @@ impl Computation {
             return RequestChange::None;
         }
         let moved =
-            self.input.as_ref().zip(request).is_some_and(|(old, new)| old.parameters == new.parameters);
+            self.input.as_ref().zip(request).is_some_and(|(old, new)| {
+                old.parameters == new.parameters && old.recordings == new.recordings
+            });
         self.input = request.cloned();
         self.failure = None;
         self.stopped = false;

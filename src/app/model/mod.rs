@@ -10,6 +10,7 @@
 //! | [`comparison`], [`inspection`], [`suggesting`], [`rectified`] | what else is found out: the question and its answer |
 //! | [`focus`], [`look`], [`ids`] | what is pointed at and chosen; what is drawn, remembered between runs |
 //! | [`thumbnails`] | small pictures of the images of that folder |
+//! | [`recording`] | two sequences in place of two pictures: which frames are shown, how they lie in time |
 //! | [`tones`] | how bright and dark the pictures are shown |
 //! | [`shown`] | the geometry that the whole window shows |
 //! | [`command`] | everything that can be done |
@@ -36,9 +37,11 @@ pub mod open_pair;
 pub mod pair_folder;
 pub mod pane_view;
 pub mod picture;
+mod playing;
 pub mod point_table;
 pub mod questions;
 pub mod recents;
+pub mod recording;
 pub mod rectified;
 mod repairing;
 pub mod residuals;
@@ -76,6 +79,7 @@ use truth::KnownTruth;
 
 use crate::estimate::{Parameters, Preset};
 use crate::geometry::{PointPair, Vector};
+use crate::similarity::{LineMeasure, SimilarityParameters};
 
 /// Which edits are one step of the history.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -88,6 +92,8 @@ pub enum EditKey {
     Name(usize),
     /// The changes of one parameter.
     Parameter(&'static str),
+    /// The changes of how two sequences lie in time.
+    Offset,
 }
 
 /// What is under way, as far as the window tells of it.
@@ -97,6 +103,8 @@ pub struct Activity {
     pub loading: bool,
     /// Whether another rectified pair is being made.
     pub rectifying: bool,
+    /// Whether the offset of two sequences in time is being looked for.
+    pub aligning: bool,
     /// How far the writing of a rectified pair is, while it goes on.
     pub writing: Option<WritingProgress>,
 }
@@ -144,7 +152,11 @@ impl Model {
         show_me: Option<[PointPair; 2]>,
     ) {
         let identities = pictures.each_ref().map(|opened| PictureIdentity::from(&*opened.picture));
-        self.document = Document::new(identities, self.document.parameters.clone());
+        let mut parameters = self.document.parameters.clone();
+        // Sequences are opened for what moves in them; pictures have nothing else than what they look like.
+        let recorded = pictures.iter().all(|opened| opened.recording.is_some());
+        parameters.similarity.measure = if recorded { LineMeasure::Barcodes } else { LineMeasure::Stereo };
+        self.document = Document::new(identities, parameters);
         self.document.truth = known.as_ref().filter(|_| uses_truth).map(|known| known.source.clone());
         self.history = History::default();
         self.open = OpenPair::new(pictures, known, show_me);
@@ -200,8 +212,10 @@ impl Model {
     /// Takes on the parameters of a preset.
     pub fn set_preset(&mut self, preset: Preset) {
         self.edit(Step::Single, |document| {
-            let Parameters { method, seed, .. } = document.parameters;
+            let Parameters { method, seed, similarity: SimilarityParameters { measure, .. }, .. } =
+                document.parameters;
             document.parameters = Parameters { method, seed, ..Parameters::from(preset) };
+            document.parameters.similarity.measure = measure;
         });
     }
 

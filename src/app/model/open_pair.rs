@@ -11,6 +11,7 @@ use super::inspection::Inspection;
 use super::pair_folder::PairFolder;
 use super::picture::{Opened, Pictures};
 use super::point_table::PointOrder;
+use super::recording::Player;
 use super::rectified::{Rectified, Viewing};
 use super::suggesting::Suggested;
 use super::tones::{Tones, TonesCommand};
@@ -66,6 +67,8 @@ pub struct OpenPair {
     pub focus: Focus,
     /// How bright and dark the pictures are shown.
     pub tones: Tones,
+    /// Which frames are shown, where they are sequences.
+    pub player: Player,
     /// The order of the list of point pairs.
     pub points: PointOrder,
     /// The position under the cursor: written in one frame, read in the next.

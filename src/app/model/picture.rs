@@ -1,9 +1,11 @@
-//! A picture that is open: its pixels, and a reduced copy that is ready for the screen.
+//! A picture that is open: its pixels, a reduced copy that is ready for the screen, and the sequence it is the first frame
+//! of, if it is.
 
 use std::sync::Arc;
 
 use image::DynamicImage;
 
+use super::recording::Recording;
 use super::shared::Shared;
 use crate::image::Picture;
 use crate::io::sha256_of;
@@ -23,6 +25,8 @@ pub struct Opened {
     pub overview: Arc<Overview>,
     /// Of the bytes of its file, hexadecimal; `None` without a file.
     pub sha256: Option<String>,
+    /// The sequence whose first frame it is.
+    pub recording: Option<Shared<Recording>>,
 }
 
 impl Opened {
@@ -30,7 +34,17 @@ impl Opened {
     pub fn new(picture: Picture) -> Self {
         let overview = Arc::new(Overview::new(&picture));
         let sha256 = picture.path.as_deref().and_then(|path| sha256_of(path).ok());
-        Self { picture: Shared::new(picture), overview, sha256 }
+        Self { picture: Shared::new(picture), overview, sha256, recording: None }
+    }
+
+    /// The sequence whose first frame it is.
+    pub fn recording(&self) -> Option<Shared<Recording>> {
+        self.recording.clone()
+    }
+
+    /// Prepares the first frame of a sequence for the screen. Takes a while.
+    pub fn recorded(first: Picture, recording: Recording) -> Self {
+        Self { recording: Some(Shared::new(recording)), ..Self::new(first) }
     }
 }
 

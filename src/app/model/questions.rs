@@ -17,6 +17,7 @@ impl Model {
     pub fn estimate_request(&self) -> Option<EstimateRequest> {
         Some(EstimateRequest {
             pictures: self.open.pictures()?,
+            recordings: self.compared_recordings(),
             pairs: self.document.used_pairs()?,
             parameters: self.document.search_parameters(),
         })
@@ -24,6 +25,9 @@ impl Model {
 
     /// The lines to be matched, while something shows them: matching keeps a core busy while a point is dragged.
     pub fn inspection_request(&self, exports: bool) -> Option<InspectionRequest> {
+        if self.compares_barcodes() {
+            return None;
+        }
         let wanted = exports || self.tab() == Some(TabId::Profiles) || !self.open.focus.pins().is_empty();
         let inspected = wanted.then(|| self.inspected()).flatten()?;
         Some(InspectionRequest::new(self.open.pictures()?, inspected.lines, &self.document.parameters))
@@ -51,8 +55,11 @@ impl Model {
         })
     }
 
-    /// What a match is to be suggested for.
+    /// What a match is to be suggested for; of cameras that stand too far apart for patches to be compared, nothing.
     pub fn suggest_question(&self) -> Option<SuggestQuestion> {
+        if self.compares_barcodes() {
+            return None;
+        }
         let known = self.known();
         let placed = if known.fundamental.is_none() {
             self.document.used().map(|pair| self.document.pairs[pair]).collect()
@@ -65,7 +72,10 @@ impl Model {
     /// The result to be made firmer by another click: one in doubt, of a search that uses further pairs.
     pub fn next_click_question(&self) -> Option<NextClickQuestion> {
         let document = &self.document;
-        if document.parameters.search != Search::Patches || document.half.is_some() {
+        if document.parameters.search != Search::Patches
+            || document.half.is_some()
+            || self.compares_barcodes()
+        {
             return None;
         }
         let found = self.final_result()?;

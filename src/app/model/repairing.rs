@@ -10,11 +10,11 @@ use crate::io::PairOrigin;
 const IN_PLACE: f64 = 0.01;
 
 impl Model {
-    /// Where the match of a pair is to be looked for; `None` while the pair is not finished, and for a place on its line
-    /// while no geometry is trusted.
+    /// Where the match of a pair is to be looked for; `None` while the pair is not finished, for a place on its line
+    /// while no geometry is trusted, and where patches are not what is compared.
     pub fn repair_question(&self, pair: usize, how: Repair) -> Option<RepairQuestion> {
         let known = self.known();
-        if how == Repair::Rematch && known.fundamental.is_none() {
+        if self.compares_barcodes() || how == Repair::Rematch && known.fundamental.is_none() {
             return None;
         }
         let points = *self.document.pairs.get(pair)?;

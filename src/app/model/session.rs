@@ -11,6 +11,7 @@ use super::focus::LineSource;
 use super::look::Look;
 use super::pane_view::PaneView;
 use super::picture::Opened;
+use super::sample::SAMPLE_SEQUENCES;
 use crate::geometry::Frame;
 use crate::io::{ImageReference, ImageSource, SessionFile, relative, resolve};
 use crate::synthetic::Sample;
@@ -53,6 +54,9 @@ impl Work {
             let source = match (&opened.picture.path, &opened.sha256) {
                 (Some(file), Some(sha256)) => {
                     ImageSource::File { path: relative(file, path), sha256: sha256.clone() }
+                }
+                (None, _) if opened.recording.is_some() => {
+                    ImageSource::Sample { sample: SAMPLE_SEQUENCES.to_owned() }
                 }
                 (None, _) => ImageSource::Sample { sample: Sample::default().name().to_owned() },
                 (Some(_), None) => return None,
@@ -193,6 +197,7 @@ impl Document {
             unclicked,
             half,
             parameters,
+            offset,
             rectification,
             truth,
             imported,
@@ -207,6 +212,7 @@ impl Document {
             && *unclicked == other.unclicked
             && *half == other.half
             && *parameters == other.parameters
+            && *offset == other.offset
             && *rectification == other.rectification
             && *truth == other.truth
             && *imported == other.imported

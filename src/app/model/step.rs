@@ -79,7 +79,9 @@ pub fn result_text(stage: Stage, document: &Document, computation: &Computation)
         }
         Stage::Refinement => {
             estimate.filter(|_| matches!(result, Some((_, Freshness::Final)))).map(|estimate| {
-                if estimate.is_refined() {
+                if let Some(barcodes) = &estimate.assessment.barcodes {
+                    format!("fitted to the barcodes of {} frames", barcodes.frames)
+                } else if estimate.is_refined() {
                     format!("fitted to {} matches", estimate.matches().len())
                 } else {
                     "not refined on patches".to_owned()

@@ -6,19 +6,22 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use super::opening::{LoadedPair, OpeningFailure, Reading, open_folder, open_views, sample};
+use super::opening::{
+    LoadedPair, OpeningFailure, Reading, open_folder, open_views, sample, sample_sequences,
+};
 use super::session_opening::open_session;
 use super::task::{Event, Task, Waiting};
 use super::waker::Waker;
-use crate::app::model::document::Side;
 use crate::app::model::pair_folder::PairFolder;
 use crate::app::model::picture::Opened;
 use crate::app::model::session::OpenSession;
+use crate::cancel::CancelFlag;
 
 /// What the loader is asked for.
 #[derive(Clone)]
 enum Wanted {
     Sample,
+    SampleSequences,
     Files([PathBuf; 2]),
     Folder(PathBuf),
     Views(Arc<PairFolder>, [usize; 2]),
@@ -29,10 +32,8 @@ impl Wanted {
     fn open(self, mut reading: Reading) -> Result<LoadedPair, OpeningFailure> {
         let found = match self {
             Self::Sample => Ok(sample()),
-            Self::Files([left, right]) => {
-                let left = reading.picture(&left, Side::Left)?;
-                Ok(LoadedPair::of([left, reading.picture(&right, Side::Right)?]))
-            }
+            Self::SampleSequences => sample_sequences(&reading),
+            Self::Files([left, right]) => reading.pair([&left, &right]).map(LoadedPair::of),
             Self::Folder(path) => open_folder(&path, &mut reading),
             Self::Views(folder, views) => open_views(&folder, views, &mut reading),
             Self::Session(session) => open_session(session, &mut reading),
@@ -67,7 +68,12 @@ impl Loader {
         self.start(Wanted::Sample, false);
     }
 
-    /// Opens two pictures.
+    /// Opens the built-in sequences.
+    pub fn open_sample_sequences(&mut self) {
+        self.start(Wanted::SampleSequences, false);
+    }
+
+    /// Opens two pictures, or two sequences.
     pub fn open(&mut self, both: [PathBuf; 2]) {
         self.start(Wanted::Files(both), false);
     }
@@ -121,9 +127,13 @@ impl Loader {
             "open",
             self.waker.clone(),
             Waiting::Newest,
-            |(wanted, reading): (Wanted, Reading), _| Some(wanted.open(reading)),
+            |(wanted, mut reading): (Wanted, Reading), turn| {
+                reading.cancel = turn.cancel.clone();
+                Some(wanted.open(reading))
+            },
         );
-        task.ask((wanted, Reading { open, accepts_damaged, notes: Vec::new() }));
+        let cancel = CancelFlag::default();
+        task.ask((wanted, Reading { cancel, open, accepts_damaged, notes: Vec::new() }));
         self.task = Some(task);
     }
 }

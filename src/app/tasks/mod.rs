@@ -31,8 +31,10 @@ pub use writing::Writing;
 use super::model::Model;
 use super::model::comparison::{Comparison, ComparisonQuestion};
 use super::model::inspection::{Inspection, InspectionRequest};
+use super::model::recording::{OffsetFound, Recordings};
 use super::model::rectified::{Rectified, RectifyQuestion};
 use super::model::suggesting::{NextClickQuestion, RepairQuestion, Repaired, SuggestQuestion, Suggested};
+use crate::motion::{MOST_OFFSET, find_offset};
 use crate::suggest::NextClick;
 use task::{Following, Task, Waiting};
 use thumbnails::Thumbnailing;
@@ -49,6 +51,8 @@ pub struct Tasks {
     advising: Following<NextClickQuestion, Option<NextClick>>,
     /// Pairs to be repaired.
     pub repairing: Task<RepairQuestion, Repaired>,
+    /// Sequences whose offset in time is to be found.
+    pub aligning: Task<Recordings, OffsetFound>,
     rectifying: Following<RectifyQuestion, Rectified>,
     /// Pictures to be opened.
     pub loader: Loader,
@@ -102,6 +106,11 @@ impl Tasks {
                 let outcome = repair(&question);
                 Some(Repaired { question, outcome })
             });
+        let aligning = Task::new("offset", waker.clone(), Waiting::Newest, |recordings: Recordings, turn| {
+            let both = recordings.each_ref().map(|recording| &recording.silhouettes);
+            let outcome = find_offset(both, MOST_OFFSET, &turn.cancel);
+            (!turn.cancel.is_cancelled()).then_some(OffsetFound { recordings, outcome })
+        });
         let rectifying =
             Task::new("rectification", waker.clone(), Waiting::Newest, |question: RectifyQuestion, turn| {
                 // Small pictures are finished, or a drag, which asks in every frame, would show none.
@@ -117,6 +126,7 @@ impl Tasks {
             suggesting: Following::strict(suggesting),
             advising: Following::strict(advising),
             repairing,
+            aligning,
             rectifying: Following::keeping(rectifying),
             loader: Loader::new(waker.clone()),
             thumbnailing: Thumbnailing::new(waker.clone()),
@@ -167,6 +177,7 @@ impl Tasks {
         self.suggesting.forget();
         self.advising.forget();
         self.repairing.forget();
+        self.aligning.forget();
         self.rectifying.forget();
         self.importing.forget();
     }
@@ -183,6 +194,7 @@ impl Tasks {
             || self.suggesting.is_busy()
             || self.advising.is_busy()
             || self.repairing.is_busy()
+            || self.aligning.is_busy()
             || self.inspecting.is_busy()
             || self.comparing.is_busy()
             || self.rectifying.is_busy()

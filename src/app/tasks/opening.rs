@@ -1,4 +1,4 @@
-//! What can be opened, and how pictures, the built-in pair and the pairs of a folder are.
+//! What can be opened, and how pictures, sequences, the built-in pairs and the pairs of a folder are.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -7,12 +7,16 @@ use crate::app::model::document::{Side, TruthSource};
 use crate::app::model::open_pair::OpenFolder;
 use crate::app::model::pair_folder::PairFolder;
 use crate::app::model::picture::Opened;
-use crate::app::model::sample::sample_pair;
+use crate::app::model::recording::Recording;
+use crate::app::model::sample::{SampleRecordings, sample_pair, sample_recordings};
 use crate::app::model::session::{Relocation, Restored};
 use crate::app::model::shared::Shared;
 use crate::app::model::truth::KnownTruth;
+use crate::cancel::CancelFlag;
+use crate::evaluate::Protocol;
 use crate::geometry::PointPair;
 use crate::image::{LoadError, LoadOptions, Picture};
+use crate::io::{is_sequence, read_sequence};
 
 /// What to open.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -20,7 +24,9 @@ pub enum Opening {
     /// The built-in pair.
     #[default]
     Sample,
-    /// Two files, left and right.
+    /// The built-in sequences.
+    SampleSequences,
+    /// Two files, left and right, or two folders of frames.
     Files(PathBuf, PathBuf),
     /// The first pair of a folder.
     Folder(PathBuf),
@@ -80,8 +86,9 @@ impl LoadedPair {
 }
 
 /// How the pictures of one opening are read, and what there is to tell about them.
-#[derive(Default)]
 pub struct Reading {
+    /// Set when others are to be opened instead.
+    pub cancel: CancelFlag,
     /// Pictures that are open and not read again.
     pub open: Vec<Opened>,
     /// Whether damaged pictures are read as far as they go.
@@ -91,10 +98,60 @@ pub struct Reading {
 }
 
 impl Reading {
+    /// What two files are, or two folders: pictures, or sequences.
+    pub fn pair(&mut self, paths: [&Path; 2]) -> Result<[Opened; 2], OpeningFailure> {
+        let [left, right] = paths;
+        match paths.map(is_sequence) {
+            [false, false] => Ok([self.picture(left, Side::Left)?, self.picture(right, Side::Right)?]),
+            [true, true] => self.sequences(paths),
+            [left, _] => {
+                let (one, other) = if left { ("left", "right") } else { ("right", "left") };
+                Err(OpeningFailure::Text(format!(
+                    "The {one} one is a sequence of frames and the {other} one a single picture. Nothing was changed; open two pictures, or two sequences."
+                )))
+            }
+        }
+    }
+
+    /// Both sequences of frames.
+    fn sequences(&mut self, [left, right]: [&Path; 2]) -> Result<[Opened; 2], OpeningFailure> {
+        let pair = [self.sequence(left, Side::Left)?, self.sequence(right, Side::Right)?];
+        let counts = pair.each_ref().map(|opened| opened.recording.as_ref().map_or(0, |r| r.sequence.len()));
+        if counts[0] != counts[1] {
+            self.notes.push(format!(
+                "The sequences have {} and {} frames: those that both have are compared. If they did not begin together, set the offset below the images, or let it be found.",
+                counts[0], counts[1]
+            ));
+        }
+        Ok(pair)
+    }
+
+    fn known(&self, path: &Path) -> Option<Opened> {
+        self.open.iter().find(|opened| opened.picture.path.as_deref() == Some(path)).cloned()
+    }
+
+    /// A sequence of frames, with what moves in it.
+    fn sequence(&mut self, path: &Path, side: Side) -> Result<Opened, OpeningFailure> {
+        if let Some(same) = self.known(path) {
+            return Ok(same);
+        }
+        let name = side.name();
+        let failed = |error: String| {
+            OpeningFailure::Text(format!(
+                "The {name} sequence: {error}. Nothing was changed; take other frames, or open another one."
+            ))
+        };
+        let file = read_sequence(path, &self.cancel, &|_| ()).map_err(|error| failed(error.to_string()))?;
+        self.notes.extend(file.notes.iter().map(|note| format!("The {name} sequence: {note}.")));
+        let recording =
+            Recording::new(file.sequence, &self.cancel).map_err(|error| failed(error.to_string()))?;
+        Ok(Opened::recorded(file.first, recording))
+    }
+
     /// The picture of a file.
-    pub fn picture(&mut self, path: &Path, side: Side) -> Result<Opened, OpeningFailure> {
-        if let Some(same) = self.open.iter().find(|opened| opened.picture.path.as_deref() == Some(path)) {
-            return Ok(same.clone());
+    fn picture(&mut self, path: &Path, side: Side) -> Result<Opened, OpeningFailure> {
+        if let Some(same) = self.known(path) {
+            return Ok(same);
         }
         let name = side.name();
         let read = match Picture::open(path) {
@@ -139,6 +196,21 @@ pub fn sample() -> LoadedPair {
     LoadedPair { show_me: Some(sample.show_me), known, ..LoadedPair::of(sample.pictures.map(Opened::new)) }
 }
 
+/// The built-in sequences, drawn and told from their background.
+pub fn sample_sequences(reading: &Reading) -> Result<LoadedPair, OpeningFailure> {
+    let drawn = sample_recordings(&reading.cancel).map_err(|error| {
+        OpeningFailure::Text(format!(
+            "The built-in sequences could not be drawn: {error}. Nothing was changed."
+        ))
+    })?;
+    let SampleRecordings { pictures, truth } = drawn;
+    let source = TruthSource::Sample(truth.name.clone());
+    let known = KnownTruth { truth: Shared::new(truth), source };
+    let frames = pictures.each_ref().map(|opened| opened.picture.frame());
+    let show_me = known.draw(frames, Protocol::WellPosed, 0, 2).and_then(|pairs| pairs.try_into().ok());
+    Ok(LoadedPair { show_me, known: Some(known), ..LoadedPair::of(pictures) })
+}
+
 /// The first pair of a folder.
 pub fn open_folder(path: &Path, reading: &mut Reading) -> Result<LoadedPair, OpeningFailure> {
     let folder = PairFolder::open(path).map_err(|problem| unchanged(&problem))?;
@@ -151,8 +223,7 @@ pub fn open_views(
     pair: [usize; 2],
     reading: &mut Reading,
 ) -> Result<LoadedPair, OpeningFailure> {
-    let mut view = |k: usize, side: Side| reading.picture(folder.image(pair[k]), side);
-    let pictures = [view(0, Side::Left)?, view(1, Side::Right)?];
+    let pictures = reading.pair(pair.map(|view| folder.image(view)))?;
     let opened = LoadedPair { folder: Some((Arc::clone(folder), pair)), ..LoadedPair::of(pictures) };
     let Some(known) = folder.known() else { return Ok(opened) };
     let truth = known.truth(pair).map_err(|error| unchanged(&error.to_string()))?;

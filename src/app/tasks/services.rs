@@ -6,12 +6,14 @@ use std::sync::{Arc, Mutex, PoisonError};
 use crate::app::model::computation::EstimateRequest;
 use crate::app::model::document::Side;
 use crate::app::model::picture::Pictures;
+use crate::app::model::recording::Synchronised;
 use crate::app::model::suggesting::{
     NextClickQuestion, Outcome, Repair, RepairQuestion, SuggestQuestion, Suggested,
 };
 use crate::app::model::verdict::capitalised;
 use crate::estimate::{Estimate, EstimateError, Monitor, PreparedPair, estimate_prepared, follow};
-use crate::io::IMAGE_EXTENSIONS;
+use crate::io::{IMAGE_EXTENSIONS, VIDEO_EXTENSIONS};
+use crate::motion::MotionError;
 use crate::suggest::{
     ClickedImage, Known, NextClick, SuggestError, SuggestParameters, next_click, refine, suggest, view_at,
 };
@@ -65,10 +67,14 @@ impl Default for Services {
         let [following, suggesting, advising, repairing] = std::array::from_fn(|_| searching.clone());
         Self {
             estimate: Box::new(move |request, monitor| {
-                let prepared = searching.get(&request.pictures);
+                let prepared = searching.get_with(&request.pictures, request.recordings.as_ref())?;
                 estimate_prepared(&prepared, &request.pairs, &request.parameters, monitor)
             }),
             follow: Box::new(move |request, starts| {
+                // Patches follow, and barcodes have none.
+                if request.recordings.is_some() {
+                    return None;
+                }
                 let prepared = following.get(&request.pictures);
                 follow(&prepared, starts.iter().copied(), &request.pairs, &request.parameters)
             }),
@@ -119,28 +125,57 @@ struct PreparedCache(Arc<Mutex<Option<KeptPair>>>);
 
 struct KeptPair {
     pictures: Pictures,
+    recordings: Option<Synchronised>,
     prepared: Arc<PreparedPair>,
 }
 
 impl PreparedCache {
     fn get(&self, pictures: &Pictures) -> Arc<PreparedPair> {
+        self.get_or(pictures, None, |prepared| prepared)
+    }
+
+    /// The pictures with what moves in front of them.
+    fn get_with(
+        &self,
+        pictures: &Pictures,
+        recordings: Option<&Synchronised>,
+    ) -> Result<Arc<PreparedPair>, MotionError> {
+        let Some(recordings) = recordings else { return Ok(self.get(pictures)) };
+        let silhouettes = recordings.overlapping()?;
+        Ok(self.get_or(pictures, Some(recordings), |prepared| prepared.with_silhouettes(silhouettes)))
+    }
+
+    /// What is kept, or else what is made by `completed`.
+    fn get_or(
+        &self,
+        pictures: &Pictures,
+        recordings: Option<&Synchronised>,
+        completed: impl FnOnce(PreparedPair) -> PreparedPair,
+    ) -> Arc<PreparedPair> {
         // A panic while preparing leaves the old pair in place, which is sound.
         let mut kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(kept) = kept.as_ref()
             && kept.pictures == *pictures
+            && kept.recordings.as_ref() == recordings
         {
             return Arc::clone(&kept.prepared);
         }
         let [image1, image2] = pictures;
-        let prepared = Arc::new(PreparedPair::new(&image1.gray, &image2.gray));
-        *kept = Some(KeptPair { pictures: pictures.clone(), prepared: Arc::clone(&prepared) });
+        let prepared = Arc::new(completed(PreparedPair::new(&image1.gray, &image2.gray)));
+        *kept = Some(KeptPair {
+            pictures: pictures.clone(),
+            recordings: recordings.cloned(),
+            prepared: Arc::clone(&prepared),
+        });
         prepared
     }
 }
 
 fn pick_file() -> Option<PathBuf> {
     let others = ["json", "txt", "csv", "tsv", "dat", "yml", "yaml", "xml", "P"];
+    let moving: Vec<&str> = VIDEO_EXTENSIONS.into_iter().chain(["gif"]).collect();
     let dialog = rfd::FileDialog::new().set_title("Open a file").add_filter("Images", &IMAGE_EXTENSIONS);
+    let dialog = dialog.add_filter("Sequences of frames", &moving);
     dialog.add_filter("Sessions, point pairs, matrices", &others).add_filter("All files", &["*"]).pick_file()
 }
 

@@ -3,11 +3,12 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use super::opening::{LoadedPair, OpeningFailure, Reading, sample};
+use super::opening::{LoadedPair, OpeningFailure, Reading, sample, sample_sequences};
 use crate::app::model::album::Album;
-use crate::app::model::document::{Side, TruthSource};
+use crate::app::model::document::TruthSource;
 use crate::app::model::open_pair::OpenFolder;
 use crate::app::model::pair_folder::PairFolder;
+use crate::app::model::sample::SAMPLE_SEQUENCES;
 use crate::app::model::session::{Lost, OpenSession, Relocation, Restored, Work};
 use crate::app::model::shared::Shared;
 use crate::app::model::truth::KnownTruth;
@@ -29,12 +30,13 @@ pub fn open_session(session: OpenSession, reading: &mut Reading) -> Result<Loade
         }
         _ => unchanged(&error.to_string()),
     })?;
-    let from_sample = file.images.iter().all(|image| matches!(image.source, ImageSource::Sample { .. }));
-    let mut pair = if from_sample {
-        if file.images.iter().any(|image| !is_known_sample(image)) {
-            return Err(unchanged("it is about a built-in sample that this program does not have"));
+    let samples = file.images.each_ref().map(sample_of);
+    let mut pair = if let [Some(left), Some(right)] = samples {
+        match (left == right).then_some(left) {
+            Some(name) if name == Sample::default().name() => sample(),
+            Some(SAMPLE_SEQUENCES) => sample_sequences(reading)?,
+            _ => return Err(unchanged("it is about a built-in sample that this program does not have")),
         }
-        sample()
     } else {
         let mut found = [None, None];
         let mut lost = [None, None];
@@ -50,7 +52,7 @@ pub fn open_session(session: OpenSession, reading: &mut Reading) -> Result<Loade
         let [Some(left), Some(right)] = found else {
             return Err(OpeningFailure::Relocate(Box::new(Relocation { session, lost })));
         };
-        LoadedPair::of([reading.picture(&left, Side::Left)?, reading.picture(&right, Side::Right)?])
+        LoadedPair::of(reading.pair([&left, &right])?)
     };
     let frames = pair.pictures.each_ref().map(|opened| opened.picture.frame());
     let mut notes = Vec::new();
@@ -98,8 +100,12 @@ fn place(image: &ImageReference, session: &OpenSession, k: usize) -> Option<Loca
     })
 }
 
-fn is_known_sample(image: &ImageReference) -> bool {
-    matches!(&image.source, ImageSource::Sample { sample } if sample == Sample::default().name())
+/// The built-in sample that an image is of, if it is.
+fn sample_of(image: &ImageReference) -> Option<&str> {
+    match &image.source {
+        ImageSource::Sample { sample } => Some(sample),
+        ImageSource::File { .. } => None,
+    }
 }
 
 /// The folder of a session, with what is known about the pair that was open.

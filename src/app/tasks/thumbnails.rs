@@ -4,6 +4,7 @@ use super::task::{Event, Task, Waiting};
 use super::waker::Waker;
 use crate::app::model::thumbnails::{MadeThumbnail, Thumbnail, ThumbnailQuestion, Thumbnails};
 use crate::image::Picture;
+use crate::io::first_frame;
 use std::sync::Arc;
 
 /// The thread that makes them.
@@ -23,7 +24,8 @@ impl Thumbnailing {
                 if turn.cancel.is_cancelled() {
                     break;
                 }
-                let picture = Picture::open(question.folder.image(view)).ok();
+                let path = question.folder.image(view);
+                let picture = if path.is_dir() { first_frame(path).ok() } else { Picture::open(path).ok() };
                 let thumbnail = picture.map(|picture| Arc::new(Thumbnail::new(&picture)));
                 turn.tell((Arc::clone(&question.folder), view, thumbnail));
             }

@@ -167,6 +167,9 @@ impl View {
             let strip = bar(ui).inner_margin(Margin::symmetric(8, 3));
             Panel::bottom("legend").frame(strip).show(ui, |ui| panels::legend(ui, model, commands));
         }
+        if model.recordings().is_some() {
+            Panel::bottom("player").frame(bar(ui)).show(ui, |ui| panels::player(ui, model, commands));
+        }
         let (area, hover) = CentralPanel::default()
             .frame(bar(ui))
             .show(ui, |ui| {

@@ -15,5 +15,5 @@ pub use capture::picture;
 pub use figure::figure;
 pub use keyboard::{KeyboardState, pressed};
 pub use layout::View;
-pub use panels::{ReadingDialog, RelocateDialog, SaveDialog};
+pub use panels::{OpenDialog, ReadingDialog, RelocateDialog, SaveDialog};
 pub use panes::ImagePane;

@@ -48,6 +48,8 @@ pub const BACKWARD: Color32 = Color32::from_rgb(255, 142, 98);
 pub const RESIDUAL: Color32 = Color32::from_rgb(255, 110, 235);
 /// Matches that the refinement found.
 pub const MATCH: Color32 = Color32::from_rgb(190, 255, 150);
+/// What moves in a frame of a sequence.
+pub const MOVING: Color32 = Color32::from_rgb(255, 120, 0);
 /// Places that a patch comparison suggests.
 pub const SUGGESTED: Color32 = Color32::from_rgb(255, 255, 255);
 

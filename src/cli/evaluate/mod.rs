@@ -20,9 +20,10 @@ use super::overrides::Overrides;
 use crate::estimate::{CancelFlag, Parameters, Preset, RefinementParameters};
 use crate::evaluate::{
     Plan, Protocol, Report, ReportSubject, SceneSet, contenders, files_read, method_names, pair_scene_set,
-    publication, run as run_plan, search_table, table, verdict_sentences, vgg_scene_set,
+    publication, run as run_plan, search_table, sequence_scene_set, table, verdict_sentences, vgg_scene_set,
 };
 use crate::io::refuse_clashes;
+use crate::similarity::LineMeasure;
 
 /// Measure estimators on image pairs with known geometry
 #[derive(Debug, Args)]
@@ -44,6 +45,15 @@ enum PairSource {
         #[command(flatten)]
         options: Box<Options>,
     },
+    /// Sequences that known cameras recorded together: folders of frames or videos NAME, NAME.P, and truth-NAME1-NAME2.txt
+    /// with rows x1 y1 x2 y2
+    #[command(allow_negative_numbers = true)]
+    Sequences {
+        /// The folder
+        folder: PathBuf,
+        #[command(flatten)]
+        options: Box<Options>,
+    },
     /// Pairs with true matches: NAMEA.*, NAMEB.* and NAME.txt with rows x1 y1 x2 y2
     #[command(allow_negative_numbers = true)]
     Pairs {
@@ -52,6 +62,17 @@ enum PairSource {
         #[command(flatten)]
         options: Box<Options>,
     },
+}
+
+impl PairSource {
+    /// The name of the layout, the folder, the step between views, everything else.
+    fn parts(&self) -> (&'static str, &Path, Option<usize>, &Options) {
+        match self {
+            Self::Vgg { folder, step, options } => ("vgg", folder, Some(*step), options),
+            Self::Pairs { folder, options } => ("pairs", folder, None, options),
+            Self::Sequences { folder, options } => ("sequences", folder, None, options),
+        }
+    }
 }
 
 #[derive(Debug, Args)]
@@ -104,7 +125,7 @@ struct Options {
 /// The content of a report file.
 #[derive(Serialize)]
 struct ReportFile<'a> {
-    /// `vgg` or `pairs`.
+    /// `vgg`, `pairs` or `sequences`.
     layout: &'static str,
     folder: String,
     step: Option<usize>,
@@ -116,13 +137,16 @@ struct ReportFile<'a> {
 
 /// Evaluates, writes the JSON file, prints the table.
 pub(super) fn run(arguments: &EvaluateArguments) -> Result<(), CliError> {
-    let (layout, folder, step, options) = match &arguments.source {
-        PairSource::Vgg { folder, step, options } => ("vgg", folder, Some(*step), options),
-        PairSource::Pairs { folder, options } => ("pairs", folder, None, options),
-    };
+    let (layout, folder, step, options) = arguments.source.parts();
     let output = Output::prepare(options.json.as_deref())?;
     let report_folder = options.report.as_deref().map(ReportFolder::prepare).transpose()?;
-    let presets = parameters(options)?;
+    let mut presets = parameters(options)?;
+    let of_sequences = matches!(arguments.source, PairSource::Sequences { .. });
+    if of_sequences {
+        for parameters in &mut presets {
+            parameters.similarity.measure = LineMeasure::Barcodes;
+        }
+    }
     let contenders = contenders(&options.methods, &presets)?;
     let inputs = files_read(folder);
     let inputs: Vec<&Path> = inputs.iter().map(PathBuf::as_path).collect();
@@ -130,6 +154,7 @@ pub(super) fn run(arguments: &EvaluateArguments) -> Result<(), CliError> {
     refuse_clashes(&output.file().into_iter().chain(reports).collect::<Vec<_>>(), &inputs)?;
     let SceneSet { scenes, left_out } = match step {
         Some(step) => vgg_scene_set(folder, step, &options.only)?,
+        None if of_sequences => sequence_scene_set(folder, &options.only, &CancelFlag::default())?,
         None => pair_scene_set(folder, &options.only)?,
     };
     for sentence in &left_out {
@@ -219,10 +244,7 @@ fn parameters(options: &Options) -> Result<Vec<Parameters>, CliError> {
 /// The command that makes the same run anywhere: every option that changes a figure, the folder without what is
 /// above it.
 fn command(source: &PairSource) -> String {
-    let (kind, folder, step, options) = match source {
-        PairSource::Vgg { folder, step, options } => ("vgg", folder, Some(*step), options),
-        PairSource::Pairs { folder, options } => ("pairs", folder, None, options),
-    };
+    let (kind, folder, step, options) = source.parts();
     let mut words = vec!["epiline evaluate".to_owned(), kind.to_owned(), quoted(&last_name(folder))];
     let mut option = |name: &str, value: String| words.push(format!("--{name} {value}"));
     if let Some(step) = step {

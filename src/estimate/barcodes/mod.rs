@@ -15,7 +15,7 @@ use super::record::SearchRecord;
 use super::result::{BarcodeFigures, REPORTED};
 use super::search::{Input, Judged, by_lines};
 use super::trust::{BarcodeEvidence, Evidence, Together};
-use super::{Assessment, Estimate, EstimateError, Parameters, Stage, Trust};
+use super::{Assessment, Estimate, EstimateError, Parameters, Preset, Stage, Trust};
 use crate::geometry::{FundamentalMatrix, PointPair, epipolar_difference, line_spacing, sampson_distance};
 use crate::motion::Silhouettes;
 
@@ -41,6 +41,16 @@ pub(super) fn adapted(parameters: &Parameters) -> Parameters {
     adapted
 }
 
+/// No more hypotheses through the clicks than the published search draws and compares: the best of them are refined on the
+/// barcodes of many more lines.
+fn as_published(parameters: &Parameters) -> Parameters {
+    let published = Parameters::from(Preset::Paper);
+    let mut few = parameters.clone();
+    few.hypotheses = few.hypotheses.min(published.hypotheses);
+    few.validation.validated = few.validation.validated.min(published.validation.validated);
+    few
+}
+
 /// Proposals from the pencils of the clicks, where there are two, and from all lines; the best one refined and judged.
 pub(super) fn by_barcodes(
     input: &Input,
@@ -51,11 +61,14 @@ pub(super) fn by_barcodes(
     let mut proposed: Vec<FundamentalMatrix> = Vec::new();
     let mut hypotheses: Vec<Estimate> = Vec::new();
     if clicks.anchors().len() >= 2 {
-        match by_lines(input, record) {
+        let few = as_published(parameters);
+        match by_lines(&Input { parameters: &few, ..*input }, record) {
             Ok(found) => {
                 proposed.push(found.fundamental);
                 proposed.extend(found.hypotheses.iter().take(REFINED / 2).map(Estimate::fundamental));
                 hypotheses = found.hypotheses;
+                // Something to look at while all lines are compared.
+                input.report(record, proposed[0], &hypotheses, None);
             }
             // Lines through the clicks that nothing crosses leave all other lines.
             Err(EstimateError::NoCandidates { .. } | EstimateError::NoGeometry) => {}

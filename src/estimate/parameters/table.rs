@@ -7,9 +7,10 @@ use std::fmt::Write;
 use super::entry::{ParameterEntry, ParameterValue};
 use super::{LineScore, Parameters, Preset, Search};
 use crate::estimate::{EstimateError, Stage};
-use crate::similarity::Ordering;
+use crate::similarity::{LineMeasure, Ordering};
 
 const ORDERINGS: [Ordering; 3] = [Ordering::Positions, Ordering::Free, Ordering::Disparities];
+const MEASURES: [LineMeasure; 2] = [LineMeasure::Stereo, LineMeasure::Barcodes];
 const LINE_SCORES: [LineScore; 2] = [LineScore::Cost, LineScore::AgainstMismatched];
 
 const fn number(
@@ -24,7 +25,7 @@ const fn number(
 }
 
 /// Every parameter, in the order of the steps.
-pub const PARAMETERS: [ParameterEntry; 26] = [
+pub const PARAMETERS: [ParameterEntry; 27] = [
     number(
         (
             "coarse_side",
@@ -147,6 +148,17 @@ pub const PARAMETERS: [ParameterEntry; 26] = [
         |p, v| p.similarity.stereo.outside = v as u16,
     )
     .for_dragging(),
+    ParameterEntry {
+        key: "measure",
+        stage: Stage::Pencils,
+        name: "Lines compared by",
+        tooltip: "What tells which lines correspond: stereo matching of the intensities along them, or, of two sequences of frames, in which frames they are crossed by something that moves.",
+        value: ParameterValue::Choice {
+            names: &["Stereo", "Barcodes"],
+            get: |p| MEASURES.iter().position(|m| *m == p.similarity.measure).unwrap_or(0),
+            set: |p, k| p.similarity.measure = MEASURES[k],
+        },
+    },
     ParameterEntry {
         key: "stereo.ordering",
         stage: Stage::Pencils,

@@ -4,7 +4,9 @@ use std::io::{BufRead, BufReader, Cursor, Read, Seek};
 use std::path::Path;
 
 use image::codecs::{gif::GifDecoder, png::PngDecoder, webp::WebPDecoder};
-use image::{AnimationDecoder, DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader, Limits};
+use image::{
+    AnimationDecoder, DynamicImage, Frames, ImageDecoder, ImageError, ImageFormat, ImageReader, Limits,
+};
 
 use super::{Gathered, SequenceError, SequenceFile};
 use crate::cancel::CancelFlag;
@@ -16,12 +18,44 @@ const MOST_BYTES: u64 = 1 << 30;
 /// Beside the pixels of a frame a decoder may take this much, bytes.
 const SLACK: u64 = 64 << 20;
 
+/// Whether a file is a picture with more frames than one.
+pub(super) fn is_animated(path: &Path) -> bool {
+    open(path).ok().flatten().is_some_and(|frames| frames.take(2).flatten().count() == 2)
+}
+
 /// The frames of an animated picture; `None` for what is none.
 pub(super) fn read(
     path: &Path,
     cancel: &CancelFlag,
     each: &dyn Fn(usize),
 ) -> Result<Option<SequenceFile>, SequenceError> {
+    let Some(frames) = open(path)? else { return Ok(None) };
+    let shown = shown_path(path);
+    let mut gathered = Gathered::new(path, cancel, each);
+    for frame in frames {
+        match frame {
+            Ok(frame) => {
+                let pixels = DynamicImage::from(frame.into_buffer());
+                gathered.push_picture(Picture::from_pixels(String::new(), None, pixels)?)?;
+            }
+            Err(error) if gathered.sequence.len() > 1 => {
+                let read = gathered.sequence.len();
+                let reason = excerpt(&error.to_string());
+                gathered.notes.push(format!("{shown} is damaged after frame {}: {reason}", read - 1));
+                break;
+            }
+            Err(error) => return Err(damaged(&shown, &error).into()),
+        }
+    }
+    gathered.finish().map(Some)
+}
+
+fn damaged(shown: &str, error: &ImageError) -> LoadError {
+    LoadError::Damaged { path: shown.to_owned(), reason: excerpt(&error.to_string()), in_part: false }
+}
+
+/// A decoder at the first frame; `None` for what is no animated picture.
+fn open(path: &Path) -> Result<Option<Frames<'static>>, LoadError> {
     let shown = shown_path(path);
     let failed = |reason: String| LoadError::Open { path: shown.clone(), reason };
     let input = open_input(path).map_err(failed)?;
@@ -41,11 +75,7 @@ pub(super) fn read(
     let rewound = reader.rewind();
     rewound.map_err(|e| LoadError::Open { path: shown.clone(), reason: crate::foreign::reason(&e) })?;
     let options = LoadOptions::from_environment()?;
-    let damaged = |error: &ImageError| LoadError::Damaged {
-        path: shown.clone(),
-        reason: excerpt(&error.to_string()),
-        in_part: false,
-    };
+    let damaged = |error: &ImageError| damaged(&shown, error);
     let checked = |decoder: &mut dyn Limited| -> Result<(), LoadError> {
         let (width, height) = decoder.size();
         options.check(&shown, width, height, 4)?;
@@ -77,23 +107,7 @@ pub(super) fn read(
         }
         _ => return Ok(None),
     };
-    let mut gathered = Gathered::new(path, cancel, each);
-    for frame in frames {
-        match frame {
-            Ok(frame) => {
-                let pixels = DynamicImage::from(frame.into_buffer());
-                gathered.push_picture(Picture::from_pixels(String::new(), None, pixels)?)?;
-            }
-            Err(error) if gathered.sequence.len() > 1 => {
-                let read = gathered.sequence.len();
-                let reason = excerpt(&error.to_string());
-                gathered.notes.push(format!("{shown} is damaged after frame {}: {reason}", read - 1));
-                break;
-            }
-            Err(error) => return Err(damaged(&error).into()),
-        }
-    }
-    gathered.finish().map(Some)
+    Ok(Some(frames))
 }
 
 trait BufReadSeek: BufRead + Seek {}

@@ -62,7 +62,7 @@ pub(super) fn read(
 }
 
 /// The numbered pictures of a folder, by number: those of the kind of name that most have.
-fn numbered(path: &Path) -> Result<Vec<(u64, PathBuf)>, ReadError> {
+pub(super) fn numbered(path: &Path) -> Result<Vec<(u64, PathBuf)>, ReadError> {
     let mut kinds: Vec<(String, Vec<(u64, PathBuf)>)> = Vec::new();
     for file in read_folder(path)?.into_iter().filter(|file| has_image_extension(file)) {
         let Some((kind, number)) = file.file_name().and_then(|name| number_of(&name.to_string_lossy()))

@@ -10,9 +10,11 @@ use std::path::Path;
 use thiserror::Error;
 
 use super::ReadError;
+use super::hash::{sha256_of_bytes, sha256_of_file};
 use super::read::has_image_extension;
 use crate::cancel::CancelFlag;
 use crate::foreign::shown_path;
+use crate::geometry::Frame;
 use crate::image::{GrayPlane, LoadError, Picture};
 use crate::motion::{FrameSequence, MotionError};
 
@@ -28,6 +30,20 @@ pub struct SequenceFile {
     pub first: Picture,
     /// What the user should know: frames that are missing, say. Sentences.
     pub notes: Vec<String>,
+}
+
+impl SequenceFile {
+    /// A sequence that was made and not read; the grey levels of its first frame are the picture.
+    ///
+    /// # Panics
+    /// When the sequence has no frames: a programming error.
+    pub fn made(sequence: FrameSequence) -> Result<Self, LoadError> {
+        let Frame { width, height } = sequence.size();
+        let pixels = image::GrayImage::from_raw(width as u32, height as u32, sequence.frame(0).to_vec());
+        let pixels = pixels.expect("a frame has as many grey levels as pixels");
+        let first = Picture::from_pixels(sequence.name().to_owned(), None, pixels.into())?;
+        Ok(Self { sequence, first, notes: Vec::new() })
+    }
 }
 
 /// Why a sequence could not be read. Each message is one sentence for the user.
@@ -74,6 +90,37 @@ pub enum SequenceError {
         /// Its own words.
         reason: String,
     },
+}
+
+/// How the names of videos end; others are read as well, when they are given as sequences.
+pub const VIDEO_EXTENSIONS: [&str; 10] =
+    ["mp4", "m4v", "mov", "avi", "mkv", "webm", "mpg", "mpeg", "wmv", "ogv"];
+
+/// Whether what is there is a sequence and not a picture: a folder, an animated picture, or by its name a video.
+pub fn is_sequence(path: &Path) -> bool {
+    let is_video = path
+        .extension()
+        .and_then(|e| e.to_str())
+        .is_some_and(|e| VIDEO_EXTENSIONS.iter().any(|known| known.eq_ignore_ascii_case(e)));
+    is_video || path.is_dir() || animation::is_animated(path)
+}
+
+/// SHA-256 of the numbered frames of a folder, with their names: other frames have another one.
+pub(super) fn folder_sha256(path: &Path) -> Result<String, ReadError> {
+    let mut listing = String::new();
+    for (_, file) in folder::numbered(path)? {
+        let name = file.file_name().unwrap_or_default().to_string_lossy();
+        listing.extend([&*name, "/", &sha256_of_file(&file)?, "/"]);
+    }
+    Ok(sha256_of_bytes(listing.as_bytes()))
+}
+
+/// The first frame of a sequence, as it was recorded.
+pub fn first_frame(path: &Path) -> Result<Picture, SequenceError> {
+    if let Some((_, file)) = if path.is_dir() { folder::numbered(path)? } else { Vec::new() }.first() {
+        return Ok(Picture::open(file)?);
+    }
+    read_sequence(path, &CancelFlag::default(), &|_| ()).map(|file| file.first)
 }
 
 /// Reads a sequence. `each` hears of the frames read so far.

@@ -16,6 +16,7 @@ use crate::estimate::{Method, Parameters, Search};
 use crate::geometry::{Frame, Point, PointPair};
 use crate::io::PairOrigin;
 use crate::rectify::RectifyMethod;
+use crate::similarity::LineMeasure;
 
 pub use parts::{
     Checked, HalfPair, Imported, PairNote, PictureIdentity, PointRef, Role, Side, Trial, TruthSource,
@@ -46,6 +47,9 @@ pub struct Document {
     pub half: Option<HalfPair>,
     /// Parameters of the estimate.
     pub parameters: Parameters,
+    /// Of two sequences, frame `k` of the left one was taken together with frame `k` plus this of the right one.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub offset: i32,
     /// How the images are rectified.
     #[serde(default)]
     pub rectification: RectifyMethod,
@@ -63,6 +67,11 @@ pub struct Document {
     /// The pairs that are chosen together in the table, for what is done with all of them.
     #[serde(skip)]
     pub chosen: BTreeSet<usize>,
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde asks so")]
+fn is_zero(offset: &i32) -> bool {
+    *offset == 0
 }
 
 impl Document {
@@ -232,17 +241,22 @@ impl Document {
     /// with patches two or more.
     pub fn pairs_needed(&self) -> usize {
         match self.parameters.search {
-            Search::Lines => self.parameters.method.pairs_needed(),
-            Search::Patches => Method::TwoPoint.pairs_needed(),
+            Search::Lines if !self.is_by_barcodes() => self.parameters.method.pairs_needed(),
+            _ => Method::TwoPoint.pairs_needed(),
         }
+    }
+
+    /// Whether lines are compared by their motion barcodes. There are no published clicks then, and no patches.
+    fn is_by_barcodes(&self) -> bool {
+        self.parameters.similarity.measure == LineMeasure::Barcodes
     }
 
     /// Numbers of the pairs the geometry is estimated from: all that are neither left out nor set to check only. The
     /// published search takes the first ones of them, as many as its method needs.
     pub fn used(&self) -> impl Iterator<Item = usize> + '_ {
         let most = match self.parameters.search {
-            Search::Lines => self.pairs_needed(),
-            Search::Patches => usize::MAX,
+            Search::Lines if !self.is_by_barcodes() => self.pairs_needed(),
+            _ => usize::MAX,
         };
         let set_aside = |pair: &usize| self.excluded.contains(pair) || self.checks.contains(pair);
         (0..self.pairs.len()).filter(move |pair| !set_aside(pair)).take(most)

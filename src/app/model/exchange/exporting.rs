@@ -32,7 +32,8 @@ impl ExportKind {
                 (model.open.computation.result().is_some(), "There is no result yet: click two point pairs.")
             }
             Self::Profile => (
-                model.open.inspection.as_ref().is_some_and(|inspection| !inspection.samples().is_empty()),
+                model.inspected_barcodes().is_some()
+                    || model.open.inspection.as_ref().is_some_and(|found| !found.samples().is_empty()),
                 "No line pair is inspected: click two point pairs, or pin a line pair with the inspect tool (I).",
             ),
             Self::Figure | Self::View => (model.document.pictures.is_some(), "No images are open."),
@@ -102,8 +103,17 @@ pub fn content(
             (Box::new(move || Ok(text.into_bytes())), "the report of the result".to_owned())
         }
         ExportKind::Profile => {
-            let inspection = model.open.inspection.as_ref().ok_or_else(nothing)?.clone();
             let trust = trust_note(model);
+            if let (Some(inspected), Some(compared)) =
+                (model.inspected_barcodes(), model.compared_recordings())
+            {
+                let text = profile::barcodes_csv(&inspected, compared.offset, trust.as_ref());
+                return Ok((
+                    Box::new(move || Ok(text.into_bytes())),
+                    "the barcodes of the inspected line pair".to_owned(),
+                ));
+            }
+            let inspection = model.open.inspection.as_ref().ok_or_else(nothing)?.clone();
             let content: ExportContent =
                 Box::new(move || Ok(profile::csv(&inspection, trust.as_ref()).into_bytes()));
             (content, "the profile of the inspected line pair".to_owned())

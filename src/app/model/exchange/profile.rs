@@ -1,9 +1,11 @@
-//! The intensities along the inspected line pair as a table for other programs.
+//! The intensities along the inspected line pair, or its motion barcodes, as a table for other programs.
 
 use std::fmt::Write;
 
 use crate::app::model::inspection::Inspection;
+use crate::app::model::recording::InspectedBarcodes;
 use crate::io::TrustNote;
+use crate::motion::Barcode;
 
 /// What the columns mean, a sentence a line.
 pub const CONVENTION: [&str; 3] = [
@@ -12,12 +14,30 @@ pub const CONVENTION: [&str; 3] = [
     "x2, y2 and right_matched are of the sample of the right line that was matched; they are empty outside the image.",
 ];
 
-/// Comma-separated values, one row a sample of the left line. Comment lines begin with `#`.
-pub fn csv(inspection: &Inspection, trust: Option<&TrustNote>) -> String {
-    let mut text = String::from("# Intensities along two lines, written by epiline ");
-    text.push_str(env!("CARGO_PKG_VERSION"));
-    text.push('\n');
-    for sentence in CONVENTION {
+/// What the columns of barcodes mean, a sentence a line.
+pub const BARCODE_CONVENTION: [&str; 2] = [
+    "A row is a frame of the left sequence, counted from 0, and the frame of the right one that was taken together with it.",
+    "left and right are 1 where something that moves crosses the line of that image, else 0.",
+];
+
+/// Comma-separated values, one row a frame. Comment lines begin with `#`.
+pub fn barcodes_csv(inspected: &InspectedBarcodes, offset: i32, trust: Option<&TrustNote>) -> String {
+    let mut text = heading("Motion barcodes of two lines", &BARCODE_CONVENTION, trust);
+    text.push_str("frame_left,frame_right,left,right\n");
+    let [left, right] = &inspected.barcodes;
+    for k in 0..left.len() {
+        let frame = inspected.first + k;
+        let other = frame as i64 + i64::from(offset);
+        let bit = |barcode: &Barcode| u8::from(barcode.is_set(k));
+        let _ = writeln!(text, "{frame},{other},{},{}", bit(left), bit(right));
+    }
+    text
+}
+
+/// What the table is of, what its columns mean, and how far the geometry is to be trusted.
+fn heading(what: &str, convention: &[&str], trust: Option<&TrustNote>) -> String {
+    let mut text = format!("# {what}, written by epiline {}\n", env!("CARGO_PKG_VERSION"));
+    for sentence in convention {
         let _ = writeln!(text, "# {sentence}");
     }
     if let Some(trust) = trust {
@@ -26,6 +46,12 @@ pub fn csv(inspection: &Inspection, trust: Option<&TrustNote>) -> String {
             let _ = writeln!(text, "#   {reason}");
         }
     }
+    text
+}
+
+/// Comma-separated values, one row a sample of the left line. Comment lines begin with `#`.
+pub fn csv(inspection: &Inspection, trust: Option<&TrustNote>) -> String {
+    let mut text = heading("Intensities along two lines", &CONVENTION, trust);
     text.push_str("distance,x1,y1,left,right_unmatched,shift,x2,y2,right_matched,cost\n");
     let warped = &inspection.warped;
     for (k, sample) in inspection.samples().enumerate() {

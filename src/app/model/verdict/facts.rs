@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use super::gauge::{Figure, Gauge, HypothesisScales};
 use crate::app::model::computation::Freshness;
 use crate::app::model::document::{Document, Imported};
-use crate::estimate::{Estimate, LineScore, Scale};
+use crate::estimate::{Estimate, LineScore, Reason, Scale};
 use crate::geometry::{Frame, FundamentalMatrix, HomogeneousPoint, finite_point};
 
 /// How the news is.
@@ -88,6 +88,7 @@ pub fn facts(document: &Document, estimate: &Estimate, freshness: Freshness) -> 
     }
     // Before the end, near-copies of the result are not told from other geometries.
     facts.extend((freshness == Freshness::Final).then(|| margin(estimate)));
+    facts.extend(barcodes(estimate));
     if let Some(refinement) = &estimate.assessment.refinement {
         let count = refinement.matches.len();
         let fact = Fact::new(
@@ -116,6 +117,42 @@ pub fn facts(document: &Document, estimate: &Estimate, freshness: Freshness) -> 
         ));
     }
     facts
+}
+
+/// What the motion barcodes of corresponding lines say, where sequences were compared.
+fn barcodes(estimate: &Estimate) -> Vec<Fact> {
+    let Some(figures) = &estimate.assessment.barcodes else { return Vec::new() };
+    let reasons = estimate.assessment.trust.iter().flat_map(|trust| &trust.reasons);
+    let tone = |speaks: fn(&Reason) -> bool, bad: Tone| {
+        Some(if reasons.clone().any(speaks) { bad } else { Tone::Good })
+    };
+    let agreement = Fact {
+        tone: tone(|reason| matches!(reason, Reason::BarcodesByChance { .. }), Tone::Bad),
+        ..Fact::new(
+            "Agreement",
+            format!("{:.2}, by chance {:.2}", figures.correlation, figures.by_chance),
+            "How well the motion barcodes of corresponding lines agree over both images, 1 for equal ones; and how well \
+             they do at best when one sequence is shifted in time, which is chance.",
+        )
+    };
+    let lines = Fact {
+        tone: tone(|reason| matches!(reason, Reason::FewBarcodes { .. }), Tone::Caution),
+        ..Fact::new(
+            "Telling lines",
+            format!("{:.0}, in {} frames", figures.lines, figures.frames),
+            "Epipolar lines that are crossed in ways of their own: neighbours are crossed by the same things, and seven \
+             numbers are to be found from them.",
+        )
+    };
+    let precision = figures.deviation.map(|deviation| Fact {
+        tone: tone(|reason| matches!(reason, Reason::LooseBarcodes { .. }), Tone::Caution),
+        ..Fact::new(
+            "Precision",
+            format!("lines ± {deviation:.1} px"),
+            "Standard deviation of the epipolar lines where things move, from leaving out a part of the frames at a time.",
+        )
+    });
+    [agreement, lines].into_iter().chain(precision).collect()
 }
 
 const SUPPORT: &str = "Corners of the reduced images that find their match along their epipolar line, weighted by how alike \

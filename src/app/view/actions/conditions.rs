@@ -19,3 +19,7 @@ pub fn is_published_search(model: &Model) -> bool {
 pub fn has_rectified(model: &Model) -> bool {
     model.open.rectified.is_some()
 }
+
+pub fn has_sequences(model: &Model) -> bool {
+    model.recordings().is_some()
+}

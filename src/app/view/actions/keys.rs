@@ -3,10 +3,11 @@
 use egui::{Key, Modifiers};
 
 use super::action::{Action, action, tab};
-use super::conditions::{has_neighbour, has_rectified, has_strip};
+use super::conditions::{has_neighbour, has_rectified, has_sequences, has_strip};
 use crate::app::model::Model;
 use crate::app::model::command::{Command, ExchangeCommand, SessionCommand};
 use crate::app::model::ids::TabId;
+use crate::app::model::recording::PlayerCommand;
 use crate::app::model::rectified::RectifiedCommand;
 use crate::evaluate::Protocol;
 
@@ -91,6 +92,30 @@ pub fn with_keys() -> Vec<Action> {
         )
         .key(NONE, Key::PageDown)
         .when(|model| has_neighbour(model, true)),
+        action(
+            PlayerCommand::TogglePlay,
+            "Play or pause",
+            "Play the two sequences together, or pause.",
+        )
+        .key(NONE, Key::K)
+        .listed(|_| "Sequences: play or pause")
+        .when(has_sequences),
+        action(PlayerCommand::Step(-1), "Frame before", "Show the frame before this one.")
+            .key(NONE, Key::Comma)
+            .listed(|_| "Sequences: frame before")
+            .when(has_sequences),
+        action(PlayerCommand::Step(1), "Next frame", "Show the next frame.")
+            .key(NONE, Key::Period)
+            .listed(|_| "Sequences: next frame")
+            .when(has_sequences),
+        action(
+            PlayerCommand::ToggleSilhouettes,
+            "What moves",
+            "Mark what moves in front of the background: what the motion barcodes of lines are made of.",
+        )
+        .key(NONE, Key::W)
+        .listed(|_| "Sequences: mark what moves")
+        .when(has_sequences),
         action(
             Command::ToggleTruth,
             "Ground truth",

@@ -14,6 +14,7 @@ use egui::KeyboardShortcut;
 
 use crate::app::model::command::{Command, ExchangeCommand, SessionCommand};
 use crate::app::model::point_table::{ChosenEdit, PointsCommand};
+use crate::app::model::recording::PlayerCommand;
 use crate::app::model::rectified::RectifiedCommand;
 use crate::app::model::suggesting::Repair;
 use crate::app::model::tones::TonesCommand;
@@ -32,6 +33,8 @@ enum Kind {
     Exchange(Discriminant<ExchangeCommand>, bool),
     Rectified(Discriminant<RectifiedCommand>),
     Tones(Discriminant<TonesCommand>),
+    /// Also how far it steps: forth is called otherwise than back.
+    Player(Discriminant<PlayerCommand>, Option<i32>),
     /// Also what is done with chosen rows.
     Points(Discriminant<PointsCommand>, Option<ChosenEdit>),
     Repair(Repair),
@@ -49,6 +52,10 @@ fn kind(command: &Command) -> Kind {
         }
         Command::Rectified(command) => Kind::Rectified(discriminant(command)),
         Command::Tones(command) => Kind::Tones(discriminant(command)),
+        Command::Player(command) => {
+            let by = if let PlayerCommand::Step(by) = command { Some(by.signum()) } else { None };
+            Kind::Player(discriminant(command), by)
+        }
         Command::Points(command) => {
             let edit = if let PointsCommand::Edit(edit) = command { Some(*edit) } else { None };
             Kind::Points(discriminant(command), edit)

@@ -1,11 +1,12 @@
 //! The actions that are in the list of all commands, without keys.
 
 use super::action::{Action, action};
-use super::conditions::{has_rectified, is_published_search};
+use super::conditions::{has_rectified, has_sequences, is_published_search};
 use crate::app::model::Model;
 use crate::app::model::command::{Command, ExchangeCommand};
 use crate::app::model::comparison::Contestant;
 use crate::app::model::point_table::PointsCommand;
+use crate::app::model::recording::PlayerCommand;
 use crate::app::model::rectified::{RectifiedCommand, RectifiedLayout};
 use crate::app::model::tones::TonesCommand;
 use crate::estimate::{Method, Preset};
@@ -28,6 +29,19 @@ pub fn by_name() -> Vec<Action> {
         .listed(|_| "Loupe while placing points"),
         action(Command::OpenSample, "Sample", "Open the built-in image pair.")
             .listed(|_| "Open the sample images"),
+        action(
+            Command::OpenSampleSequences,
+            "Sample sequences",
+            "Open the built-in sequences: balls thrown about, seen by two cameras that stand still and far apart.",
+        )
+        .listed(|_| "Open the sample sequences"),
+        action(
+            PlayerCommand::FindOffset,
+            "Find offset",
+            "Find the offset in time at which the two sequences agree best, within 50 frames either way.",
+        )
+        .listed(|_| "Sequences: find their offset in time")
+        .when(|model| has_sequences(model) && !model.activity.aligning),
         action(
             Command::FindWithoutClicks,
             "Find without clicks",

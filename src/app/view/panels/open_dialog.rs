@@ -83,6 +83,14 @@ impl OpenDialog {
         }
     }
 
+    /// The image that waits for another one.
+    pub fn waiting(&self) -> Option<PathBuf> {
+        match self.typed() {
+            [Some(one), None] | [None, Some(one)] => Some(one),
+            _ => None,
+        }
+    }
+
     fn typed(&self) -> [Option<PathBuf>; 2] {
         self.paths.each_ref().map(|text| path_of(text))
     }
@@ -109,7 +117,7 @@ impl OpenDialog {
             return;
         }
         let open = dialog(ctx, "Open images", 520.0, |ui| {
-            ui.weak("Type or paste the paths of two images or of a session, browse for the files, or drop them on the window.");
+            ui.weak("Type or paste the paths of two images, of two sequences (folders of frames, videos, animated pictures) or of a session, browse for the files, or drop them on the window.");
             ui.add_space(6.0);
             let rows = [
                 ("Left image", "Browse for the left image", Side::Left),

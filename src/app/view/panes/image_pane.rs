@@ -145,7 +145,13 @@ impl ImagePane {
         self.press(ui, &response, model, &transform, commands);
         let image = self.image.as_mut()?;
         let changing = ui.input(|input| input.pointer.any_down());
-        image.texture.set_rendition(model.open.tones.of[side.index()], changing);
+        let rendition = model.open.tones.of[side.index()];
+        match model.shown_frames() {
+            Some(frames) => {
+                image.texture.show_frame(frames[side.index()], model.open.player.silhouettes, rendition);
+            }
+            None => image.texture.set_rendition(rendition, changing),
+        }
         image.texture.draw(&painter, &transform);
         let labels = Labels::default();
         let canvas =

@@ -1,6 +1,7 @@
 //! The images, and what is drawn over them.
 
 mod epipole_map;
+mod film;
 mod image_pane;
 mod loupe;
 pub mod navigation;

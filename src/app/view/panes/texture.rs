@@ -9,6 +9,7 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use super::Transform;
+use super::film::{Film, PIXELS};
 use crate::app::model::picture::{Opened, Overview, multiplied};
 use crate::app::model::shared::Shared;
 use crate::app::model::tones::Rendition;
@@ -28,13 +29,6 @@ const OVERVIEW_MAGNIFICATION: f64 = 1.5;
 /// Longest side of a picture whose tones are being changed, px: what can be made anew within a frame.
 const DRAFT_SIDE: u32 = 512;
 
-/// Crisp pixels when magnified, smooth when reduced.
-const PIXELS: TextureOptions = TextureOptions {
-    magnification: TextureFilter::Nearest,
-    minification: TextureFilter::Linear,
-    wrap_mode: egui::TextureWrapMode::ClampToEdge,
-    mipmap_mode: Some(TextureFilter::Linear),
-};
 /// Smooth always.
 const SMOOTH: TextureOptions = TextureOptions { magnification: TextureFilter::Linear, ..PIXELS };
 
@@ -56,6 +50,8 @@ pub struct PictureTexture {
     scale: f64,
     tiles: HashMap<[usize; 2], Tile>,
     frame: u64,
+    /// The sequence that is shown in place of the picture.
+    film: Option<Film>,
 }
 
 impl PictureTexture {
@@ -75,6 +71,14 @@ impl PictureTexture {
             scale: *scale,
             tiles: HashMap::new(),
             frame: 0,
+            film: opened.recording().map(|recording| Film::new(ctx, recording)),
+        }
+    }
+
+    /// Shows a frame of the sequence that the picture is of.
+    pub fn show_frame(&mut self, frame: usize, silhouettes: bool, rendition: Rendition) {
+        if let Some(film) = &mut self.film {
+            film.show(frame, silhouettes, rendition);
         }
     }
 
@@ -109,6 +113,10 @@ impl PictureTexture {
     /// Draws what is in sight, its colours multiplied; with a tint without alpha it is added to what is there.
     pub fn draw_tinted(&mut self, painter: &Painter, transform: &Transform, tint: Color32) {
         let size = [self.picture.pixels.width() as usize, self.picture.pixels.height() as usize];
+        if let Some(film) = &self.film {
+            draw(painter, &film.texture, transform.screen_from_pixels([0, 0], size), tint);
+            return;
+        }
         draw(painter, &self.overview, transform.screen_from_pixels([0, 0], size), tint);
         let pixels_a_pixel = transform.scale * f64::from(painter.pixels_per_point());
         if self.scale < 1.0 && pixels_a_pixel > self.scale * OVERVIEW_MAGNIFICATION {

@@ -61,7 +61,7 @@ fn swatch(ui: &mut Ui, color: usize, chosen: bool, text: &str) -> bool {
 }
 
 /// Which lines they are.
-fn describe(source: LineSource) -> String {
+pub fn describe(source: LineSource) -> String {
     match source {
         LineSource::Pair(pair) => format!("Epipolar lines of {}", pair_name(pair)),
         LineSource::Through { side, point } => {

@@ -1,5 +1,6 @@
 //! The bottom panel: one tab a file.
 
+mod barcodes;
 mod hypotheses;
 mod inspected;
 mod matrix;

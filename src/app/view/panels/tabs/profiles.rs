@@ -6,6 +6,7 @@ use egui::{
 };
 use egui_plot::{GridInput, GridMark, Line, Plot, PlotImage, PlotPoint, PlotPoints, PlotUi, VLine};
 
+use super::barcodes;
 use super::inspected::{marked, read_out, tools};
 use super::{Tab, empty};
 use crate::app::model::Model;
@@ -23,6 +24,10 @@ const LEFT: Color32 = theme::PAIRS[2];
 const RIGHT: Color32 = theme::PAIRS[0];
 
 fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+    if let Some(inspected) = model.inspected_barcodes() {
+        barcodes::show(ui, model, &inspected, commands);
+        return;
+    }
     let Some(inspection) =
         model.open.inspection.as_ref().filter(|inspection| !inspection.samples().is_empty())
     else {
@@ -31,7 +36,7 @@ fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         } else if model.inspected().is_some() {
             "The two lines are being compared."
         } else {
-            "Intensities along the epipolar lines of p appear here, once there are enough point pairs. Pin a line \
+            "Intensities along the epipolar lines of p (of sequences, their motion barcodes) appear here, once there are enough point pairs. Pin a line \
              pair in the matrix of the pencils to compare others."
         };
         empty(ui, text);

@@ -1,0 +1,127 @@
+//! The sequences that are open: playing them, shifting them in time, and the barcodes of the lines that are looked at.
+
+use std::ops::RangeInclusive;
+
+use super::history::Step;
+use super::picture::Opened;
+use super::recording::{InspectedBarcodes, OffsetFound, PlayerCommand, Recordings, Synchronised};
+use super::{EditKey, Model};
+use crate::motion::FEWEST_FRAMES;
+use crate::similarity::LineMeasure;
+
+/// Frames a second while they are played.
+const RATE: f64 = 25.0;
+
+impl Model {
+    /// The sequences that are open, if it is sequences.
+    pub fn recordings(&self) -> Option<Recordings> {
+        let [left, right] = self.open.pictures.as_ref()?.each_ref().map(Opened::recording);
+        Some([left?, right?])
+    }
+
+    /// The sequences as they lie in time.
+    pub fn synchronised(&self) -> Option<Synchronised> {
+        let recordings = self.recordings()?;
+        let [left, right] = recordings.each_ref().map(|recording| recording.sequence.len());
+        let most = |count: usize| count.saturating_sub(FEWEST_FRAMES) as i32;
+        let offset = self.document.offset.clamp(-most(left), most(right));
+        Some(Synchronised { recordings, offset })
+    }
+
+    /// The sequences, if lines are compared by what moves in them.
+    pub fn compared_recordings(&self) -> Option<Synchronised> {
+        let by_barcodes = self.document.parameters.similarity.measure == LineMeasure::Barcodes;
+        self.synchronised().filter(|_| by_barcodes)
+    }
+
+    /// Whether lines are compared by what moves along them, and not by what the pictures look like.
+    pub fn compares_barcodes(&self) -> bool {
+        self.document.parameters.similarity.measure == LineMeasure::Barcodes && self.recordings().is_some()
+    }
+
+    /// Frames of the left sequence that have a partner in the right one.
+    pub fn playable(&self) -> Option<RangeInclusive<usize>> {
+        let ([first, _], count) = self.synchronised()?.in_common();
+        Some(first..=first + count.max(1) - 1)
+    }
+
+    /// The frames shown, left and right.
+    pub fn shown_frames(&self) -> Option<[usize; 2]> {
+        let synchronised = self.synchronised()?;
+        let playable = self.playable()?;
+        let left = (self.open.player.position as usize).clamp(*playable.start(), *playable.end());
+        let last = synchronised.recordings[1].sequence.len() - 1;
+        let right = (left as i64 + i64::from(synchronised.offset)).clamp(0, last as i64) as usize;
+        Some([left, right])
+    }
+
+    /// The barcodes of the inspected line pair.
+    pub fn inspected_barcodes(&self) -> Option<InspectedBarcodes> {
+        let compared = self.compared_recordings()?;
+        Some(compared.barcodes(&self.inspected()?.lines))
+    }
+
+    /// Does something with the sequences; what takes a while is not done here.
+    pub fn apply_to_player(&mut self, command: PlayerCommand) {
+        let (Some(playable), Some([shown, _])) = (self.playable(), self.shown_frames()) else { return };
+        let player = &mut self.open.player;
+        match command {
+            PlayerCommand::TogglePlay => {
+                player.playing = !player.playing;
+                if player.playing && shown == *playable.end() {
+                    player.position = *playable.start() as f64;
+                }
+            }
+            PlayerCommand::Step(by) => {
+                player.playing = false;
+                player.position = (shown as f64 + f64::from(by)).clamp(0.0, *playable.end() as f64);
+            }
+            PlayerCommand::Seek(frame) => player.position = frame as f64,
+            PlayerCommand::ToggleSilhouettes => player.silhouettes = !player.silhouettes,
+            PlayerCommand::SetOffset(offset) => {
+                self.edit(Step::Merged(EditKey::Offset), |document| document.offset = offset);
+            }
+            PlayerCommand::FindOffset => {}
+        }
+    }
+
+    /// Plays on by so many seconds; says whether there is more to come. After the last frame the first one follows.
+    pub fn play_on(&mut self, seconds: f64) -> bool {
+        let Some(playable) = self.playable().filter(|_| self.open.player.playing) else { return false };
+        let (first, last) = (*playable.start() as f64, *playable.end() as f64);
+        let position = self.open.player.position.max(first) + seconds.clamp(0.0, 1.0) * RATE;
+        self.open.player.position = if position >= last + 1.0 { first } else { position };
+        true
+    }
+
+    /// Takes the offset that was found, and says so.
+    pub fn take_offset(&mut self, found: OffsetFound) {
+        let OffsetFound { recordings, outcome } = found;
+        if self.recordings() != Some(recordings) {
+            return;
+        }
+        match outcome {
+            Ok(found) => {
+                let Some((best, others)) = found.split_first() else {
+                    self.messages.tell("The sequences are too short to find their offset. Set it yourself.");
+                    return;
+                };
+                let next = others.iter().find(|other| (other.offset - best.offset).abs() > 1);
+                let next = next.map_or(String::new(), |next| {
+                    format!("; the next best is {:+} ({:.2})", next.offset, next.correlation)
+                });
+                self.open.done = Some(format!(
+                    "Frames go together best at an offset of {:+} (agreement {:.2}){next}.",
+                    best.offset, best.correlation
+                ));
+                let offset = best.offset;
+                self.edit(Step::Single, |document| document.offset = offset);
+            }
+            Err(error) => self.messages.tell(format!("The offset was not found: {error}.")),
+        }
+    }
+}
+
+#[cfg(test)]
+#[path = "playing_tests.rs"]
+mod tests;

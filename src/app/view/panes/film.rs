@@ -1,0 +1,97 @@
+//! The frames of a sequence as a texture, one at a time, with what moves in them marked.
+
+use egui::{ColorImage, TextureFilter, TextureHandle, TextureOptions};
+use image::{DynamicImage, GrayImage};
+
+use crate::app::model::recording::Recording;
+use crate::app::model::shared::Shared;
+use crate::app::model::tones::Rendition;
+use crate::app::view::theme;
+
+/// Crisp pixels when magnified, smooth when reduced.
+pub const PIXELS: TextureOptions = TextureOptions {
+    magnification: TextureFilter::Nearest,
+    minification: TextureFilter::Linear,
+    wrap_mode: egui::TextureWrapMode::ClampToEdge,
+    mipmap_mode: Some(TextureFilter::Linear),
+};
+/// Which frame, whether what moves in it is marked, and how bright and dark it is.
+type Shown = (usize, bool, Rendition);
+
+/// A sequence that can be drawn.
+pub struct Film {
+    recording: Shared<Recording>,
+    shown: Option<Shown>,
+    /// The frame that is shown.
+    pub texture: TextureHandle,
+}
+
+impl Film {
+    /// A sequence of which nothing is shown yet.
+    pub fn new(ctx: &egui::Context, recording: Shared<Recording>) -> Self {
+        let texture = ctx.load_texture("frame", ColorImage::default(), PIXELS);
+        Self { recording, shown: None, texture }
+    }
+
+    /// Shows a frame. Costs nothing while it is the same.
+    pub fn show(&mut self, frame: usize, silhouettes: bool, rendition: Rendition) {
+        let wanted = (frame, silhouettes, rendition);
+        let sequence = &self.recording.sequence;
+        if self.shown == Some(wanted) || frame >= sequence.len() {
+            return;
+        }
+        self.shown = Some(wanted);
+        let size = [sequence.size().width, sequence.size().height];
+        let grey = sequence.frame(frame);
+        let mut image = if rendition.is_plain() {
+            ColorImage::from_gray(size, grey)
+        } else {
+            let [width, height] = size.map(|side| side as u32);
+            let Some(pixels) = GrayImage::from_raw(width, height, grey.to_vec()) else { return };
+            ColorImage::from_rgba_premultiplied(size, &rendition.render(&DynamicImage::from(pixels)))
+        };
+        if silhouettes {
+            for (pixel, _) in image
+                .pixels
+                .iter_mut()
+                .zip(self.recording.silhouettes.mask(frame))
+                .filter(|(_, moving)| *moving)
+            {
+                *pixel = pixel.lerp_to_gamma(theme::MOVING, 0.6);
+            }
+        }
+        self.texture.set(image, PIXELS);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::model::recording::example;
+
+    #[test]
+    fn a_frame_is_shown_as_it_is_and_what_moves_is_marked() {
+        let ctx = egui::Context::default();
+        let recording = Shared::new(example(20));
+        let size = recording.sequence.size();
+        let mut film = Film::new(&ctx, recording.clone());
+        let uploaded = |film: &mut Film, silhouettes| {
+            film.show(3, silhouettes, Rendition::default());
+            let mut delta = ctx.tex_manager().write().take_delta();
+            let own = delta.set.remove(&film.texture.id()).and_then(|mut all| all.pop());
+            delta.clear();
+            own.map(|own| match own.image {
+                egui::ImageData::Color(image) => image,
+            })
+        };
+        let plain = uploaded(&mut film, false).expect("a frame");
+        assert_eq!(plain.size, [size.width, size.height]);
+        assert!(uploaded(&mut film, false).is_none(), "it is there already");
+        let marked = uploaded(&mut film, true).expect("the same frame, marked");
+        let mask = recording.silhouettes.mask(3);
+        assert!(mask.iter().any(|moving| *moving));
+        for ((plain, marked), moving) in plain.pixels.iter().zip(&marked.pixels).zip(mask) {
+            assert_eq!(plain == marked, !moving);
+        }
+    }
+}

@@ -1,0 +1,44 @@
+//! What a file is told from others by.
+
+use std::fmt::Write as _;
+use std::io::Read;
+use std::path::Path;
+
+use sha2::{Digest, Sha256};
+
+use super::read::ReadError;
+use crate::foreign::{open_input, reason, shown_path};
+
+/// SHA-256 of a file's bytes, hexadecimal.
+pub(super) fn sha256_of_file(path: &Path) -> Result<String, ReadError> {
+    let failed = |e: std::io::Error| ReadError::Open { path: shown_path(path), reason: reason(&e) };
+    let input = open_input(path).map_err(|reason| ReadError::Open { path: shown_path(path), reason })?;
+    if input.size.is_none() {
+        return Err(ReadError::content(path, "this is not a file"));
+    }
+    let mut file = input.file;
+    let mut hash = Sha256::new();
+    let mut block = vec![0; 1 << 16];
+    loop {
+        match file.read(&mut block).map_err(failed)? {
+            0 => break,
+            count => hash.update(&block[..count]),
+        }
+    }
+    Ok(hexadecimal(hash))
+}
+
+/// SHA-256 of some bytes, hexadecimal.
+pub(super) fn sha256_of_bytes(bytes: &[u8]) -> String {
+    let mut hash = Sha256::new();
+    hash.update(bytes);
+    hexadecimal(hash)
+}
+
+fn hexadecimal(hash: Sha256) -> String {
+    hash.finalize().iter().fold(String::with_capacity(64), |mut text, byte| {
+        // Writing to a string cannot fail.
+        let _ = write!(text, "{byte:02x}");
+        text
+    })
+}
