@@ -117,7 +117,8 @@ const RUNS: usize = 5;
 /// Seconds of each stage, and until the first and the final geometry.
 fn stages(found: &Estimate) -> Vec<f64> {
     let Some(trace) = &found.trace else { return vec![f64::NAN; Stage::ALL.len() + 2] };
-    let seconds = |stage: Stage| trace.timings.iter().filter(|t| t.stage == stage).map(|t| t.seconds).sum();
+    let seconds =
+        |stage: Stage| trace.timings.iter().filter(|t| t.stage == stage).fold(0.0, |sum, t| sum + t.seconds);
     Stage::ALL.into_iter().map(seconds).chain([trace.first_seconds, trace.seconds]).collect()
 }
 

@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use super::lines::ComparedPencils;
 use super::patches::{FeatureSupport, PatchLevels};
-use super::{Estimate, EstimateError, Parameters, PencilParameters};
+use super::{CancelFlag, Estimate, EstimateError, Parameters, PencilParameters};
 use crate::features::{FeatureMatch, FeatureParameters, FeatureSet, find_features, match_features};
 use crate::geometry::{Frame, PointPair};
 use crate::image::{GrayPlane, PyramidPair, RelativeView};
@@ -61,6 +61,21 @@ impl PreparedPair {
     ) -> Result<Self, MotionError> {
         let together = Silhouettes::overlapping(silhouettes, offset)?;
         Ok(Self::new(image1, image2).with_silhouettes(together.map(Arc::new)))
+    }
+
+    /// Makes what every search by patches needs and no click changes: done while a person still looks at the images, it is
+    /// there at the click. A search that begins meanwhile waits for the part under way instead of making it again.
+    pub fn make_ready(&self, cancel: &CancelFlag) {
+        let is_wanted = || !cancel.is_cancelled();
+        if is_wanted() {
+            self.upright.coarse(&self.pyramids);
+        }
+        if is_wanted() {
+            self.upright.voting(&self.pyramids);
+        }
+        if is_wanted() {
+            self.upright.fine(&self.pyramids);
+        }
     }
 
     /// What moves in the sequences of the two cameras, if that is what they are.
@@ -197,6 +212,26 @@ impl PencilCache {
 mod tests {
     use super::*;
     use crate::similarity::CostMatrix;
+
+    #[test]
+    fn what_no_click_changes_can_be_made_beforehand_and_changes_nothing() {
+        let scene = crate::estimate::exact::ExactScene::aside();
+        let [plane1, plane2] = scene.planes();
+        let estimate = |prepared: &PreparedPair| {
+            let (clicks, parameters) = (scene.clicks(), Parameters::default());
+            let monitor = crate::estimate::Monitor::silent();
+            *crate::estimate::estimate_prepared(prepared, &clicks, &parameters, &monitor)
+                .unwrap()
+                .fundamental()
+        };
+        let ready = PreparedPair::new(&plane1, &plane2);
+        ready.make_ready(&CancelFlag::default());
+        assert_eq!(estimate(&ready), estimate(&PreparedPair::new(&plane1, &plane2)));
+        // Nobody wants it any more.
+        let cancel = CancelFlag::default();
+        cancel.cancel();
+        PreparedPair::new(&plane1, &plane2).make_ready(&cancel);
+    }
 
     #[test]
     fn pencils_are_compared_once_for_a_click_and_what_they_depend_on() {

@@ -139,6 +139,7 @@ pub fn screen_of(window: &Window, side: Side, point: Point) -> Pos2 {
 
 pub fn services() -> Services {
     Services {
+        prepare: Box::new(|_, _| ()),
         estimate: Box::new(|request, _| fake_estimate(&request.pairs, &request.parameters)),
         follow: Box::new(|_, _| None),
         suggest: Box::new(|_| Err(SuggestError::Flat)),

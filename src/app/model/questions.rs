@@ -5,6 +5,7 @@ use super::comparison::ComparisonQuestion;
 use super::computation::{EstimateRequest, Freshness};
 use super::ids::TabId;
 use super::inspection::InspectionRequest;
+use super::picture::Pictures;
 use super::rectified::{MatchesAtHand, RectifyQuestion};
 use super::suggesting::{NextClickQuestion, SuggestQuestion};
 use crate::convention::FEWEST_MATCHES;
@@ -13,6 +14,12 @@ use crate::geometry::PointPair;
 use crate::suggest::{Known, Rival};
 
 impl Model {
+    /// The pictures whose patches a search will ask for.
+    pub fn pictures_to_prepare(&self) -> Option<Pictures> {
+        let by_patches = self.document.parameters.search == Search::Patches && !self.compares_barcodes();
+        self.open.pictures().filter(|_| by_patches)
+    }
+
     /// What is to be estimated, once there are enough pairs.
     pub fn estimate_request(&self) -> Option<EstimateRequest> {
         Some(EstimateRequest {

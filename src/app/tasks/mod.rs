@@ -31,6 +31,7 @@ pub use writing::Writing;
 use super::model::Model;
 use super::model::comparison::{Comparison, ComparisonQuestion};
 use super::model::inspection::{Inspection, InspectionRequest};
+use super::model::picture::Pictures;
 use super::model::recording::{OffsetFound, Recordings};
 use super::model::rectified::{Rectified, RectifyQuestion};
 use super::model::suggesting::{NextClickQuestion, RepairQuestion, Repaired, SuggestQuestion, Suggested};
@@ -45,6 +46,7 @@ pub struct Tasks {
     pub waker: Waker,
     /// The geometry.
     pub estimating: Estimating,
+    preparing: Following<Pictures, ()>,
     comparing: Following<ComparisonQuestion, Comparison>,
     inspecting: Following<InspectionRequest, Inspection>,
     suggesting: Following<SuggestQuestion, Suggested>,
@@ -76,6 +78,7 @@ impl Tasks {
     /// Starts the threads.
     pub fn new(services: Services) -> Self {
         let Services {
+            mut prepare,
             estimate,
             follow,
             mut suggest,
@@ -92,6 +95,12 @@ impl Tasks {
             None => (None, None),
         };
         let waker = Waker::default();
+        let preparing =
+            Task::new("prepare", waker.clone(), Waiting::Newest, move |pictures: Pictures, turn| {
+                turn.give_way();
+                prepare(&pictures, &turn.cancel);
+                None
+            });
         let comparing = Task::answering("comparison", waker.clone(), |question: ComparisonQuestion| {
             Some(question.answer())
         });
@@ -121,6 +130,7 @@ impl Tasks {
             });
         Self {
             estimating: Estimating::new(estimate, follow, &waker),
+            preparing: Following::strict(preparing),
             comparing: Following::keeping(comparing),
             inspecting: Following::keeping(inspecting),
             suggesting: Following::strict(suggesting),
@@ -155,6 +165,8 @@ impl Tasks {
 
     /// Asks what is to be asked about the state as it is; `exports` says that the inspected lines may be exported.
     pub fn follow(&mut self, model: &mut Model, exports: bool) {
+        let pictures = model.pictures_to_prepare();
+        self.preparing.follow(pictures, &mut None);
         let request = model.estimate_request();
         self.estimating.follow(&mut model.open.computation, request);
         let question = model.suggest_question();
@@ -171,6 +183,7 @@ impl Tasks {
 
     /// Gives up what is about the pictures that were open: others are.
     pub fn forget_pair(&mut self) {
+        self.preparing.forget();
         self.estimating.forget();
         self.comparing.forget();
         self.inspecting.forget();

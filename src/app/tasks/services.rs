@@ -11,6 +11,7 @@ use crate::app::model::suggesting::{
     NextClickQuestion, Outcome, Repair, RepairQuestion, SuggestQuestion, Suggested,
 };
 use crate::app::model::verdict::capitalised;
+use crate::cancel::CancelFlag;
 use crate::estimate::{Estimate, EstimateError, Monitor, PreparedPair, estimate_prepared, follow};
 use crate::io::{IMAGE_EXTENSIONS, VIDEO_EXTENSIONS};
 use crate::motion::MotionError;
@@ -23,6 +24,9 @@ pub type EstimateFn = dyn FnMut(&EstimateRequest, &Monitor) -> Result<Estimate, 
 
 /// Refits the most supported of some earlier geometries of the same pictures to moved points, in milliseconds.
 pub type FollowFn = dyn FnMut(&EstimateRequest, &[&Estimate]) -> Option<Estimate> + Send;
+
+/// Makes ready what depends on the pictures alone, before anybody has clicked.
+pub type PrepareFn = dyn FnMut(&Pictures, &CancelFlag) + Send;
 
 /// Suggests the match of a first click, in some hundredths of a second.
 pub type SuggestFn = dyn FnMut(&SuggestQuestion) -> Suggested + Send;
@@ -41,6 +45,8 @@ pub type SavePickFn = dyn Fn(&Path) -> Option<PathBuf> + Send + Sync;
 
 /// The computations and the system's dialogs.
 pub struct Services {
+    /// What is done as soon as pictures are open.
+    pub prepare: Box<PrepareFn>,
     /// The search for a geometry.
     pub estimate: Box<EstimateFn>,
     /// What is shown while the search goes on.
@@ -64,8 +70,10 @@ pub struct Services {
 impl Default for Services {
     fn default() -> Self {
         let searching = PreparedCache::default();
-        let [following, suggesting, advising, repairing] = std::array::from_fn(|_| searching.clone());
+        let [preparing, following, suggesting, advising, repairing] =
+            std::array::from_fn(|_| searching.clone());
         Self {
+            prepare: Box::new(move |pictures, cancel| preparing.get(pictures).make_ready(cancel)),
             estimate: Box::new(move |request, monitor| {
                 let prepared = searching.get_with(&request.pictures, request.recordings.as_ref())?;
                 estimate_prepared(&prepared, &request.pairs, &request.parameters, monitor)
