@@ -13,6 +13,7 @@ use image::{
 use super::deep_tiff::{DeepProblem, DeepTiff, within_unit};
 use super::float::developed;
 use super::tiff_header::lists_fit;
+use super::webp::WebpClaims;
 use super::whole::what_is_missing;
 use super::{LoadError, LoadOptions};
 use crate::foreign::{excerpt, reason};
@@ -56,6 +57,12 @@ pub(super) fn decode(
     if format == ImageFormat::Tiff && !lists_fit(&mut reader).map_err(|e| job.io(&e))? {
         return Err(job.damaged("a list in its header is longer than the file"));
     }
+    let mut says_which_way_is_up = true;
+    if format == ImageFormat::WebP {
+        let claims = WebpClaims::read(&mut reader).map_err(|e| job.io(&e))?;
+        claims.pictures.iter().try_for_each(|[width, height]| job.check(*width, *height, 4))?;
+        says_which_way_is_up = claims.metadata_is_there;
+    }
     rewind(&mut reader, &job)?;
     if format == ImageFormat::Tiff
         && let Some(deep) = DeepTiff::open(&mut reader)
@@ -75,7 +82,8 @@ pub(super) fn decode(
     let mut limits = Limits::no_limits();
     limits.max_alloc = Some(decoder.total_bytes().saturating_mul(2).saturating_add(SLACK));
     decoder.set_limits(limits).map_err(|e| job.failed(e))?;
-    let orientation = decoder.orientation().unwrap_or(Orientation::NoTransforms);
+    let orientation = if says_which_way_is_up { decoder.orientation().ok() } else { None };
+    let orientation = orientation.unwrap_or(Orientation::NoTransforms);
     let mut pixels = job.pixels(decoder, color)?;
     pixels.apply_orientation(orientation);
     if format == ImageFormat::OpenExr {

@@ -15,6 +15,7 @@ mod plane;
 mod pyramid;
 mod sampling;
 mod tiff_header;
+mod webp;
 mod whole;
 
 pub(crate) use alignment::{Alignment, LEAST_INSIDE, Placement, align, offsets};
@@ -29,3 +30,5 @@ pub(crate) use patch::{
 pub use plane::GrayPlane;
 pub use pyramid::Pyramid;
 pub use sampling::Profile;
+#[cfg(feature = "files")]
+pub(crate) use webp::WebpClaims;

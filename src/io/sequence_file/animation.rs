@@ -11,7 +11,7 @@ use image::{
 use super::{Gathered, SequenceError, SequenceFile};
 use crate::cancel::CancelFlag;
 use crate::foreign::{excerpt, open_input, shown_path};
-use crate::image::{LoadError, LoadOptions, Picture};
+use crate::image::{LoadError, LoadOptions, Picture, WebpClaims};
 
 /// Bytes of an animation that are read, at most.
 const MOST_BYTES: u64 = 1 << 30;
@@ -98,6 +98,12 @@ fn open(path: &Path) -> Result<Option<Frames<'static>>, LoadError> {
             decoder.apng().map_err(|e| damaged(&e))?.into_frames()
         }
         Some(ImageFormat::WebP) => {
+            let claims = WebpClaims::read(&mut reader).map_err(|e| damaged(&e.into()))?;
+            claims
+                .pictures
+                .iter()
+                .try_for_each(|[width, height]| options.check(&shown, *width, *height, 4))?;
+            reader.rewind().map_err(|e| damaged(&e.into()))?;
             let mut decoder = WebPDecoder::new(reader).map_err(|e| damaged(&e))?;
             if !decoder.has_animation() {
                 return Ok(None);
