@@ -354,7 +354,7 @@ mod tests {
         };
         assert_eq!(
             error.to_string(),
-            "there is no method called magic; there are two-point, three-point, four-clicks, five-clicks, \
+            "there is no method called magic; there are no-clicks, two-point, three-point, four-clicks, five-clicks, \
              eight-clicks, seven-point, eight-point"
         );
     }
