@@ -46,7 +46,7 @@ impl WebpClaims {
                 b"VP8 " | b"VP8L" if begin + 10 <= end => {
                     let mut start = [0; 10];
                     reader.read_exact(&mut start)?;
-                    self.pictures.extend(coded_size(&name, &start));
+                    self.pictures.extend(coded_size(name, &start));
                 }
                 b"ICCP" | b"EXIF" | b"XMP " => self.metadata_is_there &= begin + length <= end,
                 // There are no frames in frames.
@@ -61,9 +61,9 @@ impl WebpClaims {
 }
 
 /// Width and height at the start of a coded picture; none where the mark before them is missing, for then nothing is decoded.
-fn coded_size(name: &[u8; 4], start: &[u8; 10]) -> Option<[u32; 2]> {
+fn coded_size(name: [u8; 4], start: &[u8; 10]) -> Option<[u32; 2]> {
     const SIDE: u32 = 0x3fff;
-    if name == b"VP8L" {
+    if name == *b"VP8L" {
         let bits = u32::from_le_bytes([start[1], start[2], start[3], start[4]]);
         return (start[0] == 0x2f).then_some([(bits & SIDE) + 1, (bits >> 14 & SIDE) + 1]);
     }
@@ -76,7 +76,7 @@ mod tests {
     use super::*;
     use std::io::Cursor;
 
-    fn chunk(name: &[u8; 4], length: u32, content: &[u8]) -> Vec<u8> {
+    fn chunk(name: [u8; 4], length: u32, content: &[u8]) -> Vec<u8> {
         [&name[..], &length.to_le_bytes(), content].concat()
     }
 
@@ -87,9 +87,9 @@ mod tests {
 
     #[test]
     fn coded_pictures_say_their_size_also_within_frames() {
-        let lossy = chunk(b"VP8 ", 10, &[0, 0, 0, 0x9d, 1, 0x2a, 0xc0, 0xfe, 0, 0x90]);
-        let frame = [chunk(b"ANMF", 34, &[0; 16]), lossy.clone()].concat();
-        let found = claims(&[chunk(b"ANIM", 6, &[0; 6]), frame, lossy]);
+        let lossy = chunk(*b"VP8 ", 10, &[0, 0, 0, 0x9d, 1, 0x2a, 0xc0, 0xfe, 0, 0x90]);
+        let frame = [chunk(*b"ANMF", 34, &[0; 16]), lossy.clone()].concat();
+        let found = claims(&[chunk(*b"ANIM", 6, &[0; 6]), frame, lossy]);
         assert_eq!(found.pictures, [[16064, 4096]; 2]);
         let mut file = Cursor::new(Vec::new());
         image::GrayImage::new(7, 5).write_to(&mut file, image::ImageFormat::WebP).unwrap();
@@ -98,11 +98,11 @@ mod tests {
 
     #[test]
     fn metadata_longer_than_the_file_is_told_and_nothing_runs_beyond_the_end() {
-        assert!(claims(&[chunk(b"EXIF", 4, &[0; 4])]).metadata_is_there);
-        assert!(!claims(&[chunk(b"EXIF", 0xffff_fff0, &[0; 4])]).metadata_is_there);
-        assert!(!claims(&[chunk(b"JUNK", 3, &[0; 4]), chunk(b"ICCP", 5, &[0; 4])]).metadata_is_there);
+        assert!(claims(&[chunk(*b"EXIF", 4, &[0; 4])]).metadata_is_there);
+        assert!(!claims(&[chunk(*b"EXIF", 0xffff_fff0, &[0; 4])]).metadata_is_there);
+        assert!(!claims(&[chunk(*b"JUNK", 3, &[0; 4]), chunk(*b"ICCP", 5, &[0; 4])]).metadata_is_there);
         // Frames in frames to no end.
-        let nested: Vec<Vec<u8>> = (0..200).map(|_| chunk(b"ANMF", u32::MAX, &[0; 16])).collect();
+        let nested: Vec<Vec<u8>> = (0..200).map(|_| chunk(*b"ANMF", u32::MAX, &[0; 16])).collect();
         assert!(claims(&nested).pictures.is_empty());
         assert!(claims(&[vec![0; 3]]).pictures.is_empty());
     }
