@@ -11,6 +11,7 @@
 mod background;
 mod barcode;
 mod error;
+mod frame_motion;
 mod offset;
 mod sequence;
 mod silhouettes;

@@ -77,9 +77,9 @@ use session::{SessionState, Work};
 use thumbnails::Thumbnails;
 use truth::KnownTruth;
 
-use crate::estimate::{Parameters, Preset};
+use crate::estimate::Preset;
 use crate::geometry::{PointPair, Vector};
-use crate::similarity::{LineMeasure, SimilarityParameters};
+use crate::similarity::LineMeasure;
 
 /// Which edits are one step of the history.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -212,10 +212,7 @@ impl Model {
     /// Takes on the parameters of a preset.
     pub fn set_preset(&mut self, preset: Preset) {
         self.edit(Step::Single, |document| {
-            let Parameters { method, seed, similarity: SimilarityParameters { measure, .. }, .. } =
-                document.parameters;
-            document.parameters = Parameters { method, seed, ..Parameters::from(preset) };
-            document.parameters.similarity.measure = measure;
+            document.parameters = document.parameters.with_preset(preset);
         });
     }
 

@@ -2,10 +2,15 @@
 
 use std::ops::RangeInclusive;
 
+use image::imageops::FilterType;
+use image::{DynamicImage, GrayImage};
+
+use super::document::Side;
 use super::history::Step;
 use super::picture::Opened;
 use super::recording::{InspectedBarcodes, OffsetFound, PlayerCommand, Recordings, Synchronised};
 use super::{EditKey, Model};
+use crate::geometry::{Frame, Point};
 use crate::motion::FEWEST_FRAMES;
 use crate::similarity::LineMeasure;
 
@@ -53,6 +58,40 @@ impl Model {
         let last = synchronised.recordings[1].sequence.len() - 1;
         let right = (left as i64 + i64::from(synchronised.offset)).clamp(0, last as i64) as usize;
         Some([left, right])
+    }
+
+    /// The frames that are shown, as large as they were recorded.
+    pub fn frame_pictures(&self) -> Option<[DynamicImage; 2]> {
+        let (recordings, frames) = (self.recordings()?, self.shown_frames()?);
+        let enlarged = |k: usize| {
+            let sequence = &recordings[k].sequence;
+            let (size, full) = (sequence.size(), sequence.full_size());
+            let (width, height) = (size.width as u32, size.height as u32);
+            let kept = GrayImage::from_raw(width, height, sequence.frame(frames[k]).to_vec())?;
+            let (width, height) = (full.width as u32, full.height as u32);
+            Some(DynamicImage::from(kept).resize_exact(width, height, FilterType::Triangle))
+        };
+        Some([enlarged(0)?, enlarged(1)?])
+    }
+
+    /// The intensity at a position of an image, 0 to 255: of sequences that of the frame that is shown.
+    pub fn intensity_at(&self, side: Side, point: Point) -> Option<f32> {
+        let picture = &self.open.pictures.as_ref()?[side.index()];
+        let nearest = |point: Point, size: Frame| {
+            let pixel = |v: f64, size: usize| (v.round().max(0.0) as usize).min(size.saturating_sub(1));
+            (pixel(point.x, size.width), pixel(point.y, size.height))
+        };
+        let (Some(frames), Some(recording)) = (self.shown_frames(), &picture.recording) else {
+            let plane = &picture.picture.gray;
+            let (x, y) = nearest(point, plane.frame());
+            return Some(plane.at(x, y));
+        };
+        let sequence = &recording.sequence;
+        let (size, full) = (sequence.size(), sequence.full_size());
+        let scale = size.width as f64 / full.width as f64;
+        let kept = Point::new((point.x + 0.5) * scale - 0.5, (point.y + 0.5) * scale - 0.5);
+        let (x, y) = nearest(kept, size);
+        Some(f32::from(sequence.frame(frames[side.index()])[y * size.width + x]))
     }
 
     /// The barcodes of the inspected line pair.

@@ -41,6 +41,24 @@ fn frames_go_together_as_the_offset_says() {
 }
 
 #[test]
+fn the_intensity_is_that_of_the_frame_shown() {
+    let mut model = model();
+    let recording = model.recordings().unwrap()[0].clone();
+    let size = recording.sequence.size();
+    // Where a ball is in one frame and not in another.
+    let moving = |k: &usize| recording.silhouettes.mask(3)[*k] && !recording.silhouettes.mask(30)[*k];
+    let at = (0..size.width * size.height).find(moving).unwrap();
+    let point = Point::new((at % size.width) as f64, (at / size.width) as f64);
+    for frame in [3, 30] {
+        model.apply_to_player(PlayerCommand::Seek(frame));
+        let shown = model.intensity_at(Side::Left, point);
+        assert_eq!(shown, Some(f32::from(recording.sequence.frame(frame)[at])), "frame {frame}");
+        let [left, _] = model.frame_pictures().unwrap();
+        assert_eq!(left.to_luma8().as_raw(), recording.sequence.frame(frame), "what a figure has");
+    }
+}
+
+#[test]
 fn after_the_last_frame_the_first_one_is_played() {
     let mut model = model();
     assert!(!model.play_on(0.1), "nobody asked");

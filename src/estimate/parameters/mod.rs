@@ -227,6 +227,15 @@ fn search_or_flag<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Search, 
 }
 
 impl Parameters {
+    /// The parameters of a preset with what no preset chooses: the method, the seed, and what lines are compared by.
+    #[must_use]
+    pub fn with_preset(&self, preset: Preset) -> Self {
+        let Self { method, seed, similarity: SimilarityParameters { measure, .. }, .. } = *self;
+        let mut parameters = Self { method, seed, ..Self::from(preset) };
+        parameters.similarity.measure = measure;
+        parameters
+    }
+
     /// Point pairs without which there is no estimate.
     pub fn pairs_needed(&self) -> usize {
         match self.search {

@@ -115,12 +115,12 @@ pub(super) fn folder_sha256(path: &Path) -> Result<String, ReadError> {
     Ok(sha256_of_bytes(listing.as_bytes()))
 }
 
-/// The first frame of a sequence, as it was recorded.
-pub fn first_frame(path: &Path) -> Result<Picture, SequenceError> {
-    if let Some((_, file)) = if path.is_dir() { folder::numbered(path)? } else { Vec::new() }.first() {
-        return Ok(Picture::open(file)?);
+/// The first frame of a folder of frames, as it was recorded.
+pub fn first_frame(folder: &Path) -> Result<Picture, SequenceError> {
+    match folder::numbered(folder)?.first() {
+        Some((_, file)) => Ok(Picture::open(file)?),
+        None => Err(SequenceError::OneFrame { path: shown_path(folder) }),
     }
-    read_sequence(path, &CancelFlag::default(), &|_| ()).map(|file| file.first)
 }
 
 /// Reads a sequence. `each` hears of the frames read so far.

@@ -194,7 +194,8 @@ fn report(reported: ReportFormat, model: &Model, images: &[ImageNote; 2]) -> Opt
     Some(match reported {
         ReportFormat::Json => {
             let file = ResultFile::new(estimate, &pairs, images, &model.document.parameters);
-            let file = file.labelled(&labels(model, false));
+            let offset = model.compared_recordings().map(|compared| compared.offset);
+            let file = file.at_offset(offset).labelled(&labels(model, false));
             serde_json::to_string_pretty(&file).ok()? + "\n"
         }
         ReportFormat::Text => {

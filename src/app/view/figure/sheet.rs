@@ -44,6 +44,8 @@ pub struct Placed {
 pub struct Sheet {
     /// Both pictures.
     pub pictures: Pictures,
+    /// Of sequences, the frames that are shown in place of them.
+    pub frames: Option<[DynamicImage; 2]>,
     /// Where they are.
     pub places: [Placed; 2],
     /// Size of the sheet, points.
@@ -166,6 +168,7 @@ pub fn sheet(model: &Model, panes: [Option<PanePlace>; 2], choices: &FigureChoic
     let names = model.document.pictures.as_ref().map(|pictures| pictures.each_ref().map(|p| p.name.clone()));
     Some(Sheet {
         pictures,
+        frames: model.frame_pictures(),
         places,
         size,
         background: if choices.dark { Color32::from_gray(24) } else { Color32::WHITE },
@@ -213,7 +216,8 @@ impl Sheet {
     /// What is seen of an image, and where it is on the sheet, points.
     pub fn picture(&self, k: usize) -> (DynamicImage, Rect) {
         let Placed { transform, first: [x, y], count: [width, height], rendition } = &self.places[k];
-        let seen = self.pictures[k].pixels.crop_imm(*x, *y, *width, *height);
+        let pixels = self.frames.as_ref().map_or(&self.pictures[k].pixels, |frames| &frames[k]);
+        let seen = pixels.crop_imm(*x, *y, *width, *height);
         let pixels = rendition.render(&seen);
         let pixels = image::RgbaImage::from_raw(*width, *height, pixels).unwrap_or_default();
         let end = [x + width, y + height].map(|v| v as usize);

@@ -14,21 +14,15 @@ const ROOM_FOR_HINTS: f32 = 360.0;
 /// Shows the bar.
 pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     ui.horizontal(|ui| {
-        let text = match (model.open.hover, &model.open.pictures) {
-            (Some(hover), Some(pictures)) => {
-                let plane = &pictures[hover.side.index()].picture.gray;
-                let frame = plane.frame();
-                let pixel = |v: f64, size: usize| (v.round().max(0.0) as usize).min(size.saturating_sub(1));
-                let (x, y) = (pixel(hover.point.x, frame.width), pixel(hover.point.y, frame.height));
-                format!(
-                    "{:<5}  x {:8.2}   y {:8.2}   intensity {:5.1}",
-                    hover.side.name(),
-                    hover.point.x,
-                    hover.point.y,
-                    plane.at(x, y)
-                )
-            }
-            _ => "Position and intensity under the cursor".into(),
+        let under = model.open.hover.and_then(|hover| Some((hover, model.intensity_at(hover.side, hover.point)?)));
+        let text = match under {
+            Some((hover, intensity)) => format!(
+                "{:<5}  x {:8.2}   y {:8.2}   intensity {intensity:5.1}",
+                hover.side.name(),
+                hover.point.x,
+                hover.point.y,
+            ),
+            None => "Position and intensity under the cursor".into(),
         };
         let text = RichText::new(text);
         ui.label(if model.open.hover.is_some() { text.monospace() } else { text.weak() });

@@ -10,7 +10,7 @@ use super::dialog::named;
 use super::finish_button;
 use crate::app::model::Model;
 use crate::app::model::command::Command;
-use crate::estimate::{Method, Parameters, Preset, Search};
+use crate::estimate::{Method, Preset, Search};
 
 /// A result with all its figures and nothing against it, screen points.
 const RESULT_HEIGHT: f32 = 240.0;
@@ -52,11 +52,7 @@ fn choices(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     ui.horizontal(|ui| {
         ui.strong("Steps");
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            let defaults = Parameters {
-                method: parameters.method,
-                seed: parameters.seed,
-                ..Parameters::from(parameters.preset)
-            };
+            let defaults = parameters.with_preset(parameters.preset);
             let reset = ui.add_enabled(*parameters != defaults, egui::Button::new("Reset all"));
             finish_button(ui, reset, Command::ResetParameters, commands);
         });

@@ -18,9 +18,14 @@ const GAP: f32 = 8.0;
 /// With less room than this for the names they are above the fields.
 const LEAST_NAME: f32 = 80.0;
 
+/// The parameters of the preset. What lines are compared by is no preset's choice: it is that of what was opened.
+fn defaults(parameters: &Parameters) -> Parameters {
+    Parameters { seed: 0, ..parameters.with_preset(parameters.preset) }
+}
+
 /// Whether a parameter of a step differs from the preset.
 pub fn is_any_changed(stage: Stage, parameters: &Parameters) -> bool {
-    let defaults = Parameters::from(parameters.preset);
+    let defaults = defaults(parameters);
     of(stage).any(|setting| !setting.is_same(parameters, &defaults))
 }
 
@@ -141,7 +146,7 @@ fn set_parameters(setting: &ParameterEntry, to: Parameters, commands: &mut Vec<C
 
 /// Takes one parameter back to its default.
 fn reset(ui: &mut Ui, setting: &ParameterEntry, parameters: &Parameters, commands: &mut Vec<Command>) {
-    let defaults = Parameters::from(parameters.preset);
+    let defaults = defaults(parameters);
     if setting.is_same(parameters, &defaults) {
         ui.label("");
         return;
