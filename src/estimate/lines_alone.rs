@@ -21,15 +21,15 @@ pub(super) fn by_lines_alone(input: &Input, record: &mut SearchRecord) -> Result
     let similarity = SimilarityParameters { disparity_reach: reach, ..parameters.similarity };
     let unanchored = Parameters { similarity, ..parameters.clone() };
     let source = prepared.similarity_source(input.patches.view(), &unanchored);
-    let level = source.at(parameters.pencils.coarse_side);
     let alone = &parameters.lines_alone;
+    let level = source.at(alone.side);
     let compared = compare_lines(&level, alone.lines, source.rotation(), &parameters.pencils, cancel)?;
     record.lines_alone(compared.lines, compared.pairs.len());
 
     record.enter(Stage::Hypotheses)?;
-    let how = LineConsensus { draws: parameters.hypotheses, area: alone.agreement, seed: parameters.seed };
+    let how = LineConsensus { draws: alone.draws, area: alone.agreement, seed: parameters.seed };
     let found = geometries_from_lines(&compared.pairs, level.frames, &how, cancel)?;
-    record.counts.hypotheses = parameters.hypotheses;
+    record.counts.hypotheses = alone.draws;
     let full_size = level.scales.map(f64::recip);
     let geometries: Vec<FundamentalMatrix> = found
         .iter()

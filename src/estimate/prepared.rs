@@ -257,7 +257,7 @@ mod tests {
         };
         let usual = Parameters::default();
         let mut coarser = usual.clone();
-        coarser.pencils.coarse_side = 96.0;
+        coarser.pencils.coarse_side = 64.0;
         let elsewhere = Parameters { seed: 9, hypotheses: 5, click_sigma: 2.0, ..usual.clone() };
         let asked = [ask(0.0, &usual), ask(0.0, &elsewhere), ask(0.0, &coarser), ask(0.0, &usual)];
         assert_eq!(asked, [1, 1, 2, 2]);

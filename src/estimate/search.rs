@@ -15,9 +15,6 @@ use crate::cancel::CancelFlag;
 use crate::geometry::{FundamentalMatrix, PointPair};
 use crate::similarity::SimilaritySource;
 
-/// Combinations tried for the first picture.
-const QUICK: usize = 1500;
-
 /// What a search is given.
 pub(super) struct Input<'a> {
     pub prepared: &'a PreparedPair,
@@ -113,21 +110,16 @@ pub(super) fn by_patches(input: &Input, record: &mut SearchRecord) -> Result<Fou
 
     record.enter(Stage::Hypotheses)?;
     let candidates = pencils.each_ref().map(|compared| compared.candidates.as_slice());
-    let propose = |count: usize| {
-        let drawn = draw_pairs(candidates, count, parameters.seed);
-        patches::propose(coarse, voting, &drawn, &anchors, cancel)
-    };
-    // A few of them first, so that there is something to draw at once.
-    let quick = propose(parameters.hypotheses.min(QUICK))?;
-    if let Some(first) = quick.first()
+    let drawn = draw_pairs(candidates, parameters.hypotheses, parameters.seed);
+    let proposals = patches::propose(coarse, voting, &drawn, &anchors, cancel)?;
+    if let Some(first) = proposals.first()
         && let Some(fundamental) = first.full_size(coarse.scales)
     {
-        let to_draw = quick.iter().take(REPORTED);
+        let to_draw = proposals.iter().take(REPORTED);
         let hypotheses: Vec<Estimate> =
             to_draw.filter_map(|p| Some(p.unvalidated(coarse.scales, anchors)?.into())).collect();
         input.report(record, fundamental, &hypotheses, Some(first.support));
     }
-    let proposals = propose(parameters.hypotheses)?;
     record.counts.hypotheses = parameters.hypotheses;
     record.counts.validated = proposals.len();
 
@@ -176,10 +168,7 @@ impl Input<'_> {
         let fine = levels.fine(prepared.pyramids());
         let different = patches::different(&fine.support, ranked, REPORTED);
         cancel.check()?;
-        let similarity = source.at(parameters.pencils.coarse_side);
-        let validation = &parameters.validation;
-        let examiner =
-            LineExaminer { similarity: &similarity, clicks: anchors, parameters: validation, cancel };
+        let examiner = LineExaminer::new(source, anchors, parameters, cancel);
         let hypotheses = patches::hypotheses(&examiner, &different, fine);
         let hypotheses: Vec<Estimate> = hypotheses.into_iter().map(Estimate::from).collect();
         cancel.check()?;

@@ -1,6 +1,6 @@
 //! Homographies from matches (Hartley & Zisserman, algorithm 4.2).
 
-use nalgebra::{Matrix3, SMatrix, SVector};
+use nalgebra::{Matrix3, SMatrix};
 
 use super::conditioning::conditioning;
 use super::{PointPair, finite_point};
@@ -9,19 +9,23 @@ use super::{PointPair, finite_point};
 /// they do not determine one.
 pub fn homography(pairs: &[PointPair]) -> Option<Matrix3<f64>> {
     let [t1, t2] = conditioning(pairs)?;
-    let mut normal = SMatrix::<f64, 9, 9>::zeros();
+    // Two rows of b × (H a) = 0 for each match, (a, 0, −bx a) and (0, a, −by a): their products are those of a with itself
+    // times 1, bx, by and bx² + by².
+    let mut products = [Matrix3::zeros(); 4];
     for pair in pairs {
         let a = t1 * pair.point1.to_homogeneous();
         let b = t2 * pair.point2.to_homogeneous();
-        // Two rows of b × (H a) = 0.
-        for (k, l) in [(0, b.x), (1, b.y)] {
-            let row = SVector::<f64, 9>::from_fn(|i, _| match i / 3 {
-                r if r == k => a[i % 3],
-                2 => -l * a[i % 3],
-                _ => 0.0,
-            });
-            normal += row * row.transpose();
+        let of_a = a * a.transpose();
+        for (sum, times) in products.iter_mut().zip([1.0, b.x, b.y, b.x * b.x + b.y * b.y]) {
+            *sum += of_a * times;
         }
+    }
+    let mut normal = SMatrix::<f64, 9, 9>::zeros();
+    let [alone, by_x, by_y, by_both] = products;
+    for (at, block) in [([0, 0], alone), ([3, 3], alone), ([0, 6], -by_x), ([3, 6], -by_y), ([6, 6], by_both)]
+    {
+        normal.fixed_view_mut::<3, 3>(at[0], at[1]).copy_from(&block);
+        normal.fixed_view_mut::<3, 3>(at[1], at[0]).copy_from(&block);
     }
     let eigen = normal.symmetric_eigen();
     let v = eigen.eigenvectors.column(eigen.eigenvalues.imin()).into_owned();

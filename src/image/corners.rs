@@ -2,6 +2,7 @@
 
 use std::cmp::Ordering;
 
+use multiversion::multiversion;
 use rayon::prelude::*;
 
 use super::GrayPlane;
@@ -92,52 +93,61 @@ impl Response {
         let Frame { width, height } = plane.frame();
         // Products of the central differences, summed along each row, then down each column.
         let above = first - RADIUS;
-        let mut rows = vec![[0f32; 3]; width * (end + RADIUS - above)];
-        for (out, y) in rows.chunks_mut(width).zip(above..) {
+        let mut products: [Vec<f32>; 3] = std::array::from_fn(|_| vec![0f32; width]);
+        let mut sums: [Vec<f32>; 3] = std::array::from_fn(|_| vec![0f32; width * (end + RADIUS - above)]);
+        for (k, y) in (above..end + RADIUS).enumerate() {
             if y > 0 && y + 1 < height {
-                sum_products(plane, y, out);
+                let own = k * width..(k + 1) * width;
+                let sums = sums.each_mut().map(|sums| &mut sums[own.clone()]);
+                sum_products([plane.row(y - 1), plane.row(y), plane.row(y + 1)], &mut products, sums);
             }
         }
         let mut values = vec![0f32; width * (end - first)];
-        let area = ((2 * RADIUS + 1) * (2 * RADIUS + 1)) as f32;
         for (k, out) in values.chunks_mut(width).enumerate() {
-            for (x, value) in out.iter_mut().enumerate() {
-                let mut sum = [0f32; 3];
-                for row in k..=k + 2 * RADIUS {
-                    for (sum, product) in sum.iter_mut().zip(rows[row * width + x]) {
-                        *sum += product;
-                    }
-                }
-                let [a, b, c] = sum;
-                let half = 0.5 * (a - c);
-                // Squares of grey levels are far from the largest numbers.
-                *value = (0.5 * (a + c) - (half * half + b * b).sqrt()) / area;
-            }
+            let rows = sums.each_ref().map(|sums| &sums[k * width..(k + 2 * RADIUS + 1) * width]);
+            smaller_eigenvalues(rows, out);
         }
         Self { first, width, values }
     }
 }
 
-/// Sums of the products of the differences over the window along one row.
-fn sum_products(plane: &GrayPlane, y: usize, out: &mut [[f32; 3]]) {
-    let width = plane.frame().width;
-    let (above, row, below) = (plane.row(y - 1), plane.row(y), plane.row(y + 1));
-    let products: Vec<[f32; 3]> = (0..width)
-        .map(|x| {
-            if x == 0 || x + 1 == width {
-                return [0.0; 3];
-            }
-            let gx = 0.5 * (row[x + 1] - row[x - 1]);
-            let gy = 0.5 * (below[x] - above[x]);
-            [gx * gx, gx * gy, gy * gy]
-        })
-        .collect();
-    for x in RADIUS..width - RADIUS {
-        for product in &products[x - RADIUS..=x + RADIUS] {
-            for k in 0..3 {
-                out[x][k] += product[k];
-            }
+/// Sums of the products of the differences over the window along one row, from it and its neighbours.
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx2", "x86_64+avx2", "aarch64+neon"))]
+fn sum_products([above, row, below]: [&[f32]; 3], products: &mut [Vec<f32>; 3], sums: [&mut [f32]; 3]) {
+    let inner = row.len() - 2;
+    let [xx, xy, yy] = products.each_mut().map(|product| &mut product[1..=inner]);
+    let (left, right) = (&row[..inner], &row[2..]);
+    let (above, below) = (&above[1..=inner], &below[1..=inner]);
+    for x in 0..inner {
+        let gx = 0.5 * (right[x] - left[x]);
+        let gy = 0.5 * (below[x] - above[x]);
+        (xx[x], xy[x], yy[x]) = (gx * gx, gx * gy, gy * gy);
+    }
+    for (product, sums) in products.iter().zip(sums) {
+        let inside = product.len() - 2 * RADIUS;
+        let shifted: [&[f32]; 2 * RADIUS + 1] = std::array::from_fn(|k| &product[k..k + inside]);
+        for (x, sum) in sums[RADIUS..RADIUS + inside].iter_mut().enumerate() {
+            *sum = shifted.iter().fold(0.0, |sum, shifted| sum + shifted[x]);
         }
+    }
+}
+
+/// Smaller eigenvalues in one row, from the sums along as many rows as the window is high, one after the other.
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx2", "x86_64+avx2", "aarch64+neon"))]
+fn smaller_eigenvalues(sums: [&[f32]; 3], out: &mut [f32]) {
+    let width = out.len();
+    let area = ((2 * RADIUS + 1) * (2 * RADIUS + 1)) as f32;
+    let rows = |sums| -> [&[f32]; 2 * RADIUS + 1] {
+        let all: &[f32] = sums;
+        std::array::from_fn(|k| &all[k * width..(k + 1) * width])
+    };
+    let [xx, xy, yy] = sums.map(rows);
+    for (x, value) in out.iter_mut().enumerate() {
+        let sum = |rows: &[&[f32]; 2 * RADIUS + 1]| rows.iter().fold(0.0, |sum, row| sum + row[x]);
+        let (a, b, c) = (sum(&xx), sum(&xy), sum(&yy));
+        let half = 0.5 * (a - c);
+        // Squares of grey levels are far from the largest numbers.
+        *value = (0.5 * (a + c) - (half * half + b * b).sqrt()) / area;
     }
 }
 

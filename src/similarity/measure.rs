@@ -44,27 +44,6 @@ impl CostMatrix {
         &self.costs[row * self.columns..(row + 1) * self.columns]
     }
 
-    /// These costs, from a rougher comparison, with those of a better one where there are some; the others are brought to
-    /// the same scale.
-    #[must_use]
-    pub fn bettered(&self, better: &Self) -> Self {
-        let both = || self.costs.iter().zip(&better.costs).filter(|(a, b)| a.is_finite() && b.is_finite());
-        let sum = |values: &mut dyn Iterator<Item = f32>| values.map(f64::from).sum::<f64>();
-        let (rough, fine) = (sum(&mut both().map(|(a, _)| *a)), sum(&mut both().map(|(_, b)| *b)));
-        let scale = if rough > 0.0 && fine > 0.0 { (fine / rough) as f32 } else { 1.0 };
-        let cost = |(rough, better): (&f32, &f32)| if better.is_finite() { *better } else { rough * scale };
-        Self { costs: self.costs.iter().zip(&better.costs).map(cost).collect(), ..*self }
-    }
-
-    /// Only the costs of some line pairs; the others are infinite.
-    #[must_use]
-    pub fn masked(&self, kept: impl Fn(usize, usize) -> bool) -> Self {
-        let costs = (0..self.costs.len())
-            .map(|k| if kept(k / self.columns, k % self.columns) { self.costs[k] } else { f32::INFINITY })
-            .collect();
-        Self { costs, ..*self }
-    }
-
     /// Each cost divided by the geometric mean of the medians of its row and its column: a line that is cheap
     /// against everything (it crosses no texture) is no longer preferred. On nine real pairs this moved the
     /// true line pair from the best 10–11 % to the best 3.5 % of all pairs.
@@ -306,18 +285,6 @@ mod tests {
         };
         assert_eq!(order(&a), order(&b));
         assert!(b.at(1, 0) < 3.2 * a.at(1, 0), "a dear row is no longer ten times dearer");
-    }
-
-    #[test]
-    fn better_costs_replace_rougher_ones_and_bring_the_others_to_their_scale() {
-        let inf = f32::INFINITY;
-        let rough = CostMatrix::new(2, 2, vec![2.0, 4.0, inf, 6.0]);
-        let better = CostMatrix::new(2, 2, vec![3.0, inf, inf, inf]);
-        assert_eq!(rough.bettered(&better), CostMatrix::new(2, 2, vec![3.0, 6.0, inf, 9.0]));
-        let none = CostMatrix::new(2, 2, vec![inf; 4]);
-        assert_eq!(rough.bettered(&none), rough);
-        let masked = rough.masked(|r, c| (r, c) != (0, 1));
-        assert_eq!(masked, CostMatrix::new(2, 2, vec![2.0, inf, inf, 6.0]));
     }
 
     #[test]

@@ -9,11 +9,6 @@ pub trait SimilaritySource: Sync {
     /// The similarity at the size nearest to a longer side of `side` px.
     fn at(&self, side: f64) -> ScaledSimilarity<'_>;
 
-    /// A quicker similarity that tells which lines may match at a longer side of `side` px, if there is one.
-    fn rougher(&self, _side: f64) -> Option<ScaledSimilarity<'_>> {
-        None
-    }
-
     /// How far lines of image 2 are turned against those of image 1, about, radians.
     fn rotation(&self) -> f64 {
         0.0
@@ -58,12 +53,6 @@ impl SimilaritySource for PictureSource<'_> {
             parameters: self.parameters.stereo,
         };
         ScaledSimilarity { lines: Box::new(lines), frames, scales: level.scales }
-    }
-
-    /// Half the size: a quarter of the time, half as many samples at half as many disparities.
-    fn rougher(&self, side: f64) -> Option<ScaledSimilarity<'_>> {
-        let half = self.at(0.5 * side);
-        (half.frames != self.at(side).frames).then_some(half)
     }
 
     fn rotation(&self) -> f64 {

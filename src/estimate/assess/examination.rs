@@ -39,9 +39,8 @@ impl Examiner<'_> {
             let pairs = matches.iter().map(|m| m.pair);
             angles = PencilAngles::nearest(&at_fine, &own, &angles, pairs).unwrap_or(angles);
         }
-        let similarity = self.source.at(self.parameters.pencils.coarse_side);
-        let (parameters, cancel) = (&self.parameters.validation, &CancelFlag::default());
-        let examiner = LineExaminer { similarity: &similarity, clicks, parameters, cancel };
+        let cancel = CancelFlag::default();
+        let examiner = LineExaminer::new(self.source, clicks, self.parameters, &cancel);
         examiner.figures(&[angles]).pop().flatten()
     }
 

@@ -36,6 +36,7 @@ pub(super) fn adapted(parameters: &Parameters) -> Parameters {
     let mut adapted = parameters.clone();
     adapted.pencils.rotation = std::f64::consts::PI;
     adapted.pencils.coarse_side = adapted.pencils.coarse_side.max(SIDE);
+    adapted.lines_alone.side = adapted.lines_alone.side.max(SIDE);
     adapted.search = super::Search::Lines;
     adapted.refinement.refine = false;
     adapted
@@ -130,8 +131,8 @@ pub(super) fn by_barcodes(
 fn from_all_lines(input: &Input, record: &mut SearchRecord) -> Result<Vec<FundamentalMatrix>, EstimateError> {
     let Input { source, parameters, cancel, .. } = *input;
     record.enter(Stage::Pencils)?;
-    let level = source.at(parameters.pencils.coarse_side);
     let alone = &parameters.lines_alone;
+    let level = source.at(alone.side);
     let compared = compare_lines(&level, alone.lines, source.rotation(), &parameters.pencils, cancel)?;
     record.lines_alone(compared.lines, compared.pairs.len());
     record.enter(Stage::Hypotheses)?;
@@ -142,9 +143,9 @@ fn from_all_lines(input: &Input, record: &mut SearchRecord) -> Result<Vec<Fundam
         parameters.seed,
         cancel,
     )?;
-    let how = LineConsensus { draws: parameters.hypotheses, area: alone.agreement, seed: parameters.seed };
+    let how = LineConsensus { draws: alone.draws, area: alone.agreement, seed: parameters.seed };
     let found = geometries_from_lines(&pairs, level.frames, &how, cancel)?;
-    record.counts.hypotheses += parameters.hypotheses;
+    record.counts.hypotheses += alone.draws;
     let full_size = level.scales.map(f64::recip);
     Ok(found.iter().filter_map(|one| one.fundamental.rescaled(full_size[0], full_size[1])).collect())
 }

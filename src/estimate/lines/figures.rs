@@ -4,9 +4,9 @@ use super::bisectors::{bisector_kappas, round_trip_area};
 use super::score::line_scores;
 use super::{Construction, PencilAngles, PencilPair};
 use crate::cancel::CancelFlag;
-use crate::estimate::ValidationParameters;
+use crate::estimate::{Parameters, ValidationParameters};
 use crate::geometry::PointPair;
-use crate::similarity::ScaledSimilarity;
+use crate::similarity::{ScaledSimilarity, SimilaritySource};
 
 /// The lines of a geometry at two clicks, and how well lines match there.
 #[derive(Debug, Clone)]
@@ -31,18 +31,33 @@ pub(in crate::estimate) fn unvalidated_figures(
 
 /// What the figures are computed from.
 pub(in crate::estimate) struct LineExaminer<'a> {
-    pub similarity: &'a ScaledSimilarity<'a>,
-    /// Full-size pixels.
-    pub clicks: [PointPair; 2],
-    pub parameters: &'a ValidationParameters,
-    pub cancel: &'a CancelFlag,
+    similarity: ScaledSimilarity<'a>,
+    clicks: [PointPair; 2],
+    parameters: &'a ValidationParameters,
+    cancel: &'a CancelFlag,
 }
 
-impl LineExaminer<'_> {
+impl<'a> LineExaminer<'a> {
+    /// Examines at the size where pencils are compared. The clicks are in full-size pixels.
+    pub fn new(
+        source: &'a dyn SimilaritySource,
+        clicks: [PointPair; 2],
+        parameters: &'a Parameters,
+        cancel: &'a CancelFlag,
+    ) -> Self {
+        let similarity = source.at(parameters.pencils.coarse_side);
+        Self { similarity, clicks, parameters: &parameters.validation, cancel }
+    }
+
+    /// The clicks, full-size pixels.
+    pub fn clicks(&self) -> [PointPair; 2] {
+        self.clicks
+    }
+
     /// The figures of geometries whose epipolar lines at the clicks have these directions; `None` where they
     /// degenerate, and where the computation was stopped.
     pub fn figures(&self, geometries: &[PencilAngles]) -> Vec<Option<LineFigures>> {
-        let ScaledSimilarity { lines: similarity, frames, scales } = self.similarity;
+        let ScaledSimilarity { lines: similarity, frames, scales } = &self.similarity;
         let clicks = self.clicks.map(|click| self.similarity.resized(&click));
         let pencils: Vec<Option<PencilPair>> =
             geometries.iter().map(|angles| PencilPair::new(angles, clicks)).collect();
@@ -73,10 +88,9 @@ impl LineExaminer<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::estimate::Preset;
     use crate::estimate::exact::{ExactScene, ExactSource};
-    use crate::estimate::{Parameters, Preset};
     use crate::geometry::FundamentalMatrix;
-    use crate::similarity::SimilaritySource;
 
     fn figures(
         f: FundamentalMatrix,
@@ -85,9 +99,9 @@ mod tests {
         of: &[PencilAngles],
     ) -> Vec<Option<LineFigures>> {
         let (source, cancel) = (ExactSource(f), CancelFlag::default());
-        let parameters = Parameters::from(Preset::Paper).validation;
-        let similarity = source.at(side);
-        LineExaminer { similarity: &similarity, clicks, parameters: &parameters, cancel: &cancel }.figures(of)
+        let mut parameters = Parameters::from(Preset::Paper);
+        parameters.pencils.coarse_side = side;
+        LineExaminer::new(&source, clicks, &parameters, &cancel).figures(of)
     }
 
     #[test]

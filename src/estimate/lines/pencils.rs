@@ -6,7 +6,7 @@ use super::SHORTEST_LINE;
 use crate::cancel::CancelFlag;
 use crate::estimate::{EstimateError, PencilParameters};
 use crate::geometry::{AnchoredLine, Frame, Point, PointPair, pencil_angles};
-use crate::similarity::{CostMatrix, LineSimilarity, ScaledSimilarity, SimilaritySource};
+use crate::similarity::{CostMatrix, LineSimilarity, SimilaritySource};
 
 /// A pair of lines through a click that may be corresponding epipolar lines.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -61,22 +61,11 @@ impl ComparedPencils {
             // The lines are evenly spread, so that a turn may equal the limit but for rounding.
             turn.min(TAU - turn) <= parameters.rotation + 1e-9
         };
-        let compare = |level: &ScaledSimilarity, allowed: &(dyn Fn(usize, usize) -> bool + Sync)| {
-            let at = level.resized(click);
-            let (lines1, lines2) = (lines(at.point1, &angles1), lines(at.point2, &angles2));
-            level.lines.cost_matrix(&lines1, &lines2, allowed, &|| cancel.is_cancelled())
-        };
-        let rougher = source.rougher(parameters.coarse_side).filter(|_| parameters.screened < 1.0);
-        let rough = rougher.map(|rougher| compare(&rougher, &allowed));
-        let promising = rough.as_ref().map(|rough| promising(rough, parameters.screened));
-        let is_compared = |i: usize, j: usize| {
-            promising.as_ref().map_or_else(|| allowed(i, j), |promising| promising[i * angles2.len() + j])
-        };
-        let compared = compare(&level, &is_compared);
+        let (lines1, lines2) = (lines(at.point1, &angles1), lines(at.point2, &angles2));
+        let costs = similarity.cost_matrix(&lines1, &lines2, &allowed, &|| cancel.is_cancelled());
         cancel.check()?;
-        let costs = rough.map_or_else(|| compared.clone(), |rough| rough.bettered(&compared));
         let costs = if parameters.normalise { costs.normalised() } else { costs };
-        let best = mutual_best(&costs.masked(|i, j| compared.at(i, j).is_finite()), parameters.mutual);
+        let best = mutual_best(&costs, parameters.mutual);
         let mut candidates: Vec<Candidate> = best
             .into_iter()
             .map(|(i, j)| Candidate { angles: [angles1[i], angles2[j]], cost: costs.at(i, j) })
@@ -111,28 +100,6 @@ impl ComparedPencils {
     pub fn lines_compared(&self) -> [usize; 2] {
         [self.angles1.len(), self.angles2.len() / 2]
     }
-}
-
-/// Which line pairs are among a share of each other's best.
-fn promising(costs: &CostMatrix, share: f64) -> Vec<bool> {
-    let costs = costs.normalised();
-    let last = |values: &mut Vec<f32>| {
-        values.retain(|cost| cost.is_finite());
-        let kept = (share * values.len() as f64).ceil() as usize;
-        match kept.checked_sub(1) {
-            Some(k) if k < values.len() => *values.select_nth_unstable_by(k, f32::total_cmp).1,
-            _ => f32::INFINITY,
-        }
-    };
-    let (rows, columns) = (costs.rows(), costs.columns());
-    let of_rows: Vec<f32> = (0..rows).map(|r| last(&mut costs.row(r).to_vec())).collect();
-    let of_columns: Vec<f32> =
-        (0..columns).map(|c| last(&mut (0..rows).map(|r| costs.at(r, c)).collect())).collect();
-    let is_promising = |r: usize, c: usize| {
-        let cost = costs.at(r, c);
-        cost.is_finite() && cost <= of_rows[r].min(of_columns[c])
-    };
-    (0..rows).flat_map(|r| (0..columns).map(move |c| (r, c))).map(|(r, c)| is_promising(r, c)).collect()
 }
 
 /// The lines through a click with the given directions, anchored at it.
@@ -198,21 +165,6 @@ pub(super) fn mutual_best(costs: &CostMatrix, k: usize) -> Vec<(usize, usize)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::estimate::{Parameters, Preset};
-
-    #[test]
-    fn pairs_are_promising_among_a_share_of_the_best_of_both_lines() {
-        let inf = f32::INFINITY;
-        // Medians are alike, so that normalising changes no order.
-        let costs = CostMatrix::new(3, 3, vec![1.0, 5.0, 9.0, 9.0, 2.0, 5.0, 5.0, 9.0, inf]);
-        let numbers = |share: f64| -> Vec<usize> {
-            promising(&costs, share).iter().enumerate().filter(|(_, kept)| **kept).map(|(k, _)| k).collect()
-        };
-        assert_eq!(numbers(0.3), [0, 4]);
-        assert_eq!(numbers(1.0), [0, 1, 2, 3, 4, 5, 6, 7]);
-        let screened = Parameters::from(Preset::Robust).pencils.screened;
-        assert!(screened < 1.0 && Parameters::from(Preset::Paper).pencils.screened >= 1.0);
-    }
 
     #[test]
     fn mutual_best_pairs_are_best_both_ways() {

@@ -112,15 +112,6 @@ pub struct PencilParameters {
     pub normalise: bool,
     /// Candidates are line pairs that are among each other's `mutual` best.
     pub mutual: usize,
-    /// Line pairs are compared at that size when they are among this share of each other's best at half of it; all of them
-    /// when it is 1.
-    #[serde(default = "all")]
-    pub screened: f64,
-}
-
-/// What was compared before there was a choice.
-fn all() -> f64 {
-    1.0
 }
 
 /// How lines alone give a geometry (paper, section 4).
@@ -130,6 +121,12 @@ pub struct LinesAloneParameters {
     /// About how many lines of each image are compared.
     #[serde(rename = "all_lines")]
     pub lines: usize,
+    /// Longer side of the images they are compared at, px.
+    #[serde(rename = "all_lines_side")]
+    pub side: f64,
+    /// How often two candidates and a third are drawn.
+    #[serde(rename = "all_lines_draws")]
+    pub draws: usize,
     /// A candidate agrees with a geometry when the area between its line and the one it is mapped to is below this many px
     /// times the width of the images that were compared.
     pub agreement: f64,
@@ -137,7 +134,7 @@ pub struct LinesAloneParameters {
 
 impl Default for LinesAloneParameters {
     fn default() -> Self {
-        Self { lines: 2000, agreement: 3.0 }
+        Self { lines: 2000, side: 192.0, draws: 12_000, agreement: 3.0 }
     }
 }
 
@@ -265,10 +262,9 @@ impl From<Preset> for Parameters {
                 texture: 0.25,
                 normalise: false,
                 mutual: 1,
-                screened: 1.0,
             },
             hypotheses: 2000,
-            lines_alone: LinesAloneParameters::default(),
+            lines_alone: LinesAloneParameters { draws: 2000, ..LinesAloneParameters::default() },
             validation: ValidationParameters { validated: 0.05, lines: 24, line_score: LineScore::Cost },
             search: Search::Lines,
             patches: PatchParameters { resampling: 5, parallax: true },
@@ -288,8 +284,8 @@ impl From<Preset> for Parameters {
                     },
                     disparity_reach: 0.16,
                 },
-                pencils: PencilParameters { normalise: true, mutual: 5, screened: 0.5, ..paper.pencils },
-                hypotheses: 12_000,
+                pencils: PencilParameters { coarse_side: 96.0, normalise: true, mutual: 5, ..paper.pencils },
+                lines_alone: LinesAloneParameters::default(),
                 validation: ValidationParameters {
                     validated: 1.0,
                     line_score: LineScore::AgainstMismatched,

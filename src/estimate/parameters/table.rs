@@ -25,7 +25,7 @@ const fn number(
 }
 
 /// Every parameter, in the order of the steps.
-pub const PARAMETERS: [ParameterEntry; 27] = [
+pub const PARAMETERS: [ParameterEntry; 28] = [
     number(
         (
             "coarse_side",
@@ -192,19 +192,6 @@ pub const PARAMETERS: [ParameterEntry; 27] = [
     ),
     number(
         (
-            "screened",
-            Stage::Pencils,
-            "Screened",
-            " of lines",
-            "Two lines are compared at the coarse size when they are among this share of each other's best at half of it; 1 compares all.",
-        ),
-        [0.05, 1.0],
-        2,
-        |p| p.pencils.screened,
-        |p, v| p.pencils.screened = v,
-    ),
-    number(
-        (
             "all_lines",
             Stage::Pencils,
             "All lines",
@@ -218,6 +205,19 @@ pub const PARAMETERS: [ParameterEntry; 27] = [
     ),
     number(
         (
+            "all_lines_side",
+            Stage::Pencils,
+            "Their size",
+            " px",
+            "Longer side of the images that all lines are compared on.",
+        ),
+        [32.0, 1024.0],
+        0,
+        |p| p.lines_alone.side,
+        |p, v| p.lines_alone.side = v,
+    ),
+    number(
+        (
             "hypotheses",
             Stage::Hypotheses,
             "Hypotheses",
@@ -228,6 +228,19 @@ pub const PARAMETERS: [ParameterEntry; 27] = [
         0,
         |p| p.hypotheses as f64,
         |p, v| p.hypotheses = v as usize,
+    ),
+    number(
+        (
+            "all_lines_draws",
+            Stage::Hypotheses,
+            "Draws",
+            "",
+            "How often two candidates and a third are drawn when lines alone are to give the geometry.",
+        ),
+        [1.0, 1e6],
+        0,
+        |p| p.lines_alone.draws as f64,
+        |p, v| p.lines_alone.draws = v as usize,
     ),
     number(
         (
@@ -259,7 +272,7 @@ pub const PARAMETERS: [ParameterEntry; 27] = [
             Stage::Hypotheses,
             "Agreement",
             " px",
-            "A line pair agrees with a geometry that lines alone gave when the area between its line and the one it is mapped to is below this many pixels times the width of the coarse image.",
+            "A line pair agrees with a geometry that lines alone gave when the area between its line and the one it is mapped to is below this many pixels times the width of the images that were compared.",
         ),
         [0.1, 50.0],
         1,

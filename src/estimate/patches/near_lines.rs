@@ -67,18 +67,19 @@ fn near_lines(blocks: &[Block], f: &[f32; 9], band: f32) -> Vec<usize> {
             let (n1, n2) = (a1 * a1 + b1 * b1, a2 * a2 + b2 * b2);
             *is_near = u8::from(e * e <= band * if n1 < n2 { n1 } else { n2 });
         }
-        add_numbers(is_near, index, &mut found);
+        found.extend(set_lanes(is_near).map(|lane| index * LANES + lane));
     }
     found
 }
 
-/// Adds the numbers of the lanes of a block that are 1.
-fn add_numbers(lanes: [u8; LANES], block: usize, numbers: &mut Vec<usize>) {
+/// The lanes that are 1, ascending.
+fn set_lanes(lanes: [u8; LANES]) -> impl Iterator<Item = usize> {
     let mut left = u128::from_le_bytes(lanes);
-    while left != 0 {
-        numbers.push(block * LANES + left.trailing_zeros() as usize / 8);
-        left &= left - 1;
-    }
+    std::iter::from_fn(move || {
+        let lane = (left != 0).then_some(left.trailing_zeros() as usize / 8);
+        left &= left.wrapping_sub(1);
+        lane
+    })
 }
 
 /// Whether both points of a pair are within `band` px of each other's epipolar lines.
@@ -96,32 +97,92 @@ pub(super) fn is_within(f: &FundamentalMatrix, pair: &PointPair, band: f64) -> b
 pub(super) struct Places {
     /// The points.
     pub points: Vec<Point>,
-    /// Not a number in lanes without a point.
-    blocks: Vec<[[f32; LANES]; 2]>,
+    /// Neighbours together: what is looked for is far from most of them.
+    blocks: Vec<PlaceBlock>,
+    /// Circles around the blocks.
+    circles: Vec<Circles>,
+}
+
+/// Positions of some points; not a number in lanes without one.
+#[derive(Debug, Clone, Copy)]
+struct PlaceBlock {
+    x: [f32; LANES],
+    y: [f32; LANES],
+    /// Numbers of the points.
+    numbers: [u32; LANES],
+}
+
+/// Circles; not a number in lanes without one.
+#[derive(Debug, Clone, Copy)]
+struct Circles {
+    x: [f32; LANES],
+    y: [f32; LANES],
+    radius: [f32; LANES],
 }
 
 impl Places {
     pub fn new(points: Vec<Point>) -> Self {
-        let mut blocks = vec![[[f32::NAN; LANES]; 2]; points.len().div_ceil(LANES)];
-        for (k, point) in points.iter().enumerate() {
-            let [x, y] = &mut blocks[k / LANES];
-            (x[k % LANES], y[k % LANES]) = (point.x as f32, point.y as f32);
+        let mut order: Vec<usize> = (0..points.len()).collect();
+        order.sort_by(|a, b| points[*a].y.total_cmp(&points[*b].y));
+        // Strips as high as the blocks in them are wide, about.
+        let blocks = points.len().div_ceil(LANES);
+        let strip = blocks.isqrt().max(1) * LANES;
+        for few in order.chunks_mut(strip) {
+            few.sort_by(|a, b| points[*a].x.total_cmp(&points[*b].x));
         }
-        Self { points, blocks }
+        let blocks: Vec<PlaceBlock> = order.chunks(LANES).map(|few| PlaceBlock::new(few, &points)).collect();
+        let circles = blocks.chunks(LANES).map(Circles::around).collect();
+        Self { points, blocks, circles }
     }
 
     /// Adds the numbers of the points within `band` px of a line, ascending.
     pub fn near_line(&self, line: &Line, band: f64, near: &mut Vec<usize>) {
         let coefficients = [0, 1, 2].map(|k| line.coefficients()[k] as f32);
-        points_near(&self.blocks, &Shape::Line(coefficients), (band + SLACK) as f32, near);
+        self.near(&Shape::Line(coefficients), band, near);
         near.retain(|j| line.distance(self.points[*j]) <= band);
     }
 
     /// Adds the numbers of the points within `radius` px of a point, ascending.
     pub fn near_point(&self, point: Point, radius: f64, near: &mut Vec<usize>) {
-        let centre = [point.x as f32, point.y as f32];
-        points_near(&self.blocks, &Shape::Point(centre), (radius + SLACK) as f32, near);
+        self.near(&Shape::Point([point.x as f32, point.y as f32]), radius, near);
         near.retain(|j| (self.points[*j] - point).norm() <= radius);
+    }
+
+    fn near(&self, shape: &Shape, reach: f64, near: &mut Vec<usize>) {
+        let before = near.len();
+        points_near(&self.circles, &self.blocks, shape, (reach + SLACK) as f32, near);
+        near[before..].sort_unstable();
+    }
+}
+
+impl PlaceBlock {
+    fn new(numbers: &[usize], points: &[Point]) -> Self {
+        let [x, y] = [[f32::NAN; LANES]; 2];
+        let mut block = Self { x, y, numbers: [0; LANES] };
+        for (lane, number) in numbers.iter().enumerate() {
+            (block.x[lane], block.y[lane]) = (points[*number].x as f32, points[*number].y as f32);
+            block.numbers[lane] = *number as u32;
+        }
+        block
+    }
+}
+
+impl Circles {
+    fn around(blocks: &[PlaceBlock]) -> Self {
+        let [x, y, radius] = [[f32::NAN; LANES]; 3];
+        let mut circles = Self { x, y, radius };
+        for (lane, block) in blocks.iter().enumerate() {
+            // Lanes without a point change neither.
+            let middle = |all: &[f32; LANES]| {
+                let least = all.iter().copied().fold(f32::INFINITY, f32::min);
+                0.5 * (least + all.iter().copied().fold(f32::NEG_INFINITY, f32::max))
+            };
+            let (x, y) = (middle(&block.x), middle(&block.y));
+            let distances = block.x.iter().zip(&block.y).map(|(u, v)| (u - x).hypot(v - y));
+            (circles.x[lane], circles.y[lane]) = (x, y);
+            circles.radius[lane] = distances.fold(0.0, f32::max);
+        }
+        circles
     }
 }
 
@@ -132,22 +193,70 @@ enum Shape {
 }
 
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq+avx2", "x86_64+avx2", "aarch64+neon"))]
-fn points_near(blocks: &[[[f32; LANES]; 2]], shape: &Shape, reach: f32, near: &mut Vec<usize>) {
-    for (index, [x, y]) in blocks.iter().enumerate() {
-        let mut is_near = [0u8; LANES];
+fn points_near(circles: &[Circles], blocks: &[PlaceBlock], shape: &Shape, reach: f32, near: &mut Vec<usize>) {
+    for (index, Circles { x, y, radius }) in circles.iter().enumerate() {
+        let mut is_reached = [0u8; LANES];
         match shape {
             Shape::Line([a, b, c]) => {
                 for k in 0..LANES {
-                    is_near[k] = u8::from((a * x[k] + b * y[k] + c).abs() <= reach);
+                    is_reached[k] = u8::from((a * x[k] + b * y[k] + c).abs() <= reach + radius[k]);
                 }
             }
             Shape::Point([u, v]) => {
                 for k in 0..LANES {
-                    let (dx, dy) = (x[k] - u, y[k] - v);
-                    is_near[k] = u8::from(dx * dx + dy * dy <= reach * reach);
+                    let (dx, dy, far) = (x[k] - u, y[k] - v, reach + radius[k]);
+                    is_reached[k] = u8::from(dx * dx + dy * dy <= far * far);
                 }
             }
         }
-        add_numbers(is_near, index, near);
+        for lane in set_lanes(is_reached) {
+            let PlaceBlock { x, y, numbers } = &blocks[index * LANES + lane];
+            let mut is_near = [0u8; LANES];
+            match shape {
+                Shape::Line([a, b, c]) => {
+                    for k in 0..LANES {
+                        is_near[k] = u8::from((a * x[k] + b * y[k] + c).abs() <= reach);
+                    }
+                }
+                Shape::Point([u, v]) => {
+                    for k in 0..LANES {
+                        let (dx, dy) = (x[k] - u, y[k] - v);
+                        is_near[k] = u8::from(dx * dx + dy * dy <= reach * reach);
+                    }
+                }
+            }
+            near.extend(set_lanes(is_near).map(|lane| numbers[lane] as usize));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn places_near_a_line_or_a_point_are_those_that_one_by_one_are_near() {
+        // Fewer than a block, some blocks, and more than one block of circles.
+        for count in [0, 5, 100, 700] {
+            let at = |k: u32| f64::from(k.wrapping_mul(2_654_435_761) >> 12) / f64::from(1u32 << 20);
+            let points: Vec<Point> =
+                (0..count).map(|k| Point::new(800.0 * at(2 * k), 600.0 * at(2 * k + 1))).collect();
+            let places = Places::new(points.clone());
+            for k in 0..40 {
+                let (from, to) =
+                    (Point::new(20.0 * f64::from(k), 0.0), Point::new(790.0, 15.0 * f64::from(k)));
+                let line = Line::through(from, to).unwrap();
+                for reach in [0.5, 4.0, 60.0] {
+                    let by_one = |is_near: &dyn Fn(&Point) -> bool| -> Vec<usize> {
+                        (0..points.len()).filter(|j| is_near(&points[*j])).collect()
+                    };
+                    let [mut of_line, mut of_point] = [Vec::new(), Vec::new()];
+                    places.near_line(&line, reach, &mut of_line);
+                    assert_eq!(of_line, by_one(&|p| line.distance(*p) <= reach));
+                    places.near_point(to, reach, &mut of_point);
+                    assert_eq!(of_point, by_one(&|p| (p - to).norm() <= reach));
+                }
+            }
+        }
     }
 }

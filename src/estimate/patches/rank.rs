@@ -110,7 +110,7 @@ pub(in crate::estimate) fn hypotheses(
     proposals: &[Proposal],
     fine: &SupportLevel,
 ) -> Vec<Hypothesis> {
-    let own = examiner.clicks.map(|click| click.rescaled(fine.scales));
+    let own = examiner.clicks().map(|click| click.rescaled(fine.scales));
     // κ where the scene is.
     let angles: Vec<PencilAngles> = proposals
         .par_iter()
@@ -134,10 +134,9 @@ pub(in crate::estimate) fn hypotheses(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::estimate::Preset;
     use crate::estimate::exact::{ExactScene, ExactSource, rows};
-    use crate::estimate::{Preset, ValidationParameters};
     use crate::geometry::FundamentalMatrix;
-    use crate::similarity::SimilaritySource;
     use nalgebra::Matrix3;
 
     fn proposal(support: &Support, fundamental: FundamentalMatrix) -> Proposal {
@@ -215,14 +214,8 @@ mod tests {
         let scene = ExactScene::aside();
         let fine = &levels(&scene)[0];
         let (source, cancel) = (ExactSource(scene.fundamental()), CancelFlag::default());
-        let similarity = source.at(192.0);
-        let parameters: ValidationParameters = Parameters::from(Preset::Paper).validation;
-        let examiner = LineExaminer {
-            similarity: &similarity,
-            clicks: scene.clicks(),
-            parameters: &parameters,
-            cancel: &cancel,
-        };
+        let parameters = Parameters::from(Preset::Paper);
+        let examiner = LineExaminer::new(&source, scene.clicks(), &parameters, &cancel);
         let truth = scene.fundamental().rescaled(0.5, 0.5).unwrap();
         let wrong = scene.disturbed(6.0).rescaled(0.5, 0.5).unwrap();
         let proposals =
