@@ -81,7 +81,12 @@ pub(super) fn wider(input: &Input, record: &mut SearchRecord) -> Result<Judged, 
         let seen = Input { source: &*source, patches: &patches, ..*input };
         let rivals = all.first().map_or(&[][..], |upright| &upright.hypotheses);
         if let Some(found) = by_features(&seen, &proposed, rivals)? {
-            all.push(seen.judged(record, found));
+            let found = seen.judged(record, found);
+            let is_clear = found.is_clear();
+            all.push(found);
+            if is_clear {
+                break;
+            }
         }
     }
     let best = heaviest(all).ok_or(failure.unwrap_or(EstimateError::NoGeometry))?;

@@ -10,7 +10,7 @@ use super::support::{Support, SupportLevel};
 use super::voting::KappaVoting;
 use crate::cancel::CancelFlag;
 use crate::geometry::{FundamentalMatrix, Observation, PointPair};
-use crate::image::{PyramidPair, RelativeView, warps_around};
+use crate::image::{PairLevel, PyramidPair, RelativeView, warps_around};
 
 /// Longer side of the images patch support is computed on first, px.
 const COARSE_SIDE: f64 = 384.0;
@@ -102,6 +102,21 @@ impl PatchLevels {
         })
     }
 
+    /// The levels that `F` is refined at, coarsest first, none twice.
+    fn refinement<'a>(&'a self, pyramids: &'a PyramidPair) -> Vec<(PairLevel<'a>, &'a RefinementLevel)> {
+        let level = |side: &f64| pyramids.level_seen(*side, self.view());
+        let mut levels: Vec<_> = REFINEMENT_SIDES.iter().map(level).zip(&self.corners.refinement).collect();
+        levels.dedup_by_key(|(level, _)| level.scales);
+        levels
+    }
+
+    /// Finds the corners that refinement needs.
+    pub fn prepare_refinement(&self, pyramids: &PyramidPair) {
+        for (level, stage) in self.refinement(pyramids) {
+            stage.prepare(&level, self.view());
+        }
+    }
+
     /// Refines `f` level by level up to full size; `None` when there are too few matches at the first, or when stopped.
     pub fn refine(
         &self,
@@ -114,18 +129,12 @@ impl PatchLevels {
         let clicks: Vec<Observation> =
             clicks.iter().map(|pair| Observation { pair: *pair, sigma: click_sigma }).collect();
         let mut refined: Option<Refined> = None;
-        let mut done = None;
-        for (side, stage) in REFINEMENT_SIDES.iter().zip(&self.corners.refinement) {
-            let level = pyramids.level_seen(*side, self.view());
-            if done == Some(level.scales) {
-                break;
-            }
+        for (level, stage) in self.refinement(pyramids) {
             let start = refined.as_ref().map_or(*f, |r| r.fundamental);
             match stage.refine(&level, self.view(), &self.features, &start, &clicks, cancel) {
                 Some(result) => refined = Some(result),
                 None => break,
             }
-            done = Some(level.scales);
         }
         refined
     }
@@ -133,9 +142,7 @@ impl PatchLevels {
     /// Matches within `reach` (a fraction of the longer side) of where a homography of full-size pixels maps them, found
     /// at full size without any epipolar geometry; full-size pixels.
     pub fn matches_near_plane(&self, pyramids: &PyramidPair, h: &Matrix3<f64>, reach: f64) -> Vec<PointPair> {
-        let [.., side] = REFINEMENT_SIDES;
-        let [.., stage] = &self.corners.refinement;
-        let level = pyramids.level_seen(side, self.view());
+        let Some((level, stage)) = self.refinement(pyramids).pop() else { return Vec::new() };
         let Some(h) = resized(h, level.scales) else { return Vec::new() };
         let radius = reach * level.planes[0].frame().longer_side();
         let full_size = level.scales.map(f64::recip);

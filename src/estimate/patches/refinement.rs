@@ -82,6 +82,11 @@ pub(in crate::estimate) struct Refined {
 }
 
 impl RefinementLevel {
+    /// Finds the corners.
+    pub fn prepare(&self, level: &PairLevel, view: RelativeView) {
+        self.corners(level, view);
+    }
+
     fn corners(&self, level: &PairLevel, view: RelativeView) -> &LevelCorners {
         self.corners.get_or_init(|| LevelCorners::new(level, view))
     }
