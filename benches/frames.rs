@@ -1,4 +1,4 @@
-//! Time of frames while a point is dragged, with the real estimator, and while large images are moved. There is no
+//! Processor time of frames while a point is dragged, with the real estimator, and while large images are moved. There is no
 //! graphics card in it: uploads are left out. Run with `cargo bench --bench frames`.
 
 #[path = "../tests/window/support.rs"]
@@ -7,22 +7,33 @@ mod support;
 
 use std::cell::RefCell;
 use std::rc::Rc;
+use std::sync::LazyLock;
 use std::time::{Duration, Instant};
 
-use egui::{Modifiers, PointerButton, vec2};
+use egui::{Key, Modifiers, PointerButton, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use epiline::app::model::document::Side;
 use epiline::app::model::ids::TabId;
 use epiline::app::model::look::Look;
 use epiline::app::{Inspector, Opening, Services, Start, install_theme};
-use support::{Files, P_LEFT, Window, button, pane, screen, settle};
+use epiline::synthetic::Sample;
+use support::{Files, P_LEFT, Window, at, button, click, pane, press, screen, settle};
 
 /// Frames of a drag, at 60 a second.
 const FRAMES: u32 = 180;
 const FRAME: Duration = Duration::from_micros(16_667);
 
-/// A window with the real services, and how long each of its frames took.
+/// Processor time of this thread: the estimator takes what it can get of the processors meanwhile. Where the system does
+/// not tell, the time that passes.
+fn processor_time() -> Duration {
+    static BEGUN: LazyLock<Instant> = LazyLock::new(Instant::now);
+    let told = std::fs::read_to_string("/proc/thread-self/schedstat").ok();
+    let nanoseconds = told.and_then(|line| line.split(' ').next()?.parse().ok());
+    nanoseconds.map_or_else(|| BEGUN.elapsed(), Duration::from_nanos)
+}
+
+/// A window with the real services, and how much processor time each of its frames took.
 fn timed(start: Start) -> (Window, Rc<RefCell<Vec<Duration>>>) {
     let times: Rc<RefCell<Vec<Duration>>> = Rc::default();
     let noted = Rc::clone(&times);
@@ -32,9 +43,9 @@ fn timed(start: Start) -> (Window, Rc<RefCell<Vec<Duration>>>) {
         .with_context_setup(install_theme)
         .build_ui_state(
             move |ui, inspector: &mut Inspector| {
-                let begun = Instant::now();
+                let begun = processor_time();
                 inspector.show(ui);
-                noted.borrow_mut().push(begun.elapsed());
+                noted.borrow_mut().push(processor_time().saturating_sub(begun));
             },
             Inspector::new(start, Services::default()),
         );
@@ -62,7 +73,20 @@ fn while_dragging() {
         println!("{name}");
         drag_in_circles(&mut window, &times);
     }
+    let pairs = Sample::Courtyard.load().matches.into_iter().take(MANY).collect();
+    let (mut window, times) = timed(Start { pairs, ..Start::default() });
+    press(&mut window, Key::I);
+    for k in 0..MANY {
+        let place = at(&window, Side::Right, 0.1 + 0.1 * (k % 8) as f32, 0.15 + 0.15 * (k / 8) as f32);
+        click(&mut window, place);
+    }
+    press(&mut window, Key::Escape);
+    println!("{MANY} pairs and {} pinned lines", window.state().focus().pins().len());
+    drag_in_circles(&mut window, &times);
 }
+
+/// Pairs and pinned lines of a full window.
+const MANY: usize = 40;
 
 fn drag_in_circles(window: &mut Window, times: &RefCell<Vec<Duration>>) {
     let from = screen(window, P_LEFT);

@@ -29,11 +29,6 @@ fn made(window: &Window) -> Document {
     Document { pictures: None, selection: None, ..window.state().document().clone() }
 }
 
-fn press(window: &mut Window, key: Key) {
-    window.key_press(key);
-    settle(window);
-}
-
 fn one_pair(window: &mut Window, x: f32) {
     for side in Side::BOTH {
         let place = at(window, side, x, 0.1);

@@ -17,11 +17,6 @@ use epiline::suggest::{Clarity, Suggestion, Suggestions};
 const CURSOR_LINE: Color32 = Color32::from_rgb(240, 228, 66);
 const FIRST_PIN: Color32 = Color32::from_rgb(230, 110, 40);
 
-fn press(window: &mut Window, key: Key) {
-    window.key_press(key);
-    settle(window);
-}
-
 /// Where in a fitting image a place of the screen is.
 fn image_position(window: &Window, side: Side, at: Pos2) -> Point {
     let offset = (at - pane(window, side).center()) / fitting_scale(window, side);

@@ -18,11 +18,6 @@ fn with_result() -> Window {
     window
 }
 
-fn press(window: &mut Window, key: Key) {
-    window.key_press(key);
-    settle(window);
-}
-
 /// Whether one of the green lines in the right image is the epipolar line of p under `f`.
 fn shows(window: &Window, f: &FundamentalMatrix) -> bool {
     let p = window.state().document().pairs[0];

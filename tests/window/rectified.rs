@@ -41,11 +41,6 @@ fn rectified() -> (Window, Rectification) {
     (window, found.unwrap())
 }
 
-fn press(window: &mut Window, key: Key) {
-    window.key_press(key);
-    settle(window);
-}
-
 fn picture(window: &Window, name: &str) -> Rect {
     window.get_by_label(name).rect()
 }

@@ -203,6 +203,11 @@ pub fn button(window: &Window, pos: Pos2, button: PointerButton, pressed: bool) 
     window.event(egui::Event::PointerButton { pos, button, pressed, modifiers: Modifiers::NONE });
 }
 
+pub fn press(window: &mut Window, key: Key) {
+    window.key_press(key);
+    settle(window);
+}
+
 pub fn click(window: &mut Window, position: Pos2) {
     window.hover_at(position);
     button(window, position, PointerButton::Primary, true);

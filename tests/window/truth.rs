@@ -86,11 +86,6 @@ fn names(window: &Window) -> [String; 2] {
     window.state().document().pictures.clone().unwrap().map(|picture| picture.name)
 }
 
-fn press(window: &mut Window, key: Key) {
-    window.key_press(key);
-    settle(window);
-}
-
 fn document(window: &Window) -> Document {
     window.state().document().clone()
 }
