@@ -51,7 +51,7 @@ impl Inspector {
         let session = OpenSession { recovers: true, ..OpenSession::from(path.clone()) };
         let actions = [
             ("Restore", SessionCommand::Open(session)),
-            ("Discard", SessionCommand::DiscardLeftBehind(path)),
+            ("Delete it", SessionCommand::DiscardLeftBehind(path)),
         ];
         let text = format!("{what} on {images} {were} not saved. Restore that work?");
         self.ask(MessageKind::LeftBehind, text, actions);

@@ -24,6 +24,17 @@ pub enum MessageKind {
     Damaged,
 }
 
+impl MessageKind {
+    /// What the button that removes the message says, and what it does.
+    pub fn close(self) -> (&'static str, &'static str) {
+        match self {
+            Self::LeftBehind => ("Later", "Leave it as it is; the next start asks again."),
+            Self::Replace | Self::Damaged => ("Cancel", "Do nothing of it."),
+            Self::Problem | Self::Done => ("Dismiss", "Remove this message."),
+        }
+    }
+}
+
 /// Something the user should read.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Message {

@@ -131,8 +131,8 @@ pub fn in_dialogs() -> Vec<Action> {
         browse(SessionCommand::BrowseLost(Side::Left).into(), "Choose the file in the system's file dialog."),
         action(
             SessionCommand::DiscardLeftBehind(PathBuf::new()),
-            "Discard",
-            "Remove the copy of what was not saved.",
+            "Delete unsaved work",
+            "Delete the copy of what was not saved, for good.",
         ),
         browse(
             ExchangeCommand::BrowseExport(PathBuf::new()).into(),

@@ -23,10 +23,11 @@ pub fn show(ctx: &egui::Context, area: Rect, model: &Model, commands: &mut Vec<C
             let palette = theme::palette(ui.visuals());
             let width = (area.width() - 64.0).clamp(200.0, 720.0);
             for message in model.messages.on_top() {
-                let (fill, edge) = if message.kind == MessageKind::Done {
-                    (ui.visuals().panel_fill, palette.good)
-                } else {
-                    (palette.message_fill, palette.bad)
+                let (fill, edge) = match message.kind {
+                    MessageKind::Problem => (palette.message_fill, palette.bad),
+                    MessageKind::Damaged | MessageKind::Replace => (ui.visuals().panel_fill, palette.caution),
+                    MessageKind::LeftBehind => (ui.visuals().panel_fill, palette.accent),
+                    MessageKind::Done => (ui.visuals().panel_fill, palette.good),
                 };
                 Frame::new()
                     .fill(fill)
@@ -39,8 +40,8 @@ pub fn show(ctx: &egui::Context, area: Rect, model: &Model, commands: &mut Vec<C
                         // As high as what is in it: centred, it would take all the height there is.
                         let row = Layout::right_to_left(Align::Min);
                         ui.allocate_ui_with_layout(vec2(width, 0.0), row, |ui| {
-                            let close = ui.button("Dismiss").on_hover_text("Remove this message.");
-                            if close.clicked() {
+                            let (close, what) = message.kind.close();
+                            if ui.button(close).on_hover_text(what).clicked() {
                                 commands.push(Command::Dismiss(message.number));
                             }
                             // From the right: the first one is to stand at the left.
