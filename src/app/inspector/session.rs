@@ -40,10 +40,10 @@ impl Inspector {
         let Some((path, copy)) = readable else { return };
         let count = copy.content.count_points();
         let what = match count {
-            0 => "Points or pinned lines".to_owned(),
+            0 => "Work".to_owned(),
             pairs => counted(pairs),
         };
-        let were = if count == 1 { "was" } else { "were" };
+        let were = if count < 2 { "was" } else { "were" };
         let images = match copy.images.each_ref().map(ImageReference::name) {
             [left, right] if left == right => format!("the sample {left}"),
             [left, right] => format!("{left} and {right}"),

@@ -35,6 +35,16 @@ impl Verdict {
     }
 }
 
+/// What the groups of matches beside a plane say of the epipoles.
+fn beside_the_plane(agreeing: usize, groups: usize) -> String {
+    match (agreeing, groups) {
+        (_, 0) => "nothing that stands out from it tells".to_owned(),
+        (0, 1) => "the one motion beside it does not agree with that".to_owned(),
+        (0, _) => format!("none of the {groups} motions beside it agrees with that"),
+        _ => format!("only {agreeing} of {groups} motions beside it agree on that, which chance may explain"),
+    }
+}
+
 /// Something that speaks against a result. Each message is one sentence.
 #[derive(Debug, Clone, PartialEq, Error, Serialize)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
@@ -111,7 +121,8 @@ pub enum Reason {
     },
     /// Nearly all matches follow one homography.
     #[error(
-        "{percent} % of the matches fit one plane or a turn of the camera: lines through these hold, but where they meet is not determined, as only {agreeing} of {groups} motions beside it agree on that, which chance may explain: use views from places farther apart, or a scene with more depth and nothing that moves"
+        "{percent} % of the matches fit one plane or a turn of the camera: lines through these hold, but where they meet is not determined, as {}: use views from places farther apart, or a scene with more depth and nothing that moves",
+        beside_the_plane(*agreeing, *groups)
     )]
     OnePlane {
         /// Percent of the matches.

@@ -10,8 +10,10 @@ use crate::similarity::{DisparityRange, StereoParameters, match_profiles};
 
 /// Width of the pictures that are matched, px: coarse, and done in a moment.
 const WIDTH: u32 = 320;
-/// Largest disparity tried either way, as a part of the width.
+/// Largest disparity tried either way where no match tells, as a part of the width.
 const REACH: f64 = 0.3;
+/// How much farther than those of the matches disparities are tried, as a part of their range and of the width.
+const ROOM: [f64; 2] = [0.25, 0.03];
 /// Part of the samples that the range leaves out at either end.
 const BEYOND: f64 = 0.02;
 /// Worse matches than this are none, squared grey levels.
@@ -30,9 +32,15 @@ pub struct DisparityMap {
 }
 
 impl DisparityMap {
-    /// Matches the rows of two pictures; `written` is the width that they are written with. `None` when cancelled, or when
+    /// Matches the rows of two pictures; `written` is the width that they are written with, and `known` the smallest and
+    /// largest disparity of matches, px of what is written, around which disparities are tried. `None` when cancelled, or when
     /// nothing matches.
-    pub fn new(pictures: [&DynamicImage; 2], written: usize, cancel: &CancelFlag) -> Option<Self> {
+    pub fn new(
+        pictures: [&DynamicImage; 2],
+        written: usize,
+        known: Option<[f64; 2]>,
+        cancel: &CancelFlag,
+    ) -> Option<Self> {
         let factor = (f64::from(WIDTH) / f64::from(pictures[0].width().max(1))).min(1.0);
         let small = pictures.map(|picture| {
             let size = |v: u32| ((f64::from(v) * factor).round() as u32).max(1);
@@ -40,7 +48,7 @@ impl DisparityMap {
         });
         let (width, height) = small[0].dimensions();
         let scale = written as f64 / f64::from(width);
-        let range = DisparityRange::symmetric((f64::from(width) * REACH).round() as i32);
+        let range = tried(known.map(|known| known.map(|disparity| disparity / scale)), f64::from(width));
         let stereo =
             StereoParameters { ordering: crate::similarity::Ordering::Positions, ..StereoParameters::PAPER };
         let mut values = vec![None; (width * height) as usize];
@@ -117,6 +125,14 @@ fn smoothed(values: &[Option<f32>], width: usize) -> Vec<Option<f32>> {
 }
 
 /// A grey picture, for tests.
+/// Disparities that are tried, columns of the right picture less those of the left one; `known` are the other way round.
+fn tried(known: Option<[f64; 2]>, width: f64) -> DisparityRange {
+    let Some([least, most]) = known else { return DisparityRange::symmetric((width * REACH).round() as i32) };
+    let room = ROOM[0] * (most - least) + ROOM[1] * width;
+    let inside = |disparity: f64| disparity.clamp(-width, width) as i32;
+    DisparityRange { min: inside((-most - room).floor()), max: inside((room - least).ceil()) }
+}
+
 #[cfg(test)]
 fn textured(shift: impl Fn(u32) -> u32) -> DynamicImage {
     use image::{GrayImage, Luma};
@@ -135,7 +151,7 @@ mod tests {
         // The upper half is 12 px farther to the right in the left picture, the lower half 4 px.
         let left = textured(|_| 40);
         let right = textured(|y| 40 + if y < 30 { 12 } else { 4 });
-        let map = DisparityMap::new([&left, &right], 400, &CancelFlag::default()).unwrap();
+        let map = DisparityMap::new([&left, &right], 400, None, &CancelFlag::default()).unwrap();
         let (upper, lower) = (map.at(0.5, 0.2).unwrap(), map.at(0.5, 0.8).unwrap());
         assert!(
             (upper - 24.0).abs() < 2.5 && (lower - 8.0).abs() < 2.5,
@@ -145,6 +161,21 @@ mod tests {
         assert!(map.matched() > 0.7);
         let cancelled = CancelFlag::default();
         cancelled.cancel();
-        assert!(DisparityMap::new([&left, &right], 400, &cancelled).is_none());
+        assert!(DisparityMap::new([&left, &right], 400, None, &cancelled).is_none());
+    }
+
+    #[test]
+    fn pictures_far_apart_are_matched_where_their_matches_are() {
+        // Farther apart than is tried where nothing is known.
+        let (left, right) = (textured(|_| 40), textured(|_| 120));
+        let found = |known| {
+            let map = DisparityMap::new([&left, &right], 400, known, &CancelFlag::default())?;
+            Some((map.at(0.9, 0.5)?, map.matched()))
+        };
+        let (disparity, matched) = found(Some([150.0, 170.0])).unwrap();
+        assert!((disparity - 160.0).abs() < 3.0 && matched > 0.4, "{disparity} px, {matched}");
+        assert!(found(None).is_none_or(|(disparity, _)| (disparity - 160.0).abs() > 20.0));
+        let range = tried(Some([150.0, 170.0]), 400.0);
+        assert!(range.min <= -182 && range.max >= -138 && range.max < 0, "{range:?}");
     }
 }

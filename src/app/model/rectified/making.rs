@@ -90,7 +90,8 @@ impl RectifyQuestion {
             None
         } else {
             let both = pictures.each_ref().map(|opened| &opened.picture.pixels);
-            let map = DisparityMap::new(both, full.size.width, cancel);
+            let known = full.measures.rows.map(|rows| rows.disparity);
+            let map = DisparityMap::new(both, full.size.width, known, cancel);
             if cancel.is_cancelled() {
                 return Ok(None);
             }

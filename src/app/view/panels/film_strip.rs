@@ -145,8 +145,10 @@ impl FilmStrip {
         let (font, color) = (FontId::proportional(11.5), ui.visuals().text_color());
         let short = self.common.filter(|common| *common < name.len());
         let short = short.map_or_else(|| name.clone(), |common| format!("…{}", &name[common..]));
-        let mut job = LayoutJob::simple_singleline(short, font, color);
-        job.wrap = TextWrapping::truncate_at_width(caption.width() - room - 4.0);
+        let room = caption.width() - room - 4.0;
+        let full = ui.painter().layout_no_wrap(short.clone(), font.clone(), color).size().x;
+        let mut job = LayoutJob::simple_singleline(cut_in_the_middle(&short, room / full), font, color);
+        job.wrap = TextWrapping::truncate_at_width(room);
         let galley = ui.painter().layout_job(job);
         ui.painter().galley(caption.center() - galley.size() / 2.0, galley, color);
         if free {
@@ -193,6 +195,17 @@ fn common_prefix(names: &[String]) -> Option<usize> {
     let length = others.iter().map(alike).min()?;
     let head = first.as_bytes().get(..length)?;
     head.iter().rposition(|byte| matches!(byte, b'-' | b'_' | b'.' | b' ')).map(|mark| mark + 1)
+}
+
+/// A name with its middle left out where there is room for a share of it: beginnings are alike, and ends tell.
+fn cut_in_the_middle(name: &str, share: f32) -> String {
+    let letters: Vec<char> = name.chars().collect();
+    let kept = (letters.len() as f32 * share - 1.0).max(2.0) as usize;
+    if share >= 1.0 || kept >= letters.len() {
+        return name.to_owned();
+    }
+    let end = letters.len() - kept.div_ceil(2);
+    letters[..kept / 2].iter().chain(&['…']).chain(&letters[end..]).collect()
 }
 
 fn image_height(window: f32) -> f32 {
@@ -250,6 +263,17 @@ fn side_button(
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn names_that_begin_alike_stay_apart_when_they_are_cut() {
+        assert_eq!(cut_in_the_middle("left.png", 1.4), "left.png");
+        let [a, b] =
+            ["brighton-01-10-bigA.jpg", "brighton-01-10-bigB.jpg"].map(|name| cut_in_the_middle(name, 0.6));
+        assert!(
+            a.ends_with("A.jpg") && b.ends_with("B.jpg") && a.starts_with("brigh") && a.chars().count() < 15,
+            "{a}"
+        );
+    }
 
     #[test]
     fn what_names_have_in_common_ends_at_a_mark() {

@@ -33,6 +33,10 @@ fn group(command: &Command) -> &'static str {
         | Command::ToggleLink
         | Command::ToggleMap
         | Command::FitAll
+        | Command::ToggleStacked
+        | Command::ToggleLoupe
+        | Command::Tones(_)
+        | Command::Player(_)
         | Command::Rectified(_) => "Looking",
         Command::ShowTab(_)
         | Command::FoldTabs

@@ -52,6 +52,16 @@ impl Disc {
         (self.centre + vec2(along.x as f32, along.y as f32) * self.radius, share > FAR)
     }
 
+    /// The mark that the cursor takes hold of, if there is one: of two at the same place the better one.
+    fn nearest(&self, places: &[(Pos2, bool)], cursor: Pos2) -> Option<usize> {
+        let distance = |(at, infinite): &(Pos2, bool)| {
+            let distance = at.distance(cursor);
+            if *infinite { distance.min(self.opposite(*at).distance(cursor)) } else { distance }
+        };
+        let near = places.iter().map(distance).enumerate().filter(|(_, distance)| *distance <= REACH);
+        near.min_by(|(_, a), (_, b)| a.total_cmp(b)).map(|(rank, _)| rank)
+    }
+
     fn opposite(&self, at: Pos2) -> Pos2 {
         self.centre - (at - self.centre)
     }
@@ -97,7 +107,15 @@ pub fn show(ui: &mut Ui, transform: &Transform, side: Side, model: &Model, comma
     let area = Rect::from_center_size(centre, vec2(radius, radius) * 2.0);
     // A click that is due in this image is meant for the image, and so is one on a point.
     let is_due = model.document.half.is_some_and(|half| half.side != side);
-    let sense = if free && !is_due { Sense::click() } else { Sense::empty() };
+    let hypotheses = shown.estimate.hypotheses();
+    let drawn = if dots { hypotheses.len().min(DRAWN) } else { 0 };
+    let places: Vec<(Pos2, bool)> =
+        hypotheses[..drawn].iter().map(|h| disc.place(&side.epipole(h.fundamental()))).collect();
+    let cursor = ui.input(|input| input.pointer.hover_pos());
+    let cursor = cursor.filter(|_| free && !is_due && ui.rect_contains_pointer(area));
+    let nearest = cursor.and_then(|cursor| disc.nearest(&places, cursor));
+    // What hits no mark is meant for the image below.
+    let sense = if nearest.is_some() { Sense::click() } else { Sense::hover() };
     let response = ui.interact(area, ui.scope_id().with("epipole map"), sense);
     let name = format!("epipole map of the {} image", side.name());
     response.widget_info(|| WidgetInfo::labeled(egui::Role::Image, true, &name));
@@ -110,11 +128,7 @@ pub fn show(ui: &mut Ui, transform: &Transform, side: Side, model: &Model, comma
     painter.circle_stroke(centre, radius, Stroke::new(1.0, Color32::from_gray(150)));
     painter.add(Shape::closed_line(disc.outline(), Stroke::new(1.2, Color32::from_gray(215))));
 
-    let hypotheses = shown.estimate.hypotheses();
-    let drawn = hypotheses.len().min(DRAWN);
-    let mut nearest: Option<(usize, f32)> = None;
-    for (rank, hypothesis) in hypotheses.iter().take(if dots { drawn } else { 0 }).enumerate().rev() {
-        let (at, infinite) = disc.place(&side.epipole(hypothesis.fundamental()));
+    for (rank, (at, infinite)) in places.into_iter().enumerate().rev() {
         let bright = 1.0 - rank as f32 / drawn as f32;
         let mut color = theme::HYPOTHESIS.gamma_multiply(0.2 + 0.7 * bright * bright);
         let mut size = 2.2;
@@ -126,14 +140,6 @@ pub fn show(ui: &mut Ui, transform: &Transform, side: Side, model: &Model, comma
         if infinite {
             painter.circle_filled(disc.opposite(at), size, color);
         }
-        if let Some(cursor) = response.hover_pos() {
-            let distance = at.distance(cursor);
-            let distance = if infinite { distance.min(disc.opposite(at).distance(cursor)) } else { distance };
-            // Of two at the same place the better one.
-            if distance <= nearest.map_or(REACH, |(_, distance)| distance) {
-                nearest = Some((rank, distance));
-            }
-        }
     }
     let truth = model.truth().map(|truth| (&truth.fundamental, theme::TRUE, 6.5));
     let marked = truth.into_iter().chain([(shown.fundamental, theme::ESTIMATED, 4.5)]);
@@ -144,13 +150,11 @@ pub fn show(ui: &mut Ui, transform: &Transform, side: Side, model: &Model, comma
             painter.circle_stroke(at, radius, Stroke::new(2.0, color));
         }
     }
-    if let Some((rank, _)) = nearest {
+    if let Some(rank) = nearest {
         commands.push(Command::PointAt(Target::Hypothesis(rank)));
         if response.clicked() {
             commands.push(Command::ChooseHypothesis(Some(rank)));
         }
-    } else if response.clicked() {
-        commands.push(Command::ChooseHypothesis(None));
     }
     response.on_hover_text(
         "The whole plane of this image: the image in the middle, infinity at the rim. Green ring: the epipole of the \

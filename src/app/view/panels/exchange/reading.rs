@@ -136,8 +136,8 @@ fn readings(ui: &mut Ui, check: &ConventionCheck, chosen: &mut usize) {
             ui.label(format!("{:.0} %", 100.0 * ranked.within));
             let note = match (place, ranked.told_apart) {
                 (0, _) if check.fits() => "recommended",
-                (0, _) | (_, true) => "",
-                (_, false) => "fits as well",
+                (_, false) if place > 0 && check.fits() => "fits as well",
+                _ => "",
             };
             ui.weak(note);
             ui.end_row();

@@ -86,8 +86,8 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     }
     if let Some(Some(next)) = model.open.next_click {
         let text = format!(
-            "One more pair would help most at the marked place of the left image: there the geometries in question are {:.0} px \
-             apart.",
+            "One more pair would help most at the marked place of the left image: geometries that the matches allow as well differ \
+             by up to {:.0} px there.",
             next.disagreement
         );
         ui.add(Label::new(text).wrap());

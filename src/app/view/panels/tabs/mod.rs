@@ -10,7 +10,7 @@ mod profiles;
 mod rectified;
 mod residuals;
 
-use egui::{RichText, Ui};
+use egui::{Id, RichText, Ui};
 
 use super::dialog::named;
 use super::finish_button;
@@ -35,7 +35,8 @@ pub struct Tab {
 static TABS: [Tab; TabId::ALL.len()] =
     [points::TAB, profiles::TAB, pencils::TAB, hypotheses::TAB, residuals::TAB, rectified::TAB];
 
-/// With less room than this beside the headings their tools are left to the list of commands, screen points.
+/// With less room than this, or than they took, beside the headings their tools are left to the list of commands, screen
+/// points.
 const ROOM_FOR_TOOLS: f32 = 100.0;
 
 /// With less room than this the headings go on in a second row, screen points.
@@ -59,9 +60,12 @@ pub fn headings(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             folding(ui, model, commands);
             ui.spacing_mut().button_padding = padding;
-            let room = ui.available_width() > ROOM_FOR_TOOLS;
-            if let Some(tab) = chosen_tab(model).filter(|_| room) {
-                (tab.tools)(ui, model, commands);
+            let Some(tab) = chosen_tab(model) else { return };
+            let id = Id::unique(("width of tools", tab.id.title()));
+            let needed = ui.data(|data| data.get_temp(id)).unwrap_or(ROOM_FOR_TOOLS);
+            if ui.available_width() > needed {
+                let tools = ui.scope(|ui| (tab.tools)(ui, model, commands)).response;
+                ui.data_mut(|data| data.insert_temp(id, tools.rect.width().max(ROOM_FOR_TOOLS)));
             }
         });
     });

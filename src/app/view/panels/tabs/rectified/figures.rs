@@ -69,7 +69,8 @@ fn measures(ui: &mut Ui, rectified: &Rectified, drawn: &DrawnPair) {
     shapes(ui, &full.measures.distortion);
     if let Some((map, _)) = &drawn.disparity {
         let [least, most] = map.range;
-        ui.label(format!("Disparity preview: {least:.0} to {most:.0} px, {:.0} % of the pixels", map.matched() * 100.0))
+        let [least, most] = [least, most].map(|v| format!("{v:.0}").replace('-', "−"));
+        ui.label(format!("Disparity preview: {least} to {most} px, {:.0} % of the pixels", map.matched() * 100.0))
             .on_hover_text(
                 "What a coarse matching of the rows finds: the columns by which nearly everything is farther left in the \
                  right picture, and how much of the left picture has a match. Above 70 % is good; below 40 % the \
