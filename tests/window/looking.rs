@@ -337,6 +337,16 @@ fn the_map_leaves_clicks_to_the_points_and_the_image() {
 }
 
 #[test]
+fn a_first_click_beside_the_marks_of_the_map_is_meant_for_the_image() {
+    let mut window = window(Start::default(), rich_services());
+    click_two_pairs(&mut window);
+    let map = window.get_by_label("epipole map of the left image").rect();
+    click(&mut window, map.left_top() + vec2(2.0, 2.0));
+    assert!(window.state().document().half.is_some_and(|half| half.side == Side::Left));
+    assert_eq!(window.state().focus().hypothesis(), None);
+}
+
+#[test]
 fn the_map_goes_with_the_overlays_it_shows() {
     let mut window = window(Start::default(), rich_services());
     click_two_pairs(&mut window);
