@@ -77,15 +77,15 @@ fn while_dragging() {
     let (mut window, times) = timed(Start { pairs, ..Start::default() });
     press(&mut window, Key::I);
     for k in 0..MANY {
-        let place = at(&window, Side::Right, 0.1 + 0.1 * (k % 8) as f32, 0.15 + 0.15 * (k / 8) as f32);
+        let place = at(&window, Side::Right, -0.42 + 0.115 * (k % 8) as f32, -0.4 + 0.19 * (k / 8) as f32);
         click(&mut window, place);
     }
-    press(&mut window, Key::Escape);
+    press(&mut window, Key::I);
     println!("{MANY} pairs and {} pinned lines", window.state().focus().pins().len());
     drag_in_circles(&mut window, &times);
 }
 
-/// Pairs and pinned lines of a full window.
+/// Pairs of a full window, and clicks that pin lines, of which the latest few stay.
 const MANY: usize = 40;
 
 fn drag_in_circles(window: &mut Window, times: &RefCell<Vec<Duration>>) {
