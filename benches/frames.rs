@@ -73,7 +73,8 @@ fn while_dragging() {
         println!("{name}");
         drag_in_circles(&mut window, &times);
     }
-    let pairs = Sample::Courtyard.load().matches.into_iter().take(MANY).collect();
+    let sample = Sample::Courtyard.load();
+    let pairs = sample.show_me.into_iter().chain(sample.matches).take(MANY).collect();
     let (mut window, times) = timed(Start { pairs, ..Start::default() });
     press(&mut window, Key::I);
     for k in 0..MANY {

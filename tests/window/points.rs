@@ -5,7 +5,7 @@ use crate::support::*;
 
 use std::path::Path;
 
-use egui::{Event, Key, Modifiers, OutputCommand, vec2};
+use egui::{Event, Key, Modifiers, OutputCommand, PointerButton, vec2};
 use egui_kittest::kittest::Queryable;
 use epiline::app::Start;
 use epiline::app::model::document::{Role, Side};
@@ -182,4 +182,15 @@ fn a_name_stands_beside_its_points_until_names_are_off() {
     window.key_press(Key::Escape);
     settle(&mut window);
     assert!(!written(&window, "roof") && written(&window, "p"));
+}
+
+#[test]
+fn a_point_among_forty_can_be_dragged() {
+    let pairs = epiline::synthetic::Sample::Courtyard.load().matches.into_iter().take(40).collect();
+    let mut window = window(Start { pairs, ..Start::default() }, services());
+    let (from, before) = (screen(&window, P_LEFT), point(&window, P_LEFT));
+    drag(&mut window, from, from + vec2(14.0, 9.0), PointerButton::Primary);
+    let moved = (point(&window, P_LEFT) - before).norm();
+    assert!(moved > 5.0, "{moved} px");
+    assert_eq!(window.state().document().pairs.len(), 40);
 }
