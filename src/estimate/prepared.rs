@@ -79,10 +79,6 @@ impl PreparedPair {
         if is_wanted() {
             self.upright.prepare_refinement(&self.pyramids);
         }
-        // Only hard pairs need them, and a click that comes now does not wait for them.
-        if is_wanted() {
-            self.features();
-        }
     }
 
     /// What moves in the sequences of the two cameras, if that is what they are.

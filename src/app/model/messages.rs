@@ -29,7 +29,7 @@ impl MessageKind {
     pub fn close(self) -> (&'static str, &'static str) {
         match self {
             Self::LeftBehind => ("Later", "Leave it as it is; the next start asks again."),
-            Self::Replace | Self::Damaged => ("Cancel", "Do nothing of it."),
+            Self::Replace | Self::Damaged => ("Cancel", "Leave everything as it is."),
             Self::Problem | Self::Done => ("Dismiss", "Remove this message."),
         }
     }

@@ -124,7 +124,6 @@ fn smoothed(values: &[Option<f32>], width: usize) -> Vec<Option<f32>> {
         .collect()
 }
 
-/// A grey picture, for tests.
 /// Disparities that are tried, columns of the right picture less those of the left one; `known` are the other way round.
 fn tried(known: Option<[f64; 2]>, width: f64) -> DisparityRange {
     let Some([least, most]) = known else { return DisparityRange::symmetric((width * REACH).round() as i32) };
@@ -133,6 +132,7 @@ fn tried(known: Option<[f64; 2]>, width: f64) -> DisparityRange {
     DisparityRange { min: inside((-most - room).floor()), max: inside((room - least).ceil()) }
 }
 
+/// A grey picture, for tests.
 #[cfg(test)]
 fn textured(shift: impl Fn(u32) -> u32) -> DynamicImage {
     use image::{GrayImage, Luma};
