@@ -4,7 +4,10 @@
 //! one that only turns, unrelated pictures under the same captions, two halves that move apart, a smooth warp, a strong
 //! lens, a screen whose text is scrolled; and estimates from two points of what does not move.
 //!
-//! `cargo run --release --example measure-no-parallax -- PAIRS_A_KIND PICTURE PICTURE...`
+//! `cargo run --release --example measure-no-parallax -- PAIRS_A_KIND [KIND...] PICTURE PICTURE...`
+//!
+//! `A..B` in place of a count makes those numbers again. Without kinds all are made. Pairs that are called reliable are told by their number. Photographs should show different
+//! scenes: two of one scene under the same captions are a pair with parallax.
 
 use std::path::Path;
 
@@ -40,6 +43,12 @@ const KINDS: [Kind; 8] = [
     Kind::Lens,
     Kind::Screen,
 ];
+
+impl Kind {
+    fn name(self) -> String {
+        format!("{self:?}").to_lowercase()
+    }
+}
 
 /// A thing cut out of a picture, where it is pasted in each image.
 struct Thing {
@@ -200,9 +209,21 @@ fn wrapped(p: Point, frame: Frame) -> Point {
 
 fn main() {
     let mut arguments = std::env::args().skip(1);
-    let count: u64 = arguments.next().and_then(|n| n.parse().ok()).unwrap_or(5);
-    let pictures: Vec<GrayPlane> = arguments
-        .map(|path| Picture::open(Path::new(&path)).unwrap_or_else(|error| panic!("{path}: {error}")).gray)
+    let wanted = arguments.next().unwrap_or_else(|| "5".to_owned());
+    let (first, end) = wanted.split_once("..").unwrap_or(("0", &wanted));
+    let pairs = [first, end].map(|n| n.parse().unwrap_or_else(|_| panic!("give how many pairs, or A..B")));
+    let pairs: std::ops::Range<u64> = pairs[0]..pairs[1];
+    let count = pairs.end - pairs.start;
+    let named = |argument: &String| KINDS.into_iter().find(|kind| kind.name() == *argument);
+    let (kinds, paths): (Vec<String>, Vec<String>) =
+        arguments.partition(|argument| named(argument).is_some());
+    let mut kinds: Vec<Kind> = kinds.iter().filter_map(named).collect();
+    if kinds.is_empty() {
+        kinds.extend(KINDS);
+    }
+    let pictures: Vec<GrayPlane> = paths
+        .iter()
+        .map(|path| Picture::open(Path::new(path)).unwrap_or_else(|error| panic!("{path}: {error}")).gray)
         .collect();
     assert!(!pictures.is_empty(), "give some photographs");
     println!(
@@ -211,14 +232,18 @@ fn main() {
     );
     let mut all = 0;
     let mut trusted = 0;
-    for kind in KINDS {
+    for kind in kinds {
         let mut counts = [0; 4];
-        for k in 0..count {
+        let mut numbers = Vec::new();
+        for k in pairs.clone() {
             let mut rng = Pcg64Mcg::seed_from_u64(k * 100 + kind as u64);
             let made = make(kind, &pictures, &mut rng);
             let [a, b] = &made.images;
             let found = estimate(a, b, &made.clicks, &Parameters::default(), &Monitor::silent());
             let verdict = found.ok().and_then(|found| found.assessment.trust).map(|trust| trust.verdict);
+            if verdict == Some(Verdict::Reliable) {
+                numbers.push(k);
+            }
             counts[match verdict {
                 Some(Verdict::Reliable) => 0,
                 Some(Verdict::Doubtful) => 1,
@@ -228,8 +253,9 @@ fn main() {
         }
         let [reliable, doubtful, unreliable, none] = counts;
         println!(
-            "{:<10} {count:>6} {reliable:>9} {doubtful:>9} {unreliable:>11} {none:>7}",
-            format!("{kind:?}")
+            "{:<10} {count:>6} {reliable:>9} {doubtful:>9} {unreliable:>11} {none:>7}  {}",
+            kind.name(),
+            numbers.iter().map(u64::to_string).collect::<Vec<_>>().join(" ")
         );
         all += count;
         trusted += reliable;

@@ -30,16 +30,33 @@ pub struct Click {
 pub struct Clicks(Vec<Click>);
 
 impl Clicks {
-    /// The roles that a search gives to pairs: the first two are anchors. The published search takes as many more as its
-    /// method needs and only measures the rest; the one with patches uses all of them.
+    /// The roles that a search gives to pairs. The published search passes its pencils through the first two, takes as
+    /// many more as its method needs and only measures the rest; the one with patches uses all of them, and its pencils
+    /// pass through two that are far enough from each other.
     pub fn for_search(pairs: &[PointPair], method: Method, search: Search) -> Self {
-        let role = |k: usize| match (k, search) {
-            (0 | 1, _) => ClickRole::Anchor,
-            (_, Search::Patches) => ClickRole::Observed,
-            (k, Search::Lines) if k < method.pairs_needed() => ClickRole::Observed,
-            (_, Search::Lines) => ClickRole::Check,
+        let anchors = match search {
+            Search::Patches => apart(pairs),
+            Search::Lines => [0, 1],
+        };
+        let role = |k: usize| match search {
+            _ if anchors.contains(&k) => ClickRole::Anchor,
+            Search::Patches => ClickRole::Observed,
+            Search::Lines if k < method.pairs_needed() => ClickRole::Observed,
+            Search::Lines => ClickRole::Check,
         };
         Self(pairs.iter().enumerate().map(|(k, pair)| Click { pair: *pair, role: role(k) }).collect())
+    }
+
+    /// Numbers of the clicks that a search of `needed` pairs cannot do without, from 0: those that pencils pass through,
+    /// then observed ones.
+    pub fn indispensable(&self, needed: usize) -> Vec<usize> {
+        let with =
+            |role: ClickRole| self.0.iter().zip(0..).filter(move |(c, _)| c.role == role).map(|(_, k)| k);
+        let anchors: Vec<usize> = with(ClickRole::Anchor).collect();
+        let more = needed.saturating_sub(anchors.len());
+        let mut all: Vec<usize> = anchors.into_iter().chain(with(ClickRole::Observed).take(more)).collect();
+        all.sort_unstable();
+        all
     }
 
     /// The clicks in their order.
@@ -93,6 +110,31 @@ impl Clicks {
     }
 }
 
+/// The first two clicks are far enough from each other that are so by this share of the farthest two.
+const FAR_ENOUGH: f64 = 0.25;
+
+/// Numbers of two pairs that are far from each other in both images, from 0: the first two, unless others are farther
+/// apart by a multiple. An error of a click turns the lines through it and another the more, the nearer they are.
+fn apart(pairs: &[PointPair]) -> [usize; 2] {
+    let distance = |j: usize, k: usize| {
+        let (a, b) = (&pairs[j], &pairs[k]);
+        (a.point1 - b.point1).norm().min((a.point2 - b.point2).norm())
+    };
+    // What is no number is refused later, by its number.
+    if pairs.len() < 3 || pairs.iter().any(|pair| !pair.is_finite()) {
+        return [0, 1];
+    }
+    let mut farthest = [0, 1];
+    for k in 0..pairs.len() {
+        for j in 0..k {
+            if distance(j, k) > distance(farthest[0], farthest[1]) {
+                farthest = [j, k];
+            }
+        }
+    }
+    if distance(0, 1) < FAR_ENOUGH * distance(farthest[0], farthest[1]) { farthest } else { [0, 1] }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -109,5 +151,23 @@ mod tests {
         let all = Clicks::for_search(&pairs, Method::TwoPoint, Search::Patches);
         assert_eq!((all.anchors(), all.observed()), (pairs[..2].to_vec(), pairs.clone()));
         assert!(Clicks::for_search(&[], Method::TwoPoint, Search::Lines).is_empty());
+    }
+
+    #[test]
+    fn pencils_pass_through_clicks_that_are_far_from_each_other() {
+        let at = |x: f64, y: f64| PointPair::new(x, y, x + 9.0, y);
+        let anchors =
+            |pairs: &[PointPair], search| Clicks::for_search(pairs, Method::TwoPoint, search).anchors();
+        let good = [at(10.0, 10.0), at(100.0, 10.0), at(300.0, 200.0)];
+        assert_eq!(anchors(&good, Search::Patches), good[..2], "far enough, if not farthest");
+        let near = [at(10.0, 10.0), at(11.0, 10.0), at(100.0, 10.0), at(300.0, 200.0)];
+        assert_eq!(anchors(&near, Search::Patches), [near[0], near[3]]);
+        assert_eq!(anchors(&near, Search::Lines), near[..2], "as published");
+        // In one image is enough.
+        let merged = [good[0], PointPair { point2: good[0].point2, ..good[1] }, good[2]];
+        assert_eq!(anchors(&merged, Search::Patches), [merged[0], merged[2]]);
+        let clicks = Clicks::for_search(&near, Method::TwoPoint, Search::Patches);
+        assert_eq!((clicks.indispensable(2), clicks.indispensable(3)), (vec![0, 3], vec![0, 1, 3]));
+        assert_eq!(clicks.observed(), near, "each takes part");
     }
 }

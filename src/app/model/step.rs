@@ -56,11 +56,15 @@ pub fn result_text(stage: Stage, document: &Document, computation: &Computation)
         }
         Stage::Pencils => {
             let pencils = computation.pencils()?;
+            let name = |k: usize| {
+                let pair = document.pair_of_pencils(k, &pencils[k].click);
+                pair.map_or_else(|| format!("match {}", k + 1), pair_name)
+            };
             let of = |k: usize| {
                 let own = &pencils[k];
                 format!(
                     "{}: {} × {} lines, {} candidates",
-                    document.used().nth(k).map_or_else(|| format!("match {}", k + 1), pair_name),
+                    name(k),
                     own.angles1.len(),
                     own.angles2.len(),
                     own.candidates.len()

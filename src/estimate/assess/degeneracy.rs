@@ -20,18 +20,16 @@ const SAME_LINE: f64 = 0.05;
 /// Clicks nearer to each other than this fraction of the longer side turn the lines a lot when they are off.
 const CLOSE: f64 = 0.08;
 
-/// Pairs that lines pass through, where there are as many.
-const ANCHORS: usize = 2;
-
-/// Checks the point pairs against the images and each other; fewer than `needed` are an error.
+/// Checks the clicks against the images and each other; fewer than `needed` are an error.
 pub(in crate::estimate) fn check_points(
     frames: [Frame; 2],
-    pairs: &[PointPair],
+    clicks: &Clicks,
     needed: usize,
 ) -> Result<(), EstimateError> {
-    if pairs.len() < needed {
-        return Err(EstimateError::TooFewPairs { found: pairs.len(), needed });
+    if clicks.len() < needed {
+        return Err(EstimateError::TooFewPairs { found: clicks.len(), needed });
     }
+    let pairs: Vec<PointPair> = clicks.iter().map(|click| click.pair).collect();
     for (image, frame) in frames.iter().enumerate() {
         if frame.width.min(frame.height) < SMALLEST_SIDE {
             let (width, height) = (frame.width, frame.height);
@@ -56,8 +54,10 @@ pub(in crate::estimate) fn check_points(
             }
         }
     }
-    for (k, b) in pairs.iter().take(needed.max(ANCHORS)).enumerate() {
-        for (j, a) in pairs.iter().take(k).enumerate() {
+    let held = clicks.indispensable(needed);
+    for (rank, k) in held.iter().enumerate() {
+        for j in &held[..rank] {
+            let (a, b) = (pairs[*j], pairs[*k]);
             for (image, distance) in
                 [(b.point1 - a.point1).norm(), (b.point2 - a.point2).norm()].into_iter().enumerate()
             {
@@ -131,7 +131,8 @@ mod tests {
 
     fn check(pairs: &[[f64; 4]]) -> Result<(), EstimateError> {
         let pairs: Vec<_> = pairs.iter().map(|[a, b, c, d]| PointPair::new(*a, *b, *c, *d)).collect();
-        check_points([Frame::new(100, 80); 2], &pairs, 2)
+        let clicks = Clicks::for_search(&pairs, Method::TwoPoint, Search::Patches);
+        check_points([Frame::new(100, 80); 2], &clicks, 2)
     }
 
     #[test]
@@ -148,6 +149,12 @@ mod tests {
         assert!(matches!(
             check(&[good, [60.0, 60.0, 21.0, 10.0]]),
             Err(EstimateError::TooClose { image: 2, .. })
+        ));
+        // Two clicks of one point are one too many, not too few.
+        assert_eq!(check(&[good, good, other]), Ok(()));
+        assert!(matches!(
+            check(&[good, good, [11.0, 10.0, 21.0, 10.0]]),
+            Err(EstimateError::TooClose { first: 1, second: 3, .. })
         ));
     }
 

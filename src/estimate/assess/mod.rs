@@ -5,6 +5,7 @@ mod examination;
 mod lens;
 mod margin;
 mod parallax;
+mod pattern;
 
 pub use degeneracy::SMALLEST_SIDE;
 pub use examination::examine;
@@ -186,6 +187,7 @@ impl Judge<'_> {
             deviation,
             plane: found.as_ref().map(|(_, evidence, _)| *evidence),
             together: found.as_ref().map(|(.., together)| *together).unwrap_or_default(),
+            pattern: pattern::residual_pattern(&matches, f, side),
             side,
         });
         let plane = found.map(|(plane, ..)| plane).filter(|_| trust.says_one_plane());

@@ -3,24 +3,24 @@
 //! Where one homography explains most matches, those matches say nothing about where the epipolar lines meet. What lies
 //! off it moves against it along the line through the epipole. A thing that moves by itself does too, for the one
 //! epipole on the line of its own motion, and an epipole has two degrees of freedom: it fits any **two** independent
-//! motions. So the matches off the plane are taken in groups that move alike, whether or not they agree with F. If a
-//! group has nothing to do with F, its parallax of `d` px has any direction, and it is as near as `e` px to the line with
-//! probability
+//! motions. So the matches off the plane are taken in groups that move alike, whether or not they agree with F. Groups
+//! that move alike in several places are one motion: the halves of a picture that are pulled apart agree wherever one
+//! looks. If a motion has nothing to do with F, its parallax of `d` px has any direction, and it is as near as `e` px to
+//! the line with probability
 //!
 //! ```text
 //!     p = 2/π · asin(e / d).
 //! ```
 //!
 //! Then `−ln p` is exponentially distributed, and a sum of `n` of them has the gamma distribution (Fisher 1932). Each two
-//! of `n` groups determine an epipole, which the others are held against:
+//! of `n` motions determine an epipole, which the others are held against:
 //!
 //! ```text
 //!     N = n (n − 1) / 2 · P(Γ(n − 2) ≥ − Σ ln p of all but the two best)
 //! ```
 //!
 //! is the number of epipoles that do as well as that of F, if nothing has to do with any (a number of false alarms:
-//! Desolneux, Moisan & Morel 2000; Moisan & Stival 2004 for F itself). What agrees has to move in more ways than two, too:
-//! the halves of a picture that are pulled apart agree wherever one looks.
+//! Desolneux, Moisan & Morel 2000; Moisan & Stival 2004 for F itself).
 //!
 //! Distinctive matches are found to a pixel, so parallax of less than some pixels does not show in them. Nearer to the
 //! plane, matches are looked for around where the plane puts them and aligned to a fraction of a pixel. Neither kind
@@ -43,7 +43,7 @@ pub(super) struct OffPlane {
     pub agreeing: usize,
     /// Motions among those that agree, wherever they are seen.
     pub motions: usize,
-    /// Epipoles, of those that two groups determine, which do as well if nothing has to do with any: N above.
+    /// Epipoles, of those that two motions determine, which do as well if nothing has to do with any: N above.
     pub by_chance: f64,
 }
 
@@ -122,16 +122,15 @@ impl OffPlane {
     }
 
     fn of(groups: &[Group], sigma: f64) -> Self {
-        let mut motions: Vec<Vector> = Vec::new();
-        let mut agreeing = 0;
-        for group in groups.iter().filter(|group| group.off_line <= OFF_LINE * sigma) {
-            agreeing += 1;
-            if motions.iter().all(|known| (known - group.parallax).norm() > ALIKE * sigma) {
-                motions.push(group.parallax);
-            }
+        let agrees = |group: &&Group| group.off_line <= OFF_LINE * sigma;
+        let motions = motions(groups, ALIKE * sigma);
+        let agreeing_motions = motions.iter().filter(|groups| groups.iter().any(|group| agrees(group)));
+        Self {
+            groups: groups.len(),
+            agreeing: groups.iter().filter(agrees).count(),
+            motions: agreeing_motions.count(),
+            by_chance: number_by_chance(&motions),
         }
-        let by_chance = number_by_chance(groups);
-        Self { groups: groups.len(), agreeing, motions: motions.len(), by_chance }
     }
 }
 
@@ -194,13 +193,27 @@ fn moving_alike(off: &[(PointPair, Vector)], alike: f64, together: f64) -> Vec<V
     groups
 }
 
-/// N above.
-fn number_by_chance(groups: &[Group]) -> f64 {
-    let surprise = |group: &Group| {
+/// Groups that move alike, wherever they are seen.
+fn motions(groups: &[Group], alike: f64) -> Vec<Vec<&Group>> {
+    let mut motions: Vec<Vec<&Group>> = Vec::new();
+    for group in groups {
+        let is_alike = |motion: &&mut Vec<&Group>| (motion[0].parallax - group.parallax).norm() <= alike;
+        match motions.iter_mut().find(is_alike) {
+            Some(motion) => motion.push(group),
+            None => motions.push(vec![group]),
+        }
+    }
+    motions
+}
+
+/// N above. What is seen of one motion in several places counts once, with its mean.
+fn number_by_chance(motions: &[Vec<&Group>]) -> f64 {
+    let surprise = |group: &&Group| {
         let ratio = (group.off_line.max(group.precision) / group.parallax.norm()).min(1.0);
         -(ratio.asin() * std::f64::consts::FRAC_2_PI).ln()
     };
-    let mut surprises: Vec<f64> = groups.iter().map(surprise).collect();
+    let mean = |motion: &Vec<&Group>| motion.iter().map(surprise).sum::<f64>() / motion.len() as f64;
+    let mut surprises: Vec<f64> = motions.iter().map(mean).collect();
     let count = surprises.len();
     if count < 3 {
         return f64::INFINITY;
@@ -275,12 +288,18 @@ mod tests {
 
     #[test]
     fn two_halves_move_in_one_way_wherever_one_looks() {
-        let halves: Vec<Group> = groups(12, 0)
-            .into_iter()
-            .map(|group| Group { parallax: Vector::new(18.0, 2.0), ..group })
-            .collect();
+        let half = |k: u32| Group {
+            parallax: Vector::new(18.0 + 0.1 * f64::from(k), 2.0),
+            off_line: 0.1,
+            precision: 0.15,
+        };
+        // One half, seen in twelve places, and three false matches, one of which happens to agree.
+        let halves: Vec<Group> = (0..12).map(half).chain(groups(1, 2)).collect();
         let found = OffPlane::of(&halves, 0.3);
-        assert!(found.by_chance < 1e-3 && found.motions == 1, "{found:?}");
+        assert_eq!((found.groups, found.agreeing, found.motions), (15, 13, 2));
+        assert!(found.by_chance > 0.1, "{found:?}");
+        let alone = OffPlane::of(&halves[..12], 0.3);
+        assert!(alone.by_chance.is_infinite() && alone.motions == 1, "{alone:?}");
     }
 
     #[test]

@@ -181,6 +181,7 @@ fn assessed(
         deviation: figures.deviation,
         plane: None,
         together: Together::default(),
+        pattern: None,
         side: prepared.frames()[0].longer_side(),
     });
     Assessment {

@@ -30,14 +30,19 @@ const HALF_PLANE: f64 = 0.4;
 /// Share of what the plane leaves that is explained through a lens, from which on that is the likelier story: matches of
 /// a scene with depth gain nothing by the one number more.
 const BENT: f64 = 0.5;
-/// Epipoles that do as well by chance, at most: one of a hundred results without parallax may pass this test.
-const BY_CHANCE: f64 = 1e-2;
+/// Epipoles that do as well by chance, at most: one of a thousand results without parallax may pass this test.
+const BY_CHANCE: f64 = 1e-3;
 /// Motions beside the plane that any epipole fits: what agrees has to move in more ways.
 const ANY_EPIPOLE: usize = 2;
 /// Probability that matches which are wrong by chance contradict a right geometry, at most.
 const WRONG_BY_CHANCE: f64 = 1e-3;
 /// Share of the matches that stand out and move together, and are wrong all the same: repeated structure.
 const WRONG_TOGETHER: f64 = 0.005;
+/// Share of the variance of residuals from which on they are more a pattern than noise.
+const PATTERN: f64 = 0.5;
+/// Size of a pattern that a good camera's lens leaves, px in images up to that side, more in proportion in larger ones.
+const PATTERN_SIZE: f64 = 0.3;
+const PATTERN_SIDE: f64 = 800.0;
 /// Loosest epipolar lines, as a fraction of the longer side.
 const LOOSEST: f64 = 0.002;
 
@@ -93,6 +98,22 @@ impl Together {
     }
 }
 
+/// What neighbouring matches are off their lines alike.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(in crate::estimate) struct ResidualPattern {
+    /// Share of the variance that neighbours share, 0 to 1.
+    pub share: f64,
+    /// Size of what they share, px.
+    pub size: f64,
+}
+
+impl ResidualPattern {
+    /// Whether the matches are off their lines more by a pattern than each for itself; `side` px.
+    fn is_bent(self, side: f64) -> bool {
+        self.share > PATTERN && self.size > PATTERN_SIZE * (side / PATTERN_SIDE).max(1.0)
+    }
+}
+
 /// What motion barcodes say of a geometry.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::estimate) struct BarcodeEvidence {
@@ -127,6 +148,8 @@ pub(in crate::estimate) struct Evidence<'a> {
     pub plane: Option<PlaneEvidence>,
     /// What stands out whatever the geometry.
     pub together: Together,
+    /// What neighbouring matches are off their lines alike, where there are some.
+    pub pattern: Option<ResidualPattern>,
     /// Longer side of image 1, px.
     pub side: f64,
 }
@@ -172,6 +195,8 @@ impl Trust {
             reasons.push(Reason::OnePlane { percent: (100.0 * share) as u32, groups, agreeing });
         } else if let Some(plane) = evidence.plane.filter(PlaneEvidence::is_bent) {
             reasons.push(Reason::Bent { percent: (100.0 * plane.bent_share) as u32 });
+        } else if let Some(pattern) = evidence.pattern.filter(|pattern| pattern.is_bent(evidence.side)) {
+            reasons.push(Reason::Pattern { size: pattern.size });
         }
         let but_clicks = !reasons.is_empty();
         let suspect = if but_clicks { Suspect::Geometry } else { Suspect::Click };
@@ -216,6 +241,7 @@ mod tests {
             by_chance: 1.0,
         }),
         together: Together { matches: 200, contradicting: 2 },
+        pattern: Some(ResidualPattern { share: 0.1, size: 0.1 }),
         side: 768.0,
     };
 
@@ -282,6 +308,7 @@ mod tests {
             Some(PlaneEvidence { share: 0.4, bent_share, groups: 9, agreeing: 9, motions: 9, by_chance: 0.0 })
         };
         let together = |matches, contradicting| Together { matches, contradicting };
+        let pattern = |share, size| Some(ResidualPattern { share, size });
         let next = |v: f64| v * (1.0 + 1e-12);
         let before = |v: f64| v * (1.0 - 1e-12);
         let silent = [
@@ -299,6 +326,10 @@ mod tests {
             // One of 200 is expected, so six happen less than once in a thousand times.
             Evidence { together: together(200, 5), ..GOOD },
             Evidence { together: Together::default(), ..GOOD },
+            Evidence { pattern: pattern(PATTERN, 3.0), ..GOOD },
+            Evidence { pattern: pattern(0.9, PATTERN_SIZE), ..GOOD },
+            Evidence { pattern: pattern(0.9, 2.0 * PATTERN_SIZE), side: 2.0 * PATTERN_SIDE, ..GOOD },
+            Evidence { pattern: None, ..GOOD },
         ];
         for evidence in silent {
             assert_eq!(reasons(evidence), [], "{evidence:?}");
@@ -342,6 +373,11 @@ mod tests {
                 Reason::OnePlane { percent: 40, groups: 9, agreeing: 2 },
             ),
             (Evidence { plane: bent(0.71), ..GOOD }, Reason::Bent { percent: 71 }),
+            (Evidence { pattern: pattern(next(PATTERN), 0.4), ..GOOD }, Reason::Pattern { size: 0.4 }),
+            (
+                Evidence { pattern: pattern(0.9, next(PATTERN_SIZE)), ..GOOD },
+                Reason::Pattern { size: next(PATTERN_SIZE) },
+            ),
             (
                 Evidence { together: together(200, 6), ..GOOD },
                 Reason::Contradicted { contradicting: 6, matches: 200 },

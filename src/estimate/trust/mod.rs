@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 pub(super) use evidence::{
-    BarcodeEvidence, CLICK_DEVIATIONS_WRONG, Evidence, GUESS, PlaneEvidence, Together,
+    BarcodeEvidence, CLICK_DEVIATIONS_WRONG, Evidence, GUESS, PlaneEvidence, ResidualPattern, Together,
 };
 pub use evidence::{CLEAR_MARGIN, CLICK_DEVIATIONS, ENOUGH_MATCHES, FAR_TOO_FEW};
 
@@ -112,6 +112,14 @@ pub enum Reason {
     Bent {
         /// Percent of the matches.
         percent: u32,
+    },
+    /// Neighbouring matches are off their lines alike.
+    #[error(
+        "over whole parts of the picture the matches are off their lines by the same {size:.1} px: the images are bent against each other, or something moves, or the geometry only comes near"
+    )]
+    Pattern {
+        /// Size of the pattern, px.
+        size: f64,
     },
     /// A clearly different geometry has nearly as much support.
     #[error("a clearly different geometry has nearly as much support (margin {margin:.2})")]

@@ -262,6 +262,13 @@ impl Document {
         (0..self.pairs.len()).filter(move |pair| !set_aside(pair)).take(most)
     }
 
+    /// Number of the pair that the pencils of this number (0 or 1) pass through, or did before it was moved; `None` where
+    /// a match stands in for one.
+    pub fn pair_of_pencils(&self, number: usize, click: &PointPair) -> Option<usize> {
+        let moved = || self.used().nth(number).filter(|_| !self.is_unclicked());
+        self.used().find(|pair| self.pairs[*pair] == *click).or_else(moved)
+    }
+
     /// The pairs the geometry is estimated from; `None` while there are too few and nobody asked for it without.
     pub fn used_pairs(&self) -> Option<Vec<PointPair>> {
         let pairs: Vec<PointPair> = self.used().map(|pair| self.pairs[pair]).collect();

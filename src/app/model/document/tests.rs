@@ -156,3 +156,16 @@ fn notes_follow_their_pairs_and_a_moved_point_is_clicked_again() {
     document.remove_all([0, 2]);
     assert_eq!((document.pairs.len(), document.name(0).as_str()), (1, "door"));
 }
+
+#[test]
+fn pencils_have_the_name_of_the_pair_that_they_pass_through() {
+    let mut document = document();
+    let pairs = [[1.0, 2.0], [2.0, 2.0], [50.0, 60.0]].map(|[x, y]| PointPair::new(x, y, x, y));
+    document.set_pairs(pairs.to_vec(), PairOrigin::Clicked);
+    assert_eq!(document.pair_of_pencils(1, &pairs[2]), Some(2), "the farther one was taken");
+    let before_the_drag = PointPair::new(3.0, 3.0, 3.0, 3.0);
+    assert_eq!(document.pair_of_pencils(1, &before_the_drag), Some(1));
+    document.set_pairs(pairs[..1].to_vec(), PairOrigin::Clicked);
+    document.unclicked = true;
+    assert_eq!(document.pair_of_pencils(1, &before_the_drag), None, "a match stands in");
+}

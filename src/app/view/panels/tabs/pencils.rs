@@ -76,8 +76,8 @@ fn one(ui: &mut Ui, model: &Model, number: usize, pencils: &ComparedPencils, com
     if plot.width() < 40.0 || plot.height() < 30.0 {
         return;
     }
-    // Of a geometry without clicks they pass through matches that are no pairs, so that nothing can be pinned by them.
-    let pair = model.document.used().nth(number).filter(|_| !model.document.is_unclicked());
+    // They may pass through matches that stand in for clicks, so that nothing can be pinned by them.
+    let pair = model.document.pair_of_pencils(number, &pencils.click);
     let name = pair.map_or_else(|| format!("match {}", number + 1), pair_name);
     let response = ui.interact(plot, ui.scope_id().with("matrix"), egui::Sense::click());
     response.widget_info(|| {
