@@ -10,8 +10,6 @@ use egui::{
     Visuals,
 };
 
-use crate::app::model::focus::PINS;
-
 /// Lines of the estimated geometry.
 pub const ESTIMATED: Color32 = Color32::from_rgb(26, 204, 140);
 /// Bands around them.
@@ -30,12 +28,16 @@ pub const SELECTED: Color32 = Color32::WHITE;
 pub const HANDLE_RADIUS: f32 = 6.5;
 /// Lines of a pair in inspection that was not pinned.
 pub const INSPECTED: Color32 = Color32::WHITE;
-/// Pinned line pairs, the same in both images and in the plots; another after each, then from the start.
-pub const PINNED: [Color32; PINS] = [
+/// Pinned line pairs, the same in both images and in the plots: see [`pin_color`].
+pub const PINNED: [Color32; 8] = [
     Color32::from_rgb(230, 110, 40),
     Color32::from_rgb(80, 220, 230),
     Color32::from_rgb(214, 120, 255),
     Color32::from_rgb(205, 170, 115),
+    Color32::from_rgb(240, 80, 95),
+    Color32::from_rgb(165, 215, 50),
+    Color32::from_rgb(140, 150, 255),
+    Color32::from_rgb(250, 195, 185),
 ];
 
 /// Epipoles of hypotheses.
@@ -75,6 +77,11 @@ const OTHERS: Color32 = Color32::from_rgb(225, 225, 225);
 /// The colour of a pair by its number: one each for `p`, `q` and `r`, one for all others.
 pub fn pair_color(pair: usize) -> Color32 {
     PAIRS.get(pair).copied().unwrap_or(OTHERS)
+}
+
+/// The colour of a pinned line pair by its number: they repeat, and the numbers tell the pairs apart.
+pub fn pin_color(number: usize) -> Color32 {
+    PINNED[number % PINNED.len()]
 }
 
 /// Colours of the window around the images.
@@ -216,3 +223,6 @@ mod tests {
         }
     }
 }
+        for pin in 0..PINNED.len() {
+            assert!(contrast(pin_color(pin), Color32::BLACK) >= 4.5, "{pin}");
+        }
