@@ -17,17 +17,17 @@ pub const OVERLAY: Overlay = Overlay {
 const PLACES: usize = 17;
 
 fn draw(canvas: &Canvas) {
-    let inspected = canvas.model.open.focus.inspected().map(|pin| pin.source);
+    let inspected = canvas.at_hand(canvas.model.open.focus.inspected()).map(|pin| pin.source);
     for (number, pinned) in canvas.model.pinned() {
         let color = theme::pin_color(number);
         let strong = inspected == Some(pinned.source);
         let width = if strong { theme::STRONG_LINE_WIDTH } else { theme::LINE_WIDTH };
         let line = pinned.lines[canvas.side.index()].line();
         canvas.line(&line, width, color);
-        let Some(segment) = canvas.frame.clip(&line) else { continue };
-        // Each at a place of its own, or the numbers of lines near each other would cover each other.
-        let along = 0.08 + 0.05 * (number % PLACES) as f64;
-        let at = segment.start + (segment.end - segment.start) * along;
-        canvas.label(canvas.transform.screen_from_image(at), &(number + 1).to_string(), color);
+        // Where the line is in sight, each at a place of its own, or the numbers of lines near each other would cover
+        // each other.
+        let Some([start, end]) = canvas.in_sight(&line) else { continue };
+        let along = 0.08 + 0.05 * (number % PLACES) as f32;
+        canvas.label(start.lerp(end, along), &(number + 1).to_string(), color);
     }
 }
