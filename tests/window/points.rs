@@ -230,3 +230,15 @@ fn forty_lines_are_pinned_numbered_and_found_in_a_list() {
     assert_eq!(window.state().focus().inspected(), Some(&pins[2]));
     window.get_by_label("Line pair 3 of 40");
 }
+
+#[test]
+fn a_name_has_room_and_the_row_is_in_sight() {
+    let mut window = sample();
+    click_two_pairs(&mut window);
+    for (width, least) in [(1024.0, 90.0), (1440.0, 170.0)] {
+        window.set_size(egui::vec2(width, 800.0));
+        settle(&mut window);
+        let name = window.get_by_label("Name of pair p").rect().width();
+        assert!(name >= least, "{name} at {width}");
+    }
+}
