@@ -3,7 +3,7 @@
 use crate::support::*;
 
 use egui::accesskit::Role;
-use egui::{Color32, Key, Modifiers, vec2};
+use egui::{Color32, Key, Modifiers, Shape, vec2};
 use egui_kittest::kittest::{NodeT, Queryable};
 use epiline::app::Start;
 use epiline::app::model::document::Side;
@@ -373,3 +373,47 @@ fn figures_stand_on_their_scales_of_good_and_bad() {
     settle(&mut window);
     window.get_by_label_contains("Support on its scale: ");
 }
+#[test]
+fn the_key_sheet_fits_a_laptop() {
+    let mut window = sample();
+    window.set_size(vec2(1440.0, 900.0));
+    press(&mut window, Key::F1);
+    let bottom = window.get_by_label("Keys and mouse").rect().max.y + 760.0;
+    for last in [
+        "Write the geometry, the point pairs, the result, a profile or the view as a file for other programs",
+        "Both images redrawn so that corresponding points are in the same row",
+        "Close the window",
+    ] {
+        let rect = window.get_by_label(last).rect();
+        assert!(rect.max.y < bottom, "{last}: {rect:?}, {bottom}");
+    }
+}
+
+#[test]
+fn what_a_small_window_has_no_room_for_can_be_scrolled_to_and_a_bar_says_so() {
+    let mut window = with_result();
+    window.set_size(vec2(1024.0, 640.0));
+    press(&mut window, Key::Num2);
+    let top = |window: &Window, title: &str| window.get_by_label(title).rect().min.y;
+    assert!(top(&window, "After warping") > top(&window, "Before warping") + 95.0, "no plot over another");
+    let bars = |window: &Window, upright: bool| {
+        let left = window.get_by_label("Profiles").rect().left_bottom();
+        let bars = window.output().shapes.iter().filter(|clipped| match &clipped.shape {
+            Shape::Rect(bar) => {
+                let size = if upright { bar.rect.size() } else { bar.rect.size().yx() };
+                let is_below = bar.rect.min.y > left.y;
+                is_below && size.x <= 4.0 && size.y > 20.0 && bar.fill.a() > 100
+            }
+            _ => false,
+        });
+        bars.count()
+    };
+    window.hover_at(egui::pos2(300.0, 20.0));
+    settle(&mut window);
+    assert!(bars(&window, true) > 0, "plots");
+    press(&mut window, Key::Num5);
+    assert!(bars(&window, false) > 0, "columns of residuals");
+    press(&mut window, Key::Num1);
+    assert_eq!(bars(&window, false), 0, "nothing is out of sight");
+}
+

@@ -151,6 +151,9 @@ pub fn install(ctx: &egui::Context) {
         style.spacing.interact_size.y = 26.0;
         style.spacing.window_margin = Margin::same(16);
         style.spacing.tooltip_width = 320.0;
+        // Wherever something is out of sight a thin bar says so, not only under the cursor.
+        style.spacing.scroll.dormant_handle_opacity = 0.5;
+        style.spacing.scroll.floating_width = 3.0;
     });
     for theme in [Theme::Dark, Theme::Light] {
         ctx.set_visuals_of(theme, visuals(theme));
@@ -221,8 +224,8 @@ mod tests {
         for pair in 0..4 {
             assert!(contrast(pair_color(pair), Color32::BLACK) >= 4.5);
         }
-    }
-}
         for pin in 0..PINNED.len() {
             assert!(contrast(pin_color(pin), Color32::BLACK) >= 4.5, "{pin}");
         }
+    }
+}
