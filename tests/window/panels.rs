@@ -250,6 +250,25 @@ fn the_rival_that_makes_the_margin_is_marked() {
     press(&mut window, Key::Num4);
     window.get_by_label("Hypothesis 3, the rival");
     assert_eq!(window.query_all_by_label_contains(", the rival").count(), 1);
+    // The margin can be followed from the rows.
+    for (row, says) in [
+        (
+            "Hypothesis 2",
+            "Its lines are near those of the result. So it is no rival, and the margin passes over it.",
+        ),
+        (
+            "Hypothesis 3, the rival",
+            "The best clearly different geometry. Its support 80.0 beside 100.0 of hypothesis 1 makes the margin of 20 %.",
+        ),
+    ] {
+        let row = window.get_by_label(row).rect();
+        // Beside the bars, which have their own words.
+        window.hover_at(row.left_center() + vec2(30.0, 0.0));
+        for _ in 0..30 {
+            window.step();
+        }
+        window.get_by_label(says);
+    }
 }
 
 #[test]
@@ -359,21 +378,6 @@ fn the_key_sheet_is_grouped() {
 }
 
 #[test]
-fn figures_stand_on_their_scales_of_good_and_bad() {
-    let mut window = with_result();
-    // The limits are those of the verdict's rules; what no rule judges says so.
-    window.get_by_label("Margin on its scale: Good from 20 % on, bad below 5 %.");
-    window.get_by_label_contains("Line score on its scale: No rule judges it by itself");
-    window.get_by_label_contains("Round trip on its scale: No rule judges it by itself");
-    let of_p =
-        window.get_by_label_contains("Distance of pair p on its scale: ").accesskit_node().label().unwrap();
-    assert!(of_p.ends_with("Good up to 4.0 px, bad above 12.0 px."), "{of_p}");
-    press(&mut window, Key::Num4);
-    window.get_by_label("Hypothesis 3").click();
-    settle(&mut window);
-    window.get_by_label_contains("Support on its scale: ");
-}
-#[test]
 fn the_key_sheet_fits_a_laptop() {
     let mut window = sample();
     window.set_size(vec2(1440.0, 900.0));
@@ -417,3 +421,18 @@ fn what_a_small_window_has_no_room_for_can_be_scrolled_to_and_a_bar_says_so() {
     assert_eq!(bars(&window, false), 0, "nothing is out of sight");
 }
 
+#[test]
+fn figures_stand_on_their_scales_of_good_and_bad() {
+    let mut window = with_result();
+    // The limits are those of the verdict's rules; what no rule judges says so.
+    window.get_by_label("Margin on its scale: Good from 20 % on, bad below 5 %.");
+    window.get_by_label_contains("Line score on its scale: No rule judges it by itself");
+    window.get_by_label_contains("Round trip on its scale: No rule judges it by itself");
+    let of_p =
+        window.get_by_label_contains("Distance of pair p on its scale: ").accesskit_node().label().unwrap();
+    assert!(of_p.ends_with("Good up to 4.0 px, bad above 12.0 px."), "{of_p}");
+    press(&mut window, Key::Num4);
+    window.get_by_label("Hypothesis 3").click();
+    settle(&mut window);
+    window.get_by_label_contains("Support on its scale: ");
+}
