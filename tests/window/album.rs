@@ -174,3 +174,18 @@ fn one_session_has_the_points_of_all_pairs() {
     assert_eq!(made(&old), second);
     assert_eq!(old.state().messages().count(), 0);
 }
+
+#[test]
+fn an_enlarged_panel_leaves_the_images_the_room_of_the_strip() {
+    let files = folder(4);
+    let mut window = opened(&files, services());
+    window.get_by_label("Image shot3");
+    press(&mut window, Key::Num6);
+    window.key_press_modifiers(Modifiers::SHIFT, Key::B);
+    settle(&mut window);
+    assert!(window.query_by_label("Image shot3").is_none());
+    assert!(pane(&window, Side::Left).height() > 60.0, "{:?}", pane(&window, Side::Left));
+    window.key_press_modifiers(Modifiers::SHIFT, Key::B);
+    settle(&mut window);
+    window.get_by_label("Image shot3");
+}

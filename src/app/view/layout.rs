@@ -99,7 +99,10 @@ impl View {
             ui.set_min_height(28.0);
             panels::guide_bar(ui, model, commands);
         });
-        let strip = model.folder().filter(|_| has_strip(model) && !model.look.strip_folded);
+        // The images need what an enlarged panel leaves.
+        let enlarged = model.tab().is_some() && model.look.tabs_enlarged;
+        let strip = has_strip(model) && !model.look.strip_folded && !enlarged;
+        let strip = model.folder().filter(|_| strip);
         let room_for_legend = ROOM_FOR_LEGEND + strip.map_or(0.0, |_| panels::FilmStrip::height(height));
         match strip {
             Some(folder) => {
@@ -161,7 +164,6 @@ impl View {
             });
         }
         // A low window has better use for the space; the menu View has every overlay too.
-        let enlarged = model.tab().is_some() && model.look.tabs_enlarged;
         let wanted = model.document.pictures.is_some() && !model.look.overlays_folded;
         if wanted && height > room_for_legend && !enlarged {
             let strip = bar(ui).inner_margin(Margin::symmetric(8, 3));
