@@ -254,7 +254,7 @@ fn the_rival_that_makes_the_margin_is_marked() {
     for (row, says) in [
         (
             "Hypothesis 2",
-            "Its lines are near those of the result. So it is no rival, and the margin passes over it.",
+            "Not clearly different from the result. So it is no rival, and the margin passes over it.",
         ),
         (
             "Hypothesis 3, the rival",

@@ -31,13 +31,12 @@ impl Standing {
         let far = away(result, number);
         match self {
             Self::Near => {
-                let fit = far.map_or("Its lines are near those of the result.".to_owned(), |(count, far)| {
-                    format!(
-                        "The matches hardly tell it from the result: half of the {count} lie within {far:.1} px of its \
-                         lines, too."
-                    )
+                let within = far.map_or(String::new(), |(count, far)| {
+                    format!(": half of its {count} matches lie within {far:.1} px of these lines, too")
                 });
-                format!("{fit} So it is no rival, and the margin passes over it.")
+                format!(
+                    "Not clearly different from the result{within}. So it is no rival, and the margin passes over it."
+                )
             }
             Self::Rival => {
                 let beyond = far.map_or(String::new(), |(count, far)| {
