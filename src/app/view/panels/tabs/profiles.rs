@@ -24,7 +24,7 @@ const LEFT: Color32 = theme::PAIRS[2];
 const RIGHT: Color32 = theme::PAIRS[0];
 
 /// With less height than this the plots are scrolled, screen points: lower ones would lie over each other.
-const LEAST_HEIGHT: f32 = 200.0;
+const LEAST_HEIGHT: f32 = 176.0;
 
 fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     if let Some(inspected) = model.inspected_barcodes() {
