@@ -16,6 +16,9 @@ use crate::app::model::pane_view::PaneView;
 /// Windows lower than this do without the legend, screen points.
 const ROOM_FOR_LEGEND: f32 = 620.0;
 
+/// What an enlarged panel leaves of a low window: the bars, and images in which one still finds one's way, screen points.
+const REST: f32 = 290.0;
+
 /// What is on the screen and is not part of the state: the panes, the dialogs, the picture that is being taken.
 pub struct View {
     /// The two images.
@@ -143,7 +146,8 @@ impl View {
         if model.tab().is_some() {
             // Each of the two heights is remembered by itself.
             let (name, size, largest) = if model.look.tabs_enlarged {
-                ("enlarged tabs", height * 0.64, height * 0.75)
+                let largest = (height - REST).max(height * 0.5);
+                ("enlarged tabs", largest.min(height * 0.64), largest)
             } else {
                 ("tabs", (height * 0.29).clamp(130.0, 320.0), height * 0.6)
             };

@@ -36,12 +36,17 @@ pub fn show(
             let (left, right) = area.split_left_right_at_fraction(0.44);
             ui.scope_builder(UiBuilder::new().max_rect(left.with_max_x(left.max.x - theme::GAP)), |ui| {
                 choosers(ui, model, drawn, commands);
-                method(ui, model, rectified, drawn);
+                method(ui, drawn);
             });
-            ui.scope_builder(UiBuilder::new().max_rect(right), |ui| measures(ui, rectified, drawn));
+            ui.scope_builder(UiBuilder::new().max_rect(right), |ui| {
+                warnings(ui, model, rectified, drawn);
+                measures(ui, rectified, drawn);
+            });
         } else {
+            // Below what is clicked, which stays in its place.
             choosers(ui, model, drawn, commands);
-            method(ui, model, rectified, drawn);
+            warnings(ui, model, rectified, drawn);
+            method(ui, drawn);
             measures(ui, rectified, drawn);
         }
     });
@@ -54,12 +59,11 @@ fn choosers(ui: &mut Ui, model: &Model, drawn: &DrawnPair, commands: &mut Vec<Co
     ui.horizontal(|ui| guide_chooser(ui, model, commands));
 }
 
-/// Which method it is and why, and what to beware of.
-fn method(ui: &mut Ui, model: &Model, rectified: &Rectified, drawn: &DrawnPair) {
-    let full = &drawn.full;
+/// What to beware of.
+fn warnings(ui: &mut Ui, model: &Model, rectified: &Rectified, drawn: &DrawnPair) {
     // The pair may still be of the geometry that was shown before.
     let is_of_shown = model.shown().is_some_and(|shown| *shown.fundamental == rectified.fundamental);
-    for warning in &full.warnings {
+    for warning in &drawn.full.warnings {
         let of_shown = match warning {
             RectifyWarning::Misfit { rows } if is_of_shown => model.misfit_in_words(*rows),
             _ => None,
@@ -67,6 +71,11 @@ fn method(ui: &mut Ui, model: &Model, rectified: &Rectified, drawn: &DrawnPair) 
         let text = of_shown.unwrap_or_else(|| warning.to_string());
         ui.label(RichText::new(text).color(theme::palette(ui.visuals()).caution));
     }
+}
+
+/// Which method it is, and why.
+fn method(ui: &mut Ui, drawn: &DrawnPair) {
+    let full = &drawn.full;
     ui.weak(format!("{}, because {}.", sentence(full.method.name()), full.reason));
 }
 
