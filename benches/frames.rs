@@ -86,7 +86,7 @@ fn while_dragging() {
     drag_in_circles(&mut window, &times);
 }
 
-/// Pairs of a full window, and clicks that pin lines, of which the latest few stay.
+/// Pairs and pinned lines of a full window.
 const MANY: usize = 40;
 
 fn drag_in_circles(window: &mut Window, times: &RefCell<Vec<Duration>>) {

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::{Measures, PolarTable, Rectification, RectifyMethod};
+use super::{Measures, PolarTable, Rectification, RectifyMethod, RectifyWarning};
 use crate::geometry::{Frame, FundamentalMatrix};
 
 /// What stands in a description's `convention`.
@@ -33,7 +33,7 @@ pub struct Description<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     polar2: Option<PolarTable<'a>>,
     measures: &'a Measures,
-    warnings: &'a [String],
+    warnings: &'a [RectifyWarning],
     version: &'static str,
 }
 

@@ -25,6 +25,7 @@ mod warp;
 
 use serde::{Deserialize, Serialize};
 
+pub use advice::RectifyWarning;
 pub use choice::rectify;
 pub use description::Description;
 pub use error::RectifyError;
@@ -93,8 +94,8 @@ pub struct Rectification {
     pub scale: f64,
     /// How good it is.
     pub measures: Measures,
-    /// What to beware of and what to do about it, a sentence each.
-    pub warnings: Vec<String>,
+    /// What to beware of.
+    pub warnings: Vec<RectifyWarning>,
 }
 
 impl Rectification {

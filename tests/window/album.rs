@@ -174,3 +174,23 @@ fn one_session_has_the_points_of_all_pairs() {
     assert_eq!(made(&old), second);
     assert_eq!(old.state().messages().count(), 0);
 }
+
+#[test]
+fn an_enlarged_panel_leaves_the_images_the_room_of_the_strip() {
+    let files = folder(4);
+    let mut window = opened(&files, services());
+    window.get_by_label("Image shot3");
+    press(&mut window, Key::Num6);
+    window.key_press_modifiers(Modifiers::SHIFT, Key::B);
+    settle(&mut window);
+    assert!(window.query_by_label("Image shot3").is_none());
+    for (width, height, least) in [(1440.0, 900.0, 150.0), (1024.0, 640.0, 80.0)] {
+        window.set_size(egui::vec2(width, height));
+        settle(&mut window);
+        let image = pane(&window, Side::Left).height();
+        assert!(image >= least, "{image} of {height}");
+    }
+    window.key_press_modifiers(Modifiers::SHIFT, Key::B);
+    settle(&mut window);
+    window.get_by_label("Image shot3");
+}

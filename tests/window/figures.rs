@@ -3,7 +3,12 @@
 use crate::exchange::export;
 use crate::support::*;
 
+use egui::Key;
+use epiline::app::Start;
 use epiline::app::model::document::Side;
+use epiline::estimate::Estimate;
+use epiline::geometry::FundamentalMatrix;
+use nalgebra::Matrix3;
 
 #[test]
 fn a_figure_has_the_images_with_lines_and_letters_or_pixels_of_any_size() {
@@ -52,4 +57,86 @@ fn a_figure_has_the_images_with_lines_and_letters_or_pixels_of_any_size() {
     assert_eq!(narrow.to_rgb8().get_pixel(1, 1).0, [24; 3]);
     export(&mut window, &["Figure", "What is seen"], &path);
     assert!(image::open(&path).is_ok());
+}
+
+/// The estimator with hypotheses whose epipoles are at infinity.
+fn with_far_hypotheses() -> Window {
+    let mut services = rich_services();
+    services.estimate = Box::new(|request, _| {
+        let mut estimate = rich_estimate(&request.pairs, &request.parameters)?;
+        let mut trace = estimate.trace.as_deref().cloned().unwrap();
+        let rows = Matrix3::new(0.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 1.0, 5.0);
+        trace.hypotheses = vec![Estimate::from(FundamentalMatrix::from_rank_two(rows).unwrap())];
+        estimate.trace = Some(trace.into());
+        Ok(estimate)
+    });
+    let mut window = window(Start::default(), services);
+    click_two_pairs(&mut window);
+    window
+}
+
+#[test]
+fn a_figure_has_no_mark_of_what_is_selected_or_outside() {
+    let files = Files::new();
+    let mut window = with_far_hypotheses();
+    let handle = screen(&window, P_LEFT);
+    click(&mut window, handle);
+    assert!(window.state().document().selection.is_some());
+    let path = files.0.path().join("figure.svg");
+    export(&mut window, &["Figure"], &path);
+    let text = std::fs::read_to_string(&path).unwrap();
+    let circles: Vec<_> = text.lines().filter(|line| line.starts_with("<circle")).collect();
+    assert!(circles.iter().any(|circle| circle.contains("r=\"6.50\"")), "the points are there");
+    assert!(circles.iter().all(|circle| !circle.contains("r=\"10.00\"")), "{circles:?}");
+    assert!(!text.contains("#cdb2ff"), "an arrow to an epipole outside");
+    let widths = |text: &str, color: &str| {
+        let lines = text.lines().filter(|line| line.starts_with("<line") && line.contains(color));
+        lines.filter_map(|line| line.split("stroke-width=").nth(1).map(str::to_owned)).collect::<Vec<_>>()
+    };
+    let widths = widths(&text, "#1acc8c");
+    assert!(widths.len() >= 4 && widths.iter().all(|width| *width == widths[0]), "{widths:?}");
+}
+
+#[test]
+fn the_number_of_a_pin_is_in_the_part_that_is_seen() {
+    let files = Files::new();
+    let mut window = sample();
+    click_two_pairs(&mut window);
+    press(&mut window, Key::I);
+    let place = at(&window, Side::Left, 0.25, 0.2);
+    click(&mut window, place);
+    press(&mut window, Key::I);
+    press(&mut window, Key::L);
+    for _ in 0..6 {
+        scroll(&mut window, place);
+    }
+    for side in Side::BOTH {
+        let pane = pane(&window, side);
+        let is_inside = |shape: &egui::Shape| {
+            matches!(shape, egui::Shape::Text(text) if text.galley.text() == "1"
+                && pane.contains_rect(text.galley.rect.translate(text.pos.to_vec2())))
+        };
+        let shapes = &window.output().shapes;
+        // Where the line leaves the part that is seen, there is no number either.
+        let in_pane = shapes.iter().filter(|clipped| pane.expand(1.0).contains_rect(clipped.clip_rect));
+        assert!(in_pane.into_iter().any(|clipped| is_inside(&clipped.shape)), "{}", side.name());
+    }
+    let path = files.0.path().join("figure.svg");
+    export(&mut window, &["Figure", "What is seen"], &path);
+    let text = std::fs::read_to_string(&path).unwrap();
+    let size = |name: &str, text: &str| -> f32 {
+        text.split(&format!("{name}=\""))
+            .nth(1)
+            .and_then(|rest| rest.split('"').next()?.parse().ok())
+            .unwrap()
+    };
+    let (width, height) = (size("width", &text), size("height", &text));
+    let numbers: Vec<_> = text.lines().filter(|line| line.ends_with(">1</text>")).collect();
+    assert_eq!(numbers.len(), 2);
+    for number in numbers {
+        assert!(
+            (0.0..width).contains(&size("x", number)) && (0.0..height).contains(&size("y", number)),
+            "{number}"
+        );
+    }
 }

@@ -24,21 +24,6 @@ fn image_position(window: &Window, side: Side, at: Pos2) -> Point {
         + epiline::geometry::Vector::new(f64::from(offset.x), f64::from(offset.y))
 }
 
-fn scroll(window: &mut Window, at: Pos2) {
-    window.hover_at(at);
-    window.event(egui::Event::MouseWheel {
-        unit: egui::MouseWheelUnit::Point,
-        delta: vec2(0.0, 150.0),
-        phase: egui::TouchPhase::Move,
-        source: egui::MouseWheelSource::Wheel,
-        modifiers: Modifiers::NONE,
-    });
-    for _ in 0..10 {
-        window.step();
-    }
-    settle(window);
-}
-
 /// The square frame of the loupe, if it is drawn.
 fn loupe(window: &Window) -> Option<egui::Rect> {
     window.output().shapes.iter().find_map(|clipped| match &clipped.shape {

@@ -3,7 +3,7 @@
 use crate::support::*;
 
 use egui::accesskit::Role;
-use egui::{Color32, Key, Modifiers, vec2};
+use egui::{Color32, Key, Modifiers, Shape, vec2};
 use egui_kittest::kittest::{NodeT, Queryable};
 use epiline::app::Start;
 use epiline::app::model::document::Side;
@@ -250,21 +250,38 @@ fn the_rival_that_makes_the_margin_is_marked() {
     press(&mut window, Key::Num4);
     window.get_by_label("Hypothesis 3, the rival");
     assert_eq!(window.query_all_by_label_contains(", the rival").count(), 1);
+    // The margin can be followed from the rows.
+    for (row, says) in [
+        (
+            "Hypothesis 2",
+            "Not clearly different from the result. So it is no rival, and the margin passes over it.",
+        ),
+        (
+            "Hypothesis 3, the rival",
+            "The best clearly different geometry. Its support 80.0 beside 100.0 of hypothesis 1 makes the margin of 20 %.",
+        ),
+    ] {
+        let row = window.get_by_label(row).rect();
+        // Beside the bars, which have their own words.
+        window.hover_at(row.left_center() + vec2(30.0, 0.0));
+        for _ in 0..30 {
+            window.step();
+        }
+        window.get_by_label(says);
+    }
 }
 
 #[test]
 fn everything_in_a_row_of_the_table_is_in_sight() {
     let mut window = with_result();
-    for width in [1280.0, 1024.0] {
+    for (width, last) in [(1440.0, "Delete"), (1024.0, "More")] {
         window.set_size(vec2(width, 800.0));
         settle(&mut window);
         let edge = window.get_by_label("Hide panel").rect().max.x + 1.0;
         for pair in ["p", "q"] {
-            let delete = window.get_by_label(&format!("Delete: pair {pair}")).rect();
-            assert!(delete.max.x <= edge, "{width}: {delete:?} beyond {edge}");
+            let last = window.get_by_label(&format!("{last}: pair {pair}")).rect();
+            assert!(last.max.x <= edge, "{width}: {last:?} beyond {edge}");
         }
-        let rest = window.query_by_label("More: pair p").or(window.query_by_label("Pin lines: pair p"));
-        assert!(rest.is_some_and(|button| button.rect().max.x <= edge), "{width}");
     }
     window.get_by_label("More: pair p").click();
     settle(&mut window);
@@ -358,6 +375,52 @@ fn the_key_sheet_is_grouped() {
     for group in ["Mouse", "Points", "Files", "Looking", "Panels", "Result", "Program"] {
         assert!(window.query_all_by_label(group).count() >= 1, "{group}");
     }
+}
+
+#[test]
+fn the_key_sheet_fits_a_laptop() {
+    let mut window = sample();
+    window.set_size(vec2(1440.0, 900.0));
+    press(&mut window, Key::F1);
+    let bottom = window.get_by_label("Keys and mouse").rect().max.y + 760.0;
+    for last in [
+        "Write the geometry, the point pairs, the result, a profile or the view as a file for other programs",
+        "Both images redrawn so that corresponding points are in the same row",
+        "Close the window",
+    ] {
+        let rect = window.get_by_label(last).rect();
+        assert!(rect.max.y < bottom, "{last}: {rect:?}, {bottom}");
+    }
+}
+
+#[test]
+fn what_a_small_window_has_no_room_for_can_be_scrolled_to_and_a_bar_says_so() {
+    let mut window = with_result();
+    // A low panel.
+    window.set_size(vec2(1024.0, 300.0));
+    press(&mut window, Key::Num2);
+    let top = |window: &Window, title: &str| window.get_by_label(title).rect().min.y;
+    assert!(top(&window, "After warping") > top(&window, "Before warping") + 82.0, "no plot over another");
+    let bars = |window: &Window, upright: bool| {
+        let left = window.get_by_label("Profiles").rect().left_bottom();
+        let bars = window.output().shapes.iter().filter(|clipped| match &clipped.shape {
+            Shape::Rect(bar) => {
+                let size = if upright { bar.rect.size() } else { bar.rect.size().yx() };
+                let is_below = bar.rect.min.y > left.y;
+                is_below && size.x <= 4.0 && size.y > 20.0 && bar.fill.a() > 100
+            }
+            _ => false,
+        });
+        bars.count()
+    };
+    window.hover_at(egui::pos2(300.0, 20.0));
+    settle(&mut window);
+    assert!(bars(&window, true) > 0, "plots");
+    window.set_size(vec2(1024.0, 640.0));
+    press(&mut window, Key::Num5);
+    assert!(bars(&window, false) > 0, "columns of residuals");
+    press(&mut window, Key::Num1);
+    assert_eq!(bars(&window, false), 0, "nothing is out of sight");
 }
 
 #[test]

@@ -194,3 +194,51 @@ fn a_point_among_forty_can_be_dragged() {
     assert!(moved > 5.0, "{moved} px");
     assert_eq!(window.state().document().pairs.len(), 40);
 }
+
+#[test]
+fn forty_lines_are_pinned_numbered_and_found_in_a_list() {
+    let pairs = epiline::synthetic::Sample::Courtyard.load().matches.into_iter().take(40).collect();
+    let mut window = window(Start { pairs, ..Start::default() }, services());
+    press(&mut window, Key::I);
+    for k in 0..40 {
+        let place = at(&window, Side::Left, -0.42 + 0.115 * (k % 8) as f32, -0.4 + 0.19 * (k / 8) as f32);
+        click(&mut window, place);
+    }
+    press(&mut window, Key::I);
+    let pins = window.state().focus().pins().to_vec();
+    assert_eq!(pins.len(), 40);
+    let right = pane(&window, Side::Right);
+    let texts = window.output().shapes.iter().filter_map(|clipped| match &clipped.shape {
+        egui::Shape::Text(text) if right.expand(1.0).contains_rect(clipped.clip_rect) => {
+            text.galley.text().parse::<usize>().ok()
+        }
+        _ => None,
+    });
+    let mut numbers: Vec<_> = texts.collect();
+    numbers.sort_unstable();
+    numbers.dedup();
+    // Lines that miss the right image have no number there.
+    assert!(numbers.len() > 30 && numbers.iter().all(|number| (1..=40).contains(number)), "{numbers:?}");
+    press(&mut window, Key::Num2);
+    window.get_by_label("Line pair 40 of 40").click();
+    settle(&mut window);
+    let rows: Vec<_> = window.query_all_by_label_contains("Inspect: ").collect();
+    assert_eq!(rows.len(), 40);
+    rows[2].click();
+    drop(rows);
+    settle(&mut window);
+    assert_eq!(window.state().focus().inspected(), Some(&pins[2]));
+    window.get_by_label("Line pair 3 of 40");
+}
+
+#[test]
+fn a_name_has_room_and_the_row_is_in_sight() {
+    let mut window = sample();
+    click_two_pairs(&mut window);
+    for (width, least) in [(1024.0, 90.0), (1440.0, 170.0)] {
+        window.set_size(egui::vec2(width, 800.0));
+        settle(&mut window);
+        let name = window.get_by_label("Name of pair p").rect().width();
+        assert!(name >= least, "{name} at {width}");
+    }
+}

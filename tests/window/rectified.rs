@@ -14,8 +14,8 @@ use epiline::app::Start;
 use epiline::app::model::document::Side;
 use epiline::app::model::focus::Target;
 use epiline::app::model::rectified::RectifiedLayout;
-use epiline::estimate::{CancelFlag, Estimate};
-use epiline::geometry::{Frame, FundamentalMatrix, Point, Vector};
+use epiline::estimate::{CancelFlag, Estimate, Trust, Verdict};
+use epiline::geometry::{Frame, FundamentalMatrix, Point, PointPair, Vector};
 use epiline::rectify::{Limits, Rectification, RectifyMethod, rectify};
 use epiline::synthetic::Sample;
 use nalgebra::Vector3;
@@ -431,4 +431,31 @@ fn a_click_on_a_ring_brings_its_depth_into_register_and_a_wipe_shows_it() {
     settle(&mut window);
     window.get_by_label("disparities of the rectified pair");
     window.get_by_label_contains("Disparity preview: ");
+}
+
+#[test]
+fn what_rows_that_lie_apart_mean_depends_on_whose_geometry_is_shown() {
+    for (verdict, says) in [
+        (Verdict::Reliable, "hypothesis 3 is shown, and they speak against it. Press R for the result."),
+        (Verdict::Doubtful, "hypothesis 3 is shown, and the result is another geometry. Neither is certain"),
+    ] {
+        let mut services = rich_services();
+        services.estimate = Box::new(move |request, _| {
+            let mut estimate = rich_estimate(&request.pairs, &request.parameters)?;
+            estimate.assessment.trust = Some(Trust { verdict, reasons: Vec::new() });
+            Ok(estimate)
+        });
+        let pairs =
+            vec![PointPair::new(150.0, 150.0, 130.0, 155.0), PointPair::new(600.0, 400.0, 560.0, 390.0)];
+        let mut window = window(Start { pairs, ..Start::default() }, services);
+        press(&mut window, Key::Num4);
+        window.get_by_label("Hypothesis 3").click();
+        settle(&mut window);
+        press(&mut window, Key::Num6);
+        window.get_by_label_contains(says);
+        assert!(window.query_by_label_contains("add point pairs").is_none());
+        assert!(window.query_by_label_contains("Search ").is_none(), "a range of a wrong geometry");
+        press(&mut window, Key::R);
+        assert!(window.query_by_label_contains("Rows of ").is_none());
+    }
 }

@@ -272,3 +272,16 @@ fn clicks_on_the_sample_are_kept_too_when_other_images_are_opened() {
     settle(&mut window);
     assert_eq!(made(&window).pairs, before.pairs);
 }
+
+#[test]
+fn what_was_done_is_told_for_a_while() {
+    let files = Files::new();
+    let mut window = worked(&files);
+    save_as(&mut window, &files.0.path().join("work.json"));
+    window.get_by_label_contains("Saved ");
+    // Nine seconds.
+    for _ in 0..180 {
+        window.step();
+    }
+    assert!(window.query_by_label_contains("Saved ").is_none());
+}

@@ -320,3 +320,19 @@ pub fn save_as(window: &mut Window, path: &Path) {
     window.key_press(Key::Enter);
     settle(window);
 }
+
+/// Turns the wheel, which zooms in.
+pub fn scroll(window: &mut Window, at: Pos2) {
+    window.hover_at(at);
+    window.event(egui::Event::MouseWheel {
+        unit: egui::MouseWheelUnit::Point,
+        delta: vec2(0.0, 150.0),
+        phase: egui::TouchPhase::Move,
+        source: egui::MouseWheelSource::Wheel,
+        modifiers: Modifiers::NONE,
+    });
+    for _ in 0..10 {
+        window.step();
+    }
+    settle(window);
+}

@@ -204,7 +204,7 @@ impl Inspector {
         let count = found.pairs.len();
         self.model.edit(Step::Single, |document| document.set_pairs(found.pairs, PairOrigin::Imported));
         let plural = if count == 1 { "" } else { "s" };
-        self.model.open.done = Some(format!("Imported {count} point pair{plural} from {}", found.name));
+        self.model.open.done.tell(format!("Imported {count} point pair{plural} from {}", found.name));
     }
 
     /// Takes the matrix that is asked about.
@@ -238,6 +238,6 @@ impl Inspector {
             }
         });
         self.model.open.focus.choose_contestant(Contestant::Imported);
-        self.model.open.done = Some(format!("Imported a geometry{what} from {name}"));
+        self.model.open.done.tell(format!("Imported a geometry{what} from {name}"));
     }
 }

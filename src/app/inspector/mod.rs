@@ -151,7 +151,10 @@ impl Inspector {
             self.model.open.hover = hover;
             ctx.request_repaint();
         }
-        if let Some(seconds) = self.model.messages.retire(ctx.input(|input| input.time)) {
+        let now = ctx.input(|input| input.time);
+        for seconds in
+            [self.model.messages.retire(now), self.model.open.done.retire(now)].into_iter().flatten()
+        {
             ctx.request_repaint_after(Duration::from_secs_f64(seconds));
         }
         self.point_at(&ctx, &commands);

@@ -20,7 +20,7 @@ impl Inspector {
                 let text = model.copied_pairs();
                 let count = text.lines().count() - 1;
                 let plural = if count == 1 { "" } else { "s" };
-                model.open.done = Some(format!("Copied {count} point pair{plural} as a table"));
+                model.open.done.tell(format!("Copied {count} point pair{plural} as a table"));
                 ctx.copy_text(text);
             }
             PointsCommand::RequestPaste => ctx.send_viewport_cmd(ViewportCommand::RequestPaste),

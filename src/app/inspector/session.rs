@@ -146,7 +146,7 @@ impl Inspector {
         while let Some(written) = self.tasks.saver.poll() {
             match written {
                 Written::Session { path, result: Ok(work) } => {
-                    self.model.open.done = Some(format!("Saved {}", path.display()));
+                    self.model.open.done.tell(format!("Saved {}", path.display()));
                     // What was written is what it was then; whatever changed since is not saved.
                     self.model.session.belongs_to(path, *work);
                 }
@@ -155,7 +155,7 @@ impl Inspector {
                 )),
                 Written::Copy(result) => self.note_copy(result),
                 Written::Export { path, result: Ok(what) } => {
-                    self.model.open.done = Some(format!("Exported {what} to {}", path.display()));
+                    self.model.open.done.tell(format!("Exported {what} to {}", path.display()));
                 }
                 Written::Export { result: Err(problem), .. } => {
                     let text = format!("Nothing was exported: {problem}. Choose another place.");
@@ -211,13 +211,13 @@ impl Inspector {
         if session.recovers {
             // A path that depends on where the program is started would be another file now.
             model.session.path = work.belongs_to.take().filter(|path| path.is_absolute());
-            model.open.done = Some("Restored what was not saved".to_owned());
+            model.open.done.tell("Restored what was not saved");
             // The next copy is this window's own, at once; only then the one left behind may go.
             self.copy_work();
             self.settle_left_behind(&session.path);
             self.offer_left_behind();
         } else {
-            model.open.done = Some(format!("Opened {}", session.path.display()));
+            model.open.done.tell(format!("Opened {}", session.path.display()));
             model.session.belongs_to(session.path, work);
         }
         for note in notes {

@@ -68,12 +68,12 @@ pub enum LineSource {
 pub struct Pin {
     /// Where it comes from.
     pub source: LineSource,
-    /// The number of its colour in both images and in the plots.
-    pub color: usize,
+    /// Its number in both images and in the plots, from 0; its colour goes with it.
+    pub number: usize,
 }
 
-/// Pinned line pairs at most, each with a colour of its own; the oldest gives way.
-pub const PINS: usize = 4;
+/// Pinned line pairs at most, each with a number of its own; the oldest gives way.
+pub const PINS: usize = 40;
 
 /// What is pointed at and what is chosen.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -147,8 +147,8 @@ impl Focus {
         if self.pins.len() == PINS {
             self.pins.remove(0);
         }
-        let free = (0..PINS).find(|color| self.pins.iter().all(|pin| pin.color != *color));
-        self.pins.push(Pin { source, color: free.unwrap_or(0) });
+        let free = (0..PINS).find(|number| self.pins.iter().all(|pin| pin.number != *number));
+        self.pins.push(Pin { source, number: free.unwrap_or(0) });
         self.inspected = Some(self.pins.len() - 1);
     }
 
@@ -177,7 +177,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn pins_have_a_colour_each_and_the_oldest_gives_way() {
+    fn pins_have_a_number_each_and_the_oldest_gives_way() {
         let mut focus = Focus::default();
         for pair in 0..=PINS {
             focus.pin(LineSource::Pair(pair));
@@ -186,7 +186,7 @@ mod tests {
         assert_eq!(focus.inspected().map(|pin| pin.source), Some(LineSource::Pair(PINS)));
         for (k, pin) in focus.pins().iter().enumerate() {
             assert_eq!(pin.source, LineSource::Pair(k + 1));
-            assert!(focus.pins()[..k].iter().all(|other| other.color != pin.color));
+            assert!(focus.pins()[..k].iter().all(|other| other.number != pin.number));
         }
         focus.pin(LineSource::Pair(2));
         assert_eq!(focus.pins().len(), PINS, "pinned already");

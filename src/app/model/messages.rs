@@ -124,6 +124,36 @@ impl Messages {
     }
 }
 
+/// What was done last, for the status bar: it goes by itself as other news of success does.
+#[derive(Debug, Clone, Default)]
+pub struct LastDone {
+    text: Option<String>,
+    /// When it was seen first, seconds of the window's clock.
+    seen: Option<f64>,
+}
+
+impl LastDone {
+    /// Tells what was done, in place of what was done before.
+    pub fn tell(&mut self, text: impl Into<String>) {
+        *self = Self { text: Some(text.into()), seen: None };
+    }
+
+    /// What was done, while that is news.
+    pub fn text(&self) -> Option<&str> {
+        self.text.as_deref()
+    }
+
+    /// Forgets what has been there long enough; returns the seconds until then.
+    pub fn retire(&mut self, now: f64) -> Option<f64> {
+        self.text.as_ref()?;
+        let left = *self.seen.get_or_insert(now) + STAYS - now;
+        if left <= 0.0 {
+            self.text = None;
+        }
+        (left > 0.0).then_some(left)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -165,5 +195,18 @@ mod tests {
         assert_eq!(messages.retire(103.0), Some(STAYS - 3.0));
         assert_eq!(messages.retire(100.0 + STAYS), None);
         assert_eq!(messages.list().len(), 1);
+    }
+
+    #[test]
+    fn what_was_done_last_goes_after_a_while() {
+        let mut done = LastDone::default();
+        assert_eq!(done.retire(5.0), None);
+        done.tell("Saved.");
+        assert_eq!((done.retire(10.0), done.retire(10.0 + STAYS / 2.0)), (Some(STAYS), Some(STAYS / 2.0)));
+        done.tell("Saved again.");
+        assert_eq!(done.retire(10.0 + STAYS), Some(STAYS), "it is news again");
+        assert_eq!(done.text(), Some("Saved again."));
+        assert_eq!(done.retire(10.0 + 2.0 * STAYS), None);
+        assert_eq!(done.text(), None);
     }
 }

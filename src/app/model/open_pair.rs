@@ -8,6 +8,7 @@ use super::computation::Computation;
 use super::document::{Document, Side};
 use super::focus::Focus;
 use super::inspection::Inspection;
+use super::messages::LastDone;
 use super::pair_folder::PairFolder;
 use super::picture::{Opened, Pictures};
 use super::point_table::PointOrder;
@@ -46,7 +47,7 @@ pub struct OpenPair {
     /// The folder that they are of, and which of its pairs they are.
     pub folder: Option<OpenFolder>,
     /// What was done last, for the status bar.
-    pub done: Option<String>,
+    pub done: LastDone,
     /// Where the estimate stands.
     pub computation: Computation,
     /// The imported geometry, in the form of a result that nobody computed.

@@ -149,7 +149,7 @@ impl Model {
                 let next = next.map_or(String::new(), |next| {
                     format!("; the next best is {:+} ({:.2})", next.offset, next.correlation)
                 });
-                self.open.done = Some(format!(
+                self.open.done.tell(format!(
                     "Frames go together best at an offset of {:+} (agreement {:.2}){next}.",
                     best.offset, best.correlation
                 ));

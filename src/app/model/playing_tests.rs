@@ -99,7 +99,7 @@ fn an_offset_of_other_sequences_is_not_taken() {
     let own = model.recordings().unwrap();
     model.take_offset(OffsetFound { recordings: own.clone(), outcome: outcome(7) });
     assert_eq!(model.document.offset, 7);
-    assert!(model.open.done.as_deref().is_some_and(|text| text.contains("+7 (agreement 0.80)")));
+    assert!(model.open.done.text().is_some_and(|text| text.contains("+7 (agreement 0.80)")));
     model.take_offset(OffsetFound { recordings: own, outcome: Ok(Vec::new()) });
     assert_eq!(model.document.offset, 7);
     assert_eq!(model.messages.list().len(), 1);

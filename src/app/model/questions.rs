@@ -7,6 +7,7 @@ use super::ids::TabId;
 use super::inspection::InspectionRequest;
 use super::picture::Pictures;
 use super::rectified::{MatchesAtHand, RectifyQuestion};
+use super::shown::ShownGeometry;
 use super::suggesting::{NextClickQuestion, SuggestQuestion};
 use crate::convention::FEWEST_MATCHES;
 use crate::estimate::{Estimate, Reason, Search, Verdict};
@@ -118,11 +119,7 @@ impl Model {
     /// The pair to be rectified, once there is a geometry.
     pub fn rectify_question(&self) -> Option<RectifyQuestion> {
         let shown = self.shown()?;
-        let matches = match (self.truth().and(self.open.known.as_ref()), shown.estimate.matches()) {
-            (Some(known), _) => MatchesAtHand::True(known.truth.clone()),
-            (None, found) if !found.is_empty() => found_matches(shown.estimate),
-            _ => MatchesAtHand::Clicked(self.document.pairs.clone()),
-        };
+        let matches = self.matches_beside(&shown);
         let dragging = self.open.hover.is_some_and(|hover| hover.dragging);
         Some(RectifyQuestion {
             pictures: self.open.pictures()?,
@@ -131,6 +128,15 @@ impl Model {
             method: self.document.rectification,
             moving: shown.freshness == Freshness::Followed || dragging,
         })
+    }
+
+    /// The matches on which the geometry shown is measured.
+    pub fn matches_beside(&self, shown: &ShownGeometry) -> MatchesAtHand {
+        match (self.truth().and(self.open.known.as_ref()), shown.estimate.matches()) {
+            (Some(known), _) => MatchesAtHand::True(known.truth.clone()),
+            (None, found) if !found.is_empty() => found_matches(shown.estimate),
+            _ => MatchesAtHand::Clicked(self.document.pairs.clone()),
+        }
     }
 
     /// The matches that can tell what a matrix means: known ones, else those that a person clicked, else those of the

@@ -32,14 +32,14 @@ impl Model {
             Ok(position) => {
                 let moved = (position - points.point2).norm();
                 if moved < IN_PLACE {
-                    self.open.done = Some(format!("Pair {name} is in its place already."));
+                    self.open.done.tell(format!("Pair {name} is in its place already."));
                     return;
                 }
                 let what = match how {
                     Repair::Refine => "refined",
                     Repair::Rematch => "moved to its match",
                 };
-                self.open.done = Some(format!("Pair {name} {what}: its right point moved by {moved:.2} px."));
+                self.open.done.tell(format!("Pair {name} {what}: its right point moved by {moved:.2} px."));
                 let at = PointRef { pair, side: Side::Right };
                 let origin = match how {
                     Repair::Refine => PairOrigin::Refined,

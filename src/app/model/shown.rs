@@ -183,10 +183,10 @@ impl Model {
         Some((half.side.other(), clear.position))
     }
 
-    /// The pinned line pairs, the oldest first, each with the number of its colour.
+    /// The pinned line pairs, the oldest first, each with its number.
     pub fn pinned(&self) -> impl Iterator<Item = (usize, InspectedLines)> + '_ {
         self.open.focus.pins().iter().filter_map(|pin: &Pin| {
-            Some((pin.color, InspectedLines { source: pin.source, lines: self.lines(pin.source)? }))
+            Some((pin.number, InspectedLines { source: pin.source, lines: self.lines(pin.source)? }))
         })
     }
 

@@ -16,6 +16,9 @@ use crate::app::model::pane_view::PaneView;
 /// Windows lower than this do without the legend, screen points.
 const ROOM_FOR_LEGEND: f32 = 620.0;
 
+/// What an enlarged panel leaves of a low window: the bars, and images in which one still finds one's way, screen points.
+const REST: f32 = 290.0;
+
 /// What is on the screen and is not part of the state: the panes, the dialogs, the picture that is being taken.
 pub struct View {
     /// The two images.
@@ -99,7 +102,10 @@ impl View {
             ui.set_min_height(28.0);
             panels::guide_bar(ui, model, commands);
         });
-        let strip = model.folder().filter(|_| has_strip(model) && !model.look.strip_folded);
+        // The images need what an enlarged panel leaves.
+        let enlarged = model.tab().is_some() && model.look.tabs_enlarged;
+        let strip = has_strip(model) && !model.look.strip_folded && !enlarged;
+        let strip = model.folder().filter(|_| strip);
         let room_for_legend = ROOM_FOR_LEGEND + strip.map_or(0.0, |_| panels::FilmStrip::height(height));
         match strip {
             Some(folder) => {
@@ -140,7 +146,8 @@ impl View {
         if model.tab().is_some() {
             // Each of the two heights is remembered by itself.
             let (name, size, largest) = if model.look.tabs_enlarged {
-                ("enlarged tabs", height * 0.64, height * 0.75)
+                let largest = (height - REST).max(height * 0.5);
+                ("enlarged tabs", largest.min(height * 0.64), largest)
             } else {
                 ("tabs", (height * 0.29).clamp(130.0, 320.0), height * 0.6)
             };
@@ -161,7 +168,6 @@ impl View {
             });
         }
         // A low window has better use for the space; the menu View has every overlay too.
-        let enlarged = model.tab().is_some() && model.look.tabs_enlarged;
         let wanted = model.document.pictures.is_some() && !model.look.overlays_folded;
         if wanted && height > room_for_legend && !enlarged {
             let strip = bar(ui).inner_margin(Margin::symmetric(8, 3));

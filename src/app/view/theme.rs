@@ -10,8 +10,6 @@ use egui::{
     Visuals,
 };
 
-use crate::app::model::focus::PINS;
-
 /// Lines of the estimated geometry.
 pub const ESTIMATED: Color32 = Color32::from_rgb(26, 204, 140);
 /// Bands around them.
@@ -30,12 +28,16 @@ pub const SELECTED: Color32 = Color32::WHITE;
 pub const HANDLE_RADIUS: f32 = 6.5;
 /// Lines of a pair in inspection that was not pinned.
 pub const INSPECTED: Color32 = Color32::WHITE;
-/// Pinned line pairs, the same in both images and in the plots; another after each, then from the start.
-pub const PINNED: [Color32; PINS] = [
+/// Pinned line pairs, the same in both images and in the plots: see [`pin_color`].
+pub const PINNED: [Color32; 8] = [
     Color32::from_rgb(230, 110, 40),
     Color32::from_rgb(80, 220, 230),
     Color32::from_rgb(214, 120, 255),
     Color32::from_rgb(205, 170, 115),
+    Color32::from_rgb(240, 80, 95),
+    Color32::from_rgb(165, 215, 50),
+    Color32::from_rgb(140, 150, 255),
+    Color32::from_rgb(250, 195, 185),
 ];
 
 /// Epipoles of hypotheses.
@@ -75,6 +77,11 @@ const OTHERS: Color32 = Color32::from_rgb(225, 225, 225);
 /// The colour of a pair by its number: one each for `p`, `q` and `r`, one for all others.
 pub fn pair_color(pair: usize) -> Color32 {
     PAIRS.get(pair).copied().unwrap_or(OTHERS)
+}
+
+/// The colour of a pinned line pair by its number: they repeat, and the numbers tell the pairs apart.
+pub fn pin_color(number: usize) -> Color32 {
+    PINNED[number % PINNED.len()]
 }
 
 /// Colours of the window around the images.
@@ -144,6 +151,9 @@ pub fn install(ctx: &egui::Context) {
         style.spacing.interact_size.y = 26.0;
         style.spacing.window_margin = Margin::same(16);
         style.spacing.tooltip_width = 320.0;
+        // Wherever something is out of sight a thin bar says so, not only under the cursor.
+        style.spacing.scroll.dormant_handle_opacity = 0.5;
+        style.spacing.scroll.floating_width = 3.0;
     });
     for theme in [Theme::Dark, Theme::Light] {
         ctx.set_visuals_of(theme, visuals(theme));
@@ -213,6 +223,9 @@ mod tests {
     fn handles_are_legible_on_their_labels() {
         for pair in 0..4 {
             assert!(contrast(pair_color(pair), Color32::BLACK) >= 4.5);
+        }
+        for pin in 0..PINNED.len() {
+            assert!(contrast(pin_color(pin), Color32::BLACK) >= 4.5, "{pin}");
         }
     }
 }

@@ -179,6 +179,6 @@ impl Model {
             document.follow_trial();
         });
         let plural = if count == 1 { "" } else { "s" };
-        self.open.done = Some(format!("Pasted {count} point pair{plural}"));
+        self.open.done.tell(format!("Pasted {count} point pair{plural}"));
     }
 }

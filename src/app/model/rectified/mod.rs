@@ -3,6 +3,7 @@
 mod command;
 mod disparity;
 mod making;
+mod misfit;
 mod viewing;
 
 pub use command::{RectifiedCommand, RectifyOrder, WritingProgress};

@@ -178,7 +178,7 @@ const MARGIN: &str = "How much less support the best clearly different geometry 
                       the margin after that decides. The tab Hypotheses marks the rival.";
 
 /// The hypothesis whose figure beside that of the first one makes the margin, by its place in the list.
-pub fn rival(estimate: &Estimate) -> Option<usize> {
+pub(super) fn rival(estimate: &Estimate) -> Option<usize> {
     let margin = estimate.assessment.margin?;
     let (best, others) = estimate.hypotheses().split_first()?;
     let is_it = |other: &Estimate| {

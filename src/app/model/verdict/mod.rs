@@ -2,6 +2,7 @@
 
 mod facts;
 mod gauge;
+mod standing;
 #[cfg(test)]
 mod tests;
 
@@ -11,8 +12,9 @@ use crate::estimate::{self, CLICK_DEVIATIONS, Reason};
 use crate::geometry::{FundamentalMatrix, sampson_distance, symmetric_epipolar_distance};
 
 use facts::facts;
-pub use facts::{Fact, Tone, epipole_text, epipoles, hypothesis_facts, import_facts, line_score_text, rival};
+pub use facts::{Fact, Tone, epipole_text, epipoles, hypothesis_facts, import_facts, line_score_text};
 pub use gauge::{Figure, Gauge, HypothesisScales};
+pub use standing::Standing;
 
 /// What to say about the state of the estimate.
 #[derive(Debug, Clone, PartialEq)]

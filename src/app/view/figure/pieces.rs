@@ -78,11 +78,37 @@ pub fn take_apart(shape: &Shape, each: &mut dyn FnMut(Piece)) {
             let stroke = Stroke::new(stroke.width, color);
             each(Piece::Path { points, closed: *closed, fill: *fill, stroke });
         }
-        Shape::Mesh(mesh) => triangles(mesh, each),
+        Shape::Mesh(mesh) => match outline(mesh) {
+            Some((points, fill)) => {
+                each(Piece::Path { points: &points, closed: true, fill, stroke: Stroke::NONE });
+            }
+            None => triangles(mesh, each),
+        },
         Shape::Text(letters) => rows(letters, each),
         // Nothing else is drawn over the images.
         _ => {}
     }
+}
+
+/// The outline and the colour of what is one area: a band of triangles, each with two corners of the one before, or a
+/// fan of them about the first corner.
+fn outline(mesh: &Mesh) -> Option<(Vec<Pos2>, Color32)> {
+    let fill = mesh.vertices.first()?.color;
+    if fill.a() == 0 || mesh.vertices.iter().any(|vertex| vertex.color != fill) {
+        return None;
+    }
+    let (triangles, _) = mesh.indices.as_chunks::<3>();
+    let is = |shape: fn(u32) -> [u32; 3]| (0..).zip(triangles).all(|(k, corners)| *corners == shape(k));
+    let points = || mesh.vertices.iter().map(|vertex| vertex.pos);
+    let points = if is(|k| [k, k + 1, k + 2]) {
+        // There along one edge, and back along the other.
+        points().step_by(2).chain(points().skip(1).step_by(2).rev()).collect()
+    } else if is(|k| [0, k + 1, k + 2]) {
+        points().collect()
+    } else {
+        return None;
+    };
+    Some((points, fill))
 }
 
 fn triangles(mesh: &Mesh, each: &mut dyn FnMut(Piece)) {
@@ -109,5 +135,41 @@ fn rows(letters: &TextShape, each: &mut dyn FnMut(Piece)) {
         let at = letters.pos + row.pos.to_vec2() + glyph.pos.to_vec2();
         let words = row.row.glyphs.iter().map(|glyph| glyph.chr).collect();
         each(Piece::Letters { at, size, color, words });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn paths(mesh: Mesh) -> Vec<Vec<Pos2>> {
+        let mut paths = Vec::new();
+        take_apart(&Shape::mesh(mesh), &mut |piece| match piece {
+            Piece::Path { points, closed: true, .. } => paths.push(points.to_vec()),
+            _ => panic!("not an area"),
+        });
+        paths
+    }
+
+    #[test]
+    fn a_band_and_a_fan_are_one_area_each_and_other_triangles_stay_what_they_are() {
+        let corners = [(0.0, 0.0), (0.0, 5.0), (10.0, 0.0), (10.0, 6.0), (20.0, 0.0)].map(Pos2::from);
+        let mesh = |triangles: &[[u32; 3]]| {
+            let mut mesh = Mesh::default();
+            for at in corners {
+                mesh.colored_vertex(at, Color32::RED);
+            }
+            for [a, b, c] in triangles {
+                mesh.add_triangle(*a, *b, *c);
+            }
+            mesh
+        };
+        let [a, b, c, d, e] = corners;
+        assert_eq!(paths(mesh(&[[0, 1, 2], [1, 2, 3], [2, 3, 4]])), [[a, c, e, d, b]]);
+        assert_eq!(paths(mesh(&[[0, 1, 2], [0, 2, 3], [0, 3, 4]])), [corners]);
+        assert_eq!(paths(mesh(&[[0, 1, 2], [2, 3, 4]])).len(), 2);
+        let mut shaded = mesh(&[[0, 1, 2], [1, 2, 3], [2, 3, 4]]);
+        shaded.vertices[4].color = Color32::BLUE;
+        assert_eq!(paths(shaded).len(), 3);
     }
 }

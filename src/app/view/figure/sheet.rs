@@ -149,6 +149,7 @@ pub fn sheet(model: &Model, panes: [Option<PanePlace>; 2], choices: &FigureChoic
                 frame: frames[side.index()],
                 model,
                 labels: choices.labels.then_some(&labels),
+                is_figure: true,
             };
             // What follows the cursor belongs to the window.
             let lasting =

@@ -23,6 +23,8 @@ const WIDTH: f32 = 104.0;
 const GAP: f32 = 6.0;
 /// Height of the name with its two buttons.
 const CAPTION: f32 = 20.0;
+/// Room for the scroll bar below the names.
+const BAR: f32 = 5.0;
 /// Windows lower than this have smaller images.
 const LOW: f32 = 760.0;
 /// Names that begin alike with more than this are told by their ends.
@@ -44,7 +46,7 @@ pub struct FilmStrip {
 impl FilmStrip {
     /// Height of the strip in a window of this height.
     pub fn height(window: f32) -> f32 {
-        image_height(window) + CAPTION + 14.0
+        image_height(window) + CAPTION + BAR + 12.0
     }
 
     /// Nothing of it is on the screen.
@@ -77,7 +79,7 @@ impl FilmStrip {
         }
         ScrollArea::horizontal().auto_shrink([false, true]).show_viewport(ui, |ui, viewport| {
             ui.set_width(step * count as f32);
-            ui.set_height(size.y);
+            ui.set_height(size.y + BAR);
             let origin = ui.min_rect().min;
             let place = |view: usize| Rect::from_min_size(origin + vec2(step * view as f32, 0.0), size);
             let first = (viewport.min.x / step).floor().max(0.0) as usize;

@@ -1,6 +1,6 @@
 //! The list of keys and mouse actions.
 
-use egui::{Align2, Grid, Label, RichText, ScrollArea, Ui, Window, vec2};
+use egui::{Align2, Grid, Label, RichText, ScrollArea, TextStyle, Ui, Window, vec2};
 
 use crate::app::model::command::Command;
 use crate::app::model::rectified::RectifiedCommand;
@@ -19,7 +19,7 @@ const MOUSE: [(&str, &str); 7] = [
 ];
 
 /// What the actions are about, in the order of the list.
-const GROUPS: [&str; 6] = ["Points", "Files", "Looking", "Panels", "Result", "Program"];
+const GROUPS: [&str; 6] = ["Points", "Result", "Files", "Looking", "Panels", "Program"];
 
 /// Which of the groups an action belongs to.
 fn group(command: &Command) -> &'static str {
@@ -66,33 +66,33 @@ pub fn show(ctx: &egui::Context, open: &mut bool) {
         .resizable(false)
         .anchor(Align2::CENTER_CENTER, vec2(0.0, 0.0))
         .show(ctx, |ui| {
-            let width = (ctx.content_rect().width() - 80.0).clamp(200.0, 1000.0);
+            let width = (ctx.content_rect().width() - 80.0).clamp(200.0, 1360.0);
             let room = (ctx.content_rect().height() - 140.0).max(120.0);
             ui.set_width(width);
             ScrollArea::vertical().max_height(room).min_scrolled_height(room).show(ui, |ui| {
                 let mouse = MOUSE.map(|(action, what)| (action.to_owned(), what));
-                let [points, files, looking, panels, result, program] =
-                    GROUPS.map(|name| (name, keys_of(ui.ctx(), name)));
-                let halves =
-                    [vec![("Mouse", mouse.to_vec()), points, files], vec![looking, panels, result, program]];
+                let groups = GROUPS.map(|name| (name, keys_of(ui.ctx(), name)));
+                let groups: Vec<_> = std::iter::once(("Mouse", mouse.to_vec())).chain(groups).collect();
                 // A narrow window has one group below the other.
-                if width > TWO_COLUMNS {
-                    ui.columns(2, |columns| {
-                        for (ui, groups) in columns.iter_mut().zip(&halves) {
-                            list(ui, groups);
-                        }
-                    });
-                } else {
-                    list(ui, &halves.concat());
-                }
+                let ends: &[usize] = match width {
+                    _ if width > THREE_COLUMNS => &[3, 5, 7],
+                    _ if width > TWO_COLUMNS => &[4, 7],
+                    _ => &[7],
+                };
+                ui.columns(ends.len(), |columns| {
+                    let mut first = 0;
+                    for (ui, end) in columns.iter_mut().zip(ends) {
+                        list(ui, &groups[first..*end]);
+                        first = *end;
+                    }
+                });
             });
         });
 }
 
-/// From this width on the groups stand beside each other, screen points.
+/// From these widths on the groups stand beside each other, screen points.
 const TWO_COLUMNS: f32 = 700.0;
-/// Width of the keys, screen points.
-const KEYS: f32 = 150.0;
+const THREE_COLUMNS: f32 = 1160.0;
 
 type Rows = Vec<(String, &'static str)>;
 
@@ -106,17 +106,23 @@ fn keys_of(ctx: &egui::Context, name: &str) -> Rows {
     rows.collect()
 }
 
+/// Shows groups below each other, with as much room for the keys as the longest of them takes.
 fn list(ui: &mut Ui, groups: &[(&str, Rows)]) {
+    let font = TextStyle::Body.resolve(ui.style());
+    let color = ui.visuals().strong_text_color();
+    let width_of = |keys: &str| ui.painter().layout_no_wrap(keys.to_owned(), font.clone(), color).size().x;
+    let longest =
+        groups.iter().flat_map(|(_, rows)| rows).map(|(keys, _)| width_of(keys)).fold(0.0, f32::max);
     for (name, rows) in groups {
         ui.add_space(6.0);
         ui.label(RichText::new(*name).heading().size(16.0));
-        let wide = (ui.available_width() - KEYS - 24.0).max(80.0);
-        Grid::new(*name).num_columns(2).striped(true).min_row_height(20.0).spacing([12.0, 3.0]).show(
+        let wide = (ui.available_width() - longest - 24.0).max(80.0);
+        Grid::new(*name).num_columns(2).striped(true).min_row_height(20.0).spacing([12.0, 2.0]).show(
             ui,
             |ui| {
                 for (keys, what) in rows {
                     ui.scope(|ui| {
-                        ui.set_width(KEYS);
+                        ui.set_width(longest);
                         ui.label(RichText::new(keys).strong());
                     });
                     ui.scope(|ui| {

@@ -26,7 +26,7 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         };
         let text = RichText::new(text);
         ui.label(if model.open.hover.is_some() { text.monospace() } else { text.weak() });
-        if let Some(done) = &model.open.done {
+        if let Some(done) = model.open.done.text() {
             ui.separator();
             ui.add(egui::Label::new(done).truncate());
         }

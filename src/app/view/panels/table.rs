@@ -84,6 +84,8 @@ pub struct Table<'a> {
     pub text: &'a dyn Fn(usize, usize) -> String,
     /// Where the figure of a row in a column lies between bad and good.
     pub gauge: &'a dyn Fn(usize, usize) -> Option<Gauge>,
+    /// What there is to know about a row, in words.
+    pub about: &'a dyn Fn(usize) -> Option<String>,
     /// How a row looks.
     pub look: &'a dyn Fn(usize) -> RowLook,
     /// The switch in front of a row, if it has one: whether it is on, and its name.
@@ -275,6 +277,7 @@ impl Table<'_> {
             switch.widget_info(|| WidgetInfo::selected(Role::CheckBox, true, on, &name));
             switch.changed().then_some((row, on))
         });
+        let words = words.or_else(|| (self.about)(row).filter(|_| response.hovered()));
         let response = match words {
             Some(words) => response.on_hover_text(words),
             None => response,
@@ -305,6 +308,7 @@ mod tests {
             key: &|row, _| figures[row],
             text: &|_, _| String::new(),
             gauge: &|_, _| None,
+            about: &|_| None,
             look: &|_| RowLook::default(),
             toggle: &|_| None,
             revision: 0,

@@ -154,8 +154,15 @@ impl ImagePane {
         }
         image.texture.draw(&painter, &transform);
         let labels = Labels::default();
-        let canvas =
-            Canvas { painter: &painter, transform: &transform, side, frame, model, labels: Some(&labels) };
+        let canvas = Canvas {
+            painter: &painter,
+            transform: &transform,
+            side,
+            frame,
+            model,
+            labels: Some(&labels),
+            is_figure: false,
+        };
         let (above, below): (Vec<&Overlay>, Vec<&Overlay>) =
             OVERLAYS.iter().filter(|overlay| model.look.shows(overlay.id)).partition(|o| o.id.is_above_map());
         for overlay in below {
@@ -207,8 +214,15 @@ impl ImagePane {
         painter.rect_filled(transform.rect, 6.0, egui::Color32::from_gray(30));
         image.texture.draw(&painter, &transform);
         let frame = image.picture.frame();
-        let canvas =
-            Canvas { painter: &painter, transform: &transform, side: self.side, frame, model, labels: None };
+        let canvas = Canvas {
+            painter: &painter,
+            transform: &transform,
+            side: self.side,
+            frame,
+            model,
+            labels: None,
+            is_figure: false,
+        };
         for overlay in &OVERLAYS {
             if model.look.shows(overlay.id) && overlay.magnified {
                 (overlay.draw)(&canvas);

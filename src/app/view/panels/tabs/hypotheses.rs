@@ -9,7 +9,7 @@ use crate::app::model::Model;
 use crate::app::model::command::Command;
 use crate::app::model::focus::Target;
 use crate::app::model::ids::TabId;
-use crate::app::model::verdict::{Figure, HypothesisScales, epipole_text, line_score_text, rival};
+use crate::app::model::verdict::{Figure, HypothesisScales, Standing, epipole_text, line_score_text};
 use crate::estimate::{Estimate, LineScore};
 use crate::geometry::{Frame, HomogeneousPoint, finite_point};
 
@@ -21,7 +21,9 @@ const COLUMNS: [Column; 7] = [
         "Rank",
         84.0,
         "Place in the list, best first, before refinement; the result is what refinement made of the best. The rival is \
-         the best clearly different geometry: how far hypothesis 1 is ahead of it is the margin of the result.",
+         the best clearly different geometry: how far hypothesis 1 is ahead of it is the margin of the result. Those before \
+         it are near the result: of at least half of the matches their lines are within 0.5 % of the image. Point at a row \
+         for its figures.",
     ),
     Column::figures(
         "Support",
@@ -88,22 +90,24 @@ fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let line_score = model.document.parameters.validation.line_score;
     let searched = model.open.computation.searched();
     let scales = searched.map(|searched| HypothesisScales::new(searched, line_score));
-    let rival = listed.result.and_then(rival);
-    let is_rival = |row: usize| number(row).is_some() && number(row) == rival;
+    let standing = |row: usize| Standing::of(listed.result?, number(row)?);
     let touched = Table {
         name: "hypotheses",
         columns: &COLUMNS,
         rows: listed.rows(),
         revision: model.open.computation.revision(),
         row_name: &|row| {
-            let mark = if is_rival(row) { ", the rival" } else { "" };
+            let mark = if standing(row) == Some(Standing::Rival) { ", the rival" } else { "" };
             number(row).map_or("Result".to_owned(), |number| format!("Hypothesis {}{mark}", number + 1))
         },
         key: &|row, column| key(listed.hypothesis(row), row, column, frames),
         text: &|row, column| match (column, number(row)) {
             (0, None) => "Result".to_owned(),
-            (0, Some(number)) if is_rival(row) => format!("rival   {}", number + 1),
-            (0, Some(number)) => (number + 1).to_string(),
+            (0, Some(number)) => match standing(row) {
+                Some(Standing::Near) => format!("near   {}", number + 1),
+                Some(Standing::Rival) => format!("rival   {}", number + 1),
+                Some(Standing::Behind) | None => (number + 1).to_string(),
+            },
             _ => text(listed.hypothesis(row), column, line_score),
         },
         gauge: &|row, column| {
@@ -111,6 +115,7 @@ fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
             let (scales, value) = (scales.as_ref()?, figure.of(listed.hypothesis(row)));
             if number(row).is_some() { scales.gauge(figure, value) } else { scales.of_result(figure, value) }
         },
+        about: &|row| Some(standing(row)?.in_words(listed.result?, number(row)?, line_score)),
         look: &|row| RowLook {
             chosen: chosen == number(row),
             lit: number(row).is_some() && lit == number(row),

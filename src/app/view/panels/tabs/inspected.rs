@@ -1,28 +1,85 @@
 //! Which line pair is inspected: the pinned ones to choose from, and the figures of the sample under the cursor.
 
-use egui::{Role, Sense, Stroke, StrokeKind, Ui, WidgetInfo, vec2};
+use egui::containers::menu::MenuButton;
+use egui::{
+    Align2, Color32, FontId, Rect, Role, ScrollArea, Sense, Stroke, StrokeKind, Ui, WidgetInfo, vec2,
+};
 
 use super::super::command_button;
+use super::super::dialog::named;
 use crate::app::model::Model;
 use crate::app::model::command::Command;
 use crate::app::model::document::pair_name;
-use crate::app::model::focus::{LineSource, Target};
+use crate::app::model::focus::{Focus, LineSource, Target};
 use crate::app::model::inspection::Inspection;
 use crate::app::view::theme;
 
 /// How near to an inspected line the cursor must be in an image to mark its sample in the plots, px.
 const REACH: f64 = 12.0;
+/// Pinned pairs that have a swatch each; more are in a menu.
+const SWATCHES: usize = 6;
+
 /// Shows it from right to left.
 pub fn tools(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
-    if let Some(number) = model.open.focus.inspected_number() {
+    let focus = &model.open.focus;
+    if let Some(number) = focus.inspected_number() {
         command_button(ui, Command::Unpin(number), true, commands);
     }
-    for (number, pin) in model.open.focus.pins().iter().enumerate().rev() {
-        let chosen = model.open.focus.inspected_number() == Some(number);
-        if swatch(ui, pin.color, chosen, &describe(pin.source)) {
-            commands.push(Command::Inspect(number));
+    if focus.pins().len() > SWATCHES {
+        menu(ui, focus, commands);
+        return;
+    }
+    for (place, pin) in focus.pins().iter().enumerate().rev() {
+        let text = describe(pin.source);
+        let chosen = focus.inspected_number() == Some(place);
+        let (area, response) = ui.allocate_exact_size(vec2(18.0, 18.0), Sense::click());
+        response.widget_info(|| WidgetInfo::selected(Role::Button, true, chosen, to_inspect(&text)));
+        swatch(ui, area, pin.number);
+        if chosen || response.hovered() || response.has_focus() {
+            let stroke = Stroke::new(1.5, ui.visuals().strong_text_color());
+            ui.painter().rect_stroke(area, 4.0, stroke, StrokeKind::Inside);
+        }
+        if response.on_hover_text(text).clicked() {
+            commands.push(Command::Inspect(place));
         }
     }
+}
+
+/// Many pinned pairs to choose from.
+fn menu(ui: &mut Ui, focus: &Focus, commands: &mut Vec<Command>) {
+    let title = match focus.inspected() {
+        Some(pin) => format!("Line pair {} of {}", pin.number + 1, focus.pins().len()),
+        None => format!("{} line pairs", focus.pins().len()),
+    };
+    let (button, _) = MenuButton::new(title).ui(ui, |ui| {
+        let room = (ui.ctx().content_rect().height() - 120.0).max(100.0);
+        ScrollArea::vertical().max_height(room).show(ui, |ui| {
+            for (place, pin) in focus.pins().iter().enumerate() {
+                ui.horizontal(|ui| {
+                    let (area, _) = ui.allocate_exact_size(vec2(18.0, 18.0), Sense::hover());
+                    swatch(ui, area, pin.number);
+                    let text = describe(pin.source);
+                    let chosen = focus.inspected_number() == Some(place);
+                    let row = named(ui.selectable_label(chosen, &text), &to_inspect(&text));
+                    if row.clicked() {
+                        commands.push(Command::Inspect(place));
+                    }
+                });
+            }
+        });
+    });
+    button.on_hover_text("Choose which of the pinned line pairs is looked at closely.");
+}
+
+fn to_inspect(text: &str) -> String {
+    format!("Inspect: {text}")
+}
+
+/// The number of a pinned pair on its colour.
+fn swatch(ui: &Ui, area: Rect, number: usize) {
+    ui.painter().rect_filled(area.shrink(2.0), 3.0, theme::pin_color(number));
+    let font = FontId::proportional(if number < 9 { 12.0 } else { 11.0 });
+    ui.painter().text(area.center(), Align2::CENTER_CENTER, (number + 1).to_string(), font, Color32::BLACK);
 }
 
 /// The figures of the sample under the cursor, or else which lines they are and how alike; with an explanation.
@@ -42,22 +99,6 @@ pub fn read_out(model: &Model) -> Option<(String, &'static str)> {
         None => lines,
     };
     Some((text, "The inspected lines, and the mean cost of their best matching: lower is more alike."))
-}
-
-/// A pinned pair to choose; says whether it was chosen.
-fn swatch(ui: &mut Ui, color: usize, chosen: bool, text: &str) -> bool {
-    let (area, response) = ui.allocate_exact_size(vec2(18.0, 18.0), Sense::click());
-    let name = format!("Inspect: {text}");
-    response.widget_info(|| WidgetInfo::selected(Role::Button, true, chosen, &name));
-    ui.painter().rect_filled(area.shrink(2.0), 3.0, theme::PINNED[color]);
-    let number = (color + 1).to_string();
-    let font = egui::FontId::proportional(12.0);
-    ui.painter().text(area.center(), egui::Align2::CENTER_CENTER, number, font, egui::Color32::BLACK);
-    if chosen || response.hovered() || response.has_focus() {
-        let stroke = Stroke::new(1.5, ui.visuals().strong_text_color());
-        ui.painter().rect_stroke(area, 4.0, stroke, StrokeKind::Inside);
-    }
-    response.on_hover_text(text).clicked()
 }
 
 /// Which lines they are.

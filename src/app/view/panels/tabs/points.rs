@@ -28,11 +28,13 @@ pub const TAB: Tab = Tab { id: TabId::Points, tools, show };
 
 /// With less room than this beside each other the rarer actions of a row are in a menu, screen points.
 const ROW_WIDTH: f32 = 940.0;
+/// What a row with a menu takes beside its name, screen points.
+const NARROW_ROW: f32 = 580.0;
 const OUTVOTED_WIDTH: f32 = 70.0;
 const COORDINATE_WIDTH: f32 = 60.0;
 const NARROW_COORDINATE_WIDTH: f32 = 46.0;
-const NAME_WIDTH: f32 = 60.0;
-const NARROW_NAME_WIDTH: f32 = 34.0;
+/// Names are as wide as there is room, within these, screen points.
+const NAME_WIDTHS: [f32; 2] = [60.0, 180.0];
 /// Half of the last decimal of a coordinate, px.
 const HALF_A_DIGIT: f64 = 0.005;
 
@@ -87,8 +89,11 @@ fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     });
     let listed = model.listed_pairs();
     let outvoted = (0..document.pairs.len()).any(|pair| model.outvoted(pair).is_some());
-    let needed = if outvoted { ROW_WIDTH + OUTVOTED_WIDTH } else { ROW_WIDTH };
-    let wide = ui.available_width() >= needed;
+    let room = ui.available_width() - if outvoted { OUTVOTED_WIDTH } else { 0.0 };
+    let wide = room >= ROW_WIDTH;
+    let [least, most] = NAME_WIDTHS;
+    let name = if wide { least + room - ROW_WIDTH } else { room - NARROW_ROW }.clamp(least, most);
+    let widths = RowWidths { wide, name };
     ScrollArea::both().id_salt("points").auto_shrink([false, false]).show(ui, |ui| {
         Grid::new("points")
             .num_columns(7)
@@ -103,7 +108,7 @@ fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
                 ui.end_row();
                 let half = document.half.map(|_| document.pairs.len());
                 for pair in listed.into_iter().chain(half) {
-                    row(ui, model, pair, wide, commands);
+                    row(ui, model, pair, widths, commands);
                 }
             });
     });
@@ -135,7 +140,17 @@ fn choosing(ui: &Ui) -> Choosing {
     }
 }
 
-fn row(ui: &mut Ui, model: &Model, pair: usize, wide: bool, commands: &mut Vec<Command>) {
+/// How the room in a row is used.
+#[derive(Debug, Clone, Copy)]
+struct RowWidths {
+    /// Whether there is room for every action.
+    wide: bool,
+    /// That of the name, screen points.
+    name: f32,
+}
+
+fn row(ui: &mut Ui, model: &Model, pair: usize, widths: RowWidths, commands: &mut Vec<Command>) {
+    let wide = widths.wide;
     let document = &model.document;
     let name = pair_name(pair);
     let lit = model.open.focus.hovered() == Some(Target::Pair(pair));
@@ -164,7 +179,7 @@ fn row(ui: &mut Ui, model: &Model, pair: usize, wide: bool, commands: &mut Vec<C
         }
     });
     if finished.is_some() {
-        name_field(ui, model, pair, wide, commands);
+        name_field(ui, model, pair, widths.name, commands);
     } else {
         ui.label("");
     }
@@ -199,8 +214,9 @@ fn row(ui: &mut Ui, model: &Model, pair: usize, wide: bool, commands: &mut Vec<C
             }
             offer(ui, Command::Pin(LineSource::Pair(pair)), model.shown().is_some());
         }
-        offer(ui, Command::DeletePair(pair), true);
-        if finished.is_some() && !wide {
+        if finished.is_none() || wide {
+            offer(ui, Command::DeletePair(pair), true);
+        } else {
             let more = MenuButton::from_button(Button::new("More").small());
             let (more, _) = more.ui(ui, |ui| pair_menu(ui, model, pair, commands));
             named(more, &format!("More: pair {name}")).on_hover_text("What else can be done with this pair.");
@@ -214,13 +230,10 @@ fn row(ui: &mut Ui, model: &Model, pair: usize, wide: bool, commands: &mut Vec<C
 }
 
 /// What a person calls the pair.
-fn name_field(ui: &mut Ui, model: &Model, pair: usize, wide: bool, commands: &mut Vec<Command>) {
+fn name_field(ui: &mut Ui, model: &Model, pair: usize, width: f32, commands: &mut Vec<Command>) {
     let mut name = model.document.given_name(pair).unwrap_or_default().to_owned();
-    let field = TextEdit::singleline(&mut name)
-        .desired_width(if wide { NAME_WIDTH } else { NARROW_NAME_WIDTH })
-        .hint_text(if wide { "name" } else { "" })
-        .frame(Frame::NONE);
-    let field = field.align(egui::Align2::LEFT_CENTER).min_size(egui::vec2(0.0, 22.0));
+    let field = TextEdit::singleline(&mut name).desired_width(width).hint_text("name").frame(Frame::NONE);
+    let field = field.align(egui::Align2::LEFT_CENTER).min_size(egui::vec2(width, 22.0));
     let field = ui.add(field.id_salt(("name of pair", pair)));
     let field = named(field, &format!("Name of pair {}", pair_name(pair)));
     if field.changed() {

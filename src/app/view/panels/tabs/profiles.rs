@@ -1,8 +1,8 @@
 //! The intensities along the inspected line pair, before and after warping, with what the matching cost.
 
 use egui::{
-    Align, Color32, ColorImage, Id, Label, Layout, RichText, TextureHandle, TextureOptions, Ui, UiBuilder,
-    vec2,
+    Align, Color32, ColorImage, Id, Label, Layout, Rect, RichText, ScrollArea, Sense, TextureHandle,
+    TextureOptions, Ui, UiBuilder, vec2,
 };
 use egui_plot::{GridInput, GridMark, Line, Plot, PlotImage, PlotPoint, PlotPoints, PlotUi, VLine};
 
@@ -23,6 +23,9 @@ pub const TAB: Tab = Tab { id: TabId::Profiles, tools, show };
 const LEFT: Color32 = theme::PAIRS[2];
 const RIGHT: Color32 = theme::PAIRS[0];
 
+/// With less height than this the plots are scrolled, screen points: lower ones would lie over each other.
+const LEAST_HEIGHT: f32 = 176.0;
+
 fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     if let Some(inspected) = model.inspected_barcodes() {
         barcodes::show(ui, model, &inspected, commands);
@@ -42,29 +45,22 @@ fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         empty(ui, text);
         return;
     };
+    let room = ui.available_size();
+    let hovered =
+        ScrollArea::vertical().id_salt("profile plots").auto_shrink([false, false]).show(ui, |ui| {
+            let (area, _) = ui.allocate_exact_size(vec2(room.x, room.y.max(LEAST_HEIGHT)), Sense::hover());
+            all_plots(ui, model, inspection, area)
+        });
+    if let Some(sample) = hovered.inner {
+        commands.push(Command::PointAt(Target::Sample(sample)));
+    }
+}
+
+/// Shows the plots, two above two; returns the sample under the cursor.
+fn all_plots(ui: &mut Ui, model: &Model, inspection: &Inspection, area: Rect) -> Option<i32> {
     let marked = marked(model);
-    let plots: [(&str, &str, Content); 4] = [
-        ("Before warping", "Intensities of both lines at the same distance from the click.", before),
-        (
-            "Cost of each sample",
-            "What each sample costs, grey²: its difference and the change of disparity.",
-            costs,
-        ),
-        (
-            "After warping",
-            "The right line brought onto the left one by the disparities that were found.",
-            after,
-        ),
-        (
-            "Disparities",
-            "Cost of matching each sample of the left line (across) at each shift along the right one (up): bright \
-             is alike. The line is the matching that was found.",
-            band,
-        ),
-    ];
-    let area = ui.available_rect_before_wrap();
     let mut hovered = None;
-    for (number, (title, tooltip, content)) in plots.into_iter().enumerate() {
+    for (number, (title, tooltip, content)) in PLOTS.into_iter().enumerate() {
         let (column, row) = (number % 2, number / 2);
         let (left, right) = area.split_left_right_at_fraction(0.5);
         let (top, bottom) = [left, right][column].split_top_bottom_at_fraction(0.5);
@@ -77,7 +73,7 @@ fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
             ui.label(small(title)).on_hover_text(tooltip);
             for (color, text) in [(LEFT, "left line"), (RIGHT, "right line")] {
                 if column == 0 {
-                    let (area, _) = ui.allocate_exact_size(vec2(14.0, 3.0), egui::Sense::hover());
+                    let (area, _) = ui.allocate_exact_size(vec2(14.0, 3.0), Sense::hover());
                     ui.painter().rect_filled(area, 1.0, color);
                     ui.label(small(text));
                 }
@@ -92,14 +88,28 @@ fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         let plot = Titled { title, has_scale: row == 1, content };
         hovered = plot.show(&mut child, inspection, marked).or(hovered);
     }
-    ui.advance_cursor_after_rect(area);
-    if let Some(sample) = hovered {
-        commands.push(Command::PointAt(Target::Sample(sample)));
-    }
+    hovered
 }
 
 /// What a plot shows.
 type Content = fn(&mut PlotUi, &Inspection, &TextureHandle);
+
+/// The plots: title, tooltip, content.
+const PLOTS: [(&str, &str, Content); 4] = [
+    ("Before warping", "Intensities of both lines at the same distance from the click.", before),
+    (
+        "Cost of each sample",
+        "What each sample costs, grey²: its difference and the change of disparity.",
+        costs,
+    ),
+    ("After warping", "The right line brought onto the left one by the disparities that were found.", after),
+    (
+        "Disparities",
+        "Cost of matching each sample of the left line (across) at each shift along the right one (up): bright \
+         is alike. The line is the matching that was found.",
+        band,
+    ),
+];
 
 /// A plot with its title.
 struct Titled<'a> {

@@ -188,6 +188,7 @@ fn summary(ui: &mut Ui, model: &Model, comparison: &Comparison, commands: &mut V
             }
         },
         gauge: &|_, _| None,
+        about: &|_| None,
         look: &|row| RowLook { chosen: chosen == Some(contestants[row]), lit: false },
         toggle: &|_| None,
     }
@@ -256,6 +257,7 @@ fn points(ui: &mut Ui, model: &Model, comparison: &Comparison, commands: &mut Ve
             let sigma = document.parameters.click_sigma;
             Some(Gauge::of_click(comparison.fundamental(contestant)?, pair, sigma))
         },
+        about: &|_| None,
         look: &|row| RowLook {
             chosen: are_pairs && document.selection.is_some_and(|at| at.pair == row),
             lit: model.open.focus.hovered() == Some(target(row)),

@@ -25,7 +25,7 @@ const DRAWN: usize = 20;
 fn draw(canvas: &Canvas) {
     let Some((shown, opacity)) = canvas.shown() else { return };
     let drawn = shown.estimate.hypotheses().len().min(DRAWN);
-    let lit = match canvas.model.open.focus.hovered() {
+    let lit = match canvas.at_hand(canvas.model.open.focus.hovered()) {
         Some(Target::Hypothesis(number)) => Some(number),
         _ => None,
     };
@@ -59,6 +59,10 @@ pub fn at(canvas: &Canvas, position: Pos2) -> Option<Pointing> {
 
 fn mark(canvas: &Canvas, hypothesis: &Estimate, color: Color32, size: f32) {
     let (at, outwards) = place(canvas, hypothesis);
+    // An arrow at the edge says where to look in a window; on paper it would be a mark in the picture.
+    if canvas.is_figure && outwards.is_some() {
+        return;
+    }
     let corners = match outwards {
         None => {
             [vec2(0.0, -1.0), vec2(1.0, 0.0), vec2(0.0, 1.0), vec2(-1.0, 0.0)].map(|d| at + d * 5.0 * size)
@@ -79,7 +83,7 @@ fn mark(canvas: &Canvas, hypothesis: &Estimate, color: Color32, size: f32) {
 /// Where its mark is; with a direction when it is an arrow at the edge.
 fn place(canvas: &Canvas, hypothesis: &Estimate) -> (Pos2, Option<Vec2>) {
     let epipole = canvas.side.epipole(hypothesis.fundamental());
-    let visible = canvas.transform.rect.intersect(canvas.painter.clip_rect());
+    let visible = canvas.sight();
     if let Some(at) = finite_point(&epipole).map(|point| canvas.transform.screen_from_image(point))
         && visible.contains(at)
     {

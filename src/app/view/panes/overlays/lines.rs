@@ -24,7 +24,7 @@ fn draw(canvas: &Canvas) {
         canvas.line(&line, theme::LINE_WIDTH, theme::ESTIMATED.gamma_multiply(opacity));
         canvas.dot(canvas.side.point(&pair), theme::HANDLE_RADIUS, theme::ESTIMATED.gamma_multiply(opacity));
     }
-    let selected = document.selection.map(|at| at.pair);
+    let selected = canvas.at_hand(document.selection).map(|at| at.pair);
     let wanted =
         document.points(canvas.side.other()).filter(|(at, _)| document.role(at.pair) != Role::Excluded);
     for (at, other) in wanted {

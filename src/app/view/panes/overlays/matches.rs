@@ -26,7 +26,7 @@ fn draw(canvas: &Canvas) {
         if !visible.contains(at) {
             continue;
         }
-        let lit = canvas.model.open.focus.hovered() == Some(Target::Match(number));
+        let lit = canvas.at_hand(canvas.model.open.focus.hovered()) == Some(Target::Match(number));
         let (radius, color) = if lit { (5.0, theme::SELECTED) } else { (2.2, theme::MATCH) };
         canvas.painter.circle_filled(at, radius + 1.2, theme::HALO.gamma_multiply(opacity));
         canvas.painter.circle_filled(at, radius, color.gamma_multiply(opacity));

@@ -143,6 +143,8 @@ pub struct Canvas<'a> {
     pub model: &'a Model,
     /// The names beside things, where they have names.
     pub labels: Option<&'a Labels>,
+    /// Whether it goes into a figure rather than into the window.
+    pub is_figure: bool,
 }
 
 impl Canvas<'_> {
@@ -151,6 +153,16 @@ impl Canvas<'_> {
         self.model.shown().map(|shown| {
             (shown, if shown.freshness == Freshness::Stale { theme::STALE_OPACITY } else { 1.0 })
         })
+    }
+
+    /// What a person has under the cursor or has selected just now: a figure shows nothing of it.
+    fn at_hand<T>(&self, of_state: Option<T>) -> Option<T> {
+        of_state.filter(|_| !self.is_figure)
+    }
+
+    /// What of the image is in sight, on the screen.
+    fn sight(&self) -> Rect {
+        self.transform.rect.intersect(self.painter.clip_rect())
     }
 
     /// The epipolar line in this image of a point of the other.
@@ -184,17 +196,17 @@ impl Canvas<'_> {
 
     /// A dashed line as far as it lies on the visible part of the image, with a dark edge.
     fn dashed_line(&self, line: &Line, width: f32, color: Color32) {
-        let Some(segment) = self.frame.clip(line) else { return };
-        let ends = [segment.start, segment.end].map(|point| self.transform.screen_from_image(point));
         // Dashes out of sight would be drawn one by one too: many thousands when magnified.
-        let reach = self.painter.clip_rect().size().length();
-        let along = (ends[1] - ends[0]).normalized();
-        let middle = (self.painter.clip_rect().center() - ends[0]).dot(along);
-        let length = (ends[1] - ends[0]).length();
-        let (from, to) = ((middle - reach).clamp(0.0, length), (middle + reach).clamp(0.0, length));
-        let ends = [ends[0] + along * from, ends[0] + along * to];
+        let Some(ends) = self.in_sight(line) else { return };
         self.painter.line_segment(ends, Stroke::new(width + 1.5, theme::HALO.gamma_multiply(0.5)));
         self.painter.extend(Shape::dashed_line(&ends, Stroke::new(width, color), 7.0, 5.0));
+    }
+
+    /// The ends on the screen of a line as far as it lies on the visible part of the image.
+    fn in_sight(&self, line: &Line) -> Option<[Pos2; 2]> {
+        let segment = self.frame.clip(line)?;
+        let ends = [segment.start, segment.end].map(|point| self.transform.screen_from_image(point));
+        within(ends, self.sight())
     }
 
     /// The line of a pair that lies in this image.
@@ -233,9 +245,38 @@ impl Canvas<'_> {
     }
 }
 
+/// The part of a stretch that lies in a rectangle.
+fn within([start, end]: [Pos2; 2], area: Rect) -> Option<[Pos2; 2]> {
+    let (mut from, mut to) = (0.0f32, 1.0f32);
+    let way = end - start;
+    for (at, along, range) in [(start.x, way.x, area.x_range()), (start.y, way.y, area.y_range())] {
+        if along.abs() < f32::EPSILON {
+            if !range.contains(at) {
+                return None;
+            }
+            continue;
+        }
+        let (a, b) = ((range.min - at) / along, (range.max - at) / along);
+        (from, to) = (from.max(a.min(b)), to.min(a.max(b)));
+    }
+    (from <= to).then(|| [start + way * from, start + way * to])
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_stretch_is_cut_at_the_edges_of_a_rectangle() {
+        let area = Rect::from_min_max(Pos2::new(10.0, 10.0), Pos2::new(110.0, 60.0));
+        let at = |x: f32, y: f32| Pos2::new(x, y);
+        assert_eq!(within([at(0.0, 20.0), at(200.0, 20.0)], area), Some([at(10.0, 20.0), at(110.0, 20.0)]));
+        assert_eq!(within([at(50.0, 100.0), at(50.0, 40.0)], area), Some([at(50.0, 60.0), at(50.0, 40.0)]));
+        assert_eq!(within([at(0.0, 5.0), at(200.0, 5.0)], area), None);
+        assert_eq!(within([at(0.0, 55.0), at(40.0, 95.0)], area), None, "past a corner");
+        let inside = [at(20.0, 20.0), at(30.0, 50.0)];
+        assert_eq!(within(inside, area), Some(inside));
+    }
 
     #[test]
     fn texts_stay_in_the_pane_and_off_each_other() {

@@ -27,7 +27,7 @@ fn draw(canvas: &Canvas) {
         let color =
             theme::pair_color(at.pair).gamma_multiply(if left_out { theme::STALE_OPACITY } else { 1.0 });
         let painter = canvas.painter;
-        if document.selection == Some(at) {
+        if canvas.at_hand(document.selection) == Some(at) {
             painter.circle_stroke(centre, theme::HANDLE_RADIUS + 3.5, Stroke::new(4.0, theme::HALO));
             painter.circle_stroke(centre, theme::HANDLE_RADIUS + 3.5, Stroke::new(1.5, theme::SELECTED));
         }

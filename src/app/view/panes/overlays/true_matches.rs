@@ -41,7 +41,7 @@ fn draw(canvas: &Canvas) {
         if !visible.contains(at) {
             continue;
         }
-        let lit = canvas.model.open.focus.hovered() == Some(Target::TrueMatch(number));
+        let lit = canvas.at_hand(canvas.model.open.focus.hovered()) == Some(Target::TrueMatch(number));
         let (size, color) = if lit { (usual + 3.0, theme::SELECTED) } else { (usual, theme::TRUE) };
         // Crosses, so that they are not taken for the dots of what the program found.
         for (x, y) in [(1.0, 1.0), (1.0, -1.0)] {

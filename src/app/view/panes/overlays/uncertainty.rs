@@ -34,7 +34,10 @@ fn draw(canvas: &Canvas) {
         return;
     };
     let document = &canvas.model.document;
-    let hovered = canvas.model.open.hover.filter(|hover| hover.side != canvas.side).map(|hover| hover.point);
+    let hovered = canvas
+        .at_hand(canvas.model.open.hover)
+        .filter(|hover| hover.side != canvas.side)
+        .map(|hover| hover.point);
     let points = document.points(canvas.side.other()).map(|(_, point)| point);
     for other in points.chain(hovered) {
         if let Some(line) = canvas.line_from_other(shown.fundamental, other) {

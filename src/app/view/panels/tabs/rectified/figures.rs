@@ -10,7 +10,7 @@ use crate::app::model::Model;
 use crate::app::model::command::Command;
 use crate::app::model::rectified::{Blink, DrawnPair, Guides, Rectified, RectifiedCommand, RectifiedLayout};
 use crate::app::view::theme;
-use crate::rectify::{Distortion, Measures, RectifyMethod};
+use crate::rectify::{Distortion, Measures, RectifyMethod, RectifyWarning};
 
 /// Disparity ranges are given in multiples of this, px: block matchers want it.
 const RANGE_STEP: f64 = 16.0;
@@ -38,9 +38,14 @@ pub fn show(
                 choosers(ui, model, drawn, commands);
                 method(ui, drawn);
             });
-            ui.scope_builder(UiBuilder::new().max_rect(right), |ui| measures(ui, rectified, drawn));
+            ui.scope_builder(UiBuilder::new().max_rect(right), |ui| {
+                warnings(ui, model, rectified, drawn);
+                measures(ui, rectified, drawn);
+            });
         } else {
+            // Below what is clicked, which stays in its place.
             choosers(ui, model, drawn, commands);
+            warnings(ui, model, rectified, drawn);
             method(ui, drawn);
             measures(ui, rectified, drawn);
         }
@@ -54,18 +59,30 @@ fn choosers(ui: &mut Ui, model: &Model, drawn: &DrawnPair, commands: &mut Vec<Co
     ui.horizontal(|ui| guide_chooser(ui, model, commands));
 }
 
-/// Which method it is and why, and what to beware of.
+/// What to beware of.
+fn warnings(ui: &mut Ui, model: &Model, rectified: &Rectified, drawn: &DrawnPair) {
+    // The pair may still be of the geometry that was shown before.
+    let is_of_shown = model.shown().is_some_and(|shown| *shown.fundamental == rectified.fundamental);
+    for warning in &drawn.full.warnings {
+        let of_shown = match warning {
+            RectifyWarning::Misfit { rows } if is_of_shown => model.misfit_in_words(*rows),
+            _ => None,
+        };
+        let text = of_shown.unwrap_or_else(|| warning.to_string());
+        ui.label(RichText::new(text).color(theme::palette(ui.visuals()).caution));
+    }
+}
+
+/// Which method it is, and why.
 fn method(ui: &mut Ui, drawn: &DrawnPair) {
     let full = &drawn.full;
-    for warning in &full.warnings {
-        ui.label(RichText::new(warning).color(theme::palette(ui.visuals()).caution));
-    }
     ui.weak(format!("{}, because {}.", sentence(full.method.name()), full.reason));
 }
 
 fn measures(ui: &mut Ui, rectified: &Rectified, drawn: &DrawnPair) {
     let full = &drawn.full;
-    rows(ui, &full.measures, rectified.measured);
+    let fits = !full.warnings.iter().any(|warning| matches!(warning, RectifyWarning::Misfit { .. }));
+    rows(ui, &full.measures, rectified.measured, fits);
     shapes(ui, &full.measures.distortion);
     if let Some((map, _)) = &drawn.disparity {
         let [least, most] = map.range;
@@ -151,8 +168,8 @@ fn name(ui: &mut Ui, text: &str) {
     });
 }
 
-/// How well rows agree, and what that means for matching programs.
-fn rows(ui: &mut Ui, measures: &Measures, measured: &str) {
+/// How well rows agree and, where they do, what that means for matching programs.
+fn rows(ui: &mut Ui, measures: &Measures, measured: &str, fits: bool) {
     let Some(rows) = measures.rows else {
         ui.weak("No match is in both pictures, so nothing tells how well rows agree: click check pairs.");
         return;
@@ -162,6 +179,9 @@ fn rows(ui: &mut Ui, measures: &Measures, measured: &str) {
         rows.mean, rows.max, rows.matches
     ))
     .on_hover_text("Vertical distance of matches in the rectified pictures; well below 1 px is good.");
+    if !fits {
+        return;
+    }
     let (mut text, tooltip) = disparity_hint(rows.disparity);
     if rows.far_off > 0 {
         let _ = write!(text, " Without {} that are far off all others.", rows.far_off);
