@@ -242,3 +242,27 @@ fn a_name_has_room_and_the_row_is_in_sight() {
         assert!(name >= least, "{name} at {width}");
     }
 }
+
+#[test]
+fn of_a_long_table_the_rows_in_sight_are_drawn_and_the_others_keep_their_place() {
+    let mut window = sample();
+    let table: String = (0..60).map(|k| format!("n{k}\t{0}\t{0}\t{0}\t{0}\n", 20 + 4 * k)).collect();
+    paste(&mut window, &format!("name\tx1\ty1\tx2\ty2\n{table}"));
+    let row = |window: &Window, pair: &str| {
+        window.query_by_label(&format!("Row of pair {pair}")).map(|row| row.rect())
+    };
+    let [p, q] = ["p", "q"].map(|pair| row(&window, pair).expect("in sight"));
+    assert!(row(&window, "60").is_none(), "far below");
+    scroll_by(&mut window, p.center(), -5000.0);
+    assert!(row(&window, "p").is_none(), "far above");
+    let [before, last] = ["59", "60"].map(|pair| row(&window, pair).expect("scrolled to"));
+    // A row has its height whether or not it is drawn.
+    assert!(((last.top() - before.top()) - (q.top() - p.top())).abs() < 0.1);
+    // What is typed in stays, wherever it is scrolled to.
+    window.get_by_label("Name of pair 60").click();
+    settle(&mut window);
+    scroll_by(&mut window, p.center(), 5000.0);
+    window.event(Event::Text("kept".to_owned()));
+    settle(&mut window);
+    assert!(window.state().document().name(59).contains("kept"), "{}", window.state().document().name(59));
+}

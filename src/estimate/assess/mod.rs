@@ -154,9 +154,10 @@ impl Judge<'_> {
         let closely = OffPlane::new(&near, f, &h, side, precision(&near, f));
         // Either may hold the epipoles: what is seen from afar, or what is seen finely.
         let off = if closely.by_chance < afar.by_chance { closely } else { afar };
-        let OffPlane { groups, agreeing, motions, by_chance } = off;
+        let OffPlane { groups, agreeing, motions, by_chance, motions_by_chance } = off;
         let together = parallax::together(&distinctive, &f_fine, &h_fine, side_fine);
-        let evidence = PlaneEvidence { share, bent_share, groups, agreeing, motions, by_chance };
+        let evidence =
+            PlaneEvidence { share, bent_share, groups, agreeing, motions, by_chance, motions_by_chance };
         Some((plane_homography(&h, matches, tolerance), evidence, together))
     }
 

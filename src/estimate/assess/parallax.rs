@@ -3,24 +3,25 @@
 //! Where one homography explains most matches, those matches say nothing about where the epipolar lines meet. What lies
 //! off it moves against it along the line through the epipole. A thing that moves by itself does too, for the one
 //! epipole on the line of its own motion, and an epipole has two degrees of freedom: it fits any **two** independent
-//! motions. So the matches off the plane are taken in groups that move alike, whether or not they agree with F. Groups
-//! that move alike in several places are one motion: the halves of a picture that are pulled apart agree wherever one
-//! looks. If a motion has nothing to do with F, its parallax of `d` px has any direction, and it is as near as `e` px to
-//! the line with probability
+//! motions. So the matches off the plane are taken in groups that move alike, whether or not they agree with F. If a
+//! group has nothing to do with F, its parallax of `d` px has any direction, and it is as near as `e` px to the line with
+//! probability
 //!
 //! ```text
 //!     p = 2/π · asin(e / d).
 //! ```
 //!
 //! Then `−ln p` is exponentially distributed, and a sum of `n` of them has the gamma distribution (Fisher 1932). Each two
-//! of `n` motions determine an epipole, which the others are held against:
+//! of `n` groups determine an epipole, which the others are held against:
 //!
 //! ```text
 //!     N = n (n − 1) / 2 · P(Γ(n − 2) ≥ − Σ ln p of all but the two best)
 //! ```
 //!
 //! is the number of epipoles that do as well as that of F, if nothing has to do with any (a number of false alarms:
-//! Desolneux, Moisan & Morel 2000; Moisan & Stival 2004 for F itself).
+//! Desolneux, Moisan & Morel 2000; Moisan & Stival 2004 for F itself). Groups that move alike in several places may be one
+//! body: the halves of a picture that are pulled apart agree wherever one looks. So N is also taken of motions, each of
+//! which counts once, with its mean.
 //!
 //! Distinctive matches are found to a pixel, so parallax of less than some pixels does not show in them. Nearer to the
 //! plane, matches are looked for around where the plane puts them and aligned to a fraction of a pixel. Neither kind
@@ -43,8 +44,10 @@ pub(super) struct OffPlane {
     pub agreeing: usize,
     /// Motions among those that agree, wherever they are seen.
     pub motions: usize,
-    /// Epipoles, of those that two motions determine, which do as well if nothing has to do with any: N above.
+    /// Epipoles, of those that two groups determine, which do as well if nothing has to do with any: N above.
     pub by_chance: f64,
+    /// The same of motions, each of which counts once wherever it is seen.
+    pub motions_by_chance: f64,
 }
 
 /// Standard deviation of a coordinate of a match between corners, px of the level: each is found to a pixel.
@@ -90,6 +93,14 @@ pub(super) fn precision(matches: &[PointPair], f: &FundamentalMatrix) -> f64 {
     distances.get(distances.len() / 2).map_or(ALIGNED, |median| (median / MEDIAN).max(ALIGNED))
 }
 
+impl Group {
+    /// `− ln p` above.
+    fn surprise(&self) -> f64 {
+        let ratio = (self.off_line.max(self.precision) / self.parallax.norm()).min(1.0);
+        -(ratio.asin() * std::f64::consts::FRAC_2_PI).ln()
+    }
+}
+
 impl OffPlane {
     /// The matches off the plane with homography `h`, and how `f` agrees with them. `sigma` is the standard deviation of
     /// a coordinate, `side` the longer side of image 1, px.
@@ -124,12 +135,13 @@ impl OffPlane {
     fn of(groups: &[Group], sigma: f64) -> Self {
         let agrees = |group: &&Group| group.off_line <= OFF_LINE * sigma;
         let motions = motions(groups, ALIKE * sigma);
-        let agreeing_motions = motions.iter().filter(|groups| groups.iter().any(|group| agrees(group)));
+        let agreeing_motions = motions.iter().filter(|groups| groups.iter().any(&agrees));
         Self {
             groups: groups.len(),
             agreeing: groups.iter().filter(agrees).count(),
             motions: agreeing_motions.count(),
-            by_chance: number_by_chance(&motions),
+            by_chance: number_by_chance(groups.iter().map(Group::surprise).collect()),
+            motions_by_chance: number_by_chance(motions.iter().map(|motion| mean_surprise(motion)).collect()),
         }
     }
 }
@@ -206,14 +218,12 @@ fn motions(groups: &[Group], alike: f64) -> Vec<Vec<&Group>> {
     motions
 }
 
-/// N above. What is seen of one motion in several places counts once, with its mean.
-fn number_by_chance(motions: &[Vec<&Group>]) -> f64 {
-    let surprise = |group: &&Group| {
-        let ratio = (group.off_line.max(group.precision) / group.parallax.norm()).min(1.0);
-        -(ratio.asin() * std::f64::consts::FRAC_2_PI).ln()
-    };
-    let mean = |motion: &Vec<&Group>| motion.iter().map(surprise).sum::<f64>() / motion.len() as f64;
-    let mut surprises: Vec<f64> = motions.iter().map(mean).collect();
+fn mean_surprise(motion: &[&Group]) -> f64 {
+    motion.iter().map(|group| group.surprise()).sum::<f64>() / motion.len() as f64
+}
+
+/// N above, of `− ln p`.
+fn number_by_chance(mut surprises: Vec<f64>) -> f64 {
     let count = surprises.len();
     if count < 3 {
         return f64::INFINITY;
@@ -297,9 +307,9 @@ mod tests {
         let halves: Vec<Group> = (0..12).map(half).chain(groups(1, 2)).collect();
         let found = OffPlane::of(&halves, 0.3);
         assert_eq!((found.groups, found.agreeing, found.motions), (15, 13, 2));
-        assert!(found.by_chance > 0.1, "{found:?}");
+        assert!(found.by_chance < 1e-3 && found.motions_by_chance > 1.0, "{found:?}");
         let alone = OffPlane::of(&halves[..12], 0.3);
-        assert!(alone.by_chance.is_infinite() && alone.motions == 1, "{alone:?}");
+        assert!(alone.motions_by_chance.is_infinite() && alone.motions == 1, "{alone:?}");
     }
 
     #[test]

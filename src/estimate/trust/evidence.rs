@@ -32,6 +32,8 @@ const HALF_PLANE: f64 = 0.4;
 const BENT: f64 = 0.5;
 /// Epipoles that do as well by chance, at most: one of a thousand results without parallax may pass this test.
 const BY_CHANCE: f64 = 1e-3;
+/// The same where what moves alike counts once: fewer than one. A surface in depth moves alike in some places, too.
+const MOTIONS_BY_CHANCE: f64 = 1.0;
 /// Motions beside the plane that any epipole fits: what agrees has to move in more ways.
 const ANY_EPIPOLE: usize = 2;
 /// Probability that matches which are wrong by chance contradict a right geometry, at most.
@@ -58,14 +60,17 @@ pub(in crate::estimate) struct PlaneEvidence {
     pub agreeing: usize,
     /// Motions among those that agree.
     pub motions: usize,
-    /// Epipoles that do as well by chance.
+    /// Epipoles that do as well by chance, and the same where what moves alike counts once.
     pub by_chance: f64,
+    pub motions_by_chance: f64,
 }
 
 impl PlaneEvidence {
     /// Whether the epipoles hang on the plane alone.
     fn leaves_the_epipoles_open(&self) -> bool {
-        let is_held = self.by_chance <= BY_CHANCE && self.motions > ANY_EPIPOLE;
+        let is_held = self.by_chance <= BY_CHANCE
+            && self.motions_by_chance <= MOTIONS_BY_CHANCE
+            && self.motions > ANY_EPIPOLE;
         self.share > ONE_PLANE
             || self.share > MOSTLY_PLANE && !is_held
             || self.share > HALF_PLANE && self.motions <= ANY_EPIPOLE
@@ -239,6 +244,7 @@ mod tests {
             agreeing: 1,
             motions: 1,
             by_chance: 1.0,
+            motions_by_chance: 1.0,
         }),
         together: Together { matches: 200, contradicting: 2 },
         pattern: Some(ResidualPattern { share: 0.1, size: 0.1 }),
@@ -254,7 +260,16 @@ mod tests {
         assert_eq!(Trust::judge(&GOOD), Trust { verdict: Verdict::Reliable, reasons: Vec::new() });
         assert_eq!(verdict(Evidence { margin: None, ..GOOD }), Verdict::Reliable);
         let plane = |share, by_chance| {
-            Some(PlaneEvidence { share, bent_share: share, groups: 9, agreeing: 7, motions: 5, by_chance })
+            let motions_by_chance = by_chance;
+            Some(PlaneEvidence {
+                share,
+                bent_share: share,
+                groups: 9,
+                agreeing: 7,
+                motions: 5,
+                by_chance,
+                motions_by_chance,
+            })
         };
         assert_eq!(verdict(Evidence { plane: plane(0.6, 1e-4), ..GOOD }), Verdict::Reliable);
         for worse in [
@@ -302,11 +317,10 @@ mod tests {
                 agreeing: 2,
                 motions: ANY_EPIPOLE + 1,
                 by_chance,
+                motions_by_chance: MOTIONS_BY_CHANCE,
             })
         };
-        let bent = |bent_share| {
-            Some(PlaneEvidence { share: 0.4, bent_share, groups: 9, agreeing: 9, motions: 9, by_chance: 0.0 })
-        };
+        let bent = |bent_share| plane(0.4, 0.0).map(|plane| PlaneEvidence { bent_share, ..plane });
         let together = |matches, contradicting| Together { matches, contradicting };
         let pattern = |share, size| Some(ResidualPattern { share, size });
         let next = |v: f64| v * (1.0 + 1e-12);
@@ -355,6 +369,14 @@ mod tests {
             ),
             (
                 Evidence { plane: plane(next(MOSTLY_PLANE), next(BY_CHANCE)), ..GOOD },
+                Reason::OnePlane { percent: 50, groups: 9, agreeing: 2 },
+            ),
+            (
+                Evidence {
+                    plane: plane(next(MOSTLY_PLANE), 0.0)
+                        .map(|p| PlaneEvidence { motions_by_chance: next(MOTIONS_BY_CHANCE), ..p }),
+                    ..GOOD
+                },
                 Reason::OnePlane { percent: 50, groups: 9, agreeing: 2 },
             ),
             (

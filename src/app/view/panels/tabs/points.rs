@@ -98,7 +98,7 @@ fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         Grid::new("points")
             .num_columns(7)
             .striped(true)
-            .min_row_height(22.0)
+            .min_row_height(ROW_HEIGHT)
             .spacing([if wide { 7.0 } else { 4.0 }, 3.0])
             .show(ui, |ui| {
                 for column in PointColumn::ALL {
@@ -107,11 +107,29 @@ fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
                 ui.label("");
                 ui.end_row();
                 let half = document.half.map(|_| document.pairs.len());
+                let seen = seen_rows(ui);
                 for pair in listed.into_iter().chain(half) {
-                    row(ui, model, pair, widths, commands);
+                    if seen.contains(ui.cursor().min.y) {
+                        row(ui, model, pair, widths, commands);
+                    } else {
+                        ui.label("");
+                        ui.end_row();
+                    }
                 }
             });
     });
+}
+
+/// Height of a row, screen points.
+const ROW_HEIGHT: f32 = 22.0;
+
+/// Where the tops of rows are that are drawn: those in sight, and the next ones. What is typed in or dragged stays where
+/// it is when it leaves the sight, so then it is all of them.
+fn seen_rows(ui: &Ui) -> egui::Rangef {
+    let seen = ui.clip_rect();
+    let is_held = ui.memory(|memory| memory.focused().is_some())
+        || ui.ctx().dragged_id().is_some() && ui.rect_contains_pointer(seen);
+    if is_held { egui::Rangef::EVERYTHING } else { seen.y_range().expand(2.0 * ROW_HEIGHT) }
 }
 
 /// The name of a column, which sorts by it.
