@@ -17,7 +17,7 @@ use multiversion::multiversion;
 use nalgebra::{SMatrix, SVector};
 
 use super::GrayPlane;
-use super::patch::{HALF, Warp};
+use super::patch::{HALF, Warp, offsets};
 use crate::geometry::{Point, Vector};
 
 /// Where a patch of the first image lies in the second: `at + affine · x`.
@@ -88,12 +88,6 @@ impl Alignment {
 
 /// In the corner of an image little more than a quarter of a patch is inside.
 pub(crate) const LEAST_INSIDE: f64 = 0.25;
-
-/// Offsets of a patch's pixels from its centre, row by row.
-pub(crate) fn offsets() -> impl Iterator<Item = Vector> {
-    let half = HALF as i32;
-    (-half..=half).flat_map(move |y| (-half..=half).map(move |x| Vector::new(f64::from(x), f64::from(y))))
-}
 
 type Vector8 = SVector<f64, 8>;
 type Matrix8 = SMatrix<f64, 8, 8>;

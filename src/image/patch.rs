@@ -5,7 +5,7 @@ use multiversion::target::target_cfg_f;
 use nalgebra::Matrix2;
 
 use super::GrayPlane;
-use crate::geometry::Point;
+use crate::geometry::{Point, Vector};
 
 /// Half width of a patch: 11×11 pixels.
 pub(crate) const HALF: usize = 5;
@@ -15,6 +15,12 @@ const AREA: usize = SIDE * SIDE;
 const PADDED: usize = 128;
 /// Patches of a [`PatchBlock`].
 pub(crate) const LANES: usize = 16;
+
+/// Offsets of a patch's pixels from its centre, row by row.
+pub(crate) fn offsets() -> impl Iterator<Item = Vector> {
+    let half = HALF as i32;
+    (-half..=half).flat_map(move |y| (-half..=half).map(move |x| Vector::new(f64::from(x), f64::from(y))))
+}
 
 /// A patch with mean zero and norm one, padded with zeros.
 pub(crate) type Patch = [f32; PADDED];
@@ -77,7 +83,7 @@ impl<'a> PatchSampler<'a> {
         let [left, up] = reach.map(f64::ceil);
         let width = plane.frame().width;
         let (mut offsets, mut right, mut down) = ([0; AREA], [0.0; AREA], [0.0; AREA]);
-        for (k, offset) in super::offsets().enumerate() {
+        for (k, offset) in self::offsets().enumerate() {
             let q = warp * offset + nalgebra::Vector2::new(left, up);
             offsets[k] = q.y.floor() as usize * width + q.x.floor() as usize;
             (right[k], down[k]) = ((q.x - q.x.floor()) as f32, (q.y - q.y.floor()) as f32);
@@ -99,7 +105,7 @@ impl<'a> PatchSampler<'a> {
                 *value = a + (b - a) * self.down[k];
             }
         } else {
-            for (value, offset) in patch.iter_mut().zip(super::offsets()) {
+            for (value, offset) in patch.iter_mut().zip(offsets()) {
                 *value = self.plane.sample(centre + self.warp * offset);
             }
         }
@@ -246,7 +252,7 @@ mod tests {
                 Point::new(19.5, 17.25),
             ] {
                 let mut expected = [0.0; PADDED];
-                for (value, offset) in expected.iter_mut().zip(crate::image::offsets()) {
+                for (value, offset) in expected.iter_mut().zip(offsets()) {
                     *value = plane.sample(at + warp * offset);
                 }
                 let (found, expected) = (sampler.patch(at).unwrap(), normalised(&expected).unwrap());

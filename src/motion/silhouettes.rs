@@ -5,13 +5,12 @@ use std::fmt;
 use rayon::prelude::*;
 
 use super::background::Background;
+use super::barcode::WORD;
 use super::frame_motion::{FrameMotion, by_majority};
 use super::{BackgroundParameters, Barcode, FEWEST_FRAMES, FrameSequence, MotionError};
 use crate::cancel::CancelFlag;
 use crate::geometry::{AnchoredLine, Frame};
 
-/// Bits of a word.
-pub(super) const WORD: usize = 64;
 /// Share of the pixels that never rest, or that move in the median frame, from which on there is no background.
 const EVERYTHING: f64 = 0.5;
 /// Share of a sequence's pixels that have to move in all for something to move: a speck now and then is noise.

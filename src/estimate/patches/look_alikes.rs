@@ -3,7 +3,6 @@
 use multiversion::multiversion;
 
 use super::feature_support::FLOOR;
-use super::support::Putative;
 use crate::geometry::{FundamentalMatrix, Point};
 
 /// Corners of image 1 that are looked at together, in a lane each.
@@ -12,6 +11,14 @@ const LANES: usize = 16;
 const SLACK: f64 = 0.1;
 
 type Lanes = [f32; LANES];
+
+/// Two corners whose patches look alike.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(in crate::estimate) struct Putative {
+    pub corner1: u32,
+    pub corner2: u32,
+    pub correlation: f32,
+}
 
 /// The look-alikes of all corners of image 1, laid out for the vector units: for some corners at a time the best
 /// look-alike of each, then the next best of each, and so on.

@@ -4,6 +4,7 @@ mod facts;
 mod gauge;
 #[cfg(test)]
 mod tests;
+mod tone;
 
 use crate::app::model::computation::{Computation, EstimateFailure, Freshness};
 use crate::app::model::document::{Document, Imported, Role, pair_name};
@@ -11,8 +12,9 @@ use crate::estimate::{self, CLICK_DEVIATIONS, Reason};
 use crate::geometry::{FundamentalMatrix, sampson_distance, symmetric_epipolar_distance};
 
 use facts::facts;
-pub use facts::{Fact, Tone, epipole_text, epipoles, hypothesis_facts, import_facts, line_score_text, rival};
-pub use gauge::{Figure, Gauge, HypothesisScales};
+pub use facts::{Fact, epipole_text, epipoles, hypothesis_facts, import_facts};
+pub use gauge::{Figure, Gauge, HypothesisScales, line_score_text, rival};
+pub use tone::Tone;
 
 /// What to say about the state of the estimate.
 #[derive(Debug, Clone, PartialEq)]
