@@ -151,7 +151,7 @@ impl Silhouettes {
     /// In which frames a line is crossed. The line is in pixels of an image that is `scale` times as large as the masks.
     pub fn barcode(&self, line: &AnchoredLine, scale: f64) -> Barcode {
         let Frame { width, height } = self.size;
-        // Pixel centres stay in their place when sizes change.
+        // As `geometry::rescaled` has it, but a quotient: times the reciprocal would round otherwise.
         let to_mask = |v: f64| (v + 0.5) / scale - 0.5;
         let anchor = crate::geometry::Point::new(to_mask(line.anchor.x), to_mask(line.anchor.y));
         let own = AnchoredLine { anchor, direction: line.direction };

@@ -3,7 +3,7 @@
 use super::refinement::{NEARBY, Objective, refine};
 use crate::cancel::CancelFlag;
 use crate::estimate::EstimateError;
-use crate::geometry::{FundamentalMatrix, Point};
+use crate::geometry::{FundamentalMatrix, Point, rescaled};
 use crate::motion::{FEWEST_FRAMES, Silhouettes};
 
 /// Groups of frames that are left out in turn.
@@ -77,10 +77,8 @@ fn moving_places(silhouettes: [&Silhouettes; 2]) -> Vec<(Point, Point)> {
         let scale = full.width as f64 / size.width as f64;
         let mask = silhouettes[image].mask(time);
         let moving = (0..mask.len()).filter(|k| mask[*k]);
-        let place = move |k: usize| {
-            let centre = |v: usize| (v as f64 + 0.5) * scale - 0.5;
-            Point::new(centre(k % size.width), centre(k / size.width))
-        };
+        let place =
+            move |k: usize| rescaled(Point::new((k % size.width) as f64, (k / size.width) as f64), scale);
         moving.map(place).collect::<Vec<_>>()
     };
     let mut all = Vec::new();
