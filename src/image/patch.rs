@@ -29,6 +29,15 @@ pub(crate) type Patch = [f32; PADDED];
 /// offsets in image 1.
 pub(crate) type Warp = Matrix2<f64>;
 
+/// Turns without a change of size, degrees. Correlation falls off slowly enough for what lies between.
+const TURNS: [f64; 2] = [-20.0, 20.0];
+/// Changes of size, and the turns that go with each, degrees.
+const ZOOMS: [f64; 2] = [0.75, 4.0 / 3.0];
+const ZOOM_TURNS: [f64; 3] = [-15.0, 0.0, 15.0];
+/// Widths of a wall seen from another side over its width here, and how far its rows slant, px per px.
+const SQUEEZES: [f64; 2] = [0.6, 1.6];
+const SHEARS: [f64; 3] = [-0.3, 0.0, 0.3];
+
 /// Warps tried when nothing is known about the surface: the identity, turns by 20°, scale by 4/3, and the
 /// foreshortening of a wall seen from another side. Between them, correlation falls off slowly enough.
 fn warps() -> Vec<Warp> {
@@ -37,16 +46,16 @@ fn warps() -> Vec<Warp> {
         Warp::new(cos, -sin, sin, cos) * scale
     };
     let mut all = vec![Warp::identity()];
-    for degrees in [-20.0, 20.0] {
+    for degrees in TURNS {
         all.push(turned(degrees, 1.0));
     }
-    for scale in [0.75, 4.0 / 3.0] {
-        for degrees in [-15.0, 0.0, 15.0] {
+    for scale in ZOOMS {
+        for degrees in ZOOM_TURNS {
             all.push(turned(degrees, scale));
         }
     }
-    for squeeze in [0.6, 1.6] {
-        for shear in [-0.3, 0.0, 0.3] {
+    for squeeze in SQUEEZES {
+        for shear in SHEARS {
             all.push(Warp::new(squeeze, 0.0, shear, 1.0));
         }
     }

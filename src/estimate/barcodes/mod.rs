@@ -30,6 +30,7 @@ const SIDE: f64 = 384.0;
 const REFINED: usize = 6;
 /// Two geometries are one when their lines are nearer to each other than this fraction of the longer side, on average.
 const SAME: f64 = 0.02;
+
 /// Parameters as barcodes take them: a barcode is the same whichever way its line is read, cameras may stand anywhere
 /// around the scene, and there are no patches.
 pub(super) fn adapted(parameters: &Parameters) -> Parameters {

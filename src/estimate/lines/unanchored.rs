@@ -36,6 +36,10 @@ const SHORTEST: f64 = 2.0 * SHORTEST_LINE;
 const BATCH: usize = 64;
 /// Pairs through both epipoles that are tried as the third one of a draw.
 const THIRD: usize = 3;
+/// Candidates drawn in search of them at most, and at most so many times as there are: where few pass both epipoles, the
+/// draw was a bad one. Round numbers.
+const LOOKED_THROUGH: usize = 400;
+const TIMES_OVER: usize = 4;
 /// Draws of one task: the same on any number of threads.
 const TASK: usize = 64;
 /// Candidates on which hypotheses are counted at first, evenly from all of them.
@@ -226,9 +230,9 @@ impl<'a> Counting<'a> {
     fn hypothesis(&self, random: &mut Pcg64Mcg) -> Option<(usize, FundamentalMatrix)> {
         let (p, q) = (self.one(random)?, self.one(random)?);
         let epipoles: [HomogeneousPoint; 2] = [0, 1].map(|i| p.lines[i].intersection(&q.lines[i]));
-        let third = (0..self.measured.len() * 4)
+        let third = (0..self.measured.len() * TIMES_OVER)
             .filter_map(|_| self.one(random))
-            .take(400)
+            .take(LOOKED_THROUGH)
             .filter(|r| (0..2).all(|i| self.is_near(i, &r.lines[i], &epipoles[i], r.middles()[i])))
             .take(THIRD);
         third
