@@ -1,4 +1,4 @@
-//! Epipolar geometry of two images from two clicked point pairs.
+//! Epipolar geometry of two images from clicked point pairs, two or more, or from none.
 //!
 //! A scene point that is seen in one image lies in the other on a line, its epipolar line; the fundamental
 //! matrix `F` says which line. Here `F` is found from **two** point pairs: lines through them are compared by how
