@@ -59,7 +59,7 @@ pub struct RepairQuestion {
 }
 
 /// Where the right point of a pair belongs, or what happened instead, a sentence without its full stop.
-pub type Outcome = Result<Point, String>;
+pub type RepairOutcome = Result<Point, String>;
 
 /// A pair for which a better place was looked for.
 #[derive(Clone, PartialEq)]
@@ -67,5 +67,5 @@ pub struct Repaired {
     /// What was asked.
     pub question: RepairQuestion,
     /// What was found.
-    pub outcome: Outcome,
+    pub outcome: RepairOutcome,
 }

@@ -73,7 +73,7 @@ const CONTRADICTING: f64 = 2.0 * BAND;
 
 /// Matches off the plane that move alike.
 #[derive(Debug, Clone, Copy)]
-struct Group {
+struct MotionGroup {
     parallax: Vector,
     /// How far it is off its epipolar line, px.
     off_line: f64,
@@ -109,20 +109,20 @@ impl OffPlane {
                 .map(|(line, point2)| line.signed_distance(point2))
                 .collect();
             distances.sort_by(f64::total_cmp);
-            Group {
+            MotionGroup {
                 parallax: members.iter().map(|k| off[*k].1).sum::<Vector>() / count,
                 // A point without a line is the epipole itself.
                 off_line: distances.get(distances.len() / 2).map_or(0.0, |distance| distance.abs()),
                 precision: sigma / count.sqrt(),
             }
         };
-        let groups: Vec<Group> =
+        let groups: Vec<MotionGroup> =
             moving_alike(&off, ALIKE * sigma, TOGETHER * side).into_iter().map(group).collect();
         Self::of(&groups, sigma)
     }
 
-    fn of(groups: &[Group], sigma: f64) -> Self {
-        let agrees = |group: &&Group| group.off_line <= OFF_LINE * sigma;
+    fn of(groups: &[MotionGroup], sigma: f64) -> Self {
+        let agrees = |group: &&MotionGroup| group.off_line <= OFF_LINE * sigma;
         let motions = motions(groups, ALIKE * sigma);
         let agreeing_motions = motions.iter().filter(|groups| groups.iter().any(|group| agrees(group)));
         Self {
@@ -194,10 +194,11 @@ fn moving_alike(off: &[(PointPair, Vector)], alike: f64, together: f64) -> Vec<V
 }
 
 /// Groups that move alike, wherever they are seen.
-fn motions(groups: &[Group], alike: f64) -> Vec<Vec<&Group>> {
-    let mut motions: Vec<Vec<&Group>> = Vec::new();
+fn motions(groups: &[MotionGroup], alike: f64) -> Vec<Vec<&MotionGroup>> {
+    let mut motions: Vec<Vec<&MotionGroup>> = Vec::new();
     for group in groups {
-        let is_alike = |motion: &&mut Vec<&Group>| (motion[0].parallax - group.parallax).norm() <= alike;
+        let is_alike =
+            |motion: &&mut Vec<&MotionGroup>| (motion[0].parallax - group.parallax).norm() <= alike;
         match motions.iter_mut().find(is_alike) {
             Some(motion) => motion.push(group),
             None => motions.push(vec![group]),
@@ -207,12 +208,12 @@ fn motions(groups: &[Group], alike: f64) -> Vec<Vec<&Group>> {
 }
 
 /// N above. What is seen of one motion in several places counts once, with its mean.
-fn number_by_chance(motions: &[Vec<&Group>]) -> f64 {
-    let surprise = |group: &&Group| {
+fn number_by_chance(motions: &[Vec<&MotionGroup>]) -> f64 {
+    let surprise = |group: &&MotionGroup| {
         let ratio = (group.off_line.max(group.precision) / group.parallax.norm()).min(1.0);
         -(ratio.asin() * std::f64::consts::FRAC_2_PI).ln()
     };
-    let mean = |motion: &Vec<&Group>| motion.iter().map(surprise).sum::<f64>() / motion.len() as f64;
+    let mean = |motion: &Vec<&MotionGroup>| motion.iter().map(surprise).sum::<f64>() / motion.len() as f64;
     let mut surprises: Vec<f64> = motions.iter().map(mean).collect();
     let count = surprises.len();
     if count < 3 {
@@ -265,11 +266,11 @@ mod tests {
     }
 
     /// Groups of different parallax, those that agree 0.3 px off their lines, the others half their parallax.
-    fn groups(agreeing: usize, other: usize) -> Vec<Group> {
+    fn groups(agreeing: usize, other: usize) -> Vec<MotionGroup> {
         let group = |k: usize| {
             let parallax = Vector::new(8.0 + 5.0 * k as f64, 0.0);
             let off_line = if k < agreeing { 0.3 } else { 0.7 * parallax.x };
-            Group { parallax, off_line, precision: 0.3 }
+            MotionGroup { parallax, off_line, precision: 0.3 }
         };
         (0..agreeing + other).map(group).collect()
     }
@@ -288,13 +289,13 @@ mod tests {
 
     #[test]
     fn two_halves_move_in_one_way_wherever_one_looks() {
-        let half = |k: u32| Group {
+        let half = |k: u32| MotionGroup {
             parallax: Vector::new(18.0 + 0.1 * f64::from(k), 2.0),
             off_line: 0.1,
             precision: 0.15,
         };
         // One half, seen in twelve places, and three false matches, one of which happens to agree.
-        let halves: Vec<Group> = (0..12).map(half).chain(groups(1, 2)).collect();
+        let halves: Vec<MotionGroup> = (0..12).map(half).chain(groups(1, 2)).collect();
         let found = OffPlane::of(&halves, 0.3);
         assert_eq!((found.groups, found.agreeing, found.motions), (15, 13, 2));
         assert!(found.by_chance > 0.1, "{found:?}");

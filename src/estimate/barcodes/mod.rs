@@ -21,7 +21,7 @@ use crate::motion::Silhouettes;
 
 use agreement::Pencils;
 use precision::deviation;
-use refinement::{Objective, Refined, refine};
+use refinement::{Objective, RefinedByBarcodes, refine};
 use sharpening::sharpen;
 
 /// Longer side of the images that lines are compared at, px: barcodes cost little, so more of them than by stereo.
@@ -96,7 +96,7 @@ pub(super) fn by_barcodes(
     for start in &proposed {
         refined.extend(refine(&coarse, start, refinement::FROM_AFAR, parameters.seed, cancel)?);
     }
-    refined.sort_by(|a: &Refined, b| a.value.total_cmp(&b.value));
+    refined.sort_by(|a: &RefinedByBarcodes, b| a.value.total_cmp(&b.value));
     let best = refined.first().ok_or(EstimateError::NothingFromBarcodes)?;
     let best = refine(&objective, &best.fundamental, refinement::NEARBY, parameters.seed, cancel)?
         .unwrap_or_else(|| best.clone());

@@ -24,14 +24,14 @@ pub(in crate::estimate) struct Putative {
 /// look-alike of each, then the next best of each, and so on.
 #[derive(Debug, Clone, Default)]
 pub(super) struct LookAlikes {
-    groups: Vec<Group>,
+    groups: Vec<CornerGroup>,
     /// Those of all groups, one group after another.
     ranks: Vec<Rank>,
 }
 
 /// Some corners of image 1.
 #[derive(Debug, Clone, Copy)]
-struct Group {
+struct CornerGroup {
     x1: Lanes,
     y1: Lanes,
     /// How many ranks they have.
@@ -66,7 +66,7 @@ impl LookAlikes {
                 let point = corners[0][group[0].corner1 as usize];
                 (x1[lane], y1[lane]) = (point.x as f32, point.y as f32);
             }
-            all.groups.push(Group { x1, y1, ranks });
+            all.groups.push(CornerGroup { x1, y1, ranks });
             all.ranks.extend((0..ranks).map(|rank| {
                 let [mut x2, mut y2, mut excess] = [[f32::NAN; LANES], [f32::NAN; LANES], [0.0; LANES]];
                 let mut pairs = [0; LANES];
@@ -104,7 +104,7 @@ fn single(f: &FundamentalMatrix) -> [f32; 9] {
 }
 
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq+avx2", "x86_64+avx2", "aarch64+neon"))]
-fn near(groups: &[Group], mut ranks: &[Rank], f: &[f32; 9], band: f32, found: &mut Vec<u32>) {
+fn near(groups: &[CornerGroup], mut ranks: &[Rank], f: &[f32; 9], band: f32, found: &mut Vec<u32>) {
     for group in groups {
         let (own, others) = ranks.split_at(group.ranks);
         ranks = others;
@@ -132,7 +132,7 @@ fn near(groups: &[Group], mut ranks: &[Rank], f: &[f32; 9], band: f32, found: &m
 }
 
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq+avx2", "x86_64+avx2", "aarch64+neon"))]
-fn most_support(groups: &[Group], mut ranks: &[Rank], f: &[f32; 9], band: f32) -> f32 {
+fn most_support(groups: &[CornerGroup], mut ranks: &[Rank], f: &[f32; 9], band: f32) -> f32 {
     let mut total = [0f32; LANES];
     for group in groups {
         let (own, others) = ranks.split_at(group.ranks);
