@@ -13,9 +13,9 @@ pub struct RankingRecord {
     pub hypotheses: usize,
     /// Error of the best one, px.
     pub best_error: f64,
-    /// Its rank by line validation.
+    /// Rank of the best one by line validation.
     pub best_rank_by_lines: usize,
-    /// Its rank by patch support; `None` when patches were not looked at.
+    /// Rank of the best one by patch support; `None` when patches were not looked at.
     pub best_rank_by_patches: Option<usize>,
     /// Where the true geometry would rank by line validation; `None` when its lines degenerate at the clicks.
     pub true_rank_by_lines: Option<usize>,

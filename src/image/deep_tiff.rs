@@ -23,7 +23,7 @@ pub(super) struct DeepTiff<R: BufRead + Seek> {
     decoder: Decoder<R>,
     /// Width and height, px.
     pub size: [u32; 2],
-    /// Of the file, and while it is read.
+    /// Bytes of a pixel in the file, and while it is read.
     pub bytes_a_pixel: u64,
 }
 
@@ -113,7 +113,7 @@ fn bright<T>(values: &[T], number: impl Fn(&T) -> f64) -> Option<Vec<u16>> {
 }
 
 impl BrightnessScale {
-    /// For numbers from `low` to `high`.
+    /// The scale for numbers from `low` to `high`.
     fn of(low: f64, high: f64) -> Self {
         // Whoever means 0 to 255 goes beyond the glare of 0 to 1.
         let common = match high {

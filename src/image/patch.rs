@@ -175,7 +175,7 @@ impl PatchBlock {
 /// Patches that pass over a block together: as many sums as the registers of most processors hold.
 const AT_ONCE: usize = 6;
 
-/// For each of a few patches and each lane the best correlation, −1 to 1, with the patches which the blocks have there.
+/// The best correlation, −1 to 1, of each of a few patches and each lane with the patches which the blocks have there.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx2+fma", "x86_64+avx2+fma", "aarch64+neon"))]
 pub(crate) fn best_correlations(few: &[Patch], blocks: &[PatchBlock], best: &mut Vec<[f32; LANES]>) {
     // Where there is no such instruction, it would be a slow function.

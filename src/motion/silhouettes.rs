@@ -148,7 +148,7 @@ impl Silhouettes {
         set as f64 / (self.size.width * self.size.height * self.frames).max(1) as f64
     }
 
-    /// In which frames a line is crossed. The line is in pixels of an image that is `scale` times as large as the masks.
+    /// Frames in which a line is crossed. The line is in pixels of an image that is `scale` times as large as the masks.
     pub fn barcode(&self, line: &AnchoredLine, scale: f64) -> Barcode {
         let Frame { width, height } = self.size;
         // As `geometry::rescaled` has it, but a quotient: times the reciprocal would round otherwise.

@@ -21,7 +21,7 @@ pub struct OpenedSample {
     pub pictures: [Picture; 2],
     /// Pairs known to give a good result.
     pub show_me: [PointPair; 2],
-    /// Its exact geometry, named as the sample is.
+    /// The exact geometry, named as the sample is.
     pub truth: GroundTruth,
 }
 

@@ -37,9 +37,9 @@ pub struct NextClickQuestion {
 /// How a placed pair is repaired.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Repair {
-    /// Its point in the right image is aligned to a fraction of a pixel around where it is.
+    /// The point in the right image is aligned to a fraction of a pixel around where it is.
     Refine,
-    /// Its point in the right image goes to the best match on its epipolar line.
+    /// The point in the right image goes to the best match on its epipolar line.
     Rematch,
 }
 

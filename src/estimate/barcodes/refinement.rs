@@ -23,9 +23,9 @@ pub(super) struct Steps {
     pub rounds: usize,
 }
 
-/// From where lines have proposed: some per cent of the side off.
+/// Steps from where lines have proposed: some per cent of the side off.
 pub(super) const FROM_AFAR: Steps = Steps { first: 0.015, rounds: 8 };
-/// From a refined geometry.
+/// Steps from a refined geometry.
 pub(super) const NEARBY: Steps = Steps { first: 0.003, rounds: 10 };
 
 /// Steps a round, and the best of them that give the next one.

@@ -54,9 +54,9 @@ const ROBUST: f64 = 1.5;
 /// Two lines that may be corresponding epipolar lines, directed alike.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LineCandidate {
-    /// In image 1.
+    /// The line of image 1.
     pub line1: AnchoredLine,
-    /// In image 2.
+    /// The line of image 2.
     pub line2: AnchoredLine,
     /// Cost of the pair, normalised if the parameters say so; lower is more similar.
     pub cost: f32,
@@ -153,7 +153,7 @@ pub(in crate::estimate) struct LineConsensus {
 /// A geometry with the candidates that agree with it.
 #[derive(Debug, Clone)]
 pub(in crate::estimate) struct LineGeometry {
-    /// In pixels of the size that the lines were compared at.
+    /// The matrix for pixels of the size that the lines were compared at.
     pub fundamental: FundamentalMatrix,
     /// Numbers of the candidates that agree.
     pub agreeing: Vec<usize>,

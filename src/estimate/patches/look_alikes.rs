@@ -25,7 +25,7 @@ pub(in crate::estimate) struct Putative {
 #[derive(Debug, Clone, Default)]
 pub(super) struct LookAlikes {
     groups: Vec<CornerGroup>,
-    /// Those of all groups, one group after another.
+    /// Ranks of all groups, one group after another.
     ranks: Vec<Rank>,
 }
 

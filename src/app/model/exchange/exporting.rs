@@ -143,7 +143,7 @@ fn labels(model: &Model, with_matches: bool) -> Vec<PairLabel> {
     model.document.labels().chain(std::iter::repeat_n(automatic, found)).collect()
 }
 
-/// Those of a planar rectification; a polar one has none.
+/// Homographies of a planar rectification; a polar one has none.
 fn homographies(question: &RectifyQuestion) -> Option<[nalgebra::Matrix3<f64>; 2]> {
     let rectification = question.rectification(&Limits::default()).ok()?;
     let [left, right] = rectification.maps.each_ref().map(|map| map.homography().copied());

@@ -143,7 +143,7 @@ pub fn rival(estimate: &Estimate) -> Option<usize> {
 /// What is good and bad of the hypotheses of one search.
 #[derive(Debug, Clone)]
 pub struct HypothesisScales {
-    /// Of each figure the worst and the best that a hypothesis has.
+    /// The worst and the best of each figure that a hypothesis has.
     ends: [Option<[f64; 2]>; 4],
     support: Option<Scale>,
     line_score: Option<Scale>,
@@ -151,7 +151,7 @@ pub struct HypothesisScales {
 }
 
 impl HypothesisScales {
-    /// Those of a result; `kind` is what line scores measure.
+    /// Scales of the hypotheses of a result; `kind` is what line scores measure.
     pub fn new(result: &Estimate, kind: LineScore) -> Self {
         let ends = Figure::ALL.map(|figure| {
             let order = |a: &f64, b: &f64| figure.badness(*a).total_cmp(&figure.badness(*b));
