@@ -89,7 +89,7 @@ pub fn show(ctx: &egui::Context, open: &mut bool) {
         });
 }
 
-/// From this width on the groups stand beside each other, screen points.
+/// Width from which on the groups stand beside each other, screen points.
 const TWO_COLUMNS: f32 = 700.0;
 /// Width of the keys, screen points.
 const KEYS: f32 = 150.0;
