@@ -1,7 +1,7 @@
-//! Epipolar geometry of two images from two clicked point pairs.
+//! Epipolar geometry of two images from clicked point pairs, two or more, or from none.
 //!
 //! A scene point that is seen in one image lies in the other on a line, its epipolar line; the fundamental
-//! matrix `F` says which line. Here `F` is found from **two** point pairs: lines through them are compared by how
+//! matrix `F` says which line. Here **two** point pairs are enough to find `F`: lines through them are compared by how
 //! well their intensities match, which takes no further points.
 //!
 //! # The pipeline on one page

@@ -29,7 +29,7 @@ pub enum CliError {
     /// A sequence of frames could not be read.
     #[error(transparent)]
     Sequence(#[from] SequenceError),
-    /// In a sequence nothing can be compared.
+    /// A sequence has nothing that can be compared.
     #[error(transparent)]
     Motion(#[from] MotionError),
     /// Nothing could be evaluated.

@@ -2,10 +2,9 @@
 
 use std::fmt;
 
-use nalgebra::Matrix3;
 use serde::Serialize;
 
-use crate::geometry::FundamentalMatrix;
+use crate::geometry::{FundamentalMatrix, rescaling};
 
 /// How the numbers of a matrix are to be taken. A point `x` of this program is in the file the point
 /// `u = A((x + ½) s − ½) + o` with the scale `s`, the origin `o`, and `A` the exchange of x and y.
@@ -42,13 +41,12 @@ impl Reading {
     /// `F` in the convention of this program, if the given one, taken as it stands, is to be read like this. `None`
     /// where numbers overflow.
     pub fn apply(&self, given: &FundamentalMatrix) -> Option<FundamentalMatrix> {
-        let shift = 0.5 * self.scale - 0.5 + self.origin;
-        let s = self.scale;
-        let given_from_ours = if self.axes_exchanged {
-            Matrix3::new(0.0, s, shift, s, 0.0, shift, 0.0, 0.0, 1.0)
-        } else {
-            Matrix3::new(s, 0.0, shift, 0.0, s, shift, 0.0, 0.0, 1.0)
-        };
+        let mut given_from_ours = rescaling(self.scale);
+        given_from_ours[(0, 2)] += self.origin;
+        given_from_ours[(1, 2)] += self.origin;
+        if self.axes_exchanged {
+            given_from_ours.swap_rows(0, 1);
+        }
         let matrix = if self.transposed { given.matrix().transpose() } else { *given.matrix() };
         FundamentalMatrix::from_rank_two(given_from_ours.transpose() * matrix * given_from_ours)
     }

@@ -169,7 +169,7 @@ fn nothing_fits_matches_of_other_images() {
     assert!(sentence.contains("y pointing up, or only one of the images resized"), "{sentence}");
 }
 
-/// For a pure sideways motion the transposed matrix, any origin and any scale are the same matrix.
+/// The transposed matrix, any origin and any scale are the same matrix for a pure sideways motion.
 #[test]
 fn the_same_thing_is_listed_once() {
     let rows = Matrix3::new(0.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 1.0, 0.0);

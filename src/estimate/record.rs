@@ -10,6 +10,10 @@ use super::{
     StageTiming, Warning,
 };
 
+/// A pair has little texture where fewer than one in so many of its lines have some: then few lines can tell anything. A
+/// round number.
+const LITTLE_TEXTURE: usize = 3;
+
 /// The notes of one search.
 pub(super) struct SearchRecord<'a> {
     monitor: &'a Monitor<'a>,
@@ -68,7 +72,7 @@ impl<'a> SearchRecord<'a> {
             }
             let before = [(lines1, compared.lines_before[0]), (lines2, compared.lines_before[1])];
             if let Some((textured, lines)) =
-                before.into_iter().find(|(textured, lines)| 3 * textured < *lines)
+                before.into_iter().find(|(textured, lines)| LITTLE_TEXTURE * textured < *lines)
             {
                 self.warnings.push(Warning::LittleTexture { pair: k + 1, textured, lines });
             }

@@ -4,7 +4,7 @@ use super::trust::{
     CLEAR_MARGIN, CLICK_DEVIATIONS, CLICK_DEVIATIONS_WRONG, ENOUGH_MATCHES, FAR_TOO_FEW, GUESS, Verdict,
 };
 
-/// From where on a figure is good, and from where on bad; between them it leaves doubts.
+/// Limits from where on a figure is good, and from where on bad; between them it leaves doubts.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Scale {
     /// A figure as good as this has nothing against the result.

@@ -96,8 +96,8 @@ fn putative_matches(prepared: &PreparedPair, view: RelativeView) -> Vec<PointPai
     features.chain(corners).filter(inside).collect()
 }
 
-/// Of the putative matches that a geometry explains, the two whose epipolar lines are farthest apart in either image; of its
-/// own ones where few are explained.
+/// Two of the putative matches that a geometry explains, or of its own ones where few are explained: those whose epipolar
+/// lines are farthest apart in either image.
 pub(super) fn chosen(
     prepared: &PreparedPair,
     f: &FundamentalMatrix,

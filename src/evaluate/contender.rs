@@ -22,11 +22,11 @@ pub struct Outcome {
     pub seconds: f64,
     /// Seconds until the first F.
     pub first_seconds: f64,
-    /// Its own score, if it has one.
+    /// Score of the contender's own, if it has one.
     pub score: Option<f64>,
-    /// Its distance to the next best answer, if it knows.
+    /// Distance to the contender's next best answer, if it knows.
     pub margin: Option<f64>,
-    /// Its own verdict on the result, if it gives one.
+    /// Verdict of the contender on its result, if it gives one.
     pub verdict: Option<Verdict>,
     /// What a user would be told: warnings and what speaks against the result.
     pub warnings: Vec<String>,
@@ -37,7 +37,7 @@ pub struct Outcome {
 /// Hypotheses of one trial.
 #[derive(Debug, Clone)]
 pub struct Choice {
-    /// Those generated.
+    /// Hypotheses that were generated.
     pub generated: Vec<Estimate>,
     /// The true geometry with the same figures; `None` where it has none.
     pub truth: Option<Estimate>,
@@ -65,7 +65,7 @@ pub trait Contender: Sync {
     /// Point pairs it wants clicked.
     fn clicks_needed(&self) -> usize;
 
-    /// Its parameters, for the record.
+    /// Parameters of the contender, for the record.
     fn parameters(&self) -> Value {
         Value::Null
     }
@@ -90,7 +90,7 @@ pub trait Contender: Sync {
 
 /// A method that can be asked for by name.
 pub struct MethodEntry {
-    /// Its name on the command line and in files.
+    /// Name on the command line and in files.
     pub name: &'static str,
     /// Whether it differs between presets; one that does not takes part once.
     pub has_presets: bool,

@@ -48,7 +48,7 @@ pub use contender::{Choice, Contender, Detail, METHODS, MethodEntry, Outcome, co
 pub use printed::PrintedErrors;
 pub use protocol::{Draws, KnownPair, Plan, Protocol};
 pub use publication::{ReportSubject, publication};
-pub use ranking::SearchRecord;
+pub use ranking::RankingRecord;
 pub use report::{Overall, Record, Report, Settings, Shares, TrialRecord, Verdicts};
 pub use run::{TrialDone, run};
 pub use scene::{

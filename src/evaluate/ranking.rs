@@ -8,14 +8,14 @@ use crate::estimate::Estimate;
 
 /// The search of one trial. Ranks count from 1.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct SearchRecord {
+pub struct RankingRecord {
     /// Hypotheses chosen from.
     pub hypotheses: usize,
     /// Error of the best one, px.
     pub best_error: f64,
-    /// Its rank by line validation.
+    /// Rank of the best one by line validation.
     pub best_rank_by_lines: usize,
-    /// Its rank by patch support; `None` when patches were not looked at.
+    /// Rank of the best one by patch support; `None` when patches were not looked at.
     pub best_rank_by_patches: Option<usize>,
     /// Where the true geometry would rank by line validation; `None` when its lines degenerate at the clicks.
     pub true_rank_by_lines: Option<usize>,
@@ -23,7 +23,7 @@ pub struct SearchRecord {
     pub true_rank_by_patches: Option<usize>,
 }
 
-impl SearchRecord {
+impl RankingRecord {
     /// `None` without hypotheses.
     pub(super) fn new(scene: &KnownScene, choice: &Choice) -> Option<Self> {
         let all = &choice.generated;
@@ -73,13 +73,13 @@ mod tests {
         let generated =
             vec![hypothesis(40.0, 0.2, 30.0), hypothesis(-5.0, 0.4, 20.0), hypothesis(90.0, 0.3, 10.0)];
         let choice = Choice { generated, truth: Some(hypothesis(0.0, 0.35, 50.0)) };
-        let record = SearchRecord::new(&scene, &choice).unwrap();
+        let record = RankingRecord::new(&scene, &choice).unwrap();
         assert!(record.best_error > 0.1 && record.best_error < 6.0, "{}", record.best_error);
         assert_eq!(
             (record.hypotheses, record.best_rank_by_lines, record.best_rank_by_patches),
             (3, 3, Some(2))
         );
         assert_eq!((record.true_rank_by_lines, record.true_rank_by_patches), (Some(3), Some(1)));
-        assert!(SearchRecord::new(&scene, &Choice { generated: Vec::new(), truth: None }).is_none());
+        assert!(RankingRecord::new(&scene, &Choice { generated: Vec::new(), truth: None }).is_none());
     }
 }

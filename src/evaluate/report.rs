@@ -4,7 +4,7 @@ use serde::Serialize;
 use serde_json::Value;
 
 use super::bootstrap::{self, Interval, PairErrors};
-use super::ranking::SearchRecord;
+use super::ranking::RankingRecord;
 use super::statistics::{mean, median, share_below};
 use super::{Contender, KnownScene, Plan};
 use crate::estimate::Verdict;
@@ -38,7 +38,7 @@ pub struct TrialRecord {
     /// What a user would have been told.
     pub warnings: Vec<String>,
     /// What it chose from, if it chooses.
-    pub search: Option<SearchRecord>,
+    pub search: Option<RankingRecord>,
     /// Why there is no F.
     pub failure: Option<String>,
 }

@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use serde_json::json;
 
-use super::ranking::SearchRecord;
+use super::ranking::RankingRecord;
 use super::report::{Overall, Record, Report, Settings, TrialRecord};
 use super::statistics::{mean, median};
 use super::{Contender, Draws, EvaluateError, KnownScene, Outcome, Plan};
@@ -211,7 +211,7 @@ fn run_trial(scene: &KnownScene, contender: &dyn Contender, draws: &Draws, job: 
                 margin,
                 verdict,
                 warnings,
-                search: choice.and_then(|choice| SearchRecord::new(scene, &choice)),
+                search: choice.and_then(|choice| RankingRecord::new(scene, &choice)),
                 ..failed
             }
         }

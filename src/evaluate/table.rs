@@ -109,7 +109,7 @@ pub fn search_table(report: &Report) -> String {
             continue;
         }
         let middle = |values: Vec<f64>| median(&values);
-        let rank = |of: &dyn Fn(&super::SearchRecord) -> Option<usize>| {
+        let rank = |of: &dyn Fn(&super::RankingRecord) -> Option<usize>| {
             let value = middle(searches.iter().filter_map(|s| of(s).map(|r| r as f64)).collect());
             if value.is_nan() { "-".to_owned() } else { format!("{value:.0}") }
         };

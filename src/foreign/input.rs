@@ -9,7 +9,7 @@ use std::path::Path;
 pub struct Input {
     /// To read from.
     pub file: File,
-    /// Its size, bytes; `None` for piped data, which has no size and cannot be read twice.
+    /// Size of the file, bytes; `None` for piped data, which has no size and cannot be read twice.
     pub size: Option<u64>,
 }
 

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use super::conditioning::pixels_from_conditioned;
+use super::point::rescaling;
 use super::{Frame, HomogeneousPoint, Line, Point};
 
 /// `F` with `x2ᵀ F x1 = 0`: rank 2, Frobenius norm 1, the entry of largest magnitude positive.
@@ -149,10 +150,7 @@ impl FundamentalMatrix {
     /// `x' = (x + ½)·scale − ½`.
     #[must_use]
     pub fn rescaled(&self, scale1: f64, scale2: f64) -> Option<Self> {
-        let old_from_new = |s: f64| {
-            let shift = 0.5 / s - 0.5;
-            Matrix3::new(1.0 / s, 0.0, shift, 0.0, 1.0 / s, shift, 0.0, 0.0, 1.0)
-        };
+        let old_from_new = |scale: f64| rescaling(1.0 / scale);
         Self::from_rank_two(old_from_new(scale2).transpose() * self.0 * old_from_new(scale1))
     }
 }

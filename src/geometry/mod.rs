@@ -43,7 +43,7 @@ pub use line::Line;
 pub use line_grid::{line_grid, line_spacing};
 pub use orthonormal::Vector7;
 pub use pencil::{LinePair, PencilMap, pencil_angles};
-pub use point::{HomogeneousPoint, PointPair, finite_point, rescaled};
+pub use point::{HomogeneousPoint, PointPair, finite_point, rescaled, rescaling};
 pub use residual::{algebraic_residual, apart_across_lines, sampson_distance, symmetric_epipolar_distance};
 pub use robust_fit::{FundamentalFit, Matrix9, Observation, fit_fundamental};
 pub use seven_point::{SevenPointError, seven_point};

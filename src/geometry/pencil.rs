@@ -8,9 +8,8 @@
 //!     line2_from_line1:   α·lp + β·lq  ↦  α·lp2 + κ·β·lq2
 //! ```
 //!
-//! A third line pair gives κ. From more pairs, a 2×2 map is fitted by the direct linear transform
-//! (Hartley & Zisserman, *Multiple View Geometry*, 2nd ed., §4.1, in one dimension). The paper prints a
-//! 3×3 homography fitted to three concurrent lines, which they do not determine.
+//! A third line pair gives κ. To more pairs no map is fitted but `F` itself, see [`super::fit_fundamental`]. The paper
+//! prints a 3×3 homography fitted to three concurrent lines, which they do not determine.
 //!
 //! # Pitfalls
 //! κ depends on the orientation (sign) of the four basis lines. [`PencilMap`] orients them itself: each

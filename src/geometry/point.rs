@@ -1,6 +1,6 @@
 //! Points, point pairs and points at infinity.
 
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 
 use super::Point;
@@ -47,6 +47,12 @@ impl PointPair {
 /// `x' = (x + ½)·scale − ½`.
 pub fn rescaled(p: Point, scale: f64) -> Point {
     Point::new((p.x + 0.5) * scale - 0.5, (p.y + 0.5) * scale - 0.5)
+}
+
+/// [`rescaled`] as a matrix for homogeneous points.
+pub fn rescaling(scale: f64) -> Matrix3<f64> {
+    let shift = 0.5 * scale - 0.5;
+    Matrix3::new(scale, 0.0, shift, 0.0, scale, shift, 0.0, 0.0, 1.0)
 }
 
 /// The pixel position of a homogeneous point, or `None` when it is at infinity or beyond 10⁹ px.

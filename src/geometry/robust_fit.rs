@@ -92,12 +92,12 @@ const LANES: usize = 8;
 /// Coordinates moved and scaled to order one, the same for both images.
 struct Conditioning {
     to: [Matrix3<f64>; 2],
-    blocks: Vec<Block>,
+    blocks: Vec<ObservationBlock>,
 }
 
 /// Some observations, laid out for the vector units.
 #[derive(Clone)]
-struct Block {
+struct ObservationBlock {
     point1: [[f64; LANES]; 2],
     point2: [[f64; LANES]; 2],
     /// Inverse of σ in conditioned units; 0 in lanes without an observation.
@@ -131,7 +131,7 @@ impl Conditioning {
                     s * point[axis] + to[image][(axis, 2)]
                 })
             };
-            Block {
+            ObservationBlock {
                 point1: [coordinate(0, 0), coordinate(0, 1)],
                 point2: [coordinate(1, 0), coordinate(1, 1)],
                 weight: std::array::from_fn(|lane| chunk.get(lane).map_or(0.0, |o| 1.0 / (s * o.sigma))),
@@ -185,7 +185,7 @@ const MULTIPLIED: usize = 4;
 ///     d · ∂r/∂F(i,j) = x2(i) x1(j) − n/d² · (l2(i) x1(j) [i < 2] + x2(i) l1(j) [j < 2]).
 /// ```
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq+avx2", "x86_64+avx2", "aarch64+neon"))]
-fn sums(blocks: &[Block], f: &[f64; 9], scale: f64) -> Sums {
+fn sums(blocks: &[ObservationBlock], f: &[f64; 9], scale: f64) -> Sums {
     type Lanes = [f64; LANES];
     let inverse_square = 1.0 / (scale * scale);
     let mut cost = 0.0;
@@ -193,7 +193,7 @@ fn sums(blocks: &[Block], f: &[f64; 9], scale: f64) -> Sums {
     for blocks in blocks.chunks(MULTIPLIED) {
         // The product less one, which keeps what small residuals add.
         let mut product = [0.0; LANES];
-        for Block { point1: [x1, y1], point2: [x2, y2], weight } in blocks {
+        for ObservationBlock { point1: [x1, y1], point2: [x2, y2], weight } in blocks {
             // Derivatives by the entries, the residual, and what the loss leaves of the weight.
             let mut by: [Lanes; 9] = [[0.0; LANES]; 9];
             let (mut residual, mut left) = ([0.0; LANES], [0.0; LANES]);

@@ -17,7 +17,7 @@ use multiversion::multiversion;
 use nalgebra::{SMatrix, SVector};
 
 use super::GrayPlane;
-use super::patch::{HALF, Warp};
+use super::patch::{HALF, Warp, offsets};
 use crate::geometry::{Point, Vector};
 
 /// Where a patch of the first image lies in the second: `at + affine · x`.
@@ -58,7 +58,7 @@ enum Hold {
 }
 
 impl Alignment {
-    /// For pairs of corners that look alike, from starts a pixel off.
+    /// Alignment of pairs of corners that look alike, from starts a pixel off.
     pub(crate) const STRICT: Self = Self {
         iterations: 10,
         settled: 0.01,
@@ -72,7 +72,7 @@ impl Alignment {
         unit: HALF as f64,
     };
 
-    /// For any place of an image, borders too, from starts that a smaller size of the images gave.
+    /// Alignment at any place of an image, borders too, from starts that a smaller size of the images gave.
     pub(crate) const LENIENT: Self = Self {
         iterations: 8,
         settled: 0.02,
@@ -86,14 +86,8 @@ impl Alignment {
     };
 }
 
-/// In the corner of an image little more than a quarter of a patch is inside.
+/// Share of a patch to be inside: in the corner of an image it is little more than a quarter.
 pub(crate) const LEAST_INSIDE: f64 = 0.25;
-
-/// Offsets of a patch's pixels from its centre, row by row.
-pub(crate) fn offsets() -> impl Iterator<Item = Vector> {
-    let half = HALF as i32;
-    (-half..=half).flat_map(move |y| (-half..=half).map(move |x| Vector::new(f64::from(x), f64::from(y))))
-}
 
 type Vector8 = SVector<f64, 8>;
 type Matrix8 = SMatrix<f64, 8, 8>;

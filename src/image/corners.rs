@@ -88,7 +88,7 @@ impl Response {
         self.values[(y - self.first) * self.width + x]
     }
 
-    /// Of the rows from `first` to before `end`, which are at least `RADIUS` rows from the edge.
+    /// The response of the rows from `first` to before `end`, which are at least `RADIUS` rows from the edge.
     fn of_rows(plane: &GrayPlane, first: usize, end: usize) -> Self {
         let Frame { width, height } = plane.frame();
         // Products of the central differences, summed along each row, then down each column.

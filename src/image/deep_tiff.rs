@@ -13,7 +13,7 @@ use tiff::{ColorType, TiffError};
 
 /// Brightness of deep pixels, 0 ..= 65535 as `offset + factor × number`.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Scale {
+struct BrightnessScale {
     offset: f64,
     factor: f64,
 }
@@ -23,7 +23,7 @@ pub(super) struct DeepTiff<R: BufRead + Seek> {
     decoder: Decoder<R>,
     /// Width and height, px.
     pub size: [u32; 2],
-    /// Of the file, and while it is read.
+    /// Bytes of a pixel in the file, and while it is read.
     pub bytes_a_pixel: u64,
 }
 
@@ -108,12 +108,12 @@ fn bright<T>(values: &[T], number: impl Fn(&T) -> f64) -> Option<Vec<u16>> {
         }
         (low, high) = (low.min(value), high.max(value));
     }
-    let Scale { offset, factor } = Scale::of(low, high);
+    let BrightnessScale { offset, factor } = BrightnessScale::of(low, high);
     Some(values.iter().map(|v| (offset + factor * number(v)).round().clamp(0.0, 65535.0) as u16).collect())
 }
 
-impl Scale {
-    /// For numbers from `low` to `high`.
+impl BrightnessScale {
+    /// The scale for numbers from `low` to `high`.
     fn of(low: f64, high: f64) -> Self {
         // Whoever means 0 to 255 goes beyond the glare of 0 to 1.
         let common = match high {

@@ -6,7 +6,7 @@ use image::{DynamicImage, Rgba, Rgba32FImage};
 const BEYOND: f32 = 0.005;
 /// Pixels that are looked at.
 const SAMPLED: usize = 200_000;
-/// From light to what a screen is told.
+/// Exponent from light to what a screen is told.
 const GAMMA: f32 = 2.2;
 
 /// A picture of floating numbers, linear in the light, with its range from 0 to 1 and even for the eye, as all others have

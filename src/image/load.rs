@@ -40,7 +40,7 @@ impl Picture {
         let failed = |reason| LoadError::Open { path: shown.clone(), reason };
         let input = open_input(path).map_err(failed)?;
         // Pixels that are worth it compress to less than they are.
-        let most_bytes = options.most_pixels.saturating_mul(super::options::WIDE_PIXEL).max(1 << 20);
+        let most_bytes = options.most_pixels.saturating_mul(super::limit::WIDE_PIXEL).max(1 << 20);
         let long = || LoadError::LongFile { path: shown.clone(), megabytes: most_bytes / 1_000_000 };
         let pixels = if let Some(size) = input.size {
             if size > most_bytes {

@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-use super::options::{DAMAGED_VARIABLE, MEGAPIXELS_VARIABLE, weight};
+use super::limit::{DAMAGED_VARIABLE, MEGAPIXELS_VARIABLE, weight};
 
 /// Why a picture could not be read. Each message is one sentence for the user.
 #[derive(Debug, Error)]

@@ -52,7 +52,7 @@ fn luma<T: Into<f32>>(color: [T; 3]) -> f32 {
     0.2126 * r + 0.7152 * g + 0.0722 * b
 }
 
-/// Of what is no number nothing is seen.
+/// A value from 0 to 1; of what is no number nothing is seen.
 fn unit(value: f32) -> f32 {
     if value.is_nan() { 0.0 } else { value.clamp(0.0, 1.0) }
 }

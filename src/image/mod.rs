@@ -5,6 +5,7 @@ mod corners;
 mod decode;
 mod deep_tiff;
 mod float;
+mod limit;
 mod load;
 mod load_error;
 mod luma;
@@ -18,14 +19,16 @@ mod tiff_header;
 mod webp;
 mod whole;
 
-pub(crate) use alignment::{Alignment, LEAST_INSIDE, Placement, align, offsets};
+pub(crate) use alignment::{Alignment, LEAST_INSIDE, Placement, align};
 pub use corners::find_corners;
+pub use limit::{DAMAGED_VARIABLE, MEGAPIXELS_VARIABLE};
 pub use load::Picture;
 pub use load_error::LoadError;
-pub use options::{DAMAGED_VARIABLE, LoadOptions, MEGAPIXELS_VARIABLE};
+pub use options::LoadOptions;
 pub use pair::{PairLevel, PyramidPair, RelativeView};
 pub(crate) use patch::{
-    HALF, LANES, Patch, PatchBlock, PatchSampler, Warp, best_correlations, correlations, warps_around,
+    HALF, LANES, Patch, PatchBlock, PatchSampler, Warp, best_correlations, correlations, offsets,
+    warps_around,
 };
 pub use plane::GrayPlane;
 pub use pyramid::Pyramid;

@@ -1,14 +1,7 @@
 //! What a person may ask for when pictures are read.
 
 use super::LoadError;
-
-/// The environment variable that raises (or lowers) the size of pictures that are read, millions of pixels.
-pub const MEGAPIXELS_VARIABLE: &str = "EPILINE_MAX_MEGAPIXELS";
-/// The environment variable that has damaged pictures read as far as they go: 1 or 0.
-pub const DAMAGED_VARIABLE: &str = "EPILINE_READ_DAMAGED";
-
-/// Bytes of a pixel as wide as four channels of 16 bits: what the limit counts a pixel as.
-pub(super) const WIDE_PIXEL: u64 = 8;
+use super::limit::{DAMAGED_VARIABLE, MEGAPIXELS_VARIABLE, weight};
 
 /// How pictures are read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -81,11 +74,6 @@ impl LoadOptions {
     pub(super) fn allows(self, pixels: u64, bytes_a_pixel: u64) -> bool {
         weight(pixels, bytes_a_pixel) <= u128::from(self.most_pixels)
     }
-}
-
-/// Pixels as the limit counts them.
-pub(super) fn weight(pixels: u64, bytes_a_pixel: u64) -> u128 {
-    (u128::from(pixels) * u128::from(bytes_a_pixel.max(WIDE_PIXEL))).div_ceil(u128::from(WIDE_PIXEL))
 }
 
 #[cfg(test)]

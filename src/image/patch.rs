@@ -5,7 +5,7 @@ use multiversion::target::target_cfg_f;
 use nalgebra::Matrix2;
 
 use super::GrayPlane;
-use crate::geometry::Point;
+use crate::geometry::{Point, Vector};
 
 /// Half width of a patch: 11×11 pixels.
 pub(crate) const HALF: usize = 5;
@@ -16,12 +16,27 @@ const PADDED: usize = 128;
 /// Patches of a [`PatchBlock`].
 pub(crate) const LANES: usize = 16;
 
+/// Offsets of a patch's pixels from its centre, row by row.
+pub(crate) fn offsets() -> impl Iterator<Item = Vector> {
+    let half = HALF as i32;
+    (-half..=half).flat_map(move |y| (-half..=half).map(move |x| Vector::new(f64::from(x), f64::from(y))))
+}
+
 /// A patch with mean zero and norm one, padded with zeros.
 pub(crate) type Patch = [f32; PADDED];
 
 /// How the surroundings of a point look in the other image, to first order: offsets in image 2 are `warp` times
 /// offsets in image 1.
 pub(crate) type Warp = Matrix2<f64>;
+
+/// Turns without a change of size, degrees. Correlation falls off slowly enough for what lies between.
+const TURNS: [f64; 2] = [-20.0, 20.0];
+/// Changes of size, and the turns that go with each, degrees.
+const ZOOMS: [f64; 2] = [0.75, 4.0 / 3.0];
+const ZOOM_TURNS: [f64; 3] = [-15.0, 0.0, 15.0];
+/// Widths of a wall seen from another side over its width here, and how far its rows slant, px per px.
+const SQUEEZES: [f64; 2] = [0.6, 1.6];
+const SHEARS: [f64; 3] = [-0.3, 0.0, 0.3];
 
 /// Warps tried when nothing is known about the surface: the identity, turns by 20°, scale by 4/3, and the
 /// foreshortening of a wall seen from another side. Between them, correlation falls off slowly enough.
@@ -31,16 +46,16 @@ fn warps() -> Vec<Warp> {
         Warp::new(cos, -sin, sin, cos) * scale
     };
     let mut all = vec![Warp::identity()];
-    for degrees in [-20.0, 20.0] {
+    for degrees in TURNS {
         all.push(turned(degrees, 1.0));
     }
-    for scale in [0.75, 4.0 / 3.0] {
-        for degrees in [-15.0, 0.0, 15.0] {
+    for scale in ZOOMS {
+        for degrees in ZOOM_TURNS {
             all.push(turned(degrees, scale));
         }
     }
-    for squeeze in [0.6, 1.6] {
-        for shear in [-0.3, 0.0, 0.3] {
+    for squeeze in SQUEEZES {
+        for shear in SHEARS {
             all.push(Warp::new(squeeze, 0.0, shear, 1.0));
         }
     }
@@ -77,7 +92,7 @@ impl<'a> PatchSampler<'a> {
         let [left, up] = reach.map(f64::ceil);
         let width = plane.frame().width;
         let (mut offsets, mut right, mut down) = ([0; AREA], [0.0; AREA], [0.0; AREA]);
-        for (k, offset) in super::offsets().enumerate() {
+        for (k, offset) in self::offsets().enumerate() {
             let q = warp * offset + nalgebra::Vector2::new(left, up);
             offsets[k] = q.y.floor() as usize * width + q.x.floor() as usize;
             (right[k], down[k]) = ((q.x - q.x.floor()) as f32, (q.y - q.y.floor()) as f32);
@@ -99,7 +114,7 @@ impl<'a> PatchSampler<'a> {
                 *value = a + (b - a) * self.down[k];
             }
         } else {
-            for (value, offset) in patch.iter_mut().zip(super::offsets()) {
+            for (value, offset) in patch.iter_mut().zip(offsets()) {
                 *value = self.plane.sample(centre + self.warp * offset);
             }
         }
@@ -160,7 +175,7 @@ impl PatchBlock {
 /// Patches that pass over a block together: as many sums as the registers of most processors hold.
 const AT_ONCE: usize = 6;
 
-/// For each of a few patches and each lane the best correlation, −1 to 1, with the patches which the blocks have there.
+/// The best correlation, −1 to 1, of each of a few patches and each lane with the patches which the blocks have there.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx2+fma", "x86_64+avx2+fma", "aarch64+neon"))]
 pub(crate) fn best_correlations(few: &[Patch], blocks: &[PatchBlock], best: &mut Vec<[f32; LANES]>) {
     // Where there is no such instruction, it would be a slow function.
@@ -246,7 +261,7 @@ mod tests {
                 Point::new(19.5, 17.25),
             ] {
                 let mut expected = [0.0; PADDED];
-                for (value, offset) in expected.iter_mut().zip(crate::image::offsets()) {
+                for (value, offset) in expected.iter_mut().zip(offsets()) {
                     *value = plane.sample(at + warp * offset);
                 }
                 let (found, expected) = (sampler.patch(at).unwrap(), normalised(&expected).unwrap());

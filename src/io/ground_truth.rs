@@ -34,7 +34,7 @@ pub enum TruthError {
 /// Where a true F comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TruthOrigin {
-    /// From two known cameras.
+    /// Two known cameras.
     Cameras,
     /// Fitted to all true matches with the normalised eight-point algorithm.
     Matches,

@@ -37,11 +37,11 @@ impl WriteError {
 #[derive(Debug, Clone)]
 pub struct OutputFile {
     path: PathBuf,
-    kind: Kind,
+    kind: DestinationKind,
 }
 
 #[derive(Debug, Clone)]
-enum Kind {
+enum DestinationKind {
     /// A file, replaced as a whole; a private one only its owner may read.
     File { private: bool },
     /// Written through: replacing a device by a file would be a surprise.
@@ -84,19 +84,19 @@ impl OutputFile {
         let kind = match found {
             Ok(found) if found.is_dir() => return Err(failed("it is a folder")),
             Ok(found) if found.permissions().readonly() => return Err(failed("it is write-protected")),
-            Ok(found) if found.is_file() => Kind::File { private },
+            Ok(found) if found.is_file() => DestinationKind::File { private },
             Ok(_) if is_named_pipe(path) => {
                 let pipe = open_pipe(path).map_err(|e| match e.kind() {
                     ErrorKind::PermissionDenied => failed(&reason(&e)),
                     _ => failed("nobody reads from this pipe"),
                 })?;
-                Kind::Pipe(Arc::new(pipe))
+                DestinationKind::Pipe(Arc::new(pipe))
             }
             Ok(found) if is_block_device(&found) => return Err(failed("it is a disk")),
-            Ok(_) => Kind::Device,
-            Err(_) => Kind::File { private },
+            Ok(_) => DestinationKind::Device,
+            Err(_) => DestinationKind::File { private },
         };
-        let is_file = matches!(kind, Kind::File { .. });
+        let is_file = matches!(kind, DestinationKind::File { .. });
         let output = Self { path: path_behind, kind };
         if is_file {
             let folder = output.folder();
@@ -128,12 +128,14 @@ impl OutputFile {
     /// Writes the whole content beside the file, which is as it was until [`StagedFile::put`].
     pub(super) fn stage(&self, content: &[u8]) -> Result<StagedFile, WriteError> {
         let part = match &self.kind {
-            Kind::File { private } => PartFile::create(self.folder(), *private).and_then(|mut part| {
-                part.fill(content)?;
-                Ok(Some(part))
-            }),
-            Kind::Device => self.write_through(content).map(|()| None),
-            Kind::Pipe(pipe) => write_to_pipe(pipe, content).map(|()| None),
+            DestinationKind::File { private } => {
+                PartFile::create(self.folder(), *private).and_then(|mut part| {
+                    part.fill(content)?;
+                    Ok(Some(part))
+                })
+            }
+            DestinationKind::Device => self.write_through(content).map(|()| None),
+            DestinationKind::Pipe(pipe) => write_to_pipe(pipe, content).map(|()| None),
         };
         let part = part.map_err(|e| WriteError::new(&self.path, reason(&e)))?;
         Ok(StagedFile { target: self.clone(), part })
@@ -157,7 +159,7 @@ impl StagedFile {
     /// Takes the place of the target.
     pub(super) fn put(self) -> Result<(), WriteError> {
         let Some(part) = self.part else { return Ok(()) };
-        let private = matches!(self.target.kind, Kind::File { private: true });
+        let private = matches!(self.target.kind, DestinationKind::File { private: true });
         part.persist(&self.target.path, private).map_err(|e| WriteError::new(&self.target.path, reason(&e)))
     }
 }

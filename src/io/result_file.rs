@@ -101,7 +101,7 @@ struct Told<'a> {
 }
 
 impl<'a> ResultFile<'a> {
-    /// Of a result, the pairs that it was computed from and perhaps more, and how it was computed.
+    /// The file of a result, of the pairs that it was computed from and perhaps more, and of how it was computed.
     pub fn new(
         found: &'a Estimate,
         pairs: &[PointPair],

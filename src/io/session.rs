@@ -51,7 +51,7 @@ pub enum SessionError {
     TooLarge {
         /// The file.
         path: String,
-        /// Its size.
+        /// Size of the file, MiB.
         megabytes: u64,
     },
     /// The file comes from a later program.
@@ -99,7 +99,7 @@ pub struct ImageReference {
     /// Origin of the image.
     #[serde(flatten)]
     pub source: ImageSource,
-    /// Its size, px.
+    /// Size of the image, px.
     #[serde(flatten)]
     pub frame: Frame,
 }

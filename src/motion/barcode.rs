@@ -1,7 +1,7 @@
 //! Motion barcodes of lines: in which frames a line is crossed by something that moves.
 
-use super::silhouettes::WORD;
-
+/// Frames of a word, one bit each.
+pub(super) const WORD: usize = 64;
 /// A barcode that is 0, or 1, in fewer frames than this is nearly constant and is like any other.
 pub const FEWEST_CHANGES: usize = 4;
 

@@ -24,9 +24,9 @@ pub enum MotionError {
         name: String,
         /// Number of the frame, from 0.
         frame: usize,
-        /// Its size, px.
+        /// Width of the frame, px.
         width: usize,
-        /// Its size, px.
+        /// Height of the frame, px.
         height: usize,
         /// Size of the first one, px.
         first_width: usize,

@@ -4,7 +4,7 @@ use super::background::{Background, gain};
 use super::{BackgroundParameters, FrameSequence};
 use crate::geometry::Frame;
 
-/// Of a pixel and its eight neighbours at least so many must differ from the background: specks of noise go, and holes.
+/// Fewest of a pixel and its eight neighbours that must differ from the background: specks of noise go, and holes.
 const MAJORITY: u8 = 5;
 /// Differences from the background that the shift is measured on, grey levels: larger ones are things that move.
 const SHIFT_DIFFERENCE: f32 = 40.0;

@@ -5,13 +5,12 @@ use std::fmt;
 use rayon::prelude::*;
 
 use super::background::Background;
+use super::barcode::WORD;
 use super::frame_motion::{FrameMotion, by_majority};
 use super::{BackgroundParameters, Barcode, FEWEST_FRAMES, FrameSequence, MotionError};
 use crate::cancel::CancelFlag;
 use crate::geometry::{AnchoredLine, Frame};
 
-/// Bits of a word.
-pub(super) const WORD: usize = 64;
 /// Share of the pixels that never rest, or that move in the median frame, from which on there is no background.
 const EVERYTHING: f64 = 0.5;
 /// Share of a sequence's pixels that have to move in all for something to move: a speck now and then is noise.
@@ -149,10 +148,10 @@ impl Silhouettes {
         set as f64 / (self.size.width * self.size.height * self.frames).max(1) as f64
     }
 
-    /// In which frames a line is crossed. The line is in pixels of an image that is `scale` times as large as the masks.
+    /// Frames in which a line is crossed. The line is in pixels of an image that is `scale` times as large as the masks.
     pub fn barcode(&self, line: &AnchoredLine, scale: f64) -> Barcode {
         let Frame { width, height } = self.size;
-        // Pixel centres stay in their place when sizes change.
+        // As `geometry::rescaled` has it, but a quotient: times the reciprocal would round otherwise.
         let to_mask = |v: f64| (v + 0.5) / scale - 0.5;
         let anchor = crate::geometry::Point::new(to_mask(line.anchor.x), to_mask(line.anchor.y));
         let own = AnchoredLine { anchor, direction: line.direction };

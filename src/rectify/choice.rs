@@ -1,7 +1,7 @@
 //! Making a rectification, and choosing its method.
 
 use super::extent::Extent;
-use super::map::{ImageMap, Kind};
+use super::map::{ImageMap, MapKind};
 use super::measures::Measures;
 use super::{Limits, Rectification, RectifyError, RectifyMethod, advice, planar, polar};
 use crate::geometry::{Frame, FundamentalMatrix, PointPair, symmetric_epipolar_distance};
@@ -60,13 +60,13 @@ impl Task<'_> {
 
     fn planar(&self, reason: String) -> Result<Rectification, RectifyError> {
         let (maps, size, scale) = planar::planar(self.fundamental, self.frames, self.limits.pixels)?;
-        let maps = maps.map(|m| ImageMap(Kind::Planar(m)));
+        let maps = maps.map(|m| ImageMap(MapKind::Planar(m)));
         Ok(self.rectification(RectifyMethod::Planar, reason, maps, size, scale, false))
     }
 
     fn polar(&self, reason: String) -> Result<Rectification, RectifyError> {
         let found = polar::polar(self.fundamental, self.frames, self.matches, self.limits.pixels)?;
-        let maps = found.maps.map(|m| ImageMap(Kind::Polar(m)));
+        let maps = found.maps.map(|m| ImageMap(MapKind::Polar(m)));
         let assumed = found.orientation_assumed;
         Ok(self.rectification(RectifyMethod::Polar, reason, maps, found.frame, found.scale, assumed))
     }

@@ -10,11 +10,11 @@ use crate::geometry::{Frame, Point};
 
 /// Where the pixels of an image are in its rectified picture, and the other way round.
 #[derive(Debug, Clone, PartialEq)]
-pub struct ImageMap(pub(super) Kind);
+pub struct ImageMap(pub(super) MapKind);
 
 /// The two kinds of maps.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) enum Kind {
+pub(super) enum MapKind {
     Planar(PlanarMap),
     Polar(PolarMap),
 }
@@ -37,8 +37,8 @@ impl ImageMap {
     /// Where the pixels of a rectified row are in the original. `y` counts rows and may lie between them.
     pub fn row(&self, y: f64) -> RowTrace {
         match &self.0 {
-            Kind::Planar(map) => map.row(y),
-            Kind::Polar(map) => map.row(y),
+            MapKind::Planar(map) => map.row(y),
+            MapKind::Polar(map) => map.row(y),
         }
     }
 
@@ -50,24 +50,24 @@ impl ImageMap {
     /// The rectified position of an original one, px; `None` where the picture does not go.
     pub fn rectified_from_original(&self, p: Point) -> Option<Point> {
         match &self.0 {
-            Kind::Planar(map) => map.rectified_from_original(p),
-            Kind::Polar(map) => map.rectified_from_original(p),
+            MapKind::Planar(map) => map.rectified_from_original(p),
+            MapKind::Polar(map) => map.rectified_from_original(p),
         }
     }
 
     /// The homography (rectified from original pixels, last entry 1) of a planar map.
     pub fn homography(&self) -> Option<&Matrix3<f64>> {
         match &self.0 {
-            Kind::Planar(map) => Some(map.homography()),
-            Kind::Polar(_) => None,
+            MapKind::Planar(map) => Some(map.homography()),
+            MapKind::Polar(_) => None,
         }
     }
 
     /// The table of a polar map.
     pub fn polar_table(&self) -> Option<PolarTable<'_>> {
         match &self.0 {
-            Kind::Planar(_) => None,
-            Kind::Polar(map) => Some(PolarTable {
+            MapKind::Planar(_) => None,
+            MapKind::Polar(map) => Some(PolarTable {
                 epipole: map.epipole,
                 radius: map.radius,
                 radius_step: map.radius_step,
@@ -79,8 +79,8 @@ impl ImageMap {
     /// Whether the rows meet inside the image.
     pub(super) fn has_epipole_in(&self, frame: Frame) -> bool {
         match &self.0 {
-            Kind::Planar(_) => false,
-            Kind::Polar(map) => frame.contains(map.epipole),
+            MapKind::Planar(_) => false,
+            MapKind::Polar(map) => frame.contains(map.epipole),
         }
     }
 }

@@ -72,7 +72,7 @@ pub enum LineMeasure {
     /// Stereo matching of the intensities along them.
     #[default]
     Stereo,
-    /// In which frames of two synchronised sequences something moves across them.
+    /// Motion barcodes: in which frames of two synchronised sequences something moves across them.
     Barcodes,
 }
 

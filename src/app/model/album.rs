@@ -20,7 +20,7 @@ pub struct Album {
     folder: PathBuf,
     /// The pair that is open.
     pub open: ViewNames,
-    /// Those that are not and on which something was set, in the order of their names.
+    /// Pairs that are not open and on which something was set, in the order of their names.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pairs: Vec<KeptPair>,
 }

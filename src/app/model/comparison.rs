@@ -44,9 +44,9 @@ impl Contestant {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum PointSet {
-    /// Those that were clicked.
+    /// Pairs that were clicked.
     Pairs,
-    /// Those that are known.
+    /// Matches that are known.
     #[default]
     TrueMatches,
 }
@@ -85,9 +85,9 @@ pub struct ComparisonQuestion {
     pub imported: Option<FundamentalMatrix>,
     /// The clicked pairs.
     pub pairs: Vec<PointPair>,
-    /// Those among them that are left out.
+    /// Clicked pairs that are left out, by their places.
     pub excluded: Vec<usize>,
-    /// Those that the result is estimated from.
+    /// Pairs that the result is estimated from.
     pub used: Vec<PointPair>,
     /// Sizes of the images.
     pub frames: [Frame; 2],
@@ -102,11 +102,11 @@ pub struct ComparisonQuestion {
 /// One geometry of a comparison.
 #[derive(Debug, Clone)]
 pub struct Compared {
-    /// It, or in words why there is none.
+    /// The geometry, or in words why there is none.
     pub fit: Result<PointFit, String>,
-    /// Of every point, px; empty where there is no geometry.
+    /// Distance of every point, px; empty where there is no geometry.
     pub distances: Vec<f64>,
-    /// Of the points that are not left out.
+    /// Spread of the distances of the points that are not left out.
     pub spread: Option<Spread>,
 }
 
@@ -119,7 +119,7 @@ pub struct Comparison {
     pub measured: PointSet,
     /// How many they are.
     pub points: usize,
-    /// In the order of [`Contestant::ALL`].
+    /// Rows in the order of [`Contestant::ALL`].
     pub rows: [Compared; 5],
     /// Mean symmetric epipolar distance of all true matches to the geometry that the window shows, px.
     pub true_error: Option<f64>,

@@ -48,11 +48,11 @@ pub enum EstimateNews {
 /// What a new request means for the one before.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RequestChange {
-    /// It is the same.
+    /// The request is the same.
     None,
     /// The points have moved: what is under way may still give a geometry to follow them from.
     Moved,
-    /// It is another one altogether, or there is none.
+    /// The request is another one altogether, or there is none.
     Other,
 }
 
@@ -61,12 +61,12 @@ pub enum RequestChange {
 pub enum Freshness {
     /// Final, for the points as they are.
     Final,
-    /// For the points as they are, still being refined.
+    /// A result for the points as they are, still being refined.
     Preliminary,
     /// An earlier geometry of the same images, refitted to the points as they are or were a moment ago; the
     /// search for them goes on.
     Followed,
-    /// For earlier points; a new one is being computed.
+    /// A result for earlier points; a new one is being computed.
     Stale,
     /// A preliminary result that was stopped before it was refined.
     Stopped,
@@ -85,7 +85,7 @@ struct ResultOnScreen {
 #[derive(Debug, Clone, Default)]
 pub struct Computation {
     input: Option<EstimateRequest>,
-    /// Of the request that `input` is.
+    /// Generation of the request that `input` is.
     generation: u64,
     running: bool,
     /// The stages of the latest computation that have begun, with when they did.

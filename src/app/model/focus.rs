@@ -34,7 +34,7 @@ pub enum Target {
     Sample(i32),
     /// A place in the rectified pictures.
     Rectified {
-        /// Whose picture; `None` where both are drawn in one.
+        /// The picture, by its side; `None` where both are drawn in one.
         side: Option<Side>,
         /// Where, px of the pictures as they are drawn.
         at: Point,

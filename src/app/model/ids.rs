@@ -24,7 +24,7 @@ impl TabId {
     pub const ALL: [Self; 6] =
         [Self::Points, Self::Profiles, Self::Pencils, Self::Hypotheses, Self::Residuals, Self::Rectified];
 
-    /// Its heading.
+    /// Heading of the tab.
     pub const fn title(self) -> &'static str {
         match self {
             Self::Points => "Point pairs",

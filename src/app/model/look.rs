@@ -12,10 +12,10 @@ use super::rectified::RectifiedLook;
 /// What a click in an image does.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Tool {
-    /// It places a point.
+    /// A click places a point.
     #[default]
     Points,
-    /// It pins the pair of epipolar lines through that place.
+    /// A click pins the pair of epipolar lines through that place.
     Inspect,
 }
 

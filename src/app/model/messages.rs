@@ -72,7 +72,7 @@ impl Messages {
         &self.list
     }
 
-    /// Those that are shown, the newest first.
+    /// Messages that are shown, the newest first.
     pub fn on_top(&self) -> impl Iterator<Item = &Message> {
         self.list.iter().rev().take(MOST)
     }

@@ -19,11 +19,11 @@ const OVERVIEW_SIDE: u32 = 2048;
 /// One picture ready to be shown.
 #[derive(Debug, Clone)]
 pub struct Opened {
-    /// Its pixels.
+    /// The pixels and the grey plane.
     pub picture: Shared<Picture>,
     /// A reduced copy for the screen.
     pub overview: Arc<Overview>,
-    /// Of the bytes of its file, hexadecimal; `None` without a file.
+    /// SHA-256 of the bytes of its file, hexadecimal; `None` without a file.
     pub sha256: Option<String>,
     /// The sequence whose first frame it is.
     pub recording: Option<Shared<Recording>>,
@@ -51,7 +51,7 @@ impl Opened {
 /// A reduced copy of a picture, made off the window's thread.
 #[derive(Debug)]
 pub struct Overview {
-    /// Its width and height, px.
+    /// Width and height, px.
     pub size: [usize; 2],
     /// Red, green, blue and alpha of each pixel, the colours multiplied by alpha.
     pub pixels: Vec<u8>,

@@ -10,7 +10,7 @@ use super::history::Step;
 use super::picture::Opened;
 use super::recording::{InspectedBarcodes, OffsetFound, PlayerCommand, Recordings, Synchronised};
 use super::{EditKey, Model};
-use crate::geometry::{Frame, Point};
+use crate::geometry::{Frame, Point, rescaled};
 use crate::motion::FEWEST_FRAMES;
 use crate::similarity::LineMeasure;
 
@@ -89,7 +89,7 @@ impl Model {
         let sequence = &recording.sequence;
         let (size, full) = (sequence.size(), sequence.full_size());
         let scale = size.width as f64 / full.width as f64;
-        let kept = Point::new((point.x + 0.5) * scale - 0.5, (point.y + 0.5) * scale - 0.5);
+        let kept = rescaled(point, scale);
         let (x, y) = nearest(kept, size);
         Some(f32::from(sequence.frame(frames[side.index()])[y * size.width + x]))
     }

@@ -7,11 +7,13 @@ use super::ids::TabId;
 use super::inspection::InspectionRequest;
 use super::picture::Pictures;
 use super::rectified::{MatchesAtHand, RectifyQuestion};
+use super::shared::Shared;
 use super::shown::ShownGeometry;
 use super::suggesting::{NextClickQuestion, SuggestQuestion};
 use crate::convention::FEWEST_MATCHES;
 use crate::estimate::{Estimate, Reason, Search, Verdict};
 use crate::geometry::PointPair;
+use crate::io::GroundTruth;
 use crate::suggest::{Known, Rival};
 
 impl Model {
@@ -132,25 +134,19 @@ impl Model {
 
     /// The matches on which the geometry shown is measured.
     pub fn matches_beside(&self, shown: &ShownGeometry) -> MatchesAtHand {
-        match (self.truth().and(self.open.known.as_ref()), shown.estimate.matches()) {
-            (Some(known), _) => MatchesAtHand::True(known.truth.clone()),
-            (None, found) if !found.is_empty() => found_matches(shown.estimate),
-            _ => MatchesAtHand::Clicked(self.document.pairs.clone()),
-        }
+        let known = self.truth().and(self.open.known.as_ref()).map(|known| &known.truth);
+        let found = Some(shown.estimate).filter(|estimate| !estimate.matches().is_empty());
+        matches_at_hand(known, found, self.document.pairs.clone(), Preferred::Found)
     }
 
     /// The matches that can tell what a matrix means: known ones, else those that a person clicked, else those of the
     /// result. That known ones are used shows nothing of them.
     pub fn matches_for_import(&self) -> MatchesAtHand {
         let known = self.open.known.as_ref().map(|known| &known.truth);
-        if let Some(truth) = known.filter(|truth| truth.matches.len() >= FEWEST_MATCHES) {
-            return MatchesAtHand::True(truth.clone());
-        }
-        let clicked: Vec<PointPair> = self.document.included().collect();
+        let known = known.filter(|truth| truth.matches.len() >= FEWEST_MATCHES);
         let found = self.final_result().filter(|estimate| estimate.matches().len() >= FEWEST_MATCHES);
-        found
-            .filter(|_| clicked.len() < FEWEST_MATCHES)
-            .map_or(MatchesAtHand::Clicked(clicked), found_matches)
+        let preferred = Preferred::Clicked { least: FEWEST_MATCHES };
+        matches_at_hand(known, found, self.document.included().collect(), preferred)
     }
 
     fn final_result(&self) -> Option<&Estimate> {
@@ -159,6 +155,33 @@ impl Model {
     }
 }
 
-fn found_matches(estimate: &Estimate) -> MatchesAtHand {
-    MatchesAtHand::Found(estimate.matches().iter().map(|found| found.pair).collect())
+/// Which matches are taken where none are known.
+#[derive(Debug, Clone, Copy)]
+enum Preferred {
+    /// Matches of the result, where it has any: what is made from a result is measured on hundreds all over the images.
+    Found,
+    /// Clicks, where there are so many: what comes from elsewhere is held against what a person has seen, and against a
+    /// result, which may itself be wrong, only where nothing else tells.
+    Clicked {
+        /// Fewer than these can tell nothing.
+        least: usize,
+    },
+}
+
+/// The matches that something is measured on: known ones, else what is preferred, else what there is. Who calls has left
+/// out known matches and a result of which there are too few.
+fn matches_at_hand(
+    known: Option<&Shared<GroundTruth>>,
+    found: Option<&Estimate>,
+    clicked: Vec<PointPair>,
+    preferred: Preferred,
+) -> MatchesAtHand {
+    if let Some(truth) = known {
+        return MatchesAtHand::True(truth.clone());
+    }
+    let clicks_do = matches!(preferred, Preferred::Clicked { least } if clicked.len() >= least);
+    match found.filter(|_| !clicks_do) {
+        Some(found) => MatchesAtHand::Found(found.matches().iter().map(|found| found.pair).collect()),
+        None => MatchesAtHand::Clicked(clicked),
+    }
 }

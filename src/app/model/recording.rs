@@ -68,7 +68,7 @@ impl Synchronised {
 pub struct InspectedBarcodes {
     /// The frame of the left sequence that they begin with.
     pub first: usize,
-    /// Of the left and the right line.
+    /// Barcodes of the left and the right line.
     pub barcodes: [Barcode; 2],
 }
 

@@ -16,22 +16,22 @@ pub const SAMPLE_SEQUENCES: &str = "balls";
 const MATCHES: usize = 200;
 
 /// Two pictures and two point pairs that "Show me" places.
-pub struct SamplePair {
+pub struct OpenedSample {
     /// The pictures.
     pub pictures: [Picture; 2],
     /// Pairs known to give a good result.
     pub show_me: [PointPair; 2],
-    /// Its exact geometry, named as the sample is.
+    /// The exact geometry, named as the sample is.
     pub truth: GroundTruth,
 }
 
 /// The default one of the samples.
-pub fn sample_pair() -> SamplePair {
+pub fn sample_pair() -> OpenedSample {
     let name = Sample::default().name().to_owned();
     let sample = Sample::default().load();
     let (fundamental, matches) = (sample.fundamental, sample.matches);
     let truth = GroundTruth { name, fundamental, matches, origin: TruthOrigin::Cameras };
-    SamplePair { pictures: sample.pictures, show_me: sample.show_me, truth }
+    OpenedSample { pictures: sample.pictures, show_me: sample.show_me, truth }
 }
 
 /// Two sequences with their exact geometry, named as they are in sessions.

@@ -15,11 +15,11 @@ use crate::io::GroundTruth;
 /// or else the result; without a result, the imported one.
 #[derive(Clone, Copy)]
 pub struct ShownGeometry<'a> {
-    /// Its matrix.
+    /// The matrix.
     pub fundamental: &'a FundamentalMatrix,
     /// The hypothesis, with its place in the list, if one was chosen.
     pub hypothesis: Option<(usize, &'a Estimate)>,
-    /// Whose it is, if one of another method or the true one was chosen.
+    /// The contestant whose geometry it is, if one of another method or the true one was chosen.
     pub contestant: Option<Contestant>,
     /// The result it belongs to; of an imported one without a result, itself.
     pub estimate: &'a Estimate,

@@ -16,7 +16,7 @@ pub enum StepProgress {
     Done(Option<f64>),
     /// The user stopped the computation here.
     Stopped,
-    /// It ended here without a result.
+    /// The computation ended here without a result.
     Failed,
 }
 

@@ -37,9 +37,9 @@ pub struct NextClickQuestion {
 /// How a placed pair is repaired.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Repair {
-    /// Its point in the right image is aligned to a fraction of a pixel around where it is.
+    /// The point in the right image is aligned to a fraction of a pixel around where it is.
     Refine,
-    /// Its point in the right image goes to the best match on its epipolar line.
+    /// The point in the right image goes to the best match on its epipolar line.
     Rematch,
 }
 
@@ -59,7 +59,7 @@ pub struct RepairQuestion {
 }
 
 /// Where the right point of a pair belongs, or what happened instead, a sentence without its full stop.
-pub type Outcome = Result<Point, String>;
+pub type RepairOutcome = Result<Point, String>;
 
 /// A pair for which a better place was looked for.
 #[derive(Clone, PartialEq)]
@@ -67,5 +67,5 @@ pub struct Repaired {
     /// What was asked.
     pub question: RepairQuestion,
     /// What was found.
-    pub outcome: Outcome,
+    pub outcome: RepairOutcome,
 }

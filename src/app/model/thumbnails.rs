@@ -15,7 +15,7 @@ const KEPT: usize = 256;
 /// One view, small.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Thumbnail {
-    /// Its width and height, px.
+    /// Width and height, px.
     pub size: [usize; 2],
     /// Red, green, blue and alpha of each pixel, the colours multiplied by alpha.
     pub pixels: Vec<u8>,
@@ -42,19 +42,19 @@ impl Thumbnail {
 pub struct ThumbnailQuestion {
     /// The folder.
     pub folder: Arc<PairFolder>,
-    /// Its views, by their numbers.
+    /// Views of the folder, by their numbers.
     pub views: Vec<usize>,
 }
 
 /// One that was made; `None` where the image cannot be read.
 pub type MadeThumbnail = (Arc<PairFolder>, usize, Option<Arc<Thumbnail>>);
 
-/// Those that have been made.
+/// Small pictures that have been made.
 #[derive(Debug, Clone, Default)]
 pub struct Thumbnails {
     folder: Option<Arc<PairFolder>>,
     made: HashMap<usize, Option<Arc<Thumbnail>>>,
-    /// In the order in which they were made.
+    /// Numbers of the views in the order in which they were made.
     order: Vec<usize>,
 }
 

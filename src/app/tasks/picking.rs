@@ -18,7 +18,7 @@ pub enum Picked {
     Path(PickPurpose, PathBuf),
     /// Nothing was.
     Nothing,
-    /// It could not be opened here.
+    /// The dialog could not be opened here.
     Unseen,
 }
 

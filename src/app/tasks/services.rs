@@ -8,7 +8,7 @@ use crate::app::model::document::Side;
 use crate::app::model::picture::Pictures;
 use crate::app::model::recording::Synchronised;
 use crate::app::model::suggesting::{
-    NextClickQuestion, Outcome, Repair, RepairQuestion, SuggestQuestion, Suggested,
+    NextClickQuestion, Repair, RepairOutcome, RepairQuestion, SuggestQuestion, Suggested,
 };
 use crate::app::model::verdict::capitalised;
 use crate::cancel::CancelFlag;
@@ -35,7 +35,7 @@ pub type SuggestFn = dyn FnMut(&SuggestQuestion) -> Suggested + Send;
 pub type NextClickFn = dyn FnMut(&NextClickQuestion) -> Option<NextClick> + Send;
 
 /// Looks for a better place for a pair, in some hundredths of a second.
-pub type RepairFn = dyn FnMut(&RepairQuestion) -> Outcome + Send;
+pub type RepairFn = dyn FnMut(&RepairQuestion) -> RepairOutcome + Send;
 
 /// Asks for a path with a dialog of the system, and returns when that is closed.
 pub type PickFn = dyn Fn() -> Option<PathBuf> + Send + Sync;
@@ -110,7 +110,7 @@ impl Default for Services {
 }
 
 /// Where the right point of a pair belongs.
-fn repaired(prepared: &PreparedPair, question: &RepairQuestion) -> Outcome {
+fn repaired(prepared: &PreparedPair, question: &RepairQuestion) -> RepairOutcome {
     let RepairQuestion { points, how, known, .. } = question;
     let parameters = SuggestParameters::default();
     let told = |error: SuggestError| capitalised(&error.to_string());

@@ -14,15 +14,15 @@ use crate::app::model::command::{Command, PickPurpose};
 /// All of them, open or not.
 #[derive(Default)]
 pub struct Dialogs {
-    /// For opening files.
+    /// Dialog for opening files.
     pub open: OpenDialog,
-    /// For saving the session.
+    /// Dialog for saving the session.
     pub save: Option<SaveDialog>,
-    /// For the images of a session that are not where they were.
+    /// Dialog for the images of a session that are not where they were.
     pub relocate: Option<RelocateDialog>,
-    /// For writing the rectified pair.
+    /// Dialog for writing the rectified pair.
     pub rectified: ExportDialog,
-    /// For files of other programs.
+    /// Dialog for files of other programs.
     pub export: FileExport,
     /// How an imported matrix is meant.
     pub reading: Option<ReadingDialog>,

@@ -76,7 +76,7 @@ const CONTRADICTING: f64 = 2.0 * BAND;
 
 /// Matches off the plane that move alike.
 #[derive(Debug, Clone, Copy)]
-struct Group {
+struct MotionGroup {
     parallax: Vector,
     /// How far it is off its epipolar line, px.
     off_line: f64,
@@ -93,7 +93,7 @@ pub(super) fn precision(matches: &[PointPair], f: &FundamentalMatrix) -> f64 {
     distances.get(distances.len() / 2).map_or(ALIGNED, |median| (median / MEDIAN).max(ALIGNED))
 }
 
-impl Group {
+impl MotionGroup {
     /// `− ln p` above.
     fn surprise(&self) -> f64 {
         let ratio = (self.off_line.max(self.precision) / self.parallax.norm()).min(1.0);
@@ -120,27 +120,27 @@ impl OffPlane {
                 .map(|(line, point2)| line.signed_distance(point2))
                 .collect();
             distances.sort_by(f64::total_cmp);
-            Group {
+            MotionGroup {
                 parallax: members.iter().map(|k| off[*k].1).sum::<Vector>() / count,
                 // A point without a line is the epipole itself.
                 off_line: distances.get(distances.len() / 2).map_or(0.0, |distance| distance.abs()),
                 precision: sigma / count.sqrt(),
             }
         };
-        let groups: Vec<Group> =
+        let groups: Vec<MotionGroup> =
             moving_alike(&off, ALIKE * sigma, TOGETHER * side).into_iter().map(group).collect();
         Self::of(&groups, sigma)
     }
 
-    fn of(groups: &[Group], sigma: f64) -> Self {
-        let agrees = |group: &&Group| group.off_line <= OFF_LINE * sigma;
+    fn of(groups: &[MotionGroup], sigma: f64) -> Self {
+        let agrees = |group: &&MotionGroup| group.off_line <= OFF_LINE * sigma;
         let motions = motions(groups, ALIKE * sigma);
         let agreeing_motions = motions.iter().filter(|groups| groups.iter().any(&agrees));
         Self {
             groups: groups.len(),
             agreeing: groups.iter().filter(agrees).count(),
             motions: agreeing_motions.count(),
-            by_chance: number_by_chance(groups.iter().map(Group::surprise).collect()),
+            by_chance: number_by_chance(groups.iter().map(MotionGroup::surprise).collect()),
             motions_by_chance: number_by_chance(motions.iter().map(|motion| mean_surprise(motion)).collect()),
         }
     }
@@ -206,10 +206,11 @@ fn moving_alike(off: &[(PointPair, Vector)], alike: f64, together: f64) -> Vec<V
 }
 
 /// Groups that move alike, wherever they are seen.
-fn motions(groups: &[Group], alike: f64) -> Vec<Vec<&Group>> {
-    let mut motions: Vec<Vec<&Group>> = Vec::new();
+fn motions(groups: &[MotionGroup], alike: f64) -> Vec<Vec<&MotionGroup>> {
+    let mut motions: Vec<Vec<&MotionGroup>> = Vec::new();
     for group in groups {
-        let is_alike = |motion: &&mut Vec<&Group>| (motion[0].parallax - group.parallax).norm() <= alike;
+        let is_alike =
+            |motion: &&mut Vec<&MotionGroup>| (motion[0].parallax - group.parallax).norm() <= alike;
         match motions.iter_mut().find(is_alike) {
             Some(motion) => motion.push(group),
             None => motions.push(vec![group]),
@@ -218,7 +219,7 @@ fn motions(groups: &[Group], alike: f64) -> Vec<Vec<&Group>> {
     motions
 }
 
-fn mean_surprise(motion: &[&Group]) -> f64 {
+fn mean_surprise(motion: &[&MotionGroup]) -> f64 {
     motion.iter().map(|group| group.surprise()).sum::<f64>() / motion.len() as f64
 }
 
@@ -275,11 +276,11 @@ mod tests {
     }
 
     /// Groups of different parallax, those that agree 0.3 px off their lines, the others half their parallax.
-    fn groups(agreeing: usize, other: usize) -> Vec<Group> {
+    fn groups(agreeing: usize, other: usize) -> Vec<MotionGroup> {
         let group = |k: usize| {
             let parallax = Vector::new(8.0 + 5.0 * k as f64, 0.0);
             let off_line = if k < agreeing { 0.3 } else { 0.7 * parallax.x };
-            Group { parallax, off_line, precision: 0.3 }
+            MotionGroup { parallax, off_line, precision: 0.3 }
         };
         (0..agreeing + other).map(group).collect()
     }
@@ -298,13 +299,13 @@ mod tests {
 
     #[test]
     fn two_halves_move_in_one_way_wherever_one_looks() {
-        let half = |k: u32| Group {
+        let half = |k: u32| MotionGroup {
             parallax: Vector::new(18.0 + 0.1 * f64::from(k), 2.0),
             off_line: 0.1,
             precision: 0.15,
         };
         // One half, seen in twelve places, and three false matches, one of which happens to agree.
-        let halves: Vec<Group> = (0..12).map(half).chain(groups(1, 2)).collect();
+        let halves: Vec<MotionGroup> = (0..12).map(half).chain(groups(1, 2)).collect();
         let found = OffPlane::of(&halves, 0.3);
         assert_eq!((found.groups, found.agreeing, found.motions), (15, 13, 2));
         assert!(found.by_chance < 1e-3 && found.motions_by_chance > 1.0, "{found:?}");

@@ -10,6 +10,9 @@ const SHIFTS: usize = 24;
 /// The smallest and the largest of them, as shares of the sequence: what moves is still about where it was before.
 const SHIFTED: [f64; 2] = [0.2, 0.8];
 
+/// Correlation of neighbours that counts at most: of lines that are all alike there is still a little more than none.
+const MOST_ALIKE: f64 = 0.999;
+
 /// The barcodes of corresponding lines of a geometry, neighbours beside each other.
 pub(super) struct Pencils {
     pairs: Vec<[Barcode; 2]>,
@@ -67,7 +70,7 @@ impl Pencils {
             |image: usize| self.pairs.iter().filter(move |pair| pair[image].variance() > 0.0).count();
         let neighbours = self.pairs.windows(2).filter_map(|two| two[0][0].correlation(&two[1][0]));
         let (sum, count) = neighbours.fold((0.0, 0usize), |(sum, count), c| (sum + c, count + 1));
-        let rho = (sum / count.max(1) as f64).clamp(0.0, 0.999);
+        let rho = (sum / count.max(1) as f64).clamp(0.0, MOST_ALIKE);
         // Places along the border are two to a line.
         let lines = 0.25 * (telling(0) + telling(1)) as f64;
         lines * (1.0 - rho) / (1.0 + rho)

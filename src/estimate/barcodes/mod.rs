@@ -21,7 +21,7 @@ use crate::motion::Silhouettes;
 
 use agreement::Pencils;
 use precision::deviation;
-use refinement::{Objective, Refined, refine};
+use refinement::{Objective, RefinedByBarcodes, refine};
 use sharpening::sharpen;
 
 /// Longer side of the images that lines are compared at, px: barcodes cost little, so more of them than by stereo.
@@ -30,6 +30,7 @@ const SIDE: f64 = 384.0;
 const REFINED: usize = 6;
 /// Two geometries are one when their lines are nearer to each other than this fraction of the longer side, on average.
 const SAME: f64 = 0.02;
+
 /// Parameters as barcodes take them: a barcode is the same whichever way its line is read, cameras may stand anywhere
 /// around the scene, and there are no patches.
 pub(super) fn adapted(parameters: &Parameters) -> Parameters {
@@ -95,7 +96,7 @@ pub(super) fn by_barcodes(
     for start in &proposed {
         refined.extend(refine(&coarse, start, refinement::FROM_AFAR, parameters.seed, cancel)?);
     }
-    refined.sort_by(|a: &Refined, b| a.value.total_cmp(&b.value));
+    refined.sort_by(|a: &RefinedByBarcodes, b| a.value.total_cmp(&b.value));
     let best = refined.first().ok_or(EstimateError::NothingFromBarcodes)?;
     let best = refine(&objective, &best.fundamental, refinement::NEARBY, parameters.seed, cancel)?
         .unwrap_or_else(|| best.clone());

@@ -3,7 +3,7 @@
 use super::refinement::{NEARBY, Objective, refine};
 use crate::cancel::CancelFlag;
 use crate::estimate::EstimateError;
-use crate::geometry::{FundamentalMatrix, Point};
+use crate::geometry::{FundamentalMatrix, Point, rescaled};
 use crate::motion::{FEWEST_FRAMES, Silhouettes};
 
 /// Groups of frames that are left out in turn.
@@ -13,6 +13,9 @@ const GROUPS: usize = 5;
 const RUNS: usize = 3;
 /// Places of image 1 that the lines are measured at, at most.
 const PLACES: usize = 200;
+/// Frames in which they are looked for, evenly from all, and places of each: enough to choose from, round numbers.
+const LOOKED_AT: usize = 20;
+const PLACES_A_FRAME: usize = 10;
 
 /// Median standard deviation of the epipolar lines in image 2 of places where things move in image 1, px; `None` where too
 /// few frames are left when a group is left out.
@@ -71,16 +74,14 @@ fn line_deviation(
 
 /// Places of image 1 where something moves, each with the middle of what moves in image 2, full-size pixels.
 fn moving_places(silhouettes: [&Silhouettes; 2]) -> Vec<(Point, Point)> {
-    let every = (silhouettes[0].len() / 20).max(1);
+    let every = (silhouettes[0].len() / LOOKED_AT).max(1);
     let places = |image: usize, time: usize| {
         let (size, full) = (silhouettes[image].size(), silhouettes[image].full_size());
         let scale = full.width as f64 / size.width as f64;
         let mask = silhouettes[image].mask(time);
         let moving = (0..mask.len()).filter(|k| mask[*k]);
-        let place = move |k: usize| {
-            let centre = |v: usize| (v as f64 + 0.5) * scale - 0.5;
-            Point::new(centre(k % size.width), centre(k / size.width))
-        };
+        let place =
+            move |k: usize| rescaled(Point::new((k % size.width) as f64, (k / size.width) as f64), scale);
         moving.map(place).collect::<Vec<_>>()
     };
     let mut all = Vec::new();
@@ -91,7 +92,7 @@ fn moving_places(silhouettes: [&Silhouettes; 2]) -> Vec<(Point, Point)> {
         }
         let middle =
             second.iter().fold(nalgebra::Vector2::zeros(), |s, p| s + p.coords) / second.len() as f64;
-        let step = (first.len() / 10).max(1);
+        let step = (first.len() / PLACES_A_FRAME).max(1);
         all.extend(first.into_iter().step_by(step).map(|at| (at, Point::from(middle))));
     }
     let step = all.len().div_ceil(PLACES).max(1);

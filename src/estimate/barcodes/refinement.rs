@@ -16,17 +16,17 @@ use crate::motion::Silhouettes;
 
 /// How far and how long is searched.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Search {
+pub(super) struct Steps {
     /// Deviation of the first steps, of half a diagonal.
     pub first: f64,
     /// Rounds.
     pub rounds: usize,
 }
 
-/// From where lines have proposed: some per cent of the side off.
-pub(super) const FROM_AFAR: Search = Search { first: 0.015, rounds: 8 };
-/// From a refined geometry.
-pub(super) const NEARBY: Search = Search { first: 0.003, rounds: 10 };
+/// Steps from where lines have proposed: some per cent of the side off.
+pub(super) const FROM_AFAR: Steps = Steps { first: 0.015, rounds: 8 };
+/// Steps from a refined geometry.
+pub(super) const NEARBY: Steps = Steps { first: 0.003, rounds: 10 };
 
 /// Steps a round, and the best of them that give the next one.
 const POPULATION: usize = 40;
@@ -44,7 +44,7 @@ pub(super) struct Objective<'a> {
 
 /// A refined geometry, full-size pixels, and its value; lower is better.
 #[derive(Debug, Clone)]
-pub(super) struct Refined {
+pub(super) struct RefinedByBarcodes {
     pub fundamental: FundamentalMatrix,
     pub value: f64,
 }
@@ -87,13 +87,13 @@ impl<'a> Objective<'a> {
 pub(super) fn refine(
     objective: &Objective,
     start: &FundamentalMatrix,
-    search: Search,
+    search: Steps,
     seed: u64,
     cancel: &CancelFlag,
-) -> Result<Option<Refined>, EstimateError> {
+) -> Result<Option<RefinedByBarcodes>, EstimateError> {
     let frames = objective.frames();
     let mut random = Pcg64Mcg::seed_from_u64(seed);
-    let mut best = Refined { fundamental: *start, value: objective.value(start) };
+    let mut best = RefinedByBarcodes { fundamental: *start, value: objective.value(start) };
     let (mut mean, mut deviation) = (Vector7::zeros(), Vector7::repeat(search.first));
     for _ in 0..search.rounds {
         let steps: Vec<Vector7> =
@@ -109,7 +109,7 @@ pub(super) fn refine(
         tried.sort_by(|a, b| a.0.total_cmp(&b.0));
         let Some((value, _, fundamental)) = tried.first().copied() else { return Ok(None) };
         if value < best.value {
-            best = Refined { fundamental, value };
+            best = RefinedByBarcodes { fundamental, value };
         }
         tried.truncate(ELITE);
         let count = tried.len() as f64;

@@ -20,6 +20,9 @@ const ROUNDS: usize = 6;
 const TRIALS: usize = 16;
 /// Each round moves less far than the one before.
 const SHRINKING: f64 = 0.6;
+/// Candidates kept last with which one is compared to tell whether it is the same pair: sorted by cost, equal pairs are
+/// near each other.
+const RECENT: usize = 8;
 
 /// The best candidates with both lines moved by up to about `step` px at either end, best first.
 pub(super) fn sharpen(
@@ -36,7 +39,7 @@ pub(super) fn sharpen(
         let is_new = |kept: &LineCandidate| {
             kept.line1 != candidate.line1 || kept.line2.anchor != candidate.line2.anchor
         };
-        if best.len() < MOVED && best.iter().rev().take(8).all(is_new) {
+        if best.len() < MOVED && best.iter().rev().take(RECENT).all(is_new) {
             best.push(*candidate);
         }
     }

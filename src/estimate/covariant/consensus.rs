@@ -21,7 +21,7 @@ type Lane = [f32; LANES];
 
 /// Sixteen matches in conditioned coordinates.
 #[derive(Debug, Clone, Copy, Default)]
-struct Block {
+struct WitnessBlock {
     x1: Lane,
     y1: Lane,
     x2: Lane,
@@ -96,7 +96,7 @@ impl Units {
 #[derive(Debug, Clone)]
 pub(super) struct Consensus {
     units: Units,
-    blocks: Vec<Block>,
+    blocks: Vec<WitnessBlock>,
 }
 
 impl Consensus {
@@ -105,8 +105,11 @@ impl Consensus {
             .chunks(LANES)
             .map(|chunk| {
                 // Lanes without a match have no gain.
-                let mut block =
-                    Block { variance1: [1.0; LANES], variance2: [1.0; LANES], ..Block::default() };
+                let mut block = WitnessBlock {
+                    variance1: [1.0; LANES],
+                    variance2: [1.0; LANES],
+                    ..WitnessBlock::default()
+                };
                 for (k, w) in chunk.iter().enumerate() {
                     let [x1, y1, x2, y2] = units.pair(&w.pair).map(|v| v as f32);
                     (block.x1[k], block.y1[k], block.x2[k], block.y2[k]) = (x1, y1, x2, y2);
@@ -134,7 +137,7 @@ impl Consensus {
 }
 
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx2", "x86_64+avx2", "aarch64+neon"))]
-fn score_blocks(blocks: &[Block], f: &[f32; 9]) -> f32 {
+fn score_blocks(blocks: &[WitnessBlock], f: &[f32; 9]) -> f32 {
     let mut sums = [0f32; LANES];
     let scale = (1.0 / (BAND * BAND)) as f32;
     for b in blocks {

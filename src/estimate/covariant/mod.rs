@@ -95,6 +95,21 @@ const LOCAL_STREAMS: u64 = 1 << 32;
 /// Matches that a refit takes, and the last one.
 const FITTED: usize = 300;
 const FITTED_LAST: usize = 1500;
+/// Distance from its line, in standard deviations and bands, beyond which a witness loses influence on a fit: between
+/// where errors are still Gaussian and where false matches begin. A round number.
+const ROBUST: f64 = 1.5;
+/// Share of what two matrices explain together beyond which they are one geometry: matrices as they were drawn, of which
+/// there are many of each geometry, and refitted ones, of which few are left. Round numbers.
+const SAME_DRAWN: f64 = 0.8;
+const SAME_REFITTED: f64 = 0.9;
+/// Matches drawn for one sample at most, most of which may be too close to others: several times the seven that it takes.
+const DRAWN_A_SAMPLE: usize = 40;
+/// Matches of one sample nearer to each other than this share of the longer side say the same. A round number.
+const TOO_CLOSE: f64 = 0.01;
+/// Band in which matches are likely to be right of a geometry that is optimised locally: it was refitted, but to a sample.
+const LOCAL_BAND: f64 = 2.0;
+/// Rounds of matching along the lines: the second has those of the geometry that the first one gave.
+const REMATCHED: usize = 2;
 /// Probability of being right below which a match is left out of a fit.
 const LEAST_RIGHT: f64 = 0.05;
 
@@ -148,10 +163,10 @@ fn fitted(f: &FundamentalMatrix, witnesses: &[Witness], band: f64, most: usize) 
         .filter(|(k, (clicked, _))| *clicked || step(*k) != step(k + 1))
         .map(|(_, (_, observation))| *observation)
         .collect();
-    fit_fundamental(f, &observations, band.max(1.0) * 1.5).map(|fit| fit.fundamental)
+    fit_fundamental(f, &observations, band.max(1.0) * ROBUST).map(|fit| fit.fundamental)
 }
 
-struct Search<'a> {
+struct FeatureSearch<'a> {
     evidence: &'a FeatureEvidence<'a>,
     parameters: &'a FeatureSearchParameters,
     units: Units,
@@ -170,26 +185,26 @@ pub fn hypotheses_from_features(
     evidence: &FeatureEvidence,
     parameters: &FeatureSearchParameters,
 ) -> Vec<FeatureHypothesis> {
-    let search = Search::new(evidence, parameters);
+    let search = FeatureSearch::new(evidence, parameters);
     let drawn = search.drawn();
     let mut refitted: Vec<(FundamentalMatrix, f64)> =
         drawn.par_iter().filter_map(|f| search.refitted(f)).collect();
     refitted.sort_by(|a, b| b.1.total_cmp(&a.1));
-    let distinct = search.distinct(refitted, FundamentalMatrix::matrix, 0.9, parameters.rematched);
+    let distinct = search.distinct(refitted, FundamentalMatrix::matrix, SAME_REFITTED, parameters.rematched);
     let mut improved: Vec<(FundamentalMatrix, f64)> = distinct
         .into_par_iter()
         .enumerate()
         .map(|(k, start)| search.locally_optimised(start, LOCAL_STREAMS + k as u64))
         .collect();
     improved.sort_by(|a, b| b.1.total_cmp(&a.1));
-    let distinct = search.distinct(improved, FundamentalMatrix::matrix, 0.9, parameters.rematched);
+    let distinct = search.distinct(improved, FundamentalMatrix::matrix, SAME_REFITTED, parameters.rematched);
     let mut found: Vec<FeatureHypothesis> =
         distinct.into_par_iter().map(|(f, score)| search.rematched(f, score)).collect();
     found.sort_by(|a, b| b.score.total_cmp(&a.score));
     found
 }
 
-impl<'a> Search<'a> {
+impl<'a> FeatureSearch<'a> {
     fn new(evidence: &'a FeatureEvidence<'a>, parameters: &'a FeatureSearchParameters) -> Self {
         let FeatureEvidence { sets, matches, frames, clicks, click_sigma } = *evidence;
         let log_odds = reliability::log_odds(sets, matches, frames, clicks);
@@ -237,7 +252,7 @@ impl<'a> Search<'a> {
         let leaders = all.into_iter().take(LEADERS * self.parameters.refitted);
         let leaders = leaders.map(|(score, f)| (self.units.in_pixels(&f), score)).collect();
         let mut best: Vec<Matrix3<f64>> = self
-            .distinct(leaders, |f| f, 0.8, self.parameters.refitted)
+            .distinct(leaders, |f| f, SAME_DRAWN, self.parameters.refitted)
             .into_iter()
             .map(|(f, _)| f)
             .collect();
@@ -275,7 +290,7 @@ impl<'a> Search<'a> {
         // Two equations a match, as long as there is room for both.
         let mut drawn: Vec<usize> = Vec::new();
         let total = *cumulative.last()?;
-        for _ in 0..40 {
+        for _ in 0..DRAWN_A_SAMPLE {
             let at = cumulative.partition_point(|c| *c <= random.random_range(0.0..total));
             let at = at.min(self.equations.len() - 1);
             if drawn.iter().any(|d| self.too_close(*d, at)) {
@@ -296,7 +311,7 @@ impl<'a> Search<'a> {
     /// Whether two matches say the same.
     fn too_close(&self, i: usize, j: usize) -> bool {
         let (a, b) = (&self.witnesses[i].pair, &self.witnesses[j].pair);
-        let near = |k: usize| 0.01 * self.evidence.frames[k].longer_side();
+        let near = |k: usize| TOO_CLOSE * self.evidence.frames[k].longer_side();
         (a.point1 - b.point1).norm() < near(0) || (a.point2 - b.point2).norm() < near(1)
     }
 
@@ -324,7 +339,7 @@ impl<'a> Search<'a> {
             let cumulative: Vec<f64> = self.witnesses[..self.equations.len()]
                 .iter()
                 .map(|w| {
-                    sum += likely_right(w, residual(best.0.matrix(), w), 2.0);
+                    sum += likely_right(w, residual(best.0.matrix(), w), LOCAL_BAND);
                     sum
                 })
                 .collect();
@@ -375,7 +390,7 @@ impl<'a> Search<'a> {
     fn rematched(&self, f: FundamentalMatrix, score: f64) -> FeatureHypothesis {
         let mut best = (f, score);
         let mut matches = Vec::new();
-        for _ in 0..2 {
+        for _ in 0..REMATCHED {
             let guided = rematching::guided_matches(self.evidence, &best.0);
             let FeatureEvidence { sets, frames, clicks, .. } = *self.evidence;
             let log_odds = reliability::log_odds(sets, &guided, frames, clicks);

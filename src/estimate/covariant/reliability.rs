@@ -26,6 +26,25 @@ const ZOOM: f64 = 0.5;
 /// A click nearby counts as this many matches.
 const CLICK_VOTES: f64 = 3.0;
 
+/// What the logarithm of the odds of a match is made of, `base + clamp(by_ratio · (even_ratio − ratio)) +
+/// by_support · ln(1 + support)`.
+struct Odds {
+    /// Logarithm of the odds at the even ratio, of a match without support.
+    base: f64,
+    /// By how much the logarithm grows when the ratio falls by 1.
+    by_ratio: f64,
+    /// Ratio that speaks neither for a match nor against it.
+    even_ratio: f64,
+    /// What a ratio adds at least and at most: there are few matches with an extreme one to fit to.
+    limits: [f64; 2],
+    /// By how much the logarithm grows with that of one more than the support.
+    by_support: f64,
+}
+
+/// Odds fitted to shares of right matches, counted by ratio and by number of neighbours where the geometry was known: at a
+/// ratio of 0.86 and two neighbours a match is about as likely right as wrong.
+const ODDS: Odds = Odds { base: -1.5, by_ratio: 6.5, even_ratio: 0.86, limits: [-1.4, 4.0], by_support: 1.2 };
+
 /// A match with what its features say about the map around it.
 #[derive(Debug, Clone, Copy)]
 struct LocalMap {
@@ -86,8 +105,9 @@ pub(super) fn log_odds(
                 maps.iter().filter(|other| map.expects(&other.pair, sides) && map.alike(other)).count();
             let clicked = clicks.iter().filter(|click| map.expects(click, sides)).count();
             let support = neighbours as f64 + CLICK_VOTES * clicked as f64;
-            // Fitted to what was counted: at a ratio of 0.86 and two neighbours a match is as likely right as wrong.
-            -1.5 + (6.5 * (0.86 - m.ratio)).clamp(-1.4, 4.0) + 1.2 * support.ln_1p()
+            let of_ratio =
+                (ODDS.by_ratio * (ODDS.even_ratio - m.ratio)).clamp(ODDS.limits[0], ODDS.limits[1]);
+            ODDS.base + of_ratio + ODDS.by_support * support.ln_1p()
         })
         .collect()
 }

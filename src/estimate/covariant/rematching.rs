@@ -14,7 +14,7 @@ const LANES: usize = 16;
 
 /// Sixteen features of image 2, single precision: lines have unit normals, so that is 10⁻³ px.
 #[derive(Debug, Clone, Copy)]
-struct Block {
+struct FeatureBlock {
     x: [f32; LANES],
     y: [f32; LANES],
     /// Variance of the distance to a line, by the feature's own error, px².
@@ -26,12 +26,12 @@ struct Block {
 /// Mutual nearest neighbours among the features whose residual is within the band.
 pub(super) fn guided_matches(evidence: &FeatureEvidence, f: &FundamentalMatrix) -> Vec<FeatureMatch> {
     let [features1, features2] = evidence.sets.map(FeatureSet::features);
-    let blocks: Vec<Block> = features2
+    let blocks: Vec<FeatureBlock> = features2
         .chunks(LANES)
         .map(|chunk| {
             // Lanes without a feature are nowhere.
             let [x, y] = [[f32::INFINITY; LANES]; 2];
-            let mut block = Block { x, y, variance: [0.0; LANES], pull: [0.0; LANES] };
+            let mut block = FeatureBlock { x, y, variance: [0.0; LANES], pull: [0.0; LANES] };
             for (k, b) in chunk.iter().enumerate() {
                 (block.x[k], block.y[k]) = (b.position.x as f32, b.position.y as f32);
                 block.variance[k] = sigma(b.scale, evidence.frames[1]).powi(2) as f32;
@@ -61,7 +61,7 @@ pub(super) fn guided_matches(evidence: &FeatureEvidence, f: &FundamentalMatrix) 
 /// Indices of the features near a line with a unit normal; `pulled` times a feature's pull is the variance that the point
 /// in image 1 brings.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx2", "x86_64+avx2", "aarch64+neon"))]
-fn near_line(blocks: &[Block], line: [f32; 3], pulled: f32) -> Vec<usize> {
+fn near_line(blocks: &[FeatureBlock], line: [f32; 3], pulled: f32) -> Vec<usize> {
     let limit = (BAND * BAND) as f32;
     let mut found = Vec::new();
     for (index, b) in blocks.iter().enumerate() {

@@ -19,7 +19,7 @@ const ROUND_TRIPS: usize = 12;
 const AT_ONCE: usize = 128;
 
 /// A line pair that would give κ.
-type Trial = (f64, (AnchoredLine, AnchoredLine));
+type TriedPair = (f64, (AnchoredLine, AnchoredLine));
 
 /// κ of H (bisector in image 1, best line of image 2) and of G (bisector in image 2, best line of image 1), of each
 /// hypothesis through the clicks; `None` where no line could be compared. Fewer when stopped.
@@ -34,13 +34,13 @@ pub(super) fn bisector_kappas(
 ) -> Vec<Option<(f64, f64)>> {
     let mut kappas = Vec::with_capacity(hypotheses.len());
     for few in hypotheses.chunks(AT_ONCE).take_while(|_| !cancel.is_cancelled()) {
-        let trials: Vec<Option<[Vec<Trial>; 2]>> =
+        let trials: Vec<Option<[Vec<TriedPair>; 2]>> =
             few.par_iter().map(|pencils| trials(pencils, clicks)).collect();
         let all: Vec<_> =
             trials.iter().flatten().flatten().flat_map(|list| list.iter().map(|(_, pair)| *pair)).collect();
         let costs = similarity.pair_costs(&all);
         let mut costs = costs.as_slice();
-        let mut best = |list: &[Trial]| {
+        let mut best = |list: &[TriedPair]| {
             let (own, rest) = costs.split_at(list.len());
             costs = rest;
             let cheapest = (0..own.len()).min_by(|i, j| own[*i].total_cmp(&own[*j]))?;
@@ -55,7 +55,7 @@ pub(super) fn bisector_kappas(
 }
 
 /// The line pairs tried for H, and those for G.
-fn trials(pencils: &PencilPair, clicks: &[PointPair; 2]) -> Option<[Vec<Trial>; 2]> {
+fn trials(pencils: &PencilPair, clicks: &[PointPair; 2]) -> Option<[Vec<TriedPair>; 2]> {
     let [a, b] = clicks;
     let map = pencils.map();
     let bisector = PencilMap::bisector1();

@@ -55,6 +55,12 @@ fn keys_below(limit: f64, weights: &[Vec<f64>; 2], seed: u64) -> Vec<(f64, usize
 const LOOKED_AT: usize = 24;
 /// Keys expected below the limit, for each one that is wanted.
 const SPARE: f64 = 1.3;
+/// Share of all keys that is expected below the limit at most: no limit has all of them below it.
+const LARGEST_SHARE: f64 = 0.99;
+/// Limits between which the right one is looked for, wide enough for any number of candidates: the cheapest ones weigh 1, and
+/// their keys are about 1. The factor is from one to the next: a limit that is a quarter too high costs little.
+const LIMITS: [f64; 2] = [1e-6, 1e12];
+const NEXT_LIMIT: f64 = 1.25;
 
 /// A limit that is expected to have somewhat more keys than wanted below it: one of weight w is below t with probability
 /// `1 − exp(−w t)`.
@@ -63,14 +69,14 @@ fn limit(weights: &[Vec<f64>; 2], count: usize) -> f64 {
         .each_ref()
         .map(|all| -> Vec<f64> { all.iter().step_by(all.len().div_ceil(LOOKED_AT)).copied().collect() });
     let total = weights[0].len() as f64 * weights[1].len() as f64;
-    let share = (SPARE * count as f64 / total).min(0.99);
+    let share = (SPARE * count as f64 / total).min(LARGEST_SHARE);
     let wanted = share * (few_p.len() * few_q.len()) as f64;
     let below = |limit: f64| -> f64 {
         few_p.iter().flat_map(|a| few_q.iter().map(move |b| 1.0 - (-a * b * limit).exp())).sum()
     };
-    let mut limit = 1e-6;
-    while below(limit) < wanted && limit < 1e12 {
-        limit *= 1.25;
+    let mut limit = LIMITS[0];
+    while below(limit) < wanted && limit < LIMITS[1] {
+        limit *= NEXT_LIMIT;
     }
     limit
 }

@@ -89,13 +89,20 @@ fn refine_at(
     Ok(best)
 }
 
+/// Mean of the sum of three uniform numbers that a step is made of, and what brings the deviation of the sum, ½, to 1.
+const MEAN_OF_THREE: f64 = 1.5;
+const TO_UNIT: f64 = 2.0;
+/// Steps of the logarithm of κ, in steps of an angle.
+const KAPPA_STEP: f64 = 2.0;
+
 /// A random step: all five numbers at once, on the scale of `step` radians.
 fn moved(angles: &PencilAngles, step: f64, rng: &mut Pcg64Mcg) -> PencilAngles {
-    let mut draw = || step * (rng.random::<f64>() + rng.random::<f64>() + rng.random::<f64>() - 1.5) * 2.0;
+    let mut draw =
+        || step * (rng.random::<f64>() + rng.random::<f64>() + rng.random::<f64>() - MEAN_OF_THREE) * TO_UNIT;
     PencilAngles {
         p: angles.p.map(|a| a + draw()),
         q: angles.q.map(|a| a + draw()),
-        kappa: angles.kappa * (2.0 * draw()).exp(),
+        kappa: angles.kappa * (KAPPA_STEP * draw()).exp(),
     }
 }
 

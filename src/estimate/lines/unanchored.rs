@@ -36,6 +36,10 @@ const SHORTEST: f64 = 2.0 * SHORTEST_LINE;
 const BATCH: usize = 64;
 /// Pairs through both epipoles that are tried as the third one of a draw.
 const THIRD: usize = 3;
+/// Candidates drawn in search of them at most, and at most so many times as there are: where few pass both epipoles, the
+/// draw was a bad one. Round numbers.
+const LOOKED_THROUGH: usize = 400;
+const TIMES_OVER: usize = 4;
 /// Draws of one task: the same on any number of threads.
 const TASK: usize = 64;
 /// Candidates on which hypotheses are counted at first, evenly from all of them.
@@ -50,9 +54,9 @@ const ROBUST: f64 = 1.5;
 /// Two lines that may be corresponding epipolar lines, directed alike.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LineCandidate {
-    /// In image 1.
+    /// The line of image 1.
     pub line1: AnchoredLine,
-    /// In image 2.
+    /// The line of image 2.
     pub line2: AnchoredLine,
     /// Cost of the pair, normalised if the parameters say so; lower is more similar.
     pub cost: f32,
@@ -149,7 +153,7 @@ pub(in crate::estimate) struct LineConsensus {
 /// A geometry with the candidates that agree with it.
 #[derive(Debug, Clone)]
 pub(in crate::estimate) struct LineGeometry {
-    /// In pixels of the size that the lines were compared at.
+    /// The matrix for pixels of the size that the lines were compared at.
     pub fundamental: FundamentalMatrix,
     /// Numbers of the candidates that agree.
     pub agreeing: Vec<usize>,
@@ -226,9 +230,9 @@ impl<'a> Counting<'a> {
     fn hypothesis(&self, random: &mut Pcg64Mcg) -> Option<(usize, FundamentalMatrix)> {
         let (p, q) = (self.one(random)?, self.one(random)?);
         let epipoles: [HomogeneousPoint; 2] = [0, 1].map(|i| p.lines[i].intersection(&q.lines[i]));
-        let third = (0..self.measured.len() * 4)
+        let third = (0..self.measured.len() * TIMES_OVER)
             .filter_map(|_| self.one(random))
-            .take(400)
+            .take(LOOKED_THROUGH)
             .filter(|r| (0..2).all(|i| self.is_near(i, &r.lines[i], &epipoles[i], r.middles()[i])))
             .take(THIRD);
         third

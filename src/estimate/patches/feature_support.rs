@@ -49,7 +49,7 @@ impl FeatureMatches {
         self.places.candidates(f, band).into_iter().map(|k| self.matches[k].correlation - FLOOR).sum()
     }
 
-    /// Those within `band` px of each other's epipolar lines.
+    /// Matches within `band` px of each other's epipolar lines.
     pub fn within(&self, f: &FundamentalMatrix, band: f64) -> impl Iterator<Item = SupportingMatch> {
         self.places
             .candidates(f, band)

@@ -9,7 +9,7 @@ use super::refinement::{Refined, RefinementLevel};
 use super::support::{Support, SupportLevel};
 use super::voting::KappaVoting;
 use crate::cancel::CancelFlag;
-use crate::geometry::{FundamentalMatrix, Observation, PointPair};
+use crate::geometry::{FundamentalMatrix, Observation, PointPair, rescaling};
 use crate::image::{PairLevel, PyramidPair, RelativeView, warps_around};
 
 /// Longer side of the images patch support is computed on first, px.
@@ -153,10 +153,7 @@ impl PatchLevels {
 
 /// The homography of images of other sizes.
 pub(in crate::estimate) fn resized(h: &Matrix3<f64>, scales: [f64; 2]) -> Option<Matrix3<f64>> {
-    let [first, second] = scales.map(|s| {
-        let shift = 0.5 * s - 0.5;
-        Matrix3::new(s, 0.0, shift, 0.0, s, shift, 0.0, 0.0, 1.0)
-    });
+    let [first, second] = scales.map(rescaling);
     Some(second * h * first.try_inverse()?)
 }
 

@@ -3,7 +3,6 @@
 use multiversion::multiversion;
 
 use super::feature_support::FLOOR;
-use super::support::Putative;
 use crate::geometry::{FundamentalMatrix, Point};
 
 /// Corners of image 1 that are looked at together, in a lane each.
@@ -13,18 +12,26 @@ const SLACK: f64 = 0.1;
 
 type Lanes = [f32; LANES];
 
+/// Two corners whose patches look alike.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(in crate::estimate) struct Putative {
+    pub corner1: u32,
+    pub corner2: u32,
+    pub correlation: f32,
+}
+
 /// The look-alikes of all corners of image 1, laid out for the vector units: for some corners at a time the best
 /// look-alike of each, then the next best of each, and so on.
 #[derive(Debug, Clone, Default)]
 pub(super) struct LookAlikes {
-    groups: Vec<Group>,
-    /// Those of all groups, one group after another.
+    groups: Vec<CornerGroup>,
+    /// Ranks of all groups, one group after another.
     ranks: Vec<Rank>,
 }
 
 /// Some corners of image 1.
 #[derive(Debug, Clone, Copy)]
-struct Group {
+struct CornerGroup {
     x1: Lanes,
     y1: Lanes,
     /// How many ranks they have.
@@ -59,7 +66,7 @@ impl LookAlikes {
                 let point = corners[0][group[0].corner1 as usize];
                 (x1[lane], y1[lane]) = (point.x as f32, point.y as f32);
             }
-            all.groups.push(Group { x1, y1, ranks });
+            all.groups.push(CornerGroup { x1, y1, ranks });
             all.ranks.extend((0..ranks).map(|rank| {
                 let [mut x2, mut y2, mut excess] = [[f32::NAN; LANES], [f32::NAN; LANES], [0.0; LANES]];
                 let mut pairs = [0; LANES];
@@ -97,7 +104,7 @@ fn single(f: &FundamentalMatrix) -> [f32; 9] {
 }
 
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq+avx2", "x86_64+avx2", "aarch64+neon"))]
-fn near(groups: &[Group], mut ranks: &[Rank], f: &[f32; 9], band: f32, found: &mut Vec<u32>) {
+fn near(groups: &[CornerGroup], mut ranks: &[Rank], f: &[f32; 9], band: f32, found: &mut Vec<u32>) {
     for group in groups {
         let (own, others) = ranks.split_at(group.ranks);
         ranks = others;
@@ -125,7 +132,7 @@ fn near(groups: &[Group], mut ranks: &[Rank], f: &[f32; 9], band: f32, found: &m
 }
 
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq+avx2", "x86_64+avx2", "aarch64+neon"))]
-fn most_support(groups: &[Group], mut ranks: &[Rank], f: &[f32; 9], band: f32) -> f32 {
+fn most_support(groups: &[CornerGroup], mut ranks: &[Rank], f: &[f32; 9], band: f32) -> f32 {
     let mut total = [0f32; LANES];
     for group in groups {
         let (own, others) = ranks.split_at(group.ranks);

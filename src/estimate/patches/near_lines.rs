@@ -12,12 +12,12 @@ const SLACK: f64 = 0.1;
 /// Positions of matches, laid out for the vector units.
 #[derive(Debug, Clone, Default)]
 pub(super) struct NearLines {
-    blocks: Vec<Block>,
+    blocks: Vec<PointBlock>,
 }
 
 /// Positions of some matches in both images; not a number in lanes without a match.
 #[derive(Debug, Clone, Copy)]
-struct Block {
+struct PointBlock {
     x1: [f32; LANES],
     y1: [f32; LANES],
     x2: [f32; LANES],
@@ -27,11 +27,11 @@ struct Block {
 impl NearLines {
     /// Matches, which are numbered as they come.
     pub fn new(pairs: impl IntoIterator<Item = PointPair>) -> Self {
-        let mut blocks: Vec<Block> = Vec::new();
+        let mut blocks: Vec<PointBlock> = Vec::new();
         for (k, PointPair { point1, point2 }) in pairs.into_iter().enumerate() {
             if k % LANES == 0 {
                 let [x1, y1, x2, y2] = [[f32::NAN; LANES]; 4];
-                blocks.push(Block { x1, y1, x2, y2 });
+                blocks.push(PointBlock { x1, y1, x2, y2 });
             }
             let lane = k % LANES;
             if let Some(block) = blocks.last_mut() {
@@ -53,7 +53,7 @@ impl NearLines {
 
 /// Numbers of the matches whose points are within `band` px of their lines in both images.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq+avx2", "x86_64+avx2", "aarch64+neon"))]
-fn near_lines(blocks: &[Block], f: &[f32; 9], band: f32) -> Vec<usize> {
+fn near_lines(blocks: &[PointBlock], f: &[f32; 9], band: f32) -> Vec<usize> {
     let mut found = Vec::with_capacity(256);
     let band = band * band;
     for (index, block) in blocks.iter().enumerate() {

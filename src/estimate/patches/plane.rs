@@ -16,6 +16,10 @@ const REFITS: usize = 3;
 /// known to 5 %. Of all matches there can be thousands.
 const LOOKED_AT: usize = 400;
 
+/// Fewest matches to be looked at, and to be refitted to if there are more: twice the four that give a homography, which
+/// any four follow.
+const FEWEST: usize = 8;
+
 /// The homography that most matches follow within `tolerance` px in image 2, and how many do; `None` for fewer than
 /// eight matches.
 pub(in crate::estimate) fn largest_plane(
@@ -23,7 +27,7 @@ pub(in crate::estimate) fn largest_plane(
     tolerance: f64,
     seed: u64,
 ) -> Option<(Matrix3<f64>, usize)> {
-    if matches.len() < 8 {
+    if matches.len() < FEWEST {
         return None;
     }
     let few: Vec<PointPair> = if matches.len() > LOOKED_AT {
@@ -51,7 +55,7 @@ fn refitted(mut h: Matrix3<f64>, matches: &[PointPair], tolerance: f64) -> Optio
         if best.is_none_or(|(_, most)| on_plane.len() > most) {
             best = Some((h, on_plane.len()));
         }
-        match (on_plane.len() > 8).then(|| homography(&on_plane)).flatten() {
+        match (on_plane.len() > FEWEST).then(|| homography(&on_plane)).flatten() {
             Some(better) => h = better,
             None => break,
         }

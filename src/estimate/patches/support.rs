@@ -8,7 +8,7 @@
 use rayon::prelude::*;
 
 use super::feature_support::{FLOOR, FeatureMatches, SupportingMatch};
-use super::look_alikes::LookAlikes;
+use super::look_alikes::{LookAlikes, Putative};
 use super::near_lines::is_within;
 use crate::geometry::{FundamentalMatrix, Point, PointPair};
 use crate::image::{
@@ -55,14 +55,6 @@ const DISTINCTIVE: f32 = 0.8;
 const DISTINCTIVE_BY: f32 = 0.1;
 /// Look-alikes kept for a corner, the best ones.
 const PER_CORNER: usize = 16;
-
-/// Two corners whose patches look alike.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(in crate::estimate) struct Putative {
-    pub corner1: u32,
-    pub corner2: u32,
-    pub correlation: f32,
-}
 
 impl Support {
     /// Finds up to `count` corners an image and compares all their patches, those of image 2 under each warp.

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use super::sight::{Sight, side};
 use super::style::click_name;
 use crate::estimate::ComparedPencils;
-use crate::evaluate::SearchRecord;
+use crate::evaluate::RankingRecord;
 use crate::evaluate::protocol::{OFF_LINE, distances_off_lines};
 use crate::evaluate::statistics::median;
 use crate::geometry::{AnchoredLine, Line, PointPair, finite_point};
@@ -46,7 +46,7 @@ pub(super) struct Circumstances {
     /// How far each click is from its true match, in the image where that is more.
     mistakes: Vec<f64>,
     /// What the search had.
-    search: Option<SearchRecord>,
+    search: Option<RankingRecord>,
     error: f64,
     /// Median angle between estimated and true lines, radians.
     turned: f64,
@@ -210,7 +210,7 @@ impl Circumstances {
     }
 
     /// Whether the search had nothing near the truth, or had it and chose something else.
-    fn search_failure(&self, search: &SearchRecord) -> Option<String> {
+    fn search_failure(&self, search: &RankingRecord) -> Option<String> {
         let near = NEAR * self.side;
         if search.best_error > near {
             return Some(format!(
@@ -234,7 +234,7 @@ fn named(values: &[f64], text: impl Fn(f64) -> String) -> String {
     all.collect::<Vec<_>>().join(", ")
 }
 
-fn search_in_words(search: &SearchRecord) -> String {
+fn search_in_words(search: &RankingRecord) -> String {
     format!(
         "{} hypotheses kept, the best {:.1} px; {}",
         search.hypotheses,
@@ -243,7 +243,7 @@ fn search_in_words(search: &SearchRecord) -> String {
     )
 }
 
-fn ranks_in_words(search: &SearchRecord) -> String {
+fn ranks_in_words(search: &RankingRecord) -> String {
     let rank = |rank: Option<usize>| rank.map_or_else(|| "nowhere".to_owned(), |r| r.to_string());
     let by_lines = format!(
         "by lines it ranks {} and the truth would rank {}",
@@ -307,8 +307,8 @@ mod tests {
         turned: 0.01,
     };
 
-    fn search(best_error: f64) -> SearchRecord {
-        SearchRecord {
+    fn search(best_error: f64) -> RankingRecord {
+        RankingRecord {
             hypotheses: 60,
             best_error,
             best_rank_by_lines: 7,

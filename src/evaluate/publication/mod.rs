@@ -48,7 +48,7 @@ impl ReportSubject<'_> {
         (0..self.contenders.len()).filter(move |c| self.contenders[*c].method() == method)
     }
 
-    /// Whose trials are shown as pictures: the first two-point contender, or else the first.
+    /// The contender whose trials are shown as pictures: the first two-point one, or else the first.
     fn shown(&self) -> Option<usize> {
         self.of_method(TWO_POINT).next().or_else(|| (!self.contenders.is_empty()).then_some(0))
     }

@@ -17,9 +17,9 @@ pub enum PairOrigin {
     Refined,
     /// One point was moved to the best match on its line.
     MovedToMatch,
-    /// They were read from a file.
+    /// Both points were read from a file.
     Imported,
-    /// They were pasted from a table.
+    /// Both points were pasted from a table.
     Pasted,
     /// True matches that come with the images.
     TrueMatch,
@@ -55,7 +55,7 @@ pub struct PairLabel {
 /// How far a geometry is to be trusted.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct TrustNote {
-    /// In a word or two: `reliable`, `doubtful`, `unreliable`, `not judged`, `unfinished`.
+    /// The verdict in a word or two: `reliable`, `doubtful`, `unreliable`, `not judged`, `unfinished`.
     pub verdict: String,
     /// Why, a sentence each.
     pub reasons: Vec<String>,

@@ -87,7 +87,7 @@ pub enum SequenceError {
     Ffmpeg {
         /// The file.
         path: String,
-        /// Its own words.
+        /// The program's own words.
         reason: String,
     },
 }

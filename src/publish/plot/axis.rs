@@ -6,13 +6,13 @@ use super::{FAINT, GRID, INK, TEXT, n};
 
 /// A range of values, linear or logarithmic.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Scale {
+pub struct AxisScale {
     low: f64,
     high: f64,
     logarithmic: bool,
 }
 
-impl Scale {
+impl AxisScale {
     /// A linear scale. An empty range becomes one of length 1.
     pub fn linear(low: f64, high: f64) -> Self {
         let high = if high > low { high } else { low + 1.0 };
@@ -102,17 +102,17 @@ pub(super) struct Area {
 
 impl Area {
     /// Where a value of the horizontal scale is.
-    pub(super) fn x(&self, scale: &Scale, value: f64) -> f64 {
+    pub(super) fn x(&self, scale: &AxisScale, value: f64) -> f64 {
         self.left + scale.place(value) * (self.right - self.left)
     }
 
     /// Where a value of the vertical scale is.
-    pub(super) fn y(&self, scale: &Scale, value: f64) -> f64 {
+    pub(super) fn y(&self, scale: &AxisScale, value: f64) -> f64 {
         self.bottom - scale.place(value) * (self.bottom - self.top)
     }
 
     /// Grid and ticks below.
-    pub(super) fn ticks(&self, scale: &Scale) -> Markup {
+    pub(super) fn ticks(&self, scale: &AxisScale) -> Markup {
         let at = |value: f64| n(self.x(scale, value));
         markup! {
             @for value in scale.labelled() {
@@ -127,7 +127,7 @@ impl Area {
     }
 
     /// Grid, ticks and labels below, and the name of the quantity with its unit.
-    pub(super) fn horizontal(&self, scale: &Scale, name: &str) -> Markup {
+    pub(super) fn horizontal(&self, scale: &AxisScale, name: &str) -> Markup {
         markup! {
             (self.ticks(scale))
             @for value in scale.labelled() {
@@ -140,7 +140,7 @@ impl Area {
     }
 
     /// Grid, ticks, labels and name at the left; `unit` follows every label.
-    pub(super) fn vertical(&self, scale: &Scale, name: &str, unit: &str) -> Markup {
+    pub(super) fn vertical(&self, scale: &AxisScale, name: &str, unit: &str) -> Markup {
         let at = |value: f64| self.y(scale, value);
         let middle = f64::midpoint(self.top, self.bottom);
         let beside = 14.0;
@@ -158,7 +158,7 @@ impl Area {
     }
 
     /// Dotted lines at values that matter, where they lie on the scale.
-    pub(super) fn limits(&self, scale: &Scale, values: &[f64]) -> Markup {
+    pub(super) fn limits(&self, scale: &AxisScale, values: &[f64]) -> Markup {
         markup! {
             @for value in values.iter().filter(|v| scale.contains(**v)) {
                 line x1=(n(self.x(scale, *value))) x2=(n(self.x(scale, *value))) y1=(n(self.top)) y2=(n(self.bottom))
@@ -177,22 +177,22 @@ mod tests {
 
     #[test]
     fn decades_hold_the_values_and_leave_out_what_is_no_length() {
-        let scale = Scale::decades([0.23, 45.0, f64::INFINITY, 0.0, f64::NAN].into_iter());
+        let scale = AxisScale::decades([0.23, 45.0, f64::INFINITY, 0.0, f64::NAN].into_iter());
         let labels: Vec<_> = scale.labelled().into_iter().map(label).collect();
         assert_eq!(labels, ["0.1", "1", "10", "100"]);
         assert!((scale.place(1.0) - 1.0 / 3.0).abs() < 1e-9);
         assert!(scale.place(0.0).abs() < 1e-12 && (scale.place(f64::INFINITY) - 1.0).abs() < 1e-12);
         assert_eq!(scale.minor().len(), 24);
-        assert_eq!(Scale::decades(std::iter::empty()).labelled().len(), 7, "0.1 0.2 0.5 1 2 5 10");
-        assert!(Scale::decades([1.0].into_iter()).contains(9.0), "never without length");
-        assert!(!Scale::decades([1e-9, 1e12].into_iter()).contains(1e-4));
+        assert_eq!(AxisScale::decades(std::iter::empty()).labelled().len(), 7, "0.1 0.2 0.5 1 2 5 10");
+        assert!(AxisScale::decades([1.0].into_iter()).contains(9.0), "never without length");
+        assert!(!AxisScale::decades([1e-9, 1e12].into_iter()).contains(1e-4));
     }
 
     #[test]
     fn linear_ticks_are_round_and_inside() {
-        let ticks = Scale::linear(-130.0, 400.0).labelled();
+        let ticks = AxisScale::linear(-130.0, 400.0).labelled();
         assert_eq!(ticks, [-100.0, 0.0, 100.0, 200.0, 300.0, 400.0]);
-        assert_eq!(Scale::linear(0.0, 255.0).labelled(), [0.0, 50.0, 100.0, 150.0, 200.0, 250.0]);
-        assert!(Scale::linear(3.0, 3.0).place(3.5) < 1.0);
+        assert_eq!(AxisScale::linear(0.0, 255.0).labelled(), [0.0, 50.0, 100.0, 150.0, 200.0, 250.0]);
+        assert!(AxisScale::linear(3.0, 3.0).place(3.5) < 1.0);
     }
 }

@@ -2,7 +2,7 @@
 
 use maud::html as markup;
 
-use super::axis::{Area, Scale};
+use super::axis::{Area, AxisScale};
 use super::legend::{ROW, Sign, column};
 use super::{Stroke, SvgDrawing, WIDTH, n, path, text_width};
 
@@ -20,11 +20,11 @@ pub struct Distribution {
 /// One curve a distribution: the share of its values, in per cent, that are not above the value on the axis.
 /// Dotted lines stand at the `limits`, in px.
 pub fn cumulative(all: &[Distribution], quantity: &str, share_of: &str, limits: &[f64]) -> SvgDrawing {
-    let scale = Scale::decades(all.iter().flat_map(|d| d.values.iter().copied()));
+    let scale = AxisScale::decades(all.iter().flat_map(|d| d.values.iter().copied()));
     let names = all.iter().map(|d| text_width(&d.name)).fold(0.0, f64::max);
     let height = f64::max(360.0, 60.0 + ROW * all.len() as f64);
     let area = Area { left: 66.0, right: WIDTH - 62.0 - names, top: 26.0, bottom: height - 52.0 };
-    let shares = Scale::linear(0.0, 100.0);
+    let shares = AxisScale::linear(0.0, 100.0);
     let legend: Vec<_> = all.iter().map(|d| (Sign::Line(d.stroke), d.name.clone())).collect();
     let content = markup! {
         (area.vertical(&shares, share_of, " %"))

@@ -2,7 +2,7 @@
 
 use maud::html as markup;
 
-use super::axis::{Area, Scale};
+use super::axis::{Area, AxisScale};
 use super::legend::{Sign, row};
 use super::{FAINT, Stroke, SvgDrawing, TEXT, WIDTH, n, path};
 
@@ -33,8 +33,8 @@ const PANEL: f64 = 150.0;
 pub fn curves(panels: &[Panel], across: &str, up: &str, range: [f64; 2]) -> SvgDrawing {
     let xs = || panels.iter().flat_map(|p| &p.curves).flat_map(|c| c.points.iter().map(|p| p.0));
     let (low, high) = xs().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
-    let scale = if low <= high { Scale::linear(low, high) } else { Scale::linear(0.0, 1.0) };
-    let values = Scale::linear(range[0], range[1]);
+    let scale = if low <= high { AxisScale::linear(low, high) } else { AxisScale::linear(0.0, 1.0) };
+    let values = AxisScale::linear(range[0], range[1]);
     let area = |k: usize| {
         let top = 50.0 + k as f64 * (PANEL + 30.0);
         Area { left: 66.0, right: WIDTH - 12.0, top, bottom: top + PANEL }

@@ -12,7 +12,7 @@ mod legend;
 mod picture;
 mod strips;
 
-pub use axis::Scale;
+pub use axis::AxisScale;
 pub use cumulative::{Distribution, cumulative};
 pub use curves::{Curve, Panel, curves};
 pub use legend::Sign;

@@ -2,7 +2,7 @@
 
 use maud::{Markup, html as markup};
 
-use super::axis::{Area, Scale};
+use super::axis::{Area, AxisScale};
 use super::legend::{ROW, Sign, column, diamond, upright};
 use super::{FAINT, GRID, Stroke, SvgDrawing, TEXT, WIDTH, n, text_width};
 
@@ -49,7 +49,7 @@ pub fn strips(
     limits: &[f64],
 ) -> SvgDrawing {
     let all = || groups.iter().flat_map(|g| g.strips.iter());
-    let scale = Scale::decades(all().flat_map(|s| s.values.iter().copied().chain(s.reference)));
+    let scale = AxisScale::decades(all().flat_map(|s| s.values.iter().copied().chain(s.reference)));
     let rows = groups.first().map_or(&[][..], |g| &g.strips);
     let mut legend: Vec<_> = rows.iter().map(|s| (dot_sign(s), s.name.clone())).collect();
     legend.push((Sign::Upright, middle.to_owned()));
@@ -86,7 +86,7 @@ fn dot_sign(strip: &Strip) -> Sign {
     if strip.stroke.dashed { Sign::Ring(strip.stroke.color) } else { Sign::Dot(strip.stroke.color) }
 }
 
-fn row(strip: &Strip, area: &Area, scale: &Scale, y: f64, height: f64) -> Markup {
+fn row(strip: &Strip, area: &Area, scale: &AxisScale, y: f64, height: f64) -> Markup {
     let x = |value: f64| area.x(scale, value);
     let failed = strip.values.iter().filter(|v| !v.is_finite()).count();
     let color = strip.stroke.color;

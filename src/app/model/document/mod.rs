@@ -47,7 +47,7 @@ pub struct Document {
     pub half: Option<HalfPair>,
     /// Parameters of the estimate.
     pub parameters: Parameters,
-    /// Of two sequences, frame `k` of the left one was taken together with frame `k` plus this of the right one.
+    /// Offset of two sequences: frame `k` of the left one was taken together with frame `k` plus this of the right one.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub offset: i32,
     /// How the images are rectified.

@@ -72,7 +72,7 @@ pub struct PictureIdentity {
     pub name: String,
     /// Where it came from, if from a file.
     pub path: Option<PathBuf>,
-    /// Its size.
+    /// Size of the picture.
     pub frame: Frame,
 }
 
@@ -100,7 +100,7 @@ pub enum TruthSource {
 /// A geometry that came from a file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Imported {
-    /// In the convention of this program.
+    /// The matrix in the convention of this program.
     pub fundamental: FundamentalMatrix,
     /// The name of the file, or of the two.
     pub file: String,
@@ -156,9 +156,9 @@ pub struct PointRef {
 pub enum Role {
     /// The geometry is estimated from it.
     Used,
-    /// It only shows how well the geometry fits.
+    /// The pair only shows how well the geometry fits.
     Check,
-    /// It was left out.
+    /// The pair was left out.
     Excluded,
 }
 

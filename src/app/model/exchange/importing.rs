@@ -56,7 +56,7 @@ pub struct ImportedMatrix {
 pub struct ImportFound {
     /// The name of the file.
     pub name: String,
-    /// Its format.
+    /// Format of the file.
     pub format: Format,
     /// Point pairs on the images.
     pub pairs: Vec<PointPair>,

@@ -6,9 +6,11 @@ mod order;
 mod profile;
 mod source;
 mod table;
+mod trust;
 
-pub use exporting::{ExportContent, content, result_note, trust_note};
+pub use exporting::{ExportContent, content};
 pub use importing::{ImportFound, ImportQuestion, ImportedMatrix, PendingImport};
 pub use order::{ExportKind, ExportOrder, FigureChoices, FigureFormat, ReportFormat, ViewPart};
 pub use profile::CONVENTION as PROFILE_CONVENTION;
 pub use source::{ImportSource, is_importable, sources};
+pub use trust::{result_note, trust_note};

@@ -116,7 +116,7 @@ impl FigureFormat {
 pub struct FigureChoices {
     /// How it is written.
     pub format: FigureFormat,
-    /// Its width, px; without one, as large as the images are.
+    /// Width of the figure, px; without one, as large as the images are.
     pub width: Option<u32>,
     /// Whether points and lines have their names.
     pub labels: bool,
@@ -135,10 +135,10 @@ impl Default for FigureChoices {
 /// How the report is written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum ReportFormat {
-    /// For people.
+    /// Sentences for people.
     #[default]
     Text,
-    /// For scripts.
+    /// JSON for scripts.
     Json,
 }
 

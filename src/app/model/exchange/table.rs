@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use super::exporting::trust_note;
+use super::trust::trust_note;
 use crate::app::model::Model;
 use crate::app::model::document::Role;
 

@@ -23,7 +23,7 @@ impl PointColumn {
     pub const ALL: [Self; 6] =
         [Self::Number, Self::Name, Self::Left, Self::Right, Self::Role, Self::Distance];
 
-    /// Its heading.
+    /// Heading of the column.
     pub fn title(self) -> &'static str {
         match self {
             Self::Number => "Pair",
@@ -69,9 +69,9 @@ pub struct PointOrder {
 /// How a row is chosen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Choosing {
-    /// It alone.
+    /// The row alone.
     Only,
-    /// It as well, or not any more.
+    /// The row as well, or not any more.
     Toggle,
     /// All from the row chosen before to it.
     Through,
@@ -84,9 +84,9 @@ pub enum ChosenEdit {
     Delete,
     /// The geometry is estimated from them.
     Use,
-    /// They only check it.
+    /// The pairs only check it.
     CheckOnly,
-    /// They are left out.
+    /// The pairs are left out.
     Exclude,
 }
 

@@ -21,11 +21,11 @@ const DRAFT: Limits = Limits { pixels: 200_000 };
 /// The matches on which a rectification is measured.
 #[derive(Debug, Clone, PartialEq)]
 pub enum MatchesAtHand {
-    /// Those that are known.
+    /// Matches that are known.
     True(Shared<GroundTruth>),
-    /// Those that the refinement found.
+    /// Matches that the refinement found.
     Found(Vec<PointPair>),
-    /// Those that were clicked.
+    /// Pairs that were clicked.
     Clicked(Vec<PointPair>),
 }
 

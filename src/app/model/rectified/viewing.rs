@@ -77,7 +77,7 @@ pub enum Guides {
 }
 
 impl Guides {
-    /// Those that are offered.
+    /// Layouts that are offered.
     pub const ALL: [Self; 6] =
         [Self::Automatic, Self::Every(10), Self::Every(25), Self::Every(50), Self::Every(100), Self::Hidden];
 
@@ -157,7 +157,7 @@ pub struct RectifiedView {
 pub struct Viewing {
     /// The same part of both pictures; `None` shows them whole.
     pub view: Option<RectifiedView>,
-    /// Whose turn it is.
+    /// The picture whose turn it is.
     pub blink: Blink,
     /// How far to the right the right picture is shown, px of the pictures as they are written.
     pub shift: f64,

@@ -2,26 +2,12 @@
 
 use std::f64::consts::PI;
 
-use super::gauge::{Figure, Gauge, HypothesisScales};
+use super::gauge::{Figure, Gauge, HypothesisScales, line_score_text, rival};
+use super::tone::Tone;
 use crate::app::model::computation::Freshness;
 use crate::app::model::document::{Document, Imported};
 use crate::estimate::{Estimate, LineScore, Reason, Scale};
 use crate::geometry::{Frame, FundamentalMatrix, HomogeneousPoint, finite_point};
-
-/// How the news is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Tone {
-    /// There is nothing yet.
-    Idle,
-    /// Work is under way.
-    Busy,
-    /// A result to rely on.
-    Good,
-    /// A result with something to know about it.
-    Caution,
-    /// No result.
-    Bad,
-}
 
 /// A figure with its name.
 #[derive(Debug, Clone, PartialEq)]
@@ -177,20 +163,6 @@ const MARGIN: &str = "How much less support the best clearly different geometry 
                       result is a guess. Where it is not clear, the rivals are refined, too, and \
                       the margin after that decides. The tab Hypotheses marks the rival.";
 
-/// The hypothesis whose figure beside that of the first one makes the margin, by its place in the list.
-pub(super) fn rival(estimate: &Estimate) -> Option<usize> {
-    let margin = estimate.assessment.margin?;
-    let (best, others) = estimate.hypotheses().split_first()?;
-    let is_it = |other: &Estimate| {
-        let by_support = best.support_score().zip(other.support_score());
-        let by_support = by_support.map(|(best, other)| (best - other) / best.max(1e-9));
-        let by_lines = best.line_score().zip(other.line_score());
-        let by_lines = by_lines.map(|(best, other)| (other - best) / other.max(1e-9));
-        by_support.or(by_lines).is_some_and(|own| (own - margin).abs() < 1e-9)
-    };
-    others.iter().position(is_it).map(|place| place + 1)
-}
-
 /// The figures of a hypothesis that is shown in place of the result, which it was found with.
 pub fn hypothesis_facts(document: &Document, hypothesis: &Estimate, of: Option<&Estimate>) -> Vec<Fact> {
     let scales = of.map(|of| HypothesisScales::new(of, document.parameters.validation.line_score));
@@ -254,14 +226,6 @@ fn line_figures(
         .on(gauge(Figure::RoundTrip))
     });
     score.into_iter().chain(round_trip)
-}
-
-/// A line score in its unit, which depends on what is measured.
-pub fn line_score_text(kind: LineScore, score: f64) -> String {
-    match kind {
-        LineScore::AgainstMismatched => format!("{:.1} %", score * 100.0),
-        LineScore::Cost => format!("{score:.1}"),
-    }
 }
 
 /// Where an epipole is, in words and figures.

@@ -1,7 +1,7 @@
 //! Where a figure lies between bad and good, for a bar beside it. What is good and bad is the estimator's to say; where
 //! no rule judges a figure, it lies between the best and the worst of the hypotheses, without a colour.
 
-use super::facts::{Tone, line_score_text, rival};
+use super::tone::Tone;
 use crate::estimate::{self, Construction, Estimate, LineScore, Scale};
 use crate::geometry::{FundamentalMatrix, PointPair, sampson_distance};
 
@@ -118,10 +118,32 @@ fn ratio(construction: &Construction) -> Option<f64> {
     Some(construction.kappa_line2_from_line1() / construction.kappa_line1_from_line2()?)
 }
 
+/// A line score in its unit, which depends on what is measured.
+pub fn line_score_text(kind: LineScore, score: f64) -> String {
+    match kind {
+        LineScore::AgainstMismatched => format!("{:.1} %", score * 100.0),
+        LineScore::Cost => format!("{score:.1}"),
+    }
+}
+
+/// The hypothesis whose figure beside that of the first one makes the margin, by its place in the list.
+pub fn rival(estimate: &Estimate) -> Option<usize> {
+    let margin = estimate.assessment.margin?;
+    let (best, others) = estimate.hypotheses().split_first()?;
+    let is_it = |other: &Estimate| {
+        let by_support = best.support_score().zip(other.support_score());
+        let by_support = by_support.map(|(best, other)| (best - other) / best.max(1e-9));
+        let by_lines = best.line_score().zip(other.line_score());
+        let by_lines = by_lines.map(|(best, other)| (other - best) / other.max(1e-9));
+        by_support.or(by_lines).is_some_and(|own| (own - margin).abs() < 1e-9)
+    };
+    others.iter().position(is_it).map(|place| place + 1)
+}
+
 /// What is good and bad of the hypotheses of one search.
 #[derive(Debug, Clone)]
 pub struct HypothesisScales {
-    /// Of each figure the worst and the best that a hypothesis has.
+    /// The worst and the best of each figure that a hypothesis has.
     ends: [Option<[f64; 2]>; 4],
     support: Option<Scale>,
     line_score: Option<Scale>,
@@ -129,7 +151,7 @@ pub struct HypothesisScales {
 }
 
 impl HypothesisScales {
-    /// Those of a result; `kind` is what line scores measure.
+    /// Scales of the hypotheses of a result; `kind` is what line scores measure.
     pub fn new(result: &Estimate, kind: LineScore) -> Self {
         let ends = Figure::ALL.map(|figure| {
             let order = |a: &f64, b: &f64| figure.badness(*a).total_cmp(&figure.badness(*b));

@@ -5,6 +5,7 @@ mod gauge;
 mod standing;
 #[cfg(test)]
 mod tests;
+mod tone;
 
 use crate::app::model::computation::{Computation, EstimateFailure, Freshness};
 use crate::app::model::document::{Document, Imported, Role, pair_name};
@@ -12,9 +13,10 @@ use crate::estimate::{self, CLICK_DEVIATIONS, Reason};
 use crate::geometry::{FundamentalMatrix, sampson_distance, symmetric_epipolar_distance};
 
 use facts::facts;
-pub use facts::{Fact, Tone, epipole_text, epipoles, hypothesis_facts, import_facts, line_score_text};
-pub use gauge::{Figure, Gauge, HypothesisScales};
+pub use facts::{Fact, epipole_text, epipoles, hypothesis_facts, import_facts};
+pub use gauge::{Figure, Gauge, HypothesisScales, line_score_text};
 pub use standing::Standing;
+pub use tone::Tone;
 
 /// What to say about the state of the estimate.
 #[derive(Debug, Clone, PartialEq)]

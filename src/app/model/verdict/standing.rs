@@ -1,6 +1,6 @@
 //! What a hypothesis has to do with the margin: whether it is the rival, or so near to the result that it is none.
 
-use super::facts::{line_score_text, rival};
+use super::gauge::{line_score_text, rival};
 use crate::estimate::{Estimate, LineScore};
 use crate::evaluate::median;
 use crate::geometry::symmetric_epipolar_distance;

@@ -15,7 +15,7 @@ pub struct Action {
     pub name: &'static str,
     /// One sentence about it.
     pub tooltip: &'static str,
-    /// Its keys, the first one being the one that is shown.
+    /// Keys of the action, the first one being the one that is shown.
     pub keys: Vec<KeyboardShortcut>,
     /// Whether its keys work while a text field or a dialog has the keyboard.
     pub works_while_typing: bool,
@@ -32,19 +32,19 @@ impl Action {
         self
     }
 
-    /// Its keys work while a text is typed, too.
+    /// The same with keys that work while a text is typed, too.
     pub fn while_typing(mut self) -> Self {
         self.works_while_typing = true;
         self
     }
 
-    /// It is in the list of all commands.
+    /// The same in the list of all commands.
     pub fn listed(mut self, title: fn(&Model) -> &'static str) -> Self {
         self.listed = Some(title);
         self
     }
 
-    /// It makes sense in some states alone.
+    /// The same where it makes sense in some states alone.
     pub fn when(mut self, makes_sense: fn(&Model) -> bool) -> Self {
         self.makes_sense = makes_sense;
         self

@@ -16,7 +16,7 @@ const COMMAND: Modifiers = Modifiers::COMMAND;
 const SHIFT: Modifiers = Modifiers::SHIFT;
 const COMMAND_SHIFT: Modifiers = Modifiers::COMMAND.plus(Modifiers::SHIFT);
 
-/// Those with keys, in the order of the list of keys. Where one key is another one's with Shift, the one with Shift comes
+/// Actions with keys, in the order of the list of keys. Where one key is another one's with Shift, the one with Shift comes
 /// first, or it would never be seen.
 #[expect(clippy::too_many_lines, reason = "it is a table")]
 pub fn with_keys() -> Vec<Action> {

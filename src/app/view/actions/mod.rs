@@ -67,7 +67,7 @@ fn kind(command: &Command) -> Kind {
 }
 
 impl Command {
-    /// Its entry in the table: its own, or that of its kind. What only the mouse does has none.
+    /// Entry of the command in the table: its own, or that of its kind. What only the mouse does has none.
     pub(super) fn action(&self) -> Option<&'static Action> {
         let own = ACTIONS.iter().find(|action| action.command == *self);
         own.or_else(|| ACTIONS.iter().find(|action| kind(&action.command) == kind(self)))
@@ -83,7 +83,7 @@ impl Command {
         self.action().map_or("", |action| action.tooltip)
     }
 
-    /// Its keys, the first one being the one that is shown.
+    /// Keys of the command, the first one being the one that is shown.
     pub(super) fn keys(&self) -> &'static [KeyboardShortcut] {
         // Keys do just what the table says.
         let own = self.action().filter(|action| action.command == *self);

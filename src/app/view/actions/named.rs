@@ -12,7 +12,7 @@ use crate::app::model::tones::TonesCommand;
 use crate::estimate::{Method, Preset};
 use crate::rectify::RectifyMethod;
 
-/// Those that are in the list of all commands, without keys.
+/// Actions that are in the list of all commands, without keys.
 #[expect(clippy::too_many_lines, reason = "it is a table")]
 pub fn by_name() -> Vec<Action> {
     let methods = "The published search finds the geometry from two pairs, or from three, which is faster and steadier.";

@@ -9,13 +9,13 @@ pub enum Piece<'a> {
     Line([Pos2; 2], Stroke),
     /// A circle with its inside.
     Circle {
-        /// Its middle.
+        /// Middle of the circle.
         centre: Pos2,
-        /// Its radius.
+        /// Radius of the circle.
         radius: f32,
         /// The colour inside.
         fill: Color32,
-        /// Its rim.
+        /// Rim of the circle.
         stroke: Stroke,
     },
     /// A rectangle with rounded corners.
@@ -26,7 +26,7 @@ pub enum Piece<'a> {
         rounding: f32,
         /// The colour inside.
         fill: Color32,
-        /// Its rim.
+        /// Rim of the rectangle.
         stroke: Stroke,
     },
     /// A polygon, or a line with corners.

@@ -44,7 +44,7 @@ pub struct Placed {
 pub struct Sheet {
     /// Both pictures.
     pub pictures: Pictures,
-    /// Of sequences, the frames that are shown in place of them.
+    /// Frames of sequences that are shown in place of the pictures.
     pub frames: Option<[DynamicImage; 2]>,
     /// Where they are.
     pub places: [Placed; 2],

@@ -36,7 +36,7 @@ pub struct PathField<'a> {
     pub name: &'a str,
     /// What stands in it while it is empty.
     pub hint: &'a str,
-    /// Its width, screen points.
+    /// Width of the field, screen points.
     pub width: f32,
     /// What the button says to those who cannot see where it is.
     pub browse: &'a str,

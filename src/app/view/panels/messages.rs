@@ -7,7 +7,7 @@ use crate::app::model::command::Command;
 use crate::app::model::messages::MessageKind;
 use crate::app::view::theme;
 
-/// From the top of a button to its text, screen points.
+/// Distance from the top of a button to its text, screen points.
 const BESIDE_BUTTONS: f32 = 4.0;
 
 /// Shows the messages over the top of the images, so that nothing moves under the cursor.

@@ -90,7 +90,7 @@ pub fn show(ctx: &egui::Context, open: &mut bool) {
         });
 }
 
-/// From these widths on the groups stand beside each other, screen points.
+/// Widths from which on the groups stand beside each other, screen points.
 const TWO_COLUMNS: f32 = 700.0;
 const THREE_COLUMNS: f32 = 1160.0;
 

@@ -14,11 +14,11 @@ use crate::app::view::theme;
 
 /// A column.
 pub struct Column {
-    /// Its heading.
+    /// Heading of the column.
     pub title: &'static str,
     /// One sentence about its figures.
     pub tooltip: &'static str,
-    /// Its share of the width, in points of a table as wide as all its columns.
+    /// Share of the width, in points of a table as wide as all its columns.
     pub width: f32,
     /// Whether it holds words rather than figures: they begin at the left, and where they are long and no figures
     /// follow they go on over the columns behind.
@@ -49,9 +49,9 @@ pub struct Sort {
 /// How a row looks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct RowLook {
-    /// It was chosen.
+    /// Whether it was chosen.
     pub chosen: bool,
-    /// It, or what belongs to it, is under the cursor.
+    /// Whether it, or what belongs to it, is under the cursor.
     pub lit: bool,
 }
 
@@ -70,7 +70,7 @@ pub struct Touched {
 pub struct Table<'a> {
     /// What it is called, for its memory and for screen readers.
     pub name: &'static str,
-    /// Its columns from left to right.
+    /// Columns from left to right.
     pub columns: &'a [Column],
     /// How many rows there are.
     pub rows: usize,
@@ -104,7 +104,7 @@ struct Ordered {
 const ROW: f32 = 22.0;
 /// Width of the bar of a figure, screen points.
 const BAR: f32 = 24.0;
-/// From the edge of a column to its words, screen points.
+/// Distance from the edge of a column to its words, screen points.
 const INSET: f32 = 6.0;
 
 impl Table<'_> {

@@ -17,13 +17,13 @@ use crate::geometry::{Frame, HomogeneousPoint, Vector};
 
 /// Radius of the disc, screen points: smaller in a small pane, never too small to read.
 const RADIUS: std::ops::RangeInclusive<f32> = 26.0..=40.0;
-/// Its share of the pane's shorter side.
+/// Share of the pane's shorter side that is the radius.
 const SHARE: f32 = 0.12;
-/// From the corner of the pane, screen points.
+/// Distance from the corner of the pane, screen points.
 const MARGIN: f32 = 6.0;
 /// Hypotheses drawn, by rank.
 const DRAWN: usize = 60;
-/// From this part of the radius on a place is drawn on the other side, too: geometries that hardly differ may have their
+/// Part of the radius from which on a place is drawn on the other side, too: geometries that hardly differ may have their
 /// epipoles far away on either.
 const FAR: f64 = 0.9;
 /// How visible the map is where it would be in the way.

@@ -6,9 +6,9 @@ use super::Transform;
 use crate::app::view::theme;
 use crate::geometry::Point;
 
-/// Its width and height, screen points.
+/// Width and height of the loupe, screen points.
 const SIDE: f32 = 132.0;
-/// From the cursor to its nearest corner, screen points.
+/// Distance from the cursor to its nearest corner, screen points.
 const GAP: f32 = 26.0;
 /// How many times larger than in the pane, at least and at most: with more one would not know where one is.
 const TIMES: std::ops::RangeInclusive<f64> = 4.0..=12.0;

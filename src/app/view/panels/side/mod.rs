@@ -46,7 +46,7 @@ pub fn folded(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     });
 }
 
-/// Whose parameters the estimate starts from; of the published search, how many pairs its method takes.
+/// The preset that the estimate starts from; of the published search, how many pairs its method takes.
 fn choices(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let parameters = &model.document.parameters;
     ui.horizontal(|ui| {

@@ -40,7 +40,7 @@ pub struct Overlay {
     pub id: OverlayId,
     /// One sentence about it.
     pub tooltip: &'static str,
-    /// Its colour in the legend.
+    /// Colour in the legend.
     pub color: Color32,
     /// Whether it helps to place a point, so that the loupe shows it too.
     pub magnified: bool,
@@ -137,7 +137,7 @@ pub struct Canvas<'a> {
     pub transform: &'a Transform,
     /// Which image it is.
     pub side: Side,
-    /// Its size.
+    /// Size of the image.
     pub frame: Frame,
     /// The state to be shown.
     pub model: &'a Model,

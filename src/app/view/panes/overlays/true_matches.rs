@@ -26,7 +26,7 @@ const SIZES: [f32; 2] = [3.4, 2.2];
 /// More than this are many.
 const FEW: usize = 80;
 
-/// Those that are drawn, with their places in the list.
+/// True matches that are drawn, with their places in the list.
 pub fn drawn(model: &Model) -> impl Iterator<Item = (usize, &PointPair)> {
     let matches: &[PointPair] = model.truth().map_or(&[], |truth| &truth.matches);
     matches.iter().enumerate().step_by(matches.len().div_ceil(DRAWN).max(1))

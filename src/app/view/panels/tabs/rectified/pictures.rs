@@ -28,7 +28,7 @@ struct SheetPlace {
 }
 
 impl Sheet {
-    /// Whose picture it is; `None` when it is of both.
+    /// The side whose picture it is; `None` when it is of both.
     pub(super) fn side(self) -> Option<Side> {
         match self {
             // The places of the disparities are those of the left picture.
@@ -45,7 +45,7 @@ impl Sheet {
         }
     }
 
-    /// Its name for those who cannot see it, and for tests.
+    /// Name for those who cannot see it, and for tests.
     fn name(self, layout: RectifiedLayout) -> &'static str {
         match self {
             Self::Left => "rectified left picture",

@@ -20,14 +20,14 @@ const MARK: f32 = 4.0;
 pub struct SheetRow {
     /// Place in the pictures, px of them.
     at: Point,
-    /// Whose picture the place belongs to; `None` for both.
+    /// The side whose picture the place belongs to; `None` for both.
     side: Option<Side>,
     /// Where it is in words.
     text: String,
 }
 
 impl SheetRow {
-    /// Of a place in a rectified picture.
+    /// The row of a place in a rectified picture.
     pub fn under_cursor(model: &Model, drawn: &DrawnPair, side: Option<Side>, at: Point) -> Self {
         let mut text = format!("Row {:.0}", row_number(drawn, at.y));
         for own in Side::BOTH.into_iter().filter(|own| side.is_none_or(|side| side == *own)) {
@@ -40,7 +40,7 @@ impl SheetRow {
         Self { at, side, text }
     }
 
-    /// Of a place in an original image; `None` where the pictures do not go.
+    /// The row of a place in an original image; `None` where the pictures do not go.
     pub fn of_original(drawn: &DrawnPair, side: Side, point: Point) -> Option<Self> {
         let at = drawn.shown.maps[side.index()].rectified_from_original(point)?;
         Some(Self { at, side: Some(side), text: format!("Row {:.0}", row_number(drawn, at.y)) })
