@@ -124,7 +124,7 @@ impl OffPlane {
     fn of(groups: &[MotionGroup], sigma: f64) -> Self {
         let agrees = |group: &&MotionGroup| group.off_line <= OFF_LINE * sigma;
         let motions = motions(groups, ALIKE * sigma);
-        let agreeing_motions = motions.iter().filter(|groups| groups.iter().any(|group| agrees(group)));
+        let agreeing_motions = motions.iter().filter(|groups| groups.iter().any(&agrees));
         Self {
             groups: groups.len(),
             agreeing: groups.iter().filter(agrees).count(),
