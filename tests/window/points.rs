@@ -246,8 +246,8 @@ fn a_name_has_room_and_the_row_is_in_sight() {
 #[test]
 fn of_a_long_table_the_rows_in_sight_are_drawn_and_the_others_keep_their_place() {
     let mut window = sample();
-    let table: String = (0..60).map(|k| format!("n{k}\t{0}\t{0}\t{0}\t{0}\n", 20 + 4 * k)).collect();
-    paste(&mut window, &format!("name\tx1\ty1\tx2\ty2\n{table}"));
+    let rows: Vec<String> = (0..60).map(|k| format!("n{k}\t{0}\t{0}\t{0}\t{0}\n", 20 + 4 * k)).collect();
+    paste(&mut window, &format!("name\tx1\ty1\tx2\ty2\n{}", rows.concat()));
     let row = |window: &Window, pair: &str| {
         window.query_by_label(&format!("Row of pair {pair}")).map(|row| row.rect())
     };
