@@ -68,7 +68,7 @@ pub enum RectifyWarning {
     Outside {
         /// How many.
         matches: usize,
-        /// Of how many.
+        /// How many there are in all.
         all: usize,
     },
     /// The planar method bends an image.

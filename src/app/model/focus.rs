@@ -68,7 +68,7 @@ pub enum LineSource {
 pub struct Pin {
     /// Where it comes from.
     pub source: LineSource,
-    /// Its number in both images and in the plots, from 0; its colour goes with it.
+    /// Number in both images and in the plots, from 0; its colour goes with it.
     pub number: usize,
 }
 

@@ -8,11 +8,11 @@ use crate::geometry::symmetric_epipolar_distance;
 /// How a hypothesis stands to the result.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Standing {
-    /// It ranks before the rival, and is not clearly different from the result.
+    /// Before the rival, and not clearly different from the result.
     Near,
-    /// It makes the margin.
+    /// The one that makes the margin.
     Rival,
-    /// It ranks behind the rival.
+    /// Behind the rival.
     Behind,
 }
 
