@@ -47,16 +47,15 @@ impl Clicks {
         Self(pairs.iter().enumerate().map(|(k, pair)| Click { pair: *pair, role: role(k) }).collect())
     }
 
-    /// Numbers of the clicks that a search of `needed` pairs cannot do without, from 0: those that pencils pass through,
-    /// then observed ones.
-    pub fn indispensable(&self, needed: usize) -> Vec<usize> {
-        let with =
-            |role: ClickRole| self.0.iter().zip(0..).filter(move |(c, _)| c.role == role).map(|(_, k)| k);
-        let anchors: Vec<usize> = with(ClickRole::Anchor).collect();
-        let more = needed.saturating_sub(anchors.len());
-        let mut all: Vec<usize> = anchors.into_iter().chain(with(ClickRole::Observed).take(more)).collect();
-        all.sort_unstable();
-        all
+    /// Numbers of the clicks that a search cannot do without, from 0: those that pencils pass through, and the observed ones
+    /// of the published search, which takes no more than it needs.
+    pub fn indispensable(&self, search: Search) -> Vec<usize> {
+        let is_needed = |click: &Click| match click.role {
+            ClickRole::Anchor => true,
+            ClickRole::Observed => search == Search::Lines,
+            ClickRole::Check | ClickRole::Chosen => false,
+        };
+        self.0.iter().zip(0..).filter(|(click, _)| is_needed(click)).map(|(_, k)| k).collect()
     }
 
     /// The clicks in their order.
@@ -167,7 +166,9 @@ mod tests {
         let merged = [good[0], PointPair { point2: good[0].point2, ..good[1] }, good[2]];
         assert_eq!(anchors(&merged, Search::Patches), [merged[0], merged[2]]);
         let clicks = Clicks::for_search(&near, Method::TwoPoint, Search::Patches);
-        assert_eq!((clicks.indispensable(2), clicks.indispensable(3)), (vec![0, 3], vec![0, 1, 3]));
+        assert_eq!(clicks.indispensable(Search::Patches), [0, 3]);
+        let published = Clicks::for_search(&near, Method::ThreePoint, Search::Lines);
+        assert_eq!(published.indispensable(Search::Lines), [0, 1, 2]);
         assert_eq!(clicks.observed(), near, "each takes part");
     }
 }

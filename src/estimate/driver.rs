@@ -64,7 +64,7 @@ fn run(
     let taking = if compared_by_barcodes.is_some() { Search::Patches } else { parameters.search };
     let clicks = Clicks::for_search(pairs, parameters.method, taking);
     parameters.check()?;
-    check_points(prepared.frames(), &clicks, parameters.pairs_needed())?;
+    check_points(prepared.frames(), &clicks, taking, parameters.pairs_needed())?;
     check_images(prepared)?;
     let source = prepared.similarity_source(RelativeView::UPRIGHT, parameters);
     let patches = prepared.upright_patches();

@@ -1,6 +1,6 @@
 //! Inputs from which no geometry follows, told before any work is done, and results that deserve a warning.
 
-use crate::estimate::{Clicks, EstimateError, PreparedPair, Warning};
+use crate::estimate::{Clicks, EstimateError, PreparedPair, Search, Warning};
 use crate::geometry::{Frame, FundamentalMatrix, PointPair, apart_across_lines};
 use crate::image::GrayPlane;
 
@@ -24,6 +24,7 @@ const CLOSE: f64 = 0.08;
 pub(in crate::estimate) fn check_points(
     frames: [Frame; 2],
     clicks: &Clicks,
+    search: Search,
     needed: usize,
 ) -> Result<(), EstimateError> {
     if clicks.len() < needed {
@@ -54,7 +55,7 @@ pub(in crate::estimate) fn check_points(
             }
         }
     }
-    let held = clicks.indispensable(needed);
+    let held = clicks.indispensable(search);
     for (rank, k) in held.iter().enumerate() {
         for j in &held[..rank] {
             let (a, b) = (pairs[*j], pairs[*k]);
@@ -125,14 +126,14 @@ pub(in crate::estimate) fn click_warnings(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::estimate::Method;
     use crate::estimate::exact::rows;
-    use crate::estimate::{Method, Search};
     use nalgebra::Matrix3;
 
     fn check(pairs: &[[f64; 4]]) -> Result<(), EstimateError> {
         let pairs: Vec<_> = pairs.iter().map(|[a, b, c, d]| PointPair::new(*a, *b, *c, *d)).collect();
         let clicks = Clicks::for_search(&pairs, Method::TwoPoint, Search::Patches);
-        check_points([Frame::new(100, 80); 2], &clicks, 2)
+        check_points([Frame::new(100, 80); 2], &clicks, Search::Patches, 2)
     }
 
     #[test]
