@@ -18,7 +18,7 @@ use epiline::app::model::ids::TabId;
 use epiline::app::model::look::Look;
 use epiline::app::{Inspector, Opening, Services, Start, install_theme};
 use epiline::synthetic::Sample;
-use support::{Files, P_LEFT, Window, at, button, click, pane, press, screen, settle};
+use support::{Files, P_LEFT, Window, at, button, click, pane, press, screen, settle, wheel};
 
 /// Frames of a drag, at 60 a second.
 const FRAMES: u32 = 180;
@@ -131,13 +131,7 @@ fn while_moving_large_images() {
     times.borrow_mut().clear();
     for (what, by) in [("in", 12.0), ("out", -12.0)] {
         for _ in 0..FRAMES {
-            window.event(egui::Event::MouseWheel {
-                unit: egui::MouseWheelUnit::Point,
-                delta: vec2(0.0, by),
-                phase: egui::TouchPhase::Move,
-                source: egui::MouseWheelSource::Wheel,
-                modifiers: Modifiers::NONE,
-            });
+            window.event(wheel(by));
             window.step();
         }
         println!("zooming {what}: {}", summary(times.take()));

@@ -301,20 +301,7 @@ fn a_double_click_fits_and_leaves_no_point() {
 fn scrolling_zooms_about_the_cursor_and_dragging_moves_the_image() {
     let mut window = sample();
     let position = at(&window, Side::Left, 0.1, 0.1);
-    let scroll = |window: &mut Window| {
-        window.hover_at(position);
-        window.event(egui::Event::MouseWheel {
-            unit: egui::MouseWheelUnit::Point,
-            delta: vec2(0.0, 200.0),
-            phase: egui::TouchPhase::Move,
-            source: egui::MouseWheelSource::Wheel,
-            modifiers: Modifiers::NONE,
-        });
-        for _ in 0..10 {
-            window.step();
-        }
-        settle(window);
-    };
+    let scroll = |window: &mut Window| scroll_by(window, position, 200.0);
     // A point placed at the cursor before and after the zoom is the same point of the image.
     click(&mut window, position);
     let before = window.state().document().half.unwrap().point;

@@ -321,21 +321,26 @@ pub fn save_as(window: &mut Window, path: &Path) {
     settle(window);
 }
 
-/// Turns the wheel, which zooms in.
-pub fn scroll(window: &mut Window, at: Pos2) {
-    scroll_by(window, at, 150.0);
-}
-
-/// Turns the wheel by so many screen points, towards the top where positive.
-pub fn scroll_by(window: &mut Window, at: Pos2, by: f32) {
-    window.hover_at(at);
-    window.event(egui::Event::MouseWheel {
+/// A turn of the wheel by so many screen points, towards the top where positive.
+pub fn wheel(by: f32) -> egui::Event {
+    egui::Event::MouseWheel {
         unit: egui::MouseWheelUnit::Point,
         delta: vec2(0.0, by),
         phase: egui::TouchPhase::Move,
         source: egui::MouseWheelSource::Wheel,
         modifiers: Modifiers::NONE,
-    });
+    }
+}
+
+/// Turns the wheel, which zooms in.
+pub fn scroll(window: &mut Window, at: Pos2) {
+    scroll_by(window, at, 150.0);
+}
+
+/// Turns the wheel and waits until what it moves is at rest.
+pub fn scroll_by(window: &mut Window, at: Pos2, by: f32) {
+    window.hover_at(at);
+    window.event(wheel(by));
     for _ in 0..10 {
         window.step();
     }
