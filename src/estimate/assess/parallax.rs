@@ -56,6 +56,9 @@ pub(super) const CORNER_SIGMA: f64 = 0.7;
 const OFF_PLANE: f64 = 6.0;
 const ALIKE: f64 = 4.0;
 const OFF_LINE: f64 = 3.0;
+/// Motions that differ by less than this share of their length are one: against a homography that the moving things
+/// themselves have tilted, what is shifted as a whole seems to move a little differently from end to end.
+const ALIKE_SHARE: f64 = 0.1;
 /// Least deviation of an aligned match, px.
 const ALIGNED: f64 = 0.15;
 /// Median absolute value of a normal distribution, in standard deviations.
@@ -209,8 +212,10 @@ fn moving_alike(off: &[(PointPair, Vector)], alike: f64, together: f64) -> Vec<V
 fn motions(groups: &[MotionGroup], alike: f64) -> Vec<Vec<&MotionGroup>> {
     let mut motions: Vec<Vec<&MotionGroup>> = Vec::new();
     for group in groups {
-        let is_alike =
-            |motion: &&mut Vec<&MotionGroup>| (motion[0].parallax - group.parallax).norm() <= alike;
+        let is_alike = |motion: &&mut Vec<&MotionGroup>| {
+            let first = motion[0].parallax;
+            (first - group.parallax).norm() <= alike.max(ALIKE_SHARE * first.norm())
+        };
         match motions.iter_mut().find(is_alike) {
             Some(motion) => motion.push(group),
             None => motions.push(vec![group]),
