@@ -14,7 +14,11 @@ use crate::similarity::SimilarityParameters;
 const UNANCHORED_REACH: f64 = 0.25;
 
 /// Candidate pairs among all lines, two for the epipoles and a third for the map, counted by the candidates that agree.
-pub(super) fn by_lines_alone(input: &Input, record: &mut SearchRecord) -> Result<Judged, EstimateError> {
+pub(super) fn by_lines_alone(
+    input: &Input,
+    ranked_by: Search,
+    record: &mut SearchRecord,
+) -> Result<Judged, EstimateError> {
     let Input { prepared, parameters, cancel, .. } = *input;
     record.enter(Stage::Pencils)?;
     let reach = parameters.similarity.disparity_reach.max(UNANCHORED_REACH);
@@ -40,7 +44,7 @@ pub(super) fn by_lines_alone(input: &Input, record: &mut SearchRecord) -> Result
     let fundamental = *geometries.first().ok_or(EstimateError::NothingWithoutClicks)?;
     input.report(record, fundamental, &hypotheses, None);
 
-    if parameters.search == Search::Patches
+    if ranked_by == Search::Patches
         && let Some(found) = by_their_patches(input, &geometries, record)?
     {
         return Ok(found);

@@ -41,7 +41,7 @@ pub use lines::{Candidate, ComparedPencils, Construction, LineFigures, RoundTrip
 pub use monitor::{Monitor, Progress};
 pub use parameters::{
     LineScore, LinesAloneParameters, Method, PARAMETERS, ParameterEntry, ParameterValue, Parameters,
-    PatchParameters, PencilParameters, Preset, RefinementParameters, Search, ValidationParameters,
+    PatchParameters, PencilParameters, Plan, Preset, RefinementParameters, Search, ValidationParameters,
     parameters_as_markdown,
 };
 pub use patches::{EpipoleEllipse, PatchSupport, RefinedMatch, Refinement, Uncertainty};

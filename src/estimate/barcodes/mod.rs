@@ -15,7 +15,7 @@ use super::record::SearchRecord;
 use super::result::{BarcodeFigures, REPORTED};
 use super::search::{Input, Judged, by_lines};
 use super::trust::{BarcodeEvidence, Evidence, Together};
-use super::{Assessment, Estimate, EstimateError, Parameters, Preset, Stage, Trust};
+use super::{Assessment, Estimate, EstimateError, Parameters, Preset, Search, Stage, Trust};
 use crate::geometry::{FundamentalMatrix, PointPair, epipolar_difference, line_spacing, sampson_distance};
 use crate::motion::Silhouettes;
 
@@ -33,12 +33,12 @@ const SAME: f64 = 0.02;
 
 /// Parameters as barcodes take them: a barcode is the same whichever way its line is read, cameras may stand anywhere
 /// around the scene, and there are no patches.
-pub(super) fn adapted(parameters: &Parameters) -> Parameters {
+fn adapted(parameters: &Parameters) -> Parameters {
     let mut adapted = parameters.clone();
     adapted.pencils.rotation = std::f64::consts::PI;
     adapted.pencils.coarse_side = adapted.pencils.coarse_side.max(SIDE);
     adapted.lines_alone.side = adapted.lines_alone.side.max(SIDE);
-    adapted.search = super::Search::Lines;
+    adapted.search = Search::Lines;
     adapted.refinement.refine = false;
     adapted
 }
@@ -54,11 +54,10 @@ fn as_published(parameters: &Parameters) -> Parameters {
 }
 
 /// Proposals from the pencils of the clicks, where there are two, and from all lines; the best one refined and judged.
-pub(super) fn by_barcodes(
-    input: &Input,
-    silhouettes: [&Silhouettes; 2],
-    record: &mut SearchRecord,
-) -> Result<Judged, EstimateError> {
+pub(super) fn by_barcodes(input: &Input, record: &mut SearchRecord) -> Result<Judged, EstimateError> {
+    let silhouettes = input.prepared.silhouettes().ok_or(EstimateError::NoSequences)?;
+    let adapted = adapted(input.parameters);
+    let input = &Input { parameters: &adapted, ..*input };
     let Input { clicks, parameters, cancel, patches, .. } = *input;
     let mut proposed: Vec<FundamentalMatrix> = Vec::new();
     let mut hypotheses: Vec<Estimate> = Vec::new();

@@ -2,6 +2,7 @@
 //! range and a sentence about each stand in the [table](PARAMETERS).
 
 mod entry;
+mod plan;
 mod table;
 
 use serde::{Deserialize, Deserializer, Serialize};
@@ -9,6 +10,7 @@ use serde::{Deserialize, Deserializer, Serialize};
 use crate::similarity::{LineMeasure, SimilarityParameters, StereoParameters};
 
 pub use entry::{ParameterEntry, ParameterValue};
+pub use plan::Plan;
 pub use table::{PARAMETERS, parameters_as_markdown};
 
 /// The choices of an estimate.
@@ -235,12 +237,7 @@ impl Parameters {
 
     /// Point pairs without which there is no estimate.
     pub fn pairs_needed(&self) -> usize {
-        match self.search {
-            _ if self.similarity.measure == LineMeasure::Barcodes => 0,
-            Search::Lines => self.method.pairs_needed(),
-            Search::Patches if self.method == Method::ThreePoint => Method::ThreePoint.pairs_needed(),
-            Search::Patches => 0,
-        }
+        Plan::of(self, 0).least_clicks()
     }
 }
 
