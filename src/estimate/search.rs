@@ -87,7 +87,7 @@ pub(super) fn by_lines(input: &Input, record: &mut SearchRecord) -> Result<Found
     record.enter(Stage::Validation)?;
     let ranked = published::rank(&similarity, drafts, anchors, REPORTED, parameters, cancel)?;
     let proposed =
-        |(f, lines): &(FundamentalMatrix, LineFigures)| Estimate::proposed(*f, lines.clone(), None);
+        |(f, lines): &(FundamentalMatrix, LineFigures)| Estimate::proposed(*f, Some(lines.clone()), None);
     let hypotheses: Vec<Estimate> = ranked.hypotheses.iter().map(proposed).collect();
     input.report(record, ranked.hypotheses[0].0, &hypotheses, None);
 
@@ -126,7 +126,7 @@ pub(super) fn by_patches(input: &Input, record: &mut SearchRecord) -> Result<Fou
     record.enter(Stage::Validation)?;
     let fine = levels.fine(pyramids);
     let ranked = patches::rank(coarse, fine, &proposals, &clicks.observed(), parameters, cancel)?;
-    let (hypotheses, leader) = input.hypotheses(anchors, &ranked)?;
+    let (hypotheses, leader) = input.hypotheses(Some(&anchors), &ranked)?;
     input.report(record, *hypotheses[0].fundamental(), &hypotheses, Some(leader.support));
 
     record.enter(Stage::Refinement)?;
@@ -158,18 +158,18 @@ pub(super) fn compared(
 }
 
 impl Input<'_> {
-    /// The ranked proposals that differ, with what their lines say, and the first of all.
+    /// The ranked proposals that differ, with what their lines say where there are two anchors, and the first of all.
     pub fn hypotheses<'p>(
         &self,
-        anchors: [PointPair; 2],
+        anchors: Option<&[PointPair; 2]>,
         ranked: &'p [Proposal],
     ) -> Result<(Vec<Estimate>, &'p Proposal), EstimateError> {
         let Input { prepared, source, patches: levels, parameters, cancel, .. } = *self;
         let fine = levels.fine(prepared.pyramids());
         let different = patches::different(&fine.support, ranked, REPORTED);
         cancel.check()?;
-        let examiner = LineExaminer::new(source, anchors, parameters, cancel);
-        let hypotheses = patches::hypotheses(&examiner, &different, fine);
+        let examiner = anchors.map(|anchors| LineExaminer::new(source, *anchors, parameters, cancel));
+        let hypotheses = patches::hypotheses(examiner.as_ref(), &different, fine);
         let hypotheses: Vec<Estimate> = hypotheses.into_iter().map(Estimate::from).collect();
         cancel.check()?;
         let leader = ranked.first().filter(|_| !hypotheses.is_empty());

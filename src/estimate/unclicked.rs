@@ -39,31 +39,29 @@ pub(super) fn without_clicks(input: &Input, record: &mut SearchRecord) -> Result
     let view = views.first().copied().unwrap_or(RelativeView::UPRIGHT);
     let putative = putative_matches(prepared, view);
     let mut all: Vec<Judged> = Vec::new();
-    if let Some(chosen) = hypotheses
+    let of_leader = hypotheses
         .first()
-        .and_then(|leader| chosen(prepared, &leader.fundamental, &leader.matches, &putative))
-    {
-        let clicks = clicks.with_chosen(chosen);
-        for view in views {
-            let source = prepared.similarity_source(view, parameters);
-            let patches = prepared.patches_with_features(view);
-            let seen = Input { source: &*source, patches: &patches, clicks: &clicks, ..*input };
-            if all.is_empty() {
-                // To look at; the geometry does without them.
-                match compared(&seen, record) {
-                    Ok(_) | Err(EstimateError::NoCandidates { .. }) => {}
-                    Err(error) => return Err(error),
-                }
+        .and_then(|leader| chosen(prepared, &leader.fundamental, &leader.matches, &putative));
+    let held = of_leader.map_or_else(|| clicks.clone(), |chosen| clicks.with_chosen(chosen));
+    for view in views {
+        let source = prepared.similarity_source(view, parameters);
+        let patches = prepared.patches_with_features(view);
+        let seen = Input { source: &*source, patches: &patches, clicks: &held, ..*input };
+        if all.is_empty() && of_leader.is_some() {
+            // To look at; the geometry does without them.
+            match compared(&seen, record) {
+                Ok(_) | Err(EstimateError::NoCandidates { .. }) => {}
+                Err(error) => return Err(error),
             }
-            let rivals = all.first().map_or(&[][..], |first: &Judged| &first.hypotheses);
-            record.enter(Stage::Validation)?;
-            let Some(found) = by_features(&seen, &proposed, rivals)? else { continue };
-            let found = seen.judged(record, found);
-            if !found.is_open() {
-                return Ok(found);
-            }
-            all.push(found);
         }
+        let rivals = all.first().map_or(&[][..], |first: &Judged| &first.hypotheses);
+        record.enter(Stage::Validation)?;
+        let Some(found) = by_features(&seen, &proposed, rivals)? else { continue };
+        let found = seen.judged(record, found);
+        if !found.is_open() {
+            return Ok(found);
+        }
+        all.push(found);
     }
     let source = prepared.similarity_source(view, parameters);
     let patches = prepared.patches_with_features(view);

@@ -129,7 +129,7 @@ fn of_clicks_alone(
 const ROBUST_CLICKS: f64 = 3.0;
 
 /// What covariant features propose, ranked by patches and features under a view, and refined; `None` when none of it
-/// passes through the clicks.
+/// passes through the clicks, of which there may be any number.
 pub(super) fn by_features(
     input: &Input,
     proposed: &[FundamentalMatrix],
@@ -137,17 +137,17 @@ pub(super) fn by_features(
 ) -> Result<Option<Found>, EstimateError> {
     let Input { prepared, patches: levels, clicks, parameters, cancel, .. } = *input;
     let anchors = clicks.anchors();
-    let Some(anchors) = anchors.first_chunk::<2>() else { return Ok(None) };
+    let anchors = anchors.first_chunk::<2>();
     let fine = levels.fine(prepared.pyramids());
     let turn = levels.view().rotation;
     let starts: Vec<Proposal> =
-        proposed.iter().filter_map(|f| Proposal::of(f, *anchors, turn, fine)).collect();
+        proposed.iter().filter_map(|f| Proposal::of(f, anchors, turn, fine)).collect();
     // What was found upright competes under the same support.
-    let rivals = rivals.iter().filter_map(|h| Proposal::of(h.fundamental(), *anchors, h.turn(), fine));
+    let rivals = rivals.iter().filter_map(|h| Proposal::of(h.fundamental(), anchors, h.turn(), fine));
     let ranked = patches::rank_fine(fine, starts, rivals.collect(), &clicks.observed(), parameters, cancel)?;
     if ranked.is_empty() {
         return Ok(None);
     }
-    let (hypotheses, _) = input.hypotheses(*anchors, &ranked)?;
+    let (hypotheses, _) = input.hypotheses(anchors, &ranked)?;
     input.refine_ranked(&ranked, hypotheses).map(Some)
 }
