@@ -7,8 +7,8 @@ use nalgebra::{Matrix3, Vector3};
 use super::model::computation::EstimateRequest;
 use super::model::shared::Shared;
 use crate::estimate::{
-    Assessment, Clicks, Construction, Estimate, EstimateError, LineFigures, Monitor, Parameters, Plan,
-    Progress, Refinement, SearchCounts, SearchTrace, Stage,
+    Assessment, Clicks, Construction, Estimate, EstimateError, LineFigures, Monitor, Parameters, Progress,
+    Refinement, SearchCounts, SearchPlan, SearchTrace, Stage,
 };
 use crate::geometry::{FundamentalMatrix, PointPair};
 use crate::image::{Picture, RelativeView};
@@ -41,7 +41,7 @@ pub fn result(pairs: &[PointPair], parameters: &Parameters) -> Option<Estimate> 
     let refinement = Some(Refinement { matches: Vec::new(), uncertainty: None });
     let assessment = Assessment { lines, margin: Some(0.4), refinement, ..Assessment::default() };
     let trace = SearchTrace {
-        clicks: Clicks::for_plan(pairs, Plan::of(parameters, pairs.len())),
+        clicks: Clicks::for_plan(pairs, SearchPlan::of(parameters, pairs.len())),
         view: RelativeView::UPRIGHT,
         features: false,
         method: parameters.method,

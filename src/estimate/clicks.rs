@@ -1,6 +1,6 @@
 //! The clicked point pairs and what each of them is for.
 
-use super::Plan;
+use super::SearchPlan;
 use crate::geometry::PointPair;
 
 /// What a clicked pair is for.
@@ -33,7 +33,7 @@ impl Clicks {
     /// The roles that a search gives to pairs. One that takes no more than it needs passes its pencils through the first two
     /// and only measures those beyond; one in which each takes part passes them through two that are far enough from each
     /// other.
-    pub fn for_plan(pairs: &[PointPair], plan: Plan) -> Self {
+    pub fn for_plan(pairs: &[PointPair], plan: SearchPlan) -> Self {
         let most = plan.most_clicks();
         let anchors = if most.is_none() { apart(pairs) } else { [0, 1] };
         let role = |k: usize| match most {
@@ -46,7 +46,7 @@ impl Clicks {
 
     /// Numbers of the clicks that a search cannot do without, from 0: those that pencils pass through, and the observed ones
     /// of a search that takes no more than it needs.
-    pub fn indispensable(&self, plan: Plan) -> Vec<usize> {
+    pub fn indispensable(&self, plan: SearchPlan) -> Vec<usize> {
         let is_needed = |click: &Click| match click.role {
             ClickRole::Anchor => true,
             ClickRole::Observed => plan.most_clicks().is_some(),
@@ -138,21 +138,22 @@ mod tests {
     #[test]
     fn the_published_search_takes_what_its_method_needs_and_the_one_with_patches_takes_all() {
         let pairs: Vec<PointPair> = (0..4).map(|k| PointPair::new(f64::from(k), 0.0, 0.0, 0.0)).collect();
-        let two = Clicks::for_plan(&pairs, Plan::Published { clicks: 2 });
+        let two = Clicks::for_plan(&pairs, SearchPlan::Published { clicks: 2 });
         assert_eq!((two.len(), two.anchors(), two.observed()), (4, pairs[..2].to_vec(), pairs[..2].to_vec()));
         assert_eq!(two.third(), None);
-        let three = Clicks::for_plan(&pairs, Plan::Published { clicks: 3 });
+        let three = Clicks::for_plan(&pairs, SearchPlan::Published { clicks: 3 });
         assert_eq!((three.anchors(), three.observed()), (pairs[..2].to_vec(), pairs[..3].to_vec()));
         assert_eq!(three.third(), Some(pairs[2]));
-        let all = Clicks::for_plan(&pairs, Plan::Patches { clicks: 2 });
+        let all = Clicks::for_plan(&pairs, SearchPlan::Patches { clicks: 2 });
         assert_eq!((all.anchors(), all.observed()), (pairs[..2].to_vec(), pairs.clone()));
-        assert!(Clicks::for_plan(&[], Plan::Published { clicks: 2 }).is_empty());
+        assert!(Clicks::for_plan(&[], SearchPlan::Published { clicks: 2 }).is_empty());
     }
 
     #[test]
     fn pencils_pass_through_clicks_that_are_far_from_each_other() {
         let at = |x: f64, y: f64| PointPair::new(x, y, x + 9.0, y);
-        let (published, by_patches) = (Plan::Published { clicks: 2 }, Plan::Patches { clicks: 2 });
+        let (published, by_patches) =
+            (SearchPlan::Published { clicks: 2 }, SearchPlan::Patches { clicks: 2 });
         let anchors = |pairs: &[PointPair], plan| Clicks::for_plan(pairs, plan).anchors();
         let good = [at(10.0, 10.0), at(100.0, 10.0), at(300.0, 200.0)];
         assert_eq!(anchors(&good, by_patches), good[..2], "far enough, if not farthest");
@@ -164,7 +165,7 @@ mod tests {
         assert_eq!(anchors(&merged, by_patches), [merged[0], merged[2]]);
         let clicks = Clicks::for_plan(&near, by_patches);
         assert_eq!(clicks.indispensable(by_patches), [0, 3]);
-        let three = Plan::Published { clicks: 3 };
+        let three = SearchPlan::Published { clicks: 3 };
         assert_eq!(Clicks::for_plan(&near, three).indispensable(three), [0, 1, 2]);
         assert_eq!(clicks.observed(), near, "each takes part");
     }

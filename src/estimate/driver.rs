@@ -10,10 +10,10 @@ use super::assess::{check_images, check_points};
 use super::barcodes::by_barcodes;
 use super::lines_alone::by_lines_alone;
 use super::record::SearchRecord;
-use super::search::{Input, by_lines};
+use super::search::{SearchInput, by_lines};
 use super::unclicked::without_clicks;
 use super::wider::wider;
-use super::{Clicks, Estimate, EstimateError, Monitor, Parameters, Plan, PreparedPair};
+use super::{Clicks, Estimate, EstimateError, Monitor, Parameters, PreparedPair, SearchPlan};
 use crate::geometry::PointPair;
 use crate::image::{GrayPlane, RelativeView};
 
@@ -51,24 +51,25 @@ fn run(
     begun: Instant,
 ) -> Result<Estimate, EstimateError> {
     parameters.check()?;
-    let plan = Plan::of(parameters, pairs.len());
+    let plan = SearchPlan::of(parameters, pairs.len());
     let clicks = Clicks::for_plan(pairs, plan);
     check_points(prepared.frames(), &clicks, plan)?;
     check_images(prepared)?;
     let source = prepared.similarity_source(RelativeView::UPRIGHT, parameters);
     let patches = prepared.upright_patches();
     let cancel = monitor.cancel();
-    let input = Input { prepared, source: &*source, patches: &patches, clicks: &clicks, parameters, cancel };
+    let input =
+        SearchInput { prepared, source: &*source, patches: &patches, clicks: &clicks, parameters, cancel };
     let mut record = SearchRecord::new(begun, monitor);
     let best = match plan {
-        Plan::Published { .. } => {
+        SearchPlan::Published { .. } => {
             let found = by_lines(&input, &mut record)?;
             input.judged(&record, found)
         }
-        Plan::Patches { .. } => wider(&input, &mut record)?,
-        Plan::Unclicked => without_clicks(&input, &mut record)?,
-        Plan::LinesAlone { ranked_by } => by_lines_alone(&input, ranked_by, &mut record)?,
-        Plan::Barcodes => by_barcodes(&input, &mut record)?,
+        SearchPlan::Patches { .. } => wider(&input, &mut record)?,
+        SearchPlan::Unclicked => without_clicks(&input, &mut record)?,
+        SearchPlan::LinesAlone { ranked_by } => by_lines_alone(&input, ranked_by, &mut record)?,
+        SearchPlan::Barcodes => by_barcodes(&input, &mut record)?,
     };
     record.finish()?;
     let trace = record.trace(&best.clicks, &best.patches, best.hypotheses, parameters);

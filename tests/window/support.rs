@@ -12,7 +12,7 @@ use epiline::app::model::document::{PointRef, Side};
 use epiline::app::{Inspector, Opening, Services, Start, install_theme};
 use epiline::estimate::{
     Assessment, Candidate, Clicks, ComparedPencils, Construction, Estimate, EstimateError, LineFigures,
-    Parameters, PatchSupport, Plan, Reason, Refinement, SearchCounts, SearchTrace, Suspect,
+    Parameters, PatchSupport, Reason, Refinement, SearchCounts, SearchPlan, SearchTrace, Suspect,
 };
 use epiline::geometry::{FundamentalMatrix, Point, PointPair};
 use epiline::image::RelativeView;
@@ -42,7 +42,7 @@ pub fn fake_estimate(pairs: &[PointPair], parameters: &Parameters) -> Result<Est
         ..Assessment::default()
     };
     let trace = SearchTrace {
-        clicks: Clicks::for_plan(pairs, Plan::of(parameters, pairs.len())),
+        clicks: Clicks::for_plan(pairs, SearchPlan::of(parameters, pairs.len())),
         view: RelativeView::UPRIGHT,
         features: false,
         method: parameters.method,

@@ -1,6 +1,6 @@
 //! Inputs from which no geometry follows, told before any work is done, and results that deserve a warning.
 
-use crate::estimate::{Clicks, EstimateError, Plan, PreparedPair, Warning};
+use crate::estimate::{Clicks, EstimateError, PreparedPair, SearchPlan, Warning};
 use crate::geometry::{Frame, FundamentalMatrix, PointPair, apart_across_lines};
 use crate::image::GrayPlane;
 
@@ -24,7 +24,7 @@ const CLOSE: f64 = 0.08;
 pub(in crate::estimate) fn check_points(
     frames: [Frame; 2],
     clicks: &Clicks,
-    plan: Plan,
+    plan: SearchPlan,
 ) -> Result<(), EstimateError> {
     let needed = plan.least_clicks();
     if clicks.len() < needed {
@@ -131,7 +131,7 @@ mod tests {
 
     fn check(pairs: &[[f64; 4]]) -> Result<(), EstimateError> {
         let pairs: Vec<_> = pairs.iter().map(|[a, b, c, d]| PointPair::new(*a, *b, *c, *d)).collect();
-        let plan = Plan::Patches { clicks: 2 };
+        let plan = SearchPlan::Patches { clicks: 2 };
         check_points([Frame::new(100, 80); 2], &Clicks::for_plan(&pairs, plan), plan)
     }
 
@@ -171,7 +171,7 @@ mod tests {
     fn warned(f: &FundamentalMatrix, frames: [Frame; 2], p: [f64; 4], q: [f64; 4]) -> Vec<Warning> {
         let pair = |c: [f64; 4]| PointPair::new(c[0], c[1], c[2], c[3]);
         let clicks = [pair(p), pair(q), pair([1.0, 1.0, 1.0, 1.0])];
-        click_warnings(f, frames, &Clicks::for_plan(&clicks, Plan::Published { clicks: 3 }))
+        click_warnings(f, frames, &Clicks::for_plan(&clicks, SearchPlan::Published { clicks: 3 }))
     }
 
     #[test]

@@ -10,7 +10,7 @@ use serde::{Deserialize, Deserializer, Serialize};
 use crate::similarity::{LineMeasure, SimilarityParameters, StereoParameters};
 
 pub use entry::{ParameterEntry, ParameterValue};
-pub use plan::Plan;
+pub use plan::SearchPlan;
 pub use table::{PARAMETERS, parameters_as_markdown};
 
 /// The choices of an estimate.
@@ -214,14 +214,14 @@ pub struct Parameters {
 fn search_or_flag<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Search, D::Error> {
     #[derive(Deserialize)]
     #[serde(untagged, expecting = "expected lines or patches")]
-    enum Written {
+    enum SearchOrFlag {
         Name(Search),
         Flag(bool),
     }
-    Ok(match Written::deserialize(deserializer)? {
-        Written::Name(search) => search,
-        Written::Flag(true) => Search::Patches,
-        Written::Flag(false) => Search::Lines,
+    Ok(match SearchOrFlag::deserialize(deserializer)? {
+        SearchOrFlag::Name(search) => search,
+        SearchOrFlag::Flag(true) => Search::Patches,
+        SearchOrFlag::Flag(false) => Search::Lines,
     })
 }
 
@@ -237,7 +237,7 @@ impl Parameters {
 
     /// Point pairs without which there is no estimate.
     pub fn pairs_needed(&self) -> usize {
-        Plan::of(self, 0).least_clicks()
+        SearchPlan::of(self, 0).least_clicks()
     }
 }
 

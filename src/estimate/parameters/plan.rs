@@ -6,7 +6,7 @@ use crate::similarity::LineMeasure;
 
 /// A search with what it takes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Plan {
+pub enum SearchPlan {
     /// Lines through two clicks propose, and lines over both images rank, as published; a third click may give κ.
     Published {
         /// Pairs that it takes.
@@ -28,7 +28,7 @@ pub enum Plan {
     Barcodes,
 }
 
-impl Plan {
+impl SearchPlan {
     /// What the parameters come to for so many pairs.
     pub fn of(parameters: &Parameters, pairs: usize) -> Self {
         let Parameters { method, search, .. } = *parameters;
@@ -73,23 +73,26 @@ mod tests {
         let plan = |preset, method, measure, pairs| {
             let mut parameters = Parameters { method, ..Parameters::from(preset) };
             parameters.similarity.measure = measure;
-            Plan::of(&parameters, pairs)
+            SearchPlan::of(&parameters, pairs)
         };
         let of_pictures = |preset, method, pairs| plan(preset, method, LineMeasure::Stereo, pairs);
         for pairs in 0..4 {
             for (method, clicks) in [(Method::TwoPoint, 2), (Method::ThreePoint, 3)] {
-                assert_eq!(of_pictures(Preset::Paper, method, pairs), Plan::Published { clicks });
+                assert_eq!(of_pictures(Preset::Paper, method, pairs), SearchPlan::Published { clicks });
             }
             let unclicked = of_pictures(Preset::Robust, Method::TwoPoint, pairs);
-            assert_eq!(unclicked, if pairs < 2 { Plan::Unclicked } else { Plan::Patches { clicks: 2 } });
+            assert_eq!(
+                unclicked,
+                if pairs < 2 { SearchPlan::Unclicked } else { SearchPlan::Patches { clicks: 2 } }
+            );
             // Three that were asked for are never none.
             let three = of_pictures(Preset::Robust, Method::ThreePoint, pairs);
-            assert_eq!(three, Plan::Patches { clicks: 3 });
+            assert_eq!(three, SearchPlan::Patches { clicks: 3 });
             for (preset, ranked_by) in [(Preset::Paper, Search::Lines), (Preset::Robust, Search::Patches)] {
                 let alone = of_pictures(preset, Method::LinesAlone, pairs);
-                assert_eq!(alone, Plan::LinesAlone { ranked_by });
+                assert_eq!(alone, SearchPlan::LinesAlone { ranked_by });
                 for method in Method::ALL {
-                    assert_eq!(plan(preset, method, LineMeasure::Barcodes, pairs), Plan::Barcodes);
+                    assert_eq!(plan(preset, method, LineMeasure::Barcodes, pairs), SearchPlan::Barcodes);
                 }
             }
         }
@@ -97,11 +100,15 @@ mod tests {
 
     #[test]
     fn only_the_published_searches_leave_clicks_aside() {
-        let taken = |plan: Plan| (plan.least_clicks(), plan.most_clicks());
-        assert_eq!(taken(Plan::Published { clicks: 3 }), (3, Some(3)));
-        assert_eq!(taken(Plan::Patches { clicks: 2 }), (2, None));
-        assert_eq!(taken(Plan::LinesAlone { ranked_by: Search::Lines }), (0, Some(0)));
-        for plan in [Plan::Unclicked, Plan::Barcodes, Plan::LinesAlone { ranked_by: Search::Patches }] {
+        let taken = |plan: SearchPlan| (plan.least_clicks(), plan.most_clicks());
+        assert_eq!(taken(SearchPlan::Published { clicks: 3 }), (3, Some(3)));
+        assert_eq!(taken(SearchPlan::Patches { clicks: 2 }), (2, None));
+        assert_eq!(taken(SearchPlan::LinesAlone { ranked_by: Search::Lines }), (0, Some(0)));
+        for plan in [
+            SearchPlan::Unclicked,
+            SearchPlan::Barcodes,
+            SearchPlan::LinesAlone { ranked_by: Search::Patches },
+        ] {
             assert_eq!(taken(plan), (0, None));
         }
     }

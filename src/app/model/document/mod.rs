@@ -12,7 +12,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use serde::{Deserialize, Serialize};
 
-use crate::estimate::{Method, Parameters, Plan};
+use crate::estimate::{Method, Parameters, SearchPlan};
 use crate::geometry::{Frame, Point, PointPair};
 use crate::io::PairOrigin;
 use crate::rectify::RectifyMethod;
@@ -244,7 +244,7 @@ impl Document {
 
     /// Pairs that the search takes at most; `None` where each takes part.
     fn most_pairs(&self) -> Option<usize> {
-        Plan::of(&self.parameters, self.pairs.len()).most_clicks()
+        SearchPlan::of(&self.parameters, self.pairs.len()).most_clicks()
     }
 
     /// Numbers of the pairs the geometry is estimated from: all that are neither left out nor set to check only. The
