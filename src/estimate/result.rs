@@ -86,7 +86,7 @@ pub struct BarcodeFigures {
 }
 
 /// How a geometry was found.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct SearchTrace {
     /// The clicks it was searched from.
     pub clicks: Clicks,

@@ -12,10 +12,9 @@ use epiline::app::model::document::{PointRef, Side};
 use epiline::app::{Inspector, Opening, Services, Start, install_theme};
 use epiline::estimate::{
     Assessment, Candidate, Clicks, ComparedPencils, Construction, Estimate, EstimateError, LineFigures,
-    Parameters, PatchSupport, Reason, Refinement, SearchCounts, SearchPlan, SearchTrace, Suspect,
+    Parameters, PatchSupport, Reason, Refinement, SearchPlan, SearchTrace, Suspect,
 };
 use epiline::geometry::{FundamentalMatrix, Point, PointPair};
-use epiline::image::RelativeView;
 use epiline::similarity::CostMatrix;
 use epiline::suggest::SuggestError;
 use nalgebra::{Matrix3, Vector3};
@@ -43,17 +42,12 @@ pub fn fake_estimate(pairs: &[PointPair], parameters: &Parameters) -> Result<Est
     };
     let trace = SearchTrace {
         clicks: Clicks::for_plan(pairs, SearchPlan::of(parameters, pairs.len())),
-        view: RelativeView::UPRIGHT,
-        features: false,
         method: parameters.method,
         preset: parameters.preset,
         seed: parameters.seed,
-        pencils: Vec::new(),
-        hypotheses: Vec::new(),
-        counts: SearchCounts::default(),
-        timings: Vec::new(),
         first_seconds: 0.01,
         seconds: 0.02,
+        ..SearchTrace::default()
     };
     Ok(Estimate { geometry: fundamental.into(), assessment, trace: Some(Arc::new(trace)) })
 }
