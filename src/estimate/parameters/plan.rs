@@ -35,10 +35,10 @@ impl SearchPlan {
         let clicks = method.pairs_needed();
         match (parameters.similarity.measure, method, search) {
             (LineMeasure::Barcodes, ..) => Self::Barcodes,
-            (LineMeasure::Stereo, Method::LinesAlone, ranked_by) => Self::LinesAlone { ranked_by },
-            (LineMeasure::Stereo, _, Search::Lines) => Self::Published { clicks },
-            (LineMeasure::Stereo, Method::TwoPoint, Search::Patches) if pairs < clicks => Self::Unclicked,
-            (LineMeasure::Stereo, _, Search::Patches) => Self::Patches { clicks },
+            (_, Method::LinesAlone, ranked_by) => Self::LinesAlone { ranked_by },
+            (_, _, Search::Lines) => Self::Published { clicks },
+            (_, Method::TwoPoint, Search::Patches) if pairs < clicks => Self::Unclicked,
+            (_, _, Search::Patches) => Self::Patches { clicks },
         }
     }
 

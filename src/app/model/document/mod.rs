@@ -243,7 +243,7 @@ impl Document {
     }
 
     /// Pairs that the search takes at most; `None` where each takes part.
-    fn most_pairs(&self) -> Option<usize> {
+    pub fn most_pairs(&self) -> Option<usize> {
         SearchPlan::of(&self.parameters, self.pairs.len()).most_clicks()
     }
 
