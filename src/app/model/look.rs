@@ -25,7 +25,7 @@ pub enum Tool {
 #[expect(clippy::struct_excessive_bools, reason = "each is a switch of its own")]
 pub struct Look {
     /// Which overlays are shown, in the order of their list.
-    #[serde(with = "by_name")]
+    #[serde(serialize_with = "overlays_by_name", deserialize_with = "overlays_from_names")]
     pub overlays: [bool; OverlayId::COUNT],
     /// Whether zooming and moving one image does the same to the other.
     pub linked: bool,
@@ -34,7 +34,7 @@ pub struct Look {
     /// Whether a loupe follows the cursor while a point is placed.
     pub loupe: bool,
     /// The tab of the bottom panel.
-    #[serde(with = "by_title")]
+    #[serde(serialize_with = "tab_by_title", deserialize_with = "tab_from_title")]
     pub tab: TabId,
     /// Whether the bottom panel is folded away.
     pub tabs_folded: bool,
@@ -92,50 +92,39 @@ fn shown_at_first() -> [bool; OverlayId::COUNT] {
     shown
 }
 
-/// Overlays as they are saved: by name, so that another list of them finds its own.
-mod by_name {
-    use super::{
-        BTreeMap, Deserialize, Deserializer, OverlayId, Serialize, Serializer, Visibility, shown_at_first,
-    };
-
-    pub(super) fn serialize<S: Serializer>(
-        overlays: &[bool; OverlayId::COUNT],
-        serializer: S,
-    ) -> Result<S::Ok, S::Error> {
-        let named: BTreeMap<&str, bool> =
-            OverlayId::all().map(OverlayId::name).zip(overlays.iter().copied()).collect();
-        named.serialize(serializer)
-    }
-
-    pub(super) fn deserialize<'de, D: Deserializer<'de>>(
-        deserializer: D,
-    ) -> Result<[bool; OverlayId::COUNT], D::Error> {
-        let named = BTreeMap::<String, bool>::deserialize(deserializer)?;
-        let mut overlays = shown_at_first();
-        for (overlay, shown) in OverlayId::all().zip(&mut overlays) {
-            if let Some(saved) =
-                named.get(overlay.name()).filter(|_| overlay.visibility() != Visibility::Always)
-            {
-                *shown = *saved;
-            }
-        }
-        Ok(overlays)
-    }
+/// Overlays are saved by name, so that another list of them finds its own.
+fn overlays_by_name<S: Serializer>(
+    overlays: &[bool; OverlayId::COUNT],
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
+    let named: BTreeMap<&str, bool> =
+        OverlayId::all().map(OverlayId::name).zip(overlays.iter().copied()).collect();
+    named.serialize(serializer)
 }
 
-/// The tab as it is saved: by title, and the first one in place of one that is no more.
-mod by_title {
-    use super::{Deserialize, Deserializer, Serializer, TabId};
-
-    #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde calls it so")]
-    pub(super) fn serialize<S: Serializer>(tab: &TabId, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.serialize_str(tab.title())
+fn overlays_from_names<'de, D: Deserializer<'de>>(
+    deserializer: D,
+) -> Result<[bool; OverlayId::COUNT], D::Error> {
+    let named = BTreeMap::<String, bool>::deserialize(deserializer)?;
+    let mut overlays = shown_at_first();
+    for (overlay, shown) in OverlayId::all().zip(&mut overlays) {
+        let saved = named.get(overlay.name());
+        if let Some(saved) = saved.filter(|_| overlay.visibility() != Visibility::Always) {
+            *shown = *saved;
+        }
     }
+    Ok(overlays)
+}
 
-    pub(super) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<TabId, D::Error> {
-        let title = String::deserialize(deserializer)?;
-        Ok(TabId::ALL.into_iter().find(|tab| tab.title() == title).unwrap_or_default())
-    }
+/// The tab is saved by its title; in place of one that is no more comes the first.
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde calls it so")]
+fn tab_by_title<S: Serializer>(tab: &TabId, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_str(tab.title())
+}
+
+fn tab_from_title<'de, D: Deserializer<'de>>(deserializer: D) -> Result<TabId, D::Error> {
+    let title = String::deserialize(deserializer)?;
+    Ok(TabId::ALL.into_iter().find(|tab| tab.title() == title).unwrap_or_default())
 }
 
 #[cfg(test)]
