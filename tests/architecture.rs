@@ -6,7 +6,8 @@
 //! be drawn like that has no circle.
 //!
 //! File by file, whatever the document draws: what a folder's own file passes on belongs to the file that defines it, and
-//! at most one pair of files may import each other. And what is documented is named by the first word of its sentence.
+//! at most one pair of files may import each other. What is documented is named by the first word of its sentence. And the
+//! recipes of the document name few files, which are there.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 use std::path::{Path, PathBuf};
@@ -103,6 +104,75 @@ fn complaints_name_the_place() {
         Source::new(PathBuf::from("src/e/b.rs"), "use super::Own;"),
     ];
     assert_eq!(picture.complaints(&picture.arrows_of(&sources)), [""; 0]);
+}
+
+/// Files that a recipe touches at most.
+const MOST_FILES: usize = 5;
+
+#[test]
+fn recipes_name_few_files_and_all_that_they_name_is_there() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let document = std::fs::read_to_string(root.join(DOCUMENT)).expect("the document is beside Cargo.toml");
+    let code: Vec<String> = files_below(&root.join("src"))
+        .iter()
+        .map(|file| std::fs::read_to_string(file).expect("the code can be read"))
+        .collect();
+    let words: HashSet<&str> =
+        code.iter().flat_map(|text| text.split(|c: char| !c.is_alphanumeric() && c != '_')).collect();
+    let is_there = |path: &str| root.join("src").join(path).exists() || root.join(path).exists();
+    let recipes = recipes(&document);
+    for asked in ["A line similarity", "Another source", "A kernel", "Another search", "A file format"] {
+        assert!(recipes.iter().any(|recipe| recipe.name.starts_with(asked)), "{asked} has its recipe");
+    }
+    let mut complaints = Vec::new();
+    for Recipe { name, paths, names } in &recipes {
+        if paths.is_empty() || paths.len() > MOST_FILES {
+            complaints.push(format!("{name} touches {} files", paths.len()));
+        }
+        complaints
+            .extend(paths.iter().filter(|path| !is_there(path)).map(|path| format!("{name}: no {path}")));
+        let missing = names.iter().filter(|word| !words.contains(word.as_str()));
+        complaints.extend(missing.map(|word| format!("{name}: nothing is called {word}")));
+    }
+    assert!(complaints.is_empty(), "{}", complaints.join("\n"));
+}
+
+#[test]
+fn a_recipe_is_a_paragraph_with_a_heading() {
+    let document = "**No recipe.** `x.rs`\n\n## How to add\n\n`y.rs`\n\n**A thing.** A `Thing::made` in `a/`,\n`a/b.rs`, `a/b.rs` \
+                    with `--set`\nor `k = v`.\n\n## Next\n\n**Another.** `z.rs`\n";
+    let found = recipes(document);
+    assert_eq!(found.len(), 1);
+    assert_eq!(
+        (found[0].name.as_str(), &found[0].paths),
+        ("A thing", &["a/", "a/b.rs"].map(String::from).into())
+    );
+    assert_eq!(found[0].names, ["Thing", "made"]);
+}
+
+/// What has to be touched to add something.
+struct Recipe {
+    name: String,
+    /// Files, and folders where a new one goes.
+    paths: BTreeSet<String>,
+    /// Words of the code.
+    names: Vec<String>,
+}
+
+/// The recipes of the document, each a paragraph.
+fn recipes(document: &str) -> Vec<Recipe> {
+    let section = document.split("\n## ").find_map(|section| section.strip_prefix("How to add\n"));
+    let paragraphs = section.unwrap_or_default().split("\n\n");
+    let recipe = |paragraph: &str| {
+        let (name, _) = paragraph.trim_start().strip_prefix("**")?.split_once(".**")?;
+        let marked: Vec<&str> = paragraph.split('`').skip(1).step_by(2).collect();
+        let is_path = |word: &str| word.contains('/') || word.contains('.');
+        let is_word = |word: &str| word.chars().all(|c| c.is_alphanumeric() || c == '_' || c == ':');
+        let paths = marked.iter().filter(|word| is_path(word)).map(|path| (*path).to_owned()).collect();
+        let names = marked.iter().filter(|word| is_word(word)).flat_map(|word| word.split("::"));
+        Some(Recipe { name: name.to_owned(), paths, names: names.map(str::to_owned).collect() })
+    };
+    paragraphs.filter_map(recipe).collect()
 }
 
 /// Words that stand for something that the reader has yet to find: a list of fields or a search result shows the sentence

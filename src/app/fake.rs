@@ -8,10 +8,10 @@ use super::model::computation::EstimateRequest;
 use super::model::shared::Shared;
 use crate::estimate::{
     Assessment, Clicks, Construction, Estimate, EstimateError, LineFigures, Monitor, Parameters, Progress,
-    Refinement, SearchCounts, SearchTrace, Stage,
+    Refinement, SearchPlan, SearchTrace, Stage,
 };
 use crate::geometry::{FundamentalMatrix, PointPair};
-use crate::image::{Picture, RelativeView};
+use crate::image::Picture;
 
 /// The estimate of a computation that reports one preliminary result.
 pub fn estimate(request: &EstimateRequest, monitor: &Monitor) -> Result<Estimate, EstimateError> {
@@ -41,18 +41,13 @@ pub fn result(pairs: &[PointPair], parameters: &Parameters) -> Option<Estimate> 
     let refinement = Some(Refinement { matches: Vec::new(), uncertainty: None });
     let assessment = Assessment { lines, margin: Some(0.4), refinement, ..Assessment::default() };
     let trace = SearchTrace {
-        clicks: Clicks::for_search(pairs, parameters.method, parameters.search),
-        view: RelativeView::UPRIGHT,
-        features: false,
+        clicks: Clicks::for_plan(pairs, SearchPlan::of(parameters, pairs.len())),
         method: parameters.method,
         preset: parameters.preset,
         seed: parameters.seed,
-        pencils: Vec::new(),
-        hypotheses: Vec::new(),
-        counts: SearchCounts::default(),
-        timings: Vec::new(),
         first_seconds: 0.01,
         seconds: 0.02,
+        ..SearchTrace::default()
     };
     Some(Estimate { geometry: fundamental.into(), assessment, trace: Some(Arc::new(trace)) })
 }

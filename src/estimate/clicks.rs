@@ -1,6 +1,6 @@
 //! The clicked point pairs and what each of them is for.
 
-use super::{Method, Search};
+use super::SearchPlan;
 use crate::geometry::PointPair;
 
 /// What a clicked pair is for.
@@ -30,29 +30,26 @@ pub struct Click {
 pub struct Clicks(Vec<Click>);
 
 impl Clicks {
-    /// The roles that a search gives to pairs. The published search passes its pencils through the first two, takes as
-    /// many more as its method needs and only measures the rest; the one with patches uses all of them, and its pencils
-    /// pass through two that are far enough from each other.
-    pub fn for_search(pairs: &[PointPair], method: Method, search: Search) -> Self {
-        let anchors = match search {
-            Search::Patches => apart(pairs),
-            Search::Lines => [0, 1],
-        };
-        let role = |k: usize| match search {
+    /// The roles that a search gives to pairs. One that takes no more than it needs passes its pencils through the first two
+    /// and only measures those beyond; one in which each takes part passes them through two that are far enough from each
+    /// other.
+    pub fn for_plan(pairs: &[PointPair], plan: SearchPlan) -> Self {
+        let most = plan.most_clicks();
+        let anchors = if most.is_none() { apart(pairs) } else { [0, 1] };
+        let role = |k: usize| match most {
             _ if anchors.contains(&k) => ClickRole::Anchor,
-            Search::Patches => ClickRole::Observed,
-            Search::Lines if k < method.pairs_needed() => ClickRole::Observed,
-            Search::Lines => ClickRole::Check,
+            Some(most) if k >= most => ClickRole::Check,
+            _ => ClickRole::Observed,
         };
         Self(pairs.iter().enumerate().map(|(k, pair)| Click { pair: *pair, role: role(k) }).collect())
     }
 
     /// Numbers of the clicks that a search cannot do without, from 0: those that pencils pass through, and the observed ones
-    /// of the published search, which takes no more than it needs.
-    pub fn indispensable(&self, search: Search) -> Vec<usize> {
+    /// of a search that takes no more than it needs.
+    pub fn indispensable(&self, plan: SearchPlan) -> Vec<usize> {
         let is_needed = |click: &Click| match click.role {
             ClickRole::Anchor => true,
-            ClickRole::Observed => search == Search::Lines,
+            ClickRole::Observed => plan.most_clicks().is_some(),
             ClickRole::Check | ClickRole::Chosen => false,
         };
         self.0.iter().zip(0..).filter(|(click, _)| is_needed(click)).map(|(_, k)| k).collect()
@@ -141,34 +138,35 @@ mod tests {
     #[test]
     fn the_published_search_takes_what_its_method_needs_and_the_one_with_patches_takes_all() {
         let pairs: Vec<PointPair> = (0..4).map(|k| PointPair::new(f64::from(k), 0.0, 0.0, 0.0)).collect();
-        let two = Clicks::for_search(&pairs, Method::TwoPoint, Search::Lines);
+        let two = Clicks::for_plan(&pairs, SearchPlan::Published { clicks: 2 });
         assert_eq!((two.len(), two.anchors(), two.observed()), (4, pairs[..2].to_vec(), pairs[..2].to_vec()));
         assert_eq!(two.third(), None);
-        let three = Clicks::for_search(&pairs, Method::ThreePoint, Search::Lines);
+        let three = Clicks::for_plan(&pairs, SearchPlan::Published { clicks: 3 });
         assert_eq!((three.anchors(), three.observed()), (pairs[..2].to_vec(), pairs[..3].to_vec()));
         assert_eq!(three.third(), Some(pairs[2]));
-        let all = Clicks::for_search(&pairs, Method::TwoPoint, Search::Patches);
+        let all = Clicks::for_plan(&pairs, SearchPlan::Patches { clicks: 2 });
         assert_eq!((all.anchors(), all.observed()), (pairs[..2].to_vec(), pairs.clone()));
-        assert!(Clicks::for_search(&[], Method::TwoPoint, Search::Lines).is_empty());
+        assert!(Clicks::for_plan(&[], SearchPlan::Published { clicks: 2 }).is_empty());
     }
 
     #[test]
     fn pencils_pass_through_clicks_that_are_far_from_each_other() {
         let at = |x: f64, y: f64| PointPair::new(x, y, x + 9.0, y);
-        let anchors =
-            |pairs: &[PointPair], search| Clicks::for_search(pairs, Method::TwoPoint, search).anchors();
+        let (published, by_patches) =
+            (SearchPlan::Published { clicks: 2 }, SearchPlan::Patches { clicks: 2 });
+        let anchors = |pairs: &[PointPair], plan| Clicks::for_plan(pairs, plan).anchors();
         let good = [at(10.0, 10.0), at(100.0, 10.0), at(300.0, 200.0)];
-        assert_eq!(anchors(&good, Search::Patches), good[..2], "far enough, if not farthest");
+        assert_eq!(anchors(&good, by_patches), good[..2], "far enough, if not farthest");
         let near = [at(10.0, 10.0), at(11.0, 10.0), at(100.0, 10.0), at(300.0, 200.0)];
-        assert_eq!(anchors(&near, Search::Patches), [near[0], near[3]]);
-        assert_eq!(anchors(&near, Search::Lines), near[..2], "as published");
+        assert_eq!(anchors(&near, by_patches), [near[0], near[3]]);
+        assert_eq!(anchors(&near, published), near[..2], "as published");
         // In one image is enough.
         let merged = [good[0], PointPair { point2: good[0].point2, ..good[1] }, good[2]];
-        assert_eq!(anchors(&merged, Search::Patches), [merged[0], merged[2]]);
-        let clicks = Clicks::for_search(&near, Method::TwoPoint, Search::Patches);
-        assert_eq!(clicks.indispensable(Search::Patches), [0, 3]);
-        let published = Clicks::for_search(&near, Method::ThreePoint, Search::Lines);
-        assert_eq!(published.indispensable(Search::Lines), [0, 1, 2]);
+        assert_eq!(anchors(&merged, by_patches), [merged[0], merged[2]]);
+        let clicks = Clicks::for_plan(&near, by_patches);
+        assert_eq!(clicks.indispensable(by_patches), [0, 3]);
+        let three = SearchPlan::Published { clicks: 3 };
+        assert_eq!(Clicks::for_plan(&near, three).indispensable(three), [0, 1, 2]);
         assert_eq!(clicks.observed(), near, "each takes part");
     }
 }

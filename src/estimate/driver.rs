@@ -7,16 +7,15 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use super::assess::{check_images, check_points};
-use super::barcodes::{self, by_barcodes};
+use super::barcodes::by_barcodes;
 use super::lines_alone::by_lines_alone;
 use super::record::SearchRecord;
-use super::search::{Input, by_lines};
+use super::search::{SearchInput, by_lines};
 use super::unclicked::without_clicks;
 use super::wider::wider;
-use super::{Clicks, Estimate, EstimateError, Method, Monitor, Parameters, PreparedPair, Search};
+use super::{Clicks, Estimate, EstimateError, Monitor, Parameters, PreparedPair, SearchPlan};
 use crate::geometry::PointPair;
 use crate::image::{GrayPlane, RelativeView};
-use crate::similarity::LineMeasure;
 
 /// Estimates the fundamental matrix of two images from clicked point pairs, full-size pixels, or from none.
 ///
@@ -51,35 +50,26 @@ fn run(
     monitor: &Monitor,
     begun: Instant,
 ) -> Result<Estimate, EstimateError> {
-    let adapted;
-    let (compared_by_barcodes, parameters) = match (parameters.similarity.measure, prepared.silhouettes()) {
-        (LineMeasure::Stereo, _) => (None, parameters),
-        (LineMeasure::Barcodes, None) => return Err(EstimateError::NoSequences),
-        (LineMeasure::Barcodes, Some(silhouettes)) => {
-            adapted = barcodes::adapted(parameters);
-            (Some(silhouettes), &adapted)
-        }
-    };
-    // Barcodes are refined on every click.
-    let taking = if compared_by_barcodes.is_some() { Search::Patches } else { parameters.search };
-    let clicks = Clicks::for_search(pairs, parameters.method, taking);
     parameters.check()?;
-    check_points(prepared.frames(), &clicks, taking, parameters.pairs_needed())?;
+    let plan = SearchPlan::of(parameters, pairs.len());
+    let clicks = Clicks::for_plan(pairs, plan);
+    check_points(prepared.frames(), &clicks, plan)?;
     check_images(prepared)?;
     let source = prepared.similarity_source(RelativeView::UPRIGHT, parameters);
     let patches = prepared.upright_patches();
     let cancel = monitor.cancel();
-    let input = Input { prepared, source: &*source, patches: &patches, clicks: &clicks, parameters, cancel };
+    let input =
+        SearchInput { prepared, source: &*source, patches: &patches, clicks: &clicks, parameters, cancel };
     let mut record = SearchRecord::new(begun, monitor);
-    let best = match parameters.search {
-        _ if let Some(silhouettes) = compared_by_barcodes => by_barcodes(&input, silhouettes, &mut record)?,
-        _ if parameters.method == Method::LinesAlone => by_lines_alone(&input, &mut record)?,
-        Search::Lines => {
+    let best = match plan {
+        SearchPlan::Published { .. } => {
             let found = by_lines(&input, &mut record)?;
             input.judged(&record, found)
         }
-        Search::Patches if clicks.len() < 2 => without_clicks(&input, &mut record)?,
-        Search::Patches => wider(&input, &mut record)?,
+        SearchPlan::Patches { .. } => wider(&input, &mut record)?,
+        SearchPlan::Unclicked => without_clicks(&input, &mut record)?,
+        SearchPlan::LinesAlone { ranked_by } => by_lines_alone(&input, ranked_by, &mut record)?,
+        SearchPlan::Barcodes => by_barcodes(&input, &mut record)?,
     };
     record.finish()?;
     let trace = record.trace(&best.clicks, &best.patches, best.hypotheses, parameters);
@@ -93,7 +83,7 @@ fn run(
 #[cfg(test)]
 mod tests {
     use super::super::exact::ExactScene;
-    use super::super::{ClickRole, Preset};
+    use super::super::{ClickRole, Method, Preset};
     use super::*;
     use crate::geometry::symmetric_epipolar_distance;
 

@@ -11,7 +11,7 @@
 
 use super::lines::Construction;
 use super::patches::{BAND, LEAST_CLICK_SIGMA};
-use super::{Assessment, Clicks, Estimate, Parameters, PatchSupport, PreparedPair, Search};
+use super::{Assessment, Clicks, Estimate, Parameters, PatchSupport, PreparedPair, Search, SearchPlan};
 use crate::geometry::{FundamentalMatrix, Observation, PointPair, fit_fundamental};
 
 /// Standard deviation of a supporting match, px of the level it was found at.
@@ -37,7 +37,7 @@ pub fn follow<'a>(
     if pairs.len() < parameters.method.pairs_needed() {
         return None;
     }
-    let clicks = Clicks::for_search(pairs, parameters.method, parameters.search);
+    let clicks = Clicks::for_plan(pairs, SearchPlan::of(parameters, pairs.len()));
     let (fundamental, support) = match parameters.search {
         Search::Patches => {
             let (f, support) = refitted(prepared, starts, &clicks.observed(), parameters.click_sigma)?;

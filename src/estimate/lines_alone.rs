@@ -3,7 +3,7 @@
 use super::lines::{LineConsensus, compare_lines, geometries_from_lines};
 use super::record::SearchRecord;
 use super::result::REPORTED;
-use super::search::{Found, Input, Judged};
+use super::search::{Found, Judged, SearchInput};
 use super::unclicked::chosen;
 use super::wider::by_features;
 use super::{Estimate, EstimateError, Parameters, Search, Stage};
@@ -14,8 +14,12 @@ use crate::similarity::SimilarityParameters;
 const UNANCHORED_REACH: f64 = 0.25;
 
 /// Candidate pairs among all lines, two for the epipoles and a third for the map, counted by the candidates that agree.
-pub(super) fn by_lines_alone(input: &Input, record: &mut SearchRecord) -> Result<Judged, EstimateError> {
-    let Input { prepared, parameters, cancel, .. } = *input;
+pub(super) fn by_lines_alone(
+    input: &SearchInput,
+    ranked_by: Search,
+    record: &mut SearchRecord,
+) -> Result<Judged, EstimateError> {
+    let SearchInput { prepared, parameters, cancel, .. } = *input;
     record.enter(Stage::Pencils)?;
     let reach = parameters.similarity.disparity_reach.max(UNANCHORED_REACH);
     let similarity = SimilarityParameters { disparity_reach: reach, ..parameters.similarity };
@@ -40,7 +44,7 @@ pub(super) fn by_lines_alone(input: &Input, record: &mut SearchRecord) -> Result
     let fundamental = *geometries.first().ok_or(EstimateError::NothingWithoutClicks)?;
     input.report(record, fundamental, &hypotheses, None);
 
-    if parameters.search == Search::Patches
+    if ranked_by == Search::Patches
         && let Some(found) = by_their_patches(input, &geometries, record)?
     {
         return Ok(found);
@@ -55,11 +59,11 @@ pub(super) fn by_lines_alone(input: &Input, record: &mut SearchRecord) -> Result
 
 /// What lines proposed, ranked and refined by patches; `None` where patches find nothing to hold on to.
 fn by_their_patches(
-    input: &Input,
+    input: &SearchInput,
     geometries: &[FundamentalMatrix],
     record: &mut SearchRecord,
 ) -> Result<Option<Judged>, EstimateError> {
-    let Input { prepared, patches, .. } = *input;
+    let SearchInput { prepared, patches, .. } = *input;
     record.enter(Stage::Validation)?;
     let fine = patches.fine(prepared.pyramids());
     let full_size = fine.scales.map(f64::recip);
@@ -69,7 +73,7 @@ fn by_their_patches(
         return Ok(None);
     };
     let clicks = input.clicks.with_chosen(chosen);
-    let seen = Input { clicks: &clicks, ..*input };
+    let seen = SearchInput { clicks: &clicks, ..*input };
     let found = by_features(&seen, geometries, &[])?;
     Ok(found.map(|found| seen.judged(record, found)))
 }

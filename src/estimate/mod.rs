@@ -41,8 +41,8 @@ pub use lines::{Candidate, ComparedPencils, Construction, LineFigures, RoundTrip
 pub use monitor::{Monitor, Progress};
 pub use parameters::{
     LineScore, LinesAloneParameters, Method, PARAMETERS, ParameterEntry, ParameterValue, Parameters,
-    PatchParameters, PencilParameters, Preset, RefinementParameters, Search, ValidationParameters,
-    parameters_as_markdown,
+    PatchParameters, PencilParameters, Preset, RefinementParameters, Search, SearchPlan,
+    ValidationParameters, parameters_as_markdown,
 };
 pub use patches::{EpipoleEllipse, PatchSupport, RefinedMatch, Refinement, Uncertainty};
 pub use prepared::PreparedPair;

@@ -86,7 +86,7 @@ pub struct BarcodeFigures {
 }
 
 /// How a geometry was found.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct SearchTrace {
     /// The clicks it was searched from.
     pub clicks: Clicks,
@@ -140,8 +140,12 @@ pub struct StageTiming {
 
 impl Estimate {
     /// A geometry that a search proposed, with what lines and patches say of it.
-    pub(super) fn proposed(f: FundamentalMatrix, lines: LineFigures, support: Option<PatchSupport>) -> Self {
-        let assessment = Assessment { lines: Some(lines), support, ..Assessment::default() };
+    pub(super) fn proposed(
+        f: FundamentalMatrix,
+        lines: Option<LineFigures>,
+        support: Option<PatchSupport>,
+    ) -> Self {
+        let assessment = Assessment { lines, support, ..Assessment::default() };
         Self { geometry: f.into(), assessment, trace: None }
     }
 

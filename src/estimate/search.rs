@@ -16,7 +16,7 @@ use crate::geometry::{FundamentalMatrix, PointPair};
 use crate::similarity::SimilaritySource;
 
 /// What a search is given.
-pub(super) struct Input<'a> {
+pub(super) struct SearchInput<'a> {
     pub prepared: &'a PreparedPair,
     /// Lines are compared in it, under the same view as the patches.
     pub source: &'a dyn SimilaritySource,
@@ -71,8 +71,8 @@ impl Judged {
 
 /// The search as published: bisectors and round trips propose, lines over both images rank, and the five numbers of the
 /// best one are refined on lines.
-pub(super) fn by_lines(input: &Input, record: &mut SearchRecord) -> Result<Found, EstimateError> {
-    let Input { source, clicks, parameters, cancel, .. } = *input;
+pub(super) fn by_lines(input: &SearchInput, record: &mut SearchRecord) -> Result<Found, EstimateError> {
+    let SearchInput { source, clicks, parameters, cancel, .. } = *input;
     let similarity = source.at(parameters.pencils.coarse_side);
     let (anchors, pencils) = compared(input, record)?;
 
@@ -87,7 +87,7 @@ pub(super) fn by_lines(input: &Input, record: &mut SearchRecord) -> Result<Found
     record.enter(Stage::Validation)?;
     let ranked = published::rank(&similarity, drafts, anchors, REPORTED, parameters, cancel)?;
     let proposed =
-        |(f, lines): &(FundamentalMatrix, LineFigures)| Estimate::proposed(*f, lines.clone(), None);
+        |(f, lines): &(FundamentalMatrix, LineFigures)| Estimate::proposed(*f, Some(lines.clone()), None);
     let hypotheses: Vec<Estimate> = ranked.hypotheses.iter().map(proposed).collect();
     input.report(record, ranked.hypotheses[0].0, &hypotheses, None);
 
@@ -102,8 +102,8 @@ pub(super) fn by_lines(input: &Input, record: &mut SearchRecord) -> Result<Found
 
 /// The search with patches: they vote for the κ of combinations of candidate lines, their support ranks, and matches
 /// along the epipolar lines refine.
-pub(super) fn by_patches(input: &Input, record: &mut SearchRecord) -> Result<Found, EstimateError> {
-    let Input { prepared, patches: levels, clicks, parameters, cancel, .. } = *input;
+pub(super) fn by_patches(input: &SearchInput, record: &mut SearchRecord) -> Result<Found, EstimateError> {
+    let SearchInput { prepared, patches: levels, clicks, parameters, cancel, .. } = *input;
     let pyramids = prepared.pyramids();
     let (coarse, voting) = (levels.coarse(pyramids), levels.voting(pyramids));
     let (anchors, pencils) = compared(input, record)?;
@@ -126,7 +126,7 @@ pub(super) fn by_patches(input: &Input, record: &mut SearchRecord) -> Result<Fou
     record.enter(Stage::Validation)?;
     let fine = levels.fine(pyramids);
     let ranked = patches::rank(coarse, fine, &proposals, &clicks.observed(), parameters, cancel)?;
-    let (hypotheses, leader) = input.hypotheses(anchors, &ranked)?;
+    let (hypotheses, leader) = input.hypotheses(Some(&anchors), &ranked)?;
     input.report(record, *hypotheses[0].fundamental(), &hypotheses, Some(leader.support));
 
     record.enter(Stage::Refinement)?;
@@ -135,10 +135,10 @@ pub(super) fn by_patches(input: &Input, record: &mut SearchRecord) -> Result<Fou
 
 /// The first two anchors and the pencils through them.
 pub(super) fn compared(
-    input: &Input,
+    input: &SearchInput,
     record: &mut SearchRecord,
 ) -> Result<([PointPair; 2], [Arc<ComparedPencils>; 2]), EstimateError> {
-    let Input { prepared, source, patches, clicks, parameters, cancel } = *input;
+    let SearchInput { prepared, source, patches, clicks, parameters, cancel } = *input;
     record.enter(Stage::Pencils)?;
     let compare = |click: &PointPair| {
         let compare = || ComparedPencils::new(source, click, &parameters.pencils, cancel);
@@ -157,19 +157,19 @@ pub(super) fn compared(
     }
 }
 
-impl Input<'_> {
-    /// The ranked proposals that differ, with what their lines say, and the first of all.
+impl SearchInput<'_> {
+    /// The ranked proposals that differ, with what their lines say where there are two anchors, and the first of all.
     pub fn hypotheses<'p>(
         &self,
-        anchors: [PointPair; 2],
+        anchors: Option<&[PointPair; 2]>,
         ranked: &'p [Proposal],
     ) -> Result<(Vec<Estimate>, &'p Proposal), EstimateError> {
-        let Input { prepared, source, patches: levels, parameters, cancel, .. } = *self;
+        let SearchInput { prepared, source, patches: levels, parameters, cancel, .. } = *self;
         let fine = levels.fine(prepared.pyramids());
         let different = patches::different(&fine.support, ranked, REPORTED);
         cancel.check()?;
-        let examiner = LineExaminer::new(source, anchors, parameters, cancel);
-        let hypotheses = patches::hypotheses(&examiner, &different, fine);
+        let examiner = anchors.map(|anchors| LineExaminer::new(source, *anchors, parameters, cancel));
+        let hypotheses = patches::hypotheses(examiner.as_ref(), &different, fine);
         let hypotheses: Vec<Estimate> = hypotheses.into_iter().map(Estimate::from).collect();
         cancel.check()?;
         let leader = ranked.first().filter(|_| !hypotheses.is_empty());
@@ -203,7 +203,7 @@ impl Input<'_> {
     }
 
     fn judge<'b>(&'b self, record: &'b SearchRecord, hypotheses: &'b [Estimate]) -> Judge<'b> {
-        let Input { prepared, source, patches, clicks, parameters, cancel } = *self;
+        let SearchInput { prepared, source, patches, clicks, parameters, cancel } = *self;
         Judge {
             prepared,
             source,
@@ -235,7 +235,7 @@ impl Input<'_> {
         &self,
         starts: impl Iterator<Item = FundamentalMatrix>,
     ) -> Result<Option<Refined>, EstimateError> {
-        let Input { prepared, patches, clicks, parameters, cancel, .. } = *self;
+        let SearchInput { prepared, patches, clicks, parameters, cancel, .. } = *self;
         let (observed, refinement) = (clicks.observed(), &parameters.refinement);
         let refine = |f: FundamentalMatrix| {
             let sigma = parameters.click_sigma;

@@ -10,7 +10,7 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
 use super::record::SearchRecord;
-use super::search::{Input, Judged, by_patches, compared};
+use super::search::{Judged, SearchInput, by_patches, compared};
 use super::wider::{FeatureProposals, by_features, heaviest};
 use super::{EstimateError, PreparedPair, Stage};
 use crate::geometry::{FundamentalMatrix, PointPair, apart_across_lines, sampson_distance};
@@ -31,45 +31,46 @@ const TRIES: usize = 200;
 const DISTINCTIVE: f64 = 0.8;
 
 /// The search without clicks, or with one.
-pub(super) fn without_clicks(input: &Input, record: &mut SearchRecord) -> Result<Judged, EstimateError> {
-    let Input { prepared, clicks, parameters, .. } = *input;
+pub(super) fn without_clicks(
+    input: &SearchInput,
+    record: &mut SearchRecord,
+) -> Result<Judged, EstimateError> {
+    let SearchInput { prepared, clicks, parameters, .. } = *input;
     record.enter(Stage::Features)?;
     let FeatureProposals { hypotheses, views } = FeatureProposals::new(input)?;
     let proposed: Vec<FundamentalMatrix> = hypotheses.iter().map(|h| h.fundamental).collect();
     let view = views.first().copied().unwrap_or(RelativeView::UPRIGHT);
     let putative = putative_matches(prepared, view);
     let mut all: Vec<Judged> = Vec::new();
-    if let Some(chosen) = hypotheses
+    let of_leader = hypotheses
         .first()
-        .and_then(|leader| chosen(prepared, &leader.fundamental, &leader.matches, &putative))
-    {
-        let clicks = clicks.with_chosen(chosen);
-        for view in views {
-            let source = prepared.similarity_source(view, parameters);
-            let patches = prepared.patches_with_features(view);
-            let seen = Input { source: &*source, patches: &patches, clicks: &clicks, ..*input };
-            if all.is_empty() {
-                // To look at; the geometry does without them.
-                match compared(&seen, record) {
-                    Ok(_) | Err(EstimateError::NoCandidates { .. }) => {}
-                    Err(error) => return Err(error),
-                }
+        .and_then(|leader| chosen(prepared, &leader.fundamental, &leader.matches, &putative));
+    let held = of_leader.map_or_else(|| clicks.clone(), |chosen| clicks.with_chosen(chosen));
+    for view in views {
+        let source = prepared.similarity_source(view, parameters);
+        let patches = prepared.patches_with_features(view);
+        let seen = SearchInput { source: &*source, patches: &patches, clicks: &held, ..*input };
+        if all.is_empty() && of_leader.is_some() {
+            // To look at; the geometry does without them.
+            match compared(&seen, record) {
+                Ok(_) | Err(EstimateError::NoCandidates { .. }) => {}
+                Err(error) => return Err(error),
             }
-            let rivals = all.first().map_or(&[][..], |first: &Judged| &first.hypotheses);
-            record.enter(Stage::Validation)?;
-            let Some(found) = by_features(&seen, &proposed, rivals)? else { continue };
-            let found = seen.judged(record, found);
-            if !found.is_open() {
-                return Ok(found);
-            }
-            all.push(found);
         }
+        let rivals = all.first().map_or(&[][..], |first: &Judged| &first.hypotheses);
+        record.enter(Stage::Validation)?;
+        let Some(found) = by_features(&seen, &proposed, rivals)? else { continue };
+        let found = seen.judged(record, found);
+        if !found.is_open() {
+            return Ok(found);
+        }
+        all.push(found);
     }
     let source = prepared.similarity_source(view, parameters);
     let patches = prepared.patches_with_features(view);
     for chosen in drawn(prepared, &putative, parameters.seed) {
         let clicks = clicks.with_chosen(chosen);
-        let seen = Input { source: &*source, patches: &patches, clicks: &clicks, ..*input };
+        let seen = SearchInput { source: &*source, patches: &patches, clicks: &clicks, ..*input };
         let found = match by_patches(&seen, record) {
             Ok(found) => seen.judged(record, found),
             Err(EstimateError::NoCandidates { .. } | EstimateError::NoGeometry) => continue,

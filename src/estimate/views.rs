@@ -93,3 +93,55 @@ pub(super) fn is_same(a: &RelativeView, b: &RelativeView) -> bool {
     };
     turn < SAME_TURN && scale < SAME_SCALE
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::PI;
+
+    const FRAMES: [Frame; 2] = [Frame { width: 400, height: 300 }, Frame { width: 800, height: 600 }];
+
+    #[test]
+    fn the_view_is_that_of_most_features_however_angles_are_counted() {
+        // Half a turn is half a turn either way.
+        let mut relations: Vec<(f64, f64)> =
+            (0..9).map(|k| (if k % 2 == 0 { PI - 0.01 } else { 0.01 - PI }, 3f64.ln())).collect();
+        // More than have it either way alone.
+        relations.extend([(1.0, 0.1); 6]);
+        let view = view_shared(&relations, 0.0, FRAMES).unwrap();
+        assert!(view.rotation.abs() > PI - 0.011, "{view:?}");
+        assert!((view.scale.unwrap() - 3.0).abs() < 1e-12);
+        assert_eq!(view_shared(&relations[..LEAST - 1], 0.0, FRAMES), None);
+        assert!(view_shared(&relations[..LEAST], 0.0, FRAMES).is_some());
+    }
+
+    #[test]
+    fn features_that_agree_with_too_few_others_have_no_view() {
+        // No two of sixteen turns are near each other, but for four.
+        let mut relations: Vec<(f64, f64)> = (0..12).map(|k| (0.4 * f64::from(k) - 1.0, 0.0)).collect();
+        relations.extend([(-2.0, 0.5); 4]);
+        assert!((view_shared(&relations, 0.25, FRAMES).unwrap().rotation + 2.0).abs() < 1e-12);
+        assert_eq!(view_shared(&relations, 0.26, FRAMES), None);
+    }
+
+    #[test]
+    fn images_that_differ_only_in_their_sizes_are_seen_upright() {
+        let of = |turn: f64, scale: f64| view_shared(&[(turn, scale.ln()); 10], 0.0, FRAMES).unwrap();
+        assert_eq!(of(0.0, 2.0), RelativeView::UPRIGHT);
+        assert_eq!(of(SAME_TURN - 0.01, 2.0 * (SAME_SCALE - 0.01)), RelativeView::UPRIGHT);
+        assert_eq!(of(SAME_TURN + 0.01, 2.0).scale, Some(2.0));
+        // As large in both: half the share of the second image.
+        assert!((of(0.0, 1.0).scale.unwrap() - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn views_are_the_same_within_what_patches_are_compared_under() {
+        let view = |scale: f64, rotation: f64| RelativeView { scale: Some(scale), rotation };
+        assert!(is_same(&view(1.0, PI - 0.1), &view(1.24, 0.1 - PI)));
+        assert!(is_same(&view(1.24, 0.0), &view(1.0, 0.25)));
+        assert!(!is_same(&view(1.0, 0.0), &view(1.26, 0.0)) && !is_same(&view(1.26, 0.0), &view(1.0, 0.0)));
+        assert!(!is_same(&view(1.0, 0.0), &view(1.0, 0.27)));
+        assert!(is_same(&RelativeView::UPRIGHT, &RelativeView::UPRIGHT));
+        assert!(!is_same(&RelativeView::UPRIGHT, &view(1.0, 0.0)), "in proportion is no number");
+    }
+}

@@ -5,7 +5,7 @@ use super::covariant::{
 };
 use super::patches::{self, Proposal};
 use super::record::SearchRecord;
-use super::search::{Found, Input, Judged, by_patches};
+use super::search::{Found, Judged, SearchInput, by_patches};
 use super::views::{is_same, view_of};
 use super::{Estimate, EstimateError, Stage};
 use crate::geometry::{
@@ -25,8 +25,8 @@ pub(super) struct FeatureProposals {
 
 impl FeatureProposals {
     /// What features propose, held together by the clicks, however many.
-    pub fn new(input: &Input) -> Result<Self, EstimateError> {
-        let Input { prepared, clicks, parameters, cancel, .. } = *input;
+    pub fn new(input: &SearchInput) -> Result<Self, EstimateError> {
+        let SearchInput { prepared, clicks, parameters, cancel, .. } = *input;
         let features = prepared.features();
         let observed = clicks.observed();
         let evidence = FeatureEvidence {
@@ -57,7 +57,7 @@ pub(super) fn heaviest(mut all: Vec<Judged>) -> Option<Judged> {
 
 /// The search with patches, upright; and where that leaves doubts, with covariant features too, under the views that
 /// they suggest. Of all, the one whose refined matches weigh most is the result, and the others are its rivals.
-pub(super) fn wider(input: &Input, record: &mut SearchRecord) -> Result<Judged, EstimateError> {
+pub(super) fn wider(input: &SearchInput, record: &mut SearchRecord) -> Result<Judged, EstimateError> {
     let upright = match by_patches(input, record) {
         Ok(found) => Ok(input.judged(record, found)),
         Err(error @ (EstimateError::NoCandidates { .. } | EstimateError::NoGeometry)) => Err(error),
@@ -78,7 +78,7 @@ pub(super) fn wider(input: &Input, record: &mut SearchRecord) -> Result<Judged, 
     for view in views {
         let source = input.prepared.similarity_source(view, input.parameters);
         let patches = input.prepared.patches_with_features(view);
-        let seen = Input { source: &*source, patches: &patches, ..*input };
+        let seen = SearchInput { source: &*source, patches: &patches, ..*input };
         let rivals = all.first().map_or(&[][..], |upright| &upright.hypotheses);
         if let Some(found) = by_features(&seen, &proposed, rivals)? {
             let found = seen.judged(record, found);
@@ -129,25 +129,100 @@ fn of_clicks_alone(
 const ROBUST_CLICKS: f64 = 3.0;
 
 /// What covariant features propose, ranked by patches and features under a view, and refined; `None` when none of it
-/// passes through the clicks.
+/// passes through the clicks, of which there may be any number.
 pub(super) fn by_features(
-    input: &Input,
+    input: &SearchInput,
     proposed: &[FundamentalMatrix],
     rivals: &[Estimate],
 ) -> Result<Option<Found>, EstimateError> {
-    let Input { prepared, patches: levels, clicks, parameters, cancel, .. } = *input;
+    let SearchInput { prepared, patches: levels, clicks, parameters, cancel, .. } = *input;
     let anchors = clicks.anchors();
-    let Some(anchors) = anchors.first_chunk::<2>() else { return Ok(None) };
+    let anchors = anchors.first_chunk::<2>();
     let fine = levels.fine(prepared.pyramids());
     let turn = levels.view().rotation;
     let starts: Vec<Proposal> =
-        proposed.iter().filter_map(|f| Proposal::of(f, *anchors, turn, fine)).collect();
+        proposed.iter().filter_map(|f| Proposal::of(f, anchors, turn, fine)).collect();
     // What was found upright competes under the same support.
-    let rivals = rivals.iter().filter_map(|h| Proposal::of(h.fundamental(), *anchors, h.turn(), fine));
+    let rivals = rivals.iter().filter_map(|h| Proposal::of(h.fundamental(), anchors, h.turn(), fine));
     let ranked = patches::rank_fine(fine, starts, rivals.collect(), &clicks.observed(), parameters, cancel)?;
     if ranked.is_empty() {
         return Ok(None);
     }
-    let (hypotheses, _) = input.hypotheses(*anchors, &ranked)?;
+    let (hypotheses, _) = input.hypotheses(anchors, &ranked)?;
     input.refine_ranked(&ranked, hypotheses).map(Some)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::exact::{ExactScene, rows};
+    use super::super::patches::PatchLevels;
+    use super::super::{Assessment, CancelFlag, Clicks, Parameters, PreparedPair, SearchPlan};
+    use super::*;
+    use std::sync::Arc;
+
+    #[test]
+    fn the_heaviest_is_chosen_and_of_equals_the_first() {
+        let judged = |shift: f64, weight: f64| Judged {
+            clicks: Clicks::default(),
+            fundamental: rows(shift),
+            hypotheses: Vec::new(),
+            assessment: Assessment::default(),
+            weight,
+            patches: Arc::new(PatchLevels::new(RelativeView::UPRIGHT)),
+        };
+        let chosen = |weights: &[f64]| {
+            let all = weights.iter().zip(0..).map(|(weight, k)| judged(f64::from(k), *weight)).collect();
+            heaviest(all).map(|found| found.fundamental)
+        };
+        assert_eq!(chosen(&[1.0, 3.0, 2.0]), Some(rows(1.0)));
+        assert_eq!(chosen(&[1.0, 3.0, 3.0]), Some(rows(1.0)));
+        assert_eq!(chosen(&[]), None);
+    }
+
+    #[test]
+    fn clicks_that_agree_overrule_a_geometry_that_contradicts_them() {
+        let scene = ExactScene::aside();
+        let (truth, wrong) = (scene.fundamental(), scene.disturbed(30.0));
+        let mut clicks = scene.pairs(12);
+        let error = |f: &FundamentalMatrix| scene.error(f);
+        let alone = |clicks: &[PointPair], found: &FundamentalMatrix| of_clicks_alone(clicks, found, 1.0);
+        assert!(error(&alone(&clicks, &wrong).unwrap()) < 1e-3);
+        assert!(alone(&clicks, &truth).is_none(), "nothing contradicts them");
+        assert!(alone(&clicks, &scene.disturbed(0.5)).is_none(), "within what clicks are off");
+        assert!(alone(&clicks[..CLICKS_ALONE], &wrong).is_some());
+        assert!(alone(&clicks[..CLICKS_ALONE - 1], &wrong).is_none(), "nothing tells that seven agree");
+        // A single slip of a click is outvoted.
+        clicks[4].point2.y += 6.0;
+        assert!(error(&alone(&clicks, &wrong).unwrap()) < 2.0);
+    }
+
+    #[test]
+    fn features_need_no_click_to_be_ranked_and_lines_only_where_there_are_two() {
+        let scene = ExactScene::aside();
+        let [plane1, plane2] = scene.planes();
+        let (prepared, parameters) = (PreparedPair::new(&plane1, &plane2), Parameters::default());
+        let (source, patches) = (
+            prepared.similarity_source(RelativeView::UPRIGHT, &parameters),
+            prepared.patches_with_features(RelativeView::UPRIGHT),
+        );
+        let proposed = [scene.disturbed(2.0), scene.disturbed(-3.0)];
+        for pairs in [&[][..], &scene.clicks()] {
+            let clicks = Clicks::for_plan(pairs, SearchPlan::Patches { clicks: 2 });
+            let cancel = &CancelFlag::default();
+            let input = SearchInput {
+                prepared: &prepared,
+                source: &*source,
+                patches: &patches,
+                clicks: &clicks,
+                parameters: &parameters,
+                cancel,
+            };
+            let found = by_features(&input, &proposed, &[]).unwrap().unwrap();
+            let error = scene.error(&found.refined.unwrap().fundamental);
+            assert!(error < 0.3, "{error} px with {} clicks", pairs.len());
+            let best = &found.hypotheses[0].assessment;
+            assert_eq!(best.lines.is_some(), pairs.len() == 2);
+            assert!(best.support.is_some_and(|support| support.matches > 50));
+        }
+    }
 }

@@ -88,7 +88,16 @@ fn roots_on_pencil(f1: &Matrix3<f64>, f2: &Matrix3<f64>) -> Option<Vec<[f64; 2]>
     }
     let (sin, cos) = angle.sin_cos();
     let (g1, g2) = (cos * f1 + sin * f2, cos * f2 - sin * f1);
-    // det(μ G1 + G2) = μ³ det G1 + μ² tr(adj(G1) G2) + μ tr(adj(G2) G1) + det G2.
+    let coefficients = determinant_on_pencil(&g1, &g2).map(|c| c / largest);
+    let direction = |mu: f64| {
+        let norm = mu.hypot(1.0);
+        [(mu * cos - sin) / norm, (mu * sin + cos) / norm]
+    };
+    Some(real_roots(coefficients).into_iter().map(direction).collect())
+}
+
+/// `c0, c1, c2` of `det(μ G1 + G2) = μ³ det G1 + μ² tr(adj(G1) G2) + μ tr(adj(G2) G1) + det G2`.
+pub(crate) fn determinant_on_pencil(g1: &Matrix3<f64>, g2: &Matrix3<f64>) -> [f64; 3] {
     let mixed = |g: &Matrix3<f64>, h: &Matrix3<f64>| -> f64 {
         let column = |m: &Matrix3<f64>, k: usize| m.column(k).into_owned();
         (0..3)
@@ -98,12 +107,7 @@ fn roots_on_pencil(f1: &Matrix3<f64>, f2: &Matrix3<f64>) -> Option<Vec<[f64; 2]>
             })
             .sum()
     };
-    let coefficients = [g2.determinant(), mixed(&g2, &g1), mixed(&g1, &g2)].map(|c| c / largest);
-    let direction = |mu: f64| {
-        let norm = mu.hypot(1.0);
-        [(mu * cos - sin) / norm, (mu * sin + cos) / norm]
-    };
-    Some(real_roots(coefficients).into_iter().map(direction).collect())
+    [g2.determinant(), mixed(g2, g1), mixed(g1, g2)]
 }
 
 /// Imaginary part, relative to the root, that rounding gives to the two halves of a double root.

@@ -6,7 +6,7 @@ use super::{GrayPlane, Pyramid};
 use crate::geometry::{Frame, PointPair};
 
 /// How things look in image 2 against image 1, roughly: turned and enlarged.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct RelativeView {
     /// How much larger things are in image 2, full-size pixels; `None` when they fill like shares of both images.
     pub scale: Option<f64>,

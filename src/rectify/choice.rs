@@ -22,7 +22,7 @@ pub fn rectify(
     }
     // Says whether there is room for anything, before the work.
     Extent { width: 1.0, height: 1.0 }.limited(limits.pixels)?;
-    let task = Task { fundamental, frames, matches, limits };
+    let task = RectifyTask { fundamental, frames, matches, limits };
     match method {
         RectifyMethod::Planar => task.planar("it was asked for".into()),
         RectifyMethod::Polar => task.polar("it was asked for".into()),
@@ -44,14 +44,14 @@ pub fn rectify(
 }
 
 /// What is to be rectified.
-struct Task<'a> {
+struct RectifyTask<'a> {
     fundamental: &'a FundamentalMatrix,
     frames: [Frame; 2],
     matches: &'a [PointPair],
     limits: &'a Limits,
 }
 
-impl Task<'_> {
+impl RectifyTask<'_> {
     /// Mean symmetric epipolar distance of the matches, px.
     fn misfit(&self) -> f64 {
         let distances = self.matches.iter().map(|m| symmetric_epipolar_distance(self.fundamental, m));

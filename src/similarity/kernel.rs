@@ -117,7 +117,7 @@ enum First<'a> {
 }
 
 /// Everything a row of the recurrence needs besides its samples.
-struct Step<'a> {
+struct Recurrence<'a> {
     truncation: u16,
     outside: u16,
     alpha: u16,
@@ -139,7 +139,7 @@ fn run_block(
 ) -> [u32; LANES] {
     let changes: Vec<u16> =
         (1..=margin(parameters)).map(|k| parameters.change_cost(k as i32).unwrap_or(u16::MAX)).collect();
-    let step = Step {
+    let step = Recurrence {
         truncation: parameters.truncation,
         outside: parameters.outside,
         alpha: parameters.alpha,
@@ -162,7 +162,7 @@ fn run_block(
 #[inline(always)]
 #[expect(clippy::inline_always, reason = "must be compiled once per instruction set, inside `run_block`")]
 fn sweep<const K: usize, const ONE: bool>(
-    step: &Step,
+    step: &Recurrence,
     range: DisparityRange,
     a: &First,
     b: &LaneBlock,
@@ -199,7 +199,7 @@ fn sweep<const K: usize, const ONE: bool>(
 #[expect(clippy::inline_always, reason = "must be compiled once per instruction set, inside `run_block`")]
 #[expect(clippy::too_many_arguments, reason = "the hot loop's registers, named")]
 fn advance<const K: usize, const ONE: bool>(
-    step: &Step,
+    step: &Recurrence,
     value: &Row,
     has: &Row,
     lowest: &Row,

@@ -12,10 +12,9 @@ use epiline::app::model::document::{PointRef, Side};
 use epiline::app::{Inspector, Opening, Services, Start, install_theme};
 use epiline::estimate::{
     Assessment, Candidate, Clicks, ComparedPencils, Construction, Estimate, EstimateError, LineFigures,
-    Parameters, PatchSupport, Reason, Refinement, SearchCounts, SearchTrace, Suspect,
+    Parameters, PatchSupport, Reason, Refinement, SearchPlan, SearchTrace, Suspect,
 };
 use epiline::geometry::{FundamentalMatrix, Point, PointPair};
-use epiline::image::RelativeView;
 use epiline::similarity::CostMatrix;
 use epiline::suggest::SuggestError;
 use nalgebra::{Matrix3, Vector3};
@@ -42,18 +41,13 @@ pub fn fake_estimate(pairs: &[PointPair], parameters: &Parameters) -> Result<Est
         ..Assessment::default()
     };
     let trace = SearchTrace {
-        clicks: Clicks::for_search(pairs, parameters.method, parameters.search),
-        view: RelativeView::UPRIGHT,
-        features: false,
+        clicks: Clicks::for_plan(pairs, SearchPlan::of(parameters, pairs.len())),
         method: parameters.method,
         preset: parameters.preset,
         seed: parameters.seed,
-        pencils: Vec::new(),
-        hypotheses: Vec::new(),
-        counts: SearchCounts::default(),
-        timings: Vec::new(),
         first_seconds: 0.01,
         seconds: 0.02,
+        ..SearchTrace::default()
     };
     Ok(Estimate { geometry: fundamental.into(), assessment, trace: Some(Arc::new(trace)) })
 }

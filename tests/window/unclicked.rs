@@ -8,7 +8,7 @@ use egui_kittest::kittest::Queryable;
 use epiline::app::Services;
 use epiline::app::Start;
 use epiline::app::model::document::{Role, Side};
-use epiline::estimate::{Clicks, EstimateError};
+use epiline::estimate::{Clicks, EstimateError, SearchPlan};
 use epiline::geometry::PointPair;
 use epiline::io::PairOrigin;
 
@@ -23,8 +23,8 @@ fn finding() -> Services {
             }
             let mut found = fake_estimate(&standing_in, &request.parameters)?;
             let mut trace = found.trace.as_deref().ok_or(EstimateError::NoGeometry)?.clone();
-            let (method, search) = (request.parameters.method, request.parameters.search);
-            trace.clicks = Clicks::for_search(&request.pairs, method, search).with_chosen(standing_in);
+            let plan = SearchPlan::of(&request.parameters, request.pairs.len());
+            trace.clicks = Clicks::for_plan(&request.pairs, plan).with_chosen(standing_in);
             found.trace = Some(Arc::new(trace));
             Ok(found)
         }),

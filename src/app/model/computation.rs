@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 use super::picture::Pictures;
 use super::recording::Synchronised;
 use super::revision;
+use super::shared::Shared;
 use crate::estimate::{ComparedPencils, Estimate, EstimateError, Parameters, Stage};
 use crate::geometry::PointPair;
 
@@ -107,6 +108,11 @@ impl Computation {
     /// The latest result and how it relates to the points as they are now.
     pub fn result(&self) -> Option<(&Estimate, Freshness)> {
         self.shown.as_ref().map(|shown| (shown.estimate.as_ref(), shown.freshness))
+    }
+
+    /// The latest result for those who ask about it off the window's thread.
+    pub fn shared_result(&self) -> Option<(Shared<Estimate>, Freshness)> {
+        self.shown.as_ref().map(|shown| (Arc::clone(&shown.estimate).into(), shown.freshness))
     }
 
     /// Whether a computation is under way.

@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::comparison::Subject;
 use super::ids::{OverlayId, TabId, Visibility};
@@ -21,10 +21,11 @@ pub enum Tool {
 
 /// Choices about what is drawn.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(from = "SavedLook", into = "SavedLook")]
+#[serde(default)]
 #[expect(clippy::struct_excessive_bools, reason = "each is a switch of its own")]
 pub struct Look {
     /// Which overlays are shown, in the order of their list.
+    #[serde(serialize_with = "overlays_by_name", deserialize_with = "overlays_from_names")]
     pub overlays: [bool; OverlayId::COUNT],
     /// Whether zooming and moving one image does the same to the other.
     pub linked: bool,
@@ -33,6 +34,7 @@ pub struct Look {
     /// Whether a loupe follows the cursor while a point is placed.
     pub loupe: bool,
     /// The tab of the bottom panel.
+    #[serde(serialize_with = "tab_by_title", deserialize_with = "tab_from_title")]
     pub tab: TabId,
     /// Whether the bottom panel is folded away.
     pub tabs_folded: bool,
@@ -90,115 +92,39 @@ fn shown_at_first() -> [bool; OverlayId::COUNT] {
     shown
 }
 
-/// [`Look`] as it is saved: overlays and the tab by name, so that another list of them finds its own.
-#[derive(Clone, Serialize, Deserialize)]
-#[serde(default)]
-#[expect(clippy::struct_excessive_bools, reason = "each is a switch of its own")]
-struct SavedLook {
-    overlays: BTreeMap<String, bool>,
-    linked: bool,
-    map: bool,
-    loupe: bool,
-    tab: String,
-    tabs_folded: bool,
-    tabs_enlarged: bool,
-    side_folded: bool,
-    overlays_folded: bool,
-    strip_folded: bool,
-    names: bool,
-    stacked: bool,
-    compared: Subject,
-    rectified: RectifiedLook,
+/// Overlays are saved by name, so that another list of them finds its own.
+fn overlays_by_name<S: Serializer>(
+    overlays: &[bool; OverlayId::COUNT],
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
+    let named: BTreeMap<&str, bool> =
+        OverlayId::all().map(OverlayId::name).zip(overlays.iter().copied()).collect();
+    named.serialize(serializer)
 }
 
-impl Default for SavedLook {
-    fn default() -> Self {
-        Look::default().into()
-    }
-}
-
-impl From<Look> for SavedLook {
-    fn from(look: Look) -> Self {
-        let Look {
-            overlays,
-            linked,
-            map,
-            loupe,
-            tab,
-            tabs_folded,
-            tabs_enlarged,
-            side_folded,
-            overlays_folded,
-            strip_folded,
-            names,
-            stacked,
-            compared,
-            rectified,
-        } = look;
-        let overlays = OverlayId::all().map(|overlay| overlay.name().to_owned()).zip(overlays).collect();
-        let tab = tab.title().to_owned();
-        Self {
-            overlays,
-            linked,
-            map,
-            loupe,
-            tab,
-            tabs_folded,
-            tabs_enlarged,
-            side_folded,
-            overlays_folded,
-            strip_folded,
-            names,
-            stacked,
-            compared,
-            rectified,
+fn overlays_from_names<'de, D: Deserializer<'de>>(
+    deserializer: D,
+) -> Result<[bool; OverlayId::COUNT], D::Error> {
+    let named = BTreeMap::<String, bool>::deserialize(deserializer)?;
+    let mut overlays = shown_at_first();
+    for (overlay, shown) in OverlayId::all().zip(&mut overlays) {
+        let saved = named.get(overlay.name());
+        if let Some(saved) = saved.filter(|_| overlay.visibility() != Visibility::Always) {
+            *shown = *saved;
         }
     }
+    Ok(overlays)
 }
 
-impl From<SavedLook> for Look {
-    fn from(saved: SavedLook) -> Self {
-        let SavedLook {
-            overlays,
-            linked,
-            map,
-            loupe,
-            tab,
-            tabs_folded,
-            tabs_enlarged,
-            side_folded,
-            overlays_folded,
-            strip_folded,
-            names,
-            stacked,
-            compared,
-            rectified,
-        } = saved;
-        let tab = TabId::ALL.into_iter().find(|other| other.title() == tab).unwrap_or_default();
-        let mut look = Self {
-            linked,
-            map,
-            loupe,
-            tab,
-            tabs_folded,
-            tabs_enlarged,
-            side_folded,
-            overlays_folded,
-            strip_folded,
-            names,
-            stacked,
-            compared,
-            rectified,
-            ..Self::default()
-        };
-        for (overlay, shown) in OverlayId::all().zip(&mut look.overlays) {
-            let saved = overlays.get(overlay.name());
-            if let Some(saved) = saved.filter(|_| overlay.visibility() != Visibility::Always) {
-                *shown = *saved;
-            }
-        }
-        look
-    }
+/// The tab is saved by its title; in place of one that is no more comes the first.
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde calls it so")]
+fn tab_by_title<S: Serializer>(tab: &TabId, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_str(tab.title())
+}
+
+fn tab_from_title<'de, D: Deserializer<'de>>(deserializer: D) -> Result<TabId, D::Error> {
+    let title = String::deserialize(deserializer)?;
+    Ok(TabId::ALL.into_iter().find(|tab| tab.title() == title).unwrap_or_default())
 }
 
 #[cfg(test)]

@@ -7,14 +7,11 @@ use super::ids::TabId;
 use super::inspection::InspectionRequest;
 use super::picture::Pictures;
 use super::rectified::{MatchesAtHand, RectifyQuestion};
-use super::shared::Shared;
-use super::shown::ShownGeometry;
 use super::suggesting::{NextClickQuestion, SuggestQuestion};
 use crate::convention::FEWEST_MATCHES;
 use crate::estimate::{Estimate, Reason, Search, Verdict};
 use crate::geometry::PointPair;
-use crate::io::GroundTruth;
-use crate::suggest::{Known, Rival};
+use crate::suggest::Known;
 
 impl Model {
     /// The pictures whose patches a search will ask for.
@@ -88,19 +85,14 @@ impl Model {
         {
             return None;
         }
-        let found = self.final_result()?;
+        let (found, _) = self.open.computation.shared_result().filter(|(_, of)| *of == Freshness::Final)?;
         let trust = found.assessment.trust.as_ref().filter(|trust| trust.verdict != Verdict::Reliable)?;
         // A pair that was outvoted is to be looked at itself.
         let of_a_click = |reason: &Reason| matches!(reason, Reason::ClickOff { .. });
         if !trust.reasons.is_empty() && trust.reasons.iter().all(of_a_click) {
             return None;
         }
-        Some(NextClickQuestion {
-            pictures: self.open.pictures()?,
-            fundamental: *found.fundamental(),
-            rivals: Rival::of(found),
-            placed: document.pairs.clone(),
-        })
+        Some(NextClickQuestion { pictures: self.open.pictures()?, found, placed: document.pairs.clone() })
     }
 
     /// What the result says of the images: nothing while there is none, or one that is called unreliable.
@@ -121,7 +113,7 @@ impl Model {
     /// The pair to be rectified, once there is a geometry.
     pub fn rectify_question(&self) -> Option<RectifyQuestion> {
         let shown = self.shown()?;
-        let matches = self.matches_beside(&shown);
+        let matches = self.matches_beside();
         let dragging = self.open.hover.is_some_and(|hover| hover.dragging);
         Some(RectifyQuestion {
             pictures: self.open.pictures()?,
@@ -132,56 +124,35 @@ impl Model {
         })
     }
 
-    /// The matches on which the geometry shown is measured.
-    pub fn matches_beside(&self, shown: &ShownGeometry) -> MatchesAtHand {
-        let known = self.truth().and(self.open.known.as_ref()).map(|known| &known.truth);
-        let found = Some(shown.estimate).filter(|estimate| !estimate.matches().is_empty());
-        matches_at_hand(known, found, self.document.pairs.clone(), Preferred::Found)
+    /// The matches on which the geometry shown is measured: known ones, else those of the result, hundreds all over the
+    /// images, else clicked ones.
+    pub fn matches_beside(&self) -> MatchesAtHand {
+        let known = self.truth().and(self.open.known.as_ref()).map(|known| known.truth.clone());
+        let found = self.open.computation.shared_result().filter(|(found, _)| !found.matches().is_empty());
+        known
+            .map(MatchesAtHand::True)
+            .or_else(|| found.map(|(found, _)| MatchesAtHand::Found(found)))
+            .unwrap_or_else(|| MatchesAtHand::Clicked(self.document.pairs.clone()))
     }
 
     /// The matches that can tell what a matrix means: known ones, else those that a person clicked, else those of the
-    /// result. That known ones are used shows nothing of them.
+    /// result, which may itself be wrong. That known ones are used shows nothing of them.
     pub fn matches_for_import(&self) -> MatchesAtHand {
-        let known = self.open.known.as_ref().map(|known| &known.truth);
-        let known = known.filter(|truth| truth.matches.len() >= FEWEST_MATCHES);
-        let found = self.final_result().filter(|estimate| estimate.matches().len() >= FEWEST_MATCHES);
-        let preferred = Preferred::Clicked { least: FEWEST_MATCHES };
-        matches_at_hand(known, found, self.document.included().collect(), preferred)
+        let known = self.open.known.as_ref().map(|known| known.truth.clone());
+        if let Some(truth) = known.filter(|truth| truth.matches.len() >= FEWEST_MATCHES) {
+            return MatchesAtHand::True(truth);
+        }
+        let clicked: Vec<PointPair> = self.document.included().collect();
+        let found = self.open.computation.shared_result().filter(|(found, of)| {
+            *of == Freshness::Final
+                && found.matches().len() >= FEWEST_MATCHES
+                && clicked.len() < FEWEST_MATCHES
+        });
+        found.map_or(MatchesAtHand::Clicked(clicked), |(found, _)| MatchesAtHand::Found(found))
     }
 
     fn final_result(&self) -> Option<&Estimate> {
         let (estimate, freshness) = self.open.computation.result()?;
         (freshness == Freshness::Final).then_some(estimate)
-    }
-}
-
-/// Which matches are taken where none are known.
-#[derive(Debug, Clone, Copy)]
-enum Preferred {
-    /// Matches of the result, where it has any: what is made from a result is measured on hundreds all over the images.
-    Found,
-    /// Clicks, where there are so many: what comes from elsewhere is held against what a person has seen, and against a
-    /// result, which may itself be wrong, only where nothing else tells.
-    Clicked {
-        /// Fewer than these can tell nothing.
-        least: usize,
-    },
-}
-
-/// The matches that something is measured on: known ones, else what is preferred, else what there is. Who calls has left
-/// out known matches and a result of which there are too few.
-fn matches_at_hand(
-    known: Option<&Shared<GroundTruth>>,
-    found: Option<&Estimate>,
-    clicked: Vec<PointPair>,
-    preferred: Preferred,
-) -> MatchesAtHand {
-    if let Some(truth) = known {
-        return MatchesAtHand::True(truth.clone());
-    }
-    let clicks_do = matches!(preferred, Preferred::Clicked { least } if clicked.len() >= least);
-    match found.filter(|_| !clicks_do) {
-        Some(found) => MatchesAtHand::Found(found.matches().iter().map(|found| found.pair).collect()),
-        None => MatchesAtHand::Clicked(clicked),
     }
 }

@@ -2,8 +2,10 @@
 
 use super::document::HalfPair;
 use super::picture::Pictures;
-use crate::geometry::{FundamentalMatrix, Point, PointPair};
-use crate::suggest::{Known, Rival, SuggestError, Suggestions};
+use super::shared::Shared;
+use crate::estimate::Estimate;
+use crate::geometry::{Point, PointPair};
+use crate::suggest::{Known, SuggestError, Suggestions};
 
 /// What a match is to be suggested for.
 #[derive(Clone, PartialEq)]
@@ -26,10 +28,8 @@ pub type Suggested = Result<Suggestions, SuggestError>;
 pub struct NextClickQuestion {
     /// The two pictures.
     pub pictures: Pictures,
-    /// The geometry.
-    pub fundamental: FundamentalMatrix,
-    /// What competes with it.
-    pub rivals: Vec<Rival>,
+    /// The result, with what competes with it.
+    pub found: Shared<Estimate>,
     /// The pairs that are there.
     pub placed: Vec<PointPair>,
 }

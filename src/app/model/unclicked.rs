@@ -5,7 +5,6 @@ use super::document::Document;
 use crate::estimate::{Method, Parameters, Search};
 use crate::geometry::PointPair;
 use crate::io::PairOrigin;
-use crate::similarity::LineMeasure;
 
 impl Document {
     /// Whether the images alone have to do: a person asked for it, and has not clicked enough since.
@@ -18,9 +17,7 @@ impl Document {
     pub fn search_parameters(&self) -> Parameters {
         let method = match self.parameters.search {
             Search::Lines if self.is_unclicked() => Method::LinesAlone,
-            Search::Lines if self.parameters.similarity.measure == LineMeasure::Stereo => {
-                self.parameters.method
-            }
+            Search::Lines if self.most_pairs().is_some() => self.parameters.method,
             _ => Method::TwoPoint,
         };
         Parameters { method, ..self.parameters.clone() }

@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use super::opening::{
-    LoadedPair, OpeningFailure, Reading, open_folder, open_views, sample, sample_sequences,
+    LoadedPair, OpeningFailure, PairReading, open_folder, open_views, sample, sample_sequences,
 };
 use super::session_opening::open_session;
 use super::task::{Event, Task, Waiting};
@@ -29,7 +29,7 @@ enum Wanted {
 }
 
 impl Wanted {
-    fn open(self, mut reading: Reading) -> Result<LoadedPair, OpeningFailure> {
+    fn open(self, mut reading: PairReading) -> Result<LoadedPair, OpeningFailure> {
         let found = match self {
             Self::Sample => Ok(sample()),
             Self::SampleSequences => sample_sequences(&reading),
@@ -45,7 +45,7 @@ impl Wanted {
 /// The opening under way, if any.
 pub struct Loader {
     waker: Waker,
-    task: Option<Task<(Wanted, Reading), Result<LoadedPair, OpeningFailure>>>,
+    task: Option<Task<(Wanted, PairReading), Result<LoadedPair, OpeningFailure>>>,
     /// What was asked for last, until it is open.
     asked: Option<Wanted>,
     /// The pictures that were opened last.
@@ -127,13 +127,13 @@ impl Loader {
             "open",
             self.waker.clone(),
             Waiting::Newest,
-            |(wanted, mut reading): (Wanted, Reading), turn| {
+            |(wanted, mut reading): (Wanted, PairReading), turn| {
                 reading.cancel = turn.cancel.clone();
                 Some(wanted.open(reading))
             },
         );
         let cancel = CancelFlag::default();
-        task.ask((wanted, Reading { cancel, open, accepts_damaged, notes: Vec::new() }));
+        task.ask((wanted, PairReading { cancel, open, accepts_damaged, notes: Vec::new() }));
         self.task = Some(task);
     }
 }

@@ -86,7 +86,7 @@ impl LoadedPair {
 }
 
 /// How the pictures of one opening are read, and what there is to tell about them.
-pub struct Reading {
+pub struct PairReading {
     /// Set when others are to be opened instead.
     pub cancel: CancelFlag,
     /// Pictures that are open and not read again.
@@ -97,7 +97,7 @@ pub struct Reading {
     pub notes: Vec<String>,
 }
 
-impl Reading {
+impl PairReading {
     /// What two files are, or two folders: pictures, or sequences.
     pub fn pair(&mut self, paths: [&Path; 2]) -> Result<[Opened; 2], OpeningFailure> {
         let [left, right] = paths;
@@ -197,7 +197,7 @@ pub fn sample() -> LoadedPair {
 }
 
 /// The built-in sequences, drawn and told from their background.
-pub fn sample_sequences(reading: &Reading) -> Result<LoadedPair, OpeningFailure> {
+pub fn sample_sequences(reading: &PairReading) -> Result<LoadedPair, OpeningFailure> {
     let drawn = sample_recordings(&reading.cancel).map_err(|error| {
         OpeningFailure::Text(format!(
             "The built-in sequences could not be drawn: {error}. Nothing was changed."
@@ -212,7 +212,7 @@ pub fn sample_sequences(reading: &Reading) -> Result<LoadedPair, OpeningFailure>
 }
 
 /// The first pair of a folder.
-pub fn open_folder(path: &Path, reading: &mut Reading) -> Result<LoadedPair, OpeningFailure> {
+pub fn open_folder(path: &Path, reading: &mut PairReading) -> Result<LoadedPair, OpeningFailure> {
     let folder = PairFolder::open(path).map_err(|problem| unchanged(&problem))?;
     open_views(&Arc::new(folder), [0, 1], reading)
 }
@@ -221,7 +221,7 @@ pub fn open_folder(path: &Path, reading: &mut Reading) -> Result<LoadedPair, Ope
 pub fn open_views(
     folder: &Arc<PairFolder>,
     pair: [usize; 2],
-    reading: &mut Reading,
+    reading: &mut PairReading,
 ) -> Result<LoadedPair, OpeningFailure> {
     let pictures = reading.pair(pair.map(|view| folder.image(view)))?;
     let opened = LoadedPair { folder: Some((Arc::clone(folder), pair)), ..LoadedPair::of(pictures) };

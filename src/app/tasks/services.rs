@@ -16,7 +16,8 @@ use crate::estimate::{Estimate, EstimateError, Monitor, PreparedPair, estimate_p
 use crate::io::{IMAGE_EXTENSIONS, VIDEO_EXTENSIONS};
 use crate::motion::MotionError;
 use crate::suggest::{
-    ClickedImage, Known, NextClick, SuggestError, SuggestParameters, next_click, refine, suggest, view_at,
+    ClickedImage, Known, NextClick, Rival, SuggestError, SuggestParameters, next_click, refine, suggest,
+    view_at,
 };
 
 /// The search for a geometry: the estimator of this library, or something that stands in for it.
@@ -98,7 +99,8 @@ impl Default for Services {
             }),
             next_click: Box::new(move |question| {
                 let prepared = advising.get(&question.pictures);
-                next_click(&prepared, &question.fundamental, &question.rivals, &question.placed)
+                let found = &question.found;
+                next_click(&prepared, found.fundamental(), &Rival::of(found), &question.placed)
             }),
             repair: Box::new(move |question| repaired(&repairing.get(&question.pictures), question)),
             pick_file: Arc::new(pick_file),
@@ -129,9 +131,9 @@ fn repaired(prepared: &PreparedPair, question: &RepairQuestion) -> RepairOutcome
 /// What depends on the pictures alone, kept from one request to the next and shared by the threads, so that
 /// moving a point costs only what depends on the point.
 #[derive(Clone, Default)]
-struct PreparedCache(Arc<Mutex<Option<KeptPair>>>);
+struct PreparedCache(Arc<Mutex<Option<CachedPair>>>);
 
-struct KeptPair {
+struct CachedPair {
     pictures: Pictures,
     recordings: Option<Synchronised>,
     prepared: Arc<PreparedPair>,
@@ -170,7 +172,7 @@ impl PreparedCache {
         }
         let [image1, image2] = pictures;
         let prepared = Arc::new(completed(PreparedPair::new(&image1.gray, &image2.gray)));
-        *kept = Some(KeptPair {
+        *kept = Some(CachedPair {
             pictures: pictures.clone(),
             recordings: recordings.cloned(),
             prepared: Arc::clone(&prepared),

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use super::opening::{LoadedPair, OpeningFailure, Reading, sample, sample_sequences};
+use super::opening::{LoadedPair, OpeningFailure, PairReading, sample, sample_sequences};
 use crate::app::model::album::Album;
 use crate::app::model::document::TruthSource;
 use crate::app::model::open_pair::OpenFolder;
@@ -17,7 +17,7 @@ use crate::io::{ImageReference, ImageSource, Located, SessionError, SessionFile,
 use crate::synthetic::Sample;
 
 /// Opens a session with its pictures.
-pub fn open_session(session: OpenSession, reading: &mut Reading) -> Result<LoadedPair, OpeningFailure> {
+pub fn open_session(session: OpenSession, reading: &mut PairReading) -> Result<LoadedPair, OpeningFailure> {
     let path = session.path.clone();
     let unchanged = |text: &str| {
         OpeningFailure::Text(format!(

@@ -1,6 +1,6 @@
 //! Inputs from which no geometry follows, told before any work is done, and results that deserve a warning.
 
-use crate::estimate::{Clicks, EstimateError, PreparedPair, Search, Warning};
+use crate::estimate::{Clicks, EstimateError, PreparedPair, SearchPlan, Warning};
 use crate::geometry::{Frame, FundamentalMatrix, PointPair, apart_across_lines};
 use crate::image::GrayPlane;
 
@@ -20,13 +20,13 @@ const SAME_LINE: f64 = 0.05;
 /// Clicks nearer to each other than this fraction of the longer side turn the lines a lot when they are off.
 const CLOSE: f64 = 0.08;
 
-/// Checks the clicks against the images and each other; fewer than `needed` are an error.
+/// Checks the clicks against the images and each other, and that there are enough.
 pub(in crate::estimate) fn check_points(
     frames: [Frame; 2],
     clicks: &Clicks,
-    search: Search,
-    needed: usize,
+    plan: SearchPlan,
 ) -> Result<(), EstimateError> {
+    let needed = plan.least_clicks();
     if clicks.len() < needed {
         return Err(EstimateError::TooFewPairs { found: clicks.len(), needed });
     }
@@ -55,7 +55,7 @@ pub(in crate::estimate) fn check_points(
             }
         }
     }
-    let held = clicks.indispensable(search);
+    let held = clicks.indispensable(plan);
     for (rank, k) in held.iter().enumerate() {
         for j in &held[..rank] {
             let (a, b) = (pairs[*j], pairs[*k]);
@@ -126,14 +126,13 @@ pub(in crate::estimate) fn click_warnings(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::estimate::Method;
     use crate::estimate::exact::rows;
     use nalgebra::Matrix3;
 
     fn check(pairs: &[[f64; 4]]) -> Result<(), EstimateError> {
         let pairs: Vec<_> = pairs.iter().map(|[a, b, c, d]| PointPair::new(*a, *b, *c, *d)).collect();
-        let clicks = Clicks::for_search(&pairs, Method::TwoPoint, Search::Patches);
-        check_points([Frame::new(100, 80); 2], &clicks, Search::Patches, 2)
+        let plan = SearchPlan::Patches { clicks: 2 };
+        check_points([Frame::new(100, 80); 2], &Clicks::for_plan(&pairs, plan), plan)
     }
 
     #[test]
@@ -172,7 +171,7 @@ mod tests {
     fn warned(f: &FundamentalMatrix, frames: [Frame; 2], p: [f64; 4], q: [f64; 4]) -> Vec<Warning> {
         let pair = |c: [f64; 4]| PointPair::new(c[0], c[1], c[2], c[3]);
         let clicks = [pair(p), pair(q), pair([1.0, 1.0, 1.0, 1.0])];
-        click_warnings(f, frames, &Clicks::for_search(&clicks, Method::ThreePoint, Search::Lines))
+        click_warnings(f, frames, &Clicks::for_plan(&clicks, SearchPlan::Published { clicks: 3 }))
     }
 
     #[test]

@@ -74,3 +74,56 @@ pub fn examine(
     };
     Some(Estimate { geometry: (*f).into(), assessment, trace: None })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::estimate::Preset;
+    use crate::estimate::exact::{ExactScene, ExactSource};
+    use crate::geometry::finite_point;
+
+    #[test]
+    fn figures_tell_the_truth_from_what_is_near_it() {
+        let scene = ExactScene::aside();
+        let [plane1, plane2] = scene.planes();
+        let prepared = PreparedPair::new(&plane1, &plane2);
+        let source = ExactSource(scene.fundamental());
+        let patches = prepared.upright_patches();
+        let (truth, wrong) = (scene.fundamental(), scene.disturbed(12.0));
+        for (preset, by_patches) in [(Preset::Paper, false), (Preset::Robust, true)] {
+            let parameters = Parameters::from(preset);
+            let examiner =
+                Examiner { prepared: &prepared, source: &source, patches: &patches, parameters: &parameters };
+            let score = |f: &FundamentalMatrix| {
+                examiner.line_figures(scene.clicks(), f, 0.0).and_then(|figures| figures.score).unwrap()
+            };
+            assert!(score(&truth) < 0.5 * score(&wrong), "{} {}", score(&truth), score(&wrong));
+            let [of_truth, of_wrong] = [truth, wrong].map(|f| examiner.patch_support(&f));
+            assert_eq!(of_truth.is_some(), by_patches, "published figures know no patches");
+            if let (Some(right), Some(wrong)) = (of_truth, of_wrong) {
+                assert!(right.score > 1.5 * wrong.score, "{right:?} {wrong:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_matrix_from_elsewhere_is_examined_as_beside_the_search() {
+        let scene = ExactScene::aside();
+        let [plane1, plane2] = scene.planes();
+        let prepared = PreparedPair::new(&plane1, &plane2);
+        let parameters = Parameters::default();
+        let beside = Estimate::from(scene.disturbed(1.0));
+        let examined = |clicks, f: &FundamentalMatrix| examine(&prepared, clicks, f, &beside, &parameters);
+        let of_truth = examined(scene.clicks(), &scene.fundamental()).unwrap();
+        assert_eq!(of_truth.fundamental(), &scene.fundamental());
+        assert!(of_truth.line_score().is_some() && of_truth.support_score().is_some());
+        assert!(of_truth.trace.is_none() && of_truth.assessment.trust.is_none());
+        // At the epipole there is no line.
+        let forward = ExactScene::forward();
+        let epipole = PointPair {
+            point1: finite_point(&forward.fundamental().epipole1()).unwrap(),
+            point2: finite_point(&forward.fundamental().epipole2()).unwrap(),
+        };
+        assert!(examined([epipole, forward.clicks()[1]], &forward.fundamental()).is_none());
+    }
+}

@@ -109,3 +109,71 @@ fn border(frame: Frame) -> impl Iterator<Item = Point> {
         from + (to - from) * (along / lengths[side].max(1e-9))
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::exact::{BAND, FRAME, bands, by_itself};
+    use super::*;
+    use crate::estimate::exact::rows;
+
+    fn pencils(first: &Silhouettes, second: &Silhouettes, shift: f64) -> Pencils {
+        Pencils::new([first, second], &rows(shift)).unwrap()
+    }
+
+    #[test]
+    fn the_same_barcodes_cost_nothing_and_others_about_one() {
+        let seen = bands(300, by_itself);
+        assert!(pencils(&seen, &seen, 0.0).cost().abs() < 1e-12);
+        let others = pencils(&seen, &seen, BAND as f64).cost();
+        assert!((0.8..1.1).contains(&others), "{others}");
+        // Half as much moves where the other image has all of it: covariance over the mean of the variances.
+        let rarely = bands(300, |band, time| by_itself(band, time) && time % 2 == 0);
+        let halved = pencils(&seen, &rarely, 0.0).cost();
+        assert!((0.2..0.5).contains(&halved), "{halved}");
+    }
+
+    #[test]
+    fn what_repeats_itself_agrees_by_chance() {
+        let seen = bands(300, by_itself);
+        assert!(pencils(&seen, &seen, 0.0).correlation_by_chance() < 0.2);
+        // Each period is as far as from one shift to the next but one.
+        let again = bands(300, |band, time| by_itself(band, time % 10));
+        assert!(pencils(&again, &again, 0.0).correlation_by_chance() > 0.99);
+    }
+
+    #[test]
+    fn lines_that_are_all_alike_are_less_than_one() {
+        let lines = |of: fn(usize, usize) -> bool| {
+            let seen = bands(300, of);
+            pencils(&seen, &seen, 0.0).independent_lines()
+        };
+        let (alike, apart) = (lines(|_, time| by_itself(0, time)), lines(by_itself));
+        assert!(alike < 0.1, "{alike}");
+        // Twelve bands, of which the border counts each twice.
+        assert!((3.0..24.0).contains(&apart), "{apart}");
+        assert!(lines(|band, time| band == 5 && by_itself(band, time)) < apart / 2.0, "most tell nothing");
+    }
+
+    #[test]
+    fn events_are_the_changes_of_a_line_of_its_own() {
+        // On for two frames, off for three: two changes every five frames, but for the last.
+        let seen = bands(100, |_, time| time % 5 < 2);
+        let pencils = pencils(&seen, &seen, 0.0);
+        let changes = pencils.events() / pencils.independent_lines();
+        assert!((changes - 39.0).abs() < 1e-9, "{changes}");
+    }
+
+    #[test]
+    fn places_go_round_the_border_in_even_steps() {
+        let places: Vec<Point> = border(FRAME).collect();
+        let step = 2.0 * (FRAME.right() + FRAME.bottom()) / LINES as f64;
+        assert_eq!(places.len(), LINES);
+        assert_eq!(places[0], Point::new(0.5 * step, 0.0));
+        for two in places.windows(2) {
+            let by = two[1] - two[0];
+            assert!((by.x.abs() + by.y.abs() - step).abs() < 1e-9, "{two:?}");
+        }
+        let is_outer = |v: f64, last: f64| v.abs() < 1e-9 || (v - last).abs() < 1e-9;
+        assert!(places.iter().all(|p| is_outer(p.x, FRAME.right()) || is_outer(p.y, FRAME.bottom())));
+    }
+}

@@ -6,6 +6,8 @@
 //! seven numbers at once, and judged by what barcodes can tell: patches of cameras far apart do not match.
 
 mod agreement;
+#[cfg(test)]
+mod exact;
 mod precision;
 mod refinement;
 mod sharpening;
@@ -13,9 +15,9 @@ mod sharpening;
 use super::lines::{LineConsensus, compare_lines, geometries_from_lines};
 use super::record::SearchRecord;
 use super::result::{BarcodeFigures, REPORTED};
-use super::search::{Input, Judged, by_lines};
+use super::search::{Judged, SearchInput, by_lines};
 use super::trust::{BarcodeEvidence, Evidence, Together};
-use super::{Assessment, Estimate, EstimateError, Parameters, Preset, Stage, Trust};
+use super::{Assessment, Estimate, EstimateError, Parameters, Preset, Search, Stage, Trust};
 use crate::geometry::{FundamentalMatrix, PointPair, epipolar_difference, line_spacing, sampson_distance};
 use crate::motion::Silhouettes;
 
@@ -33,12 +35,12 @@ const SAME: f64 = 0.02;
 
 /// Parameters as barcodes take them: a barcode is the same whichever way its line is read, cameras may stand anywhere
 /// around the scene, and there are no patches.
-pub(super) fn adapted(parameters: &Parameters) -> Parameters {
+fn adapted(parameters: &Parameters) -> Parameters {
     let mut adapted = parameters.clone();
     adapted.pencils.rotation = std::f64::consts::PI;
     adapted.pencils.coarse_side = adapted.pencils.coarse_side.max(SIDE);
     adapted.lines_alone.side = adapted.lines_alone.side.max(SIDE);
-    adapted.search = super::Search::Lines;
+    adapted.search = Search::Lines;
     adapted.refinement.refine = false;
     adapted
 }
@@ -54,17 +56,16 @@ fn as_published(parameters: &Parameters) -> Parameters {
 }
 
 /// Proposals from the pencils of the clicks, where there are two, and from all lines; the best one refined and judged.
-pub(super) fn by_barcodes(
-    input: &Input,
-    silhouettes: [&Silhouettes; 2],
-    record: &mut SearchRecord,
-) -> Result<Judged, EstimateError> {
-    let Input { clicks, parameters, cancel, patches, .. } = *input;
+pub(super) fn by_barcodes(input: &SearchInput, record: &mut SearchRecord) -> Result<Judged, EstimateError> {
+    let silhouettes = input.prepared.silhouettes().ok_or(EstimateError::NoSequences)?;
+    let adapted = adapted(input.parameters);
+    let input = &SearchInput { parameters: &adapted, ..*input };
+    let SearchInput { clicks, parameters, cancel, patches, .. } = *input;
     let mut proposed: Vec<FundamentalMatrix> = Vec::new();
     let mut hypotheses: Vec<Estimate> = Vec::new();
     if clicks.anchors().len() >= 2 {
         let few = as_published(parameters);
-        match by_lines(&Input { parameters: &few, ..*input }, record) {
+        match by_lines(&SearchInput { parameters: &few, ..*input }, record) {
             Ok(found) => {
                 proposed.push(found.fundamental);
                 proposed.extend(found.hypotheses.iter().take(REFINED / 2).map(Estimate::fundamental));
@@ -129,8 +130,11 @@ pub(super) fn by_barcodes(
 }
 
 /// Geometries that pairs of all lines agree on (paper, section 4), full-size pixels.
-fn from_all_lines(input: &Input, record: &mut SearchRecord) -> Result<Vec<FundamentalMatrix>, EstimateError> {
-    let Input { source, parameters, cancel, .. } = *input;
+fn from_all_lines(
+    input: &SearchInput,
+    record: &mut SearchRecord,
+) -> Result<Vec<FundamentalMatrix>, EstimateError> {
+    let SearchInput { source, parameters, cancel, .. } = *input;
     record.enter(Stage::Pencils)?;
     let alone = &parameters.lines_alone;
     let level = source.at(alone.side);
@@ -159,13 +163,13 @@ fn apart(a: &FundamentalMatrix, b: &FundamentalMatrix, silhouettes: [&Silhouette
 }
 
 fn assessed(
-    input: &Input,
+    input: &SearchInput,
     record: &SearchRecord,
     f: &FundamentalMatrix,
     figures: BarcodeFigures,
     margin: Option<f64>,
 ) -> Assessment {
-    let Input { clicks, parameters, prepared, .. } = *input;
+    let SearchInput { clicks, parameters, prepared, .. } = *input;
     let distances: Vec<f64> =
         clicks.observed().iter().map(|pair: &PointPair| sampson_distance(f, pair)).collect();
     let trust = Trust::judge(&Evidence {

@@ -98,3 +98,59 @@ fn moving_places(silhouettes: [&Silhouettes; 2]) -> Vec<(Point, Point)> {
     let step = all.len().div_ceil(PLACES).max(1);
     all.into_iter().step_by(step).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::exact::{bands, by_itself};
+    use super::*;
+    use crate::estimate::exact::rows;
+    use crate::geometry::Frame;
+
+    #[test]
+    fn the_deviation_of_a_line_is_the_jackknife_of_its_places() {
+        let at = (Point::new(5.0, 7.0), Point::new(9.0, 8.0));
+        let of = |shifts: &[f64]| {
+            let left: Vec<_> = shifts.iter().map(|shift| rows(*shift)).collect();
+            line_deviation(&left, &rows(0.0), at).unwrap()
+        };
+        // √((n − 1)/n Σ (d − d̄)²)
+        assert!((of(&[-1.0, 1.0]) - 1.0).abs() < 1e-9);
+        assert!(
+            (of(&[3.0, 5.0, 7.0, 9.0]) - (0.75f64 * 20.0).sqrt()).abs() < 1e-9,
+            "their mean is taken off"
+        );
+        // The same line the other way round is no other line.
+        let turned = FundamentalMatrix::from_rank_two(-rows(2.0).matrix()).unwrap();
+        assert!(line_deviation(&[rows(2.0), turned], &rows(0.0), at).unwrap() < 1e-9);
+    }
+
+    #[test]
+    fn places_are_where_things_move_and_across_from_the_middle_of_what_moves() {
+        let small = Frame::new(8, 6);
+        // A block of nine pixels, whose corners are taken for specks, in one frame.
+        let block = |x: usize, y: usize, when: usize| {
+            let mask = |time: usize| -> Vec<bool> {
+                let is_in = |k: usize| (k % 8).abs_diff(x) < 2 && (k / 8).abs_diff(y) < 2;
+                (0..48).map(|k| time == when && is_in(k)).collect()
+            };
+            Silhouettes::from_masks("block", small, Frame::new(16, 12), (0..20).map(mask).collect()).unwrap()
+        };
+        let places = moving_places([&block(3, 2, 4), &block(5, 3, 4)]);
+        assert_eq!(places.len(), 5, "{places:?}");
+        assert!(places.iter().any(|(at, _)| *at == Point::new(6.5, 4.5)), "pixel centres, twice as large");
+        assert!(places.iter().all(|(_, seen)| (seen - Point::new(10.5, 6.5)).norm() < 1e-9));
+        assert!(moving_places([&block(3, 2, 4), &block(5, 3, 9)]).is_empty(), "nothing moves in the other");
+    }
+
+    #[test]
+    fn too_few_frames_say_nothing_and_rows_that_move_by_themselves_hold_their_lines() {
+        let measured = |frames: usize| {
+            let seen = bands(frames, by_itself);
+            let objective = Objective::new([&seen, &seen], &[], 1.0, 50.0);
+            deviation(&objective, &rows(0.0), 1, &CancelFlag::default()).unwrap()
+        };
+        assert_eq!(measured(FEWEST_FRAMES), None);
+        let held = measured(200).unwrap();
+        assert!(held < 0.5, "{held} px");
+    }
+}

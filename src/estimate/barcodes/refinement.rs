@@ -124,3 +124,59 @@ pub(super) fn refine(
 fn gaussian(random: &mut Pcg64Mcg) -> Vector7 {
     Vector7::from_fn(|_, _| (0..12).map(|_| random.random::<f64>()).sum::<f64>() - 6.0)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::exact::{FRAME, bands, by_itself};
+    use super::*;
+    use crate::estimate::exact::rows;
+
+    #[test]
+    fn clicks_count_by_their_deviations_up_to_four_and_barcodes_by_their_events() {
+        let seen = bands(100, by_itself);
+        let value = |clicks: &[PointPair], events: f64, shift: f64| {
+            Objective::new([&seen, &seen], clicks, 2.0, events).value(&rows(shift))
+        };
+        // The Sampson distance of a click 3 px off a row is 3/√2.
+        let off = |by: f64| PointPair::new(10.0, 10.0, 20.0, 10.0 + by);
+        assert!((value(&[off(3.0)], 0.0, 0.0) - 0.5 * 4.5 / 4.0).abs() < 1e-9);
+        assert!((value(&[off(0.0), off(30.0)], 0.0, 0.0) - 8.0).abs() < 1e-9, "bounded");
+        let cost = Pencils::new([&seen, &seen], &rows(9.0)).unwrap().cost();
+        assert!((value(&[], 7.0, 9.0) - 7.0 * cost.ln()).abs() < 1e-9);
+        assert!(value(&[], 7.0, 0.0).is_finite(), "equal barcodes");
+    }
+
+    #[test]
+    fn steps_lead_from_a_few_pixels_off_to_where_barcodes_agree() {
+        let seen = bands(200, by_itself);
+        let objective = Objective::new([&seen, &seen], &[], 1.0, 50.0);
+        let search = |seed: u64| {
+            let far = Steps { first: 0.05, ..FROM_AFAR };
+            refine(&objective, &rows(2.0), far, seed, &CancelFlag::default()).unwrap().unwrap()
+        };
+        let found = search(1);
+        assert!(found.value < objective.value(&rows(2.0)) - 50.0, "{}", found.value);
+        for x in [0.0, FRAME.right()] {
+            for y in [2.0, 22.0, 42.0] {
+                let off = sampson_distance(&found.fundamental, &PointPair::new(x, y, 32.0, y));
+                assert!(off < 1.5, "{off} px at {x}, {y}");
+            }
+        }
+        assert_eq!(found.fundamental, search(1).fundamental, "the seed decides");
+        let stopped = CancelFlag::default();
+        stopped.cancel();
+        let stopped = refine(&objective, &rows(2.0), NEARBY, 1, &stopped);
+        assert_eq!(stopped.unwrap_err(), EstimateError::Cancelled);
+    }
+
+    #[test]
+    fn drawn_steps_have_unit_deviation() {
+        let mut random = Pcg64Mcg::seed_from_u64(4);
+        let drawn: Vec<f64> =
+            (0..1000).flat_map(|_| gaussian(&mut random).iter().copied().collect::<Vec<_>>()).collect();
+        let mean = drawn.iter().sum::<f64>() / drawn.len() as f64;
+        let variance = drawn.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / drawn.len() as f64;
+        // Of 7000 numbers: 1/84 and √2/84, four times.
+        assert!(mean.abs() < 0.05 && (variance - 1.0).abs() < 0.07, "{mean} {variance}");
+    }
+}

@@ -87,3 +87,73 @@ fn moved(line: &AnchoredLine, frame: Frame, step: f64, random: &mut Pcg64Mcg) ->
     let direction = if direction.dot(&line.direction) < 0.0 { -direction } else { direction };
     AnchoredLine { anchor: nalgebra::center(&start, &end), direction }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::estimate::exact::{FRAME, exact_lines, rows};
+
+    fn row(y: f64) -> AnchoredLine {
+        AnchoredLine { anchor: Point::new(100.0, y), direction: Vector::x() }
+    }
+
+    fn level() -> ScaledSimilarity<'static> {
+        ScaledSimilarity {
+            lines: Box::new(exact_lines(rows(0.0), [FRAME; 2])),
+            frames: [FRAME; 2],
+            scales: [1.0; 2],
+        }
+    }
+
+    fn sharpened(candidates: &[LineCandidate], seed: u64) -> Vec<LineCandidate> {
+        sharpen(&level(), candidates, 4.0, seed, &CancelFlag::default()).unwrap()
+    }
+
+    #[test]
+    fn both_lines_move_to_where_they_agree_and_equal_pairs_are_one() {
+        let mut candidates: Vec<LineCandidate> = (0..20)
+            .map(|k| 10.0 + 11.0 * f64::from(k))
+            .map(|y| LineCandidate { line1: row(y), line2: row(y + 3.0), cost: 9.0 })
+            .collect();
+        // The same pair read from the other end.
+        let back = AnchoredLine { direction: -Vector::x(), ..candidates[0].line2 };
+        candidates.insert(1, LineCandidate { line2: back, ..candidates[0] });
+        let found = sharpened(&candidates, 3);
+        assert_eq!(found.len(), 20);
+        assert!(found.is_sorted_by(|a, b| a.cost <= b.cost));
+        // 3 px at the start, and measured anew whatever they were said to cost.
+        assert!(found.iter().all(|one| one.cost < 1.0), "{found:?}");
+        let pairs: Vec<_> = found.iter().map(|one| (one.line1, one.line2)).collect();
+        let costs: Vec<f32> = found.iter().map(|one| one.cost).collect();
+        assert_eq!(level().lines.pair_costs(&pairs), costs, "each has the cost of its own lines");
+        let lines = |seed| sharpened(&candidates, seed).iter().map(|one| one.line1).collect::<Vec<_>>();
+        assert!(lines(3) == lines(3) && lines(3) != lines(4), "the seed decides");
+    }
+
+    #[test]
+    fn lines_that_miss_their_image_are_dropped_and_a_stop_is_one() {
+        let outside = LineCandidate { line1: row(-50.0), line2: row(20.0), cost: 0.0 };
+        assert!(sharpened(&[outside], 1).is_empty());
+        let cancel = CancelFlag::default();
+        cancel.cancel();
+        assert_eq!(sharpen(&level(), &[], 4.0, 1, &cancel).unwrap_err(), EstimateError::Cancelled);
+    }
+
+    #[test]
+    fn a_line_keeps_its_sense_and_moves_no_farther_than_a_step() {
+        let mut random = Pcg64Mcg::seed_from_u64(2);
+        let back = AnchoredLine { direction: -Vector::x(), ..row(60.0) };
+        let still = moved(&back, FRAME, 0.0, &mut random);
+        assert!((still.direction - back.direction).norm() < 1e-12 && (still.anchor.y - 60.0).abs() < 1e-9);
+        let mut farthest = 0.0f64;
+        for _ in 0..200 {
+            let tried = moved(&back, FRAME, 5.0, &mut random);
+            assert!(tried.direction.x < -0.9);
+            for x in [0.0, FRAME.right()] {
+                let y = tried.anchor.y + (x - tried.anchor.x) * tried.direction.y / tried.direction.x;
+                farthest = farthest.max((y - 60.0).abs());
+            }
+        }
+        assert!((4.0..=5.0).contains(&farthest), "{farthest} px");
+    }
+}

@@ -8,12 +8,21 @@
 //!     v2ᵀ (F x1) + v1ᵀ (Fᵀ x2) = 0 .
 //! ```
 //!
-//! Seven equations leave a pencil of matrices, of which those of rank 2 are taken.
+//! Seven equations leave a pencil of matrices, of which those of rank 2 are taken. [`crate::geometry::seven_point`] does the
+//! same for seven points, conditions them, tells why they fail and keeps double roots, by singular values and eigenvalues;
+//! here, where a sample that fails is drawn again, elimination and the closed form of the roots do, in a fraction of the time.
 
 use nalgebra::{Matrix3, SVector};
 
+use crate::geometry::determinant_on_pencil;
+
 /// Coefficients of one equation in the entries of F, row by row.
 pub(super) type Equation = [f64; 9];
+
+/// Below this, for matrices of norm 1, a determinant is rounding: all of the pencil has rank 2.
+const SMALLEST_DETERMINANT: f64 = 1e-15;
+/// Below this a pivot is rounding, for equations in conditioned coordinates: these depend on each other.
+const SMALLEST_PIVOT: f64 = 1e-9;
 
 /// `x2ᵀ F x1 = 0` for conditioned coordinates `x1 y1 x2 y2`.
 pub(super) fn point_equation([x1, y1, x2, y2]: [f64; 4]) -> Equation {
@@ -29,18 +38,13 @@ pub(super) fn frame_equation([x1, y1, x2, y2]: [f64; 4], v1: [f64; 2], v2: [f64;
 /// All matrices of rank 2 that satisfy seven equations; none when these are dependent.
 pub(super) fn solve_seven(equations: &[Equation; 7]) -> Vec<Matrix3<f64>> {
     let Some([f, g]) = null_space(equations) else { return Vec::new() };
-    // det(f + t (g − f)) = 0 sampled at four places gives the cubic; the pencil is turned so that its ends differ.
-    let column = |m: &Matrix3<f64>, k: usize| m.column(k).into_owned();
-    let mixed = |g: &Matrix3<f64>, h: &Matrix3<f64>| -> f64 {
-        (0..3).map(|k| column(h, k).dot(&column(g, (k + 1) % 3).cross(&column(g, (k + 2) % 3)))).sum()
-    };
+    // The end of the pencil with the larger determinant leads the cubic.
     let (cubic, constant) = (f.determinant(), g.determinant());
-    let (f, g, cubic, constant) =
-        if cubic.abs() >= constant.abs() { (f, g, cubic, constant) } else { (g, f, constant, cubic) };
-    if cubic.abs() < 1e-15 {
+    let (f, g, cubic) = if cubic.abs() >= constant.abs() { (f, g, cubic) } else { (g, f, constant) };
+    if cubic.abs() < SMALLEST_DETERMINANT {
         return Vec::new();
     }
-    real_roots([constant / cubic, mixed(&g, &f) / cubic, mixed(&f, &g) / cubic])
+    real_roots(determinant_on_pencil(&f, &g).map(|c| c / cubic))
         .into_iter()
         .map(|mu| f * mu + g)
         .map(|m| m / m.norm())
@@ -60,7 +64,7 @@ fn null_space(equations: &[Equation; 7]) -> Option<[Matrix3<f64>; 2]> {
                 }
             }
         }
-        if best < 1e-9 {
+        if best < SMALLEST_PIVOT {
             return None;
         }
         rows.swap(step, at.0);

@@ -2,6 +2,7 @@
 //! range and a sentence about each stand in the [table](PARAMETERS).
 
 mod entry;
+mod plan;
 mod table;
 
 use serde::{Deserialize, Deserializer, Serialize};
@@ -9,6 +10,7 @@ use serde::{Deserialize, Deserializer, Serialize};
 use crate::similarity::{LineMeasure, SimilarityParameters, StereoParameters};
 
 pub use entry::{ParameterEntry, ParameterValue};
+pub use plan::SearchPlan;
 pub use table::{PARAMETERS, parameters_as_markdown};
 
 /// The choices of an estimate.
@@ -212,14 +214,14 @@ pub struct Parameters {
 fn search_or_flag<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Search, D::Error> {
     #[derive(Deserialize)]
     #[serde(untagged, expecting = "expected lines or patches")]
-    enum Written {
+    enum SearchOrFlag {
         Name(Search),
         Flag(bool),
     }
-    Ok(match Written::deserialize(deserializer)? {
-        Written::Name(search) => search,
-        Written::Flag(true) => Search::Patches,
-        Written::Flag(false) => Search::Lines,
+    Ok(match SearchOrFlag::deserialize(deserializer)? {
+        SearchOrFlag::Name(search) => search,
+        SearchOrFlag::Flag(true) => Search::Patches,
+        SearchOrFlag::Flag(false) => Search::Lines,
     })
 }
 
@@ -235,12 +237,7 @@ impl Parameters {
 
     /// Point pairs without which there is no estimate.
     pub fn pairs_needed(&self) -> usize {
-        match self.search {
-            _ if self.similarity.measure == LineMeasure::Barcodes => 0,
-            Search::Lines => self.method.pairs_needed(),
-            Search::Patches if self.method == Method::ThreePoint => Method::ThreePoint.pairs_needed(),
-            Search::Patches => 0,
-        }
+        SearchPlan::of(self, 0).least_clicks()
     }
 }
 

@@ -98,7 +98,7 @@ mod tests {
     }
 
     fn start(scene: &ExactScene, level: &SupportLevel, fundamental: FundamentalMatrix) -> Proposal {
-        Proposal { angles: scene.angles(), support: level.support.measure(&fundamental), fundamental }
+        Proposal { angles: Some(scene.angles()), support: level.support.measure(&fundamental), fundamental }
     }
 
     fn polished(

@@ -7,7 +7,7 @@ use super::resampling::{Drawing, resample};
 use super::support::{BAND, Support, SupportLevel};
 use super::{Hypothesis, Proposal};
 use crate::cancel::CancelFlag;
-use crate::estimate::lines::{LineExaminer, PencilAngles};
+use crate::estimate::lines::{LineExaminer, LineFigures, PencilAngles};
 use crate::estimate::{EstimateError, Parameters};
 use crate::geometry::{PointPair, symmetric_epipolar_distance};
 
@@ -104,30 +104,34 @@ pub(in crate::estimate) fn different(support: &Support, ranked: &[Proposal], cou
     kept.into_iter().map(|(proposal, _)| proposal).collect()
 }
 
-/// Proposals of the fine level as hypotheses in full-size pixels, with what the lines say of them; their order stays.
+/// Proposals of the fine level as hypotheses in full-size pixels, with what lines say of them where lines through two
+/// clicks are examined; their order stays.
 pub(in crate::estimate) fn hypotheses(
-    examiner: &LineExaminer,
+    examiner: Option<&LineExaminer>,
     proposals: &[Proposal],
     fine: &SupportLevel,
 ) -> Vec<Hypothesis> {
+    let full_size = |proposal: &Proposal, lines: Option<LineFigures>| {
+        let fundamental = proposal.full_size(fine.scales)?;
+        Some(Hypothesis { fundamental, lines, support: proposal.support })
+    };
+    let Some(examiner) = examiner else {
+        return proposals.iter().filter_map(|proposal| full_size(proposal, None)).collect();
+    };
     let own = examiner.clicks().map(|click| click.rescaled(fine.scales));
     // κ where the scene is.
-    let angles: Vec<PencilAngles> = proposals
-        .par_iter()
-        .map(|proposal| {
-            let matches = fine.support.matches(&proposal.fundamental, BAND);
-            let pairs = matches.iter().map(|m| m.pair);
-            PencilAngles::nearest(&proposal.fundamental, &own, &proposal.angles, pairs)
-                .unwrap_or(proposal.angles)
-        })
-        .collect();
-    proposals
-        .iter()
+    let directed = |proposal: &Proposal| {
+        let angles = proposal.angles?;
+        let matches = fine.support.matches(&proposal.fundamental, BAND);
+        let pairs = matches.iter().map(|m| m.pair);
+        Some(PencilAngles::nearest(&proposal.fundamental, &own, &angles, pairs).unwrap_or(angles))
+    };
+    let (with_lines, angles): (Vec<&Proposal>, Vec<PencilAngles>) =
+        proposals.par_iter().filter_map(|proposal| Some((proposal, directed(proposal)?))).unzip();
+    with_lines
+        .into_iter()
         .zip(examiner.figures(&angles))
-        .filter_map(|(proposal, lines)| {
-            let fundamental = proposal.full_size(fine.scales)?;
-            Some(Hypothesis { fundamental, lines: lines?, support: proposal.support })
-        })
+        .filter_map(|(proposal, lines)| full_size(proposal, Some(lines?)))
         .collect()
 }
 
@@ -140,8 +144,7 @@ mod tests {
     use nalgebra::Matrix3;
 
     fn proposal(support: &Support, fundamental: FundamentalMatrix) -> Proposal {
-        let angles = PencilAngles { p: [0.0; 2], q: [0.0; 2], kappa: 1.0 };
-        Proposal { angles, support: support.measure(&fundamental), fundamental }
+        Proposal { angles: None, support: support.measure(&fundamental), fundamental }
     }
 
     /// Matches on rows at these heights.
@@ -219,14 +222,24 @@ mod tests {
         let truth = scene.fundamental().rescaled(0.5, 0.5).unwrap();
         let wrong = scene.disturbed(6.0).rescaled(0.5, 0.5).unwrap();
         let proposals =
-            [wrong, truth].map(|f| Proposal { angles: scene.angles(), ..proposal(&fine.support, f) });
-        let found = super::hypotheses(&examiner, &proposals, fine);
+            [wrong, truth].map(|f| Proposal { angles: Some(scene.angles()), ..proposal(&fine.support, f) });
+        let found = super::hypotheses(Some(&examiner), &proposals, fine);
         assert_eq!(found.len(), 2);
         assert!((found[1].fundamental.matrix() - scene.fundamental().matrix()).norm() < 1e-9);
         for (hypothesis, proposal) in found.iter().zip(&proposals) {
             assert_eq!(hypothesis.support, proposal.support);
         }
-        let scores: Vec<f64> = found.iter().filter_map(|hypothesis| hypothesis.lines.score).collect();
+        let scores: Vec<f64> =
+            found.iter().filter_map(|hypothesis| hypothesis.lines.as_ref()?.score).collect();
         assert!(scores[1] < 1e-2 && scores[0] > 10.0 * scores[1], "{scores:?}");
+        // Without two clicks the patches are all there is.
+        let unclicked = [wrong, truth].map(|f| Proposal::of(&f.rescaled(2.0, 2.0)?, None, 0.0, fine));
+        let unclicked = unclicked.map(|proposal| proposal.filter(|p| p.angles.is_none()).unwrap());
+        let without_lines = super::hypotheses(None, &unclicked, fine);
+        assert!(without_lines.iter().all(|hypothesis| hypothesis.lines.is_none()));
+        for (without, with) in without_lines.iter().zip(&found) {
+            assert_eq!(without.support.matches, with.support.matches);
+            assert!((without.fundamental.matrix() - with.fundamental.matrix()).norm() < 1e-9);
+        }
     }
 }

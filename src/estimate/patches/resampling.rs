@@ -213,7 +213,6 @@ impl Parallax {
 mod tests {
     use super::*;
     use crate::estimate::exact::ExactScene;
-    use crate::estimate::lines::PencilAngles;
     use crate::geometry::homography;
     use crate::geometry::{Camera, symmetric_epipolar_distance};
     use nalgebra::Point3;
@@ -271,8 +270,7 @@ mod tests {
         let h = homography(&wall).unwrap();
         let f = Vector3::new(100.0, -700.0, 1.0).cross_matrix() * h;
         let fundamental = FundamentalMatrix::from_rank_two(f).unwrap();
-        let angles = PencilAngles { p: [0.0; 2], q: [0.0; 2], kappa: 1.0 };
-        let leader = Proposal { angles, support: support.measure(&fundamental), fundamental };
+        let leader = Proposal { angles: None, support: support.measure(&fundamental), fundamental };
         assert!((60..68).contains(&leader.support.matches), "{}", leader.support.matches);
         (scene, support, leader)
     }
@@ -303,8 +301,8 @@ mod tests {
         let matches: Vec<_> = scene.pairs(40).into_iter().map(|pair| (pair, 0.9)).collect();
         let support = Support::of_matches(&matches);
         let fundamental = scene.disturbed(1.5);
-        let angles = scene.angles();
-        let leader = Proposal { angles, support: support.measure(&fundamental), fundamental };
+        let leader =
+            Proposal { angles: Some(scene.angles()), support: support.measure(&fundamental), fundamental };
         let clicks = scene.clicks();
         let found = drawn(&support, &leader, &Drawing { clicks: &clicks, parallax: false, seed: 2 });
         // Exact matches: every sample that determines a matrix gives the true one.

@@ -19,8 +19,8 @@ use crate::geometry::{FundamentalMatrix, PointPair};
 /// A hypothesis at one level.
 #[derive(Debug, Clone)]
 pub(in crate::estimate) struct Proposal {
-    /// The line pairs and κ it was proposed with.
-    pub angles: PencilAngles,
+    /// The line pairs through two clicks and κ that it was proposed with; `None` where no lines proposed it.
+    pub angles: Option<PencilAngles>,
     /// The matrix, in pixels of the level.
     pub fundamental: FundamentalMatrix,
     /// What agrees with it at the level.
@@ -32,8 +32,8 @@ pub(in crate::estimate) struct Proposal {
 pub(in crate::estimate) struct Hypothesis {
     /// The matrix.
     pub fundamental: FundamentalMatrix,
-    /// What the lines say of it.
-    pub lines: LineFigures,
+    /// What the lines through two clicks say of it, where it has such.
+    pub lines: Option<LineFigures>,
     /// What agrees with it at the level it was proposed at.
     pub support: PatchSupport,
 }
@@ -44,22 +44,24 @@ impl Proposal {
         list.sort_by(|a, b| b.support.score.total_cmp(&a.support.score));
     }
 
-    /// A matrix in full-size pixels as a proposal of a level; `None` where its lines at the clicks degenerate. `turn` is
-    /// about how far image 2 is rotated against image 1, radians.
+    /// A matrix in full-size pixels as a proposal of a level; `None` where its lines at the clicks, if there are two,
+    /// degenerate. `turn` is about how far image 2 is rotated against image 1, radians.
     pub fn of(
         f: &FundamentalMatrix,
-        clicks: [PointPair; 2],
+        clicks: Option<&[PointPair; 2]>,
         turn: f64,
         level: &SupportLevel,
     ) -> Option<Self> {
         let fundamental = f.rescaled(level.scales[0], level.scales[1])?;
         let support = level.support.measure(&fundamental);
-        Some(Self { angles: PencilAngles::of(f, &clicks, turn)?, fundamental, support })
+        let angles = clicks.map_or(Some(None), |clicks| PencilAngles::of(f, clicks, turn).map(Some))?;
+        Some(Self { angles, fundamental, support })
     }
 
     /// Itself before its lines are compared. `clicks` are in full-size pixels, `scales` those of the level.
     pub fn unvalidated(&self, scales: [f64; 2], clicks: [PointPair; 2]) -> Option<Hypothesis> {
-        let lines = unvalidated_figures(&self.angles, clicks)?;
+        let lines =
+            self.angles.map_or(Some(None), |angles| unvalidated_figures(&angles, clicks).map(Some))?;
         Some(Hypothesis { fundamental: self.full_size(scales)?, lines, support: self.support })
     }
 
@@ -114,7 +116,7 @@ pub(in crate::estimate) fn propose(
         .filter_map(|voted| {
             let fundamental = PencilPair::new(&voted.angles, clicks)?.fundamental()?;
             Some(Proposal {
-                angles: voted.angles,
+                angles: Some(voted.angles),
                 fundamental,
                 support: coarse.support.measure(&fundamental),
             })
@@ -213,7 +215,7 @@ mod tests {
             let found = proposed(&scene, &CancelFlag::default()).unwrap();
             assert!(found.len() > 5 && found.is_sorted_by(|a, b| a.support.score >= b.support.score));
             let (best, truth) = (&found[0], scene.angles());
-            assert_eq!((best.angles.p, best.angles.q), (truth.p, truth.q));
+            assert_eq!(best.angles.map(|angles| (angles.p, angles.q)), Some((truth.p, truth.q)));
             assert!(best.support.matches > 55 && best.support.score > 1.5 * found[1].support.score);
             // κ to a bin of the votes, 1.6 %: of lines some hundred pixels apart about a pixel.
             let error = scene.error(&best.full_size([0.5; 2]).unwrap());

@@ -70,15 +70,15 @@ pub(super) fn read(text: &str, wanted: BareNumbers) -> Result<Fields, Problem> {
         return bare(text, wanted);
     }
     let mut fields = Fields::default();
-    let mut current: Option<(Quantity, Rows)> = None;
-    let close = |section: Option<(Quantity, Rows)>, fields: &mut Fields| {
+    let mut current: Option<(Quantity, NumberRows)> = None;
+    let close = |section: Option<(Quantity, NumberRows)>, fields: &mut Fields| {
         let Some((quantity, rows)) = section else { return Ok(()) };
         let table = rows.table().map_err(|e| Problem::whole(format!("{}: {e}", quantity.symbol())))?;
         fields.add(quantity, table)
     };
     for (line, row) in rows(text) {
         if let Some(quantity) = heading(row) {
-            close(current.replace((quantity, Rows::default())), &mut fields)?;
+            close(current.replace((quantity, NumberRows::default())), &mut fields)?;
         } else if let Some(number) = image_number(row) {
             fields.add_image(number - 1, image(row).map_err(|e| Problem::at(line, e))?);
         } else {
@@ -97,13 +97,13 @@ pub(super) fn read(text: &str, wanted: BareNumbers) -> Result<Fields, Problem> {
 
 /// The numbers under a name, whose rows are equally long.
 #[derive(Default)]
-struct Rows {
+struct NumberRows {
     count: usize,
     columns: usize,
     numbers: Vec<f64>,
 }
 
-impl Rows {
+impl NumberRows {
     fn push(&mut self, row: &[f64]) -> Result<(), String> {
         self.count += 1;
         if self.count == 1 {

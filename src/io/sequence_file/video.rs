@@ -17,9 +17,9 @@ const MOST_WORDS: u64 = 4096;
 const HEADER: usize = 64;
 
 /// A program that is stopped when nobody reads from it any more.
-struct Running(Child);
+struct RunningDecoder(Child);
 
-impl Drop for Running {
+impl Drop for RunningDecoder {
     fn drop(&mut self) {
         // It may have ended by itself.
         let _ = self.0.kill();
@@ -47,7 +47,7 @@ pub(super) fn read(
         .stderr(Stdio::piped())
         .spawn();
     let mut running = match started {
-        Ok(child) => Running(child),
+        Ok(child) => RunningDecoder(child),
         Err(error) if error.kind() == ErrorKind::NotFound => {
             return Err(SequenceError::NoFfmpeg { path: shown });
         }

@@ -12,11 +12,10 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use serde::{Deserialize, Serialize};
 
-use crate::estimate::{Method, Parameters, Search};
+use crate::estimate::{Method, Parameters, SearchPlan};
 use crate::geometry::{Frame, Point, PointPair};
 use crate::io::PairOrigin;
 use crate::rectify::RectifyMethod;
-use crate::similarity::LineMeasure;
 
 pub use parts::{
     Checked, HalfPair, Imported, PairNote, PictureIdentity, PointRef, Role, Side, Trial, TruthSource,
@@ -240,24 +239,18 @@ impl Document {
     /// Point pairs without which there is no geometry: the published search takes as many as its method needs, the one
     /// with patches two or more.
     pub fn pairs_needed(&self) -> usize {
-        match self.parameters.search {
-            Search::Lines if !self.is_by_barcodes() => self.parameters.method.pairs_needed(),
-            _ => Method::TwoPoint.pairs_needed(),
-        }
+        self.most_pairs().unwrap_or(Method::TwoPoint.pairs_needed())
     }
 
-    /// Whether lines are compared by their motion barcodes. There are no published clicks then, and no patches.
-    fn is_by_barcodes(&self) -> bool {
-        self.parameters.similarity.measure == LineMeasure::Barcodes
+    /// Pairs that the search takes at most; `None` where each takes part.
+    pub fn most_pairs(&self) -> Option<usize> {
+        SearchPlan::of(&self.parameters, self.pairs.len()).most_clicks()
     }
 
     /// Numbers of the pairs the geometry is estimated from: all that are neither left out nor set to check only. The
     /// published search takes the first ones of them, as many as its method needs.
     pub fn used(&self) -> impl Iterator<Item = usize> + '_ {
-        let most = match self.parameters.search {
-            Search::Lines if !self.is_by_barcodes() => self.pairs_needed(),
-            _ => usize::MAX,
-        };
+        let most = self.most_pairs().unwrap_or(usize::MAX);
         let set_aside = |pair: &usize| self.excluded.contains(pair) || self.checks.contains(pair);
         (0..self.pairs.len()).filter(move |pair| !set_aside(pair)).take(most)
     }

@@ -126,7 +126,7 @@ impl ImportQuestion {
         let (matches, pairs) = if at_hand.len() < FEWEST_MATCHES && own.len() >= FEWEST_MATCHES {
             ("point pairs of the file itself", own)
         } else {
-            (self.matches.name(), at_hand)
+            (self.matches.name(), &*at_hand)
         };
         let check = check_convention(&fundamental, pairs).ok();
         // Without any reading that can be had in numbers there is nothing to choose from.

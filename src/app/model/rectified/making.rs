@@ -3,11 +3,14 @@
 //! While the geometry moves, small pictures follow it ([`DRAFT`]), which takes milliseconds; once it rests, they are
 //! drawn as large as is worth looking at ([`SHOWN`]), and that is given up as soon as something newer is wanted.
 
+use std::borrow::Cow;
+
 use super::disparity::DisparityMap;
 use crate::app::model::picture::{Opened, Pictures};
 use crate::app::model::revision;
 use crate::app::model::shared::Shared;
 use crate::cancel::CancelFlag;
+use crate::estimate::Estimate;
 use crate::geometry::{Frame, FundamentalMatrix, PointPair};
 use crate::image::Picture;
 use crate::io::GroundTruth;
@@ -23,18 +26,19 @@ const DRAFT: Limits = Limits { pixels: 200_000 };
 pub enum MatchesAtHand {
     /// Matches that are known.
     True(Shared<GroundTruth>),
-    /// Matches that the refinement found.
-    Found(Vec<PointPair>),
+    /// Matches that the refinement of a result found.
+    Found(Shared<Estimate>),
     /// Pairs that were clicked.
     Clicked(Vec<PointPair>),
 }
 
 impl MatchesAtHand {
     /// The pairs of points.
-    pub fn pairs(&self) -> &[PointPair] {
+    pub fn pairs(&self) -> Cow<'_, [PointPair]> {
         match self {
-            Self::True(truth) => &truth.matches,
-            Self::Found(pairs) | Self::Clicked(pairs) => pairs,
+            Self::True(truth) => truth.matches.as_slice().into(),
+            Self::Found(estimate) => estimate.matches().iter().map(|found| found.pair).collect(),
+            Self::Clicked(pairs) => pairs.into(),
         }
     }
 
@@ -67,7 +71,7 @@ impl RectifyQuestion {
     /// Rectifies as large as `limits` allow.
     pub fn rectification(&self, limits: &Limits) -> Result<Rectification, RectifyError> {
         let frames = self.pictures.each_ref().map(|picture| picture.frame());
-        rectify(&self.fundamental, frames, self.matches.pairs(), self.method, limits)
+        rectify(&self.fundamental, frames, &self.matches.pairs(), self.method, limits)
     }
 
     /// The pair for the screen; `None` when cancelled.
@@ -140,7 +144,7 @@ pub struct DrawnPair {
 
 /// One of the pictures of a [`DrawnPair`] pair.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Sheet {
+pub enum RectifiedSheet {
     /// The rectified left image.
     Left,
     /// The rectified right image.

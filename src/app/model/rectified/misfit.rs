@@ -11,7 +11,7 @@ impl Model {
     /// What to make of rows that differ by so many pixels on average, and what to do; `None` without a geometry.
     pub fn misfit_in_words(&self, rows: f64) -> Option<String> {
         let shown = self.shown()?;
-        let matches = self.matches_beside(&shown);
+        let matches = self.matches_beside();
         let (name, why) = (matches.name(), self.why_misfit(&shown, &matches));
         Some(format!("Rows of {name} differ by {rows:.1} px on average: {why}"))
     }

@@ -8,5 +8,5 @@ mod viewing;
 
 pub use command::{RectifiedCommand, RectifyOrder, WritingProgress};
 pub use disparity::DisparityMap;
-pub use making::{DrawnPair, MatchesAtHand, Rectified, RectifyQuestion, Sheet};
+pub use making::{DrawnPair, MatchesAtHand, Rectified, RectifiedSheet, RectifyQuestion};
 pub use viewing::{Blink, Guides, RectifiedLayout, RectifiedLook, RectifiedView, Viewing};

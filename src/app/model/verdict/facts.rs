@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use super::gauge::{Figure, Gauge, HypothesisScales, line_score_text, rival};
+use super::gauge::{Gauge, HypothesisFigure, HypothesisScales, line_score_text, rival};
 use super::tone::Tone;
 use crate::app::model::computation::Freshness;
 use crate::app::model::document::{Document, Imported};
@@ -88,11 +88,12 @@ pub fn facts(document: &Document, estimate: &Estimate, freshness: Freshness) -> 
     // Before the end it is not known which of the hypotheses is the rival.
     let scales = (freshness == Freshness::Final)
         .then(|| HypothesisScales::new(estimate, document.parameters.validation.line_score));
-    let gauge = |figure: Figure| scales.as_ref()?.of_result(figure, figure.of(estimate));
+    let gauge = |figure: HypothesisFigure| scales.as_ref()?.of_result(figure, figure.of(estimate));
     facts.extend(line_figures(document, estimate, &gauge));
     if let Some(support) = &estimate.assessment.support {
         let value = format!("{:.1}, over {} corners", support.score, support.matches);
-        let gauge = scales.as_ref().and_then(|scales| scales.of_result(Figure::Support, support.score));
+        let gauge =
+            scales.as_ref().and_then(|scales| scales.of_result(HypothesisFigure::Support, support.score));
         facts.push(Fact::new("Support", value, SUPPORT).on(gauge));
     }
     if let Some(trace) = &estimate.trace {
@@ -167,10 +168,10 @@ const MARGIN: &str = "How much less support the best clearly different geometry 
 pub fn hypothesis_facts(document: &Document, hypothesis: &Estimate, of: Option<&Estimate>) -> Vec<Fact> {
     let scales = of.map(|of| HypothesisScales::new(of, document.parameters.validation.line_score));
     let mut facts = epipoles(document, hypothesis.fundamental());
-    let gauge = |figure: Figure| scales.as_ref()?.gauge(figure, figure.of(hypothesis));
+    let gauge = |figure: HypothesisFigure| scales.as_ref()?.gauge(figure, figure.of(hypothesis));
     facts.extend(line_figures(document, hypothesis, &gauge));
     if let Some(support) = hypothesis.support_score() {
-        let gauge = gauge(Figure::Support);
+        let gauge = gauge(HypothesisFigure::Support);
         facts.push(Fact::new("Support", format!("{support:.1}"), SUPPORT).on(gauge));
     }
     facts
@@ -197,7 +198,7 @@ pub fn epipoles(document: &Document, f: &FundamentalMatrix) -> Vec<Fact> {
 fn line_figures(
     document: &Document,
     estimate: &Estimate,
-    gauge: &dyn Fn(Figure) -> Option<Gauge>,
+    gauge: &dyn Fn(HypothesisFigure) -> Option<Gauge>,
 ) -> impl Iterator<Item = Fact> + use<> {
     let score = estimate.line_score().map(|score| match document.parameters.validation.line_score {
         LineScore::AgainstMismatched => Fact::new(
@@ -213,7 +214,7 @@ fn line_figures(
              images: compare it with those of the other hypotheses.",
         ),
     });
-    let score = score.map(|fact| fact.on(gauge(Figure::LineScore)));
+    let score = score.map(|fact| fact.on(gauge(HypothesisFigure::LineScore)));
     let area = estimate.assessment.lines.as_ref().and_then(|lines| lines.round_trip_area);
     let round_trip = area.map(|area| {
         Fact::new(
@@ -223,7 +224,7 @@ fn line_figures(
              image and back: a figure of the published search, to compare its hypotheses by. The verdict rests on \
              the matches, and a good result may have a large one.",
         )
-        .on(gauge(Figure::RoundTrip))
+        .on(gauge(HypothesisFigure::RoundTrip))
     });
     score.into_iter().chain(round_trip)
 }

@@ -69,7 +69,7 @@ impl Gauge {
 
 /// The figures of a hypothesis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Figure {
+pub enum HypothesisFigure {
     /// How strongly matching corners agree with it.
     Support,
     /// What its lines cost to match.
@@ -80,7 +80,7 @@ pub enum Figure {
     ThereBack,
 }
 
-impl Figure {
+impl HypothesisFigure {
     const ALL: [Self; 4] = [Self::Support, Self::LineScore, Self::RoundTrip, Self::ThereBack];
 
     /// That of a hypothesis; not a number where it has none.
@@ -153,7 +153,7 @@ pub struct HypothesisScales {
 impl HypothesisScales {
     /// Scales of the hypotheses of a result; `kind` is what line scores measure.
     pub fn new(result: &Estimate, kind: LineScore) -> Self {
-        let ends = Figure::ALL.map(|figure| {
+        let ends = HypothesisFigure::ALL.map(|figure| {
             let order = |a: &f64, b: &f64| figure.badness(*a).total_cmp(&figure.badness(*b));
             let values = || result.hypotheses().iter().map(|own| figure.of(own)).filter(|v| v.is_finite());
             Some([values().max_by(order)?, values().min_by(order)?])
@@ -168,11 +168,11 @@ impl HypothesisScales {
     }
 
     /// The bar of a figure of a hypothesis.
-    pub fn gauge(&self, figure: Figure, value: f64) -> Option<Gauge> {
+    pub fn gauge(&self, figure: HypothesisFigure, value: f64) -> Option<Gauge> {
         let scale = match figure {
-            Figure::Support => self.support,
-            Figure::LineScore => self.line_score,
-            Figure::RoundTrip | Figure::ThereBack => None,
+            HypothesisFigure::Support => self.support,
+            HypothesisFigure::LineScore => self.line_score,
+            HypothesisFigure::RoundTrip | HypothesisFigure::ThereBack => None,
         };
         let Some(scale) = scale.filter(|_| value.is_finite()) else { return self.of_result(figure, value) };
         let gauge = Gauge::judged(scale, value, |v| figure.text(v, self.kind));
@@ -181,7 +181,7 @@ impl HypothesisScales {
     }
 
     /// The bar of a figure of the result, which refinement has made: the margin is of the hypothesis before that.
-    pub fn of_result(&self, figure: Figure, value: f64) -> Option<Gauge> {
+    pub fn of_result(&self, figure: HypothesisFigure, value: f64) -> Option<Gauge> {
         if !value.is_finite() {
             return None;
         }

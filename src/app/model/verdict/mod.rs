@@ -14,7 +14,7 @@ use crate::geometry::{FundamentalMatrix, sampson_distance, symmetric_epipolar_di
 
 use facts::facts;
 pub use facts::{Fact, epipole_text, epipoles, hypothesis_facts, import_facts};
-pub use gauge::{Figure, Gauge, HypothesisScales, line_score_text};
+pub use gauge::{Gauge, HypothesisFigure, HypothesisScales, line_score_text};
 pub use standing::Standing;
 pub use tone::Tone;
 

@@ -94,10 +94,10 @@ pub fn show(ctx: &egui::Context, open: &mut bool) {
 const TWO_COLUMNS: f32 = 700.0;
 const THREE_COLUMNS: f32 = 1160.0;
 
-type Rows = Vec<(String, &'static str)>;
+type ShortcutRows = Vec<(String, &'static str)>;
 
 /// The keys of a group with the first sentence of what they do.
-fn keys_of(ctx: &egui::Context, name: &str) -> Rows {
+fn keys_of(ctx: &egui::Context, name: &str) -> ShortcutRows {
     let actions = ACTIONS.iter().filter(|action| !action.keys.is_empty() && group(&action.command) == name);
     let rows = actions.map(|action| {
         let keys = key_text(ctx, &action.command).unwrap_or_default();
@@ -107,7 +107,7 @@ fn keys_of(ctx: &egui::Context, name: &str) -> Rows {
 }
 
 /// Shows groups below each other, with as much room for the keys as the longest of them takes.
-fn list(ui: &mut Ui, groups: &[(&str, Rows)]) {
+fn list(ui: &mut Ui, groups: &[(&str, ShortcutRows)]) {
     let font = TextStyle::Body.resolve(ui.style());
     let color = ui.visuals().strong_text_color();
     let width_of = |keys: &str| ui.painter().layout_no_wrap(keys.to_owned(), font.clone(), color).size().x;

@@ -32,13 +32,13 @@ const FADED: f32 = 0.35;
 const REACH: f32 = 8.0;
 
 /// The whole plane of an image on a disc.
-struct Disc {
+struct PlaneDisc {
     centre: Pos2,
     radius: f32,
     frame: Frame,
 }
 
-impl Disc {
+impl PlaneDisc {
     /// Where a point appears, and whether it is so far out that it also lies on the other side of the rim.
     fn place(&self, point: &HomogeneousPoint) -> (Pos2, bool) {
         let middle = self.frame.centre();
@@ -103,7 +103,7 @@ pub fn show(ui: &mut Ui, transform: &Transform, side: Side, model: &Model, comma
     }
     let points = model.document.points(side).map(|(_, point)| transform.screen_from_image(point));
     let (centre, free) = place(pane, radius, &points.collect::<Vec<_>>());
-    let disc = Disc { centre, radius, frame };
+    let disc = PlaneDisc { centre, radius, frame };
     let area = Rect::from_center_size(centre, vec2(radius, radius) * 2.0);
     // A click that is due in this image is meant for the image, and so is one on a point.
     let is_due = model.document.half.is_some_and(|half| half.side != side);
@@ -182,7 +182,7 @@ mod tests {
     #[test]
     fn the_image_is_in_the_middle_and_infinity_at_the_rim() {
         let frame = Frame::new(101, 61);
-        let disc = Disc { centre: Pos2::new(200.0, 100.0), radius: 40.0, frame };
+        let disc = PlaneDisc { centre: Pos2::new(200.0, 100.0), radius: 40.0, frame };
         let radius =
             |x, y, z| (disc.place(&HomogeneousPoint::new(x, y, z)).0 - disc.centre).length() / disc.radius;
         assert!(radius(50.0, 30.0, 1.0) < 1e-6);

@@ -19,7 +19,7 @@ const HIGHEST: f32 = 64.0;
 const APART: f32 = 60.0;
 
 /// A stripe: its name, its colour, and in which frames it has it.
-type Row<'a> = (&'a str, Color32, &'a dyn Fn(usize) -> bool);
+type BarcodeRow<'a> = (&'a str, Color32, &'a dyn Fn(usize) -> bool);
 
 /// Shows them; a click or a drag goes to a frame.
 pub fn show(ui: &mut Ui, model: &Model, inspected: &InspectedBarcodes, commands: &mut Vec<Command>) {
@@ -38,7 +38,7 @@ pub fn show(ui: &mut Ui, model: &Model, inspected: &InspectedBarcodes, commands:
     let (paper, ink) = (theme::palette(ui.visuals()).canvas, theme::MOVING);
     let font = egui::FontId::proportional(12.0);
     let weak = ui.visuals().weak_text_color();
-    let rows: [Row; 3] = [
+    let rows: [BarcodeRow; 3] = [
         ("Left line", ink, &|frame| left.is_set(frame)),
         ("Right line", ink, &|frame| right.is_set(frame)),
         ("Not alike", theme::palette(ui.visuals()).bad, &|frame| left.is_set(frame) != right.is_set(frame)),

@@ -9,7 +9,9 @@ use crate::app::model::Model;
 use crate::app::model::command::Command;
 use crate::app::model::focus::Target;
 use crate::app::model::ids::TabId;
-use crate::app::model::verdict::{Figure, HypothesisScales, Standing, epipole_text, line_score_text};
+use crate::app::model::verdict::{
+    HypothesisFigure, HypothesisScales, Standing, epipole_text, line_score_text,
+};
 use crate::estimate::{Estimate, LineScore};
 use crate::geometry::{Frame, HomogeneousPoint, finite_point};
 
@@ -180,26 +182,26 @@ fn key(hypothesis: &Estimate, row: usize, column: usize, frames: Option<[Frame; 
 }
 
 /// What a column shows.
-fn figure(column: usize) -> Option<Figure> {
+fn figure(column: usize) -> Option<HypothesisFigure> {
     match column {
-        1 => Some(Figure::Support),
-        2 => Some(Figure::LineScore),
-        3 => Some(Figure::RoundTrip),
-        4 => Some(Figure::ThereBack),
+        1 => Some(HypothesisFigure::Support),
+        2 => Some(HypothesisFigure::LineScore),
+        3 => Some(HypothesisFigure::RoundTrip),
+        4 => Some(HypothesisFigure::ThereBack),
         _ => None,
     }
 }
 
 fn text(hypothesis: &Estimate, column: usize, line_score: LineScore) -> String {
-    let decimals = |figure: Figure, decimals: usize| {
+    let decimals = |figure: HypothesisFigure, decimals: usize| {
         let value = figure.of(hypothesis);
         if value.is_finite() { format!("{value:.decimals$}") } else { String::new() }
     };
     match column {
-        1 => decimals(Figure::Support, 1),
+        1 => decimals(HypothesisFigure::Support, 1),
         2 => hypothesis.line_score().map_or(String::new(), |score| line_score_text(line_score, score)),
-        3 => decimals(Figure::RoundTrip, 2),
-        4 => decimals(Figure::ThereBack, 3),
+        3 => decimals(HypothesisFigure::RoundTrip, 2),
+        4 => decimals(HypothesisFigure::ThereBack, 3),
         5 => epipole_text(&hypothesis.geometry.epipole1(), None),
         _ => epipole_text(&hypothesis.geometry.epipole2(), None),
     }

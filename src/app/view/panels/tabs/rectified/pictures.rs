@@ -10,7 +10,9 @@ use crate::app::model::Model;
 use crate::app::model::command::Command;
 use crate::app::model::document::Side;
 use crate::app::model::focus::Target;
-use crate::app::model::rectified::{DrawnPair, RectifiedCommand, RectifiedLayout, RectifiedView, Sheet};
+use crate::app::model::rectified::{
+    DrawnPair, RectifiedCommand, RectifiedLayout, RectifiedSheet, RectifiedView,
+};
 use crate::app::model::tones::{Channel, Rendition};
 use crate::app::view::panes::navigation::zoom_asked;
 use crate::app::view::panes::{PictureTexture, Transform, halves};
@@ -22,12 +24,12 @@ const WIPE_REACH: f32 = 7.0;
 
 /// A picture and its place.
 struct SheetPlace {
-    sheet: Sheet,
+    sheet: RectifiedSheet,
     rect: Rect,
     response: Response,
 }
 
-impl Sheet {
+impl RectifiedSheet {
     /// The side whose picture it is; `None` when it is of both.
     pub(super) fn side(self) -> Option<Side> {
         match self {
@@ -117,15 +119,21 @@ fn transform_of(model: &Model, drawn: &DrawnPair, rect: Rect, side: Side) -> Tra
 }
 
 /// Draws the pixels of a place.
-fn paint(painter: &Painter, model: &Model, drawn: &DrawnPair, sheet: Sheet, transforms: &[Transform; 2]) {
+fn paint(
+    painter: &Painter,
+    model: &Model,
+    drawn: &DrawnPair,
+    sheet: RectifiedSheet,
+    transforms: &[Transform; 2],
+) {
     let ctx = painter.ctx();
     let plain = |painter: &Painter, kept: Kept, side: Side| {
         with_texture(ctx, drawn, kept, |texture| texture.draw(painter, &transforms[side.index()]));
     };
     match sheet {
-        Sheet::Left => plain(painter, Kept::Left, Side::Left),
-        Sheet::Right => plain(painter, Kept::Right, Side::Right),
-        Sheet::Both if model.look.rectified.layout == RectifiedLayout::Wipe => {
+        RectifiedSheet::Left => plain(painter, Kept::Left, Side::Left),
+        RectifiedSheet::Right => plain(painter, Kept::Right, Side::Right),
+        RectifiedSheet::Both if model.look.rectified.layout == RectifiedLayout::Wipe => {
             let rect = transforms[0].rect;
             let (left, right) = rect.split_left_right_at_fraction(model.open.viewing.wipe);
             plain(&painter.with_clip_rect(left), Kept::Left, Side::Left);
@@ -134,7 +142,7 @@ fn paint(painter: &Painter, model: &Model, drawn: &DrawnPair, sheet: Sheet, tran
                 painter.vline(left.max.x, rect.y_range(), Stroke::new(width, color));
             }
         }
-        Sheet::Both => {
+        RectifiedSheet::Both => {
             let (red, cyan) =
                 (Color32::from_rgb(255, 0, 0), Color32::from_rgba_premultiplied(0, 255, 255, 0));
             for (kept, side, tint) in
@@ -145,7 +153,7 @@ fn paint(painter: &Painter, model: &Model, drawn: &DrawnPair, sheet: Sheet, tran
                 });
             }
         }
-        Sheet::Disparity => {
+        RectifiedSheet::Disparity => {
             // Its pixels are coarse: as many times as large.
             let Some((map, _)) = &drawn.disparity else { return };
             let transform = &transforms[Side::Left.index()];
@@ -187,7 +195,7 @@ fn registering(place: &SheetPlace, model: &Model, drawn: &DrawnPair) -> Option<C
     });
     let pair = near.min_by(|a, b| a.1.total_cmp(&b.1)).and_then(|(pair, _)| drawn.shift_of(pair));
     let mapped = || {
-        let (map, _) = drawn.disparity.as_ref().filter(|_| place.sheet == Sheet::Disparity)?;
+        let (map, _) = drawn.disparity.as_ref().filter(|_| place.sheet == RectifiedSheet::Disparity)?;
         let (at, frame) = (transforms[0].image_from_screen(position), drawn.frame());
         let inside = frame.contains(at);
         map.at((at.x + 0.5) / frame.width as f64, (at.y + 0.5) / frame.height as f64).filter(|_| inside)
@@ -257,20 +265,20 @@ fn with_texture(ctx: &egui::Context, drawn: &DrawnPair, which: Kept, draw: impl 
 }
 
 /// Which pictures are shown where.
-fn arranged(ui: &Ui, model: &Model) -> Vec<(Sheet, Rect)> {
+fn arranged(ui: &Ui, model: &Model) -> Vec<(RectifiedSheet, Rect)> {
     let area = ui.available_rect_before_wrap();
     match model.look.rectified.layout {
         RectifiedLayout::SideBySide => {
-            [Sheet::Left, Sheet::Right].into_iter().zip(halves(area, false)).collect()
+            [RectifiedSheet::Left, RectifiedSheet::Right].into_iter().zip(halves(area, false)).collect()
         }
-        RectifiedLayout::Anaglyph | RectifiedLayout::Wipe => vec![(Sheet::Both, area)],
-        RectifiedLayout::Disparity => vec![(Sheet::Disparity, area)],
+        RectifiedLayout::Anaglyph | RectifiedLayout::Wipe => vec![(RectifiedSheet::Both, area)],
+        RectifiedLayout::Disparity => vec![(RectifiedSheet::Disparity, area)],
         RectifiedLayout::Blink => {
             let (side, left) = model.open.viewing.blink.shown(ui.input(|input| input.time));
             if let Some(seconds) = left {
                 ui.ctx().request_repaint_after(Duration::from_secs_f64(seconds));
             }
-            vec![(Sheet::of(side), area)]
+            vec![(RectifiedSheet::of(side), area)]
         }
     }
 }

@@ -7,7 +7,7 @@ use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Shape, Stroke, vec2};
 use crate::app::model::Model;
 use crate::app::model::document::{Role, Side};
 use crate::app::model::focus::Target;
-use crate::app::model::rectified::{DrawnPair, RectifiedLayout, Sheet};
+use crate::app::model::rectified::{DrawnPair, RectifiedLayout, RectifiedSheet};
 use crate::app::view::panes::Transform;
 use crate::app::view::panes::overlays::true_matches_shown;
 use crate::app::view::theme;
@@ -59,7 +59,7 @@ pub struct SheetCanvas<'a> {
     /// Where the pixels of the left and of the right picture appear.
     pub transforms: &'a [Transform; 2],
     /// Which picture it is.
-    pub sheet: Sheet,
+    pub sheet: RectifiedSheet,
     /// The pair.
     pub drawn: &'a DrawnPair,
     /// The state to be shown.
@@ -180,7 +180,7 @@ impl SheetCanvas<'_> {
     /// Which picture it is, where that cannot be seen from its place.
     fn title(&self) {
         let text = match (self.model.look.rectified.layout, self.sheet) {
-            (RectifiedLayout::Blink, Sheet::Left) => "Left",
+            (RectifiedLayout::Blink, RectifiedSheet::Left) => "Left",
             (RectifiedLayout::Blink, _) => "Right",
             (RectifiedLayout::Anaglyph, _) => "Left red, right cyan",
             (RectifiedLayout::Wipe, _) => "Left, then right of the line",
