@@ -8,6 +8,7 @@
 
 mod assess;
 mod barcodes;
+mod choice;
 mod clicks;
 pub mod covariant;
 mod driver;

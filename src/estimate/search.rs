@@ -5,11 +5,12 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::assess::Judge;
+use super::choice::{ClickedPairs, Weighed, chosen};
 use super::lines::{ComparedPencils, LineExaminer, LineFigures, draw_pairs, published};
 use super::patches::{self, PatchLevels, Proposal, Refined};
 use super::record::SearchRecord;
 use super::result::{Assessment, REPORTED};
-use super::trust::{Reason, Verdict};
+use super::trust::{FAR_TOO_FEW, Reason, Verdict};
 use super::{Clicks, Estimate, EstimateError, Parameters, PatchSupport, PreparedPair, Stage};
 use crate::cancel::CancelFlag;
 use crate::geometry::{FundamentalMatrix, PointPair};
@@ -48,6 +49,26 @@ pub(super) struct Judged {
     /// How much its refined matches weigh.
     pub weight: f64,
     pub patches: Arc<PatchLevels>,
+}
+
+impl Weighed for Judged {
+    fn fundamental(&self) -> &FundamentalMatrix {
+        &self.fundamental
+    }
+
+    fn weight(&self) -> f64 {
+        self.weight
+    }
+}
+
+impl Weighed for Refined {
+    fn fundamental(&self) -> &FundamentalMatrix {
+        &self.fundamental
+    }
+
+    fn weight(&self) -> f64 {
+        self.weight
+    }
 }
 
 impl Judged {
@@ -229,24 +250,29 @@ impl SearchInput<'_> {
         record.preliminary(found, self.patches, hypotheses, self.clicks, self.parameters);
     }
 
-    /// The best of a few geometries after refinement at full resolution, by what its matches weigh; `None` when
-    /// none has enough matches, or when nothing is to be refined.
+    /// The best of a few geometries after refinement at full resolution; `None` when none has enough matches, or when
+    /// nothing is to be refined.
     pub fn refined(
         &self,
         starts: impl Iterator<Item = FundamentalMatrix>,
     ) -> Result<Option<Refined>, EstimateError> {
         let SearchInput { prepared, patches, clicks, parameters, cancel, .. } = *self;
         let (observed, refinement) = (clicks.observed(), &parameters.refinement);
+        let clicked = ClickedPairs { pairs: &observed, sigma: parameters.click_sigma };
         let refine = |f: FundamentalMatrix| {
-            let sigma = parameters.click_sigma;
-            patches.refine(prepared.pyramids(), &f, &observed, sigma, cancel)
+            patches.refine(prepared.pyramids(), &f, &observed, parameters.click_sigma, cancel)
         };
-        let best = starts
+        // A handful of matches does not overrule the clicks.
+        let is_of_this_scene = |refined: &Refined| {
+            refined.refinement.matches.len() >= FAR_TOO_FEW || !clicked.refuse(&refined.fundamental)
+        };
+        let all: Vec<Refined> = starts
             .take(if refinement.refine { refinement.refined } else { 0 })
             .take_while(|_| !cancel.is_cancelled())
             .filter_map(refine)
-            .max_by(|a, b| a.weight.total_cmp(&b.weight));
+            .filter(is_of_this_scene)
+            .collect();
         cancel.check()?;
-        Ok(best)
+        Ok(chosen(all, &clicked))
     }
 }

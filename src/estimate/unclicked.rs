@@ -9,9 +9,10 @@
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
+use super::choice::{self, ClickedPairs};
 use super::record::SearchRecord;
 use super::search::{Judged, SearchInput, by_patches, compared};
-use super::wider::{FeatureProposals, by_features, heaviest};
+use super::wider::{FeatureProposals, by_features};
 use super::{EstimateError, PreparedPair, Stage};
 use crate::geometry::{FundamentalMatrix, PointPair, apart_across_lines, sampson_distance};
 use crate::image::RelativeView;
@@ -82,7 +83,8 @@ pub(super) fn without_clicks(
             break;
         }
     }
-    heaviest(all).ok_or(EstimateError::NothingWithoutClicks)
+    let clicked = ClickedPairs { pairs: &clicks.observed(), sigma: parameters.click_sigma };
+    choice::chosen(all, &clicked).ok_or(EstimateError::NothingWithoutClicks)
 }
 
 /// Matches that stand out whatever the geometry, those of features first.

@@ -1,5 +1,6 @@
 //! The search with patches, and what goes on where that leaves doubts: covariant features, and the views they suggest.
 
+use super::choice::{ClickedPairs, chosen};
 use super::covariant::{
     FeatureEvidence, FeatureHypothesis, FeatureSearchParameters, hypotheses_from_features,
 };
@@ -49,14 +50,8 @@ impl FeatureProposals {
     }
 }
 
-/// The one whose refined matches weigh most, the first of equals.
-pub(super) fn heaviest(mut all: Vec<Judged>) -> Option<Judged> {
-    let best = (0..all.len()).max_by(|a, b| all[*a].weight.total_cmp(&all[*b].weight).then(b.cmp(a)))?;
-    Some(all.swap_remove(best))
-}
-
 /// The search with patches, upright; and where that leaves doubts, with covariant features too, under the views that
-/// they suggest. Of all, the one whose refined matches weigh most is the result, and the others are its rivals.
+/// they suggest. The others are rivals of the one that is chosen.
 pub(super) fn wider(input: &SearchInput, record: &mut SearchRecord) -> Result<Judged, EstimateError> {
     let upright = match by_patches(input, record) {
         Ok(found) => Ok(input.judged(record, found)),
@@ -89,8 +84,9 @@ pub(super) fn wider(input: &SearchInput, record: &mut SearchRecord) -> Result<Ju
             }
         }
     }
-    let best = heaviest(all).ok_or(failure.unwrap_or(EstimateError::NoGeometry))?;
     let observed = input.clicks.observed();
+    let clicked = ClickedPairs { pairs: &observed, sigma: input.parameters.click_sigma };
+    let best = chosen(all, &clicked).ok_or(failure.unwrap_or(EstimateError::NoGeometry))?;
     let Some(f) = of_clicks_alone(&observed, &best.fundamental, input.parameters.click_sigma) else {
         return Ok(best);
     };
@@ -154,30 +150,9 @@ pub(super) fn by_features(
 
 #[cfg(test)]
 mod tests {
-    use super::super::exact::{ExactScene, rows};
-    use super::super::patches::PatchLevels;
-    use super::super::{Assessment, CancelFlag, Clicks, Parameters, PreparedPair, SearchPlan};
+    use super::super::exact::ExactScene;
+    use super::super::{CancelFlag, Clicks, Parameters, PreparedPair, SearchPlan};
     use super::*;
-    use std::sync::Arc;
-
-    #[test]
-    fn the_heaviest_is_chosen_and_of_equals_the_first() {
-        let judged = |shift: f64, weight: f64| Judged {
-            clicks: Clicks::default(),
-            fundamental: rows(shift),
-            hypotheses: Vec::new(),
-            assessment: Assessment::default(),
-            weight,
-            patches: Arc::new(PatchLevels::new(RelativeView::UPRIGHT)),
-        };
-        let chosen = |weights: &[f64]| {
-            let all = weights.iter().zip(0..).map(|(weight, k)| judged(f64::from(k), *weight)).collect();
-            heaviest(all).map(|found| found.fundamental)
-        };
-        assert_eq!(chosen(&[1.0, 3.0, 2.0]), Some(rows(1.0)));
-        assert_eq!(chosen(&[1.0, 3.0, 3.0]), Some(rows(1.0)));
-        assert_eq!(chosen(&[]), None);
-    }
 
     #[test]
     fn clicks_that_agree_overrule_a_geometry_that_contradicts_them() {

@@ -152,8 +152,12 @@ impl Judge<'_> {
         let afar = OffPlane::new(&distinctive, &f_fine, &h_fine, side_fine, CORNER_SIGMA);
         let near = self.patches.matches_near_plane(self.prepared.pyramids(), &h, NEAR_PLANE);
         let closely = OffPlane::new(&near, f, &h, side, precision(&near, f));
-        // Either may hold the epipoles: what is seen from afar, or what is seen finely.
-        let off = if closely.by_chance < afar.by_chance { closely } else { afar };
+        // What somebody says is one point of the scene in both images.
+        let clicked = OffPlane::new(&self.clicks.observed(), f, &h, side, self.parameters.click_sigma);
+        // Any of them may hold the epipoles: what is seen from afar, what is seen finely, or what was clicked.
+        let off = [closely, clicked]
+            .into_iter()
+            .fold(afar, |best, other| if other.by_chance < best.by_chance { other } else { best });
         let OffPlane { groups, agreeing, motions, by_chance, motions_by_chance } = off;
         let together = parallax::together(&distinctive, &f_fine, &h_fine, side_fine);
         let evidence =

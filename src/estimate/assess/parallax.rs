@@ -25,7 +25,8 @@
 //!
 //! Distinctive matches are found to a pixel, so parallax of less than some pixels does not show in them. Nearer to the
 //! plane, matches are looked for around where the plane puts them and aligned to a fraction of a pixel. Neither kind
-//! knows anything of F.
+//! knows anything of F. Clicked pairs are a third kind: somebody says that they are points of the scene. F was fitted to them,
+//! but that takes no more than the two which N leaves out.
 //!
 //! What moves by itself as several parts at once (something that turns) shows as matches that stand out, move together,
 //! and contradict F: see [`together`].
