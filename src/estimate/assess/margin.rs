@@ -66,7 +66,7 @@ pub(super) fn differs(
     apart(fundamental, other, matches, frames) > limit(matches, frames)
 }
 
-/// From which distance on a geometry is clearly different, px.
+/// Distance from which on a geometry is clearly different, px.
 fn limit(matches: &[PointPair], frames: [Frame; 2]) -> f64 {
     let far = DIFFERENT * frames[0].longer_side();
     if matches.is_empty() { far } else { CONTRADICTING * far }

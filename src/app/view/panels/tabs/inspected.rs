@@ -20,7 +20,7 @@ const REACH: f64 = 12.0;
 /// Pinned pairs that have a swatch each; more are in a menu.
 const SWATCHES: usize = 6;
 
-/// For so many passes a menu counts as just opened.
+/// Passes for which a menu counts as just opened.
 const OPENING: u64 = 3;
 
 /// Shows it from right to left.

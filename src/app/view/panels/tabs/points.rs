@@ -68,9 +68,6 @@ fn editing(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
             offer(ui, PointsCommand::Edit(edit), true);
         }
     }
-    if any {
-        ui.separator();
-    }
 }
 
 fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
@@ -86,7 +83,10 @@ fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     }
     ui.horizontal_wrapped(|ui| {
         editing(ui, model, commands);
-        for line in summary(model) {
+        for (place, line) in summary(model).into_iter().enumerate() {
+            if place == 0 {
+                ui.separator();
+            }
             ui.weak(line.name).on_hover_text(line.tooltip);
             ui.label(line.value).on_hover_text(line.tooltip);
             ui.add_space(theme::GAP);

@@ -61,7 +61,7 @@ impl Part {
         }
     }
 
-    /// Its figure, if it has one.
+    /// The figure of a spread, if it is one.
     fn of(self, spread: &Spread) -> Option<f64> {
         match self {
             Self::Name | Self::From => None,
@@ -170,7 +170,7 @@ fn choices(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
             let chosen = in_use(now.measured) == set;
             choice(ui, name, "Measure at these points.", chosen, enabled, then);
         }
-        ui.separator();
+        between(ui, is_narrow);
         ui.weak("Distance");
         for (measure, name, tooltip) in [
             (Measure::Symmetric, "Symmetric", "Mean distance of two points from each other's epipolar lines."),
@@ -178,7 +178,7 @@ fn choices(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         ] {
             choice(ui, name, tooltip, now.measure == measure, true, Subject { measure, ..now });
         }
-        ui.separator();
+        between(ui, is_narrow);
         ui.weak("7 and 8 from").on_hover_text("What the 7-point and 8-point algorithms are given.");
         for set in [PointSet::Pairs, PointSet::TrueMatches] {
             let name = match set {
@@ -200,6 +200,15 @@ fn choices(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
             choice(ui, name, tooltip, chosen, enabled, then);
         }
     });
+}
+
+/// Parts one choice from the next.
+fn between(ui: &mut Ui, is_narrow: bool) {
+    if is_narrow {
+        ui.add_space(5.0);
+    } else {
+        ui.separator();
+    }
 }
 
 fn summary(
