@@ -128,6 +128,7 @@ mod tests {
                 support,
                 margin,
                 refined_margin,
+                apart,
                 barcodes,
                 refinement,
                 warnings,
@@ -136,7 +137,7 @@ mod tests {
             } = found.assessment;
             assert!(support.unwrap().matches > 60 && found.trace.is_none());
             assert!(lines.is_none() && refinement.is_none() && trust.is_none() && plane.is_none());
-            assert!(margin.is_none() && refined_margin.is_none() && barcodes.is_none());
+            assert!(margin.is_none() && refined_margin.is_none() && apart.is_none() && barcodes.is_none());
             assert!(warnings.is_empty());
         }
         // A click that is mistaken by far does not take the geometry along, but has its say.

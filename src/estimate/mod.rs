@@ -48,7 +48,7 @@ pub use parameters::{
 pub use patches::{EpipoleEllipse, PatchSupport, RefinedMatch, Refinement, Uncertainty};
 pub use prepared::PreparedPair;
 pub use result::{
-    Assessment, BarcodeFigures, Estimate, PlaneHomography, SearchCounts, SearchTrace, StageTiming,
+    Apart, Assessment, BarcodeFigures, Estimate, PlaneHomography, SearchCounts, SearchTrace, StageTiming,
 };
 pub use scale::Scale;
 pub use stage::Stage;

@@ -44,6 +44,8 @@ pub struct Assessment {
     /// The same after refinement, by what the matches weigh: measured where the margin before leaves open which geometry
     /// is better, and then what decides.
     pub refined_margin: Option<f64>,
+    /// How far the hypotheses of the search are from it, which says which of them the margin is measured to.
+    pub apart: Option<Apart>,
     /// What the motion barcodes of lines say of it, where sequences were compared.
     pub barcodes: Option<BarcodeFigures>,
     /// The fit of all seven degrees of freedom at full resolution, if there was one.
@@ -54,6 +56,27 @@ pub struct Assessment {
     pub trust: Option<Trust>,
     /// What is determined where the verdict says that the epipoles are not: one plane, or a turn of the camera.
     pub plane: Option<PlaneHomography>,
+}
+
+/// How far the hypotheses of a search are from its result: what the margin is measured between.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Apart {
+    /// Distance of each hypothesis from the result, in their order, px: the median of the symmetric distances of the matches
+    /// from its epipolar lines (of two in the middle the smaller one); without matches, the mean distance of its epipolar
+    /// lines from those of the result, all over the images.
+    pub distances: Vec<f64>,
+    /// A hypothesis that is farther than this is clearly different, px.
+    pub limit: f64,
+    /// How many matches the distances are measured on: those of the leading hypothesis, before refinement.
+    pub matches: usize,
+}
+
+impl Apart {
+    /// The first hypothesis that is clearly different, by its place in the list: the margin is how far the first one is
+    /// ahead of it.
+    pub fn rival(&self) -> Option<usize> {
+        self.distances.iter().position(|distance| *distance > self.limit)
+    }
 }
 
 /// What takes one image to the other where all that is seen lies on one plane, or the camera only turned.

@@ -4,6 +4,7 @@ use crate::exchange::export;
 use crate::support::*;
 
 use egui::Key;
+use egui_kittest::kittest::Queryable;
 use epiline::app::Start;
 use epiline::app::model::document::Side;
 use epiline::estimate::Estimate;
@@ -32,11 +33,18 @@ fn a_figure_has_the_images_with_lines_and_letters_or_pixels_of_any_size() {
     let bytes = std::fs::read(&path).unwrap();
     let count = |what: &str| bytes.windows(what.len()).filter(|part| *part == what.as_bytes()).count();
     assert!(
-        bytes.starts_with(b"%PDF-") && count("/Subtype /Image") == 2 && count("/BaseFont /Helvetica") == 1
+        bytes.starts_with(b"%PDF-") && count("/Subtype /Image") == 2 && count("/FontFile2 ") == 1,
+        "the images, and the font"
     );
     assert!(count(" l\nS") >= 8, "the lines of two pairs with their edges in both images");
-    for name in ["p", "q"] {
-        assert_eq!(count(&format!("({name}) Tj")), 2, "{name} is named in both images");
+    let text = String::from_utf8_lossy(&bytes);
+    for name in ['p', 'q'] {
+        // The number of the letter in the font that is in the file, and where it is written.
+        let letter = format!("> <{:04X}>", u32::from(name));
+        let number = text.lines().find_map(|line| line.strip_suffix(&letter)?.strip_prefix('<')).unwrap();
+        let number = u8::from_str_radix(number, 16).unwrap();
+        let written = format!("(\\000\\{number:03o}) Tj");
+        assert_eq!(count(&written), 2, "{name} is named in both images");
     }
     assert_eq!(count("/Subject (The geometry is "), 1);
 
@@ -95,6 +103,37 @@ fn a_figure_has_no_mark_of_what_is_selected_or_outside() {
     };
     let widths = widths(&text, "#1acc8c");
     assert!(widths.len() >= 4 && widths.iter().all(|width| *width == widths[0]), "{widths:?}");
+}
+
+#[test]
+fn marks_of_the_search_are_on_a_figure_that_asks_for_them() {
+    let files = Files::new();
+    let mut services = rich_services();
+    services.estimate = Box::new(|request, _| {
+        let mut estimate = rich_estimate(&request.pairs, &request.parameters)?;
+        let mut trace = estimate.trace.as_deref().cloned().unwrap();
+        // Both epipoles at (300, 200), in the image.
+        let skew = nalgebra::Vector3::new(300.0, 200.0, 1.0).cross_matrix();
+        trace.hypotheses = vec![Estimate::from(FundamentalMatrix::from_rank_two(skew).unwrap())];
+        estimate.trace = Some(trace.into());
+        Ok(estimate)
+    });
+    let mut window = window(Start::default(), services);
+    click_two_pairs(&mut window);
+    let path = files.0.path().join("figure.svg");
+    let mut areas = |choices: &[&str]| {
+        export(&mut window, choices, &path);
+        std::fs::read_to_string(&path).unwrap().matches("<polygon ").count()
+    };
+    let plain = areas(&["Figure"]);
+    // Two halves of a diamond and its edge, in both images.
+    assert_eq!(areas(&["Figure", "Hypotheses on the figure"]), plain + 6);
+    // What the window does not show cannot be chosen.
+    assert_eq!(areas(&["Figure", "Hypotheses on the figure", "Points on the figure"]), plain);
+    press(&mut window, Key::Escape);
+    window.key_press_modifiers(egui::Modifiers::COMMAND, Key::E);
+    settle(&mut window);
+    assert_eq!(window.query_all_by_label("Matches on the figure").count(), 0);
 }
 
 #[test]

@@ -10,6 +10,7 @@ mod killed;
 mod looking;
 mod opening;
 mod panels;
+mod pins;
 mod planes;
 mod points;
 mod rectified;

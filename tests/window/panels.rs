@@ -8,7 +8,7 @@ use egui_kittest::kittest::{NodeT, Queryable};
 use epiline::app::Start;
 use epiline::app::model::document::Side;
 use epiline::app::model::focus::{LineSource, Target};
-use epiline::estimate::{Parameters, Search, Trust, Verdict};
+use epiline::estimate::{Apart, Parameters, Search, Trust, Verdict};
 use epiline::geometry::FundamentalMatrix;
 
 /// The sample with two pairs and a result with hypotheses and pencils.
@@ -241,6 +241,8 @@ fn the_rival_that_makes_the_margin_is_marked() {
         let mut estimate = rich_estimate(&request.pairs, &request.parameters)?;
         // 100 of support against 80.
         estimate.assessment.margin = Some(0.2);
+        estimate.assessment.apart =
+            Some(Apart { distances: vec![0.4, 3.1, 25.0], limit: 3.84, matches: 221 });
         estimate.assessment.trust = Some(Trust { verdict: Verdict::Reliable, reasons: Vec::new() });
         Ok(estimate)
     });
@@ -254,11 +256,13 @@ fn the_rival_that_makes_the_margin_is_marked() {
     for (row, says) in [
         (
             "Hypothesis 2",
-            "Not clearly different from the result. So it is no rival, and the margin passes over it.",
+            "Not clearly different from the result: of the 221 matches before refinement, half lie up to 3.1 px from its lines \
+             (symmetric distance), and up to 3.8 px count as near. So it is no rival, and the margin passes over it.",
         ),
         (
             "Hypothesis 3, the rival",
-            "The best clearly different geometry. Its support 80.0 beside 100.0 of hypothesis 1 makes the margin of 20 %.",
+            "The best clearly different geometry: of the 221 matches before refinement, half lie up to 25.0 px from its lines \
+             (symmetric distance), and up to 3.8 px count as near. Its support 80.0 beside 100.0 of hypothesis 1 makes the margin of 20 %.",
         ),
     ] {
         let row = window.get_by_label(row).rect();
@@ -416,9 +420,12 @@ fn what_a_small_window_has_no_room_for_can_be_scrolled_to_and_a_bar_says_so() {
     window.hover_at(egui::pos2(300.0, 20.0));
     settle(&mut window);
     assert!(bars(&window, true) > 0, "plots");
-    window.set_size(vec2(1024.0, 640.0));
+    window.set_size(vec2(900.0, 640.0));
     press(&mut window, Key::Num5);
     assert!(bars(&window, false) > 0, "columns of residuals");
+    window.set_size(vec2(1024.0, 640.0));
+    settle(&mut window);
+    assert_eq!(bars(&window, false), 0, "both tables are whole");
     press(&mut window, Key::Num1);
     assert_eq!(bars(&window, false), 0, "nothing is out of sight");
 }

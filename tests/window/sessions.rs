@@ -150,6 +150,27 @@ fn with_copies(folder: &Path) -> Services {
 }
 
 #[test]
+fn the_offer_of_unsaved_work_counts_pinned_lines() {
+    let (files, copies) = (Files::new(), tempfile::tempdir().unwrap());
+    let opening = Opening::Files(files.image("a.png", 64, 48), files.image("b.png", 50, 70));
+    let start = Start { opening, pairs: pairs(), ..Start::default() };
+    let mut crashed = window(start, with_copies(copies.path()));
+    press(&mut crashed, Key::I);
+    for y in [-0.1, 0.2] {
+        let place = at(&crashed, Side::Left, 0.3, y);
+        click(&mut crashed, place);
+    }
+    assert_eq!(crashed.state().focus().pins().len(), 2);
+    // The copy is written at most two seconds later.
+    std::thread::sleep(std::time::Duration::from_secs(2));
+    settle(&mut crashed);
+    drop(crashed);
+    let next = window(Start::default(), with_copies(copies.path()));
+    let says = "2 point pairs and 2 pinned line pairs on a.png and b.png were not saved";
+    assert!(next.state().messages().any(|text| text.contains(says)), "{:?}", next.state().messages().next());
+}
+
+#[test]
 fn unsaved_work_is_offered_after_a_crash() {
     let (files, copies) = (Files::new(), tempfile::tempdir().unwrap());
     let opening = || Opening::Files(files.image("a.png", 64, 48), files.image("b.png", 50, 70));

@@ -440,6 +440,10 @@ fn the_residuals_say_how_many_pairs_are_missing_and_count_those_included() {
     press(&mut window, Key::Num5);
     assert!(painted(&window, "needs 5 more pairs") && painted(&window, "needs 6 more pairs"));
     assert!(painted(&window, "not known for these images"));
+    // Where there is no room for a column of it, it is told where the figures would be.
+    window.set_size(egui::vec2(1024.0, 640.0));
+    settle(&mut window);
+    assert!(painted(&window, "7-point: needs 5 more pairs"));
     let mut window =
         crate::support::window(Start { opening: opening(), pairs, ..Start::default() }, services());
     press(&mut window, Key::Num5);
@@ -455,6 +459,21 @@ fn the_residuals_say_how_many_pairs_are_missing_and_count_those_included() {
     window.get_by_label("Residuals of pair 9").click();
     settle(&mut window);
     assert_eq!(document(&window).selection.map(|at| at.pair), Some(8));
+}
+
+#[test]
+fn a_small_window_has_room_for_rows_of_residuals() {
+    let files = vgg(2);
+    let mut window = open_folder(files.0.path());
+    window.set_size(egui::vec2(1024.0, 640.0));
+    press(&mut window, Key::N);
+    press(&mut window, Key::Num5);
+    // Rows below the edge of the panel are not in sight.
+    let bottom = window.get_by_label("Geometry: Ground truth").rect().max.y;
+    let rows: Vec<_> = window.query_all_by_label_contains("True match ").map(|row| row.rect()).collect();
+    let all = |heading: &str| window.query_all_by_label(heading).count() == 1;
+    assert!(rows.len() >= 5 && rows[3].max.y <= bottom + 1.0, "{rows:?}, {bottom}");
+    assert!(all("Sort by Median, px") && all("Sort by < 1 px") && !all("Sort by From"));
 }
 
 #[test]

@@ -38,12 +38,16 @@ impl Inspector {
             copies.find_map(|path| Some((path.to_owned(), SessionFile::<Work>::read(path).ok()?)))
         });
         let Some((path, copy)) = readable else { return };
-        let count = copy.content.count_points();
-        let what = match count {
-            0 => "Work".to_owned(),
-            pairs => counted(pairs),
+        let (pairs, pins) = (copy.content.count_points(), copy.content.count_pins());
+        let lines =
+            if pins == 1 { "1 pinned line pair".to_owned() } else { format!("{pins} pinned line pairs") };
+        let what = match (pairs, pins) {
+            (0, 0) => "Work".to_owned(),
+            (0, _) => lines,
+            (_, 0) => counted(pairs),
+            (_, _) => format!("{} and {lines}", counted(pairs)),
         };
-        let were = if count < 2 { "was" } else { "were" };
+        let were = if pairs + pins < 2 { "was" } else { "were" };
         let images = match copy.images.each_ref().map(ImageReference::name) {
             [left, right] if left == right => format!("the sample {left}"),
             [left, right] => format!("{left} and {right}"),

@@ -117,6 +117,11 @@ impl OverlayId {
         matches!(self, Self::PointedAt | Self::Suggestion | Self::NextClick | Self::Points)
     }
 
+    /// Whether a figure can have it: what follows the cursor, or helps with the next click, belongs to the window.
+    pub fn is_for_figures(self) -> bool {
+        self.visibility() != Visibility::Always && self != Self::CursorLine
+    }
+
     /// When it is shown.
     pub const fn visibility(self) -> Visibility {
         Self::TABLE[self as usize].2

@@ -79,7 +79,11 @@ pub fn result_text(stage: Stage, document: &Document, computation: &Computation)
         Stage::Validation => {
             let (score, trace) = (estimate?.line_score()?, estimate?.trace.as_ref()?);
             let score = line_score_text(document.parameters.validation.line_score, score);
-            Some(format!("{} compared, best line score {score}", trace.counts.validated))
+            // Nothing is compared where all that was found is the result.
+            Some(match trace.counts.validated {
+                0 => format!("line score {score}"),
+                validated => format!("{validated} compared, best line score {score}"),
+            })
         }
         Stage::Refinement => {
             estimate.filter(|_| matches!(result, Some((_, Freshness::Final)))).map(|estimate| {

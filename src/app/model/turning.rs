@@ -23,6 +23,11 @@ impl Work {
     pub fn count_points(&self) -> usize {
         self.pairs().map(|kept| kept.document.pairs.len()).sum()
     }
+
+    /// How many line pairs are pinned on all pairs of images.
+    pub fn count_pins(&self) -> usize {
+        self.pairs().map(|kept| kept.pins.len()).sum()
+    }
 }
 
 impl Model {

@@ -128,14 +128,19 @@ pub fn palette(visuals: &Visuals) -> Palette {
     }
 }
 
-/// Sets fonts, sizes, spacing and both themes.
-pub fn install(ctx: &egui::Context) {
+/// The fonts of all text, in the window and on figures.
+pub fn fonts() -> FontDefinitions {
     let mut fonts = FontDefinitions::default();
     if let Some(family) = fonts.families.get_mut(&FontFamily::Proportional) {
         // The monospace font has many mathematical signs and arrows that the text font lacks.
         family.push("Hack".to_owned());
     }
-    ctx.set_fonts(fonts);
+    fonts
+}
+
+/// Sets fonts, sizes, spacing and both themes.
+pub fn install(ctx: &egui::Context) {
+    ctx.set_fonts(fonts());
     ctx.all_styles_mut(|style| {
         for (text, size) in [
             (TextStyle::Small, 12.0),

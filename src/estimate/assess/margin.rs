@@ -1,6 +1,6 @@
 //! The advantage of a geometry over the best clearly different one.
 
-use crate::estimate::{Estimate, Search};
+use crate::estimate::{Apart, Estimate, Search};
 use crate::geometry::{
     Frame, FundamentalMatrix, PointPair, epipolar_difference, symmetric_epipolar_distance,
 };
@@ -13,17 +13,24 @@ const CONTRADICTING: f64 = 0.5;
 /// Differences are measured up to this many times that distance, beyond which they are all alike.
 const LARGEST_DIFFERENCE: f64 = 10.0;
 
-/// Advantage of the best hypothesis over the best one that is clearly different from `fundamental`, relative to the
-/// better of the two; `None` when there is none.
-pub(in crate::estimate) fn margin(
+/// How far hypotheses are from a geometry, as it is decided which of them are clearly different.
+pub(super) fn all_apart(
     fundamental: &FundamentalMatrix,
     hypotheses: &[Estimate],
     matches: &[PointPair],
     frames: [Frame; 2],
-    search: Search,
-) -> Option<f64> {
-    let best = hypotheses.first()?;
-    let other = hypotheses.iter().find(|other| differs(fundamental, other.fundamental(), matches, frames))?;
+) -> Apart {
+    let distance = |other: &Estimate| apart(fundamental, other.fundamental(), matches, frames);
+    Apart {
+        distances: hypotheses.iter().map(distance).collect(),
+        limit: limit(matches, frames),
+        matches: matches.len(),
+    }
+}
+
+/// Advantage of the best hypothesis over a rival, relative to the better of the two; `None` when there is no rival.
+pub(super) fn margin(hypotheses: &[Estimate], rival: Option<usize>, search: Search) -> Option<f64> {
+    let (best, other) = (hypotheses.first()?, hypotheses.get(rival?)?);
     // A figure that is missing says nothing for either.
     Some(match search {
         Search::Patches => {
@@ -37,7 +44,17 @@ pub(in crate::estimate) fn margin(
     })
 }
 
-/// Whether another geometry is clearly different. Where there are supporting matches, one is that half of them
+/// The best hypothesis that is clearly different, by its place in the list; none behind it is looked at.
+pub(super) fn rival(
+    fundamental: &FundamentalMatrix,
+    hypotheses: &[Estimate],
+    matches: &[PointPair],
+    frames: [Frame; 2],
+) -> Option<usize> {
+    hypotheses.iter().position(|other| differs(fundamental, other.fundamental(), matches, frames))
+}
+
+/// Whether another geometry is clearly different. Where there are supporting matches, one is that more than half of them
 /// contradict (two geometries that agree wherever the scene is do not compete); else one whose epipolar lines are
 /// elsewhere.
 pub(super) fn differs(
@@ -46,12 +63,29 @@ pub(super) fn differs(
     matches: &[PointPair],
     frames: [Frame; 2],
 ) -> bool {
+    apart(fundamental, other, matches, frames) > limit(matches, frames)
+}
+
+/// Distance from which on a geometry is clearly different, px.
+fn limit(matches: &[PointPair], frames: [Frame; 2]) -> f64 {
     let far = DIFFERENT * frames[0].longer_side();
+    if matches.is_empty() { far } else { CONTRADICTING * far }
+}
+
+/// How far another geometry is, px: see [`Apart::distances`].
+fn apart(
+    fundamental: &FundamentalMatrix,
+    other: &FundamentalMatrix,
+    matches: &[PointPair],
+    frames: [Frame; 2],
+) -> f64 {
     if matches.is_empty() {
-        return epipolar_difference(fundamental, other, frames, LARGEST_DIFFERENCE * far) > far;
+        let most = LARGEST_DIFFERENCE * limit(matches, frames);
+        return epipolar_difference(fundamental, other, frames, most);
     }
-    let contradicts = |m: &&PointPair| symmetric_epipolar_distance(other, m) > CONTRADICTING * far;
-    2 * matches.iter().filter(contradicts).count() > matches.len()
+    let mut distances: Vec<f64> = matches.iter().map(|m| symmetric_epipolar_distance(other, m)).collect();
+    let half = (distances.len() - 1) / 2;
+    *distances.select_nth_unstable_by(half, f64::total_cmp).1
 }
 
 #[cfg(test)]
@@ -79,7 +113,10 @@ mod tests {
     }
 
     fn of(hypotheses: &[Estimate], matches: &[PointPair], search: Search) -> Option<f64> {
-        margin(&rows(0.0), hypotheses, matches, FRAMES, search)
+        let rival = rival(&rows(0.0), hypotheses, matches, FRAMES);
+        let apart = all_apart(&rows(0.0), hypotheses, matches, FRAMES);
+        assert_eq!((apart.rival(), apart.distances.len()), (rival, hypotheses.len()));
+        margin(hypotheses, rival, search)
     }
 
     fn close(a: Option<f64>, b: f64) -> bool {
@@ -111,6 +148,10 @@ mod tests {
         let half = [at(10.0), at(20.0), at(200.0), at(250.0)];
         assert_eq!(of(&hypotheses, &half, Search::Patches), None);
         assert!(close(of(&hypotheses, &half[1..], Search::Patches), 0.3));
+        let apart = all_apart(&rows(0.0), &hypotheses, &half, FRAMES);
+        assert_eq!((apart.matches, apart.limit), (4, 2.0));
+        // Of four matches the second nearest: half of them lie within its distance.
+        assert!(apart.distances[0] == 0.0 && (0.9..1.0).contains(&apart.distances[1]), "{apart:?}");
         let shifted = |shift| [supported(rows(0.0), 100.0), supported(rows(shift), 70.0)];
         assert_eq!(of(&shifted(1.99), &half, Search::Patches), None);
         assert!(close(of(&shifted(2.01), &half, Search::Patches), 0.3));

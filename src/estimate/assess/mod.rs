@@ -24,7 +24,7 @@ use crate::cancel::CancelFlag;
 use crate::geometry::{FundamentalMatrix, PointPair, sampson_distance, transfer_error};
 use crate::similarity::SimilaritySource;
 use examination::Examiner;
-use margin::{differs, margin};
+use margin::{all_apart, differs, margin, rival};
 use parallax::{CORNER_SIGMA, OffPlane, precision};
 
 /// How near a match must be to a homography to be explained by it, px in an image of up to [`PLANE_SIDE`] px, more in
@@ -58,8 +58,13 @@ impl Judge<'_> {
         Assessment {
             lines: self.hypotheses.first().and_then(|best| best.assessment.lines.clone()),
             support,
-            margin: self.margin(f, &[]),
+            margin: margin(
+                self.hypotheses,
+                rival(f, self.hypotheses, &[], self.prepared.frames()),
+                self.parameters.search,
+            ),
             refined_margin: None,
+            apart: None,
             barcodes: None,
             refinement: None,
             warnings: self.warnings(f),
@@ -83,7 +88,8 @@ impl Judge<'_> {
         let anchors = self.clicks.anchors();
         let lines = anchors.first_chunk::<2>().and_then(|anchors| examiner.line_figures(*anchors, f, turn));
         let support = examiner.patch_support(f);
-        let margin = self.margin(f, supporting);
+        let apart = all_apart(f, self.hypotheses, supporting, prepared.frames());
+        let margin = margin(self.hypotheses, apart.rival(), parameters.search);
         let weight = refined.as_ref().map(|refined| refined.weight);
         let is_open = margin.is_some_and(|margin| margin < CLEAR_MARGIN);
         let refined_margin = weight.filter(|_| is_open).map(|w| self.refined_margin(f, w, supporting));
@@ -95,6 +101,7 @@ impl Judge<'_> {
             support,
             margin,
             refined_margin,
+            apart: Some(apart),
             barcodes: None,
             refinement,
             warnings,
@@ -122,10 +129,6 @@ impl Judge<'_> {
             .map(|refined| refined.weight)
             .fold(0.0, f64::max);
         (weight - heaviest) / weight.max(1e-9)
-    }
-
-    fn margin(&self, f: &FundamentalMatrix, supporting: &[PointPair]) -> Option<f64> {
-        margin(f, self.hypotheses, supporting, self.prepared.frames(), self.parameters.search)
     }
 
     fn warnings(&self, f: &FundamentalMatrix) -> Vec<Warning> {

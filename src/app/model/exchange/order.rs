@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use crate::app::model::ids::OverlayId;
 use crate::io::Format;
 
 /// What is written.
@@ -124,11 +125,35 @@ pub struct FigureChoices {
     pub dark: bool,
     /// Whether only what is seen of the images is on it.
     pub seen: bool,
+    /// Which layers over the images are not on it although the window shows them.
+    left_out: [bool; OverlayId::COUNT],
+}
+
+impl FigureChoices {
+    /// Whether it has a layer that the window shows.
+    pub fn has(&self, layer: OverlayId) -> bool {
+        !self.left_out[layer as usize]
+    }
+
+    /// Takes a layer in, or leaves it out.
+    pub fn set(&mut self, layer: OverlayId, on: bool) {
+        self.left_out[layer as usize] = !on;
+    }
 }
 
 impl Default for FigureChoices {
     fn default() -> Self {
-        Self { format: FigureFormat::default(), width: None, labels: true, dark: false, seen: false }
+        let mut left_out = [false; OverlayId::COUNT];
+        // Marks of a search, which say nothing to who has not seen it.
+        left_out[OverlayId::Hypotheses as usize] = true;
+        Self {
+            format: FigureFormat::default(),
+            width: None,
+            labels: true,
+            dark: false,
+            seen: false,
+            left_out,
+        }
     }
 }
 

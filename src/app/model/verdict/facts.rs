@@ -148,7 +148,10 @@ const SUPPORT: &str = "Corners of the reduced images that find their match along
 /// How clearly the result is ahead, and of which hypothesis.
 fn margin(estimate: &Estimate) -> Fact {
     let Some(margin) = estimate.assessment.margin else {
-        return Fact { tone: Some(Tone::Good), ..Fact::new("Margin", "no other geometry came near", MARGIN) };
+        return Fact {
+            tone: Some(Tone::Good),
+            ..Fact::new("Margin", "no clearly different geometry", MARGIN)
+        };
     };
     let rival = rival(estimate).map_or(String::new(), |rival| format!(" to hypothesis {}", rival + 1));
     // What decides, when it was looked at.

@@ -128,16 +128,7 @@ pub fn line_score_text(kind: LineScore, score: f64) -> String {
 
 /// The hypothesis whose figure beside that of the first one makes the margin, by its place in the list.
 pub fn rival(estimate: &Estimate) -> Option<usize> {
-    let margin = estimate.assessment.margin?;
-    let (best, others) = estimate.hypotheses().split_first()?;
-    let is_it = |other: &Estimate| {
-        let by_support = best.support_score().zip(other.support_score());
-        let by_support = by_support.map(|(best, other)| (best - other) / best.max(1e-9));
-        let by_lines = best.line_score().zip(other.line_score());
-        let by_lines = by_lines.map(|(best, other)| (other - best) / other.max(1e-9));
-        by_support.or(by_lines).is_some_and(|own| (own - margin).abs() < 1e-9)
-    };
-    others.iter().position(is_it).map(|place| place + 1)
+    estimate.assessment.apart.as_ref()?.rival()
 }
 
 /// What is good and bad of the hypotheses of one search.

@@ -1,14 +1,12 @@
 //! What a hypothesis has to do with the margin: whether it is the rival, or so near to the result that it is none.
 
-use super::gauge::{line_score_text, rival};
+use super::gauge::line_score_text;
 use crate::estimate::{Estimate, LineScore};
-use crate::evaluate::median;
-use crate::geometry::symmetric_epipolar_distance;
 
 /// How a hypothesis stands to the result.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Standing {
-    /// Before the rival, and not clearly different from the result.
+    /// Before the rival, or without one, and not clearly different from the result.
     Near,
     /// The one that makes the margin.
     Rival,
@@ -17,9 +15,10 @@ pub enum Standing {
 }
 
 impl Standing {
-    /// That of a hypothesis, by its place in the list; `None` where no rival is known.
+    /// That of a hypothesis, by its place in the list; `None` where distances were not measured.
     pub fn of(result: &Estimate, number: usize) -> Option<Self> {
-        Some(match number.cmp(&rival(result)?) {
+        let rival = result.assessment.apart.as_ref()?.rival().unwrap_or(usize::MAX);
+        Some(match number.cmp(&rival) {
             std::cmp::Ordering::Less => Self::Near,
             std::cmp::Ordering::Equal => Self::Rival,
             std::cmp::Ordering::Greater => Self::Behind,
@@ -31,37 +30,31 @@ impl Standing {
         let far = away(result, number);
         match self {
             Self::Near => {
-                let within = far.map_or(String::new(), |(count, far)| {
-                    format!(": half of its {count} matches lie within {far:.1} px of these lines, too")
-                });
-                format!(
-                    "Not clearly different from the result{within}. So it is no rival, and the margin passes over it."
-                )
+                let passes = result.assessment.margin.map_or("", |_| ", and the margin passes over it");
+                format!("Not clearly different from the result{far}. So it is no rival{passes}.")
             }
             Self::Rival => {
-                let beyond = far.map_or(String::new(), |(count, far)| {
-                    format!(": half of the result's {count} matches lie {far:.1} px or more from its lines")
-                });
-                let figures = figures(result, number, kind);
-                format!("The best clearly different geometry{beyond}. {figures}")
+                format!("The best clearly different geometry{far}. {}", figures(result, number, kind))
             }
-            Self::Behind => {
-                let away = far.map_or(String::new(), |(count, far)| {
-                    format!(" Half of the result's {count} matches lie within {far:.1} px of its lines.")
-                });
-                format!("Ranks behind the rival, to which the margin is measured.{away}")
-            }
+            Self::Behind => format!("Ranks behind the rival, to which the margin is measured{far}."),
         }
     }
 }
 
-/// How many matches the result has, and the median of their distances from the lines of a hypothesis, px.
-fn away(result: &Estimate, number: usize) -> Option<(usize, f64)> {
-    let own = result.hypotheses().get(number)?.fundamental();
-    let distances: Vec<f64> =
-        result.matches().iter().map(|found| symmetric_epipolar_distance(own, &found.pair)).collect();
-    let far = median(&distances);
-    far.is_finite().then_some((distances.len(), far))
+/// How far a hypothesis is from the result, as it was measured to tell whether it is clearly different.
+fn away(result: &Estimate, number: usize) -> String {
+    let Some(apart) = &result.assessment.apart else { return String::new() };
+    let Some(distance) = apart.distances.get(number) else { return String::new() };
+    let limit = apart.limit;
+    match apart.matches {
+        0 => format!(
+            ": its epipolar lines are {distance:.1} px from those of the result on average, and up to {limit:.1} px count as near"
+        ),
+        count => format!(
+            ": of the {count} matches before refinement, half lie up to {distance:.1} px from its lines (symmetric distance), and \
+             up to {limit:.1} px count as near"
+        ),
+    }
 }
 
 /// The figures of the first hypothesis and of the rival, from which the margin comes.

@@ -3,6 +3,7 @@
 //! The overlays draw as they do in the window, but onto a sheet of paper: what they drew is one list, from which the SVG,
 //! the PDF and the PNG come.
 
+mod font;
 mod pdf;
 mod pieces;
 mod raster;

@@ -1,5 +1,5 @@
-//! The figure as PDF: one page of the size of the sheet, the images without loss, everything over them as lines and letters
-//! in Helvetica, which every reader of PDF has.
+//! The figure as PDF: one page of the size of the sheet, the images without loss, everything over them as lines and
+//! letters, whose fonts are in the file.
 
 use std::collections::BTreeMap;
 
@@ -8,8 +8,10 @@ use image::{DynamicImage, RgbImage};
 use pdf_writer::types::Predictor;
 use pdf_writer::{Content, Filter, Finish, Name, Pdf, Ref, Str, TextStr};
 
+use super::font::Fonts;
 use super::pieces::{Piece, take_apart};
 use super::sheet::Sheet;
+use crate::app::view::theme;
 use crate::io::{PictureFormat, encode_picture};
 
 /// How far the handles of a quarter of a circle are from its ends, in radii.
@@ -19,18 +21,17 @@ const CATALOG: Ref = Ref::new(1);
 const PAGES: Ref = Ref::new(2);
 const PAGE: Ref = Ref::new(3);
 const CONTENT: Ref = Ref::new(4);
-const FONT: Ref = Ref::new(5);
-const ABOUT: Ref = Ref::new(6);
-const IMAGES: [Ref; 2] = [Ref::new(7), Ref::new(8)];
-/// The first of the opacities.
-const OPACITIES: i32 = 9;
+const ABOUT: Ref = Ref::new(5);
+const IMAGES: [Ref; 2] = [Ref::new(6), Ref::new(7)];
+/// The first of the opacities; the fonts follow them.
+const OPACITIES: i32 = 8;
 const IMAGE_NAMES: [Name; 2] = [Name(b"Left"), Name(b"Right")];
-const FONT_NAME: Name = Name(b"Letters");
 
 /// The whole file.
 pub fn write(sheet: &Sheet) -> Result<Vec<u8>, String> {
     let mut pdf = Pdf::new();
-    let mut page = Page { content: Content::new(), opacities: BTreeMap::new() };
+    let fonts = Fonts::new(theme::fonts());
+    let mut page = Page { content: Content::new(), opacities: BTreeMap::new(), fonts };
     // From the lower left corner upwards to the upper left one downwards.
     page.content.transform([1.0, 0.0, 0.0, -1.0, 0.0, sheet.size.y]);
     page.fill(sheet.background);
@@ -49,7 +50,7 @@ pub fn write(sheet: &Sheet) -> Result<Vec<u8>, String> {
         }
         page.content.restore_state();
     }
-    let Page { content, opacities } = page;
+    let Page { content, opacities, fonts } = page;
     pdf.stream(CONTENT, &content.finish());
     for ((painted, alpha), (number, _)) in &opacities {
         let share = f32::from(*alpha) / 255.0;
@@ -59,7 +60,7 @@ pub fn write(sheet: &Sheet) -> Result<Vec<u8>, String> {
             Painted::Line => state.stroking_alpha(share),
         };
     }
-    pdf.type1_font(FONT).base_font(Name(b"Helvetica")).encoding_predefined(Name(b"WinAnsiEncoding"));
+    let fonts = fonts.embed(&mut pdf, OPACITIES + opacities.len() as i32)?;
     pdf.catalog(CATALOG).pages(PAGES);
     pdf.pages(PAGES).kids([PAGE]).count(1);
     let mut written = pdf.page(PAGE);
@@ -67,7 +68,7 @@ pub fn write(sheet: &Sheet) -> Result<Vec<u8>, String> {
     written.parent(PAGES).contents(CONTENT);
     let mut resources = written.resources();
     resources.x_objects().pairs(IMAGE_NAMES.into_iter().zip(IMAGES));
-    resources.fonts().pair(FONT_NAME, FONT);
+    resources.fonts().pairs(fonts.iter().map(|(name, at)| (Name(name.as_bytes()), *at)));
     let mut states = resources.ext_g_states();
     for (number, name) in opacities.values() {
         states.pair(Name(name.as_bytes()), Ref::new(OPACITIES + number));
@@ -85,10 +86,12 @@ pub fn write(sheet: &Sheet) -> Result<Vec<u8>, String> {
     Ok(pdf.finish())
 }
 
-/// The page, and which opacities are used on it, of what is inside of shapes and of lines: each has a number and a name.
+/// The page, and what is used on it: opacities of what is inside of shapes and of lines, each with a number and a name, and
+/// fonts.
 struct Page {
     content: Content,
     opacities: BTreeMap<(Painted, u8), (i32, String)>,
+    fonts: Fonts,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -147,10 +150,14 @@ impl Page {
 
     fn letters(&mut self, at: Pos2, size: f32, color: Color32, words: &str) {
         self.fill(color);
-        let bytes: Vec<u8> = words.chars().map(windows_letter).collect();
-        // Upright again.
-        self.content.begin_text().set_font(FONT_NAME, size);
-        self.content.set_text_matrix([1.0, 0.0, 0.0, -1.0, at.x, at.y]).show(Str(&bytes)).end_text();
+        let runs = self.fonts.write(words);
+        // Upright again; what follows begins where what was before ends.
+        self.content.begin_text().set_text_matrix([1.0, 0.0, 0.0, -1.0, at.x, at.y]);
+        for run in &runs {
+            let (font, size, rise) = self.fonts.style(run, size);
+            self.content.set_font(Name(font.as_bytes()), size).set_rise(rise).show(Str(&run.codes));
+        }
+        self.content.end_text();
     }
 
     fn fill(&mut self, color: Color32) {
@@ -193,21 +200,6 @@ fn rounded(content: &mut Content, rect: Rect, radius: f32) {
     content.cubic_to(min.x + handle, max.y, min.x, max.y - handle, min.x, max.y - radius);
     content.line_to(min.x, min.y + radius);
     content.cubic_to(min.x, min.y + handle, min.x + handle, min.y, min.x + radius, min.y).close_path();
-}
-
-/// A letter in the encoding of the font; what it has not is a question mark.
-fn windows_letter(letter: char) -> u8 {
-    match letter {
-        ' '..='~' | '\u{a0}'..='\u{ff}' => letter as u32 as u8,
-        '′' | '’' => b'\'',
-        '″' => b'"',
-        '−' => b'-',
-        '–' => 0x96,
-        '—' => 0x97,
-        '…' => 0x85,
-        '€' => 0x80,
-        _ => b'?',
-    }
 }
 
 /// Where a picture is transparent, the paper is seen.
@@ -258,14 +250,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_pixels_of_a_png_file_are_found_and_letters_encoded() {
+    fn the_pixels_of_a_png_file_are_found() {
         let pixels = RgbImage::from_fn(300, 200, |x, y| image::Rgb([x as u8, y as u8, (x * y) as u8]));
         let png = encode_picture(&pixels.into(), PictureFormat::Png).unwrap();
         let data = compressed(&png);
         assert!(data.len() > 1000 && data.len() < png.len());
         assert_eq!(data[0] & 0x0f, 8, "a zlib stream");
         assert!(compressed(&png[..20]).is_empty() && compressed(&[]).is_empty());
-        assert_eq!("q′ ü κ".chars().map(windows_letter).collect::<Vec<_>>(), b"q' \xfc ?");
     }
 
     #[test]

@@ -10,12 +10,13 @@ use image::DynamicImage;
 use crate::app::model::Model;
 use crate::app::model::document::Side;
 use crate::app::model::exchange::{FigureChoices, trust_note};
-use crate::app::model::ids::{OverlayId, Visibility};
+use crate::app::model::ids::OverlayId;
 use crate::app::model::pane_view::PaneView;
 use crate::app::model::picture::Pictures;
 use crate::app::model::tones::Rendition;
 use crate::app::view::panes::overlays::{Canvas, Labels, OVERLAYS};
 use crate::app::view::panes::{PanePlace, Transform};
+use crate::app::view::theme;
 use crate::io::TrustNote;
 
 /// Height of images beside each other and width of images above each other, points: with text of 13 points, about what a
@@ -130,6 +131,7 @@ pub fn sheet(model: &Model, panes: [Option<PanePlace>; 2], choices: &FigureChoic
         Placed { transform, first: [x, y], count: [width, height], rendition: model.open.tones.of[k] }
     });
     let context = egui::Context::default();
+    context.set_fonts(theme::fonts());
     let input = egui::RawInput {
         screen_rect: Some(Rect::from_min_size(pos2(0.0, 0.0), size)),
         max_texture_side: Some(16_384),
@@ -151,12 +153,8 @@ pub fn sheet(model: &Model, panes: [Option<PanePlace>; 2], choices: &FigureChoic
                 labels: choices.labels.then_some(&labels),
                 is_figure: true,
             };
-            // What follows the cursor belongs to the window.
-            let lasting =
-                |id: OverlayId| id.visibility() != Visibility::Always && id != OverlayId::CursorLine;
-            for overlay in
-                OVERLAYS.iter().filter(|overlay| model.look.shows(overlay.id) && lasting(overlay.id))
-            {
+            let shown = |id: OverlayId| id.is_for_figures() && model.look.shows(id) && choices.has(id);
+            for overlay in OVERLAYS.iter().filter(|overlay| shown(overlay.id)) {
                 (overlay.draw)(&canvas);
             }
         }

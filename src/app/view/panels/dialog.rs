@@ -8,7 +8,7 @@ use super::finish_button;
 use crate::app::model::command::Command;
 
 /// Width of the names of fields, screen points: all alike, so that the fields line up.
-pub const LABEL_WIDTH: f32 = 84.0;
+const LABEL_WIDTH: f32 = 84.0;
 
 /// Height of a field and its button, screen points.
 const HEIGHT: f32 = 26.0;
@@ -55,7 +55,7 @@ impl PathField<'_> {
     /// Shows the field alone, with room for its button: so fields that belong together follow one another with Tab.
     pub fn show_field(&self, ui: &mut Ui, text: &mut String) -> (Response, Rect) {
         let row = ui.horizontal(|ui| {
-            let label = ui.add_sized([LABEL_WIDTH, HEIGHT], Label::new(self.name));
+            let label = row_label(ui, self.name);
             let room = ui.available_width() - BROWSE_WIDTH - 3.0 * ui.spacing().item_spacing.x;
             let edit = TextEdit::singleline(text).hint_text(self.hint).desired_width(self.width.min(room));
             let field = ui.add(edit).labelled_by(label.id);
@@ -69,6 +69,11 @@ impl PathField<'_> {
         let button = ui.place(place, Button::new("Browse").min_size(place.size()));
         finish_button(ui, named(button, self.browse), self.command, commands)
     }
+}
+
+/// Writes what a row of a dialog is about, in line with the other rows.
+pub fn row_label(ui: &mut Ui, name: &str) -> Response {
+    ui.add_sized([LABEL_WIDTH, HEIGHT], Label::new(name).halign(egui::Align::Min))
 }
 
 /// The button under a name that says more than what stands on it.

@@ -2,9 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use egui::{Button, DragValue, Key, Label, Ui};
+use egui::{Button, DragValue, Key, Ui};
 
-use super::dialog::{LABEL_WIDTH, PathField, dialog, path_of};
+use super::dialog::{PathField, dialog, path_of, row_label};
 use super::{command_button, finish_button};
 use crate::app::model::command::Command;
 use crate::app::model::rectified::RectifiedCommand;
@@ -86,7 +86,7 @@ impl ExportDialog {
 
     fn choices(&mut self, ui: &mut Ui) {
         ui.horizontal(|ui| {
-            ui.add_sized([LABEL_WIDTH, 26.0], Label::new("Pictures"));
+            row_label(ui, "Pictures");
             for (format, name, tooltip) in [
                 (PictureFormat::Png, "PNG", "8 or 16 bits with transparency; every program reads it."),
                 (PictureFormat::Tiff, "TIFF", "8 or 16 bits or floating point, with transparency."),
@@ -95,14 +95,14 @@ impl ExportDialog {
             }
         });
         ui.horizontal(|ui| {
-            let label = ui.add_sized([LABEL_WIDTH, 26.0], Label::new("Guide lines"));
+            let label = row_label(ui, "Guide lines");
             let value = DragValue::new(&mut self.options.guide_spacing).range(0..=1000).suffix(" rows");
             ui.add(value)
                 .labelled_by(label.id)
                 .on_hover_text("Rows from one guide line to the next in the picture of both; 0 draws none.");
         });
         ui.horizontal(|ui| {
-            ui.add_sized([LABEL_WIDTH, 26.0], Label::new("Maps"));
+            row_label(ui, "Maps");
             ui.checkbox(&mut self.options.maps, "Where each pixel comes from, as .npy arrays for cv2.remap")
                 .on_hover_text(
                     "Rows × columns × (x, y) in pixels of the original image, 32-bit floats; (-1, -1) where nothing is.",

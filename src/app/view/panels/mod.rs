@@ -14,6 +14,7 @@ mod open_dialog;
 mod pair_chooser;
 mod pair_menu;
 mod palette;
+mod pin_menu;
 mod player;
 mod relocate_dialog;
 mod save_dialog;
@@ -36,6 +37,7 @@ pub use film_strip::FilmStrip;
 pub use open_dialog::OpenDialog;
 pub use pair_menu::show as pair_menu;
 pub use palette::CommandPalette;
+pub use pin_menu::show as pin_menu;
 pub use relocate_dialog::RelocateDialog;
 pub use save_dialog::SaveDialog;
 

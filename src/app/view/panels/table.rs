@@ -104,6 +104,8 @@ struct Ordered {
 const ROW: f32 = 22.0;
 /// Width of the bar of a figure, screen points.
 const BAR: f32 = 24.0;
+/// Where there is less room than this for it a bar would be no more than a dot: it is left out, its words stay.
+const SHORTEST_BAR: f32 = 12.0;
 /// Distance from the edge of a column to its words, screen points.
 const INSET: f32 = 6.0;
 
@@ -262,7 +264,9 @@ impl Table<'_> {
                         pos2(place.max.x - BAR / 2.0, area.center().y),
                         vec2(BAR.min(place.width()).max(0.0), 4.0),
                     );
-                    gauge::draw(&painter, ui.visuals(), place, &bar);
+                    if place.width() >= SHORTEST_BAR {
+                        gauge::draw(&painter, ui.visuals(), place, &bar);
+                    }
                     let cell = Rect::from_min_max(pos2(start, area.min.y), pos2(end, area.max.y));
                     if response.hovered() && ui.rect_contains_pointer(cell) {
                         words = Some(bar.words);

@@ -3,7 +3,7 @@
 use egui::{CursorIcon, PointerButton, Pos2, Rect, Response, Sense, StrokeKind, Ui, WidgetInfo};
 
 use super::navigation::zoom_asked;
-use super::overlays::{Canvas, Labels, OVERLAYS, Overlay, pointed_at};
+use super::overlays::{Canvas, Labels, OVERLAYS, Overlay, pinned_at, pointed_at};
 use super::texture::PictureTexture;
 use super::transform::Transform;
 use super::{epipole_map, loupe};
@@ -11,12 +11,13 @@ use crate::app::model::Model;
 use crate::app::model::command::Command;
 use crate::app::model::document::{PointRef, Side, pair_name};
 use crate::app::model::focus::LineSource;
+use crate::app::model::ids::OverlayId;
 use crate::app::model::look::Tool;
 use crate::app::model::open_pair::Hover;
 use crate::app::model::pane_view::PaneView;
 use crate::app::model::picture::Opened;
 use crate::app::model::shared::Shared;
-use crate::app::view::panels::pair_menu;
+use crate::app::view::panels::{pair_menu, pin_menu};
 use crate::app::view::theme;
 use crate::geometry::{Frame, Point, Vector};
 use crate::image::Picture;
@@ -38,13 +39,22 @@ enum Dragged {
     View(Point),
 }
 
+/// What a menu is about.
+#[derive(Debug, Clone, Copy)]
+enum Menu {
+    /// A pair, by its place in the list.
+    Pair(usize),
+    /// A pinned line pair, by its number.
+    Pin(usize),
+}
+
 /// One of the two image panes.
 pub struct ImagePane {
     side: Side,
     image: Option<PaneImage>,
     drag: Option<Drag>,
-    /// The pair whose menu was opened last.
-    menu: Option<usize>,
+    /// What the menu that was opened last is about.
+    menu: Option<Menu>,
     /// Where it was drawn last.
     rect: Rect,
 }
@@ -168,8 +178,18 @@ impl ImagePane {
         for overlay in below {
             (overlay.draw)(&canvas);
         }
-        if let Some(pair) = self.menu.filter(|pair| *pair <= model.document.pairs.len()) {
-            response.context_menu(|ui| pair_menu(ui, model, pair, commands));
+        if response.secondary_clicked() && self.menu.is_none() && model.look.shows(OverlayId::Pinned) {
+            let under = response.interact_pointer_pos().and_then(|at| pinned_at(&canvas, at));
+            self.menu = under.map(Menu::Pin);
+        }
+        match self.menu {
+            Some(Menu::Pair(pair)) if pair <= model.document.pairs.len() => {
+                response.context_menu(|ui| pair_menu(ui, model, pair, commands));
+            }
+            Some(Menu::Pin(number)) => {
+                response.context_menu(|ui| pin_menu(ui, model, number, commands));
+            }
+            _ => {}
         }
         if let Some(target) = response.hover_pos().and_then(|position| pointed_at(&canvas, position)) {
             commands.push(Command::PointAt(target));
@@ -293,7 +313,7 @@ impl ImagePane {
         let menu_open = self.menu.is_some() && response.context_menu_opened();
         if response.secondary_clicked() {
             let under = response.interact_pointer_pos().and_then(handle_at);
-            self.menu = under.map(|(at, _)| at.pair);
+            self.menu = under.map(|(at, _)| Menu::Pair(at.pair));
             if let Some((at, _)) = under {
                 commands.push(Command::Select(Some(at)));
             }

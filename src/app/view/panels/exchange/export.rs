@@ -2,9 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use egui::{Button, ComboBox, DragValue, Key, Label, RichText, Ui};
+use egui::{Button, ComboBox, DragValue, Key, Label, RichText, Role, Ui, WidgetInfo};
 
-use super::super::dialog::{LABEL_WIDTH, PathField, dialog, path_of};
+use super::super::dialog::{PathField, dialog, path_of, row_label};
 use super::super::{command_button, finish_button};
 use crate::app::model::Model;
 use crate::app::model::command::Command;
@@ -13,6 +13,7 @@ use crate::app::model::exchange::{
     ExportKind, ExportOrder, FigureFormat, PROFILE_CONVENTION, ReportFormat, ViewPart, result_note,
     trust_note,
 };
+use crate::app::model::ids::OverlayId;
 use crate::app::model::rectified::RectifiedCommand;
 use crate::app::view::theme;
 use crate::io::Format;
@@ -181,7 +182,10 @@ impl FileExport {
                     .on_hover_text("As epiline estimate writes it; other programs and this one read it.");
             }),
             ExportKind::Table | ExportKind::Profile => {}
-            ExportKind::Figure => self.figure(ui),
+            ExportKind::Figure => {
+                self.figure(ui);
+                self.layers(ui, model);
+            }
             ExportKind::View => row(ui, "Part", |ui| {
                 ui.radio_value(&mut self.order.part, ViewPart::Images, "Both images")
                     .on_hover_text("The two images with everything drawn over them.");
@@ -192,7 +196,7 @@ impl FileExport {
 
     fn formats(&mut self, ui: &mut Ui) {
         ui.horizontal(|ui| {
-            let label = ui.add_sized([LABEL_WIDTH, 26.0], Label::new("Format"));
+            let label = row_label(ui, "Format");
             let formats = ComboBox::from_id_salt("export format")
                 .selected_text(self.order.format.label())
                 .width(240.0)
@@ -240,6 +244,24 @@ impl FileExport {
         });
     }
 
+    /// Which of the layers that the window shows are on a figure.
+    fn layers(&mut self, ui: &mut Ui, model: &Model) {
+        let figure = &mut self.order.figure;
+        row(ui, "Layers", |ui| {
+            ui.horizontal_wrapped(|ui| {
+                let shown =
+                    |id: &OverlayId| id.is_for_figures() && model.offers(*id) && model.look.shows(*id);
+                for layer in OverlayId::all().filter(shown) {
+                    let mut on = figure.has(layer);
+                    let switch = ui.checkbox(&mut on, layer.name());
+                    let name = format!("{} on the figure", layer.name());
+                    switch.widget_info(|| WidgetInfo::selected(Role::CheckBox, true, on, &name));
+                    figure.set(layer, on);
+                }
+            });
+        });
+    }
+
     /// How the numbers of the file are to be taken; every file says so itself.
     fn conventions(&self, ui: &mut Ui) {
         let sentences: Vec<String> = match self.order.what {
@@ -255,7 +277,7 @@ impl FileExport {
                     "The images are in it with all their pixels; lines and letters can be edited.".to_owned()
                 }
                 FigureFormat::Pdf => {
-                    "One page with the images in all their pixels; letters are in Helvetica, which every reader has."
+                    "One page with the images in all their pixels; lines and letters stay sharp, and the font is in the file."
                         .to_owned()
                 }
                 FigureFormat::Png => {
@@ -321,7 +343,7 @@ fn trust(ui: &mut Ui, what: ExportKind, model: &Model) {
 /// A choice with its name, in line with the others.
 fn row<R>(ui: &mut Ui, name: &str, content: impl FnOnce(&mut Ui) -> R) {
     ui.horizontal(|ui| {
-        ui.add_sized([LABEL_WIDTH, 26.0], Label::new(name));
+        row_label(ui, name);
         content(ui);
     });
 }

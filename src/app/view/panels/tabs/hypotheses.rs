@@ -24,8 +24,8 @@ const COLUMNS: [Column; 7] = [
         84.0,
         "Place in the list, best first, before refinement; the result is what refinement made of the best. The rival is \
          the best clearly different geometry: how far hypothesis 1 is ahead of it is the margin of the result. Those before \
-         it are near the result: of at least half of the matches their lines are within 0.5 % of the image. Point at a row \
-         for its figures.",
+         it are near the result: at least half of the matches before refinement lie within 0.5 % of the image of their \
+         lines. Point at a row for its figures.",
     ),
     Column::figures(
         "Support",

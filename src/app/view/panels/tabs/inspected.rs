@@ -2,7 +2,8 @@
 
 use egui::containers::menu::MenuButton;
 use egui::{
-    Align2, Color32, FontId, Rect, Role, ScrollArea, Sense, Stroke, StrokeKind, Ui, WidgetInfo, vec2,
+    Align, Align2, Color32, FontId, Rect, Role, ScrollArea, Sense, Stroke, StrokeKind, Ui, WidgetInfo,
+    style::ScrollAnimation, vec2,
 };
 
 use super::super::command_button;
@@ -18,6 +19,9 @@ use crate::app::view::theme;
 const REACH: f64 = 12.0;
 /// Pinned pairs that have a swatch each; more are in a menu.
 const SWATCHES: usize = 6;
+
+/// Passes for which a menu counts as just opened.
+const OPENING: u64 = 3;
 
 /// Shows it from right to left.
 pub fn tools(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
@@ -45,7 +49,7 @@ pub fn tools(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     }
 }
 
-/// Many pinned pairs to choose from.
+/// Many pinned pairs to choose from. It opens at the one that is looked at.
 fn menu(ui: &mut Ui, focus: &Focus, commands: &mut Vec<Command>) {
     let title = match focus.inspected() {
         Some(pin) => format!("Line pair {} of {}", pin.number + 1, focus.pins().len()),
@@ -54,6 +58,7 @@ fn menu(ui: &mut Ui, focus: &Focus, commands: &mut Vec<Command>) {
     let (button, _) = MenuButton::new(title).ui(ui, |ui| {
         let room = (ui.ctx().content_rect().height() - 120.0).max(100.0);
         ScrollArea::vertical().max_height(room).show(ui, |ui| {
+            let opening = just_opened(ui);
             for (place, pin) in focus.pins().iter().enumerate() {
                 ui.horizontal(|ui| {
                     let (area, _) = ui.allocate_exact_size(vec2(18.0, 18.0), Sense::hover());
@@ -61,6 +66,11 @@ fn menu(ui: &mut Ui, focus: &Focus, commands: &mut Vec<Command>) {
                     let text = describe(pin.source);
                     let chosen = focus.inspected_number() == Some(place);
                     let row = named(ui.selectable_label(chosen, &text), &to_inspect(&text));
+                    // Beside the bar of what is scrolled.
+                    ui.add_space(8.0);
+                    if chosen && opening {
+                        row.scroll_to_me_animation(Some(Align::Center), ScrollAnimation::none());
+                    }
                     if row.clicked() {
                         commands.push(Command::Inspect(place));
                     }
@@ -69,6 +79,16 @@ fn menu(ui: &mut Ui, focus: &Focus, commands: &mut Vec<Command>) {
         });
     });
     button.on_hover_text("Choose which of the pinned line pairs is looked at closely.");
+}
+
+/// Whether what this is asked in was out of sight until just now.
+fn just_opened(ui: &Ui) -> bool {
+    let (id, pass) = (ui.scope_id().with("opened"), ui.ctx().cumulative_pass_nr());
+    let [opened, last] = ui.data(|data| data.get_temp::<[u64; 2]>(id)).unwrap_or([pass, 0]);
+    let opened = if pass > last + 1 { pass } else { opened };
+    ui.data_mut(|data| data.insert_temp(id, [opened, pass]));
+    // The first pass only measures, and what is scrolled moves in the one after.
+    pass < opened + OPENING
 }
 
 fn to_inspect(text: &str) -> String {

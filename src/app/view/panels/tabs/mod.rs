@@ -19,6 +19,7 @@ use crate::app::model::command::Command;
 use crate::app::model::ids::TabId;
 use crate::app::view::theme;
 
+pub use inspected::describe as describe_lines;
 pub use rectified::forget_textures;
 
 /// A tab of the bottom panel.

@@ -94,8 +94,7 @@ fn one(ui: &mut Ui, model: &Model, number: usize, pencils: &ComparedPencils, com
         let lines = if number == 0 { construction.p() } else { construction.q() };
         (lines.line1, lines.line2)
     });
-    let title =
-        format!("{name}: turn of the right line against the left one, over the left line's direction");
+    let title = format!("{name}: turn of the right line over direction of the left one");
     let heading = RichText::new(title).size(12.0);
     let top = Rect::from_min_max(area.min, pos2(area.max.x, plot.min.y));
     ui.put(top, egui::Label::new(heading.weak()).truncate().halign(egui::Align::Min));

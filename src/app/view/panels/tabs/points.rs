@@ -43,12 +43,17 @@ fn tools(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     command_button(ui, Command::ClearPairs, any, commands);
 }
 
+/// A button that is no higher than a row needs it to be.
+fn low(button: Button<'_>) -> Button<'_> {
+    button.small().min_size(egui::vec2(0.0, 20.0))
+}
+
 /// Copying and pasting, and what can be done with the rows that are chosen.
 fn editing(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let (open, any) = (model.document.pictures.is_some(), !model.document.pairs.is_empty());
     let mut offer = |ui: &mut Ui, command: PointsCommand, enabled: bool| {
         let command = Command::from(command);
-        let button = ui.add_enabled(enabled, Button::new(command.name()).small());
+        let button = ui.add_enabled(enabled, low(Button::new(command.name())));
         finish_button(ui, button, command, commands);
     };
     if any {
@@ -62,9 +67,6 @@ fn editing(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         for edit in [ChosenEdit::Use, ChosenEdit::CheckOnly, ChosenEdit::Exclude, ChosenEdit::Delete] {
             offer(ui, PointsCommand::Edit(edit), true);
         }
-    }
-    if any {
-        ui.separator();
     }
 }
 
@@ -81,7 +83,10 @@ fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     }
     ui.horizontal_wrapped(|ui| {
         editing(ui, model, commands);
-        for line in summary(model) {
+        for (place, line) in summary(model).into_iter().enumerate() {
+            if place == 0 {
+                ui.separator();
+            }
             ui.weak(line.name).on_hover_text(line.tooltip);
             ui.label(line.value).on_hover_text(line.tooltip);
             ui.add_space(theme::GAP);
@@ -223,7 +228,7 @@ fn row(ui: &mut Ui, model: &Model, pair: usize, widths: RowWidths, commands: &mu
         ui.spacing_mut().item_spacing.x = 4.0;
         let mut offer = |ui: &mut Ui, command: Command, enabled: bool| {
             let label = format!("{}: pair {name}", command.name());
-            let button = named(ui.add_enabled(enabled, Button::new(command.name()).small()), &label);
+            let button = named(ui.add_enabled(enabled, low(Button::new(command.name()))), &label);
             finish_button(ui, button, command, commands);
         };
         if finished.is_some() && wide {
@@ -235,7 +240,7 @@ fn row(ui: &mut Ui, model: &Model, pair: usize, widths: RowWidths, commands: &mu
         if finished.is_none() || wide {
             offer(ui, Command::DeletePair(pair), true);
         } else {
-            let more = MenuButton::from_button(Button::new("More").small());
+            let more = MenuButton::from_button(low(Button::new("More")));
             let (more, _) = more.ui(ui, |ui| pair_menu(ui, model, pair, commands));
             named(more, &format!("More: pair {name}")).on_hover_text("What else can be done with this pair.");
         }
@@ -284,7 +289,7 @@ fn role(ui: &mut Ui, model: &Model, pair: usize, commands: &mut Vec<Command>) {
         }
         for (only, is_chosen) in [(false, role == Role::Used), (true, role == Role::Check)] {
             let command = Command::CheckOnly(pair, only);
-            let button = Button::selectable(is_chosen, command.name()).small();
+            let button = low(Button::selectable(is_chosen, command.name()));
             let response = ui.add_enabled(role != Role::Excluded && (only || document.can_be_used(pair)), button);
             let label = format!("{} pair {name}", command.name());
             response.widget_info(|| {

@@ -12,6 +12,7 @@ use crate::app::model::focus::{LineSource, Target};
 use crate::app::model::ids::TabId;
 use crate::app::model::verdict::Gauge;
 use crate::app::view::panels::truth_buttons;
+use crate::evaluate::Spread;
 use crate::io::TruthOrigin;
 
 /// Registered in [`super::TABS`].
@@ -24,15 +25,53 @@ fn tools(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     }
 }
 
-/// A method and the spread of its distances.
-const SUMMARY: [Column; 6] = [
-    Column::words("Geometry", 92.0, "Whose it is. Click a row, and the whole window shows that geometry."),
-    Column::words("From", 176.0, "What it was made from, or what is missing for it."),
-    Column::figures("Median, px", 76.0, "Half of the points are nearer than this."),
-    Column::figures("Mean, px", 70.0, "Mean distance over all points."),
-    Column::figures("Max, px", 70.0, "Distance of the worst point."),
-    Column::figures("< 1 px", 56.0, "Which part of the points is nearer than 1 px."),
-];
+/// What there is to know about a method: whose it is, what it was made from, the spread of its distances.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Part {
+    Name,
+    From,
+    Median,
+    Mean,
+    Largest,
+    BelowOne,
+}
+
+impl Part {
+    const ALL: [Self; 6] = [Self::Name, Self::From, Self::Median, Self::Mean, Self::Largest, Self::BelowOne];
+
+    /// The columns of the summary; where it is narrow, a tooltip has what geometries were made from.
+    fn columns(is_narrow: bool) -> Vec<Self> {
+        Self::ALL.into_iter().filter(|part| !(is_narrow && *part == Self::From)).collect()
+    }
+
+    fn column(self) -> Column {
+        match self {
+            Self::Name => Column::words(
+                "Geometry",
+                92.0,
+                "Whose it is. Click a row, and the whole window shows that geometry.",
+            ),
+            Self::From => Column::words("From", 176.0, "What it was made from, or what is missing for it."),
+            Self::Median => Column::figures("Median, px", 76.0, "Half of the points are nearer than this."),
+            Self::Mean => Column::figures("Mean, px", 70.0, "Mean distance over all points."),
+            Self::Largest => Column::figures("Max, px", 70.0, "Distance of the worst point."),
+            Self::BelowOne => {
+                Column::figures("< 1 px", 56.0, "Which part of the points is nearer than 1 px.")
+            }
+        }
+    }
+
+    /// The figure of a spread, if it is one.
+    fn of(self, spread: &Spread) -> Option<f64> {
+        match self {
+            Self::Name | Self::From => None,
+            Self::Median => Some(spread.median),
+            Self::Mean => Some(spread.mean),
+            Self::Largest => Some(spread.max),
+            Self::BelowOne => Some(spread.below_one),
+        }
+    }
+}
 
 /// The geometries that have a row: an imported one only where there is one.
 fn contestants(model: &Model) -> Vec<Contestant> {
@@ -57,16 +96,20 @@ fn point_columns(contestants: &[Contestant]) -> Vec<Column> {
             Contestant::Truth => ("Truth", "Distance from the true geometry, px."),
         };
         // A longer name than the others have.
-        let width = if *contestant == Contestant::Imported { 86.0 } else { 72.0 };
+        let width = if *contestant == Contestant::Imported { 86.0 } else { 68.0 };
         Column { title, tooltip, width, is_text: false }
     };
     std::iter::once(point).chain(contestants.iter().map(distance)).collect()
 }
 
-/// Share of the width that the summary takes.
-const SUMMARY_SHARE: f32 = 0.575;
+/// Share of the width that the summary takes, and where both tables are narrow.
+const SUMMARY_SHARE: [f32; 2] = [0.575, 0.53];
+/// With less room than this the summary does without its widest column, screen points.
+const ROOM_FOR_ALL: f32 = 900.0;
 /// Narrower than this, both tables are scrolled sideways, screen points.
-const LEAST_WIDTH: f32 = 900.0;
+const LEAST_WIDTH: f32 = 660.0;
+/// Between the tables, screen points.
+const BETWEEN: f32 = 18.0;
 
 fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     if model.document.pairs.is_empty() && model.truth().is_none() {
@@ -88,9 +131,13 @@ fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     ScrollArea::horizontal().id_salt("residual tables").auto_shrink([false, false]).show(ui, |ui| {
         let size = vec2(room.x.max(LEAST_WIDTH), ui.available_height());
         let (area, _) = ui.allocate_exact_size(size, Sense::hover());
-        let (left, right) = area.split_left_right_at_fraction(SUMMARY_SHARE);
-        let right = Rect::from_min_max(right.min + vec2(18.0, 0.0), right.max);
-        ui.scope_builder(UiBuilder::new().max_rect(left), |ui| summary(ui, model, comparison, commands));
+        let is_narrow = size.x < ROOM_FOR_ALL;
+        let share = SUMMARY_SHARE[usize::from(is_narrow)];
+        let (left, right) = area.split_left_right_at_fraction(share);
+        let right = Rect::from_min_max(right.min + vec2(BETWEEN, 0.0), right.max);
+        ui.scope_builder(UiBuilder::new().max_rect(left), |ui| {
+            summary(ui, model, comparison, is_narrow, commands);
+        });
         ui.scope_builder(UiBuilder::new().max_rect(right), |ui| points(ui, model, comparison, commands));
     });
 }
@@ -108,8 +155,14 @@ fn choices(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     };
     let sets = [(PointSet::Pairs, "Point pairs"), (PointSet::TrueMatches, "True matches")];
     let in_use = |set| if has_truth { set } else { PointSet::Pairs };
+    // Every row that this takes is one less of the tables.
+    let is_narrow = ui.available_width() < ROOM_FOR_ALL;
     ui.horizontal_wrapped(|ui| {
-        ui.spacing_mut().item_spacing.x = 4.0;
+        let spacing = ui.spacing_mut();
+        spacing.item_spacing.x = if is_narrow { 3.0 } else { 4.0 };
+        if is_narrow {
+            (spacing.button_padding, spacing.interact_size.y) = (vec2(5.0, 1.0), 20.0);
+        }
         ui.weak("At");
         for (set, name) in sets {
             let then = Subject { measured: set, ..now };
@@ -117,7 +170,7 @@ fn choices(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
             let chosen = in_use(now.measured) == set;
             choice(ui, name, "Measure at these points.", chosen, enabled, then);
         }
-        ui.separator();
+        between(ui, is_narrow);
         ui.weak("Distance");
         for (measure, name, tooltip) in [
             (Measure::Symmetric, "Symmetric", "Mean distance of two points from each other's epipolar lines."),
@@ -125,12 +178,12 @@ fn choices(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         ] {
             choice(ui, name, tooltip, now.measure == measure, true, Subject { measure, ..now });
         }
-        ui.separator();
+        between(ui, is_narrow);
         ui.weak("7 and 8 from").on_hover_text("What the 7-point and 8-point algorithms are given.");
         for set in [PointSet::Pairs, PointSet::TrueMatches] {
             let name = match set {
                 PointSet::Pairs => "Point pairs",
-                PointSet::TrueMatches => "Clicks and true matches",
+                PointSet::TrueMatches => "Clicks and truth",
             };
             let tooltip = match set {
                 PointSet::Pairs => {
@@ -149,46 +202,68 @@ fn choices(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     });
 }
 
-fn summary(ui: &mut Ui, model: &Model, comparison: &Comparison, commands: &mut Vec<Command>) {
+/// Parts one choice from the next.
+fn between(ui: &mut Ui, is_narrow: bool) {
+    if is_narrow {
+        ui.add_space(5.0);
+    } else {
+        ui.separator();
+    }
+}
+
+fn summary(
+    ui: &mut Ui,
+    model: &Model,
+    comparison: &Comparison,
+    is_narrow: bool,
+    commands: &mut Vec<Command>,
+) {
     let shown = model.shown();
     let chosen = shown
         .filter(|shown| shown.hypothesis.is_none())
         .map(|shown| shown.contestant.unwrap_or(Contestant::Result));
     let contestants = contestants(model);
+    let parts = Part::columns(is_narrow);
+    let columns: Vec<Column> = parts.iter().map(|part| part.column()).collect();
     let touched = Table {
-        name: "residual summary",
-        columns: &SUMMARY,
+        name: if is_narrow { "narrow residual summary" } else { "residual summary" },
+        columns: &columns,
         rows: contestants.len(),
         revision: comparison.number,
         row_name: &|row| format!("Geometry: {}", contestants[row].name()),
         key: &|row, column| {
-            let spread = comparison.of(contestants[row]).spread;
-            let figure = |of: fn(&crate::evaluate::Spread) -> f64| spread.as_ref().map_or(f64::NAN, of);
-            match column {
-                2 => figure(|spread| spread.median),
-                3 => figure(|spread| spread.mean),
-                4 => figure(|spread| spread.max),
-                5 => figure(|spread| spread.below_one),
-                _ => row as f64,
+            let part = parts.get(column).copied().unwrap_or(Part::Name);
+            if matches!(part, Part::Name | Part::From) {
+                return row as f64;
             }
+            comparison
+                .of(contestants[row])
+                .spread
+                .as_ref()
+                .and_then(|spread| part.of(spread))
+                .unwrap_or(f64::NAN)
         },
         text: &|row, column| {
-            let contestant = contestants[row];
-            let spread = comparison.of(contestants[row]).spread;
-            let figure = |of: fn(&crate::evaluate::Spread) -> f64| {
-                spread.as_ref().map_or(String::new(), |s| px(of(s)))
-            };
-            match column {
-                0 => contestant.name().to_owned(),
-                1 => from(model, comparison, contestant),
-                2 => figure(|spread| spread.median),
-                3 => figure(|spread| spread.mean),
-                4 => figure(|spread| spread.max),
-                _ => spread.map_or(String::new(), |spread| format!("{:.0} %", 100.0 * spread.below_one)),
+            let (contestant, part) = (contestants[row], parts[column]);
+            let compared = comparison.of(contestant);
+            match (part, compared.spread.as_ref().and_then(|spread| part.of(spread))) {
+                // Over the columns of the figures that there are not.
+                (Part::Name, _) if is_narrow && compared.fit.is_err() => {
+                    format!("{}: {}", contestant.name(), from(model, comparison, contestant))
+                }
+                (Part::Name, _) => contestant.name().to_owned(),
+                (Part::From, _) => from(model, comparison, contestant),
+                (_, None) => String::new(),
+                (Part::BelowOne, Some(share)) => format!("{:.0} %", 100.0 * share),
+                (_, Some(distance)) => px(distance),
             }
         },
         gauge: &|_, _| None,
-        about: &|_| None,
+        about: &|row| {
+            let contestant = contestants[row];
+            let is_cut = is_narrow && comparison.of(contestant).fit.is_ok();
+            is_cut.then(|| format!("{}: {}.", contestant.name(), from(model, comparison, contestant)))
+        },
         look: &|row| RowLook { chosen: chosen == Some(contestants[row]), lit: false },
         toggle: &|_| None,
     }

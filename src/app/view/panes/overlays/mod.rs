@@ -20,6 +20,8 @@ mod true_lines;
 mod true_matches;
 mod uncertainty;
 
+pub use pinned::number_at as pinned_at;
+
 use std::cell::RefCell;
 
 use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Shape, Stroke, Vec2, vec2};
@@ -109,10 +111,19 @@ pub fn true_matches_shown(model: &Model) -> impl Iterator<Item = (usize, &PointP
 pub struct Labels(RefCell<Vec<Rect>>);
 
 impl Labels {
+    /// Whether no text stands there.
+    fn is_free(&self, area: Rect) -> bool {
+        self.0.borrow().iter().all(|other| !other.intersects(area))
+    }
+
+    /// Keeps a place for a text.
+    fn take(&self, area: Rect) {
+        self.0.borrow_mut().push(area);
+    }
+
     /// A place for a text of this size beside `at`: above to the right, or where there is room in the pane and no other
     /// text; among many texts the first place again.
     fn place(&self, pane: Rect, at: Pos2, size: Vec2) -> Rect {
-        let mut taken = self.0.borrow_mut();
         let places = [1.0, 2.2, 3.4].into_iter().flat_map(|steps| {
             let away = 9.0 + (steps - 1.0) * size.y;
             let (left, right) = (at.x - 9.0 - size.x, at.x + 9.0);
@@ -121,10 +132,10 @@ impl Labels {
         });
         let areas: Vec<Rect> = places.map(|(x, y)| Rect::from_min_size(Pos2::new(x, y), size)).collect();
         let inside = |area: &&Rect| pane.contains_rect(**area);
-        let free = |area: &&Rect| taken.iter().all(|other| !other.intersects(**area));
+        let free = |area: &&Rect| self.is_free(**area);
         let found = areas.iter().filter(inside).find(free).or(areas.iter().find(inside)).or(areas.first());
         let area = found.copied().unwrap_or(Rect::from_min_size(at, size));
-        taken.push(area);
+        self.take(area);
         area
     }
 }

@@ -1,4 +1,6 @@
-//! Line pairs that were pinned: a number and a colour each, the same in both images.
+//! Line pairs that were pinned: a colour each, the same in both images, and a number where there is room for it.
+
+use egui::{Align2, Color32, FontId, Pos2, Rect, vec2};
 
 use super::{Canvas, Overlay};
 use crate::app::model::ids::OverlayId;
@@ -7,27 +9,79 @@ use crate::app::view::theme;
 /// Registered in [`super::OVERLAYS`].
 pub const OVERLAY: Overlay = Overlay {
     id: OverlayId::Pinned,
-    tooltip: "Line pairs pinned with the pin tool, each with a colour and a number in both images.",
+    tooltip: "Line pairs pinned with the pin tool, each with a colour in both images, and with a number at the left where \
+              there is room. A right click on a line tells its number, too.",
     color: theme::PINNED[0],
     magnified: true,
     draw,
 };
 
-/// Places for numbers along a line.
-const PLACES: usize = 17;
+/// Places for a number from the border inwards, each as far from the one before as a number is wide.
+const STEPS: usize = 7;
+/// Between two of these places, screen points.
+const BETWEEN: f32 = 3.0;
+/// Share of a line, from the border, along which its number may stand: farther in it would cover the image.
+const BORDER: f32 = 0.4;
+/// How near to a line a right click means it, screen points.
+const REACH: f64 = 5.0;
 
 fn draw(canvas: &Canvas) {
     let inspected = canvas.at_hand(canvas.model.open.focus.inspected()).map(|pin| pin.source);
+    let mut numbers = Vec::new();
     for (number, pinned) in canvas.model.pinned() {
         let color = theme::pin_color(number);
         let strong = inspected == Some(pinned.source);
         let width = if strong { theme::STRONG_LINE_WIDTH } else { theme::LINE_WIDTH };
         let line = pinned.lines[canvas.side.index()].line();
         canvas.line(&line, width, color);
-        // Where the line is in sight, each at a place of its own, or the numbers of lines near each other would cover
-        // each other.
-        let Some([start, end]) = canvas.in_sight(&line) else { continue };
-        let along = 0.08 + 0.05 * (number % PLACES) as f32;
-        canvas.label(start.lerp(end, along), &(number + 1).to_string(), color);
+        // Where the line is in sight.
+        numbers.extend(canvas.in_sight(&line).map(|ends| (!strong, number, ends, color)));
     }
+    // Above all lines; the one that is looked at has its number before the others.
+    numbers.sort_by_key(|(later, number, ..)| (*later, *number));
+    for (_, number, ends, color) in numbers {
+        write_on(canvas, ends, number, color);
+    }
+}
+
+/// The pinned line under the cursor, by its number.
+pub fn number_at(canvas: &Canvas, position: Pos2) -> Option<usize> {
+    let at = canvas.transform.image_from_screen(position);
+    let away = canvas.model.pinned().map(|(number, pinned)| {
+        let distance = pinned.lines[canvas.side.index()].line().distance(at) * canvas.transform.scale;
+        (number, distance)
+    });
+    let near = away.filter(|(_, distance)| *distance <= REACH && canvas.frame.contains(at));
+    near.min_by(|(_, a), (_, b)| a.total_cmp(b)).map(|(number, _)| number)
+}
+
+/// Writes a number onto its line, as near to the left border as no other text is in the way; a number that would cover
+/// another one is left out.
+fn write_on(canvas: &Canvas, [a, b]: [Pos2; 2], number: usize, color: Color32) {
+    let Some(labels) = canvas.labels else { return };
+    let font = FontId::proportional(12.0);
+    let galley = canvas.painter.layout_no_wrap((number + 1).to_string(), font, color);
+    let size = galley.size() + vec2(6.0, 0.0);
+    let (start, end) = if (a.x, a.y) <= (b.x, b.y) { (a, b) } else { (b, a) };
+    let (along, length) = ((end - start).normalized(), start.distance(end));
+    let sight = canvas.sight();
+    let step = size.x + BETWEEN;
+    let ways =
+        (0..STEPS).map(|k| (0.5 + k as f32) * step).take_while(|way| *way <= (BORDER * length).max(step));
+    // Of a line along the border the number is moved inside.
+    let places = ways.map(|way| moved_into(Rect::from_center_size(start + along * way, size), sight));
+    let Some(area) = places.into_iter().find(|area| sight.contains_rect(*area) && labels.is_free(*area))
+    else {
+        return;
+    };
+    labels.take(area);
+    canvas.painter.rect_filled(area, 3.0, theme::LABEL_FILL);
+    let corner = Align2::CENTER_CENTER.align_size_within_rect(galley.size(), area).min;
+    canvas.painter.galley(corner, galley, color);
+}
+
+/// Moves a rectangle as little as it takes to be inside another one.
+fn moved_into(area: Rect, other: Rect) -> Rect {
+    let by = (other.min - area.min).max(vec2(0.0, 0.0)) + (other.max - area.max).min(vec2(0.0, 0.0));
+    area.translate(by)
 }

@@ -1,6 +1,6 @@
 //! Samples of the inspected line pair, matched: the same colour in both images belongs together.
 
-use egui::Pos2;
+use egui::{Pos2, Rect, Vec2};
 
 use super::{Canvas, Overlay, Pointing};
 use crate::app::model::document::Side;
@@ -21,6 +21,8 @@ pub const OVERLAY: Overlay = Overlay {
     draw,
 };
 
+/// Radius of a dot with its dark edge, screen points.
+const RADIUS: f32 = 5.0;
 /// Dots along a line, about.
 const DOTS: i32 = 32;
 
@@ -33,7 +35,12 @@ fn draw(canvas: &Canvas) {
     for sample in samples.step_by((count / DOTS).max(1) as usize) {
         if let [Some(own), other] = places(canvas, inspection, sample) {
             let at = canvas.transform.screen_from_image(own);
-            canvas.painter.circle_filled(at, 5.0, theme::HALO);
+            // The number of a line is more than one of its dots.
+            let area = Rect::from_center_size(at, Vec2::splat(2.0 * RADIUS));
+            if canvas.labels.is_some_and(|labels| !labels.is_free(area)) {
+                continue;
+            }
+            canvas.painter.circle_filled(at, RADIUS, theme::HALO);
             // One whose match falls outside the other image has none to be compared with.
             if other.is_some() {
                 canvas.painter.circle_filled(

@@ -1,0 +1,92 @@
+//! Pinned line pairs: their numbers in the images, their menus.
+
+use crate::support::*;
+
+use egui::{Key, PointerButton, Rect};
+use egui_kittest::kittest::Queryable;
+use epiline::app::model::document::Side;
+
+/// A result with so many pinned line pairs, a few points of the screen from each other, and the place of the last one.
+fn with_pins(count: usize) -> (Window, egui::Pos2) {
+    let mut window = sample();
+    click_two_pairs(&mut window);
+    press(&mut window, Key::I);
+    let mut last = egui::Pos2::ZERO;
+    for k in 0..count {
+        last = at(&window, Side::Left, 0.1, -0.4 + 0.012 * k as f32);
+        click(&mut window, last);
+    }
+    press(&mut window, Key::I);
+    assert_eq!(window.state().focus().pins().len(), count);
+    (window, last)
+}
+
+/// The numbers that stand on an image.
+fn numbers(window: &Window, side: Side) -> Vec<(usize, Rect)> {
+    let pane = pane(window, side);
+    let shapes = window.output().shapes.iter();
+    let in_pane = shapes.filter(|clipped| pane.expand(1.0).contains_rect(clipped.clip_rect));
+    let numbers = in_pane.filter_map(|clipped| match &clipped.shape {
+        egui::Shape::Text(text) => {
+            Some((text.galley.text().parse().ok()?, text.galley.rect.translate(text.pos.to_vec2())))
+        }
+        _ => None,
+    });
+    numbers.collect()
+}
+
+#[test]
+fn numbers_of_many_pins_leave_the_images_free_and_cover_no_other() {
+    let (mut window, _) = with_pins(39);
+    window.hover_at(egui::pos2(4.0, 796.0));
+    settle(&mut window);
+    for side in Side::BOTH {
+        let pane = pane(&window, side);
+        let numbers = numbers(&window, side);
+        assert!(numbers.len() >= 15, "{numbers:?}");
+        assert!(numbers.iter().any(|(number, _)| *number == 39), "that of the pair that is looked at");
+        for (k, (number, area)) in numbers.iter().enumerate() {
+            assert!(pane.contains_rect(*area) && area.max.x < pane.center().x, "{number}: {area:?}");
+            assert!(numbers[..k].iter().all(|(_, other)| !other.intersects(*area)), "{number} on another");
+        }
+    }
+}
+
+#[test]
+fn a_right_click_on_a_pinned_line_tells_which_it_is_and_unpins_it() {
+    let (mut window, place) = with_pins(3);
+    let right_click = |window: &mut Window, place| {
+        window.hover_at(place);
+        button(window, place, PointerButton::Secondary, true);
+        button(window, place, PointerButton::Secondary, false);
+        settle(window);
+    };
+    let nowhere = at(&window, Side::Left, 0.1, 0.4);
+    right_click(&mut window, nowhere);
+    assert_eq!(window.query_all_by_label_contains("Line pair ").count(), 0, "no line, no menu");
+    right_click(&mut window, place);
+    window.get_by_label("Line pair 3");
+    window.get_by_label("Look at its profiles").click();
+    settle(&mut window);
+    window.get_by_label("Before warping");
+    let first = at(&window, Side::Left, 0.1, -0.4);
+    right_click(&mut window, first);
+    window.get_by_label("Line pair 1");
+    window.get_all_by_label("Unpin").last().unwrap().click();
+    settle(&mut window);
+    let left: Vec<_> = window.state().focus().pins().iter().map(|pin| pin.number).collect();
+    assert_eq!(left, [1, 2]);
+    assert_eq!(window.query_all_by_label_contains("Line pair 1").count(), 0, "the menu has closed");
+}
+
+#[test]
+fn the_menu_of_many_pins_opens_at_the_one_that_is_looked_at() {
+    let (mut window, _) = with_pins(39);
+    press(&mut window, Key::Num2);
+    window.get_by_label("Line pair 39 of 39").click();
+    settle(&mut window);
+    let rows: Vec<Rect> = window.query_all_by_label_contains("Inspect: ").map(|row| row.rect()).collect();
+    let (first, last) = (rows[0], rows[rows.len() - 1]);
+    assert!(last.max.y < 800.0 && last.min.y > 0.0, "{last:?}");
+    assert!(first.max.y < 0.0, "so many do not fit: {first:?}");
+}
