@@ -207,7 +207,11 @@ impl SearchInput<'_> {
         let full_size = fine.scales.map(f64::recip);
         let matches = ranked.first().map(|leader| fine.support.matches(&leader.fundamental, patches::BAND));
         let supporting = matches.iter().flatten().map(|m| m.pair.rescaled(full_size)).collect();
-        let fundamental = *hypotheses.first().ok_or(EstimateError::NoGeometry)?.fundamental();
+        // Where nothing is refined, the best one that most of the clicks do not refuse.
+        let observed = self.clicks.observed();
+        let clicked = ClickedPairs { pairs: &observed, sigma: self.parameters.click_sigma };
+        let first = hypotheses.iter().find(|h| !clicked.refuse(h.fundamental())).or(hypotheses.first());
+        let fundamental = *first.ok_or(EstimateError::NoGeometry)?.fundamental();
         // Near-copies of the leader, too: refined, one of them may come out better.
         let refined = self.refined(ranked.iter().filter_map(|proposal| proposal.full_size(fine.scales)))?;
         Ok(Found { fundamental, hypotheses, supporting, refined })

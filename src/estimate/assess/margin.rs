@@ -35,13 +35,18 @@ pub(super) fn margin(hypotheses: &[Estimate], rival: Option<usize>, search: Sear
     Some(match search {
         Search::Patches => {
             let [best, other] = [best, other].map(|h| h.support_score().unwrap_or(0.0));
-            (best - other) / best.max(1e-9)
+            relative(best, other)
         }
         Search::Lines => {
             let [best, other] = [best, other].map(|h| h.line_score().unwrap_or(f64::NAN));
-            (other - best) / other.max(1e-9)
+            (other - best) / other.max(best).max(1e-9)
         }
     })
+}
+
+/// How much more one has than a rival, relative to the better of the two: −1 to 1.
+pub(super) fn relative(own: f64, rival: f64) -> f64 {
+    (own - rival) / own.max(rival).max(1e-9)
 }
 
 /// The best hypothesis that is clearly different, by its place in the list; none behind it is looked at.
@@ -136,6 +141,17 @@ mod tests {
         let better = [supported(rows(0.0), 100.0), supported(rows(60.0), 125.0)];
         assert!(close(of(&better, &[], Search::Patches), -0.25));
         assert!(close(of(&[supported(rows(60.0), 0.0)], &[], Search::Patches), 0.0), "no support at all");
+    }
+
+    #[test]
+    fn an_advantage_is_at_most_the_whole_of_either() {
+        for (own, rival, expected) in
+            [(4.0, 1.0, 0.75), (1.0, 4.0, -0.75), (0.0, 12.0, -1.0), (12.0, 0.0, 1.0), (0.0, 0.0, 0.0)]
+        {
+            assert!((relative(own, rival) - expected).abs() < 1e-12, "{own} {rival}");
+        }
+        let beaten = of(&[supported(rows(0.0), 0.0), supported(rows(9.0), 12.0)], &[], Search::Patches);
+        assert!(close(beaten, -1.0), "{beaten:?}");
     }
 
     #[test]

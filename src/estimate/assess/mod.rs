@@ -128,7 +128,7 @@ impl Judge<'_> {
             .filter(|refined| is_rival(&refined.fundamental))
             .map(|refined| refined.weight)
             .fold(0.0, f64::max);
-        (weight - heaviest) / weight.max(1e-9)
+        margin::relative(weight, heaviest)
     }
 
     fn warnings(&self, f: &FundamentalMatrix) -> Vec<Warning> {
