@@ -85,7 +85,7 @@ mod tests {
             vec![Weight(9.0, rows(50.0)), Weight(8.9, rows(0.0))],
             &ClickedPairs { pairs: &[], sigma: 1.0 },
         );
-        assert_eq!(found.unwrap().0, 9.0);
+        assert!(found.unwrap().0 > 8.95);
     }
 
     #[test]
