@@ -139,7 +139,7 @@ mod tests {
         assert!(close(of(&all, &[], Search::Patches), 0.2));
         // A rival may have more of what a result is refined from.
         let better = [supported(rows(0.0), 100.0), supported(rows(60.0), 125.0)];
-        assert!(close(of(&better, &[], Search::Patches), -0.25));
+        assert!(close(of(&better, &[], Search::Patches), -0.2));
         assert!(close(of(&[supported(rows(60.0), 0.0)], &[], Search::Patches), 0.0), "no support at all");
     }
 
