@@ -56,7 +56,11 @@ impl<'a> SearchRecord<'a> {
     fn end_stage(&mut self) {
         let now = Instant::now();
         let seconds = (now - self.stage_begun).as_secs_f64();
-        self.timings.push(StageTiming { stage: self.stage, seconds });
+        // A wider search comes to a stage again.
+        match self.timings.iter_mut().find(|timing| timing.stage == self.stage) {
+            Some(timing) => timing.seconds += seconds,
+            None => self.timings.push(StageTiming { stage: self.stage, seconds }),
+        }
         self.stage_begun = now;
     }
 
@@ -132,5 +136,24 @@ impl<'a> SearchRecord<'a> {
             first_seconds: self.first_seconds.unwrap_or(seconds),
             seconds,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_stage_that_is_entered_again_is_timed_as_one() {
+        let monitor = Monitor::silent();
+        let mut record = SearchRecord::new(Instant::now(), &monitor);
+        for stage in [Stage::Pencils, Stage::Validation, Stage::Features, Stage::Validation] {
+            record.enter(stage).unwrap();
+        }
+        record.finish().unwrap();
+        let stages: Vec<Stage> = record.timings.iter().map(|timing| timing.stage).collect();
+        assert_eq!(stages, [Stage::Pyramid, Stage::Pencils, Stage::Validation, Stage::Features]);
+        let total: f64 = record.timings.iter().map(|timing| timing.seconds).sum();
+        assert!((total - (record.stage_begun - record.begun).as_secs_f64()).abs() < 1e-6);
     }
 }

@@ -157,7 +157,7 @@ pub struct SearchCounts {
 pub struct StageTiming {
     /// The stage.
     pub stage: Stage,
-    /// Wall-clock seconds.
+    /// Wall-clock seconds in all, however often the search came to it.
     pub seconds: f64,
 }
 

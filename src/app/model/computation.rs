@@ -125,12 +125,18 @@ impl Computation {
         self.begun.last().map(|(stage, _)| *stage)
     }
 
-    /// The stages of the latest computation that have begun, each with the time it took; of the last one, none.
-    pub fn stages(&self) -> impl Iterator<Item = (Stage, Option<Duration>)> + '_ {
-        self.begun
-            .iter()
-            .enumerate()
-            .map(|(k, (stage, begun))| (*stage, self.begun.get(k + 1).map(|(_, next)| *next - *begun)))
+    /// The stages of the latest computation that have begun, each with the time it took in all; of the one under way,
+    /// none.
+    pub fn stages(&self) -> Vec<(Stage, Option<Duration>)> {
+        let mut stages: Vec<(Stage, Option<Duration>)> = Vec::new();
+        for (k, (stage, begun)) in self.begun.iter().enumerate() {
+            let took = self.begun.get(k + 1).map(|(_, next)| *next - *begun);
+            match stages.iter_mut().find(|(known, _)| known == stage) {
+                Some((_, before)) => *before = before.zip(took).map(|(before, took)| before + took),
+                None => stages.push((*stage, took)),
+            }
+        }
+        stages
     }
 
     /// Whether there is a computation at all, under way or over.

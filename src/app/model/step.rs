@@ -28,7 +28,7 @@ pub fn progress(stage: Stage, computation: &Computation) -> StepProgress {
         return StepProgress::Done(timing.map(|timing| timing.seconds));
     }
     // The first step is not announced: it runs from the start until the next one begins.
-    let begun: Vec<_> = computation.stages().collect();
+    let begun = computation.stages();
     let position = begun.iter().position(|(other, _)| *other == stage);
     let took = position.and_then(|k| begun[k].1);
     match (position, took) {
@@ -157,6 +157,25 @@ mod tests {
             [StepProgress::Done(None), StepProgress::Failed, StepProgress::Waiting]
         );
         assert_eq!(of(&after(&[Stage::Pencils], None)), [StepProgress::Done(None); 6]);
+    }
+
+    #[test]
+    fn a_step_that_a_wider_search_comes_to_again_runs_again() {
+        let mut computation = Computation::default();
+        computation.adopt(Some(&fake::request(1.0)));
+        computation.begin(1, false);
+        for stage in [Stage::Pencils, Stage::Validation, Stage::Features, Stage::Validation] {
+            computation.take(1, EstimateNews::Started(stage));
+        }
+        let state = |computation: &Computation, stage| progress(stage, computation);
+        assert_eq!(state(&computation, Stage::Validation), StepProgress::Running);
+        assert!(matches!(state(&computation, Stage::Features), StepProgress::Done(Some(_))));
+        let first = computation.stages()[0];
+        computation.take(1, EstimateNews::Started(Stage::Refinement));
+        assert!(matches!(state(&computation, Stage::Validation), StepProgress::Done(Some(_))));
+        let stages: Vec<Stage> = computation.stages().iter().map(|(stage, _)| *stage).collect();
+        assert_eq!(stages, [Stage::Pencils, Stage::Validation, Stage::Features, Stage::Refinement]);
+        assert_eq!(computation.stages()[0], first);
     }
 
     #[test]
