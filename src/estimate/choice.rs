@@ -2,7 +2,7 @@
 //!
 //! Of refinements the one whose matches weigh most is the right one, on nearly every pair measured. Where another weighs
 //! about as much (by less than the margin from which on a verdict calls the advantage clear), the images leave it open, and
-//! the one that fewer clicks contradict is taken. A geometry that most of the clicks are far from is none of this scene,
+//! one that at least two clicks fewer contradict is taken: one click may be a mistake, two do not agree by mistake. A geometry that most of the clicks are far from is none of this scene,
 //! whatever chance matches it has.
 
 use super::trust::{CLEAR_MARGIN, CLICK_DEVIATIONS, CLICK_DEVIATIONS_WRONG};
@@ -34,19 +34,21 @@ impl ClickedPairs<'_> {
     }
 }
 
+/// Clicks that have to speak for a lighter geometry: one may be a mistake.
+const SPEAK: usize = 2;
+
 /// The result among several geometries, the first of equals; `None` without any.
 pub(super) fn chosen<T: Weighed>(mut all: Vec<T>, clicks: &ClickedPairs) -> Option<T> {
-    let heaviest = all.iter().map(Weighed::weight).fold(0.0, f64::max);
-    let order = |k: &usize| {
-        let one = &all[*k];
-        let is_beaten = one.weight() < (1.0 - CLEAR_MARGIN) * heaviest;
-        let contradicting =
-            if is_beaten { 0 } else { clicks.contradicting(one.fundamental(), CLICK_DEVIATIONS) };
-        (is_beaten, contradicting)
-    };
+    let weight = |k: &usize| all[*k].weight();
+    let lighter = |a: &usize, b: &usize| weight(a).total_cmp(&weight(b)).then(b.cmp(a));
+    let heaviest = (0..all.len()).max_by(lighter)?;
+    let contradicting = |k: &usize| clicks.contradicting(all[*k].fundamental(), CLICK_DEVIATIONS);
+    let against = contradicting(&heaviest);
     let best = (0..all.len())
-        .min_by(|a, b| order(a).cmp(&order(b)).then(all[*b].weight().total_cmp(&all[*a].weight())))?;
-    Some(all.swap_remove(best))
+        .filter(|k| weight(k) >= (1.0 - CLEAR_MARGIN) * weight(&heaviest))
+        .filter(|k| contradicting(k) + SPEAK <= against)
+        .max_by(|a, b| contradicting(b).cmp(&contradicting(a)).then(lighter(a, b)));
+    Some(all.swap_remove(best.unwrap_or(heaviest)))
 }
 
 #[cfg(test)]
@@ -92,9 +94,23 @@ mod tests {
     fn clicks_decide_where_the_images_do_not() {
         // Sampson distances are shorter by √2.
         assert_eq!(shift(&[(10.0, 9.0), (8.1, 2.0)]), Some(2.0), "within the margin");
+        assert_eq!(shift(&[(10.0, 9.0), (8.1, 2.0), (8.3, 1.0)]), Some(1.0), "of several the heaviest");
         assert_eq!(shift(&[(10.0, 9.0), (7.9, 2.0)]), Some(9.0), "beaten by more");
         assert_eq!(shift(&[(10.0, 5.0), (9.0, 0.0)]), Some(5.0), "no click contradicts it");
         assert_eq!(shift(&[(10.0, 9.0), (9.0, 8.0)]), Some(9.0), "both are contradicted");
+    }
+
+    #[test]
+    fn one_click_may_be_a_mistake() {
+        for (mistaken, expected) in [(1, 10.0), (2, 9.0)] {
+            let pairs: Vec<PointPair> = (0..5)
+                .map(|k| (f64::from(k) * 40.0, if k < mistaken { 9.0 } else { 2.0 }))
+                .map(|(y, off)| PointPair::new(20.0, y, 30.0, y + off))
+                .collect();
+            let clicks = ClickedPairs { pairs: &pairs, sigma: 1.0 };
+            let found = chosen(vec![Weight(10.0, rows(0.0)), Weight(9.0, rows(5.0))], &clicks);
+            assert!((found.unwrap().0 - expected).abs() < 1e-9, "{mistaken} clicks");
+        }
     }
 
     #[test]
