@@ -235,11 +235,28 @@ fn sums(blocks: &[ObservationBlock], f: &[f64; 9], scale: f64) -> Sums {
                 }
             }
         }
-        cost += product.iter().map(|product| product.ln_1p()).sum::<f64>();
+        for product in product {
+            cost += product.ln_1p();
+        }
     }
-    let total = |lanes: &Lanes| lanes.iter().sum::<f64>();
-    let hessian = std::array::from_fn(|i| std::array::from_fn(|j| total(&hessian[i][j])));
-    Sums { cost, gradient: std::array::from_fn(|i| total(&gradient[i])), hessian }
+    // Loops: closures handed to the library are not compiled into a function of some instruction set.
+    let mut sums = Sums { cost, gradient: [0.0; 9], hessian: [[0.0; 9]; 9] };
+    for i in 0..9 {
+        sums.gradient[i] = total(&gradient[i]);
+        for j in 0..=i {
+            sums.hessian[i][j] = total(&hessian[i][j]);
+        }
+    }
+    sums
+}
+
+#[inline(always)]
+fn total(lanes: &[f64; LANES]) -> f64 {
+    let mut sum = 0.0;
+    for lane in lanes {
+        sum += lane;
+    }
+    sum
 }
 
 #[cfg(test)]

@@ -27,8 +27,8 @@ pub use load_error::LoadError;
 pub use options::LoadOptions;
 pub use pair::{PairLevel, PyramidPair, RelativeView};
 pub(crate) use patch::{
-    HALF, LANES, Patch, PatchBlock, PatchSampler, Warp, best_correlations, correlations, offsets,
-    warps_around,
+    HALF, Patch, PatchBlock, PatchSampler, Sketch, Warp, correlations, may_correlate, most_correlations,
+    offsets, warps_around,
 };
 pub use plane::GrayPlane;
 pub use pyramid::Pyramid;

@@ -1,5 +1,8 @@
 //! Square patches and their normalised correlation.
 
+use std::f64::consts::PI;
+use std::sync::LazyLock;
+
 use multiversion::multiversion;
 use multiversion::target::target_cfg_f;
 use nalgebra::Matrix2;
@@ -14,7 +17,9 @@ const AREA: usize = SIDE * SIDE;
 /// Patch values padded to a multiple of the lanes of the vector units.
 const PADDED: usize = 128;
 /// Patches of a [`PatchBlock`].
-pub(crate) const LANES: usize = 16;
+const LANES: usize = 16;
+/// Rows that are summed together: as many sums as the registers of most processors hold.
+const AT_ONCE: usize = 6;
 
 /// Offsets of a patch's pixels from its centre, row by row.
 pub(crate) fn offsets() -> impl Iterator<Item = Vector> {
@@ -157,7 +162,45 @@ fn normalised(patch: &Patch) -> Option<Patch> {
 
 /// Up to [`LANES`] patches interleaved pixel by pixel, so that one patch is compared with all of them in step.
 #[derive(Debug, Clone)]
-pub(crate) struct PatchBlock([[f32; LANES]; AREA]);
+pub(crate) struct PatchBlock {
+    rows: [[f32; LANES]; AREA],
+    sketches: SketchBlock,
+}
+
+/// What is known of a patch without its fine detail: the numbers of its smoothest waves, and the norm of the rest.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Sketch {
+    waves: [f32; WAVES],
+    rest: f32,
+}
+
+/// Sketches of the patches of a block, interleaved alike.
+#[derive(Debug, Clone)]
+struct SketchBlock {
+    waves: [[f32; LANES]; WAVES],
+    rest: [f32; LANES],
+}
+
+/// Waves of a sketch: those of up to some three periods across a patch, which hold nearly all that corners look like.
+const WAVES: usize = 36;
+
+/// The smoothest waves of the two-dimensional cosine transform but the constant one, over the pixels of a patch:
+/// orthogonal to each other, each of norm one.
+static WAVE_PIXELS: LazyLock<[[f32; AREA]; WAVES]> = LazyLock::new(|| {
+    let mut orders: Vec<[usize; 2]> =
+        (0..SIDE).flat_map(|v| (0..SIDE).map(move |u| [u, v])).filter(|order| *order != [0, 0]).collect();
+    orders.sort_by_key(|[u, v]| (u * u + v * v, *u));
+    let along = |order: usize, at: usize| {
+        let norm = (if order == 0 { 1.0 } else { 2.0 } / SIDE as f64).sqrt();
+        norm * (PI * order as f64 * (at as f64 + 0.5) / SIDE as f64).cos()
+    };
+    std::array::from_fn(|k| {
+        std::array::from_fn(|pixel| {
+            let [u, v] = orders[k];
+            (along(u, pixel % SIDE) * along(v, pixel / SIDE)) as f32
+        })
+    })
+});
 
 impl PatchBlock {
     /// The patches in their lanes; a lane without one correlates with nothing.
@@ -168,37 +211,101 @@ impl PatchBlock {
                 row[lane] = *value;
             }
         }
-        Self(rows)
+        Self { sketches: sketched(&rows, &WAVE_PIXELS), rows }
     }
 }
 
-/// Patches that pass over a block together: as many sums as the registers of most processors hold.
-const AT_ONCE: usize = 6;
+impl Sketch {
+    /// Sketches of many patches.
+    pub(crate) fn of_all<'p>(patches: impl Iterator<Item = &'p Patch>) -> Vec<Self> {
+        let all: Vec<&Patch> = patches.collect();
+        let of_some = |some: &[&Patch]| {
+            let SketchBlock { waves, rest } =
+                PatchBlock::new(some.iter().map(|patch| Some(**patch))).sketches;
+            let of_lane = move |lane: usize| Self { waves: waves.map(|wave| wave[lane]), rest: rest[lane] };
+            (0..some.len()).map(of_lane)
+        };
+        all.chunks(LANES).flat_map(of_some).collect()
+    }
+}
 
-/// The best correlation, −1 to 1, of each of a few patches and each lane with the patches which the blocks have there.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx2+fma", "x86_64+avx2+fma", "aarch64+neon"))]
-pub(crate) fn best_correlations(few: &[Patch], blocks: &[PatchBlock], best: &mut Vec<[f32; LANES]>) {
-    // Where there is no such instruction, it would be a slow function.
+fn sketched(rows: &[[f32; LANES]; AREA], pixels: &[[f32; AREA]; WAVES]) -> SketchBlock {
     let fused = target_cfg_f!(any(target_feature = "fma", target_arch = "aarch64"));
-    best.clear();
-    best.resize(few.len(), [-1.0; LANES]);
-    for (few, best) in few.chunks(AT_ONCE).zip(best.chunks_mut(AT_ONCE)) {
-        let few: [&Patch; AT_ONCE] = std::array::from_fn(|i| &few[i.min(few.len() - 1)]);
-        for PatchBlock(rows) in blocks {
-            let mut sums = [[0f32; LANES]; AT_ONCE];
-            for (k, row) in rows.iter().enumerate() {
-                for i in 0..AT_ONCE {
-                    let own = few[i][k];
-                    for lane in 0..LANES {
-                        let sum = &mut sums[i][lane];
-                        *sum = if fused { own.mul_add(row[lane], *sum) } else { own * row[lane] + *sum };
-                    }
+    let mut waves = [[0f32; LANES]; WAVES];
+    for (waves, pixels) in waves.chunks_exact_mut(AT_ONCE).zip(pixels.chunks_exact(AT_ONCE)) {
+        let pixels: [&[f32; AREA]; AT_ONCE] = std::array::from_fn(|i| &pixels[i]);
+        let mut sums = [[0f32; LANES]; AT_ONCE];
+        for (k, row) in rows.iter().enumerate() {
+            for i in 0..AT_ONCE {
+                let pixel = pixels[i][k];
+                for lane in 0..LANES {
+                    let sum = &mut sums[i][lane];
+                    *sum = if fused { pixel.mul_add(row[lane], *sum) } else { pixel * row[lane] + *sum };
                 }
             }
-            for (best, sums) in best.iter_mut().zip(&sums) {
+        }
+        waves.copy_from_slice(&sums);
+    }
+    // Of a patch of norm one; without a patch there is no rest either.
+    let [mut norm, mut sum] = [[0f32; LANES]; 2];
+    for row in rows {
+        for lane in 0..LANES {
+            norm[lane] += row[lane] * row[lane];
+        }
+    }
+    for wave in &waves {
+        for lane in 0..LANES {
+            sum[lane] += wave[lane] * wave[lane];
+        }
+    }
+    let mut rest = [0f32; LANES];
+    for lane in 0..LANES {
+        let left = norm[lane] - sum[lane];
+        rest[lane] = (if left > 0.0 { left } else { 0.0 }).sqrt();
+    }
+    SketchBlock { waves, rest }
+}
+
+/// What single precision may be off by, and far more.
+const ROUNDING: f32 = 1e-4;
+
+/// Which of the sketches may belong to patches of which a correlation with the block is above `least`: by their waves, and
+/// the product of the rests, which is most that these can add (Cauchy and Schwarz). Their numbers are put into an empty list.
+#[multiversion(targets(
+    "x86_64+avx512f+avx512vl+avx512bw+avx512dq+avx2+fma",
+    "x86_64+avx2+fma",
+    "aarch64+neon"
+))]
+pub(crate) fn may_correlate(sketches: &[Sketch], block: &PatchBlock, least: f32, found: &mut Vec<u32>) {
+    // Where there is no such instruction, it would be a slow function.
+    let fused = target_cfg_f!(any(target_feature = "fma", target_arch = "aarch64"));
+    found.clear();
+    let SketchBlock { waves, rest } = &block.sketches;
+    for (chunk, few) in sketches.chunks(AT_ONCE).enumerate() {
+        let own: [&Sketch; AT_ONCE] = std::array::from_fn(|i| &few[i.min(few.len() - 1)]);
+        let mut sums = [[0f32; LANES]; AT_ONCE];
+        for i in 0..AT_ONCE {
+            for lane in 0..LANES {
+                sums[i][lane] = own[i].rest * rest[lane];
+            }
+        }
+        for (k, wave) in waves.iter().enumerate() {
+            for i in 0..AT_ONCE {
+                let own = own[i].waves[k];
                 for lane in 0..LANES {
-                    best[lane] = if sums[lane] > best[lane] { sums[lane] } else { best[lane] };
+                    let sum = &mut sums[i][lane];
+                    *sum = if fused { own.mul_add(wave[lane], *sum) } else { own * wave[lane] + *sum };
                 }
+            }
+        }
+        for (i, sums) in sums.iter().enumerate().take(few.len()) {
+            let mut above = [0u8; LANES];
+            for lane in 0..LANES {
+                above[lane] = u8::from(sums[lane] > least - ROUNDING);
+            }
+            if u128::from_le_bytes(above) != 0 {
+                found.push((chunk * AT_ONCE + i) as u32);
             }
         }
     }
@@ -207,19 +314,52 @@ pub(crate) fn best_correlations(few: &[Patch], blocks: &[PatchBlock], best: &mut
 /// Sums that a correlation is split into, so that none waits for the one before.
 const SPLIT: usize = 4;
 
+/// What correlations of the patch of a sketch with those of a block are at most, a little above at that.
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx2+fma", "x86_64+avx2+fma", "aarch64+neon"))]
+pub(crate) fn most_correlations(sketch: &Sketch, block: &PatchBlock) -> [f32; LANES] {
+    let fused = target_cfg_f!(any(target_feature = "fma", target_arch = "aarch64"));
+    let SketchBlock { waves, rest } = &block.sketches;
+    let mut sums = [[0f32; LANES]; SPLIT];
+    for (waves, own) in waves.chunks_exact(SPLIT).zip(sketch.waves.chunks_exact(SPLIT)) {
+        for ((wave, own), sums) in waves.iter().zip(own).zip(&mut sums) {
+            for (sum, value) in sums.iter_mut().zip(wave) {
+                *sum = if fused { own.mul_add(*value, *sum) } else { own * value + *sum };
+            }
+        }
+    }
+    let mut most = added(&sums);
+    for lane in 0..LANES {
+        most[lane] += sketch.rest * rest[lane] + ROUNDING;
+    }
+    most
+}
+
 /// Correlations of a patch with those of a block, −1 to 1.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx2+fma", "x86_64+avx2+fma", "aarch64+neon"))]
 pub(crate) fn correlations(patch: &Patch, block: &PatchBlock) -> [f32; LANES] {
     let fused = target_cfg_f!(any(target_feature = "fma", target_arch = "aarch64"));
     let mut sums = [[0f32; LANES]; SPLIT];
-    for (rows, own) in block.0.chunks(SPLIT).zip(patch.chunks_exact(SPLIT)) {
+    for (rows, own) in block.rows.chunks(SPLIT).zip(patch.chunks_exact(SPLIT)) {
         for ((row, own), sums) in rows.iter().zip(own).zip(&mut sums) {
             for (sum, value) in sums.iter_mut().zip(row) {
                 *sum = if fused { own.mul_add(*value, *sum) } else { own * value + *sum };
             }
         }
     }
-    std::array::from_fn(|lane| sums.iter().map(|sums| sums[lane]).sum())
+    added(&sums)
+}
+
+/// The parts of split sums together. A loop: where closures are handed to the library inside a function of some
+/// instruction set, they are not compiled into it.
+#[inline(always)]
+fn added(parts: &[[f32; LANES]; SPLIT]) -> [f32; LANES] {
+    let mut sums = [0f32; LANES];
+    for part in parts {
+        for lane in 0..LANES {
+            sums[lane] += part[lane];
+        }
+    }
+    sums
 }
 
 #[cfg(test)]
@@ -283,17 +423,20 @@ mod tests {
             turned.iter().map(|w| (0..LANES).map(|k| sampler(w).patch(at(k)).unwrap()).collect()).collect();
         let blocks: Vec<PatchBlock> =
             many.iter().map(|list| PatchBlock::new(list.iter().copied().map(Some))).collect();
-        let mut best = Vec::new();
-        best_correlations(&few, &blocks, &mut best);
-        assert_eq!(best.len(), few.len());
-        for (a, best) in few.iter().zip(&best) {
-            for lane in 0..LANES {
-                let plain = |b: &Patch| a.iter().zip(b).map(|(x, y)| x * y).sum::<f32>();
-                let expected: Vec<f32> = many.iter().map(|list| plain(&list[lane])).collect();
-                let apart = |found: f32, expected: f32| (found - expected).abs() > 1e-5;
-                assert!(!apart(best[lane], expected.iter().copied().fold(-1.0, f32::max)));
-                for (block, expected) in blocks.iter().zip(expected) {
-                    assert!(!apart(correlations(a, block)[lane], expected));
+        let sketches = Sketch::of_all(few.iter());
+        let plain = |a: &Patch, b: &Patch| a.iter().zip(b).map(|(x, y)| x * y).sum::<f32>();
+        for (block, list) in blocks.iter().zip(&many) {
+            let mut found = Vec::new();
+            may_correlate(&sketches, block, 0.6, &mut found);
+            assert!(!found.is_empty() && found.is_sorted() && found.len() < few.len());
+            for (i, (a, sketch)) in few.iter().zip(&sketches).enumerate() {
+                let most = most_correlations(sketch, block);
+                assert_eq!(found.contains(&(i as u32)), most.iter().any(|most| *most > 0.6));
+                for (lane, b) in list.iter().enumerate() {
+                    let expected = plain(a, b);
+                    assert!((correlations(a, block)[lane] - expected).abs() < 1e-5);
+                    // Tight where a patch has little fine detail.
+                    assert!((expected..expected + 0.3).contains(&most[lane]), "{expected} {}", most[lane]);
                 }
             }
         }

@@ -7,12 +7,14 @@ use rayon::prelude::*;
 use super::near_lines::Places;
 use crate::geometry::Point;
 use crate::image::{
-    HALF, PairLevel, Patch, PatchBlock, PatchSampler, RelativeView, Warp, correlations, find_corners,
-    warps_around,
+    HALF, PairLevel, Patch, PatchBlock, PatchSampler, RelativeView, Sketch, Warp, correlations, find_corners,
+    most_correlations, warps_around,
 };
 
 /// Corners an image.
 const CORNERS: usize = 1500;
+/// Patches that correlate less than this are no match.
+pub(super) const LEAST_CORRELATION: f32 = 0.75;
 
 /// Two corners, by their numbers, and the warp under which they look alike.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -26,6 +28,7 @@ pub(super) struct Alike {
 #[derive(Debug)]
 pub(super) struct LevelCorners {
     pub firsts: Vec<(Point, Patch)>,
+    sketches1: Vec<Sketch>,
     seconds: Vec<PatchBlock>,
     /// Where those of image 2 are.
     pub places2: Places,
@@ -43,6 +46,8 @@ struct Likeness {
 }
 
 impl Likeness {
+    /// Of corners that are no match, however alike they are.
+    const NONE: Self = Self { correlation: -1.0, warp: 0 };
     /// Bits that hold the number of the warp, in place of the last ones of the correlation.
     const WARP: u32 = 0xf;
 
@@ -79,10 +84,11 @@ impl LevelCorners {
         let block = |point: &Point| PatchBlock::new(samplers.iter().map(|s| s.patch(*point)));
         let seconds: Vec<PatchBlock> = corners2.par_iter().map(block).collect();
         let likeness = (0..firsts.len() * seconds.len()).map(|_| AtomicU32::new(0)).collect();
-        Self { firsts, seconds, places2: Places::new(corners2), warps, likeness }
+        let sketches1 = Sketch::of_all(firsts.iter().map(|(_, patch)| patch));
+        Self { firsts, sketches1, seconds, places2: Places::new(corners2), warps, likeness }
     }
 
-    /// How alike corner `i` of image 1 and corner `j` of image 2 are.
+    /// How alike corner `i` of image 1 and corner `j` of image 2 are, if they may be a match.
     fn likeness(&self, i: usize, j: usize) -> Likeness {
         // Whoever comes first writes the same number.
         let known = &self.likeness[i * self.seconds.len() + j];
@@ -90,15 +96,20 @@ impl LevelCorners {
         if bits != 0 {
             return Likeness::unpacked(bits);
         }
-        let found = correlations(&self.firsts[i].1, &self.seconds[j]);
-        let bits = Likeness::best(&found[..self.warps.len()]).packed();
+        let most = most_correlations(&self.sketches1[i], &self.seconds[j]);
+        let bits = if most.iter().all(|most| *most <= LEAST_CORRELATION) {
+            Likeness::NONE
+        } else {
+            Likeness::best(&correlations(&self.firsts[i].1, &self.seconds[j])[..self.warps.len()])
+        }
+        .packed();
         known.store(bits, Ordering::Relaxed);
         Likeness::unpacked(bits)
     }
 
-    /// Mutual best matches of correlations above `least`, with these: `find` puts the numbers of the corners of image 2 that
+    /// Mutual best matches of correlations above the least, with these: `find` puts the numbers of the corners of image 2 that
     /// may be the partner of a point of image 1 into an empty list.
-    pub fn mutual(&self, least: f32, find: impl Fn(Point, &mut Vec<usize>) + Sync) -> Vec<(Alike, f32)> {
+    pub fn mutual(&self, find: impl Fn(Point, &mut Vec<usize>) + Sync) -> Vec<(Alike, f32)> {
         // Best partner of each corner of image 1 with its warp, then of each corner of image 2.
         let best1: Vec<Option<(usize, Likeness)>> = self
             .firsts
@@ -110,7 +121,7 @@ impl LevelCorners {
                 let mut best: Option<(usize, Likeness)> = None;
                 for j in near {
                     let likeness = self.likeness(i, *j);
-                    if likeness.correlation > best.map_or(least, |(_, best)| best.correlation) {
+                    if likeness.correlation > best.map_or(LEAST_CORRELATION, |(_, best)| best.correlation) {
                         best = Some((*j, likeness));
                     }
                 }

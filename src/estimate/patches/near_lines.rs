@@ -67,12 +67,16 @@ fn near_lines(blocks: &[PointBlock], f: &[f32; 9], band: f32) -> Vec<usize> {
             let (n1, n2) = (a1 * a1 + b1 * b1, a2 * a2 + b2 * b2);
             *is_near = u8::from(e * e <= band * if n1 < n2 { n1 } else { n2 });
         }
-        found.extend(set_lanes(is_near).map(|lane| index * LANES + lane));
+        for lane in set_lanes(is_near) {
+            found.push(index * LANES + lane);
+        }
     }
     found
 }
 
-/// The lanes that are 1, ascending.
+/// The lanes that are 1, ascending. What is done with them stands in a loop: closures handed to the library are not compiled
+/// into a function of some instruction set.
+#[inline(always)]
 fn set_lanes(lanes: [u8; LANES]) -> impl Iterator<Item = usize> {
     let mut left = u128::from_le_bytes(lanes);
     std::iter::from_fn(move || {
@@ -225,7 +229,9 @@ fn points_near(circles: &[Circles], blocks: &[PlaceBlock], shape: &Shape, reach:
                     }
                 }
             }
-            near.extend(set_lanes(is_near).map(|lane| numbers[lane] as usize));
+            for lane in set_lanes(is_near) {
+                near.push(numbers[lane] as usize);
+            }
         }
     }
 }

@@ -57,8 +57,6 @@ pub(in crate::estimate) struct RefinementLevel {
     aligned: Mutex<HashMap<Alike, Option<Point>>>,
 }
 
-/// Patches that correlate less than this are no match.
-const LEAST_CORRELATION: f32 = 0.75;
 /// Widths of the band, px of the level, one round each.
 const BANDS: [f64; 3] = [4.0, 2.0, 1.2];
 /// Standard deviation of a refined match, px of the level.
@@ -194,7 +192,7 @@ impl RefinementLevel {
         corners: &LevelCorners,
         find: impl Fn(Point, &mut Vec<usize>) + Sync,
     ) -> Vec<RefinedMatch> {
-        let mutual = corners.mutual(LEAST_CORRELATION, find);
+        let mutual = corners.mutual(find);
         let positions = self.positions(level, corners, &mutual);
         mutual
             .iter()
@@ -241,6 +239,7 @@ impl RefinementLevel {
 
 #[cfg(test)]
 mod tests {
+    use super::super::level_corners::LEAST_CORRELATION;
     use super::*;
     use crate::estimate::exact::{ExactScene, FRAME};
     use crate::image::{GrayPlane, PyramidPair};

@@ -12,7 +12,7 @@ use super::look_alikes::{LookAlikes, Putative};
 use super::near_lines::is_within;
 use crate::geometry::{FundamentalMatrix, Point, PointPair};
 use crate::image::{
-    GrayPlane, HALF, LANES, Patch, PatchBlock, PatchSampler, Warp, best_correlations, find_corners,
+    GrayPlane, HALF, Patch, PatchBlock, PatchSampler, Sketch, Warp, correlations, find_corners, may_correlate,
 };
 use serde::Serialize;
 
@@ -65,32 +65,22 @@ impl Support {
             corners[0].iter().zip(0..).filter_map(|(c, i)| Some((i, sampler.patch(*c)?))).unzip();
         let samplers: Vec<PatchSampler> =
             warps.iter().map(|warp| PatchSampler::new(planes[1], warp)).collect();
-        // Some corners of image 2 at a time, in a lane each, so that the best of all warps is one maximum.
+        let sketches = Sketch::of_all(firsts.iter());
+        // Corners of image 2 one by one, each under all warps in a lane each: nothing looks like most corners, which
+        // sketches tell.
         let found: Vec<Vec<Putative>> = corners[1]
-            .par_chunks(LANES)
-            .enumerate()
-            .map(|(chunk, few)| {
-                let blocks: Vec<PatchBlock> = samplers
-                    .iter()
-                    .map(|sampler| PatchBlock::new(few.iter().map(|corner| sampler.patch(*corner))))
-                    .collect();
-                let mut best = Vec::new();
-                best_correlations(&firsts, &blocks, &mut best);
-                let first2 = (chunk * LANES) as u32;
-                let mut pairs = Vec::new();
-                for (corner1, best) in names.iter().zip(&best) {
-                    // Nothing looks like most corners.
-                    if best.iter().fold(-1f32, |most, c| most.max(*c)) <= FLOOR {
-                        continue;
-                    }
-                    let alike = best.iter().zip(first2..).filter(|(correlation, _)| **correlation > FLOOR);
-                    pairs.extend(alike.map(|(correlation, corner2)| Putative {
-                        corner1: *corner1,
-                        corner2,
-                        correlation: *correlation,
-                    }));
-                }
-                pairs
+            .par_iter()
+            .zip(0..corners[1].len() as u32)
+            .map_init(Vec::new, |near, (point2, corner2)| {
+                let block = PatchBlock::new(samplers.iter().map(|sampler| sampler.patch(*point2)));
+                may_correlate(&sketches, &block, FLOOR, near);
+                let alike = near.iter().filter_map(|k| {
+                    let all = correlations(&firsts[*k as usize], &block);
+                    let correlation = all.iter().copied().fold(-1.0, f32::max);
+                    let corner1 = names[*k as usize];
+                    (correlation > FLOOR).then_some(Putative { corner1, corner2, correlation })
+                });
+                alike.collect()
             })
             .collect();
         let pairs = best_look_alikes(&found, corners[0].len());
