@@ -1,6 +1,6 @@
 //! The normalised eight-point algorithm (Hartley 1997; Hartley & Zisserman, algorithm 11.1).
 
-use nalgebra::{Matrix3, SMatrix};
+use nalgebra::{Matrix3, SMatrix, SVector};
 use thiserror::Error;
 
 use super::conditioning::{conditioning, equation};
@@ -26,22 +26,83 @@ pub fn eight_point(pairs: &[PointPair]) -> Result<FundamentalMatrix, EightPointE
     }
     let degenerate = EightPointError::Degenerate;
     let transforms = conditioning(pairs).ok_or(degenerate)?;
+    let equations = pairs.iter().map(|pair| equation(&transforms, pair));
+    let solution =
+        if pairs.len() == 8 { solution_of_eight(equations) } else { least_squares_solution(equations) };
+    let v = solution.ok_or(degenerate)?;
+    let [t1, t2] = transforms;
+    let conditioned = Matrix3::from_fn(|r, c| v[3 * r + c]);
+    let rank_two = FundamentalMatrix::nearest_rank_two(conditioned).ok_or(degenerate)?;
+    FundamentalMatrix::from_rank_two(t2.transpose() * rank_two.matrix() * t1).ok_or(degenerate)
+}
+
+type Entries = SVector<f64, 9>;
+
+/// The second smallest singular value of the equations over the largest one where they determine a matrix.
+const DETERMINED: f64 = 3e-7;
+
+/// The vector of which the products with the rows have the smallest sum of squares; `None` when others do as well.
+fn least_squares_solution(rows: impl Iterator<Item = Entries>) -> Option<Entries> {
     let mut normal = SMatrix::<f64, 9, 9>::zeros();
-    for pair in pairs {
-        let row = equation(&transforms, pair);
+    for row in rows {
         normal += row * row.transpose();
     }
     let eigen = normal.symmetric_eigen();
     let mut order: Vec<usize> = (0..9).collect();
     order.sort_by(|i, j| eigen.eigenvalues[*i].total_cmp(&eigen.eigenvalues[*j]));
-    if eigen.eigenvalues[order[1]] < 1e-13 * eigen.eigenvalues[order[8]] {
-        return Err(degenerate);
+    let is_determined = eigen.eigenvalues[order[1]] >= DETERMINED * DETERMINED * eigen.eigenvalues[order[8]];
+    is_determined.then(|| eigen.eigenvectors.column(order[0]).into_owned())
+}
+
+/// The vector orthogonal to eight rows, by elimination with complete pivoting: some ten times as fast, and samples of eight
+/// are drawn by the thousand. `None` when the rows (nearly) depend on each other.
+fn solution_of_eight(rows: impl Iterator<Item = Entries>) -> Option<Entries> {
+    let mut m = [[0.0; 9]; 8];
+    for (own, row) in m.iter_mut().zip(rows) {
+        *own = row.into();
     }
-    let [t1, t2] = transforms;
-    let v = eigen.eigenvectors.column(order[0]);
-    let conditioned = Matrix3::from_fn(|r, c| v[3 * r + c]);
-    let rank_two = FundamentalMatrix::nearest_rank_two(conditioned).ok_or(degenerate)?;
-    FundamentalMatrix::from_rank_two(t2.transpose() * rank_two.matrix() * t1).ok_or(degenerate)
+    // Which entry each column stands for.
+    let mut entries: [usize; 9] = std::array::from_fn(|k| k);
+    let mut largest = 0.0;
+    for step in 0..8 {
+        let (mut pivot, mut at) = (0.0, (step, step));
+        for (i, row) in m.iter().enumerate().skip(step) {
+            for (j, value) in row.iter().enumerate().skip(step) {
+                if value.abs() > pivot {
+                    (pivot, at) = (value.abs(), (i, j));
+                }
+            }
+        }
+        largest = pivot.max(largest);
+        // Not a number is not determined either.
+        if !(pivot > DETERMINED * largest) {
+            return None;
+        }
+        m.swap(step, at.0);
+        for row in &mut m {
+            row.swap(step, at.1);
+        }
+        entries.swap(step, at.1);
+        let (done, below) = m.split_at_mut(step + 1);
+        let own = &done[step];
+        for row in below {
+            let factor = row[step] / own[step];
+            for j in step..9 {
+                row[j] -= factor * own[j];
+            }
+        }
+    }
+    let mut solution = [0.0; 9];
+    solution[8] = 1.0;
+    for i in (0..8).rev() {
+        let known: f64 = (i + 1..9).map(|j| m[i][j] * solution[j]).sum();
+        solution[i] = -known / m[i][i];
+    }
+    let mut v = Entries::zeros();
+    for (entry, value) in entries.iter().zip(solution) {
+        v[*entry] = value;
+    }
+    v.try_normalize(0.0)
 }
 
 #[cfg(test)]

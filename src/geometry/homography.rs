@@ -1,6 +1,6 @@
 //! Homographies from matches (Hartley & Zisserman, algorithm 4.2).
 
-use nalgebra::{Matrix3, SMatrix};
+use nalgebra::{Matrix3, SMatrix, SVector};
 
 use super::conditioning::conditioning;
 use super::{PointPair, finite_point};
@@ -27,11 +27,33 @@ pub fn homography(pairs: &[PointPair]) -> Option<Matrix3<f64>> {
         normal.fixed_view_mut::<3, 3>(at[0], at[1]).copy_from(&block);
         normal.fixed_view_mut::<3, 3>(at[1], at[0]).copy_from(&block);
     }
-    let eigen = normal.symmetric_eigen();
-    let v = eigen.eigenvectors.column(eigen.eigenvalues.imin()).into_owned();
+    let v = least_eigenvector(&normal);
     let h = t2.try_inverse()? * Matrix3::from_fn(|r, c| v[3 * r + c]) * t1;
     h.iter().all(|x| x.is_finite()).then_some(h)
 }
+
+/// The eigenvector of the smallest eigenvalue of a matrix without negative ones: by inverse iteration, which is some ten
+/// times as fast as all of them, and by these where it does not settle.
+fn least_eigenvector(m: &SMatrix<f64, 9, 9>) -> SVector<f64, 9> {
+    // Far below any eigenvalue that is not zero, far above rounding; the vectors stay the same.
+    let shifted = m + SMatrix::identity() * (1e-12 * m.trace());
+    if let Some(cholesky) = shifted.cholesky() {
+        let mut v = SVector::<f64, 9>::from_fn(|k, _| 1.0 + 0.1 * k as f64).normalize();
+        for _ in 0..ITERATIONS {
+            let next = cholesky.solve(&v).normalize();
+            let settled = (next - v).norm() < 1e-10;
+            v = next;
+            if settled {
+                return v;
+            }
+        }
+    }
+    let eigen = m.symmetric_eigen();
+    eigen.eigenvectors.column(eigen.eigenvalues.imin()).into_owned()
+}
+
+/// Inverse iterations at most: the error falls by the ratio of the two smallest eigenvalues with each.
+const ITERATIONS: usize = 12;
 
 /// How far the point of image 2 is from where the homography maps that of image 1, px; infinite when it maps it to
 /// infinity.

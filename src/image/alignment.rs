@@ -101,10 +101,12 @@ pub(crate) fn align(
     how: &Alignment,
 ) -> Option<Placement> {
     let counts = |image: usize, p: Point| how.least_inside.is_none() || planes[image].frame().contains(p);
-    let reference: Vec<(Vector, f64)> = offsets()
-        .filter(|x| counts(0, point1 + x))
-        .map(|x| (x, f64::from(planes[0].sample(point1 + x)) - how.middle))
-        .collect();
+    let mut reference: Vec<(Vector, f64)> = Vec::with_capacity(AREA);
+    for x in offsets() {
+        if counts(0, point1 + x) {
+            reference.push((x, f64::from(planes[0].sample(point1 + x)) - how.middle));
+        }
+    }
     let least = how.least_inside.unwrap_or(0.0) * AREA as f64;
     let mut placed = start;
     let mut equations = Equations::default();
@@ -198,9 +200,10 @@ impl Default for Equations {
 
 impl Equations {
     fn push(&mut self, row: [f64; 8], right: f64) {
-        for (column, value) in self.columns.iter_mut().zip(row.into_iter().chain([right])) {
+        for (column, value) in self.columns.iter_mut().zip(row) {
             column[self.count] = value;
         }
+        self.columns[8][self.count] = right;
         self.count += 1;
     }
 

@@ -26,9 +26,13 @@ pub fn find_corners(plane: &GrayPlane, count: usize, border: usize) -> Vec<Point
             let response = Response::of_rows(plane, first - 2, end + 2);
             let mut found = Vec::new();
             for y in first..end {
+                let [above, row, below] = [y - 1, y, y + 1].map(|y| response.row(y));
                 for x in border..frame.width - border {
-                    let value = response.at(x, y);
-                    if value > 1.0 && is_peak(&response, x, y, value) {
+                    let value = row[x];
+                    // Most pixels are on a slope, which the next ones tell.
+                    let is_top = value >= row[x - 1] && value >= row[x + 1];
+                    let is_high = value > 1.0 && value >= above[x] && value >= below[x];
+                    if is_top && is_high && is_peak(&response, x, y, value) {
                         found.push((value, x, y));
                     }
                 }
@@ -58,11 +62,6 @@ const RADIUS: usize = 2;
 const BAND: usize = 64;
 
 fn is_peak(response: &Response, x: usize, y: usize, value: f32) -> bool {
-    // Most pixels are on a slope, which the next ones tell.
-    let next = [(x - 1, y), (x + 1, y), (x, y - 1), (x, y + 1)];
-    if next.iter().any(|(u, v)| response.at(*u, *v) > value) {
-        return false;
-    }
     (y - 2..=y + 2).all(|v| {
         (x - 2..=x + 2).all(|u| {
             // On a plateau the first pixel in reading order wins.
@@ -86,6 +85,10 @@ struct Response {
 impl Response {
     fn at(&self, x: usize, y: usize) -> f32 {
         self.values[(y - self.first) * self.width + x]
+    }
+
+    fn row(&self, y: usize) -> &[f32] {
+        &self.values[(y - self.first) * self.width..][..self.width]
     }
 
     /// The response of the rows from `first` to before `end`, which are at least `RADIUS` rows from the edge.

@@ -23,8 +23,8 @@ const AT_ONCE: usize = 6;
 
 /// Offsets of a patch's pixels from its centre, row by row.
 pub(crate) fn offsets() -> impl Iterator<Item = Vector> {
-    let half = HALF as i32;
-    (-half..=half).flat_map(move |y| (-half..=half).map(move |x| Vector::new(f64::from(x), f64::from(y))))
+    let from_middle = |k: usize| k as f64 - HALF as f64;
+    (0..AREA).map(move |k| Vector::new(from_middle(k % SIDE), from_middle(k / SIDE)))
 }
 
 /// A patch with mean zero and norm one, padded with zeros.

@@ -23,7 +23,8 @@ impl Profile {
         let start = line.point_at(f64::from(first) * step);
         let (x0, y0) = (start.x as f32, start.y as f32);
         let (dx, dy) = ((line.direction.x * step) as f32, (line.direction.y * step) as f32);
-        let values = (0..=last - first)
+        // Without the end, the length is known and the loop a plain one.
+        let values = (0..(last - first).saturating_add(1))
             .map(|k| {
                 let x = (x0 + dx * k as f32).clamp(0.0, right);
                 let y = (y0 + dy * k as f32).clamp(0.0, bottom);

@@ -4,8 +4,9 @@ use std::sync::{Arc, OnceLock};
 
 use nalgebra::Matrix3;
 
+use super::corner_patches::CornerPatches;
 use super::feature_support::{FeatureSupport, SupportingMatch};
-use super::refinement::{Refined, RefinementLevel};
+use super::refinement::{Refined, RefinementLevel, SharedPatches};
 use super::support::{Support, SupportLevel};
 use super::voting::KappaVoting;
 use crate::cancel::CancelFlag;
@@ -18,12 +19,10 @@ const COARSE_SIDE: f64 = 384.0;
 const COARSE_CORNERS: usize = 600;
 /// Longer side where the right geometry stands out more clearly, px.
 const FINE_SIDE: f64 = 768.0;
-/// Corners an image at that size.
-const FINE_CORNERS: usize = 1500;
 /// Look-alikes of a corner that vote.
 const VOTES_PER_CORNER: usize = 3;
-/// Longer sides of the levels `F` is refined at, px; the last one is full size.
-const REFINEMENT_SIDES: [f64; 2] = [800.0, f64::INFINITY];
+/// Longer sides of the levels `F` is refined at, px; the last one is full size. The first has its corners already.
+const REFINEMENT_SIDES: [f64; 2] = [FINE_SIDE, f64::INFINITY];
 
 /// The patches of an image pair under a view, at all sizes, each made when it is first needed.
 #[derive(Debug)]
@@ -41,6 +40,7 @@ struct CornerLevels {
     view: RelativeView,
     coarse: OnceLock<SupportLevel>,
     voting: OnceLock<KappaVoting>,
+    fine_patches: SharedPatches,
     fine: OnceLock<SupportLevel>,
     refinement: [RefinementLevel; REFINEMENT_SIDES.len()],
 }
@@ -48,12 +48,14 @@ struct CornerLevels {
 impl PatchLevels {
     /// Levels of which nothing is made yet.
     pub fn new(view: RelativeView) -> Self {
+        let fine_patches = SharedPatches::default();
         let corners = CornerLevels {
             view,
             coarse: OnceLock::new(),
             voting: OnceLock::new(),
             fine: OnceLock::new(),
-            refinement: Default::default(),
+            refinement: [RefinementLevel::on(&fine_patches), RefinementLevel::default()],
+            fine_patches,
         };
         Self { corners: Arc::new(corners), features: Vec::new(), with_features: OnceLock::new() }
     }
@@ -76,7 +78,7 @@ impl PatchLevels {
     /// Support where proposals are made: of corners alone.
     pub fn coarse(&self, pyramids: &PyramidPair) -> &SupportLevel {
         let corners = &self.corners;
-        corners.coarse.get_or_init(|| corners.support(pyramids, COARSE_SIDE, COARSE_CORNERS))
+        corners.coarse.get_or_init(|| corners.coarse(pyramids))
     }
 
     /// The corner pairs of the coarse level that vote for κ.
@@ -88,7 +90,7 @@ impl PatchLevels {
     /// Support where proposals are ranked: of corners, and of features where there are some.
     pub fn fine(&self, pyramids: &PyramidPair) -> &SupportLevel {
         let corners = &self.corners;
-        let fine = corners.fine.get_or_init(|| corners.support(pyramids, FINE_SIDE, FINE_CORNERS));
+        let fine = corners.fine.get_or_init(|| corners.fine(pyramids));
         if self.features.is_empty() {
             return fine;
         }
@@ -158,9 +160,16 @@ pub(in crate::estimate) fn resized(h: &Matrix3<f64>, scales: [f64; 2]) -> Option
 }
 
 impl CornerLevels {
-    fn support(&self, pyramids: &PyramidPair, side: f64, corners: usize) -> SupportLevel {
-        let level = pyramids.level_seen(side, self.view);
+    fn coarse(&self, pyramids: &PyramidPair) -> SupportLevel {
+        let level = pyramids.level_seen(COARSE_SIDE, self.view);
         let warps = warps_around(&level.warp(self.view));
-        SupportLevel { scales: level.scales, support: Support::new(level.planes, corners, &warps) }
+        let patches = CornerPatches::new(level.planes, COARSE_CORNERS, warps);
+        SupportLevel { scales: level.scales, support: Support::new(&patches) }
+    }
+
+    fn fine(&self, pyramids: &PyramidPair) -> SupportLevel {
+        let level = pyramids.level_seen(FINE_SIDE, self.view);
+        let patches = self.fine_patches.get(&level, self.view);
+        SupportLevel { scales: level.scales, support: Support::new(patches) }
     }
 }

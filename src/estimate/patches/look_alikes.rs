@@ -1,5 +1,7 @@
 //! Which look-alikes of many corners lie near the epipolar lines of a geometry, asked of one geometry after another.
 
+use std::cmp::Reverse;
+
 use multiversion::multiversion;
 
 use super::feature_support::FLOOR;
@@ -25,8 +27,12 @@ pub(in crate::estimate) struct Putative {
 #[derive(Debug, Clone, Default)]
 pub(super) struct LookAlikes {
     groups: Vec<CornerGroup>,
-    /// Ranks of all groups, one group after another.
-    ranks: Vec<Rank>,
+    /// Ranks of all groups, one group after another: where they are, which is all that most questions look at.
+    places: Vec<RankPlaces>,
+    /// By how much the correlations exceed the floor.
+    excesses: Vec<Lanes>,
+    /// Numbers of the pairs.
+    pairs: Vec<[u32; LANES]>,
 }
 
 /// Some corners of image 1.
@@ -38,15 +44,11 @@ struct CornerGroup {
     ranks: usize,
 }
 
-/// Look-alikes of some corners, of the same rank; not a number in lanes without one.
+/// Where look-alikes of some corners, of the same rank, are; not a number in lanes without one.
 #[derive(Debug, Clone, Copy)]
-struct Rank {
+struct RankPlaces {
     x2: Lanes,
     y2: Lanes,
-    /// By how much the correlation exceeds the floor.
-    excess: Lanes,
-    /// Numbers of the pairs.
-    pairs: [u32; LANES],
 }
 
 impl LookAlikes {
@@ -58,6 +60,8 @@ impl LookAlikes {
             of_corner.push((first, group));
             first += group.len();
         }
+        // As many in all lanes, about.
+        of_corner.sort_by_key(|(_, group)| Reverse(group.len()));
         let mut all = Self::default();
         for few in of_corner.chunks(LANES) {
             let ranks = few.iter().map(|(_, group)| group.len()).max().unwrap_or(0);
@@ -67,7 +71,7 @@ impl LookAlikes {
                 (x1[lane], y1[lane]) = (point.x as f32, point.y as f32);
             }
             all.groups.push(CornerGroup { x1, y1, ranks });
-            all.ranks.extend((0..ranks).map(|rank| {
+            for rank in 0..ranks {
                 let [mut x2, mut y2, mut excess] = [[f32::NAN; LANES], [f32::NAN; LANES], [0.0; LANES]];
                 let mut pairs = [0; LANES];
                 for (lane, (first, group)) in few.iter().enumerate() {
@@ -77,8 +81,10 @@ impl LookAlikes {
                     excess[lane] = pair.correlation - FLOOR;
                     pairs[lane] = (first + rank) as u32;
                 }
-                Rank { x2, y2, excess, pairs }
-            }));
+                all.places.push(RankPlaces { x2, y2 });
+                all.excesses.push(excess);
+                all.pairs.push(pairs);
+            }
         }
         all
     }
@@ -86,14 +92,14 @@ impl LookAlikes {
     /// Numbers of all pairs whose point in image 2 is within `band` px of its line, and of some a little farther off.
     pub fn near(&self, f: &FundamentalMatrix, band: f64) -> Vec<u32> {
         let mut found = Vec::with_capacity(512);
-        near(&self.groups, &self.ranks, &single(f), (band + SLACK) as f32, &mut found);
+        near(&self.groups, &self.places, &self.pairs, &single(f), (band + SLACK) as f32, &mut found);
         found
     }
 
     /// What the excess of mutual best matches within `band` px sums up to at most: that of the best look-alike near its
     /// line, of each corner of image 1.
     pub fn most_support(&self, f: &FundamentalMatrix, band: f64) -> f32 {
-        most_support(&self.groups, &self.ranks, &single(f), (band + SLACK) as f32)
+        most_support(&self.groups, &self.places, &self.excesses, &single(f), (band + SLACK) as f32)
     }
 }
 
@@ -104,10 +110,18 @@ fn single(f: &FundamentalMatrix) -> [f32; 9] {
 }
 
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq+avx2", "x86_64+avx2", "aarch64+neon"))]
-fn near(groups: &[CornerGroup], mut ranks: &[Rank], f: &[f32; 9], band: f32, found: &mut Vec<u32>) {
+fn near(
+    groups: &[CornerGroup],
+    mut places: &[RankPlaces],
+    mut pairs: &[[u32; LANES]],
+    f: &[f32; 9],
+    band: f32,
+    found: &mut Vec<u32>,
+) {
     for group in groups {
-        let (own, others) = ranks.split_at(group.ranks);
-        ranks = others;
+        let (own, others) = places.split_at(group.ranks);
+        let (of_own, of_others) = pairs.split_at(group.ranks);
+        (places, pairs) = (others, of_others);
         let [mut a, mut b, mut c, mut limit] = [[0f32; LANES]; 4];
         for k in 0..LANES {
             let (x, y) = (group.x1[k], group.y1[k]);
@@ -116,7 +130,7 @@ fn near(groups: &[CornerGroup], mut ranks: &[Rank], f: &[f32; 9], band: f32, fou
             c[k] = f[6] * x + f[7] * y + f[8];
             limit[k] = band * band * (a[k] * a[k] + b[k] * b[k]);
         }
-        for rank in own {
+        for (rank, pairs) in own.iter().zip(of_own) {
             let mut is_near = [0u8; LANES];
             for k in 0..LANES {
                 let e = a[k] * rank.x2[k] + b[k] * rank.y2[k] + c[k];
@@ -124,7 +138,7 @@ fn near(groups: &[CornerGroup], mut ranks: &[Rank], f: &[f32; 9], band: f32, fou
             }
             let mut left = u128::from_le_bytes(is_near);
             while left != 0 {
-                found.push(rank.pairs[left.trailing_zeros() as usize / 8]);
+                found.push(pairs[left.trailing_zeros() as usize / 8]);
                 left &= left - 1;
             }
         }
@@ -132,11 +146,18 @@ fn near(groups: &[CornerGroup], mut ranks: &[Rank], f: &[f32; 9], band: f32, fou
 }
 
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq+avx2", "x86_64+avx2", "aarch64+neon"))]
-fn most_support(groups: &[CornerGroup], mut ranks: &[Rank], f: &[f32; 9], band: f32) -> f32 {
+fn most_support(
+    groups: &[CornerGroup],
+    mut places: &[RankPlaces],
+    mut excesses: &[Lanes],
+    f: &[f32; 9],
+    band: f32,
+) -> f32 {
     let mut total = [0f32; LANES];
     for group in groups {
-        let (own, others) = ranks.split_at(group.ranks);
-        ranks = others;
+        let (own, others) = places.split_at(group.ranks);
+        let (of_own, of_others) = excesses.split_at(group.ranks);
+        (places, excesses) = (others, of_others);
         let [mut a, mut b, mut c, mut limit] = [[0f32; LANES]; 4];
         for k in 0..LANES {
             let (x, y) = (group.x1[k], group.y1[k]);
@@ -146,11 +167,11 @@ fn most_support(groups: &[CornerGroup], mut ranks: &[Rank], f: &[f32; 9], band: 
             limit[k] = band * band * (a[k] * a[k] + b[k] * b[k]);
         }
         let mut best = [0f32; LANES];
-        for rank in own {
+        for (rank, excess) in own.iter().zip(of_own) {
             for k in 0..LANES {
                 let e = a[k] * rank.x2[k] + b[k] * rank.y2[k] + c[k];
-                let excess = if e * e <= limit[k] { rank.excess[k] } else { 0.0 };
-                best[k] = if excess > best[k] { excess } else { best[k] };
+                let own = if e * e <= limit[k] { excess[k] } else { 0.0 };
+                best[k] = if own > best[k] { own } else { best[k] };
             }
         }
         for k in 0..LANES {

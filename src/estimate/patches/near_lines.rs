@@ -139,23 +139,21 @@ impl Places {
         Self { points, blocks, circles }
     }
 
-    /// Adds the numbers of the points within `band` px of a line, ascending.
+    /// Adds the numbers of the points within `band` px of a line, neighbours after each other.
     pub fn near_line(&self, line: &Line, band: f64, near: &mut Vec<usize>) {
         let coefficients = [0, 1, 2].map(|k| line.coefficients()[k] as f32);
         self.near(&Shape::Line(coefficients), band, near);
         near.retain(|j| line.distance(self.points[*j]) <= band);
     }
 
-    /// Adds the numbers of the points within `radius` px of a point, ascending.
+    /// Adds the numbers of the points within `radius` px of a point, neighbours after each other.
     pub fn near_point(&self, point: Point, radius: f64, near: &mut Vec<usize>) {
         self.near(&Shape::Point([point.x as f32, point.y as f32]), radius, near);
         near.retain(|j| (self.points[*j] - point).norm() <= radius);
     }
 
     fn near(&self, shape: &Shape, reach: f64, near: &mut Vec<usize>) {
-        let before = near.len();
         points_near(&self.circles, &self.blocks, shape, (reach + SLACK) as f32, near);
-        near[before..].sort_unstable();
     }
 }
 
@@ -258,8 +256,10 @@ mod tests {
                     };
                     let [mut of_line, mut of_point] = [Vec::new(), Vec::new()];
                     places.near_line(&line, reach, &mut of_line);
+                    of_line.sort_unstable();
                     assert_eq!(of_line, by_one(&|p| line.distance(*p) <= reach));
                     places.near_point(to, reach, &mut of_point);
+                    of_point.sort_unstable();
                     assert_eq!(of_point, by_one(&|p| (p - to).norm() <= reach));
                 }
             }

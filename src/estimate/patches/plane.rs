@@ -6,7 +6,7 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use rayon::prelude::*;
 
-use crate::geometry::{PointPair, homography, transfer_error};
+use crate::geometry::{PointPair, homography};
 
 /// Samples drawn: four matches of a plane that holds a third of them are among 300 with a probability of 97 %.
 const SAMPLES: u64 = 300;
@@ -51,7 +51,7 @@ fn refitted(mut h: Matrix3<f64>, matches: &[PointPair], tolerance: f64) -> Optio
     let mut best = None;
     for _ in 0..=REFITS {
         let on_plane: Vec<PointPair> =
-            matches.iter().filter(|m| transfer_error(&h, m) < tolerance).copied().collect();
+            matches.iter().filter(|m| is_on_plane(&h, m, tolerance)).copied().collect();
         if best.is_none_or(|(_, most)| on_plane.len() > most) {
             best = Some((h, on_plane.len()));
         }
@@ -63,11 +63,19 @@ fn refitted(mut h: Matrix3<f64>, matches: &[PointPair], tolerance: f64) -> Optio
     best
 }
 
+/// Whether [`transfer_error`](crate::geometry::transfer_error) is below a tolerance, without a division or a root.
+fn is_on_plane(h: &Matrix3<f64>, pair: &PointPair, tolerance: f64) -> bool {
+    let mapped = h * pair.point1.to_homogeneous();
+    let off = mapped.xy() - pair.point2.coords * mapped.z;
+    off.norm_squared() < (tolerance * mapped.z).powi(2)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::geometry::Camera;
     use crate::geometry::random_scene::RandomScene;
+    use crate::geometry::transfer_error;
     use nalgebra::Point3;
 
     fn scene(depth: impl Fn(f64) -> f64) -> Vec<PointPair> {

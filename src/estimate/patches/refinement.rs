@@ -5,12 +5,13 @@
 //! cost, and the same again with a narrower band. The clicks take part with their own uncertainty.
 
 use std::collections::HashMap;
-use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
 use nalgebra::Matrix3;
 use rayon::prelude::*;
 use serde::Serialize;
 
+use super::corner_patches::CornerPatches;
 use super::feature_support::{FLOOR, FeatureSupport};
 use super::level_corners::{Alike, LevelCorners};
 use super::near_lines::is_within;
@@ -19,7 +20,7 @@ use crate::cancel::CancelFlag;
 use crate::geometry::{
     FundamentalMatrix, Line, Observation, Point, PointPair, finite_point, fit_fundamental, sampson_distance,
 };
-use crate::image::{Alignment, PairLevel, Placement, RelativeView, align};
+use crate::image::{Alignment, PairLevel, Placement, RelativeView, align, warps_around};
 
 /// A match found along the epipolar lines, full-size pixels.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -51,12 +52,16 @@ impl FeatureSupport {
 /// Corners and patches of one level, computed once per image pair.
 #[derive(Debug, Default)]
 pub(in crate::estimate) struct RefinementLevel {
+    /// What others use, too, where they look at the same size.
+    patches: SharedPatches,
     corners: OnceLock<LevelCorners>,
     /// Where in image 2 the surroundings of a corner of image 1 fit best, starting at a corner of image 2 under a
     /// warp: the same whatever `F`, and most matches of one refinement are those of the next.
     aligned: Mutex<HashMap<Alike, Option<Point>>>,
 }
 
+/// Corners an image.
+const CORNERS: usize = 1500;
 /// Widths of the band, px of the level, one round each.
 const BANDS: [f64; 3] = [4.0, 2.0, 1.2];
 /// Standard deviation of a refined match, px of the level.
@@ -79,14 +84,30 @@ pub(in crate::estimate) struct Refined {
     pub weight: f64,
 }
 
+/// Corners and patches of one size, made by who comes first.
+#[derive(Debug, Clone, Default)]
+pub(super) struct SharedPatches(Arc<OnceLock<Arc<CornerPatches>>>);
+
+impl SharedPatches {
+    pub fn get(&self, level: &PairLevel, view: RelativeView) -> &Arc<CornerPatches> {
+        let patches = || CornerPatches::new(level.planes, CORNERS, warps_around(&level.warp(view)));
+        self.0.get_or_init(|| Arc::new(patches()))
+    }
+}
+
 impl RefinementLevel {
+    /// A level that looks at these patches.
+    pub fn on(patches: &SharedPatches) -> Self {
+        Self { patches: patches.clone(), ..Self::default() }
+    }
+
     /// Finds the corners.
     pub fn prepare(&self, level: &PairLevel, view: RelativeView) {
         self.corners(level, view);
     }
 
     fn corners(&self, level: &PairLevel, view: RelativeView) -> &LevelCorners {
-        self.corners.get_or_init(|| LevelCorners::new(level, view))
+        self.corners.get_or_init(|| LevelCorners::new(Arc::clone(self.patches.get(level, view))))
     }
 
     /// Refines `f` (full size) at this level; `None` when too few matches support it there. Clicks and
@@ -198,7 +219,7 @@ impl RefinementLevel {
             .iter()
             .zip(positions)
             .filter_map(|((alike, correlation), point2)| {
-                let (point1, _) = corners.firsts[alike.corner1 as usize];
+                let point1 = corners.patches.points1[alike.corner1 as usize];
                 Some(RefinedMatch { pair: PointPair { point1, point2: point2? }, correlation: *correlation })
             })
             .collect()
@@ -219,9 +240,9 @@ impl RefinementLevel {
         let found: Vec<(Alike, Option<Point>)> = fresh
             .into_par_iter()
             .map(|alike| {
-                let (point1, _) = corners.firsts[alike.corner1 as usize];
+                let point1 = corners.patches.points1[alike.corner1 as usize];
                 let at = corners.places2.points[alike.corner2 as usize];
-                let start = Placement { at, affine: corners.warps[alike.warp as usize] };
+                let start = Placement { at, affine: corners.patches.warps[alike.warp as usize] };
                 let found = align(level.planes, point1, start, &Alignment::STRICT);
                 (alike, found.map(|placement| placement.at))
             })

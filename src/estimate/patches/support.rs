@@ -7,13 +7,11 @@
 
 use rayon::prelude::*;
 
+use super::corner_patches::CornerPatches;
 use super::feature_support::{FLOOR, FeatureMatches, SupportingMatch};
 use super::look_alikes::{LookAlikes, Putative};
 use super::near_lines::is_within;
 use crate::geometry::{FundamentalMatrix, Point, PointPair};
-use crate::image::{
-    GrayPlane, HALF, Patch, PatchBlock, PatchSampler, Sketch, Warp, correlations, find_corners, may_correlate,
-};
 use serde::Serialize;
 
 /// How far a supporting corner may be from the epipolar line of its partner, px of the level: corners are found to a
@@ -57,30 +55,14 @@ const DISTINCTIVE_BY: f32 = 0.1;
 const PER_CORNER: usize = 16;
 
 impl Support {
-    /// Finds up to `count` corners an image and compares all their patches, those of image 2 under each warp.
-    pub fn new(planes: [&GrayPlane; 2], count: usize, warps: &[Warp]) -> Self {
-        let corners = planes.map(|plane| find_corners(plane, count, HALF + 1));
-        let sampler = PatchSampler::new(planes[0], &Warp::identity());
-        let (names, firsts): (Vec<u32>, Vec<Patch>) =
-            corners[0].iter().zip(0..).filter_map(|(c, i)| Some((i, sampler.patch(*c)?))).unzip();
-        let samplers: Vec<PatchSampler> =
-            warps.iter().map(|warp| PatchSampler::new(planes[1], warp)).collect();
-        let sketches = Sketch::of_all(firsts.iter());
-        // Corners of image 2 one by one, each under all warps in a lane each: nothing looks like most corners, which
-        // sketches tell.
-        let found: Vec<Vec<Putative>> = corners[1]
-            .par_iter()
-            .zip(0..corners[1].len() as u32)
-            .map_init(Vec::new, |near, (point2, corner2)| {
-                let block = PatchBlock::new(samplers.iter().map(|sampler| sampler.patch(*point2)));
-                may_correlate(&sketches, &block, FLOOR, near);
-                let alike = near.iter().filter_map(|k| {
-                    let all = correlations(&firsts[*k as usize], &block);
-                    let correlation = all.iter().copied().fold(-1.0, f32::max);
-                    let corner1 = names[*k as usize];
-                    (correlation > FLOOR).then_some(Putative { corner1, corner2, correlation })
-                });
-                alike.collect()
+    /// Compares all corners: nothing looks like most of them.
+    pub fn new(patches: &CornerPatches) -> Self {
+        let corners = [patches.points1.clone(), patches.points2.clone()];
+        let found: Vec<Vec<Putative>> = (0..corners[1].len())
+            .into_par_iter()
+            .map_init(Vec::new, |room, j| {
+                let putative = |(corner1, correlation)| Putative { corner1, corner2: j as u32, correlation };
+                patches.alike(j, FLOOR, room).into_iter().map(putative).collect()
             })
             .collect();
         let pairs = best_look_alikes(&found, corners[0].len());
@@ -130,28 +112,35 @@ impl Support {
 
     /// The mutual best matches within `band` px of each other's epipolar lines.
     pub fn matches(&self, f: &FundamentalMatrix, band: f64) -> Vec<SupportingMatch> {
-        // Best of each corner of either image.
-        let [mut best1, mut best2]: [Vec<Option<&Putative>>; 2] =
-            self.corners.each_ref().map(|corners| vec![None; corners.len()]);
+        let mut found = Vec::new();
+        self.for_each_mutual(f, band, |m| {
+            found.push(SupportingMatch { pair: self.pair(m), correlation: m.correlation });
+        });
+        found.extend(self.features.within(f, band));
+        found
+    }
+
+    /// Calls with those of corners, in the order of the corners of image 1.
+    fn for_each_mutual(&self, f: &FundamentalMatrix, band: f64, mut found: impl FnMut(&Putative)) {
+        const NONE: u32 = u32::MAX;
+        // Numbers of the best pair of each corner of either image.
+        let [mut best1, mut best2] = self.corners.each_ref().map(|corners| vec![NONE; corners.len()]);
         for k in self.look_alikes.near(f, band) {
             let pair = &self.pairs[k as usize];
             if !is_within(f, &self.pair(pair), band) {
                 continue;
             }
-            let (own1, own2) = (&mut best1[pair.corner1 as usize], &mut best2[pair.corner2 as usize]);
-            for best in [own1, own2] {
-                if best.is_none_or(|best| pair.correlation > best.correlation) {
-                    *best = Some(pair);
+            for best in [&mut best1[pair.corner1 as usize], &mut best2[pair.corner2 as usize]] {
+                if *best == NONE || pair.correlation > self.pairs[*best as usize].correlation {
+                    *best = k;
                 }
             }
         }
-        best1
-            .into_iter()
-            .flatten()
-            .filter(|m| best2[m.corner2 as usize].is_some_and(|best| best.corner1 == m.corner1))
-            .map(|m| SupportingMatch { pair: self.pair(m), correlation: m.correlation })
-            .chain(self.features.within(f, band))
-            .collect()
+        for k in best1 {
+            if k != NONE && best2[self.pairs[k as usize].corner2 as usize] == k {
+                found(&self.pairs[k as usize]);
+            }
+        }
     }
 
     /// A score that [`Self::measure`] does not exceed, in a fraction of its time.
@@ -163,9 +152,14 @@ impl Support {
 
     /// How many matches agree with a geometry, and by how much their correlation exceeds the floor in all.
     pub fn measure(&self, f: &FundamentalMatrix) -> PatchSupport {
-        let matches = self.matches(f, BAND);
-        let score = matches.iter().map(|m| f64::from(m.correlation - FLOOR)).sum();
-        PatchSupport { matches: matches.len(), score }
+        let mut support = PatchSupport::default();
+        let mut count = |correlation: f32| {
+            support.matches += 1;
+            support.score += f64::from(correlation - FLOOR);
+        };
+        self.for_each_mutual(f, BAND, |m| count(m.correlation));
+        self.features.within(f, BAND).for_each(|m| count(m.correlation));
+        support
     }
 }
 
@@ -209,6 +203,7 @@ mod tests {
     use super::*;
     use crate::estimate::exact::rows as rows_below;
     use crate::geometry::Frame;
+    use crate::image::{GrayPlane, Warp};
     use nalgebra::Matrix3;
 
     /// Two views of one texture, the second shifted along the rows by 6 px.
@@ -230,7 +225,7 @@ mod tests {
     #[test]
     fn the_right_geometry_has_most_support_and_its_matches_are_right() {
         let [a, b] = planes();
-        let support = Support::new([&a, &b], 200, &[Warp::identity()]);
+        let support = Support::new(&CornerPatches::new([&a, &b], 200, vec![Warp::identity()]));
         let right = support.measure(&rows(0.0)).score;
         for wrong in [rows(7.0), rows(-15.0)] {
             let other = support.measure(&wrong).score;
@@ -245,7 +240,7 @@ mod tests {
     #[test]
     fn images_without_corners_have_no_support() {
         let flat = GrayPlane::from_fn(Frame::new(60, 60), |_, _| 9.0);
-        let support = Support::new([&flat, &flat], 50, &[Warp::identity()]);
+        let support = Support::new(&CornerPatches::new([&flat, &flat], 50, vec![Warp::identity()]));
         assert!(support.matches(&rows(0.0), 3.0).is_empty());
     }
 
