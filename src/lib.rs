@@ -83,6 +83,7 @@ pub mod geometry;
 pub mod image;
 #[cfg(feature = "files")]
 pub mod io;
+mod lanes;
 pub mod motion;
 #[cfg(feature = "evaluate")]
 pub mod publish;

@@ -77,13 +77,20 @@ pub fn match_candidates(
     let (features1, features2) = (sets[0].features(), sets[1].features());
     let none = [(i32::MAX, u32::MAX); KEPT];
     let mut near1 = vec![none; features2.len()];
-    let near2: Vec<Neighbours> = candidates
-        .iter()
+    let distances: Vec<Vec<i32>> = candidates
+        .par_iter()
         .enumerate()
         .map(|(i, candidates)| {
+            squared_distances(&sets[0].descriptors()[i], sets[1].descriptors(), candidates)
+        })
+        .collect();
+    let near2: Vec<Neighbours> = candidates
+        .iter()
+        .zip(distances)
+        .enumerate()
+        .map(|(i, (candidates, distances))| {
             let mut nearest = none;
-            for &j in candidates {
-                let distance = squared_distance(&sets[0].descriptors()[i], &sets[1].descriptors()[j]);
+            for (&j, distance) in candidates.iter().zip(distances) {
                 insert(&mut nearest, distance, j as u32);
                 insert(&mut near1[j], distance, i as u32);
             }
@@ -103,8 +110,20 @@ pub fn match_candidates(
         .collect()
 }
 
-fn squared_distance(a: &Descriptor, b: &Descriptor) -> i32 {
-    a.iter().zip(b).map(|(x, y)| (i32::from(*x) - i32::from(*y)).pow(2)).sum()
+/// Squared distances of a descriptor to some of those of a set.
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx2", "x86_64+avx2", "aarch64+neon"))]
+fn squared_distances(own: &Descriptor, set: &[Descriptor], some: &[usize]) -> Vec<i32> {
+    let mut distances = Vec::with_capacity(some.len());
+    for &j in some {
+        let other = &set[j];
+        let mut sum = 0;
+        for k in 0..ENTRIES {
+            let apart = i32::from(i16::from(own[k]) - i16::from(other[k]));
+            sum += apart * apart;
+        }
+        distances.push(sum);
+    }
+    distances
 }
 
 fn insert(neighbours: &mut Neighbours, distance: i32, index: u32) {

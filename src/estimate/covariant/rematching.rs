@@ -7,10 +7,10 @@ use super::consensus::BAND;
 use super::{FeatureEvidence, sigma};
 use crate::features::{FeatureMatch, FeatureSet, match_candidates};
 use crate::geometry::FundamentalMatrix;
+use crate::lanes::{LANES, SetLanes};
 
 /// Largest ratio of the distance to the best to that to the second best near the line.
 const LARGEST_RATIO: f64 = 0.85;
-const LANES: usize = 16;
 
 /// Sixteen features of image 2, single precision: lines have unit normals, so that is 10⁻³ px.
 #[derive(Debug, Clone, Copy)]
@@ -60,17 +60,18 @@ pub(super) fn guided_matches(evidence: &FeatureEvidence, f: &FundamentalMatrix) 
 
 /// Indices of the features near a line with a unit normal; `pulled` times a feature's pull is the variance that the point
 /// in image 1 brings.
-#[multiversion(targets("x86_64+avx512f+avx512vl+avx2", "x86_64+avx2", "aarch64+neon"))]
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq+avx2", "x86_64+avx2", "aarch64+neon"))]
 fn near_line(blocks: &[FeatureBlock], line: [f32; 3], pulled: f32) -> Vec<usize> {
     let limit = (BAND * BAND) as f32;
     let mut found = Vec::new();
     for (index, b) in blocks.iter().enumerate() {
-        let near: [bool; LANES] = std::array::from_fn(|k| {
+        let mut near = [0u8; LANES];
+        for k in 0..LANES {
             let distance = line[0] * b.x[k] + line[1] * b.y[k] + line[2];
-            distance * distance < limit * (b.variance[k] + pulled * b.pull[k])
-        });
-        if near != [false; LANES] {
-            found.extend((0..LANES).filter(|k| near[*k]).map(|k| index * LANES + k));
+            near[k] = u8::from(distance * distance < limit * (b.variance[k] + pulled * b.pull[k]));
+        }
+        for lane in SetLanes::of(near) {
+            found.push(index * LANES + lane);
         }
     }
     found

@@ -6,9 +6,8 @@ use multiversion::multiversion;
 
 use super::feature_support::FLOOR;
 use crate::geometry::{FundamentalMatrix, Point};
+use crate::lanes::{LANES, SetLanes};
 
-/// Corners of image 1 that are looked at together, in a lane each.
-const LANES: usize = 16;
 /// What is added to the band where single precision looks first, px.
 const SLACK: f64 = 0.1;
 
@@ -136,10 +135,8 @@ fn near(
                 let e = a[k] * rank.x2[k] + b[k] * rank.y2[k] + c[k];
                 is_near[k] = u8::from(e * e <= limit[k]);
             }
-            let mut left = u128::from_le_bytes(is_near);
-            while left != 0 {
-                found.push(pairs[left.trailing_zeros() as usize / 8]);
-                left &= left - 1;
+            for lane in SetLanes::of(is_near) {
+                found.push(pairs[lane]);
             }
         }
     }

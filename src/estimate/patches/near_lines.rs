@@ -3,9 +3,8 @@
 use multiversion::multiversion;
 
 use crate::geometry::{FundamentalMatrix, Line, Point, PointPair};
+use crate::lanes::{LANES, SetLanes};
 
-/// Matches that are looked at together.
-const LANES: usize = 16;
 /// What is added to the band where single precision looks first, px.
 const SLACK: f64 = 0.1;
 
@@ -67,23 +66,11 @@ fn near_lines(blocks: &[PointBlock], f: &[f32; 9], band: f32) -> Vec<usize> {
             let (n1, n2) = (a1 * a1 + b1 * b1, a2 * a2 + b2 * b2);
             *is_near = u8::from(e * e <= band * if n1 < n2 { n1 } else { n2 });
         }
-        for lane in set_lanes(is_near) {
+        for lane in SetLanes::of(is_near) {
             found.push(index * LANES + lane);
         }
     }
     found
-}
-
-/// The lanes that are 1, ascending. What is done with them stands in a loop: closures handed to the library are not compiled
-/// into a function of some instruction set.
-#[inline(always)]
-fn set_lanes(lanes: [u8; LANES]) -> impl Iterator<Item = usize> {
-    let mut left = u128::from_le_bytes(lanes);
-    std::iter::from_fn(move || {
-        let lane = (left != 0).then_some(left.trailing_zeros() as usize / 8);
-        left &= left.wrapping_sub(1);
-        lane
-    })
 }
 
 /// Whether both points of a pair are within `band` px of each other's epipolar lines.
@@ -211,7 +198,7 @@ fn points_near(circles: &[Circles], blocks: &[PlaceBlock], shape: &Shape, reach:
                 }
             }
         }
-        for lane in set_lanes(is_reached) {
+        for lane in SetLanes::of(is_reached) {
             let PlaceBlock { x, y, numbers } = &blocks[index * LANES + lane];
             let mut is_near = [0u8; LANES];
             match shape {
@@ -227,7 +214,7 @@ fn points_near(circles: &[Circles], blocks: &[PlaceBlock], shape: &Shape, reach:
                     }
                 }
             }
-            for lane in set_lanes(is_near) {
+            for lane in SetLanes::of(is_near) {
                 near.push(numbers[lane] as usize);
             }
         }

@@ -20,6 +20,7 @@ use super::feature_support::FLOOR;
 use super::support::Support;
 use crate::estimate::lines::{Candidate, PencilAngles};
 use crate::geometry::{Line, PointPair};
+use crate::lanes::{LANES, SetLanes};
 
 /// Bins of the histogram of ln κ and their width.
 const BINS: usize = 448;
@@ -33,9 +34,6 @@ const LOWEST: f32 = -(BINS as f32) * BIN / 2.0;
 pub(in crate::estimate) struct KappaVoting {
     blocks: Vec<Voters>,
 }
-
-/// Voters that are looked at together.
-const LANES: usize = 16;
 
 type Lanes = [f32; LANES];
 
@@ -195,10 +193,7 @@ fn histogram(blocks: &[Voters], p: &[Terms], q: &[Terms], cosine: f32, band: f32
             bins[0][k] = (if counts { low } else { 0.0 }) as i32;
             bins[1][k] = (if counts { high } else { 0.0 }) as i32;
         }
-        let mut left = u128::from_le_bytes(votes);
-        while left != 0 {
-            let k = left.trailing_zeros() as usize / 8;
-            left &= left - 1;
+        for k in SetLanes::of(votes) {
             histogram[bins[0][k] as usize % ROOM] += voters.weight[k];
             histogram[(bins[1][k] + 1) as usize % ROOM] -= voters.weight[k];
         }

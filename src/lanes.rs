@@ -1,0 +1,60 @@
+//! Which lanes of a group of sixteen a condition holds in, inside loops that the compiler makes vectors of.
+//!
+//! A function that is compiled for several instruction sets must not hand closures to the library: they are not compiled
+//! into it. Hence conditions are written into an array, lane by lane, and then looked at.
+
+use std::hint::black_box;
+
+/// Lanes of a group.
+pub(crate) const LANES: usize = 16;
+
+/// One bit for each lane that is 1, of lanes that are 0 or 1.
+#[inline(always)]
+fn bits(lanes: [u8; LANES]) -> u32 {
+    // Where the compiler sees what becomes of the lanes, it compares them one by one; this keeps the sixteen together.
+    let bytes = u128::from_le_bytes(black_box(lanes));
+    // Moves the lowest bits of eight bytes next to each other, into the highest byte.
+    let packed = |eight: u64| (eight.wrapping_mul(0x0102_0408_1020_4080) >> 56) as u32;
+    packed(bytes as u64) | packed((bytes >> 64) as u64) << 8
+}
+
+/// Numbers of the lanes whose bits are set, ascending.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct SetLanes(u32);
+
+impl SetLanes {
+    /// The lanes that are 1, of lanes that are 0 or 1.
+    #[inline(always)]
+    pub(crate) fn of(lanes: [u8; LANES]) -> Self {
+        Self(bits(lanes))
+    }
+}
+
+impl Iterator for SetLanes {
+    type Item = usize;
+
+    #[inline(always)]
+    fn next(&mut self) -> Option<usize> {
+        if self.0 == 0 {
+            return None;
+        }
+        let lane = self.0.trailing_zeros() as usize;
+        self.0 &= self.0 - 1;
+        Some(lane)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lanes_are_told_in_their_order() {
+        for set in [0, 1, 0x8000, 0x1234, 0xffff_u32] {
+            let lanes: [u8; LANES] = std::array::from_fn(|k| (set >> k & 1) as u8);
+            assert_eq!(bits(lanes), set);
+            let expected: Vec<usize> = (0..LANES).filter(|k| set >> k & 1 == 1).collect();
+            assert_eq!(SetLanes::of(lanes).collect::<Vec<_>>(), expected);
+        }
+    }
+}
