@@ -9,7 +9,7 @@ use std::hint::black_box;
 pub(crate) const LANES: usize = 16;
 
 /// One bit for each lane that is 1, of lanes that are 0 or 1.
-#[inline(always)]
+#[inline]
 fn bits(lanes: [u8; LANES]) -> u32 {
     // Where the compiler sees what becomes of the lanes, it compares them one by one; this keeps the sixteen together.
     let bytes = u128::from_le_bytes(black_box(lanes));
@@ -19,12 +19,12 @@ fn bits(lanes: [u8; LANES]) -> u32 {
 }
 
 /// Numbers of the lanes whose bits are set, ascending.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug)]
 pub(crate) struct SetLanes(u32);
 
 impl SetLanes {
     /// The lanes that are 1, of lanes that are 0 or 1.
-    #[inline(always)]
+    #[inline]
     pub(crate) fn of(lanes: [u8; LANES]) -> Self {
         Self(bits(lanes))
     }
@@ -33,7 +33,7 @@ impl SetLanes {
 impl Iterator for SetLanes {
     type Item = usize;
 
-    #[inline(always)]
+    #[inline]
     fn next(&mut self) -> Option<usize> {
         if self.0 == 0 {
             return None;

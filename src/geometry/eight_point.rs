@@ -74,8 +74,8 @@ fn solution_of_eight(rows: impl Iterator<Item = Entries>) -> Option<Entries> {
             }
         }
         largest = pivot.max(largest);
-        // Not a number is not determined either.
-        if !(pivot > DETERMINED * largest) {
+        // Not a number is never the larger one, so it ends here too.
+        if pivot <= DETERMINED * largest {
             return None;
         }
         m.swap(step, at.0);

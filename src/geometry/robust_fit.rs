@@ -243,14 +243,14 @@ fn sums(blocks: &[ObservationBlock], f: &[f64; 9], scale: f64) -> Sums {
     let mut sums = Sums { cost, gradient: [0.0; 9], hessian: [[0.0; 9]; 9] };
     for i in 0..9 {
         sums.gradient[i] = total(&gradient[i]);
-        for j in 0..=i {
-            sums.hessian[i][j] = total(&hessian[i][j]);
+        for (sum, lanes) in sums.hessian[i].iter_mut().zip(&hessian[i]).take(i + 1) {
+            *sum = total(lanes);
         }
     }
     sums
 }
 
-#[inline(always)]
+#[inline]
 fn total(lanes: &[f64; LANES]) -> f64 {
     let mut sum = 0.0;
     for lane in lanes {

@@ -350,7 +350,7 @@ pub(crate) fn correlations(patch: &Patch, block: &PatchBlock) -> [f32; LANES] {
 
 /// The parts of split sums together. A loop: where closures are handed to the library inside a function of some
 /// instruction set, they are not compiled into it.
-#[inline(always)]
+#[inline]
 fn added(parts: &[[f32; LANES]; SPLIT]) -> [f32; LANES] {
     let mut sums = [0f32; LANES];
     for part in parts {

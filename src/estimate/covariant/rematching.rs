@@ -66,9 +66,9 @@ fn near_line(blocks: &[FeatureBlock], line: [f32; 3], pulled: f32) -> Vec<usize>
     let mut found = Vec::new();
     for (index, b) in blocks.iter().enumerate() {
         let mut near = [0u8; LANES];
-        for k in 0..LANES {
+        for (k, near) in near.iter_mut().enumerate() {
             let distance = line[0] * b.x[k] + line[1] * b.y[k] + line[2];
-            near[k] = u8::from(distance * distance < limit * (b.variance[k] + pulled * b.pull[k]));
+            *near = u8::from(distance * distance < limit * (b.variance[k] + pulled * b.pull[k]));
         }
         for lane in SetLanes::of(near) {
             found.push(index * LANES + lane);

@@ -45,8 +45,7 @@ impl Likeness {
 impl CornerPatches {
     /// Finds up to `count` corners an image and takes their patches.
     pub fn new(planes: [&GrayPlane; 2], count: usize, warps: Vec<Warp>) -> Self {
-        // Where sub-pixel positions are looked for, a patch moves by up to a pixel and a half.
-        let find = |image: usize| find_corners(planes[image], count, HALF + 2);
+        let find = |image: usize| find_corners(planes[image], count, HALF + 1);
         let (corners1, points2) = rayon::join(|| find(0), || find(1));
         let sampler = PatchSampler::new(planes[0], &Warp::identity());
         let (points1, patches1): (Vec<Point>, Vec<Patch>) =

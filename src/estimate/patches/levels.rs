@@ -21,8 +21,8 @@ const COARSE_CORNERS: usize = 600;
 const FINE_SIDE: f64 = 768.0;
 /// Look-alikes of a corner that vote.
 const VOTES_PER_CORNER: usize = 3;
-/// Longer sides of the levels `F` is refined at, px; the last one is full size. The first has its corners already.
-const REFINEMENT_SIDES: [f64; 2] = [FINE_SIDE, f64::INFINITY];
+/// Longer sides of the levels `F` is refined at, px; the last one is full size.
+const REFINEMENT_SIDES: [f64; 2] = [800.0, f64::INFINITY];
 
 /// The patches of an image pair under a view, at all sizes, each made when it is first needed.
 #[derive(Debug)]
@@ -40,7 +40,8 @@ struct CornerLevels {
     view: RelativeView,
     coarse: OnceLock<SupportLevel>,
     voting: OnceLock<KappaVoting>,
-    fine_patches: SharedPatches,
+    /// Of the finer levels: of a small picture they are the same.
+    patches: SharedPatches,
     fine: OnceLock<SupportLevel>,
     refinement: [RefinementLevel; REFINEMENT_SIDES.len()],
 }
@@ -48,14 +49,14 @@ struct CornerLevels {
 impl PatchLevels {
     /// Levels of which nothing is made yet.
     pub fn new(view: RelativeView) -> Self {
-        let fine_patches = SharedPatches::default();
+        let patches = SharedPatches::default();
         let corners = CornerLevels {
             view,
             coarse: OnceLock::new(),
             voting: OnceLock::new(),
             fine: OnceLock::new(),
-            refinement: [RefinementLevel::on(&fine_patches), RefinementLevel::default()],
-            fine_patches,
+            refinement: REFINEMENT_SIDES.map(|_| RefinementLevel::on(&patches)),
+            patches,
         };
         Self { corners: Arc::new(corners), features: Vec::new(), with_features: OnceLock::new() }
     }
@@ -169,7 +170,7 @@ impl CornerLevels {
 
     fn fine(&self, pyramids: &PyramidPair) -> SupportLevel {
         let level = pyramids.level_seen(FINE_SIDE, self.view);
-        let patches = self.fine_patches.get(&level, self.view);
-        SupportLevel { scales: level.scales, support: Support::new(patches) }
+        let patches = self.patches.get(&level, self.view);
+        SupportLevel { scales: level.scales, support: Support::new(&patches) }
     }
 }

@@ -84,14 +84,29 @@ pub(in crate::estimate) struct Refined {
     pub weight: f64,
 }
 
-/// Corners and patches of one size, made by who comes first.
+/// Corners and patches under one view, for each size made by who comes first.
 #[derive(Debug, Clone, Default)]
-pub(super) struct SharedPatches(Arc<OnceLock<Arc<CornerPatches>>>);
+pub(super) struct SharedPatches(Arc<Mutex<Vec<([f64; 2], PatchesOfSize)>>>);
+
+type PatchesOfSize = Arc<OnceLock<Arc<CornerPatches>>>;
 
 impl SharedPatches {
-    pub fn get(&self, level: &PairLevel, view: RelativeView) -> &Arc<CornerPatches> {
+    pub fn get(&self, level: &PairLevel, view: RelativeView) -> Arc<CornerPatches> {
         let patches = || CornerPatches::new(level.planes, CORNERS, warps_around(&level.warp(view)));
-        self.0.get_or_init(|| Arc::new(patches()))
+        Arc::clone(self.of_size(level.scales).get_or_init(|| Arc::new(patches())))
+    }
+
+    fn of_size(&self, scales: [f64; 2]) -> PatchesOfSize {
+        // Entries are whole whatever happened to a thread that held the lock.
+        let mut sizes = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        // Equal sizes have equal scales, to the bit.
+        let same = |of: &[f64; 2]| of.map(f64::to_bits) == scales.map(f64::to_bits);
+        if let Some((_, known)) = sizes.iter().find(|(of, _)| same(of)) {
+            return Arc::clone(known);
+        }
+        let fresh = PatchesOfSize::default();
+        sizes.push((scales, Arc::clone(&fresh)));
+        fresh
     }
 }
 
@@ -107,7 +122,7 @@ impl RefinementLevel {
     }
 
     fn corners(&self, level: &PairLevel, view: RelativeView) -> &LevelCorners {
-        self.corners.get_or_init(|| LevelCorners::new(Arc::clone(self.patches.get(level, view))))
+        self.corners.get_or_init(|| LevelCorners::new(self.patches.get(level, view)))
     }
 
     /// Refines `f` (full size) at this level; `None` when too few matches support it there. Clicks and
