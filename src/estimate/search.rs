@@ -263,20 +263,24 @@ impl SearchInput<'_> {
         let SearchInput { prepared, patches, clicks, parameters, cancel, .. } = *self;
         let (observed, refinement) = (clicks.observed(), &parameters.refinement);
         let clicked = ClickedPairs { pairs: &observed, sigma: parameters.click_sigma };
-        let refine = |f: FundamentalMatrix| {
-            patches.refine(prepared.pyramids(), &f, &observed, parameters.click_sigma, cancel)
+        let refine = |f: &FundamentalMatrix| {
+            if cancel.is_cancelled() {
+                return None;
+            }
+            patches.refine(prepared.pyramids(), f, &observed, parameters.click_sigma, cancel)
         };
         // A handful of matches does not overrule the clicks.
         let is_of_this_scene = |refined: &Refined| {
             refined.refinement.matches.len() >= FAR_TOO_FEW || !clicked.refuse(&refined.fundamental)
         };
-        let all: Vec<Refined> = starts
-            .take(if refinement.refine { refinement.refined } else { 0 })
-            .take_while(|_| !cancel.is_cancelled())
-            .filter_map(refine)
-            .filter(is_of_this_scene)
-            .collect();
+        let count = if refinement.refine { refinement.refined } else { 0 };
+        let starts: Vec<FundamentalMatrix> = starts.take(count).collect();
+        let Some((first, others)) = starts.split_first() else { return Ok(None) };
+        // What the first compares and aligns most others need too: at the same time it would be done twice.
+        let first = refine(first);
+        let others: Vec<Option<Refined>> = others.par_iter().map(refine).collect();
         cancel.check()?;
+        let all = std::iter::once(first).chain(others).flatten().filter(is_of_this_scene).collect();
         Ok(chosen(all, &clicked))
     }
 }

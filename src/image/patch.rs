@@ -412,6 +412,7 @@ mod tests {
 
     #[test]
     fn all_ways_to_correlate_give_the_same() {
+        const LEAST: f32 = 0.98;
         let plane = plane(|v| v);
         let sampler = |warp: &Warp| PatchSampler::new(&plane, warp);
         let at = |k: usize| Point::new(14.0 + (k % 11) as f64, 13.0 + (k / 3) as f64);
@@ -422,7 +423,6 @@ mod tests {
             turned.iter().map(|w| (0..LANES).map(|k| sampler(w).patch(at(k)).unwrap()).collect()).collect();
         let blocks: Vec<PatchBlock> =
             many.iter().map(|list| PatchBlock::new(list.iter().copied().map(Some))).collect();
-        const LEAST: f32 = 0.98;
         let mut looked_at = 0;
         let sketches = Sketch::of_all(few.iter());
         let plain = |a: &Patch, b: &Patch| a.iter().zip(b).map(|(x, y)| x * y).sum::<f32>();

@@ -86,8 +86,9 @@ pub(in crate::estimate) struct Refined {
 
 /// Corners and patches under one view, for each size made by who comes first.
 #[derive(Debug, Clone, Default)]
-pub(super) struct SharedPatches(Arc<Mutex<Vec<([f64; 2], PatchesOfSize)>>>);
+pub(super) struct SharedPatches(Arc<Mutex<Vec<PatchesOfScales>>>);
 
+type PatchesOfScales = ([f64; 2], PatchesOfSize);
 type PatchesOfSize = Arc<OnceLock<Arc<CornerPatches>>>;
 
 impl SharedPatches {
