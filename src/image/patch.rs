@@ -412,7 +412,6 @@ mod tests {
 
     #[test]
     fn all_ways_to_correlate_give_the_same() {
-        const LEAST: f32 = 0.98;
         let plane = plane(|v| v);
         let sampler = |warp: &Warp| PatchSampler::new(&plane, warp);
         let at = |k: usize| Point::new(14.0 + (k % 11) as f64, 13.0 + (k / 3) as f64);
@@ -423,25 +422,33 @@ mod tests {
             turned.iter().map(|w| (0..LANES).map(|k| sampler(w).patch(at(k)).unwrap()).collect()).collect();
         let blocks: Vec<PatchBlock> =
             many.iter().map(|list| PatchBlock::new(list.iter().copied().map(Some))).collect();
-        let mut looked_at = 0;
         let sketches = Sketch::of_all(few.iter());
         let plain = |a: &Patch, b: &Patch| a.iter().zip(b).map(|(x, y)| x * y).sum::<f32>();
+        // What half of the patches and blocks are above.
+        let highest = |a: &Patch, list: &[Patch]| list.iter().map(|b| plain(a, b)).fold(-1.0, f32::max);
+        let mut all: Vec<f32> = few.iter().flat_map(|a| many.iter().map(|list| highest(a, list))).collect();
+        all.sort_by(f32::total_cmp);
+        let least = all[all.len() / 2];
+        let mut looked_at = 0;
         for (block, list) in blocks.iter().zip(&many) {
             let mut found = Vec::new();
-            may_correlate(&sketches, block, LEAST, &mut found);
+            may_correlate(&sketches, block, least, &mut found);
             assert!(found.is_sorted());
             looked_at += found.len();
             for (i, (a, sketch)) in few.iter().zip(&sketches).enumerate() {
                 let most = most_correlations(sketch, block);
-                assert_eq!(found.contains(&(i as u32)), most.iter().any(|most| *most > LEAST));
+                assert_eq!(found.contains(&(i as u32)), most.iter().any(|most| *most > least));
+                assert!(highest(a, list) <= least || found.contains(&(i as u32)));
                 for (lane, b) in list.iter().enumerate() {
                     let expected = plain(a, b);
                     assert!((correlations(a, block)[lane] - expected).abs() < 1e-5);
-                    // Tight where a patch has little fine detail.
-                    assert!((expected..expected + 0.3).contains(&most[lane]), "{expected} {}", most[lane]);
+                    // Off by as much as if what the waves leave were the same, or the opposite.
+                    let rests = sketch.rest * block.sketches.rest[lane];
+                    let highest = expected + 2.0 * rests + 2.0 * ROUNDING;
+                    assert!((expected..highest).contains(&most[lane]), "{expected} {}", most[lane]);
                 }
             }
         }
-        assert!((1..few.len() * blocks.len()).contains(&looked_at), "{looked_at}");
+        assert!(looked_at >= all.len() / 2, "{looked_at}");
     }
 }
