@@ -28,7 +28,7 @@ pub(in crate::estimate) struct Likeness {
 }
 
 impl Likeness {
-    /// Of corners that are no match, however alike they are.
+    /// What is said of corners that are no match, however alike they are.
     const NONE: Self = Self { correlation: -1.0, warp: 0 };
 
     fn best(correlations: &[f32]) -> Self {

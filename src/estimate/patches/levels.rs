@@ -40,7 +40,7 @@ struct CornerLevels {
     view: RelativeView,
     coarse: OnceLock<SupportLevel>,
     voting: OnceLock<KappaVoting>,
-    /// Of the finer levels: of a small picture they are the same.
+    /// Corners of the finer levels, which of a small picture are the same.
     patches: SharedPatches,
     fine: OnceLock<SupportLevel>,
     refinement: [RefinementLevel; REFINEMENT_SIDES.len()],
