@@ -2,8 +2,8 @@
 //!
 //! Of refinements the one whose matches weigh most is the right one, on nearly every pair measured. Where another weighs
 //! about as much (by less than the margin from which on a verdict calls the advantage clear), the images leave it open, and
-//! one that at least two clicks fewer contradict is taken: one click may be a mistake, two do not agree by mistake. A geometry that most of the clicks are far from is none of this scene,
-//! whatever chance matches it has.
+//! one that at least two clicks fewer contradict is taken: one click may be a mistake, two do not agree by mistake. A
+//! geometry that most of the clicks are far from is none of this scene, whatever chance matches it has.
 
 use super::trust::{CLEAR_MARGIN, CLICK_DEVIATIONS, CLICK_DEVIATIONS_WRONG};
 use crate::geometry::{FundamentalMatrix, PointPair, sampson_distance};

@@ -278,6 +278,7 @@ impl SearchInput<'_> {
         let Some((first, others)) = starts.split_first() else { return Ok(None) };
         // What the first compares and aligns most others need too: at the same time it would be done twice.
         let first = refine(first);
+        cancel.check()?;
         // Where the first failed early, corners of the later sizes may be missing. A thread that makes them inside the others'
         // loop may take up one of these while it waits, which would wait for the same corners, for ever.
         patches.prepare_refinement(prepared.pyramids());

@@ -12,6 +12,7 @@ mod luma;
 mod options;
 mod pair;
 mod patch;
+mod patch_block;
 mod plane;
 mod pyramid;
 mod sampling;
@@ -26,10 +27,8 @@ pub use load::Picture;
 pub use load_error::LoadError;
 pub use options::LoadOptions;
 pub use pair::{PairLevel, PyramidPair, RelativeView};
-pub(crate) use patch::{
-    HALF, Patch, PatchBlock, PatchSampler, Sketch, Warp, correlations, may_correlate, most_correlations,
-    offsets, warps_around,
-};
+pub(crate) use patch::{HALF, Patch, PatchSampler, Warp, offsets, warps_around};
+pub(crate) use patch_block::{PatchBlock, Sketch, correlations, may_correlate, most_correlations};
 pub use plane::GrayPlane;
 pub use pyramid::Pyramid;
 pub use sampling::Profile;

@@ -12,9 +12,9 @@
 //! same for seven points, conditions them, tells why they fail and keeps double roots, by singular values and eigenvalues;
 //! here, where a sample that fails is drawn again, elimination and the closed form of the roots do, in a fraction of the time.
 
-use nalgebra::{Matrix3, SVector};
+use nalgebra::Matrix3;
 
-use crate::geometry::determinant_on_pencil;
+use crate::geometry::{Eliminated, determinant_on_pencil};
 
 /// Coefficients of one equation in the entries of F, row by row.
 pub(super) type Equation = [f64; 9];
@@ -51,47 +51,10 @@ pub(super) fn solve_seven(equations: &[Equation; 7]) -> Vec<Matrix3<f64>> {
         .collect()
 }
 
-/// Two orthonormal matrices that satisfy all seven equations, by elimination with full pivoting.
+/// Two orthonormal matrices that satisfy all seven equations.
 fn null_space(equations: &[Equation; 7]) -> Option<[Matrix3<f64>; 2]> {
-    let mut rows = *equations;
-    let mut columns: [usize; 9] = std::array::from_fn(|k| k);
-    for step in 0..7 {
-        let (mut best, mut at) = (0.0, (step, step));
-        for (r, row) in rows.iter().enumerate().skip(step) {
-            for (c, value) in row.iter().enumerate().skip(step) {
-                if value.abs() > best {
-                    (best, at) = (value.abs(), (r, c));
-                }
-            }
-        }
-        if best < SMALLEST_PIVOT {
-            return None;
-        }
-        rows.swap(step, at.0);
-        for row in &mut rows {
-            row.swap(step, at.1);
-        }
-        columns.swap(step, at.1);
-        let pivot = rows[step];
-        for (r, row) in rows.iter_mut().enumerate() {
-            if r != step {
-                let factor = row[step] / pivot[step];
-                for c in step..9 {
-                    row[c] -= factor * pivot[c];
-                }
-            }
-        }
-    }
-    let vector = |free: usize| {
-        let mut v = SVector::<f64, 9>::zeros();
-        v[columns[free]] = 1.0;
-        for k in 0..7 {
-            v[columns[k]] = -rows[k][free] / rows[k][k];
-        }
-        v
-    };
-    let first = vector(7).normalize();
-    let second = vector(8);
+    let [first, second] = Eliminated::new(*equations, SMALLEST_PIVOT)?.solutions();
+    let first = first.normalize();
     let second = (second - first * first.dot(&second)).normalize();
     Some([first, second].map(|v| Matrix3::from_fn(|r, c| v[3 * r + c])))
 }

@@ -1,7 +1,5 @@
 //! Which look-alikes of many corners lie near the epipolar lines of a geometry, asked of one geometry after another.
 
-use std::cmp::Reverse;
-
 use multiversion::multiversion;
 
 use super::feature_support::FLOOR;
@@ -59,8 +57,6 @@ impl LookAlikes {
             of_corner.push((first, group));
             first += group.len();
         }
-        // As many in all lanes, about.
-        of_corner.sort_by_key(|(_, group)| Reverse(group.len()));
         let mut all = Self::default();
         for few in of_corner.chunks(LANES) {
             let ranks = few.iter().map(|(_, group)| group.len()).max().unwrap_or(0);
