@@ -1,9 +1,10 @@
 //! Which of several refined geometries is the result: what the images say of them, and the clicks where these leave it open.
 //!
 //! Of refinements the one whose matches weigh most is the right one, on nearly every pair measured. Where another weighs
-//! about as much (by less than the margin from which on a verdict calls the advantage clear), the images leave it open, and
-//! one that at least two clicks fewer contradict is taken: one click may be a mistake, two do not agree by mistake. A
-//! geometry that most of the clicks are far from is none of this scene, whatever chance matches it has.
+//! about as much (by less than the margin from which on a verdict calls the advantage clear, or by less than weights of so
+//! few matches scatter), the images leave it open, and one that at least two clicks fewer contradict is taken: one click may
+//! be a mistake, two do not agree by mistake. A geometry that most of the clicks are far from is none of this scene, whatever
+//! chance matches it has.
 
 use super::trust::{CLEAR_MARGIN, CLICK_DEVIATIONS, CLICK_DEVIATIONS_WRONG};
 use crate::geometry::{FundamentalMatrix, PointPair, sampson_distance};
@@ -12,6 +13,8 @@ use crate::geometry::{FundamentalMatrix, PointPair, sampson_distance};
 pub(super) trait Weighed {
     fn fundamental(&self) -> &FundamentalMatrix;
     fn weight(&self) -> f64;
+    /// Standard deviation of the weight: by how much that of as many matches of this kind scatters by chance.
+    fn weight_deviation(&self) -> f64;
 }
 
 /// What clicks say of geometries.
@@ -28,6 +31,30 @@ impl ClickedPairs<'_> {
         self.pairs.iter().filter(|pair| sampson_distance(f, pair) > deviations * self.sigma).count()
     }
 
+    /// Whether at least two contradict a refined geometry.
+    pub fn speak_against(&self, f: &FundamentalMatrix) -> bool {
+        self.contradicting(f, CLICK_DEVIATIONS) >= SPEAK
+    }
+
+    /// Those geometries, not refined yet, that clicks prefer to a refined one: at least two fewer are far from their lines.
+    /// Those that the fewest are far from come first, and otherwise the order stays. Without a refined one all are preferred
+    /// that not most of them refuse.
+    pub fn preferred(
+        &self,
+        all: &[FundamentalMatrix],
+        refined: Option<&FundamentalMatrix>,
+    ) -> Vec<FundamentalMatrix> {
+        let against = refined.map(|f| self.contradicting(f, CLICK_DEVIATIONS));
+        let far = |f: &FundamentalMatrix| self.contradicting(f, CLICK_DEVIATIONS_WRONG);
+        let is_preferred = |f: &&FundamentalMatrix| match against {
+            Some(against) => far(f) + SPEAK <= against,
+            None => !self.refuse(f),
+        };
+        let mut preferred: Vec<FundamentalMatrix> = all.iter().filter(is_preferred).copied().collect();
+        preferred.sort_by_cached_key(far);
+        preferred
+    }
+
     /// Whether most of them are far from their lines.
     pub fn refuse(&self, f: &FundamentalMatrix) -> bool {
         2 * self.contradicting(f, CLICK_DEVIATIONS_WRONG) > self.pairs.len()
@@ -37,18 +64,24 @@ impl ClickedPairs<'_> {
 /// Clicks that have to speak for a lighter geometry: one may be a mistake.
 const SPEAK: usize = 2;
 
-/// The result among several geometries, the first of equals; `None` without any.
-pub(super) fn chosen<T: Weighed>(mut all: Vec<T>, clicks: &ClickedPairs) -> Option<T> {
+/// Deviations of a difference of two weights that chance explains.
+const BY_CHANCE: f64 = 2.0;
+
+/// The number of the result among several geometries, the first of equals; `None` without any.
+pub(super) fn chosen<T: Weighed>(all: &[T], clicks: &ClickedPairs) -> Option<usize> {
     let weight = |k: &usize| all[*k].weight();
     let lighter = |a: &usize, b: &usize| weight(a).total_cmp(&weight(b)).then(b.cmp(a));
     let heaviest = (0..all.len()).max_by(lighter)?;
     let contradicting = |k: &usize| clicks.contradicting(all[*k].fundamental(), CLICK_DEVIATIONS);
     let against = contradicting(&heaviest);
+    // As if no match belonged to both.
+    let scatter = |k: &usize| BY_CHANCE * all[*k].weight_deviation().hypot(all[heaviest].weight_deviation());
+    let open = |k: &usize| scatter(k).max(CLEAR_MARGIN * weight(&heaviest));
     let best = (0..all.len())
-        .filter(|k| weight(k) >= (1.0 - CLEAR_MARGIN) * weight(&heaviest))
+        .filter(|k| weight(&heaviest) - weight(k) <= open(k))
         .filter(|k| contradicting(k) + SPEAK <= against)
         .max_by(|a, b| contradicting(b).cmp(&contradicting(a)).then(lighter(a, b)));
-    Some(all.swap_remove(best.unwrap_or(heaviest)))
+    best.or(Some(heaviest))
 }
 
 #[cfg(test)]
@@ -56,26 +89,38 @@ mod tests {
     use super::*;
     use crate::estimate::exact::rows;
 
-    #[derive(Debug, PartialEq)]
-    struct Weight(f64, FundamentalMatrix);
+    /// A geometry among others.
+    struct Rival {
+        weight: f64,
+        deviation: f64,
+        fundamental: FundamentalMatrix,
+    }
 
-    impl Weighed for Weight {
+    impl Weighed for Rival {
         fn fundamental(&self) -> &FundamentalMatrix {
-            &self.1
+            &self.fundamental
         }
 
         fn weight(&self) -> f64 {
-            self.0
+            self.weight
+        }
+
+        fn weight_deviation(&self) -> f64 {
+            self.deviation
         }
     }
 
-    /// The shift of the chosen rows among weights with shifts, for clicks that agree with no shift.
+    /// The chosen one among weights with shifts of the rows, where a weight scatters by so much.
+    fn among(all: &[(f64, f64)], deviation: f64, pairs: &[PointPair]) -> Option<f64> {
+        let rival =
+            |(weight, shift): &(f64, f64)| Rival { weight: *weight, deviation, fundamental: rows(*shift) };
+        let all_rivals: Vec<Rival> = all.iter().map(rival).collect();
+        chosen(&all_rivals, &ClickedPairs { pairs, sigma: 1.0 }).map(|k| all[k].1)
+    }
+
+    /// The same for clicks that agree with no shift, and weights that scatter little.
     fn shift(all: &[(f64, f64)]) -> Option<f64> {
-        let pairs = [10.0, 90.0, 200.0].map(|y| PointPair::new(20.0, y, 30.0, y));
-        let clicks = ClickedPairs { pairs: &pairs, sigma: 1.0 };
-        let found =
-            chosen(all.iter().map(|(weight, shift)| Weight(*weight, rows(*shift))).collect(), &clicks);
-        found.and_then(|found| all.iter().map(|(_, shift)| *shift).find(|shift| rows(*shift) == found.1))
+        among(all, 0.5, &[10.0, 90.0, 200.0].map(|y| PointPair::new(20.0, y, 30.0, y)))
     }
 
     #[test]
@@ -83,11 +128,7 @@ mod tests {
         assert_eq!(shift(&[(10.0, 1.0), (12.0, 2.0), (12.0, 3.0)]), Some(2.0));
         assert_eq!(shift(&[]), None);
         // Without clicks, too.
-        let found = chosen(
-            vec![Weight(9.0, rows(50.0)), Weight(8.9, rows(0.0))],
-            &ClickedPairs { pairs: &[], sigma: 1.0 },
-        );
-        assert!(found.unwrap().0 > 8.95);
+        assert_eq!(among(&[(9.0, 50.0), (8.9, 0.0)], 0.5, &[]), Some(50.0));
     }
 
     #[test]
@@ -101,15 +142,43 @@ mod tests {
     }
 
     #[test]
+    fn weights_of_few_matches_leave_more_to_the_clicks() {
+        let pairs = [10.0, 90.0].map(|y| PointPair::new(20.0, y, 30.0, y));
+        // A difference of 4 and its deviation, √2 times that of each.
+        for (deviation, expected) in [(1.4, 9.0), (1.5, 0.0)] {
+            let found = among(&[(10.0, 9.0), (6.0, 0.0)], deviation, &pairs);
+            assert_eq!(found, Some(expected), "{deviation}");
+        }
+    }
+
+    #[test]
+    fn what_clicks_prefer_is_found_however_far_behind() {
+        let pairs = [10.0, 60.0, 90.0, 200.0].map(|y| PointPair::new(20.0, y, 30.0, y));
+        let clicks = ClickedPairs { pairs: &pairs, sigma: 1.0 };
+        assert!(clicks.speak_against(&rows(9.0)) && !clicks.speak_against(&rows(3.0)));
+        let one_off = [pairs[0], PointPair::new(20.0, 50.0, 30.0, 70.0)];
+        let doubtful = ClickedPairs { pairs: &one_off, sigma: 1.0 };
+        assert!(!doubtful.speak_against(&rows(0.0)), "one may be a mistake");
+        // Before refinement a geometry may be off by more than after it.
+        let ranked = [40.0, 10.0, 30.0, 0.0].map(rows);
+        assert_eq!(clicks.preferred(&ranked, Some(&rows(9.0))), [rows(10.0), rows(0.0)]);
+        assert_eq!(clicks.preferred(&ranked, Some(&rows(1.0))), []);
+        assert_eq!(clicks.preferred(&ranked, None), [rows(10.0), rows(0.0)]);
+        // Those that fewest clicks are far from come first.
+        let mixed = [0.0, 0.0, 0.0, 30.0].map(|off| PointPair::new(20.0, 50.0, 30.0, 50.0 + off));
+        let mixed = ClickedPairs { pairs: &mixed, sigma: 1.0 };
+        assert_eq!(mixed.preferred(&[rows(30.0), rows(0.0)], Some(&rows(60.0))), [rows(0.0)]);
+    }
+
+    #[test]
     fn one_click_may_be_a_mistake() {
-        for (mistaken, expected) in [(1, 10.0), (2, 9.0)] {
+        for (mistaken, expected) in [(1, 0.0), (2, 5.0)] {
             let pairs: Vec<PointPair> = (0..5)
                 .map(|k| (f64::from(k) * 40.0, if k < mistaken { 9.0 } else { 2.0 }))
                 .map(|(y, off)| PointPair::new(20.0, y, 30.0, y + off))
                 .collect();
-            let clicks = ClickedPairs { pairs: &pairs, sigma: 1.0 };
-            let found = chosen(vec![Weight(10.0, rows(0.0)), Weight(9.0, rows(5.0))], &clicks);
-            assert!((found.unwrap().0 - expected).abs() < 1e-9, "{mistaken} clicks");
+            let found = among(&[(10.0, 0.0), (9.0, 5.0)], 0.5, &pairs);
+            assert_eq!(found, Some(expected), "{mistaken} clicks");
         }
     }
 

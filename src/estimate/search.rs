@@ -46,8 +46,9 @@ pub(super) struct Judged {
     pub fundamental: FundamentalMatrix,
     pub hypotheses: Vec<Estimate>,
     pub assessment: Assessment,
-    /// How much its refined matches weigh.
+    /// How much its refined matches weigh, and the standard deviation of that.
     pub weight: f64,
+    pub weight_deviation: f64,
     pub patches: Arc<PatchLevels>,
 }
 
@@ -59,6 +60,10 @@ impl Weighed for Judged {
     fn weight(&self) -> f64 {
         self.weight
     }
+
+    fn weight_deviation(&self) -> f64 {
+        self.weight_deviation
+    }
 }
 
 impl Weighed for Refined {
@@ -68,6 +73,10 @@ impl Weighed for Refined {
 
     fn weight(&self) -> f64 {
         self.weight
+    }
+
+    fn weight_deviation(&self) -> f64 {
+        self.weight_deviation
     }
 }
 
@@ -220,11 +229,12 @@ impl SearchInput<'_> {
     /// Everything about what was found.
     pub fn judged(&self, record: &SearchRecord, found: Found) -> Judged {
         let Found { fundamental, hypotheses, supporting, refined } = found;
-        let weight = refined.as_ref().map_or(0.0, |refined| refined.weight);
+        let (weight, weight_deviation) =
+            refined.as_ref().map_or((0.0, 0.0), |refined| (refined.weight, refined.weight_deviation));
         let fundamental = refined.as_ref().map_or(fundamental, |refined| refined.fundamental);
         let assessment = self.judge(record, &hypotheses).result(&fundamental, &supporting, refined);
         let (clicks, patches) = (self.clicks.clone(), Arc::clone(self.patches));
-        Judged { clicks, fundamental, hypotheses, assessment, weight, patches }
+        Judged { clicks, fundamental, hypotheses, assessment, weight, weight_deviation, patches }
     }
 
     fn judge<'b>(&'b self, record: &'b SearchRecord, hypotheses: &'b [Estimate]) -> Judge<'b> {
@@ -274,8 +284,9 @@ impl SearchInput<'_> {
             refined.refinement.matches.len() >= FAR_TOO_FEW || !clicked.refuse(&refined.fundamental)
         };
         let count = if refinement.refine { refinement.refined } else { 0 };
-        let starts: Vec<FundamentalMatrix> = starts.take(count).collect();
-        let Some((first, others)) = starts.split_first() else { return Ok(None) };
+        let starts: Vec<FundamentalMatrix> = if count == 0 { Vec::new() } else { starts.collect() };
+        let (leaders, rest) = starts.split_at(count.min(starts.len()));
+        let Some((first, others)) = leaders.split_first() else { return Ok(None) };
         // What the first compares and aligns most others need too: at the same time it would be done twice.
         let first = refine(first);
         cancel.check()?;
@@ -284,7 +295,17 @@ impl SearchInput<'_> {
         patches.prepare_refinement(prepared.pyramids());
         let others: Vec<Option<Refined>> = others.par_iter().map(refine).collect();
         cancel.check()?;
-        let all = std::iter::once(first).chain(others).flatten().filter(is_of_this_scene).collect();
-        Ok(chosen(all, &clicked))
+        let mut all: Vec<Refined> =
+            std::iter::once(first).chain(others).flatten().filter(is_of_this_scene).collect();
+        let best = chosen(&all, &clicked).map(|k| all[k].fundamental);
+        // Where clicks speak against what came out, what they prefer gets its chance, however little supports it.
+        if !observed.is_empty() && best.is_none_or(|best| clicked.speak_against(&best)) {
+            let mut preferred = clicked.preferred(rest, best.as_ref());
+            preferred.truncate(count);
+            let more: Vec<Option<Refined>> = preferred.par_iter().map(refine).collect();
+            cancel.check()?;
+            all.extend(more.into_iter().flatten().filter(is_of_this_scene));
+        }
+        Ok(chosen(&all, &clicked).map(|k| all.swap_remove(k)))
     }
 }

@@ -84,7 +84,8 @@ pub(super) fn without_clicks(
         }
     }
     let clicked = ClickedPairs { pairs: &clicks.observed(), sigma: parameters.click_sigma };
-    choice::chosen(all, &clicked).ok_or(EstimateError::NothingWithoutClicks)
+    let best = choice::chosen(&all, &clicked).map(|k| all.swap_remove(k));
+    best.ok_or(EstimateError::NothingWithoutClicks)
 }
 
 /// Matches that stand out whatever the geometry, those of features first.

@@ -86,7 +86,8 @@ pub(super) fn wider(input: &SearchInput, record: &mut SearchRecord) -> Result<Ju
     }
     let observed = input.clicks.observed();
     let clicked = ClickedPairs { pairs: &observed, sigma: input.parameters.click_sigma };
-    let best = chosen(all, &clicked).ok_or(failure.unwrap_or(EstimateError::NoGeometry))?;
+    let best = chosen(&all, &clicked).map(|k| all.swap_remove(k));
+    let best = best.ok_or(failure.unwrap_or(EstimateError::NoGeometry))?;
     let Some(f) = of_clicks_alone(&observed, &best.fundamental, input.parameters.click_sigma) else {
         return Ok(best);
     };

@@ -125,6 +125,7 @@ pub(super) fn by_barcodes(input: &SearchInput, record: &mut SearchRecord) -> Res
         hypotheses,
         assessment,
         weight: 0.0,
+        weight_deviation: 0.0,
         patches: std::sync::Arc::clone(patches),
     })
 }

@@ -82,6 +82,8 @@ pub(in crate::estimate) struct Refined {
     /// (1 on the epipolar line, ½ at the deviation of a match, falling with the square of the distance). Of
     /// several refinements the one with most of it is the right one, on nearly every pair measured.
     pub weight: f64,
+    /// Standard deviation of the weight as a sum of so many independent matches (that of a Poisson process).
+    pub weight_deviation: f64,
 }
 
 /// Corners and patches under one view, for each size made by who comes first.
@@ -170,8 +172,8 @@ impl RefinementLevel {
         let fits = |m: &RefinedMatch, sigma: f64| {
             1.0 / (1.0 + (sampson_distance(&current, &m.pair) / sigma).powi(2))
         };
-        let weight =
-            matches.iter().map(|(m, sigma)| f64::from(m.correlation - FLOOR) * fits(m, *sigma)).sum();
+        let weights: Vec<f64> =
+            matches.iter().map(|(m, sigma)| f64::from(m.correlation - FLOOR) * fits(m, *sigma)).collect();
         let full_size = [1.0 / s1, 1.0 / s2];
         let matches = matches
             .into_iter()
@@ -183,7 +185,8 @@ impl RefinementLevel {
                 uncertainty: covariance.map(|c| Uncertainty::new(&current, &c, level.scales)),
                 matches,
             },
-            weight,
+            weight: weights.iter().sum(),
+            weight_deviation: weights.iter().map(|weight| weight * weight).sum::<f64>().sqrt(),
         })
     }
 
