@@ -6,7 +6,7 @@
 //! be a mistake, two do not agree by mistake. A geometry that most of the clicks are far from is none of this scene, whatever
 //! chance matches it has.
 
-use super::trust::{CLEAR_MARGIN, CLICK_DEVIATIONS, CLICK_DEVIATIONS_WRONG};
+use super::trust::{CHANCE_DEVIATIONS, CLEAR_MARGIN, CLICK_DEVIATIONS, CLICK_DEVIATIONS_WRONG};
 use crate::geometry::{FundamentalMatrix, PointPair, sampson_distance};
 
 /// A geometry and how much its refined matches weigh.
@@ -64,9 +64,6 @@ impl ClickedPairs<'_> {
 /// Clicks that have to speak for a lighter geometry: one may be a mistake.
 const SPEAK: usize = 2;
 
-/// Deviations of a difference of two weights that chance explains.
-const BY_CHANCE: f64 = 2.0;
-
 /// The number of the result among several geometries, the first of equals; `None` without any.
 pub(super) fn chosen<T: Weighed>(all: &[T], clicks: &ClickedPairs) -> Option<usize> {
     let weight = |k: &usize| all[*k].weight();
@@ -75,7 +72,8 @@ pub(super) fn chosen<T: Weighed>(all: &[T], clicks: &ClickedPairs) -> Option<usi
     let contradicting = |k: &usize| clicks.contradicting(all[*k].fundamental(), CLICK_DEVIATIONS);
     let against = contradicting(&heaviest);
     // As if no match belonged to both.
-    let scatter = |k: &usize| BY_CHANCE * all[*k].weight_deviation().hypot(all[heaviest].weight_deviation());
+    let scatter =
+        |k: &usize| CHANCE_DEVIATIONS * all[*k].weight_deviation().hypot(all[heaviest].weight_deviation());
     let open = |k: &usize| scatter(k).max(CLEAR_MARGIN * weight(&heaviest));
     let best = (0..all.len())
         .filter(|k| weight(&heaviest) - weight(k) <= open(k))

@@ -90,8 +90,7 @@ mod tests {
     #[test]
     fn a_third_pair_takes_part_whatever_searches() {
         let scene = ExactScene::aside();
-        let [plane1, plane2] = scene.planes();
-        let prepared = PreparedPair::new(&plane1, &plane2);
+        let prepared = scene.prepared();
         let [p, q] = scene.clicks();
         // A fourth pair that is wrong is only measured, or outvoted.
         let pairs = [p, q, scene.seen(0.3, -0.5, 6.59), PointPair::new(30.0, 30.0, 200.0, 200.0)];

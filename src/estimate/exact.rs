@@ -4,6 +4,7 @@
 use nalgebra::{Matrix3, Point3, Vector3};
 use rayon::prelude::*;
 
+use super::PreparedPair;
 use super::lines::PencilAngles;
 use crate::geometry::{
     AnchoredLine, Camera, Frame, FundamentalMatrix, Point, PointPair, area_between_lines,
@@ -98,6 +99,12 @@ impl ExactScene {
         let moved = |s: f64| Matrix3::new(1.0, s * 0.006, 2.0 * s, -s * 0.006, 1.0, -1.5 * s, 0.0, 0.0, 1.0);
         let f = moved(0.5 * size).transpose() * self.fundamental().matrix() * moved(-0.5 * size);
         FundamentalMatrix::from_rank_two(f).unwrap()
+    }
+
+    /// The rendered pair, prepared.
+    pub fn prepared(&self) -> PreparedPair {
+        let [plane1, plane2] = self.planes();
+        PreparedPair::new(&plane1, &plane2)
     }
 
     /// The walls as both cameras see them.

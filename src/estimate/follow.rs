@@ -101,8 +101,7 @@ mod tests {
     use crate::image::GrayPlane;
 
     fn prepared(scene: &ExactScene) -> PreparedPair {
-        let [plane1, plane2] = scene.planes();
-        PreparedPair::new(&plane1, &plane2)
+        scene.prepared()
     }
 
     /// The clicks, the first one moved away in image 2.

@@ -309,3 +309,59 @@ impl SearchInput<'_> {
         Ok(chosen(&all, &clicked).map(|k| all.swap_remove(k)))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::exact::ExactScene;
+    use super::super::{CancelFlag, PreparedPair, SearchPlan};
+    use super::*;
+    use crate::geometry::PointPair;
+    use crate::image::RelativeView;
+
+    /// The best of these starts after refinement, with these clicks, on so many threads.
+    fn refined(
+        prepared: &PreparedPair,
+        starts: &[FundamentalMatrix],
+        pairs: &[PointPair],
+        threads: usize,
+    ) -> Option<FundamentalMatrix> {
+        let parameters = Parameters::default();
+        let source = prepared.similarity_source(RelativeView::UPRIGHT, &parameters);
+        let patches = prepared.patches_with_features(RelativeView::UPRIGHT);
+        let clicks = Clicks::for_plan(pairs, SearchPlan::Patches { clicks: 2 });
+        let input = SearchInput {
+            prepared,
+            source: &*source,
+            patches: &patches,
+            clicks: &clicks,
+            parameters: &parameters,
+            cancel: &CancelFlag::default(),
+        };
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let found = pool.install(|| input.refined(starts.iter().copied())).unwrap();
+        found.map(|refined| refined.fundamental)
+    }
+
+    #[test]
+    fn a_first_start_that_leads_nowhere_keeps_no_thread_and_no_other_start_waiting() {
+        let scene = ExactScene::aside();
+        let mut starts = vec![scene.disturbed(150.0)];
+        starts.extend((1..8).map(|k| scene.disturbed(0.4 * f64::from(k))));
+        // Fresh each time, so that whoever comes first finds the corners.
+        let found = [1, 2, 4].map(|threads| refined(&scene.prepared(), &starts, &scene.clicks(), threads));
+        assert!(scene.error(&found[0].unwrap()) < 0.2);
+        assert!(found.iter().all(|f| *f == found[0]), "the same on any number of threads");
+    }
+
+    #[test]
+    fn what_several_clicks_prefer_is_refined_though_it_ranks_far_behind() {
+        let scene = ExactScene::aside();
+        let mut starts: Vec<FundamentalMatrix> =
+            (0..20).map(|k| scene.disturbed(60.0 + f64::from(k))).collect();
+        starts.push(scene.disturbed(2.0));
+        let prepared = scene.prepared();
+        let error = |clicks: &[PointPair]| refined(&prepared, &starts, clicks, 2).map(|f| scene.error(&f));
+        assert!(error(&scene.pairs(5)).unwrap() < 0.3);
+        assert!(error(&[]).is_none_or(|error| error > 10.0), "nothing tells it from the others");
+    }
+}

@@ -164,8 +164,7 @@ mod tests {
     #[test]
     fn nobody_has_to_click_and_what_stands_in_is_no_observation() {
         let scene = ExactScene::aside();
-        let [plane1, plane2] = scene.planes();
-        let prepared = PreparedPair::new(&plane1, &plane2);
+        let prepared = scene.prepared();
         let run = |pairs: &[PointPair]| {
             estimate_prepared(&prepared, pairs, &Parameters::default(), &Monitor::silent()).unwrap()
         };
@@ -187,8 +186,7 @@ mod tests {
     #[test]
     fn lines_alone_need_no_click_either() {
         let scene = ExactScene::aside();
-        let [plane1, plane2] = scene.planes();
-        let prepared = PreparedPair::new(&plane1, &plane2);
+        let prepared = scene.prepared();
         let mut parameters = Parameters { method: Method::LinesAlone, ..Parameters::from(Preset::Paper) };
         parameters.lines_alone.lines = 600;
         let found = estimate_prepared(&prepared, &[], &parameters, &Monitor::silent()).unwrap();
@@ -202,8 +200,7 @@ mod tests {
     #[test]
     fn drawn_matches_are_far_apart() {
         let scene = ExactScene::aside();
-        let [plane1, plane2] = scene.planes();
-        let prepared = PreparedPair::new(&plane1, &plane2);
+        let prepared = scene.prepared();
         let putative = scene.pairs(60);
         let least = prepared.frames().map(|frame| APART * frame.longer_side());
         let pairs = drawn(&prepared, &putative, 5);

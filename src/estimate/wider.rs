@@ -152,7 +152,7 @@ pub(super) fn by_features(
 #[cfg(test)]
 mod tests {
     use super::super::exact::ExactScene;
-    use super::super::{CancelFlag, Clicks, Parameters, PreparedPair, SearchPlan};
+    use super::super::{CancelFlag, Clicks, Parameters, SearchPlan};
     use super::*;
 
     #[test]
@@ -175,8 +175,7 @@ mod tests {
     #[test]
     fn features_need_no_click_to_be_ranked_and_lines_only_where_there_are_two() {
         let scene = ExactScene::aside();
-        let [plane1, plane2] = scene.planes();
-        let (prepared, parameters) = (PreparedPair::new(&plane1, &plane2), Parameters::default());
+        let (prepared, parameters) = (scene.prepared(), Parameters::default());
         let (source, patches) = (
             prepared.similarity_source(RelativeView::UPRIGHT, &parameters),
             prepared.patches_with_features(RelativeView::UPRIGHT),

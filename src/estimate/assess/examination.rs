@@ -85,8 +85,7 @@ mod tests {
     #[test]
     fn figures_tell_the_truth_from_what_is_near_it() {
         let scene = ExactScene::aside();
-        let [plane1, plane2] = scene.planes();
-        let prepared = PreparedPair::new(&plane1, &plane2);
+        let prepared = scene.prepared();
         let source = ExactSource(scene.fundamental());
         let patches = prepared.upright_patches();
         let (truth, wrong) = (scene.fundamental(), scene.disturbed(12.0));
@@ -109,8 +108,7 @@ mod tests {
     #[test]
     fn a_matrix_from_elsewhere_is_examined_as_beside_the_search() {
         let scene = ExactScene::aside();
-        let [plane1, plane2] = scene.planes();
-        let prepared = PreparedPair::new(&plane1, &plane2);
+        let prepared = scene.prepared();
         let parameters = Parameters::default();
         let beside = Estimate::from(scene.disturbed(1.0));
         let examined = |clicks, f: &FundamentalMatrix| examine(&prepared, clicks, f, &beside, &parameters);

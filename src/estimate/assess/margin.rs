@@ -1,5 +1,8 @@
 //! The advantage of a geometry over the best clearly different one.
 
+use std::f64::consts::SQRT_2;
+
+use crate::estimate::trust::{CHANCE_DEVIATIONS, CLEAR_MARGIN};
 use crate::estimate::{Apart, Estimate, Search};
 use crate::geometry::{
     Frame, FundamentalMatrix, PointPair, epipolar_difference, symmetric_epipolar_distance,
@@ -47,6 +50,13 @@ pub(super) fn margin(hypotheses: &[Estimate], rival: Option<usize>, search: Sear
 /// How much more one has than a rival, relative to the better of the two: −1 to 1.
 pub(super) fn relative(own: f64, rival: f64) -> f64 {
     (own - rival) / own.max(rival).max(1e-9)
+}
+
+/// Smallest advantage that leaves nothing open about a geometry whose matches weigh so much, with that standard deviation:
+/// the rival's weight scatters as much.
+pub(super) fn least_clear(weight: f64, weight_deviation: f64) -> f64 {
+    let by_chance = CHANCE_DEVIATIONS * SQRT_2 * weight_deviation / weight.max(f64::MIN_POSITIVE);
+    by_chance.max(CLEAR_MARGIN)
 }
 
 /// The best hypothesis that is clearly different, by its place in the list; none behind it is looked at.
@@ -126,6 +136,15 @@ mod tests {
 
     fn close(a: Option<f64>, b: f64) -> bool {
         a.is_some_and(|a| (a - b).abs() < 1e-12)
+    }
+
+    #[test]
+    fn few_matches_need_a_larger_advantage() {
+        // Alike matches: a weight of n scatters by its root.
+        let of = |matches: f64| least_clear(matches, matches.sqrt());
+        assert!((of(50.0) - 0.4).abs() < 1e-12 && (of(128.0) - 0.25).abs() < 1e-12);
+        assert!([of(200.1), of(1e4)].iter().all(|least| (least - CLEAR_MARGIN).abs() < 1e-12));
+        assert!(least_clear(0.0, 0.1) > 1.0, "nothing is clear where nothing weighs");
     }
 
     #[test]

@@ -15,7 +15,7 @@ pub(super) use degeneracy::{check_images, check_points};
 use nalgebra::Matrix3;
 
 use super::patches::{PatchLevels, Refined, largest_plane, resized};
-use super::trust::{CLEAR_MARGIN, Evidence, PlaneEvidence, Together};
+use super::trust::{Evidence, PlaneEvidence, Together};
 use super::{
     Assessment, Clicks, Estimate, Parameters, PatchSupport, PlaneHomography, PreparedPair, Refinement,
     Search, Trust, Warning,
@@ -24,7 +24,7 @@ use crate::cancel::CancelFlag;
 use crate::geometry::{FundamentalMatrix, PointPair, sampson_distance, transfer_error};
 use crate::similarity::SimilaritySource;
 use examination::Examiner;
-use margin::{all_apart, differs, margin, rival};
+use margin::{all_apart, differs, least_clear, margin, rival};
 use parallax::{CORNER_SIGMA, OffPlane, precision};
 
 /// How near a match must be to a homography to be explained by it, px in an image of up to [`PLANE_SIDE`] px, more in
@@ -90,9 +90,10 @@ impl Judge<'_> {
         let support = examiner.patch_support(f);
         let apart = all_apart(f, self.hypotheses, supporting, prepared.frames());
         let margin = margin(self.hypotheses, apart.rival(), parameters.search);
-        let weight = refined.as_ref().map(|refined| refined.weight);
-        let is_open = margin.is_some_and(|margin| margin < CLEAR_MARGIN);
-        let refined_margin = weight.filter(|_| is_open).map(|w| self.refined_margin(f, w, supporting));
+        let least = |refined: &Refined| least_clear(refined.weight, refined.weight_deviation);
+        let is_open = |refined: &&Refined| margin.is_some_and(|margin| margin < least(refined));
+        let open = refined.as_ref().filter(is_open);
+        let refined_margin = open.map(|refined| self.refined_margin(f, refined.weight, supporting));
         let refinement = refined.map(|refined| refined.refinement);
         let (trust, plane) = self.trust(f, refined_margin.or(margin), refinement.as_ref());
         let (trust, warnings) = (Some(trust), self.warnings(f));

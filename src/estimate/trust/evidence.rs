@@ -19,6 +19,8 @@ pub const CLICK_DEVIATIONS: f64 = 4.0;
 pub(in crate::estimate) const CLICK_DEVIATIONS_WRONG: f64 = 12.0;
 /// Smallest advantage over a clearly different geometry with which a result is called reliable.
 pub const CLEAR_MARGIN: f64 = 0.2;
+/// Standard deviations of a difference of two weights that chance explains.
+pub(in crate::estimate) const CHANCE_DEVIATIONS: f64 = 2.0;
 /// Below this advantage a result is a guess.
 pub(in crate::estimate) const GUESS: f64 = 0.05;
 /// Share of the matches on one plane from which on the epipoles hang on a handful of matches.

@@ -6,7 +6,8 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 pub(super) use evidence::{
-    BarcodeEvidence, CLICK_DEVIATIONS_WRONG, Evidence, GUESS, PlaneEvidence, ResidualPattern, Together,
+    BarcodeEvidence, CHANCE_DEVIATIONS, CLICK_DEVIATIONS_WRONG, Evidence, GUESS, PlaneEvidence,
+    ResidualPattern, Together,
 };
 pub use evidence::{CLEAR_MARGIN, CLICK_DEVIATIONS, ENOUGH_MATCHES, FAR_TOO_FEW};
 
