@@ -21,7 +21,9 @@
 //! is the number of epipoles that do as well as that of F, if nothing has to do with any (a number of false alarms:
 //! Desolneux, Moisan & Morel 2000; Moisan & Stival 2004 for F itself). Groups that move alike in several places may be one
 //! body: the halves of a picture that are pulled apart agree wherever one looks. So N is also taken of motions, each of
-//! which counts once, with its mean.
+//! which counts once, with its mean. A few matches are wrong wherever they come from, and where patterns repeat (lines of
+//! print, the teeth of a chip) they are shifted along the pattern as if they were deeper: a motion is held by more matches
+//! than are wrong on the whole, or it says nothing for F.
 //!
 //! Distinctive matches are found to a pixel, so parallax of less than some pixels does not show in them. Nearer to the
 //! plane, matches are looked for around where the plane puts them and aligned to a fraction of a pixel. Neither kind
@@ -34,7 +36,7 @@
 use nalgebra::Matrix3;
 
 use crate::estimate::patches::BAND;
-use crate::estimate::trust::Together;
+use crate::estimate::trust::{Together, WRONG_TOGETHER};
 use crate::geometry::{FundamentalMatrix, PointPair, Vector, finite_point};
 
 /// What lies off the largest plane.
@@ -43,7 +45,7 @@ pub(super) struct OffPlane {
     /// Groups of matches that move alike, and how many of them agree with F.
     pub groups: usize,
     pub agreeing: usize,
-    /// Motions among those that agree, wherever they are seen.
+    /// Motions among those that agree, wherever they are seen, with more matches than are wrong.
     pub motions: usize,
     /// Epipoles, of those that two groups determine, which do as well if nothing has to do with any: N above.
     pub by_chance: f64,
@@ -81,6 +83,7 @@ const CONTRADICTING: f64 = 2.0 * BAND;
 /// Matches off the plane that move alike.
 #[derive(Debug, Clone, Copy)]
 struct MotionGroup {
+    matches: usize,
     parallax: Vector,
     /// How far it is off its epipolar line, px.
     off_line: f64,
@@ -125,6 +128,7 @@ impl OffPlane {
                 .collect();
             distances.sort_by(f64::total_cmp);
             MotionGroup {
+                matches: members.len(),
                 parallax: members.iter().map(|k| off[*k].1).sum::<Vector>() / count,
                 // A point without a line is the epipole itself.
                 off_line: distances.get(distances.len() / 2).map_or(0.0, |distance| distance.abs()),
@@ -133,19 +137,29 @@ impl OffPlane {
         };
         let groups: Vec<MotionGroup> =
             moving_alike(&off, ALIKE * sigma, TOGETHER * side).into_iter().map(group).collect();
-        Self::of(&groups, sigma)
+        Self::of(&groups, sigma, WRONG_TOGETHER * matches.len() as f64)
     }
 
-    fn of(groups: &[MotionGroup], sigma: f64) -> Self {
+    /// What groups say; so many of their matches are wrong.
+    fn of(groups: &[MotionGroup], sigma: f64, wrong: f64) -> Self {
         let agrees = |group: &&MotionGroup| group.off_line <= OFF_LINE * sigma;
         let motions = motions(groups, ALIKE * sigma);
-        let agreeing_motions = motions.iter().filter(|groups| groups.iter().any(&agrees));
+        let is_held = |motion: &&Vec<&MotionGroup>| {
+            motion.iter().map(|group| group.matches).sum::<usize>() as f64 > wrong
+        };
+        let agreeing_motions =
+            motions.iter().filter(is_held).filter(|motion| motion.iter().any(|group| agrees(group)));
+        let by_chance = |motions: &mut dyn Iterator<Item = &Vec<&MotionGroup>>| {
+            number_by_chance(motions.map(|motion| mean_surprise(motion)).collect())
+        };
         Self {
             groups: groups.len(),
             agreeing: groups.iter().filter(agrees).count(),
             motions: agreeing_motions.count(),
             by_chance: number_by_chance(groups.iter().map(MotionGroup::surprise).collect()),
-            motions_by_chance: number_by_chance(motions.iter().map(|motion| mean_surprise(motion)).collect()),
+            // What contradicts F does so however little it is.
+            motions_by_chance: by_chance(&mut motions.iter())
+                .max(by_chance(&mut motions.iter().filter(is_held))),
         }
     }
 }
@@ -286,7 +300,7 @@ mod tests {
         let group = |k: usize| {
             let parallax = Vector::new(8.0 + 5.0 * k as f64, 0.0);
             let off_line = if k < agreeing { 0.3 } else { 0.7 * parallax.x };
-            MotionGroup { parallax, off_line, precision: 0.3 }
+            MotionGroup { matches: 3, parallax, off_line, precision: 0.3 }
         };
         (0..agreeing + other).map(group).collect()
     }
@@ -294,29 +308,43 @@ mod tests {
     #[test]
     fn any_epipole_fits_two_motions_and_more_hold_one() {
         for (agreeing, other) in [(0, 9), (2, 0), (2, 20), (3, 20)] {
-            let found = OffPlane::of(&groups(agreeing, other), 0.3);
+            let found = OffPlane::of(&groups(agreeing, other), 0.3, 0.5);
             assert_eq!((found.groups, found.agreeing), (agreeing + other, agreeing));
             assert_eq!(found.motions, agreeing);
             assert!(found.by_chance > 0.1, "{agreeing} of {}: {}", agreeing + other, found.by_chance);
         }
-        let held = OffPlane::of(&groups(8, 4), 0.3);
+        let held = OffPlane::of(&groups(8, 4), 0.3, 0.5);
         assert!(held.by_chance < 1e-3, "{}", held.by_chance);
     }
 
     #[test]
     fn two_halves_move_in_one_way_wherever_one_looks() {
         let half = |k: u32| MotionGroup {
+            matches: 40,
             parallax: Vector::new(18.0 + 0.1 * f64::from(k), 2.0),
             off_line: 0.1,
             precision: 0.15,
         };
         // One half, seen in twelve places, and three false matches, one of which happens to agree.
         let halves: Vec<MotionGroup> = (0..12).map(half).chain(groups(1, 2)).collect();
-        let found = OffPlane::of(&halves, 0.3);
+        let found = OffPlane::of(&halves, 0.3, 0.5);
         assert_eq!((found.groups, found.agreeing, found.motions), (15, 13, 2));
         assert!(found.by_chance < 1e-3 && found.motions_by_chance > 1.0, "{found:?}");
-        let alone = OffPlane::of(&halves[..12], 0.3);
+        let alone = OffPlane::of(&halves[..12], 0.3, 0.5);
         assert!(alone.motions_by_chance.is_infinite() && alone.motions == 1, "{alone:?}");
+    }
+
+    #[test]
+    fn motions_of_no_more_matches_than_are_wrong_say_nothing() {
+        // One body that is seen everywhere, and matches along a pattern that repeats.
+        let body = MotionGroup { matches: 900, ..groups(1, 0)[0] };
+        let scrolled: Vec<MotionGroup> = std::iter::once(body).chain(groups(9, 0).split_off(1)).collect();
+        let motions = |wrong: f64| OffPlane::of(&scrolled, 0.3, wrong);
+        assert_eq!((motions(2.9).motions, motions(3.0).motions), (9, 1));
+        assert!(motions(2.9).motions_by_chance < 1e-3 && motions(3.0).motions_by_chance > 1.0);
+        // What contradicts is not left out.
+        let contradicted = |wrong: f64| OffPlane::of(&groups(6, 30), 0.3, wrong).motions_by_chance;
+        assert!(contradicted(4.0) >= contradicted(0.0));
     }
 
     #[test]

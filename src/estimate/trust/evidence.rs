@@ -41,7 +41,7 @@ const ANY_EPIPOLE: usize = 2;
 /// Probability that matches which are wrong by chance contradict a right geometry, at most.
 const WRONG_BY_CHANCE: f64 = 1e-3;
 /// Share of the matches that stand out and move together, and are wrong all the same: repeated structure.
-const WRONG_TOGETHER: f64 = 0.005;
+pub(in crate::estimate) const WRONG_TOGETHER: f64 = 0.005;
 /// Share of the variance of residuals from which on they are more a pattern than noise.
 const PATTERN: f64 = 0.5;
 /// Size of a pattern that a good camera's lens leaves, px in images up to that side, more in proportion in larger ones.
