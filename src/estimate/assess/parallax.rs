@@ -147,8 +147,7 @@ impl OffPlane {
         let is_held = |motion: &&Vec<&MotionGroup>| {
             motion.iter().map(|group| group.matches).sum::<usize>() as f64 > wrong
         };
-        let agreeing_motions =
-            motions.iter().filter(is_held).filter(|motion| motion.iter().any(|group| agrees(group)));
+        let agreeing_motions = motions.iter().filter(is_held).filter(|motion| motion.iter().any(&agrees));
         let by_chance = |motions: &mut dyn Iterator<Item = &Vec<&MotionGroup>>| {
             number_by_chance(motions.map(|motion| mean_surprise(motion)).collect())
         };
