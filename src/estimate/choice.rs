@@ -36,8 +36,8 @@ impl ClickedPairs<'_> {
         self.contradicting(f, CLICK_DEVIATIONS) >= SPEAK
     }
 
-    /// Those geometries, not refined yet, that clicks prefer to a refined one: at least two fewer are far from their lines.
-    /// Those that the fewest are far from come first, and otherwise the order stays. Without a refined one all are preferred
+    /// Geometries, not refined yet, that clicks prefer to a refined one: at least two fewer are far from their lines.
+    /// Ones that the fewest are far from come first, and otherwise the order stays. Without a refined one all are preferred
     /// that not most of them refuse.
     pub fn preferred(
         &self,

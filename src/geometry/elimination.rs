@@ -49,7 +49,7 @@ impl<const EQUATIONS: usize> Eliminated<EQUATIONS> {
         Some(Self { rows, unknowns })
     }
 
-    /// For each free unknown the solution in which it is one and the other free ones are zero; `FREE` is nine less the
+    /// Solutions in which one free unknown is one and the other free ones are zero, in their order; `FREE` is nine less the
     /// number of equations.
     pub(crate) fn solutions<const FREE: usize>(&self) -> [Unknowns; FREE] {
         const { assert!(EQUATIONS + FREE == 9, "an unknown is free or has an equation of its own") };
