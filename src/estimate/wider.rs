@@ -10,7 +10,7 @@ use super::search::{Found, Judged, SearchInput, by_patches};
 use super::views::{is_same, view_of};
 use super::{Estimate, EstimateError, Stage};
 use crate::geometry::{
-    FundamentalMatrix, Observation, PointPair, eight_point, fit_fundamental, sampson_distance,
+    FundamentalMatrix, Observation, PointPair, eight_point, fit_fundamental, sampson_distance, seven_point,
 };
 use crate::image::RelativeView;
 
@@ -99,7 +99,7 @@ pub(super) fn wider(input: &SearchInput, record: &mut SearchRecord) -> Result<Ju
 
 /// Clicks that determine F by themselves, with one to tell that they agree.
 const CLICKS_ALONE: usize = 8;
-/// A geometry that contradicts the clicks has them this many times as far off their lines as the one they determine.
+/// A geometry that contradicts the clicks has them this many times as far off their lines as one that the others determine.
 const CONTRADICTED: f64 = 3.0;
 
 /// The geometry that the clicks determine by themselves, where they agree with each other and contradict `found`.
@@ -114,12 +114,28 @@ fn of_clicks_alone(
     let observations: Vec<Observation> =
         clicks.iter().map(|pair| Observation { pair: *pair, sigma: click_sigma }).collect();
     let fitted = fit_fundamental(&eight_point(clicks).ok()?, &observations, ROBUST_CLICKS)?.fundamental;
-    let middle = |f: &FundamentalMatrix| {
-        let mut distances: Vec<f64> = clicks.iter().map(|pair| sampson_distance(f, pair)).collect();
-        distances.sort_by(f64::total_cmp);
-        distances[distances.len() / 2]
+    let off_found = clicks.iter().map(|pair| sampson_distance(found, pair)).collect();
+    // A fit passes eight clicks that determine it badly, too: how far it can be trusted shows in a click it was not fitted to.
+    let off_others = (0..clicks.len()).map(|k| off_the_others(clicks, k)).collect();
+    (middle(off_found) > CONTRADICTED * middle(off_others).max(click_sigma)).then_some(fitted)
+}
+
+/// How far a click is off the geometry that the others determine by themselves, px; infinitely where they determine none.
+fn off_the_others(clicks: &[PointPair], k: usize) -> f64 {
+    let mut others = clicks.to_vec();
+    let left_out = others.remove(k);
+    let solutions = if others.len() < 8 {
+        seven_point(&others).unwrap_or_default()
+    } else {
+        eight_point(&others).into_iter().collect()
     };
-    (middle(found) > CONTRADICTED * middle(&fitted).max(click_sigma)).then_some(fitted)
+    let distance = |f: &FundamentalMatrix| sampson_distance(f, &left_out);
+    solutions.iter().map(distance).fold(f64::INFINITY, f64::min)
+}
+
+fn middle(mut distances: Vec<f64>) -> f64 {
+    distances.sort_by(f64::total_cmp);
+    distances[distances.len() / 2]
 }
 
 /// Standard deviations from which on a click loses influence on a fit to clicks.
@@ -170,6 +186,20 @@ mod tests {
         // A single slip of a click is outvoted.
         clicks[4].point2.y += 6.0;
         assert!(error(&alone(&clicks, &wrong).unwrap()) < 2.0);
+    }
+
+    #[test]
+    fn eight_clicks_that_do_not_agree_overrule_nothing() {
+        let scene = ExactScene::aside();
+        let mut clicks = scene.pairs(CLICKS_ALONE);
+        for (k, pair) in (1..).zip(&mut clicks) {
+            pair.point2.y += 8.0 * (12.9898 * f64::from(k) + 1.0).sin();
+        }
+        let off = |f: &FundamentalMatrix| clicks.iter().map(|pair| sampson_distance(f, pair)).collect();
+        // A fit to eight passes all of them, whatever they are.
+        assert!(middle(off(&eight_point(&clicks).unwrap())) < 1.5);
+        assert!(middle(off(&scene.fundamental())) > CONTRADICTED);
+        assert!(of_clicks_alone(&clicks, &scene.fundamental(), 1.0).is_none());
     }
 
     #[test]
