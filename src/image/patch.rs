@@ -153,7 +153,7 @@ fn normalised(patch: &Patch) -> Option<Patch> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::geometry::Frame;
 
@@ -161,7 +161,8 @@ mod tests {
         (120.0 + 50.0 * (0.41 * x).sin() * (0.37 * y).cos() + 30.0 * (0.23 * x + 0.31 * y).sin()) as f32
     }
 
-    fn plane(brightness: impl Fn(f32) -> f32) -> GrayPlane {
+    /// A textured plane, changed in brightness.
+    pub(in crate::image) fn plane(brightness: impl Fn(f32) -> f32) -> GrayPlane {
         GrayPlane::from_fn(Frame::new(40, 36), |x, y| brightness(texture(x as f64, y as f64)))
     }
 

@@ -217,17 +217,10 @@ fn added(parts: &[[f32; LANES]; SPLIT]) -> [f32; LANES] {
 #[cfg(test)]
 mod tests {
     use super::super::GrayPlane;
+    use super::super::patch::tests::plane;
     use super::super::patch::{PatchSampler, Warp, warps_around};
     use super::*;
-    use crate::geometry::{Frame, Point};
-
-    fn texture(x: f64, y: f64) -> f32 {
-        (120.0 + 50.0 * (0.41 * x).sin() * (0.37 * y).cos() + 30.0 * (0.23 * x + 0.31 * y).sin()) as f32
-    }
-
-    fn plane(brightness: impl Fn(f32) -> f32) -> GrayPlane {
-        GrayPlane::from_fn(Frame::new(40, 36), |x, y| brightness(texture(x as f64, y as f64)))
-    }
+    use crate::geometry::Point;
 
     #[test]
     fn correlation_ignores_brightness_and_flat_patches_have_none() {
