@@ -44,9 +44,28 @@ impl Iterator for SetLanes {
     }
 }
 
+/// Places of the marks that are 1, ascending, of marks that are 0 or 1 and mostly 0.
+pub(crate) fn marked(marks: &[u8]) -> impl Iterator<Item = usize> + '_ {
+    let (groups, rest) = marks.as_chunks::<LANES>();
+    let some = groups.iter().enumerate().filter(|(_, group)| u128::from_le_bytes(**group) != 0);
+    let in_groups = some.flat_map(|(k, group)| SetLanes::of(*group).map(move |lane| k * LANES + lane));
+    let in_rest = rest.iter().enumerate().filter(|(_, mark)| **mark != 0);
+    in_groups.chain(in_rest.map(|(k, _)| groups.len() * LANES + k))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn marks_are_found_wherever_they_are() {
+        for len in [0, 1, 15, 16, 17, 64, 83] {
+            let is_marked = |k: usize| k % 7 == 3 || k + 1 == len || k == 40;
+            let marks: Vec<u8> = (0..len).map(|k| u8::from(is_marked(k))).collect();
+            let expected: Vec<usize> = (0..len).filter(|k| is_marked(*k)).collect();
+            assert_eq!(marked(&marks).collect::<Vec<_>>(), expected, "{len}");
+        }
+    }
 
     #[test]
     fn lanes_are_told_in_their_order() {

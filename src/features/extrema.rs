@@ -10,10 +10,12 @@
 
 use std::cmp::Ordering;
 
+use multiversion::multiversion;
 use nalgebra::{Matrix3, Vector3};
 use rayon::prelude::*;
 
 use super::scale_space::{INTERVALS, Octave};
+use crate::lanes::marked;
 
 /// Pixels of an octave next to its border in which nothing is looked for.
 const MARGIN: usize = 5;
@@ -75,15 +77,15 @@ fn pixels_of_extrema(octave: &Octave, rows: std::ops::Range<usize>, threshold: f
         .collect();
     let threshold = threshold as f32;
     let mut found = Vec::new();
+    let mut tops = vec![0u8; width - 2 * MARGIN];
     for level in 1..=INTERVALS {
         let [below, middle, above] = [level - 1, level, level + 1].map(|l| &differences[l]);
         for row in 1..height - 1 {
-            let line = &middle[row * width..(row + 1) * width];
-            for x in MARGIN..width - MARGIN {
-                let value = line[x];
-                if value.abs() <= threshold {
-                    continue;
-                }
+            let line = |row: usize| &middle[row * width..(row + 1) * width];
+            let lines = [row - 1, row, row + 1].map(|row| &line(row)[MARGIN - 1..]);
+            mark_tops(lines, threshold, &mut tops);
+            for x in marked(&tops).map(|k| MARGIN + k) {
+                let value = line(row)[x];
                 // Mirrored at zero, a minimum is a maximum.
                 let sign = value.signum();
                 let value = value.abs();
@@ -92,18 +94,29 @@ fn pixels_of_extrema(octave: &Octave, rows: std::ops::Range<usize>, threshold: f
                         plane[r * width + x - 1..=r * width + x + 1].iter().all(|v| sign * v <= value)
                     })
                 };
-                if sign * line[x - 1] <= value
-                    && sign * line[x + 1] <= value
-                    && highest(middle)
-                    && highest(below)
-                    && highest(above)
-                {
+                if highest(middle) && highest(below) && highest(above) {
                     found.push([level, x, rows.start + row - 1]);
                 }
             }
         }
     }
     found
+}
+
+/// Marks what is farther from zero than the threshold, and than or as far as the four pixels next to it; the first mark is
+/// of the second pixel of `row`.
+#[multiversion(targets("x86_64+avx512f+avx512bw+avx512vl+avx2", "x86_64+avx2", "aarch64+neon"))]
+fn mark_tops([above, row, below]: [&[f32]; 3], threshold: f32, tops: &mut [u8]) {
+    let inner = tops.len();
+    let (left, middle, right) = (&row[..inner], &row[1..=inner], &row[2..inner + 2]);
+    let (above, below) = (&above[1..=inner], &below[1..=inner]);
+    for x in 0..inner {
+        let value = middle[x];
+        let [l, r, a, b] = [left[x], right[x], above[x], below[x]];
+        let is_high = value > threshold && value >= l && value >= r && value >= a && value >= b;
+        let is_low = value < -threshold && value <= l && value <= r && value <= a && value <= b;
+        tops[x] = u8::from(is_high || is_low);
+    }
 }
 
 /// The extremum of the parabola around a pixel, `None` if it does not settle or lies on an edge.

@@ -12,6 +12,7 @@ use rayon::prelude::*;
 use super::descriptor::{Descriptor, ENTRIES};
 use super::{Feature, FeatureSet};
 use crate::geometry::PointPair;
+use crate::lanes::{LANES, SetLanes};
 
 /// Two features that are each other's nearest.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -30,18 +31,16 @@ pub struct FeatureMatch {
 const KEPT: usize = 4;
 /// Two features closer than this many times the scale of one are at the same place.
 const SAME_PLACE: f64 = 3.0;
-/// Features that one task matches.
-const CHUNK: usize = 64;
+/// Features of set 1 that one task matches: each begins anew with the neighbours of set 2.
+const CHUNK: usize = 512;
 
 type Neighbours = [(i32, u32); KEPT];
+const NONE: Neighbours = [(i32::MAX, u32::MAX); KEPT];
 type Wide = [i16; ENTRIES];
 
 /// All mutual nearest neighbours, lowest ratio first; of several at the same two places the first.
 pub fn match_features(set1: &FeatureSet, set2: &FeatureSet) -> Vec<FeatureMatch> {
-    let [near2, near1] = [
-        neighbours(set1.descriptors(), set2.descriptors()),
-        neighbours(set2.descriptors(), set1.descriptors()),
-    ];
+    let [near2, near1] = neighbours(set1.descriptors(), set2.descriptors());
     let (features1, features2) = (set1.features(), set2.features());
     let mut matches: Vec<FeatureMatch> = near2
         .iter()
@@ -75,8 +74,7 @@ pub fn match_candidates(
     largest: f64,
 ) -> Vec<FeatureMatch> {
     let (features1, features2) = (sets[0].features(), sets[1].features());
-    let none = [(i32::MAX, u32::MAX); KEPT];
-    let mut near1 = vec![none; features2.len()];
+    let mut near1 = vec![NONE; features2.len()];
     let distances: Vec<Vec<i32>> = candidates
         .par_iter()
         .enumerate()
@@ -89,7 +87,7 @@ pub fn match_candidates(
         .zip(distances)
         .enumerate()
         .map(|(i, (candidates, distances))| {
-            let mut nearest = none;
+            let mut nearest = NONE;
             for (&j, distance) in candidates.iter().zip(distances) {
                 insert(&mut nearest, distance, j as u32);
                 insert(&mut near1[j], distance, i as u32);
@@ -147,12 +145,28 @@ fn ratio(neighbours: &Neighbours, features: &[Feature]) -> f64 {
     (f64::from(neighbours[0].0.max(0)) / f64::from(next.max(1))).sqrt().min(1.0)
 }
 
-/// The nearest descriptors to each of `from` among `to`: squared distance and index.
-fn neighbours(from: &[Descriptor], to: &[Descriptor]) -> Vec<Neighbours> {
+/// The nearest descriptors in the other set to each of set 1 and each of set 2: squared distance and index.
+fn neighbours(set1: &[Descriptor], set2: &[Descriptor]) -> [Vec<Neighbours>; 2] {
     let wide = |set: &[Descriptor]| -> Vec<Wide> { set.iter().map(|d| d.map(i16::from)).collect() };
-    let to = wide(to);
-    let lengths: Vec<i32> = to.iter().map(|d| dot(d, d)).collect();
-    from.par_chunks(CHUNK).flat_map_iter(|chunk| nearest(&wide(chunk), &to, &lengths)).collect()
+    let set2 = wide(set2);
+    let lengths2: Vec<i32> = set2.iter().map(|d| dot(d, d)).collect();
+    let found: Vec<[Vec<Neighbours>; 2]> = set1
+        .par_chunks(CHUNK)
+        .enumerate()
+        .map(|(k, chunk)| nearest(&wide(chunk), k * CHUNK, &set2, &lengths2))
+        .collect();
+    let mut near2 = Vec::with_capacity(set1.len());
+    let mut near1 = vec![NONE; set2.len()];
+    // In the order of set 1, so that of equal ones the first stays first.
+    for [of_chunk, of_set2] in found {
+        near2.extend(of_chunk);
+        for (all, more) in near1.iter_mut().zip(of_set2) {
+            for (distance, index) in more {
+                insert(all, distance, index);
+            }
+        }
+    }
+    [near2, near1]
 }
 
 #[inline]
@@ -160,30 +174,41 @@ fn dot(a: &Wide, b: &Wide) -> i32 {
     a.iter().zip(b).map(|(x, y)| i32::from(*x) * i32::from(*y)).sum()
 }
 
-/// Descriptors of `to` that stay in the cache while a chunk passes by.
-const BLOCK: usize = 64;
+/// Descriptors of set 2 that stay in the cache while a chunk of set 1 passes by.
+const BLOCK: usize = 4 * LANES;
 
+/// The nearest of each other, of a chunk of set 1 from index `first` on and all of set 2.
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512vl+avx2", "x86_64+avx2", "aarch64+neon"))]
-fn nearest(from: &[Wide], to: &[Wide], lengths: &[i32]) -> Vec<Neighbours> {
-    let mut found = vec![[(i32::MAX, u32::MAX); KEPT]; from.len()];
-    for (block, (to, lengths)) in to.chunks(BLOCK).zip(lengths.chunks(BLOCK)).enumerate() {
-        for (descriptor, neighbours) in from.iter().zip(&mut found) {
-            let mut distances = [0i32; BLOCK];
-            for (distance, (other, length)) in distances.iter_mut().zip(to.iter().zip(lengths)) {
-                *distance = length - 2 * dot(descriptor, other);
+fn nearest(chunk: &[Wide], first: usize, set2: &[Wide], lengths2: &[i32]) -> [Vec<Neighbours>; 2] {
+    let mut near2 = vec![NONE; chunk.len()];
+    let mut near1 = vec![NONE; set2.len()];
+    let lengths1: Vec<i32> = chunk.iter().map(|d| dot(d, d)).collect();
+    for (block, (set2, lengths2)) in set2.chunks(BLOCK).zip(lengths2.chunks(BLOCK)).enumerate() {
+        let near1 = &mut near1[block * BLOCK..][..set2.len()];
+        let mut farthest1 = [i32::MAX; BLOCK];
+        for (i, (own, near2)) in chunk.iter().zip(&mut near2).enumerate() {
+            // Those that are missing in the last block are nearest to nothing.
+            let mut distances = [i32::MAX; BLOCK];
+            for (distance, (other, length2)) in distances.iter_mut().zip(set2.iter().zip(lengths2)) {
+                *distance = lengths1[i] + length2 - 2 * dot(own, other);
             }
-            for (k, distance) in distances[..to.len()].iter().enumerate() {
-                insert(neighbours, *distance, (block * BLOCK + k) as u32);
+            let farthest2 = near2[KEPT - 1].0;
+            for group in (0..BLOCK).step_by(LANES) {
+                let mut is_near = [0u8; LANES];
+                for lane in 0..LANES {
+                    is_near[lane] =
+                        u8::from(distances[group + lane] < farthest1[group + lane].max(farthest2));
+                }
+                for lane in SetLanes::of(is_near) {
+                    let k = group + lane;
+                    insert(near2, distances[k], (block * BLOCK + k) as u32);
+                    insert(&mut near1[k], distances[k], (first + i) as u32);
+                    farthest1[k] = near1[k][KEPT - 1].0;
+                }
             }
         }
     }
-    for (descriptor, neighbours) in from.iter().zip(&mut found) {
-        let length = dot(descriptor, descriptor);
-        for neighbour in neighbours.iter_mut().filter(|n| n.0 != i32::MAX) {
-            neighbour.0 += length;
-        }
-    }
-    found
+    [near2, near1]
 }
 
 #[cfg(test)]
@@ -209,15 +234,20 @@ mod tests {
 
     #[test]
     fn finds_the_same_neighbours_as_the_definition() {
-        let (a, b) = (set(150, 1), set(131, 60));
+        // The first set in two chunks, the second with a part of a block.
+        let (a, b) = (set(CHUNK + 61, 1), set(131, 60));
         let distance = |x: &Descriptor, y: &Descriptor| -> i32 {
             x.iter().zip(y).map(|(a, b)| (i32::from(*a) - i32::from(*b)).pow(2)).sum()
         };
-        for (from, found) in a.descriptors().iter().zip(neighbours(a.descriptors(), b.descriptors())) {
-            let mut all: Vec<(i32, u32)> =
-                b.descriptors().iter().enumerate().map(|(j, to)| (distance(from, to), j as u32)).collect();
-            all.sort_unstable();
-            assert_eq!(found[..], all[..KEPT]);
+        let [near2, near1] = neighbours(a.descriptors(), b.descriptors());
+        for (from, to, near) in [(&a, &b, near2), (&b, &a, near1)] {
+            assert_eq!(near.len(), from.len());
+            for (from, found) in from.descriptors().iter().zip(near) {
+                let to = to.descriptors().iter().enumerate();
+                let mut all: Vec<(i32, u32)> = to.map(|(j, to)| (distance(from, to), j as u32)).collect();
+                all.sort_unstable();
+                assert_eq!(found[..], all[..KEPT]);
+            }
         }
     }
 

@@ -7,6 +7,7 @@ use rayon::prelude::*;
 
 use super::GrayPlane;
 use crate::geometry::{Frame, Point};
+use crate::lanes::marked;
 
 /// Corners at pixel positions, strongest first, at most `count`, spread over the image: a cell of an 8×8 grid
 /// gives at most four times its share, so that one busy region does not take them all. Corners keep `border`
@@ -25,14 +26,13 @@ pub fn find_corners(plane: &GrayPlane, count: usize, border: usize) -> Vec<Point
             let end = (first + BAND).min(frame.height - border);
             let response = Response::of_rows(plane, first - 2, end + 2);
             let mut found = Vec::new();
+            let mut tops = vec![0u8; frame.width - 2 * border];
             for y in first..end {
-                let [above, row, below] = [y - 1, y, y + 1].map(|y| response.row(y));
-                for x in border..frame.width - border {
-                    let value = row[x];
-                    // Most pixels are on a slope, which the next ones tell.
-                    let is_top = value >= row[x - 1] && value >= row[x + 1];
-                    let is_high = value > 1.0 && value >= above[x] && value >= below[x];
-                    if is_top && is_high && is_peak(&response, x, y, value) {
+                // Most pixels are on a slope, which the next ones tell.
+                mark_tops([y - 1, y, y + 1].map(|y| &response.row(y)[border - 1..]), &mut tops);
+                for x in marked(&tops).map(|k| border + k) {
+                    let value = response.at(x, y);
+                    if is_peak(&response, x, y, value) {
                         found.push((value, x, y));
                     }
                 }
@@ -60,6 +60,19 @@ pub fn find_corners(plane: &GrayPlane, count: usize, border: usize) -> Vec<Point
 const RADIUS: usize = 2;
 /// Rows that are looked at at once.
 const BAND: usize = 64;
+
+/// Marks what is above 1 and no lower than the four pixels next to it; the first mark is of the second pixel of `row`.
+#[multiversion(targets("x86_64+avx512f+avx512bw+avx512vl+avx2", "x86_64+avx2", "aarch64+neon"))]
+fn mark_tops([above, row, below]: [&[f32]; 3], tops: &mut [u8]) {
+    let inner = tops.len();
+    let (left, middle, right) = (&row[..inner], &row[1..=inner], &row[2..inner + 2]);
+    let (above, below) = (&above[1..=inner], &below[1..=inner]);
+    for x in 0..inner {
+        let value = middle[x];
+        let [l, r, a, b] = [left[x], right[x], above[x], below[x]];
+        tops[x] = u8::from(value > 1.0 && value >= l && value >= r && value >= a && value >= b);
+    }
+}
 
 fn is_peak(response: &Response, x: usize, y: usize, value: f32) -> bool {
     (y - 2..=y + 2).all(|v| {
