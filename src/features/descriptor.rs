@@ -19,7 +19,7 @@ use multiversion::multiversion;
 use nalgebra::Matrix2;
 
 use crate::geometry::Point;
-use crate::image::GrayPlane;
+use crate::image::{GrayPlane, interpolate_all};
 
 /// Entries of a descriptor: 4 × 4 cells, 8 directions each.
 pub(super) const ENTRIES: usize = 128;
@@ -31,6 +31,8 @@ pub type Descriptor = [u8; ENTRIES];
 const SIDE: usize = 25;
 /// Samples along a side of the grid: gradients are differences of two.
 const SAMPLES: usize = SIDE + 2;
+/// Samples of a row, padded to whole vectors.
+const STRIDE: usize = SAMPLES.next_multiple_of(16);
 /// Gradients padded to whole vectors.
 const PADDED: usize = (SIDE * SIDE).next_multiple_of(16);
 
@@ -129,19 +131,21 @@ fn gradients(plane: &GrayPlane, centre: Point, grid: &Matrix2<f64>) -> Gradients
     let (x, y) = (centre.x as f32, centre.y as f32);
     let (right, bottom) = (plane.frame().right() as f32, plane.frame().bottom() as f32);
     let half = (SAMPLES / 2) as f32;
-    let mut samples = [0f32; SAMPLES * SAMPLES];
-    for (row, out) in samples.chunks_exact_mut(SAMPLES).enumerate() {
+    let (mut px, mut py) = ([0f32; SAMPLES * STRIDE], [0f32; SAMPLES * STRIDE]);
+    for row in 0..SAMPLES {
         let v = row as f32 - half;
-        for (column, value) in out.iter_mut().enumerate() {
+        for column in 0..STRIDE {
             let u = column as f32 - half;
             // Outside the picture its border goes on, which has no gradient across.
-            let (px, py) = (x + a * u + c * v, y + b * u + d * v);
-            *value = plane.interpolate(px.clamp(0.0, right), py.clamp(0.0, bottom));
+            px[row * STRIDE + column] = (x + a * u + c * v).clamp(0.0, right);
+            py[row * STRIDE + column] = (y + b * u + d * v).clamp(0.0, bottom);
         }
     }
+    let mut samples = [0f32; SAMPLES * STRIDE];
+    interpolate_all(plane, &px, &py, &mut samples);
     let (mut dx, mut dy) = ([0f32; PADDED], [0f32; PADDED]);
     for row in 0..SIDE {
-        let line = |k: usize| &samples[(row + k) * SAMPLES..(row + k + 1) * SAMPLES];
+        let line = |k: usize| &samples[(row + k) * STRIDE..(row + k + 1) * STRIDE];
         let (above, middle, below) = (line(0), line(1), line(2));
         for column in 0..SIDE {
             dx[row * SIDE + column] = middle[column + 2] - middle[column];

@@ -30,6 +30,7 @@ pub use pair::{PairLevel, PyramidPair, RelativeView};
 pub(crate) use patch::{HALF, Patch, PatchSampler, Warp, offsets, warps_around};
 pub(crate) use patch_block::{PatchBlock, Sketch, correlations, may_correlate, most_correlations};
 pub use plane::GrayPlane;
+pub(crate) use plane::interpolate_all;
 pub use pyramid::Pyramid;
 pub use sampling::Profile;
 #[cfg(feature = "files")]

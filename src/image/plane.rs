@@ -2,7 +2,10 @@
 
 use std::sync::Arc;
 
+use multiversion::multiversion;
+
 use crate::geometry::{Frame, Point};
+use crate::lanes::LANES;
 
 /// A grey image, row-major, intensities in grey levels `0 ..= 255` whatever the depth of the file. Copies share the
 /// values.
@@ -90,6 +93,50 @@ impl GrayPlane {
     }
 }
 
+/// A whole number below this, added to it, stands in the lowest bits of the sum: how vectors make integers.
+const SHIFT: f32 = 8_388_608.0;
+
+/// [`GrayPlane::interpolate`] at many positions, sixteen at a time: all but the look at the pixels becomes vectors.
+///
+/// # Panics
+/// When the three are not equally many, or no multiple of sixteen: a programming error.
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx2", "x86_64+avx2", "aarch64+neon"))]
+pub(crate) fn interpolate_all(plane: &GrayPlane, x: &[f32], y: &[f32], found: &mut [f32]) {
+    assert!(x.len() == found.len() && y.len() == found.len() && found.len().is_multiple_of(LANES));
+    let Frame { width, height } = plane.frame;
+    let whole = |value: f32| (value + SHIFT).to_bits() & 0x007f_ffff;
+    let countable = width.max(height) <= SHIFT as usize && u32::try_from(width * height).is_ok();
+    if width.min(height) < 2 || !countable {
+        for (k, value) in found.iter_mut().enumerate() {
+            *value = plane.interpolate(x[k], y[k]);
+        }
+        return;
+    }
+    let (right, bottom) = ((width - 2) as f32, (height - 2) as f32);
+    let groups = x.as_chunks::<LANES>().0.iter().zip(y.as_chunks::<LANES>().0);
+    for ((x, y), found) in groups.zip(found.as_chunks_mut::<LANES>().0) {
+        let mut pixels = [0u32; LANES];
+        let (mut fx, mut fy) = ([0f32; LANES], [0f32; LANES]);
+        for k in 0..LANES {
+            let (left, up) = (x[k].floor().min(right), y[k].floor().min(bottom));
+            (fx[k], fy[k]) = (x[k] - left, y[k] - up);
+            pixels[k] = whole(up) * width as u32 + whole(left);
+        }
+        let mut corners = [[0f32; LANES]; 4];
+        for k in 0..LANES {
+            let top = &plane.values[pixels[k] as usize..];
+            let below = &top[width..width + 2];
+            (corners[0][k], corners[1][k]) = (top[0], top[1]);
+            (corners[2][k], corners[3][k]) = (below[0], below[1]);
+        }
+        for k in 0..LANES {
+            let a = corners[0][k] + (corners[1][k] - corners[0][k]) * fx[k];
+            let b = corners[2][k] + (corners[3][k] - corners[2][k]) * fx[k];
+            found[k] = a + (b - a) * fy[k];
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -100,5 +147,23 @@ mod tests {
         assert!((plane.sample(Point::new(1.5, 0.5)) - 65.0).abs() < 1e-5);
         assert!((plane.sample(Point::new(-4.0, 9.0)) - 100.0).abs() < 1e-5);
         assert!((plane.sample(Point::new(2.0, 1.0)) - 120.0).abs() < 1e-5);
+    }
+
+    #[test]
+    fn many_positions_are_interpolated_like_one() {
+        for frame in [Frame::new(61, 47), Frame::new(2, 2), Frame::new(1, 40), Frame::new(9_000_000, 2)] {
+            let plane = GrayPlane::from_fn(frame, |x, y| ((x * 7919 + y * 104_729) % 256) as f32);
+            let share = |k: usize, step: f32| (k as f32 * step).fract();
+            let place = |share: f32, end: f64| share * end as f32;
+            let mut x: Vec<f32> = (0..64).map(|k| place(share(k, 0.618_034), frame.right())).collect();
+            let mut y: Vec<f32> = (0..64).map(|k| place(share(k, 0.754_877), frame.bottom())).collect();
+            (x[0], y[0], x[1], y[1]) = (frame.right() as f32, frame.bottom() as f32, 0.0, 0.0);
+            let mut found = [0.0; 64];
+            interpolate_all(&plane, &x, &y, &mut found);
+            for k in 0..64 {
+                let expected = plane.interpolate(x[k], y[k]);
+                assert_eq!(found[k].to_bits(), expected.to_bits(), "{} {} of {frame:?}", x[k], y[k]);
+            }
+        }
     }
 }

@@ -1,7 +1,11 @@
 //! Intensities along lines.
 
-use super::GrayPlane;
+use super::plane::{GrayPlane, interpolate_all};
 use crate::geometry::AnchoredLine;
+use crate::lanes::LANES;
+
+/// Samples that are taken at once.
+const BLOCK: usize = 4 * LANES;
 
 /// Intensities at equidistant points of a line, in grey levels rounded to 8 bits; index 0 is the anchor.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -23,14 +27,18 @@ impl Profile {
         let start = line.point_at(f64::from(first) * step);
         let (x0, y0) = (start.x as f32, start.y as f32);
         let (dx, dy) = ((line.direction.x * step) as f32, (line.direction.y * step) as f32);
-        // Without the end, the length is known and the loop a plain one.
-        let values = (0..(last - first).saturating_add(1))
-            .map(|k| {
-                let x = (x0 + dx * k as f32).clamp(0.0, right);
-                let y = (y0 + dy * k as f32).clamp(0.0, bottom);
-                (plane.interpolate(x, y) + 0.5) as u8
-            })
-            .collect();
+        let count = (last - first).saturating_add(1).max(0) as usize;
+        let mut values = Vec::with_capacity(count);
+        let (mut x, mut y, mut found) = ([0f32; BLOCK], [0f32; BLOCK], [0f32; BLOCK]);
+        for block in (0..count).step_by(BLOCK) {
+            for k in 0..BLOCK {
+                let along = (block + k) as f32;
+                x[k] = (x0 + dx * along).clamp(0.0, right);
+                y[k] = (y0 + dy * along).clamp(0.0, bottom);
+            }
+            interpolate_all(plane, &x, &y, &mut found);
+            values.extend(found[..BLOCK.min(count - block)].iter().map(|value| (value + 0.5) as u8));
+        }
         Self { first, values }
     }
 
