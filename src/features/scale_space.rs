@@ -9,7 +9,6 @@
 //! one too, so no position is off by a fraction of a pixel.
 
 use multiversion::multiversion;
-use rayon::prelude::*;
 
 use crate::geometry::Frame;
 use crate::image::GrayPlane;
@@ -108,9 +107,8 @@ fn smoothed_and_decimated(plane: &GrayPlane, sigma: f64) -> GrayPlane {
     let full = plane.frame();
     let kernel = half_kernel(sigma, full);
     let frame = Frame::new(full.width.div_ceil(2), full.height.div_ceil(2));
-    let mut values = vec![0.0; frame.width * frame.height];
-    values.par_chunks_mut(ROWS / 2 * frame.width).enumerate().for_each(|(strip, out)| {
-        let first = strip * ROWS;
+    GrayPlane::from_strips(frame, ROWS / 2, |first, out| {
+        let first = 2 * first;
         let mut rows = vec![0.0; ROWS.min(full.height - first) * full.width];
         smooth_rows(plane, &kernel, first, &mut rows);
         for (row, out) in rows.chunks(full.width).step_by(2).zip(out.chunks_mut(frame.width)) {
@@ -118,16 +116,14 @@ fn smoothed_and_decimated(plane: &GrayPlane, sigma: f64) -> GrayPlane {
                 *out = *value;
             }
         }
-    });
-    GrayPlane::new(frame, values)
+    })
 }
 
 /// Twice the size by bilinear interpolation: pixel `i` lies at `i/2`.
 fn doubled(plane: &GrayPlane) -> GrayPlane {
     let Frame { width, height } = plane.frame();
     let frame = Frame::new(2 * width - 1, 2 * height - 1);
-    let mut values = vec![0.0; frame.width * frame.height];
-    values.par_chunks_mut(frame.width).enumerate().for_each(|(y, out)| {
+    GrayPlane::from_strips(frame, 1, |y, out| {
         let (top, below) = (plane.row(y / 2), plane.row(y.div_ceil(2)));
         for x in 0..width {
             out[2 * x] = 0.5 * (top[x] + below[x]);
@@ -135,19 +131,14 @@ fn doubled(plane: &GrayPlane) -> GrayPlane {
         for x in 0..width - 1 {
             out[2 * x + 1] = 0.5 * (out[2 * x] + out[2 * x + 2]);
         }
-    });
-    GrayPlane::new(frame, values)
+    })
 }
 
 /// The plane under a Gaussian of this σ, px; mirrored at its borders.
 fn smoothed(plane: &GrayPlane, sigma: f64) -> GrayPlane {
     let frame = plane.frame();
     let kernel = half_kernel(sigma, frame);
-    let mut values = vec![0.0; frame.width * frame.height];
-    values.par_chunks_mut(STRIP * frame.width).enumerate().for_each(|(strip, out)| {
-        smooth_rows(plane, &kernel, strip * STRIP, out);
-    });
-    GrayPlane::new(frame, values)
+    GrayPlane::from_strips(frame, STRIP, |first, out| smooth_rows(plane, &kernel, first, out))
 }
 
 /// The middle and one side of a normalised Gaussian kernel, no wider than mirroring allows.
@@ -195,7 +186,7 @@ fn smooth_rows(plane: &GrayPlane, kernel: &[f32], first: usize, out: &mut [f32])
                     }
                 }
             }
-            sums.copy_from_slice(&total[..sums.len()]);
+            store(sums, &total);
         }
         for d in 1..=reach {
             padded[reach - d] = padded[reach + d];
@@ -212,8 +203,18 @@ fn smooth_rows(plane: &GrayPlane, kernel: &[f32], first: usize, out: &mut [f32])
                     total[i] += weight * (left[i] + right[i]);
                 }
             }
-            out.copy_from_slice(&total[..out.len()]);
+            store(out, &total);
         }
+    }
+}
+
+/// Whole blocks are stored as vectors: only the last one of a row needs to be copied.
+#[inline]
+fn store(out: &mut [f32], block: &[f32; BLOCK]) {
+    if let Ok(whole) = <&mut [f32; BLOCK]>::try_from(&mut *out) {
+        *whole = *block;
+    } else {
+        out.copy_from_slice(&block[..out.len()]);
     }
 }
 

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use multiversion::multiversion;
+use rayon::prelude::*;
 
 use crate::geometry::{Frame, Point};
 use crate::lanes::LANES;
@@ -27,6 +28,17 @@ impl GrayPlane {
     /// [`GrayPlane::new`] of values that are shared already.
     pub(super) fn shared(frame: Frame, values: Arc<[f32]>) -> Self {
         assert_eq!(values.len(), frame.width * frame.height, "one value a pixel");
+        Self { frame, values }
+    }
+
+    /// A plane computed in strips of this many rows, on all threads, where it stays: `fill` gets the first row of its
+    /// strip and the pixels.
+    pub(crate) fn from_strips(frame: Frame, rows: usize, fill: impl Fn(usize, &mut [f32]) + Sync) -> Self {
+        let mut values: Arc<[f32]> = std::iter::repeat_n(0.0, frame.width * frame.height).collect();
+        if let Some(pixels) = Arc::get_mut(&mut values) {
+            let strips = pixels.par_chunks_mut((rows * frame.width).max(1)).enumerate();
+            strips.for_each(|(strip, pixels)| fill(strip * rows, pixels));
+        }
         Self { frame, values }
     }
 

@@ -1,7 +1,5 @@
 //! Image pyramids: the same picture at smaller sizes.
 
-use rayon::prelude::*;
-
 use super::GrayPlane;
 use crate::geometry::Frame;
 
@@ -48,14 +46,12 @@ impl Pyramid {
 /// The 2×2 box average.
 fn halved(plane: &GrayPlane) -> GrayPlane {
     let frame = Frame::new(plane.frame().width / 2, plane.frame().height / 2);
-    let mut values = vec![0.0; frame.width * frame.height];
-    values.par_chunks_mut(frame.width).enumerate().for_each(|(y, out)| {
+    GrayPlane::from_strips(frame, 1, |y, out| {
         let (top, bottom) = (plane.row(2 * y), plane.row(2 * y + 1));
         for (x, value) in out.iter_mut().enumerate() {
             *value = 0.25 * (top[2 * x] + top[2 * x + 1] + bottom[2 * x] + bottom[2 * x + 1]);
         }
-    });
-    GrayPlane::new(frame, values)
+    })
 }
 
 #[cfg(test)]
