@@ -164,9 +164,9 @@ impl Record {
             shares: Shares {
                 below_1_px: share_below(&errors, 1.0),
                 below_3_px: share_below(&errors, 3.0),
-                below_1_percent: share_below(&errors, 0.01 * scene.longer_side()),
+                below_1_percent: share_below(&errors, scene.good_error()),
             },
-            verdicts: Verdicts::of(&trials, 0.01 * scene.longer_side()),
+            verdicts: Verdicts::of(&trials, scene.good_error()),
             median_seconds: median(&seconds),
             median_first_seconds: median(&first),
             trials,

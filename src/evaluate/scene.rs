@@ -144,6 +144,11 @@ impl KnownScene {
         self.images.iter().map(|i| i.frame().longer_side()).fold(0.0, f64::max)
     }
 
+    /// Error at the true matches, px, below which a geometry is good: 1 % of the longer side.
+    pub fn good_error(&self) -> f64 {
+        0.01 * self.longer_side()
+    }
+
     /// Symmetric epipolar distance of every true match to an F, px.
     pub fn distances(&self, fundamental: &FundamentalMatrix) -> Vec<f64> {
         self.matches.iter().map(|m| symmetric_epipolar_distance(fundamental, m)).collect()

@@ -7,8 +7,10 @@ use crate::evaluate::report::TrialRecord;
 use crate::evaluate::table::pixels;
 use crate::publish::{Publication, TextTable};
 
-/// Trials that are shown.
+/// Trials that are shown at least, if there are so many.
 const SHOWN: usize = 3;
+/// Pairs of which one is shown at most, where more are not good.
+const MOST_SHOWN: usize = 12;
 
 /// A trial and whose it is.
 #[derive(Clone, Copy)]
@@ -40,14 +42,20 @@ pub(super) fn write(subject: &ReportSubject, document: &mut Publication) {
         return;
     }
     document.section("Worst trials");
-    let shown = different_clicks(&worst_first(&all));
+    let places = worst_first(&all);
+    let good = |place: &WorstTrial| place.trial.mean < subject.scenes[place.scene].good_error();
+    let draws: Vec<Draw> = places.iter().map(|p| (p.scene, p.trial.trial, good(p))).collect();
+    let shown: Vec<WorstTrial> = chosen(&draws).into_iter().map(|k| places[k]).collect();
     if shown.is_empty() {
         document.paragraph("No trial of two-point gave a fundamental matrix.");
         return;
     }
     document.paragraph(
-        "The largest errors of all two-point trials with a result, of each draw of clicks the worst, and what is unusual \
-         about the clicks or went wrong in the search.",
+        format!(
+            "The largest errors of all two-point trials with a result: the worst trial of every pair with one above \
+             1 % of the longer side ({MOST_SHOWN} at most), then of others until {SHOWN} are shown, with what is \
+             unusual about the clicks or went wrong in the search.",
+        ),
     );
     if all.len() > 1 {
         let each = all.iter().filter_map(|c| worst_first(&[*c]).first().copied());
@@ -60,17 +68,25 @@ pub(super) fn write(subject: &ReportSubject, document: &mut Publication) {
     }
 }
 
-/// The first few of which no two have the same clicks.
-fn different_clicks<'a>(places: &[WorstTrial<'a>]) -> Vec<WorstTrial<'a>> {
-    let mut chosen: Vec<WorstTrial> = Vec::new();
-    for place in places {
-        if chosen.len() < SHOWN
-            && !chosen.iter().any(|c| c.scene == place.scene && c.trial.trial == place.trial.trial)
-        {
-            chosen.push(*place);
+/// Number of a pair, of a draw of clicks on it, and whether what came out is good.
+type Draw = (usize, usize, bool);
+
+/// Which are shown, worst first: of every pair the worst while they are not good, then of others; no clicks twice,
+/// which other presets had, too.
+fn chosen(worst_first: &[Draw]) -> Vec<usize> {
+    let (mut of_pairs, mut others): (Vec<usize>, Vec<usize>) = (Vec::new(), Vec::new());
+    for (k, (pair, draw, _)) in worst_first.iter().enumerate() {
+        let has = |chosen: &usize| worst_first[*chosen].0 == *pair;
+        if !of_pairs.iter().any(has) {
+            of_pairs.push(k);
+        } else if !of_pairs.iter().chain(&others).any(|c| has(c) && worst_first[*c].1 == *draw) {
+            others.push(k);
         }
     }
-    chosen
+    let bad = of_pairs.iter().filter(|k| !worst_first[**k].2).count();
+    of_pairs.extend(others);
+    of_pairs.truncate(bad.clamp(SHOWN, MOST_SHOWN));
+    of_pairs
 }
 
 /// The worst trial of each contender in a row.
@@ -122,4 +138,31 @@ fn show(
         ),
     );
     document.facts(sight.facts().into_iter().chain(circumstances.facts()).collect());
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_worst_of_every_bad_pair_is_shown_and_no_clicks_twice() {
+        // Two presets on the clicks of pair 4, which are the worst; pairs 7 and 2 are bad, 1 is good.
+        let draws = [
+            (4, 0, false),
+            (4, 0, false),
+            (4, 1, false),
+            (7, 2, false),
+            (2, 0, false),
+            (1, 0, true),
+            (7, 1, true),
+        ];
+        assert_eq!(chosen(&draws), [0, 3, 4]);
+        // One pair fills up with its other draws; many bad ones are cut.
+        assert_eq!(chosen(&draws[..3]), [0, 2]);
+        let many: Vec<Draw> = (0..40).map(|pair| (pair, 0, pair > 30)).collect();
+        assert_eq!(chosen(&many), (0..MOST_SHOWN).collect::<Vec<_>>());
+        let four: Vec<Draw> = (0..9).map(|pair| (pair, 0, pair > 3)).collect();
+        assert_eq!(chosen(&four), [0, 1, 2, 3]);
+        assert_eq!(chosen(&[]), [0; 0]);
+    }
 }
