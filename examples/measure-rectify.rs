@@ -13,7 +13,7 @@ use epiline::estimate::CancelFlag;
 use epiline::evaluate::{KnownScene, pair_scenes, vgg_scenes};
 use epiline::geometry::{Camera, Frame};
 use epiline::image::GrayPlane;
-use epiline::io::{PictureFormat, encode_picture};
+use epiline::io::{PictureFormat, TruthOrigin, encode_picture};
 use epiline::rectify::{Distortion, Limits, RectifyMethod, rectify, stacked};
 use epiline::synthetic::{Motion, Sample};
 use image::{DynamicImage, GrayImage, RgbImage};
@@ -35,6 +35,7 @@ fn sample_scene(sample: Sample) -> KnownScene {
         images: pair.pictures.map(|p| Arc::new(p.gray)),
         matches: pair.matches,
         truth: pair.fundamental,
+        origin: TruthOrigin::Cameras,
         printed: None,
     }
 }

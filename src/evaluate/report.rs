@@ -25,6 +25,9 @@ pub struct TrialRecord {
     pub mean: f64,
     /// Median of the same distances, px.
     pub median: f64,
+    /// Mean distance of its lines to the true ones all over the pictures, px, see [`KnownScene::off_everywhere`]; none
+    /// where the true F was fitted to the matches.
+    pub off_everywhere: Option<f64>,
     /// Seconds in all.
     pub seconds: f64,
     /// Seconds until the first F.
@@ -56,6 +59,10 @@ pub struct Verdicts {
     pub bad: usize,
     /// Number of these that were not called reliable.
     pub bad_and_not_called_reliable: usize,
+    /// Good ones whose lines are as near to the true ones all over the pictures, where that is known.
+    pub good_everywhere: usize,
+    /// Number of these that were called reliable.
+    pub good_everywhere_and_called_reliable: usize,
 }
 
 impl Verdicts {
@@ -66,12 +73,22 @@ impl Verdicts {
         };
         let (reliable_good, reliable_bad, bad_seen) =
             (count(true, true), count(true, false), count(false, false));
+        let everywhere: Vec<Verdict> = trials
+            .iter()
+            .filter(|t| t.mean < limit && t.off_everywhere.is_some_and(|off| off < limit))
+            .filter_map(|t| t.verdict)
+            .collect();
         Self {
             results: judged.len(),
             called_reliable: reliable_good + reliable_bad,
             called_reliable_and_good: reliable_good,
             bad: reliable_bad + bad_seen,
             bad_and_not_called_reliable: bad_seen,
+            good_everywhere: everywhere.len(),
+            good_everywhere_and_called_reliable: everywhere
+                .iter()
+                .filter(|v| **v == Verdict::Reliable)
+                .count(),
         }
     }
 
@@ -82,6 +99,9 @@ impl Verdicts {
             called_reliable_and_good: sum.called_reliable_and_good + v.called_reliable_and_good,
             bad: sum.bad + v.bad,
             bad_and_not_called_reliable: sum.bad_and_not_called_reliable + v.bad_and_not_called_reliable,
+            good_everywhere: sum.good_everywhere + v.good_everywhere,
+            good_everywhere_and_called_reliable: sum.good_everywhere_and_called_reliable
+                + v.good_everywhere_and_called_reliable,
         })
     }
 }

@@ -11,11 +11,11 @@ use super::statistics::{mean, median};
 use super::{KnownPair, PrintedErrors};
 use crate::estimate::{CancelFlag, PreparedPair};
 use crate::foreign::excerpt;
-use crate::geometry::{FundamentalMatrix, PointPair, symmetric_epipolar_distance};
+use crate::geometry::{FundamentalMatrix, PointPair, epipolar_difference, symmetric_epipolar_distance};
 use crate::image::{GrayPlane, LoadError, Picture};
 use crate::io::{
-    CameraRig, GroundTruth, PairFiles, ReadError, SequenceError, TruthError, VggFolder, has_image_extension,
-    is_sequence, pair_folder, read_sequence,
+    CameraRig, GroundTruth, PairFiles, ReadError, SequenceError, TruthError, TruthOrigin, VggFolder,
+    has_image_extension, is_sequence, pair_folder, read_sequence,
 };
 use crate::motion::{BackgroundParameters, MotionError, Silhouettes};
 
@@ -71,6 +71,9 @@ pub enum EvaluateError {
     },
 }
 
+/// How far lines can be off, relative to the longer side of the larger image: beyond it wrong is wrong.
+const FAR: f64 = 0.1;
+
 /// An image pair with true matches and a true F.
 #[derive(Debug, Clone)]
 pub struct KnownScene {
@@ -84,6 +87,8 @@ pub struct KnownScene {
     pub matches: Vec<PointPair>,
     /// The true F.
     pub truth: FundamentalMatrix,
+    /// Where it comes from.
+    pub origin: TruthOrigin,
     /// What the published experiment prints for it, if it is one of its pairs.
     pub printed: Option<PrintedErrors>,
 }
@@ -119,8 +124,8 @@ impl SceneSet {
 
 impl KnownScene {
     fn new(known: GroundTruth, images: [Arc<GrayPlane>; 2], printed: Option<PrintedErrors>) -> Self {
-        let GroundTruth { name, fundamental: truth, matches, .. } = known;
-        Self { name, images, silhouettes: None, matches, truth, printed }
+        let GroundTruth { name, fundamental: truth, matches, origin } = known;
+        Self { name, images, silhouettes: None, matches, truth, origin, printed }
     }
 
     /// The images, with what moves in front of them, made ready for estimates.
@@ -152,6 +157,15 @@ impl KnownScene {
     /// Symmetric epipolar distance of every true match to an F, px.
     pub fn distances(&self, fundamental: &FundamentalMatrix) -> Vec<f64> {
         self.matches.iter().map(|m| symmetric_epipolar_distance(fundamental, m)).collect()
+    }
+
+    /// Mean distance between the epipolar lines of an F and the true ones all over the pictures
+    /// ([`epipolar_difference`], each at most [`FAR`] of the longer side), px. Where the true matches lie on one plane, lines
+    /// may pass them all and be wrong elsewhere. Nothing is known of elsewhere where the true F was fitted to the matches.
+    pub fn off_everywhere(&self, fundamental: &FundamentalMatrix) -> Option<f64> {
+        let frames = self.images.each_ref().map(|image| image.frame());
+        let off = || epipolar_difference(fundamental, &self.truth, frames, FAR * self.longer_side());
+        (self.origin != TruthOrigin::Matches).then(off)
     }
 
     /// Median angle, over the true matches and both images, between the epipolar lines of an F and the true ones,
@@ -254,7 +268,7 @@ pub fn pair_scenes(folder: &Path, only: &[String]) -> Result<Vec<KnownScene>, Ev
 }
 
 /// The pairs of a folder of `NAMEA.*`, `NAMEB.*` and `NAME.txt`; `only` those named when it is not empty. The
-/// true F is fitted to all matches.
+/// true F is that of `NAME_F.txt`, or fitted to all matches.
 pub fn pair_scene_set(folder: &Path, only: &[String]) -> Result<SceneSet, EvaluateError> {
     SceneSet::of(pair_results(folder, only)?)
 }
@@ -324,7 +338,15 @@ pub(super) mod tests {
             .collect();
         let truth = Camera::fundamental(&camera1, &camera2).unwrap();
         let images = [plane.clone(), plane];
-        KnownScene { name: name.to_owned(), images, silhouettes: None, matches, truth, printed: None }
+        KnownScene {
+            name: name.to_owned(),
+            images,
+            silhouettes: None,
+            matches,
+            truth,
+            origin: TruthOrigin::Cameras,
+            printed: None,
+        }
     }
 
     #[test]

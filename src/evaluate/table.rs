@@ -143,6 +143,21 @@ pub fn verdict_sentences(report: &Report) -> Vec<String> {
 
 /// The shares whose whole is not empty.
 fn verdict_sentence(v: &Verdicts) -> String {
+    let everywhere = if v.good_everywhere == 0 {
+        String::new()
+    } else {
+        format!(
+            " Of the {} whose lines are also that near to the true ones all over the pictures, {} {} called reliable.",
+            v.good_everywhere,
+            v.good_everywhere_and_called_reliable,
+            if v.good_everywhere_and_called_reliable == 1 { "was" } else { "were" }
+        )
+    };
+    sentence_on_matches(v) + &everywhere
+}
+
+/// What the true matches tell.
+fn sentence_on_matches(v: &Verdicts) -> String {
     if v.called_reliable == 0 {
         return format!("no result of {} was called reliable.", v.results);
     }
@@ -292,6 +307,7 @@ mod tests {
                 called_reliable_and_good,
                 bad,
                 bad_and_not_called_reliable,
+                ..Verdicts::default()
             })
         };
         assert_eq!(verdicts(0, 0, 3, 3), "no result of 3 was called reliable.");
@@ -303,6 +319,19 @@ mod tests {
             verdicts(5, 6, 1, 2),
             "5 of 6 results called reliable had an error below 1 % of the longer side; 1 of 2 with a larger one was not \
              called reliable."
+        );
+        let everywhere = Verdicts {
+            results: 3,
+            called_reliable: 2,
+            called_reliable_and_good: 2,
+            good_everywhere: 2,
+            good_everywhere_and_called_reliable: 1,
+            ..Verdicts::default()
+        };
+        assert_eq!(
+            verdict_sentence(&everywhere),
+            "2 of 2 results called reliable had an error below 1 % of the longer side; no result had a larger one. Of the 2 \
+             whose lines are also that near to the true ones all over the pictures, 1 was called reliable."
         );
     }
 

@@ -3,11 +3,13 @@
 use thiserror::Error;
 
 use super::camera_rig::CameraRig;
-use super::geometry_file::read_point_pairs;
+use super::geometry_file::{read_fundamental, read_point_pairs};
 use super::pair_folder::PairFiles;
 use super::read::ReadError;
 use super::vgg::VggFolder;
-use crate::geometry::{Camera, EightPointError, FundamentalMatrix, PointPair, eight_point};
+use crate::geometry::{
+    Camera, EightPointError, FundamentalMatrix, PointPair, eight_point, symmetric_epipolar_distance,
+};
 
 /// Why a pair has no ground truth. Each message is one sentence for the user.
 #[derive(Debug, Error)]
@@ -23,6 +25,17 @@ pub enum TruthError {
         /// Why.
         source: EightPointError,
     },
+    /// The F of a file is not that of the matches.
+    #[error(
+        "{name}: {name}_F.txt and {name}.txt do not belong together, half of the matches are more than {off:.0} px off its \
+         epipolar lines; expected is F with x2ᵀ F x1 = 0, the centre of the top-left pixel at (0, 0)"
+    )]
+    OtherGeometry {
+        /// The pair.
+        name: String,
+        /// Median distance of the matches, px.
+        off: f64,
+    },
     /// Two cameras have no F.
     #[error("{name}: the two cameras have the same centre, so there is no true geometry")]
     SameCentre {
@@ -36,9 +49,15 @@ pub enum TruthError {
 pub enum TruthOrigin {
     /// Two known cameras.
     Cameras,
+    /// A file beside the matches.
+    File,
     /// Fitted to all true matches with the normalised eight-point algorithm.
     Matches,
 }
+
+/// Median distance of the matches, relative to how far they reach, above which an F is not theirs: transposed, of
+/// other pictures, or of another size of them.
+const OTHER_GEOMETRY: f64 = 0.02;
 
 /// What is known about an image pair.
 #[derive(Debug, Clone, PartialEq)]
@@ -80,13 +99,30 @@ impl GroundTruth {
         Ok(Self { name, fundamental, matches: rig.matches(pair)?, origin: TruthOrigin::Cameras })
     }
 
-    /// A pair of a folder of pairs: the matches of its file, and F fitted to all of them.
+    /// A pair of a folder of pairs: the matches of its file, and F of the file beside it or fitted to all of them.
     pub fn of_pair(files: &PairFiles) -> Result<Self, TruthError> {
         let name = files.name.clone();
         let matches = read_point_pairs(&files.matches)?;
+        if let Some(path) = &files.fundamental {
+            let fundamental = read_fundamental(path)?;
+            let off = median_distance(&fundamental, &matches);
+            let extent =
+                matches.iter().flat_map(|m| [m.point1, m.point2]).map(|p| p.x.max(p.y)).fold(1.0, f64::max);
+            if off > OTHER_GEOMETRY * extent {
+                return Err(TruthError::OtherGeometry { name, off });
+            }
+            return Ok(Self { name, fundamental, matches, origin: TruthOrigin::File });
+        }
         match eight_point(&matches) {
             Ok(fundamental) => Ok(Self { name, fundamental, matches, origin: TruthOrigin::Matches }),
             Err(source) => Err(TruthError::Matches { name, source }),
         }
     }
+}
+
+fn median_distance(fundamental: &FundamentalMatrix, matches: &[PointPair]) -> f64 {
+    let mut distances: Vec<f64> =
+        matches.iter().map(|pair| symmetric_epipolar_distance(fundamental, pair)).collect();
+    distances.sort_unstable_by(f64::total_cmp);
+    distances.get(distances.len() / 2).copied().unwrap_or(0.0)
 }

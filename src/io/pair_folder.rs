@@ -1,4 +1,5 @@
-//! Folders of image pairs with true matches: `NAMEA.*`, `NAMEB.*` and `NAME.txt` with rows `x1 y1 x2 y2`.
+//! Folders of image pairs with true matches: `NAMEA.*`, `NAMEB.*` and `NAME.txt` with rows `x1 y1 x2 y2`; where the
+//! geometry is known by itself, in `NAME_F.txt`, too.
 
 use std::path::{Path, PathBuf};
 
@@ -13,6 +14,8 @@ pub struct PairFiles {
     pub images: [PathBuf; 2],
     /// The true matches.
     pub matches: PathBuf,
+    /// The true F, if it is known by itself.
+    pub fundamental: Option<PathBuf>,
 }
 
 /// All pairs of a folder by name; at least one. Text files without any image (notes) are passed over.
@@ -41,6 +44,7 @@ pub(super) fn find_pairs(folder: &Path) -> Result<Vec<PairFiles>, ReadError> {
                 name: name.to_owned(),
                 images: [(*a).clone(), (*b).clone()],
                 matches: matches.clone(),
+                fundamental: entries.iter().find(|p| is_fundamental_of(p, name)).cloned(),
             }),
             ([_, _, ..], _) | (_, [_, _, ..]) => {
                 let problem = format!("there is more than one image {name}A or {name}B");
@@ -54,6 +58,12 @@ pub(super) fn find_pairs(folder: &Path) -> Result<Vec<PairFiles>, ReadError> {
         }
     }
     Ok(pairs)
+}
+
+/// `NAME_F.txt`.
+fn is_fundamental_of(path: &Path, name: &str) -> bool {
+    let stem = path.file_stem().and_then(|s| s.to_str()).and_then(|s| s.strip_suffix("_F"));
+    stem == Some(name) && path.extension().is_some_and(|e| e.eq_ignore_ascii_case("txt")) && path.is_file()
 }
 
 fn images_named<'a>(entries: &'a [PathBuf], stem: &str) -> Vec<&'a PathBuf> {
@@ -81,11 +91,14 @@ mod tests {
             "aA.pgm",
             "aB.pgm",
             "a.txt",
+            "a_F.txt",
             "README.txt",
         ]);
         let pairs = pair_folder(folder.path()).unwrap();
         assert_eq!(pairs.iter().map(|p| &p.name[..]).collect::<Vec<_>>(), ["a", "tower"]);
         assert!(pairs[1].images[1].ends_with("towerB.jpg"));
+        assert!(pairs[0].fundamental.as_ref().is_some_and(|path| path.ends_with("a_F.txt")));
+        assert_eq!(pairs[1].fundamental, None);
     }
 
     #[test]

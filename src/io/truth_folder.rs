@@ -191,6 +191,27 @@ mod tests {
     }
 
     #[test]
+    fn a_geometry_beside_the_matches_is_the_true_one_unless_it_is_another_pairs() {
+        let folder = tempfile::tempdir().unwrap();
+        // Two matches are not enough for an F of their own; rows stay rows.
+        write(&folder, &[("a.txt", "10 20 40 20\n300 200 310 200\n"), ("aA.png", ""), ("aB.png", "")]);
+        write(&folder, &[("a_F.txt", "0 0 0\n0 0 -1\n0 1 0\n")]);
+        let set = TruthFolder::open(folder.path()).unwrap();
+        let truth = set.truth([0, 1]).unwrap();
+        assert_eq!((truth.matches.len(), truth.origin), (2, TruthOrigin::File));
+        assert!(symmetric_epipolar_distance(&truth.fundamental, &truth.matches[1]) < 1e-9);
+        // Columns stay columns: not what the matches say.
+        write(&folder, &[("a_F.txt", "0 0 -1\n0 0 0\n1 0 0\n")]);
+        let error = set.truth([0, 1]).unwrap_err().to_string();
+        assert!(
+            error.contains("a_F.txt and a.txt do not belong together") && error.contains("30 px"),
+            "{error}"
+        );
+        write(&folder, &[("a_F.txt", "nothing\n")]);
+        assert!(set.truth([0, 1]).unwrap_err().to_string().contains("a_F.txt"));
+    }
+
+    #[test]
     fn other_folders_are_refused_with_what_was_expected() {
         let folder = tempfile::tempdir().unwrap();
         let problem = |folder: &tempfile::TempDir| TruthFolder::open(folder.path()).unwrap_err().to_string();

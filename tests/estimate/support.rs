@@ -7,6 +7,7 @@ use epiline::estimate::{
 };
 use epiline::evaluate::{Draws, KnownScene, Protocol, mean};
 use epiline::geometry::{FundamentalMatrix, Point, PointPair, symmetric_epipolar_distance};
+use epiline::io::TruthOrigin;
 use epiline::synthetic::Sample;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
@@ -41,6 +42,7 @@ impl Known {
                 images: [image1, image2],
                 matches: pair.matches,
                 truth: pair.fundamental,
+                origin: TruthOrigin::Cameras,
                 printed: None,
             },
             show_me: pair.show_me,

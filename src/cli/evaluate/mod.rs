@@ -54,8 +54,11 @@ enum PairSource {
         #[command(flatten)]
         options: Box<Options>,
     },
-    /// Pairs with true matches: NAMEA.*, NAMEB.* and NAME.txt with rows x1 y1 x2 y2
-    #[command(allow_negative_numbers = true)]
+    #[command(
+        allow_negative_numbers = true,
+        about = "Pairs with true matches: NAMEA.*, NAMEB.* and NAME.txt with rows x1 y1 x2 y2; NAME_F.txt for \
+                 the true F if it is known"
+    )]
     Pairs {
         /// The folder
         folder: PathBuf,

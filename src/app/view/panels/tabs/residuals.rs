@@ -295,6 +295,7 @@ fn from(model: &Model, comparison: &Comparison, contestant: Contestant) -> Strin
         }
         Contestant::Truth => match model.truth().map(|truth| truth.origin) {
             Some(TruthOrigin::Matches) => format!("fitted to all {} matches", fit.pairs),
+            Some(TruthOrigin::File) => "its own file".to_owned(),
             _ => "the two cameras".to_owned(),
         },
     }
