@@ -101,7 +101,12 @@ impl PreparedPair {
         self.features.get_or_init(|| {
             let planes = self.pyramids.level(f64::INFINITY).planes;
             let find = |image: usize| find_features(planes[image], &FeatureParameters::default());
-            let (first, second) = rayon::join(|| find(0), || find(1));
+            let (mut first, mut second) = rayon::join(|| find(0), || find(1));
+            if let Some(fixed) = self.pyramids.fixed() {
+                for set in [&mut first, &mut second] {
+                    set.retain(|feature| !fixed.covers(feature.position));
+                }
+            }
             let matches = match_features(&first, &second);
             MatchedFeatures { sets: [first, second], matches }
         })

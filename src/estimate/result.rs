@@ -150,6 +150,9 @@ pub struct SearchCounts {
     pub hypotheses: usize,
     /// Hypotheses that went through full validation.
     pub validated: usize,
+    /// Corners that stay at their place though the scene does not (captions, a logo, dirt on the sensor): they and what
+    /// is around them are left out.
+    pub left_out: usize,
 }
 
 /// Time spent in one stage.

@@ -136,6 +136,7 @@ pub(super) fn by_patches(input: &SearchInput, record: &mut SearchRecord) -> Resu
     let SearchInput { prepared, patches: levels, clicks, parameters, cancel, .. } = *input;
     let pyramids = prepared.pyramids();
     let (coarse, voting) = (levels.coarse(pyramids), levels.voting(pyramids));
+    record.counts.left_out = pyramids.left_out();
     let (anchors, pencils) = compared(input, record)?;
 
     record.enter(Stage::Hypotheses)?;

@@ -76,6 +76,15 @@ impl FeatureSet {
         self.features.is_empty()
     }
 
+    /// Keeps the features that are asked for.
+    pub(crate) fn retain(&mut self, is_kept: impl Fn(&Feature) -> bool) {
+        let kept: Vec<bool> = self.features.iter().map(is_kept).collect();
+        let mut flags = kept.iter();
+        self.features.retain(|_| *flags.next().unwrap_or(&false));
+        let mut flags = kept.iter();
+        self.descriptors.retain(|_| *flags.next().unwrap_or(&false));
+    }
+
     pub(crate) fn push(&mut self, feature: Feature, descriptor: Descriptor) {
         self.features.push(feature);
         self.descriptors.push(descriptor);

@@ -4,6 +4,7 @@ mod alignment;
 mod corners;
 mod decode;
 mod deep_tiff;
+mod fixed;
 mod float;
 mod limit;
 mod load;

@@ -1,9 +1,12 @@
 //! Both images of a pair at the sizes of their pyramids, and how they are turned and scaled against each other.
 
+use std::sync::OnceLock;
+
 use nalgebra::Matrix2;
 
-use super::{GrayPlane, Pyramid};
-use crate::geometry::{Frame, PointPair};
+use super::fixed::{COMPARED_SIDE, FixedContent};
+use super::{GrayPlane, Pyramid, find_corners};
+use crate::geometry::{Frame, Point, PointPair, rescaled};
 
 /// How things look in image 2 against image 1, roughly: turned and enlarged.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -21,7 +24,10 @@ impl RelativeView {
 
 /// The pyramids of two images.
 #[derive(Debug)]
-pub struct PyramidPair([Pyramid; 2]);
+pub struct PyramidPair {
+    pyramids: [Pyramid; 2],
+    fixed: OnceLock<Option<FixedContent>>,
+}
 
 /// Both images at one size.
 #[derive(Clone, Copy)]
@@ -30,18 +36,20 @@ pub struct PairLevel<'a> {
     pub planes: [&'a GrayPlane; 2],
     /// Size over full size, of each image.
     pub scales: [f64; 2],
+    /// The pair that this is a level of.
+    pair: &'a PyramidPair,
 }
 
 impl PyramidPair {
     /// Builds both in parallel, down to a longer side of at least `smallest` px.
     pub fn new(image1: &GrayPlane, image2: &GrayPlane, smallest: f64) -> Self {
         let (a, b) = rayon::join(|| Pyramid::new(image1, smallest), || Pyramid::new(image2, smallest));
-        Self([a, b])
+        Self { pyramids: [a, b], fixed: OnceLock::new() }
     }
 
     /// Sizes of the two images.
     pub fn frames(&self) -> [Frame; 2] {
-        self.0.each_ref().map(|pyramid| pyramid.level(0).frame())
+        self.pyramids.each_ref().map(|pyramid| pyramid.level(0).frame())
     }
 
     /// The levels nearest to a longer side of `side` px (full size when that is infinite), chosen for each image
@@ -54,7 +62,7 @@ impl PyramidPair {
     /// finer than the image that shows less.
     pub fn level_seen(&self, side: f64, view: RelativeView) -> PairLevel<'_> {
         let nearest = |image: usize, side: f64| {
-            let pyramid = &self.0[image];
+            let pyramid = &self.pyramids[image];
             let off = |k: &usize| {
                 let own = pyramid.level(*k).frame().longer_side();
                 if side.is_finite() { (own / side).ln().abs() } else { -own }
@@ -68,12 +76,29 @@ impl PyramidPair {
             let [k1, k2] = numbers.map(|k| k as i64);
             let first = k1.max(k2 - more).max(0).max(-more);
             numbers = [first, first + more].map(|k| k.max(0) as usize);
-            numbers = [0, 1].map(|image| numbers[image].min(self.0[image].len() - 1));
+            numbers = [0, 1].map(|image| numbers[image].min(self.pyramids[image].len() - 1));
         }
         PairLevel {
-            planes: [0, 1].map(|image| self.0[image].level(numbers[image])),
+            planes: [0, 1].map(|image| self.pyramids[image].level(numbers[image])),
             scales: numbers.map(|k| 0.5f64.powi(k as i32)),
+            pair: self,
         }
+    }
+
+    /// Corners that are left out because they stay at their place though the scene does not: captions, a logo.
+    pub fn left_out(&self) -> usize {
+        self.fixed().map_or(0, FixedContent::len)
+    }
+
+    /// What stays at its place though the scene does not, looked for once.
+    pub(crate) fn fixed(&self) -> Option<&FixedContent> {
+        let find = || {
+            // Of other sizes or shapes the same place is not the same.
+            let [frame1, frame2] = self.frames();
+            let level = self.level(COMPARED_SIDE);
+            if frame1 == frame2 { FixedContent::find(level.planes, level.scales[0]) } else { None }
+        };
+        self.fixed.get_or_init(find).as_ref()
     }
 }
 
@@ -88,6 +113,15 @@ impl PairLevel<'_> {
         let scale = view.scale.map_or(1.0, |scale| scale * self.scales[1] / self.scales[0]);
         let (sin, cos) = view.rotation.sin_cos();
         Matrix2::new(cos, -sin, sin, cos) * scale
+    }
+
+    /// Corners of an image ([`find_corners`]), in pixels of this level, without what stays at its place.
+    pub fn corners(&self, image: usize, count: usize, border: usize) -> Vec<Point> {
+        let mut corners = find_corners(self.planes[image], count, border);
+        if let Some(fixed) = self.pair.fixed() {
+            corners.retain(|corner| !fixed.covers(rescaled(*corner, 1.0 / self.scales[image])));
+        }
+        corners
     }
 
     /// A full-size point pair in this level's pixels.

@@ -273,6 +273,13 @@ pub fn result_in_words(found: &Estimate, images: &[ImageNote; 2]) -> String {
             counts.validated
         );
     }
+    if counts.left_out > 0 {
+        let _ = writeln!(
+            text,
+            "Left out: {} corners at the very same place in both images, as of captions or a logo",
+            counts.left_out
+        );
+    }
     let stages: Vec<_> = trace
         .timings
         .iter()

@@ -5,7 +5,6 @@ use serde::Serialize;
 
 use crate::estimate::{Estimate, PreparedPair};
 use crate::geometry::{Frame, FundamentalMatrix, Line, Point, PointPair, rescaled};
-use crate::image::find_corners;
 
 /// Longer side of the image in which textured places are looked for, px.
 const SIDE: f64 = 384.0;
@@ -91,7 +90,7 @@ pub fn next_click(
         });
         Some((worth, NextClick { point, disagreement }))
     };
-    let corners = find_corners(level.planes[0], PLACES, BORDER);
+    let corners = level.corners(0, PLACES, BORDER);
     let places: Vec<(f64, NextClick)> = corners
         .into_par_iter()
         .map(|corner| rescaled(corner, 1.0 / level.scales[0]))

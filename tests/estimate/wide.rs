@@ -51,6 +51,34 @@ fn a_turned_and_resized_picture_is_as_good_as_the_untouched_one() {
 }
 
 #[test]
+fn a_caption_in_both_pictures_is_left_out_and_costs_nothing() {
+    let known = &COURTYARD;
+    // Letters of a kind: cells of ink and paper along the lower edge, a logo in a corner.
+    let captioned = |image: &GrayPlane| {
+        let frame = image.frame();
+        GrayPlane::from_fn(frame, |x, y| {
+            let (up, is_logo) = (frame.height - y, x < 60 && y < 60);
+            let cell = (x / 6 * 7919 + y / 6 * 104_729 + (x / 6) * (y / 6) * 31) % 5;
+            if (20..56).contains(&up) && x < 420 || is_logo {
+                [250.0, 20.0, 20.0, 180.0, 20.0][cell]
+            } else {
+                image.at(x, y)
+            }
+        })
+    };
+    let [a, b] = known.scene.images.each_ref().map(|image| captioned(image));
+    let found = estimate(&a, &b, &known.show_me, &Parameters::default(), &Monitor::silent()).unwrap();
+    let error = mean_distance(found.fundamental(), &known.scene.matches);
+    let left_out = found.trace.as_ref().unwrap().counts.left_out;
+    println!("{error:.3} px, {left_out} corners left out");
+    assert!(left_out > 30, "{left_out}");
+    assert!(error < known.error(&known.show_me, &Parameters::default()) + 0.1, "{error} px");
+    assert_eq!(found.assessment.trust.as_ref().map(|trust| trust.verdict), Some(Verdict::Reliable));
+    let untouched = known.estimate(&known.show_me, &Parameters::default()).unwrap();
+    assert_eq!(untouched.trace.as_ref().unwrap().counts.left_out, 0);
+}
+
+#[test]
 fn of_three_clicks_a_wrong_one_is_outvoted_and_named() {
     let known = &COURTYARD;
     let [p, q] = known.show_me;

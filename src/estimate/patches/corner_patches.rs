@@ -4,8 +4,8 @@ use rayon::prelude::*;
 
 use crate::geometry::Point;
 use crate::image::{
-    GrayPlane, HALF, Patch, PatchBlock, PatchSampler, Sketch, Warp, correlations, find_corners,
-    may_correlate, most_correlations,
+    GrayPlane, HALF, PairLevel, Patch, PatchBlock, PatchSampler, Sketch, Warp, correlations, may_correlate,
+    most_correlations,
 };
 
 /// Corners of two images with their patches: one of each in image 1, those under all warps in image 2.
@@ -44,9 +44,19 @@ impl Likeness {
 
 impl CornerPatches {
     /// Finds up to `count` corners an image and takes their patches.
-    pub fn new(planes: [&GrayPlane; 2], count: usize, warps: Vec<Warp>) -> Self {
-        let find = |image: usize| find_corners(planes[image], count, HALF + 1);
+    pub fn new(level: &PairLevel, count: usize, warps: Vec<Warp>) -> Self {
+        let find = |image: usize| level.corners(image, count, HALF + 1);
         let (corners1, points2) = rayon::join(|| find(0), || find(1));
+        Self::around(level.planes, corners1, points2, warps)
+    }
+
+    /// The patches around these corners.
+    pub fn around(
+        planes: [&GrayPlane; 2],
+        corners1: Vec<Point>,
+        points2: Vec<Point>,
+        warps: Vec<Warp>,
+    ) -> Self {
         let sampler = PatchSampler::new(planes[0], &Warp::identity());
         let (points1, patches1): (Vec<Point>, Vec<Patch>) =
             corners1.into_iter().filter_map(|point| Some((point, sampler.patch(point)?))).unzip();

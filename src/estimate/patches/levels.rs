@@ -164,7 +164,7 @@ impl CornerLevels {
     fn coarse(&self, pyramids: &PyramidPair) -> SupportLevel {
         let level = pyramids.level_seen(COARSE_SIDE, self.view);
         let warps = warps_around(&level.warp(self.view));
-        let patches = CornerPatches::new(level.planes, COARSE_CORNERS, warps);
+        let patches = CornerPatches::new(&level, COARSE_CORNERS, warps);
         SupportLevel { scales: level.scales, support: Support::new(&patches) }
     }
 

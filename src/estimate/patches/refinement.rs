@@ -95,7 +95,7 @@ type PatchesOfSize = Arc<OnceLock<Arc<CornerPatches>>>;
 
 impl SharedPatches {
     pub fn get(&self, level: &PairLevel, view: RelativeView) -> Arc<CornerPatches> {
-        let patches = || CornerPatches::new(level.planes, CORNERS, warps_around(&level.warp(view)));
+        let patches = || CornerPatches::new(level, CORNERS, warps_around(&level.warp(view)));
         Arc::clone(self.of_size(level.scales).get_or_init(|| Arc::new(patches())))
     }
 

@@ -203,7 +203,7 @@ mod tests {
     use super::*;
     use crate::estimate::exact::rows as rows_below;
     use crate::geometry::Frame;
-    use crate::image::{GrayPlane, Warp};
+    use crate::image::{GrayPlane, PyramidPair, Warp};
     use nalgebra::Matrix3;
 
     /// Two views of one texture, the second shifted along the rows by 6 px.
@@ -225,7 +225,9 @@ mod tests {
     #[test]
     fn the_right_geometry_has_most_support_and_its_matches_are_right() {
         let [a, b] = planes();
-        let support = Support::new(&CornerPatches::new([&a, &b], 200, vec![Warp::identity()]));
+        let pair = PyramidPair::new(&a, &b, 48.0);
+        let support =
+            Support::new(&CornerPatches::new(&pair.level(f64::INFINITY), 200, vec![Warp::identity()]));
         let right = support.measure(&rows(0.0)).score;
         for wrong in [rows(7.0), rows(-15.0)] {
             let other = support.measure(&wrong).score;
@@ -240,7 +242,9 @@ mod tests {
     #[test]
     fn images_without_corners_have_no_support() {
         let flat = GrayPlane::from_fn(Frame::new(60, 60), |_, _| 9.0);
-        let support = Support::new(&CornerPatches::new([&flat, &flat], 50, vec![Warp::identity()]));
+        let pair = PyramidPair::new(&flat, &flat, 48.0);
+        let support =
+            Support::new(&CornerPatches::new(&pair.level(f64::INFINITY), 50, vec![Warp::identity()]));
         assert!(support.matches(&rows(0.0), 3.0).is_empty());
     }
 

@@ -96,6 +96,14 @@ pub fn facts(document: &Document, estimate: &Estimate, freshness: Freshness) -> 
             scales.as_ref().and_then(|scales| scales.of_result(HypothesisFigure::Support, support.score));
         facts.push(Fact::new("Support", value, SUPPORT).on(gauge));
     }
+    if let Some(trace) = estimate.trace.as_ref().filter(|trace| trace.counts.left_out > 0) {
+        facts.push(Fact::new(
+            "Left out",
+            format!("{} corners that stay", trace.counts.left_out),
+            "Corners at the very same place in both images while the rest moves, as of captions, a logo or dirt on the \
+             sensor: they say nothing of the scene.",
+        ));
+    }
     if let Some(trace) = &estimate.trace {
         facts.push(Fact::new(
             "Time",

@@ -27,6 +27,14 @@ fn a_clean_result_is_good_and_one_with_warnings_is_not() {
     assert_eq!(good.tone, Tone::Good);
     assert_eq!(good.headline, "Epipolar geometry found from pairs p and q.");
     assert!(good.facts.iter().any(|fact| fact.name == "Margin" && fact.value == "40 %"));
+    assert!(good.facts.iter().all(|fact| fact.name != "Left out"));
+    let (document, computation) = computed(|e| {
+        let trace = e.trace.as_mut().and_then(std::sync::Arc::get_mut).unwrap();
+        trace.counts.left_out = 40;
+    });
+    let with_caption = verdict(&document, &computation);
+    assert_eq!(with_caption.tone, Tone::Good, "what is left out speaks for nothing and against nothing");
+    assert!(with_caption.facts.iter().any(|fact| fact.name == "Left out" && fact.value.starts_with("40")));
     let (document, computation) =
         computed(|e| e.assessment.warnings.push(Warning::CloseClicks { distance: 9.0 }));
     let doubtful = verdict(&document, &computation);
