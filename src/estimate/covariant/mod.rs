@@ -119,6 +119,14 @@ fn sigma(scale: f64, frame: Frame) -> f64 {
     (LEAST_SIGMA.powi(2) + (SIGMA_PER_SCALE * scale).powi(2) + camera * camera).sqrt()
 }
 
+/// A place drawn by weights, of which these are the running sums; `None` when nothing weighs anything.
+fn drawn_by_weight(cumulative: &[f64], random: &mut Pcg64Mcg) -> Option<usize> {
+    let total = cumulative.last().copied().filter(|total| *total > 0.0)?;
+    // One number for the whole search: one a comparison would draw from no distribution anybody asked for.
+    let at = random.random_range(0.0..total);
+    Some(cumulative.partition_point(|sum| *sum <= at).min(cumulative.len() - 1))
+}
+
 /// Matches as witnesses, with what each is worth.
 fn witnesses(evidence: &FeatureEvidence, matches: &[FeatureMatch], log_odds: &[f64]) -> Vec<Witness> {
     let range = evidence.frames.iter().map(Frame::longer_side).fold(0.0, f64::max);
@@ -289,10 +297,8 @@ impl<'a> FeatureSearch<'a> {
         let framed = random.random_bool(self.parameters.framed);
         // Two equations a match, as long as there is room for both.
         let mut drawn: Vec<usize> = Vec::new();
-        let total = *cumulative.last()?;
         for _ in 0..DRAWN_A_SAMPLE {
-            let at = cumulative.partition_point(|c| *c <= random.random_range(0.0..total));
-            let at = at.min(self.equations.len() - 1);
+            let at = drawn_by_weight(cumulative, random)?;
             if drawn.iter().any(|d| self.too_close(*d, at)) {
                 continue;
             }

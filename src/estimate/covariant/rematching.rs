@@ -99,7 +99,7 @@ struct Bound {
 }
 
 impl Bound {
-    /// Of the first `count` lanes.
+    /// Bound of the first `count` lanes of a block.
     fn of(block: &FeatureBlock, count: usize) -> Self {
         /// Rounding, px.
         const SLACK: f32 = 0.01;
