@@ -44,7 +44,7 @@ pub(super) fn find_pairs(folder: &Path) -> Result<Vec<PairFiles>, ReadError> {
                 name: name.to_owned(),
                 images: [(*a).clone(), (*b).clone()],
                 matches: matches.clone(),
-                fundamental: entries.iter().find(|p| is_fundamental_of(p, name)).cloned(),
+                fundamental: fundamental_of(&entries, name),
             }),
             ([_, _, ..], _) | (_, [_, _, ..]) => {
                 let problem = format!("there is more than one image {name}A or {name}B");
@@ -60,10 +60,15 @@ pub(super) fn find_pairs(folder: &Path) -> Result<Vec<PairFiles>, ReadError> {
     Ok(pairs)
 }
 
-/// `NAME_F.txt`.
-fn is_fundamental_of(path: &Path, name: &str) -> bool {
-    let stem = path.file_stem().and_then(|s| s.to_str()).and_then(|s| s.strip_suffix("_F"));
-    stem == Some(name) && path.extension().is_some_and(|e| e.eq_ignore_ascii_case("txt")) && path.is_file()
+/// `NAME_F.txt`, unless it holds the matches of a pair that is itself called `NAME_F`.
+fn fundamental_of(entries: &[PathBuf], name: &str) -> Option<PathBuf> {
+    let name = format!("{name}_F");
+    if ["A", "B"].iter().any(|side| !images_named(entries, &format!("{name}{side}")).is_empty()) {
+        return None;
+    }
+    let is_named = |path: &Path| path.file_stem().and_then(|s| s.to_str()) == Some(&name);
+    let is_text = |path: &Path| path.extension().is_some_and(|e| e.eq_ignore_ascii_case("txt"));
+    entries.iter().find(|path| is_named(path) && is_text(path) && path.is_file()).cloned()
 }
 
 fn images_named<'a>(entries: &'a [PathBuf], stem: &str) -> Vec<&'a PathBuf> {
@@ -99,6 +104,10 @@ mod tests {
         assert!(pairs[1].images[1].ends_with("towerB.jpg"));
         assert!(pairs[0].fundamental.as_ref().is_some_and(|path| path.ends_with("a_F.txt")));
         assert_eq!(pairs[1].fundamental, None);
+        let folder = folder_with(&["aA.png", "aB.png", "a.txt", "a_FA.png", "a_FB.png", "a_F.txt"]);
+        let pairs = pair_folder(folder.path()).unwrap();
+        assert_eq!(pairs.iter().map(|p| &p.name[..]).collect::<Vec<_>>(), ["a", "a_F"]);
+        assert!(pairs.iter().all(|pair| pair.fundamental.is_none()), "matches are no matrix");
     }
 
     #[test]

@@ -71,7 +71,7 @@ pub(super) fn write(subject: &ReportSubject, document: &mut Publication) {
 /// Number of a pair, of a draw of clicks on it, and whether what came out is good.
 type Draw = (usize, usize, bool);
 
-/// Which are shown, worst first: of every pair the worst while they are not good, then of others; no clicks twice,
+/// Which are shown: of every pair with one that is not good the worst, then of other pairs, then of any; no clicks twice,
 /// which other presets had, too.
 fn chosen(worst_first: &[Draw]) -> Vec<usize> {
     let (mut of_pairs, mut others): (Vec<usize>, Vec<usize>) = (Vec::new(), Vec::new());
@@ -83,7 +83,10 @@ fn chosen(worst_first: &[Draw]) -> Vec<usize> {
             others.push(k);
         }
     }
-    let bad = of_pairs.iter().filter(|k| !worst_first[**k].2).count();
+    // What is good depends on the size of the images, so a bad one may come behind good ones of larger images.
+    let is_good = |k: &usize| worst_first[*k].2;
+    of_pairs.sort_by_key(is_good);
+    let bad = of_pairs.iter().filter(|k| !is_good(k)).count();
     of_pairs.extend(others);
     of_pairs.truncate(bad.clamp(SHOWN, MOST_SHOWN));
     of_pairs
@@ -163,6 +166,9 @@ mod tests {
         assert_eq!(chosen(&many), (0..MOST_SHOWN).collect::<Vec<_>>());
         let four: Vec<Draw> = (0..9).map(|pair| (pair, 0, pair > 3)).collect();
         assert_eq!(chosen(&four), [0, 1, 2, 3]);
+        // Of larger images more px are good.
+        let mixed = [(1, 0, true), (3, 0, true), (2, 0, false), (5, 0, true), (2, 1, false)];
+        assert_eq!(chosen(&mixed), [2, 0, 1]);
         assert_eq!(chosen(&[]), [0; 0]);
     }
 }
