@@ -86,6 +86,17 @@ impl Clicks {
         self.with_role(|role| matches!(role, ClickRole::Anchor | ClickRole::Chosen))
     }
 
+    /// Numbers of the clicks that pencils pass through, from 1, in the order of [`Clicks::anchors`]; `None` for a match that
+    /// stands in for one.
+    pub fn anchor_numbers(&self) -> Vec<Option<usize>> {
+        let number = |(click, number): (&Click, usize)| match click.role {
+            ClickRole::Anchor => Some(Some(number)),
+            ClickRole::Chosen => Some(None),
+            ClickRole::Observed | ClickRole::Check => None,
+        };
+        self.0.iter().zip(1..).filter_map(number).collect()
+    }
+
     /// The pairs that take part in fits: the clicked anchors and the observed ones.
     pub fn observed(&self) -> Vec<PointPair> {
         self.with_role(|role| matches!(role, ClickRole::Anchor | ClickRole::Observed))

@@ -61,6 +61,9 @@ fn run(
     let input =
         SearchInput { prepared, source: &*source, patches: &patches, clicks: &clicks, parameters, cancel };
     let mut record = SearchRecord::new(begun, monitor);
+    if matches!(plan, SearchPlan::Patches { .. } | SearchPlan::Unclicked) {
+        record.counts.left_out = prepared.pyramids().left_out();
+    }
     let best = match plan {
         SearchPlan::Published { .. } => {
             let found = by_lines(&input, &mut record)?;
@@ -72,7 +75,7 @@ fn run(
         SearchPlan::Barcodes => by_barcodes(&input, &mut record)?,
     };
     record.finish()?;
-    let trace = record.trace(&best.clicks, &best.patches, best.hypotheses, parameters);
+    let trace = record.trace(&best.clicks, &best.pencils, &best.patches, best.hypotheses, parameters);
     Ok(Estimate {
         geometry: best.fundamental.into(),
         assessment: best.assessment,

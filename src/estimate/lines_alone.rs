@@ -53,7 +53,7 @@ pub(super) fn by_lines_alone(
     let refined = input.refined(geometries.into_iter())?;
     let matches = refined.iter().flat_map(|refined| &refined.refinement.matches);
     let supporting = matches.map(|m| m.pair).collect();
-    let found = Found { fundamental, hypotheses, supporting, refined };
+    let found = Found { fundamental, hypotheses, supporting, refined, clicks_alone: false };
     Ok(input.judged(record, found))
 }
 

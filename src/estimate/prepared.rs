@@ -219,7 +219,6 @@ impl PencilCache {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::similarity::CostMatrix;
 
     #[test]
     fn what_no_click_changes_can_be_made_beforehand_and_changes_nothing() {
@@ -245,20 +244,12 @@ mod tests {
     fn pencils_are_compared_once_for_a_click_and_what_they_depend_on() {
         let plane = GrayPlane::from_fn(Frame::new(64, 64), |x, y| ((x * y) % 251) as f32);
         let prepared = PreparedPair::new(&plane, &plane);
-        let empty = |click| ComparedPencils {
-            click,
-            angles1: Vec::new(),
-            angles2: Vec::new(),
-            lines_before: [0, 0],
-            costs: CostMatrix::new(0, 0, Vec::new()),
-            candidates: Vec::new(),
-        };
         let mut compared = 0;
         let mut ask = |x: f64, parameters: &Parameters| {
             let click = PointPair::new(x, 1.0, 2.0, 3.0);
             let found = prepared.pencils(&click, RelativeView::UPRIGHT, parameters, || {
                 compared += 1;
-                Ok(empty(click))
+                Ok(ComparedPencils::of_so_many(click, 0, 0))
             });
             assert_eq!(found.unwrap().click, click);
             compared

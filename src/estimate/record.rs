@@ -1,4 +1,4 @@
-//! What a search notes on its way: the stage it is in, times, counts, warnings, the first geometry.
+//! What a search notes on its way: the stage it is in, times, counts, the pencils of the present clicks, the first geometry.
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -7,12 +7,8 @@ use super::lines::ComparedPencils;
 use super::patches::PatchLevels;
 use super::{
     Clicks, Estimate, EstimateError, Monitor, Parameters, Progress, SearchCounts, SearchTrace, Stage,
-    StageTiming, Warning,
+    StageTiming,
 };
-
-/// A pair has little texture where fewer than one in so many of its lines have some: then few lines can tell anything. A
-/// round number.
-const LITTLE_TEXTURE: usize = 3;
 
 /// The notes of one search.
 pub(super) struct SearchRecord<'a> {
@@ -22,11 +18,12 @@ pub(super) struct SearchRecord<'a> {
     stage_begun: Instant,
     timings: Vec<StageTiming>,
     first_seconds: Option<f64>,
+    /// Through the anchors of the present clicks; a search through other clicks has others.
     pencils: Vec<Arc<ComparedPencils>>,
+    /// Lines that were compared without any point, and candidates among them.
+    lines_alone: Option<([usize; 2], usize)>,
     /// How much was examined so far.
     pub counts: SearchCounts,
-    /// What the user should know, whatever the result.
-    pub warnings: Vec<Warning>,
 }
 
 impl<'a> SearchRecord<'a> {
@@ -40,8 +37,8 @@ impl<'a> SearchRecord<'a> {
             timings: Vec::new(),
             first_seconds: None,
             pencils: Vec::new(),
+            lines_alone: None,
             counts: SearchCounts::default(),
-            warnings: Vec::new(),
         }
     }
 
@@ -64,33 +61,32 @@ impl<'a> SearchRecord<'a> {
         self.stage_begun = now;
     }
 
-    /// Notes and reports the pencils; an error when there is nothing to go on with.
-    pub fn pencils(&mut self, pencils: &[Arc<ComparedPencils>]) -> Result<(), EstimateError> {
-        for (k, compared) in pencils.iter().enumerate() {
-            let [lines1, lines2] = compared.lines_compared();
-            self.counts.lines1.push(lines1);
-            self.counts.lines2.push(lines2);
-            self.counts.candidates.push(compared.candidates.len());
-            if compared.candidates.is_empty() {
-                return Err(EstimateError::NoCandidates { pair: k + 1 });
-            }
-            let before = [(lines1, compared.lines_before[0]), (lines2, compared.lines_before[1])];
-            if let Some((textured, lines)) =
-                before.into_iter().find(|(textured, lines)| LITTLE_TEXTURE * textured < *lines)
-            {
-                self.warnings.push(Warning::LittleTexture { pair: k + 1, textured, lines });
-            }
+    /// Notes and reports the pencils through the anchors of these clicks, in place of those before; an error when there is
+    /// nothing to go on with.
+    pub fn pencils(
+        &mut self,
+        clicks: &Clicks,
+        pencils: Vec<Arc<ComparedPencils>>,
+    ) -> Result<(), EstimateError> {
+        let without = pencils.iter().position(|compared| compared.candidates.is_empty());
+        self.pencils = pencils;
+        if let Some(anchor) = without {
+            // Nobody can do anything about a match that stands in for a click.
+            let number = clicks.anchor_numbers().get(anchor).copied().flatten();
+            return Err(number.map_or(EstimateError::NoGeometry, |pair| EstimateError::NoCandidates { pair }));
         }
-        self.pencils = pencils.to_vec();
         self.monitor.report(Progress::Pencils(self.pencils.clone()));
         Ok(())
     }
 
+    /// The pencils through the present anchors.
+    pub fn present_pencils(&self) -> &[Arc<ComparedPencils>] {
+        &self.pencils
+    }
+
     /// Notes lines that were compared without any point.
     pub fn lines_alone(&mut self, lines: [usize; 2], candidates: usize) {
-        self.counts.lines1.push(lines[0]);
-        self.counts.lines2.push(lines[1]);
-        self.counts.candidates.push(candidates);
+        self.lines_alone = Some((lines, candidates));
     }
 
     /// Reports a geometry that is good enough to draw.
@@ -103,7 +99,8 @@ impl<'a> SearchRecord<'a> {
         parameters: &Parameters,
     ) {
         self.first_seconds.get_or_insert(self.begun.elapsed().as_secs_f64());
-        let trace = Some(Arc::new(self.trace(clicks, patches, hypotheses.to_vec(), parameters)));
+        let trace = self.trace(clicks, &self.pencils, patches, hypotheses.to_vec(), parameters);
+        let trace = Some(Arc::new(trace));
         self.monitor.report(Progress::Preliminary(Box::new(Estimate { trace, ..found })));
     }
 
@@ -113,15 +110,23 @@ impl<'a> SearchRecord<'a> {
         Ok(self.monitor.cancel().check()?)
     }
 
-    /// The notes so far, with the hypotheses.
+    /// The notes so far, with the hypotheses and the pencils that go with these clicks.
     pub fn trace(
         &self,
         clicks: &Clicks,
+        pencils: &[Arc<ComparedPencils>],
         patches: &PatchLevels,
         hypotheses: Vec<Estimate>,
         parameters: &Parameters,
     ) -> SearchTrace {
         let seconds = self.begun.elapsed().as_secs_f64();
+        let mut counts = self.counts.clone();
+        let through_clicks = pencils.iter().map(|one| (one.lines_compared(), one.candidates.len()));
+        for ([lines1, lines2], candidates) in through_clicks.chain(self.lines_alone) {
+            counts.lines1.push(lines1);
+            counts.lines2.push(lines2);
+            counts.candidates.push(candidates);
+        }
         SearchTrace {
             clicks: clicks.clone(),
             view: patches.view(),
@@ -129,9 +134,9 @@ impl<'a> SearchRecord<'a> {
             method: parameters.method,
             preset: parameters.preset,
             seed: parameters.seed,
-            pencils: self.pencils.clone(),
+            pencils: pencils.to_vec(),
             hypotheses,
-            counts: self.counts.clone(),
+            counts,
             timings: self.timings.clone(),
             first_seconds: self.first_seconds.unwrap_or(seconds),
             seconds,
@@ -141,7 +146,63 @@ impl<'a> SearchRecord<'a> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::assess::little_texture;
+    use super::super::{ClickRole, PreparedPair, SearchPlan, Warning};
     use super::*;
+    use crate::geometry::{Frame, PointPair};
+    use crate::image::{GrayPlane, RelativeView};
+
+    /// Far apart are the first and the last, so that pencils pass through these.
+    fn clicks() -> Clicks {
+        let at = |x: f64| PointPair::new(x, x, x, x);
+        let clicks = Clicks::for_plan(&[at(10.0), at(12.0), at(90.0)], SearchPlan::Patches { clicks: 2 });
+        assert_eq!(clicks.anchors(), [at(10.0), at(90.0)]);
+        clicks
+    }
+
+    /// Pencils through the anchors, with so many lines that have texture.
+    fn pencils(clicks: &Clicks, textured: [usize; 2]) -> Vec<Arc<ComparedPencils>> {
+        let one = |(click, textured)| Arc::new(ComparedPencils::of_so_many(click, textured, 60));
+        clicks.anchors().into_iter().zip(textured).map(one).collect()
+    }
+
+    #[test]
+    fn a_pair_without_texture_is_named_by_the_number_of_its_click() {
+        let (clicks, monitor) = (clicks(), Monitor::silent());
+        let mut record = SearchRecord::new(Instant::now(), &monitor);
+        assert!(record.pencils(&clicks, pencils(&clicks, [30, 19])).is_ok());
+        let warnings = little_texture(&clicks, record.present_pencils());
+        assert_eq!(warnings, [Warning::LittleTexture { pair: 3, textured: 19, lines: 60 }]);
+        let nothing = record.pencils(&clicks, pencils(&clicks, [30, 0]));
+        assert!(matches!(nothing, Err(EstimateError::NoCandidates { pair: 3 })));
+        // Nobody placed a match that stands in for a click.
+        let unclicked = Clicks::default().with_chosen([clicks.anchors()[0], clicks.anchors()[1]]);
+        assert!(unclicked.iter().all(|click| click.role == ClickRole::Chosen));
+        assert!(record.pencils(&unclicked, pencils(&unclicked, [30, 19])).is_ok());
+        assert_eq!(little_texture(&unclicked, record.present_pencils()), []);
+        let nothing = record.pencils(&unclicked, pencils(&unclicked, [0, 30]));
+        assert!(matches!(nothing, Err(EstimateError::NoGeometry)));
+    }
+
+    #[test]
+    fn pencils_are_those_of_the_clicks_they_are_shown_with() {
+        let (first, monitor) = (clicks(), Monitor::silent());
+        let [p, q] = [PointPair::new(40.0, 20.0, 41.0, 20.0), PointPair::new(5.0, 80.0, 6.0, 80.0)];
+        let second = Clicks::default().with_chosen([p, q]);
+        let mut record = SearchRecord::new(Instant::now(), &monitor);
+        record.lines_alone([7, 8], 9);
+        record.pencils(&first, pencils(&first, [30, 40])).unwrap();
+        let of_first = record.present_pencils().to_vec();
+        record.pencils(&second, pencils(&second, [50, 60])).unwrap();
+        // The first search is the one that is chosen after all.
+        let plane = GrayPlane::from_fn(Frame::new(64, 64), |x, y| ((x * y) % 251) as f32);
+        let patches = PreparedPair::new(&plane, &plane).patches_with_features(RelativeView::UPRIGHT);
+        let trace = record.trace(&first, &of_first, &patches, Vec::new(), &Parameters::default());
+        let shown: Vec<PointPair> = trace.pencils.iter().map(|pencils| pencils.click).collect();
+        assert_eq!(shown, trace.clicks.anchors());
+        assert_eq!((trace.counts.lines1, trace.counts.lines2), (vec![30, 40, 7], vec![30, 40, 8]));
+        assert_eq!(trace.counts.candidates, [30, 40, 9]);
+    }
 
     #[test]
     fn a_stage_that_is_entered_again_is_timed_as_one() {

@@ -140,11 +140,11 @@ pub struct SearchTrace {
 /// How much was examined.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
 pub struct SearchCounts {
-    /// Textured lines in image 1 through each click.
+    /// Textured lines in image 1 through each anchor; then, where lines were compared without any point, of all these.
     pub lines1: Vec<usize>,
-    /// Textured lines in image 2 through each click.
+    /// The same in image 2.
     pub lines2: Vec<usize>,
-    /// Candidate line pairs through each click.
+    /// Candidate line pairs in the same order.
     pub candidates: Vec<usize>,
     /// Hypotheses examined.
     pub hypotheses: usize,

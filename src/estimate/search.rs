@@ -37,6 +37,8 @@ pub(super) struct Found {
     pub supporting: Vec<PointPair>,
     /// The best refinement, if there is one.
     pub refined: Option<Refined>,
+    /// Whether it is what the clicks determine by themselves.
+    pub clicks_alone: bool,
 }
 
 /// What was found under one view, with everything about it.
@@ -50,6 +52,8 @@ pub(super) struct Judged {
     pub weight: f64,
     pub weight_deviation: f64,
     pub patches: Arc<PatchLevels>,
+    /// Through the anchors of `clicks`.
+    pub pencils: Vec<Arc<ComparedPencils>>,
 }
 
 impl Weighed for Judged {
@@ -127,7 +131,7 @@ pub(super) fn by_lines(input: &SearchInput, record: &mut SearchRecord) -> Result
     let refined = input.refined(starts)?;
     let matches = refined.iter().flat_map(|refined| &refined.refinement.matches);
     let supporting = matches.map(|m| m.pair).collect();
-    Ok(Found { fundamental, hypotheses, supporting, refined })
+    Ok(Found { fundamental, hypotheses, supporting, refined, clicks_alone: false })
 }
 
 /// The search with patches: they vote for the κ of combinations of candidate lines, their support ranks, and matches
@@ -136,7 +140,6 @@ pub(super) fn by_patches(input: &SearchInput, record: &mut SearchRecord) -> Resu
     let SearchInput { prepared, patches: levels, clicks, parameters, cancel, .. } = *input;
     let pyramids = prepared.pyramids();
     let (coarse, voting) = (levels.coarse(pyramids), levels.voting(pyramids));
-    record.counts.left_out = pyramids.left_out();
     let (anchors, pencils) = compared(input, record)?;
 
     record.enter(Stage::Hypotheses)?;
@@ -151,7 +154,7 @@ pub(super) fn by_patches(input: &SearchInput, record: &mut SearchRecord) -> Resu
             to_draw.filter_map(|p| Some(p.unvalidated(coarse.scales, anchors)?.into())).collect();
         input.report(record, fundamental, &hypotheses, Some(first.support));
     }
-    record.counts.hypotheses = parameters.hypotheses;
+    record.counts.hypotheses = drawn.len();
     record.counts.validated = proposals.len();
 
     record.enter(Stage::Validation)?;
@@ -178,8 +181,8 @@ pub(super) fn compared(
     let anchors = clicks.anchors();
     let all: Vec<Arc<ComparedPencils>> =
         anchors.par_iter().map(compare).collect::<Vec<_>>().into_iter().collect::<Result<_, _>>()?;
-    record.pencils(&all)?;
-    match (anchors.as_slice(), all.as_slice()) {
+    record.pencils(clicks, all)?;
+    match (anchors.as_slice(), record.present_pencils()) {
         ([p, q, ..], [pencils_p, pencils_q, ..]) => {
             Ok(([*p, *q], [Arc::clone(pencils_p), Arc::clone(pencils_q)]))
         }
@@ -224,18 +227,27 @@ impl SearchInput<'_> {
         let fundamental = *first.ok_or(EstimateError::NoGeometry)?.fundamental();
         // Near-copies of the leader, too: refined, one of them may come out better.
         let refined = self.refined(ranked.iter().filter_map(|proposal| proposal.full_size(fine.scales)))?;
-        Ok(Found { fundamental, hypotheses, supporting, refined })
+        Ok(Found { fundamental, hypotheses, supporting, refined, clicks_alone: false })
     }
 
     /// Everything about what was found.
     pub fn judged(&self, record: &SearchRecord, found: Found) -> Judged {
-        let Found { fundamental, hypotheses, supporting, refined } = found;
+        let Found { fundamental, hypotheses, supporting, refined, clicks_alone } = found;
         let (weight, weight_deviation) =
             refined.as_ref().map_or((0.0, 0.0), |refined| (refined.weight, refined.weight_deviation));
         let fundamental = refined.as_ref().map_or(fundamental, |refined| refined.fundamental);
-        let assessment = self.judge(record, &hypotheses).result(&fundamental, &supporting, refined);
-        let (clicks, patches) = (self.clicks.clone(), Arc::clone(self.patches));
-        Judged { clicks, fundamental, hypotheses, assessment, weight, weight_deviation, patches }
+        let judge = Judge { clicks_alone, ..self.judge(record, &hypotheses) };
+        let assessment = judge.result(&fundamental, &supporting, refined);
+        Judged {
+            clicks: self.clicks.clone(),
+            fundamental,
+            hypotheses,
+            assessment,
+            weight,
+            weight_deviation,
+            patches: Arc::clone(self.patches),
+            pencils: record.present_pencils().to_vec(),
+        }
     }
 
     fn judge<'b>(&'b self, record: &'b SearchRecord, hypotheses: &'b [Estimate]) -> Judge<'b> {
@@ -247,7 +259,8 @@ impl SearchInput<'_> {
             clicks,
             parameters,
             hypotheses,
-            warnings: &record.warnings,
+            pencils: record.present_pencils(),
+            clicks_alone: false,
             cancel,
         }
     }

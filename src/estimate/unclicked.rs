@@ -178,7 +178,8 @@ mod tests {
             let expected = [ClickRole::Observed, ClickRole::Chosen, ClickRole::Chosen];
             assert_eq!(roles, expected[1 - pairs.len()..]);
             assert_eq!((trace.clicks.observed(), trace.clicks.chosen().len()), (pairs.to_vec(), 2));
-            assert_eq!(trace.pencils.len(), 2, "to look at");
+            let shown: Vec<PointPair> = trace.pencils.iter().map(|pencils| pencils.click).collect();
+            assert_eq!(shown, trace.clicks.chosen(), "to look at");
             assert_eq!(found.fundamental(), run(pairs).fundamental(), "the seed decides");
         }
     }

@@ -91,10 +91,14 @@ pub(super) fn wider(input: &SearchInput, record: &mut SearchRecord) -> Result<Ju
     let Some(f) = of_clicks_alone(&observed, &best.fundamental, input.parameters.click_sigma) else {
         return Ok(best);
     };
-    let mut hypotheses = vec![Estimate::from(f)];
+    // Judged as what it replaces was: under the same view, by what was found under it.
+    let source = input.prepared.similarity_source(best.patches.view(), input.parameters);
+    let seen = SearchInput { source: &*source, patches: &best.patches, clicks: &best.clicks, ..*input };
+    let support = best.patches.measure(input.prepared.pyramids(), &f);
+    let mut hypotheses = vec![Estimate::proposed(f, None, support)];
     hypotheses.extend(best.hypotheses);
-    let found = Found { fundamental: f, hypotheses, supporting: observed, refined: None };
-    Ok(input.judged(record, found))
+    let found = Found { fundamental: f, hypotheses, supporting: observed, refined: None, clicks_alone: true };
+    Ok(seen.judged(record, found))
 }
 
 /// Clicks that determine F by themselves, with one to tell that they agree.
@@ -168,7 +172,9 @@ pub(super) fn by_features(
 #[cfg(test)]
 mod tests {
     use super::super::exact::ExactScene;
-    use super::super::{CancelFlag, Clicks, Parameters, SearchPlan};
+    use super::super::{
+        Assessment, CancelFlag, Clicks, Monitor, Parameters, Reason, SearchPlan, estimate_prepared,
+    };
     use super::*;
 
     #[test]
@@ -200,6 +206,28 @@ mod tests {
         assert!(middle(off(&eight_point(&clicks).unwrap())) < 1.5);
         assert!(middle(off(&scene.fundamental())) > CONTRADICTED);
         assert!(of_clicks_alone(&clicks, &scene.fundamental(), 1.0).is_none());
+    }
+
+    #[test]
+    fn a_geometry_of_clicks_alone_is_called_that_and_compared_with_what_was_found() {
+        let scene = ExactScene::aside();
+        let prepared = scene.prepared();
+        // All of them are off what the images show, by the same.
+        let mut clicks = scene.pairs(60);
+        for pair in &mut clicks {
+            pair.point2.y += 40.0;
+        }
+        clicks.retain(|pair| prepared.frames()[1].contains(pair.point2));
+        let found =
+            estimate_prepared(&prepared, &clicks, &Parameters::default(), &Monitor::silent()).unwrap();
+        let off: Vec<f64> = clicks.iter().map(|pair| sampson_distance(found.fundamental(), pair)).collect();
+        assert!(middle(off) < 0.1);
+        let Assessment { trust, margin, support, refinement, .. } = &found.assessment;
+        let reasons = &trust.as_ref().unwrap().reasons;
+        assert!(reasons.contains(&Reason::ClicksAlone) && refinement.is_none(), "{reasons:?}");
+        let [own, rival] = [&found.hypotheses()[0], &found.hypotheses()[1]].map(|h| h.assessment.support);
+        assert_eq!(own, *support, "measured, like that of the others");
+        assert!(own.unwrap().score < rival.unwrap().score && margin.is_some_and(|m| m < 0.0 && m > -1.0));
     }
 
     #[test]

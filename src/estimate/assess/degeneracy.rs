@@ -1,5 +1,8 @@
 //! Inputs from which no geometry follows, told before any work is done, and results that deserve a warning.
 
+use std::sync::Arc;
+
+use crate::estimate::lines::ComparedPencils;
 use crate::estimate::{Clicks, EstimateError, PreparedPair, SearchPlan, Warning};
 use crate::geometry::{Frame, FundamentalMatrix, PointPair, apart_across_lines};
 use crate::image::GrayPlane;
@@ -19,6 +22,9 @@ const LOOK_SIDE: f64 = 256.0;
 const SAME_LINE: f64 = 0.05;
 /// Clicks nearer to each other than this fraction of the longer side turn the lines a lot when they are off.
 const CLOSE: f64 = 0.08;
+/// A pair has little texture where fewer than one in so many of its lines have some: then few lines can tell anything. A
+/// round number.
+const LITTLE_TEXTURE: usize = 3;
 
 /// Checks the clicks against the images and each other, and that there are enough.
 pub(in crate::estimate) fn check_points(
@@ -94,6 +100,17 @@ pub(in crate::estimate) fn check_images(prepared: &PreparedPair) -> Result<(), E
 fn mean_difference(a: &GrayPlane, b: &GrayPlane) -> f64 {
     let sum: f64 = a.values().iter().zip(b.values()).map(|(x, y)| f64::from((x - y).abs())).sum();
     sum / a.values().len() as f64
+}
+
+/// Warnings about clicks in parts without texture, by what their pencils found; a match that stands in for a click is
+/// nobody's to move.
+pub(in crate::estimate) fn little_texture(clicks: &Clicks, pencils: &[Arc<ComparedPencils>]) -> Vec<Warning> {
+    let warning = |(number, compared): (Option<usize>, &Arc<ComparedPencils>)| {
+        let mut images = compared.lines_compared().into_iter().zip(compared.lines_before);
+        let (textured, lines) = images.find(|(textured, lines)| LITTLE_TEXTURE * textured < *lines)?;
+        Some(Warning::LittleTexture { pair: number?, textured, lines })
+    };
+    clicks.anchor_numbers().into_iter().zip(pencils).filter_map(warning).collect()
 }
 
 /// Warnings about where the clicks are, given the result.

@@ -18,8 +18,10 @@ pub(super) struct Examiner<'a> {
 impl Examiner<'_> {
     /// The patches that agree with `f` (full size), where the search looks at patches.
     pub fn patch_support(&self, f: &FundamentalMatrix) -> Option<PatchSupport> {
-        let fine = self.fine()?;
-        Some(fine.support.measure(&f.rescaled(fine.scales[0], fine.scales[1])?))
+        match self.parameters.search {
+            Search::Patches => self.patches.measure(self.prepared.pyramids(), f),
+            Search::Lines => None,
+        }
     }
 
     /// What the lines through two clicks say of `f` (full size); `None` where they degenerate. `turn` is about how far

@@ -31,17 +31,14 @@ pub(super) fn all_apart(
     }
 }
 
-/// Advantage of the best hypothesis over a rival, relative to the better of the two; `None` when there is no rival.
+/// Advantage of the best hypothesis over a rival, relative to the better of the two; `None` when there is no rival, or a
+/// figure of either is missing.
 pub(super) fn margin(hypotheses: &[Estimate], rival: Option<usize>, search: Search) -> Option<f64> {
     let (best, other) = (hypotheses.first()?, hypotheses.get(rival?)?);
-    // A figure that is missing says nothing for either.
     Some(match search {
-        Search::Patches => {
-            let [best, other] = [best, other].map(|h| h.support_score().unwrap_or(0.0));
-            relative(best, other)
-        }
+        Search::Patches => relative(best.support_score()?, other.support_score()?),
         Search::Lines => {
-            let [best, other] = [best, other].map(|h| h.line_score().unwrap_or(f64::NAN));
+            let (best, other) = (best.line_score()?, other.line_score()?);
             (other - best) / other.max(best).max(1e-9)
         }
     })
@@ -199,6 +196,8 @@ mod tests {
         let [best, other] = hypotheses;
         assert!(close(of(&[other, best], &[], Search::Lines), 0.0), "the first one is the rival itself");
         let missing = [with_lines(rows(0.0), None), with_lines(rows(60.0), Some(0.8))];
-        assert!(of(&missing, &[], Search::Lines).unwrap().is_nan(), "a missing figure is no advantage");
+        assert_eq!(of(&missing, &[], Search::Lines), None, "a missing figure is no advantage");
+        let unmeasured = [Estimate::from(rows(0.0)), supported(rows(60.0), 90.0)];
+        assert_eq!(of(&unmeasured, &[], Search::Patches), None, "and no disadvantage");
     }
 }

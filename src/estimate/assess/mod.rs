@@ -10,12 +10,15 @@ mod pattern;
 pub use degeneracy::SMALLEST_SIDE;
 pub use examination::examine;
 
-pub(super) use degeneracy::{check_images, check_points};
+pub(super) use degeneracy::{check_images, check_points, little_texture};
+
+use std::sync::Arc;
 
 use nalgebra::Matrix3;
 
+use super::lines::ComparedPencils;
 use super::patches::{PatchLevels, Refined, largest_plane, resized};
-use super::trust::{Evidence, PlaneEvidence, Together};
+use super::trust::{Evidence, PlaneEvidence, RefinedOn, Together};
 use super::{
     Assessment, Clicks, Estimate, Parameters, PatchSupport, PlaneHomography, PreparedPair, Refinement,
     Search, Trust, Warning,
@@ -47,8 +50,10 @@ pub(super) struct Judge<'a> {
     pub parameters: &'a Parameters,
     /// The geometries that were found, best first.
     pub hypotheses: &'a [Estimate],
-    /// What the user should know, whatever the result.
-    pub warnings: &'a [Warning],
+    /// Through the anchors of `clicks`.
+    pub pencils: &'a [Arc<ComparedPencils>],
+    /// Whether the geometry is what the clicks determine by themselves.
+    pub clicks_alone: bool,
     pub cancel: &'a CancelFlag,
 }
 
@@ -91,7 +96,9 @@ impl Judge<'_> {
         let apart = all_apart(f, self.hypotheses, supporting, prepared.frames());
         let margin = margin(self.hypotheses, apart.rival(), parameters.search);
         let least = |refined: &Refined| least_clear(refined.weight, refined.weight_deviation);
-        let is_open = |refined: &&Refined| margin.is_some_and(|margin| margin < least(refined));
+        let has_rival = apart.rival().is_some();
+        // Where figures before refinement are missing, those after it tell.
+        let is_open = |refined: &&Refined| has_rival && margin.is_none_or(|margin| margin < least(refined));
         let open = refined.as_ref().filter(is_open);
         let refined_margin = open.map(|refined| self.refined_margin(f, refined.weight, supporting));
         let refinement = refined.map(|refined| refined.refinement);
@@ -134,7 +141,9 @@ impl Judge<'_> {
 
     fn warnings(&self, f: &FundamentalMatrix) -> Vec<Warning> {
         let of_clicks = degeneracy::click_warnings(f, self.prepared.frames(), self.clicks);
-        self.warnings.iter().cloned().chain(of_clicks).collect()
+        let mut warnings = little_texture(self.clicks, self.pencils);
+        warnings.extend(of_clicks);
+        warnings
     }
 
     /// The largest plane, what it explains, what lies off it, and what stands out whatever the geometry.
@@ -159,13 +168,12 @@ impl Judge<'_> {
         // What somebody says is one point of the scene in both images.
         let clicked = OffPlane::new(&self.clicks.observed(), f, &h, side, self.parameters.click_sigma);
         // Any of them may hold the epipoles: what is seen from afar, what is seen finely, or what was clicked.
-        let off = [closely, clicked]
-            .into_iter()
-            .fold(afar, |best, other| if other.by_chance < best.by_chance { other } else { best });
-        let OffPlane { groups, agreeing, motions, by_chance, motions_by_chance } = off;
+        let evidence = [afar, closely, clicked].map(|off| {
+            let OffPlane { groups, agreeing, motions, by_chance, motions_by_chance } = off;
+            PlaneEvidence { share, bent_share, groups, agreeing, motions, by_chance, motions_by_chance }
+        });
+        let evidence = evidence.into_iter().reduce(PlaneEvidence::or_stronger)?;
         let together = parallax::together(&distinctive, &f_fine, &h_fine, side_fine);
-        let evidence =
-            PlaneEvidence { share, bent_share, groups, agreeing, motions, by_chance, motions_by_chance };
         Some((plane_homography(&h, matches, tolerance), evidence, together))
     }
 
@@ -189,7 +197,12 @@ impl Judge<'_> {
         let trust = Trust::judge(&Evidence {
             patches: parameters.search == Search::Patches,
             barcodes: None,
-            matches: refinement.map(|r| r.matches.len()),
+            refined_on: match refinement {
+                Some(refinement) => RefinedOn::Matches(refinement.matches.len()),
+                None if self.clicks_alone => RefinedOn::Clicks,
+                None if !parameters.refinement.refine => RefinedOn::Nothing,
+                None => RefinedOn::TooFewMatches,
+            },
             clicks: &distances,
             click_sigma: parameters.click_sigma,
             margin,

@@ -12,11 +12,12 @@ mod precision;
 mod refinement;
 mod sharpening;
 
+use super::assess::little_texture;
 use super::lines::{LineConsensus, compare_lines, geometries_from_lines};
 use super::record::SearchRecord;
 use super::result::{BarcodeFigures, REPORTED};
 use super::search::{Judged, SearchInput, by_lines};
-use super::trust::{BarcodeEvidence, Evidence, Together};
+use super::trust::{BarcodeEvidence, Evidence, RefinedOn, Together};
 use super::{Assessment, Estimate, EstimateError, Parameters, Preset, Search, Stage, Trust};
 use crate::geometry::{FundamentalMatrix, PointPair, epipolar_difference, line_spacing, sampson_distance};
 use crate::motion::Silhouettes;
@@ -28,8 +29,8 @@ use sharpening::sharpen;
 
 /// Longer side of the images that lines are compared at, px: barcodes cost little, so more of them than by stereo.
 const SIDE: f64 = 384.0;
-/// Proposals that are refined: those of the clicks, then those of all lines.
-const REFINED: usize = 6;
+/// Proposals that are refined, of the clicks beside the one that lines refined, and of all lines each.
+const REFINED: usize = 3;
 /// Two geometries are one when their lines are nearer to each other than this fraction of the longer side, on average.
 const SAME: f64 = 0.02;
 
@@ -68,7 +69,7 @@ pub(super) fn by_barcodes(input: &SearchInput, record: &mut SearchRecord) -> Res
         match by_lines(&SearchInput { parameters: &few, ..*input }, record) {
             Ok(found) => {
                 proposed.push(found.fundamental);
-                proposed.extend(found.hypotheses.iter().take(REFINED / 2).map(Estimate::fundamental));
+                proposed.extend(found.hypotheses.iter().take(REFINED).map(Estimate::fundamental));
                 hypotheses = found.hypotheses;
                 // Something to look at while all lines are compared.
                 input.report(record, proposed[0], &hypotheses, None);
@@ -79,7 +80,7 @@ pub(super) fn by_barcodes(input: &SearchInput, record: &mut SearchRecord) -> Res
         }
     }
     let alone = from_all_lines(input, record)?;
-    proposed.extend(alone.iter().take(REFINED / 2));
+    proposed.extend(alone.iter().take(REFINED));
     hypotheses.extend(alone.into_iter().map(Estimate::from));
     hypotheses.truncate(REPORTED);
     if let Some(first) = proposed.first() {
@@ -127,6 +128,7 @@ pub(super) fn by_barcodes(input: &SearchInput, record: &mut SearchRecord) -> Res
         weight: 0.0,
         weight_deviation: 0.0,
         patches: std::sync::Arc::clone(patches),
+        pencils: record.present_pencils().to_vec(),
     })
 }
 
@@ -180,7 +182,7 @@ fn assessed(
             by_chance: figures.by_chance,
             lines: figures.lines,
         }),
-        matches: None,
+        refined_on: RefinedOn::Nothing,
         clicks: &distances,
         click_sigma: parameters.click_sigma,
         margin,
@@ -193,7 +195,7 @@ fn assessed(
     Assessment {
         barcodes: Some(figures),
         margin,
-        warnings: record.warnings.clone(),
+        warnings: little_texture(clicks, record.present_pencils()),
         trust: Some(trust),
         ..Assessment::default()
     }

@@ -161,38 +161,61 @@ fn near_line(map: &FeatureMap, line: [f32; 3], pulled: f32) -> Vec<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::features::{Descriptor, Feature, FeatureSet};
+    use crate::geometry::{Camera, Frame, Point};
+
+    const FRAME: Frame = Frame { width: 900, height: 600 };
+
+    /// Nobody looks at what they look like.
+    const ALIKE: Descriptor = [0; size_of::<Descriptor>()];
+
+    /// Features all over a picture.
+    fn scattered(count: usize) -> FeatureSet {
+        let value = |k: usize, step: f64| (k as f64 * step).fract();
+        let mut set = FeatureSet::default();
+        for k in 0..count {
+            let position = Point::new(900.0 * value(k, 0.618_034), 600.0 * value(k, 0.754_877));
+            let scale = 1.5 + 6.0 * value(k, 0.37);
+            set.push(Feature { position, scale, orientation: 0.0, response: 10.0 }, ALIKE);
+        }
+        set
+    }
 
     #[test]
-    fn no_block_hides_a_feature_near_the_line() {
-        let value = |k: usize, step: f64| (k as f64 * step).fract() as f32;
+    fn lines_pass_blocks_by_and_no_feature_near_them() {
+        let (camera1, camera2) = Camera::example_pair();
+        let f = Camera::fundamental(&camera1, &camera2).unwrap();
+        let limit = BAND * BAND;
         for count in [1, 16, 17, 700] {
-            let order: Vec<usize> = (0..count).rev().collect();
-            let place = |k: usize| [900.0 * value(k, 0.618_034), 600.0 * value(k, 0.754_877)];
-            let blocks: Vec<FeatureBlock> = order
-                .chunks(LANES)
-                .map(|numbers| {
-                    let mut block = FeatureBlock::EMPTY;
-                    for (k, number) in numbers.iter().enumerate() {
-                        [block.x[k], block.y[k]] = place(*number);
-                        (block.variance[k], block.pull[k]) =
-                            (0.2 + value(*number, 0.37), value(*number, 0.21));
-                    }
-                    block
-                })
-                .collect();
-            let map = FeatureMap::of_blocks(blocks, order);
-            for turn in 0..12 {
-                let (sin, cos) = (turn as f32 * 0.5).sin_cos();
-                let line = [cos, sin, -cos * 450.0 - sin * 300.0];
-                let mut found = near_line(&map, line, 2.0);
-                found.sort_unstable();
-                let is_near = |k: &usize| {
-                    let [x, y] = place(*k);
-                    let variance = 0.2 + value(*k, 0.37) + 2.0 * value(*k, 0.21);
-                    (line[0] * x + line[1] * y + line[2]).powi(2) < (BAND * BAND) as f32 * variance
-                };
-                assert_eq!(found, (0..count).filter(is_near).collect::<Vec<_>>(), "{count} {turn}");
+            let sets = [scattered(count), scattered(count)];
+            let evidence = FeatureEvidence {
+                sets: sets.each_ref(),
+                matches: &[],
+                frames: [FRAME; 2],
+                clicks: &[],
+                click_sigma: 1.0,
+            };
+            let map = FeatureMap::new(&evidence, &f);
+            let (mut near, mut looked_at) = (0, 0);
+            for a in sets[0].features().iter().take(40) {
+                let line = f.matrix() * a.position.to_homogeneous();
+                let length = line.xy().norm();
+                let line1_error = (sigma(a.scale, FRAME) / length).powi(2);
+                let unit: [f32; 3] = (line / length).map(|v| v as f32).into();
+                let pulled = line1_error as f32;
+                let found = near_line(&map, unit, pulled);
+                for (k, b) in sets[1].features().iter().enumerate() {
+                    let to_line = (line.dot(&b.position.to_homogeneous()) / length).powi(2);
+                    let pull = f.matrix().tr_mul(&b.position.to_homogeneous()).xy().norm_squared();
+                    let share = to_line / (limit * (sigma(b.scale, FRAME).powi(2) + line1_error * pull));
+                    // Single precision decides at the edge of the band.
+                    assert!(found.contains(&k) == (share < 1.0) || (share - 1.0).abs() < 1e-2, "{share}");
+                }
+                near += found.len();
+                looked_at += map.groups.iter().flat_map(|group| group.near(unit, pulled)).count();
             }
+            // A strip is as high as a block is wide, so of 44 blocks a line crosses some ten.
+            assert!(count < 700 || near > 100 && 3 * looked_at < 40 * map.blocks.len(), "{near} {looked_at}");
         }
     }
 }

@@ -102,6 +102,23 @@ impl ComparedPencils {
     }
 }
 
+#[cfg(test)]
+impl ComparedPencils {
+    /// Pencils as if of so many lines only these had texture, with as many candidates as that.
+    pub(crate) fn of_so_many(click: PointPair, textured: usize, lines_before: usize) -> Self {
+        let angles: Vec<f64> = (0..textured).map(|k| 0.01 * k as f64).collect();
+        let candidates = angles.iter().map(|a| Candidate { angles: [*a; 2], cost: 0.5 }).collect();
+        Self {
+            click,
+            angles2: angles.iter().copied().chain(angles.iter().map(|a| a + PI)).collect(),
+            angles1: angles,
+            lines_before: [lines_before; 2],
+            costs: CostMatrix::new(textured, 2 * textured, vec![0.5; 2 * textured * textured]),
+            candidates,
+        }
+    }
+}
+
 /// The lines through a click with the given directions, anchored at it.
 pub fn lines_at(click: &PointPair, angles: [f64; 2]) -> [AnchoredLine; 2] {
     [AnchoredLine::at_angle(click.point1, angles[0]), AnchoredLine::at_angle(click.point2, angles[1])]

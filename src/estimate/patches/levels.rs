@@ -7,7 +7,7 @@ use nalgebra::Matrix3;
 use super::corner_patches::CornerPatches;
 use super::feature_support::{FeatureSupport, SupportingMatch};
 use super::refinement::{Refined, RefinementLevel, SharedPatches};
-use super::support::{Support, SupportLevel};
+use super::support::{PatchSupport, Support, SupportLevel};
 use super::voting::KappaVoting;
 use crate::cancel::CancelFlag;
 use crate::geometry::{FundamentalMatrix, Observation, PointPair, rescaling};
@@ -86,6 +86,12 @@ impl PatchLevels {
     pub fn voting(&self, pyramids: &PyramidPair) -> &KappaVoting {
         let vote = || KappaVoting::new(&self.coarse(pyramids).support, VOTES_PER_CORNER);
         self.corners.voting.get_or_init(vote)
+    }
+
+    /// Patches that agree with a geometry (full-size pixels) where proposals are ranked.
+    pub fn measure(&self, pyramids: &PyramidPair, f: &FundamentalMatrix) -> Option<PatchSupport> {
+        let fine = self.fine(pyramids);
+        Some(fine.support.measure(&f.rescaled(fine.scales[0], fine.scales[1])?))
     }
 
     /// Support where proposals are ranked: of corners, and of features where there are some.

@@ -27,7 +27,8 @@ pub(in crate::estimate) const GUESS: f64 = 0.05;
 const ONE_PLANE: f64 = 0.95;
 /// Share from which on what lies off the plane has to hold the epipoles by itself.
 const MOSTLY_PLANE: f64 = 0.5;
-/// Share from which on there has to be more than one other motion: of two that share a picture, one has nearly half.
+/// Share from which on what agrees has to move in more ways than any epipole fits: of two motions that share a picture,
+/// one has nearly half.
 const HALF_PLANE: f64 = 0.4;
 /// Share of what the plane leaves that is explained through a lens, from which on that is the likelier story: matches of
 /// a scene with depth gain nothing by the one number more.
@@ -68,13 +69,23 @@ pub(in crate::estimate) struct PlaneEvidence {
 }
 
 impl PlaneEvidence {
+    /// Whether what lies off the plane holds the epipoles by itself.
+    fn holds_the_epipoles(&self) -> bool {
+        self.by_chance <= BY_CHANCE
+            && self.motions_by_chance <= MOTIONS_BY_CHANCE
+            && self.motions > ANY_EPIPOLE
+    }
+
+    /// Of two kinds of evidence beside one plane that which holds the epipoles, else that which chance explains least.
+    pub fn or_stronger(self, other: Self) -> Self {
+        let rank = |one: &Self| (!one.holds_the_epipoles(), one.by_chance);
+        if rank(&other) < rank(&self) { other } else { self }
+    }
+
     /// Whether the epipoles hang on the plane alone.
     fn leaves_the_epipoles_open(&self) -> bool {
-        let is_held = self.by_chance <= BY_CHANCE
-            && self.motions_by_chance <= MOTIONS_BY_CHANCE
-            && self.motions > ANY_EPIPOLE;
         self.share > ONE_PLANE
-            || self.share > MOSTLY_PLANE && !is_held
+            || self.share > MOSTLY_PLANE && !self.holds_the_epipoles()
             || self.share > HALF_PLANE && self.motions <= ANY_EPIPOLE
     }
 
@@ -134,6 +145,19 @@ pub(in crate::estimate) struct BarcodeEvidence {
 /// Twice as many lines as there are unknowns.
 const ENOUGH_LINES: f64 = 14.0;
 
+/// What a result was refined on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(in crate::estimate) enum RefinedOn {
+    /// Refinement was switched off, or there is nothing that patches could refine.
+    Nothing,
+    /// What the clicks determine by themselves.
+    Clicks,
+    /// Patches were to match along the epipolar lines, and too few did.
+    TooFewMatches,
+    /// So many matches.
+    Matches(usize),
+}
+
 /// What a verdict rests on.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::estimate) struct Evidence<'a> {
@@ -141,8 +165,8 @@ pub(in crate::estimate) struct Evidence<'a> {
     pub patches: bool,
     /// What barcodes say, where sequences were compared.
     pub barcodes: Option<BarcodeEvidence>,
-    /// Whether the result was refined, and on how many matches.
-    pub matches: Option<usize>,
+    /// What the result was refined on.
+    pub refined_on: RefinedOn,
     /// Sampson distances of the clicks, px.
     pub clicks: &'a [f64],
     /// Standard deviation of a click, px.
@@ -176,9 +200,11 @@ impl Trust {
         } else if !evidence.patches {
             reasons.push(Reason::NotChecked);
         }
-        match evidence.matches {
-            None if evidence.patches => reasons.push(Reason::NotRefined),
-            Some(matches) if matches < ENOUGH_MATCHES => {
+        match evidence.refined_on {
+            RefinedOn::Nothing if evidence.patches => reasons.push(Reason::RefinementOff),
+            RefinedOn::Clicks => reasons.push(Reason::ClicksAlone),
+            RefinedOn::TooFewMatches if evidence.patches => reasons.push(Reason::NotRefined),
+            RefinedOn::Matches(matches) if matches < ENOUGH_MATCHES => {
                 unreliable |= matches < FAR_TOO_FEW;
                 reasons.push(Reason::FewMatches { matches });
             }
@@ -234,7 +260,7 @@ mod tests {
     const GOOD: Evidence = Evidence {
         patches: true,
         barcodes: None,
-        matches: Some(300),
+        refined_on: RefinedOn::Matches(300),
         clicks: &[0.5, 1.2],
         click_sigma: 1.0,
         margin: Some(0.5),
@@ -275,9 +301,9 @@ mod tests {
         };
         assert_eq!(verdict(Evidence { plane: plane(0.6, 1e-4), ..GOOD }), Verdict::Reliable);
         for worse in [
-            Evidence { patches: false, matches: None, ..GOOD },
-            Evidence { matches: None, ..GOOD },
-            Evidence { matches: Some(50), ..GOOD },
+            Evidence { patches: false, refined_on: RefinedOn::TooFewMatches, ..GOOD },
+            Evidence { refined_on: RefinedOn::TooFewMatches, ..GOOD },
+            Evidence { refined_on: RefinedOn::Matches(50), ..GOOD },
             Evidence { clicks: &[0.5, 5.0], ..GOOD },
             Evidence { margin: Some(0.05), ..GOOD },
             Evidence { deviation: Some(3.0), ..GOOD },
@@ -286,13 +312,39 @@ mod tests {
         ] {
             assert_eq!(verdict(worse), Verdict::Doubtful);
         }
-        assert_eq!(verdict(Evidence { matches: Some(12), ..GOOD }), Verdict::Unreliable);
+        assert_eq!(verdict(Evidence { refined_on: RefinedOn::Matches(12), ..GOOD }), Verdict::Unreliable);
         assert_eq!(verdict(Evidence { clicks: &[40.0, 0.1], ..GOOD }), Verdict::Doubtful, "outvoted");
         assert_eq!(
             verdict(Evidence { clicks: &[40.0, 0.1], margin: Some(0.1), ..GOOD }),
             Verdict::Unreliable
         );
-        assert_eq!(verdict(Evidence { clicks: &[40.0, 0.1], matches: None, ..GOOD }), Verdict::Unreliable);
+        assert_eq!(
+            verdict(Evidence { clicks: &[40.0, 0.1], refined_on: RefinedOn::TooFewMatches, ..GOOD }),
+            Verdict::Unreliable
+        );
+    }
+
+    #[test]
+    fn what_holds_the_epipoles_counts_before_what_is_least_by_chance() {
+        let plane = |motions, by_chance| PlaneEvidence {
+            share: 0.6,
+            bent_share: 0.6,
+            groups: 9,
+            agreeing: 7,
+            motions,
+            by_chance,
+            motions_by_chance: by_chance,
+        };
+        let (one_motion, held, open) = (plane(1, 1e-9), plane(5, 1e-4), plane(5, 0.1));
+        for (a, b) in [(one_motion, held), (held, one_motion)] {
+            assert_eq!(a.or_stronger(b).motions, 5);
+            assert_eq!(verdict(Evidence { plane: Some(a.or_stronger(b)), ..GOOD }), Verdict::Reliable);
+        }
+        assert_eq!(one_motion.or_stronger(open).motions, 1, "neither holds them");
+        assert_eq!(
+            verdict(Evidence { plane: Some(one_motion.or_stronger(open)), ..GOOD }),
+            Verdict::Doubtful
+        );
     }
 
     #[test]
@@ -328,7 +380,7 @@ mod tests {
         let next = |v: f64| v * (1.0 + 1e-12);
         let before = |v: f64| v * (1.0 - 1e-12);
         let silent = [
-            Evidence { matches: Some(ENOUGH_MATCHES), ..GOOD },
+            Evidence { refined_on: RefinedOn::Matches(ENOUGH_MATCHES), ..GOOD },
             Evidence { clicks: &[CLICK_DEVIATIONS], ..GOOD },
             Evidence { clicks: &[2.0 * CLICK_DEVIATIONS], click_sigma: 2.0, ..GOOD },
             Evidence { margin: Some(CLEAR_MARGIN), ..GOOD },
@@ -354,7 +406,7 @@ mod tests {
         let few = ENOUGH_MATCHES - 1;
         let (margin, deviation) = (before(CLEAR_MARGIN), next(LOOSEST * GOOD.side));
         let told = [
-            (Evidence { matches: Some(few), ..GOOD }, Reason::FewMatches { matches: few }),
+            (Evidence { refined_on: RefinedOn::Matches(few), ..GOOD }, Reason::FewMatches { matches: few }),
             (
                 Evidence { clicks: &[0.1, off], ..GOOD },
                 Reason::ClickOff { pair: 2, distance: off, suspect: Suspect::Click },
@@ -415,8 +467,14 @@ mod tests {
 
     #[test]
     fn too_few_matches_and_far_clicks_with_anything_else_are_unreliable() {
-        assert_eq!(verdict(Evidence { matches: Some(FAR_TOO_FEW), ..GOOD }), Verdict::Doubtful);
-        assert_eq!(verdict(Evidence { matches: Some(FAR_TOO_FEW - 1), ..GOOD }), Verdict::Unreliable);
+        assert_eq!(
+            verdict(Evidence { refined_on: RefinedOn::Matches(FAR_TOO_FEW), ..GOOD }),
+            Verdict::Doubtful
+        );
+        assert_eq!(
+            verdict(Evidence { refined_on: RefinedOn::Matches(FAR_TOO_FEW - 1), ..GOOD }),
+            Verdict::Unreliable
+        );
         let [at, beyond] = [CLICK_DEVIATIONS_WRONG, CLICK_DEVIATIONS_WRONG * (1.0 + 1e-12)];
         for (distance, expected) in [(at, Verdict::Doubtful), (beyond, Verdict::Unreliable)] {
             let clicks = [distance, 0.0];
@@ -424,7 +482,7 @@ mod tests {
             assert_eq!(verdict(Evidence { clicks: &clicks, ..GOOD }), Verdict::Doubtful, "outvoted");
         }
         // Lines alone: not refined is what is expected there, and no second reason.
-        let lines = Evidence { patches: false, matches: None, ..GOOD };
+        let lines = Evidence { patches: false, refined_on: RefinedOn::TooFewMatches, ..GOOD };
         assert_eq!(Trust::judge(&lines).reasons, [Reason::NotChecked]);
     }
 }

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 pub(super) use evidence::{
-    BarcodeEvidence, CHANCE_DEVIATIONS, CLICK_DEVIATIONS_WRONG, Evidence, GUESS, PlaneEvidence,
+    BarcodeEvidence, CHANCE_DEVIATIONS, CLICK_DEVIATIONS_WRONG, Evidence, GUESS, PlaneEvidence, RefinedOn,
     ResidualPattern, Together, WRONG_TOGETHER,
 };
 pub use evidence::{CLEAR_MARGIN, CLICK_DEVIATIONS, ENOUGH_MATCHES, FAR_TOO_FEW};
@@ -56,6 +56,14 @@ pub enum Reason {
     /// The refinement did not find enough matches.
     #[error("too few patches match along the epipolar lines at full resolution")]
     NotRefined,
+    /// The refinement was switched off.
+    #[error("the result was not refined, as was asked, so no patches at full resolution speak for it")]
+    RefinementOff,
+    /// The geometry is that of the clicks alone, which what patches found contradicts.
+    #[error(
+        "the clicks agree with each other and contradict the matches that were found: this geometry follows from the clicks alone"
+    )]
+    ClicksAlone,
     /// Few matches carry the result.
     #[error("only {matches} patches match along the epipolar lines")]
     FewMatches {
