@@ -76,7 +76,7 @@ impl PlaneEvidence {
             && self.motions > ANY_EPIPOLE
     }
 
-    /// Of two kinds of evidence beside one plane that which holds the epipoles, else that which chance explains least.
+    /// The one of two kinds of evidence beside a plane that holds the epipoles, else that which chance explains least.
     pub fn or_stronger(self, other: Self) -> Self {
         let rank = |one: &Self| (!one.holds_the_epipoles(), one.by_chance);
         if rank(&other) < rank(&self) { other } else { self }
