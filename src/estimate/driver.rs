@@ -1,7 +1,8 @@
 //! The estimator: propose → rank → refine → judge (paper, section 5.1).
 //!
-//! Lines through the clicks are compared, and their candidates propose epipoles. What ranks the proposals is one of two
-//! searches; the best ones are refined, and the result is judged.
+//! Lines through the clicks are compared, and their candidates propose epipoles. What ranks the proposals depends on the plan:
+//! lines, patches with features where they leave doubts, features without clicks, all lines, or motion barcodes. The best
+//! ones are refined, and the result is judged.
 
 use std::sync::Arc;
 use std::time::Instant;

@@ -6,7 +6,9 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use super::lines::ComparedPencils;
 use super::patches::{FeatureSupport, PatchLevels};
 use super::{CancelFlag, Estimate, EstimateError, Parameters, PencilParameters};
-use crate::features::{FeatureMatch, FeatureParameters, FeatureSet, find_features, match_features};
+use crate::features::{
+    FeatureMatch, FeatureParameters, FeatureSet, SIGMA_PER_SCALE, find_features, match_features,
+};
 use crate::geometry::{Frame, PointPair};
 use crate::image::{GrayPlane, PyramidPair, RelativeView};
 use crate::motion::{MotionError, Silhouettes};
@@ -27,8 +29,6 @@ pub struct PreparedPair {
 
 /// Levels smaller than this are never used, px.
 const SMALLEST_LEVEL: f64 = 48.0;
-/// Standard deviation of the place of a feature, in its scales: what two pictures of one thing leave open.
-const FEATURE_SIGMA: f64 = 0.25;
 /// Views kept besides the upright one: some ten megabytes each.
 const VIEWS_KEPT: usize = 3;
 
@@ -179,7 +179,7 @@ pub(super) struct MatchedFeatures {
 impl MatchedFeatures {
     fn supports(&self) -> Vec<FeatureSupport> {
         let support = |m: &FeatureMatch| {
-            let sigma = FEATURE_SIGMA * self.sets[0].features()[m.feature1].scale;
+            let sigma = SIGMA_PER_SCALE * self.sets[0].features()[m.feature1].scale;
             FeatureSupport::new(m.pair, sigma, m.ratio)
         };
         self.matches.iter().map(support).collect()

@@ -67,7 +67,8 @@ pub struct Apart {
     pub distances: Vec<f64>,
     /// A hypothesis that is farther than this is clearly different, px.
     pub limit: f64,
-    /// How many matches the distances are measured on: those of the leading hypothesis, before refinement.
+    /// How many matches the distances are measured on: those of the leading hypothesis before refinement, those that lines
+    /// were refined on, or the clicks where these determine the geometry.
     pub matches: usize,
 }
 

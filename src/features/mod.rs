@@ -35,6 +35,9 @@ use extrema::{Extremum, find_extrema};
 pub use matching::{FeatureMatch, match_candidates, match_features};
 use scale_space::{INTERVALS, Octave, for_each_octave, sigma_at};
 
+/// Standard deviation of the place of a feature, in its scales: what two pictures of one thing leave open.
+pub(crate) const SIGMA_PER_SCALE: f64 = 0.25;
+
 /// A point of a picture with a size and a direction of its own.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Feature {

@@ -31,14 +31,14 @@ impl GrayPlane {
         Self { frame, values }
     }
 
-    /// A plane computed in strips of this many rows, on all threads, where it stays: `fill` gets the first row of its
+    /// A plane computed in strips of this many rows (at least one), on all threads, where it stays: `fill` gets the first row of its
     /// strip and the pixels.
     pub(crate) fn from_strips(frame: Frame, rows: usize, fill: impl Fn(usize, &mut [f32]) + Sync) -> Self {
         let mut values: Arc<[f32]> = std::iter::repeat_n(0.0, frame.width * frame.height).collect();
-        if let Some(pixels) = Arc::get_mut(&mut values) {
-            let strips = pixels.par_chunks_mut((rows * frame.width).max(1)).enumerate();
-            strips.for_each(|(strip, pixels)| fill(strip * rows, pixels));
-        }
+        let rows = rows.max(1);
+        // Nobody else has it yet, so nothing is copied.
+        let strips = Arc::make_mut(&mut values).par_chunks_mut((rows * frame.width).max(1));
+        strips.enumerate().for_each(|(strip, pixels)| fill(strip * rows, pixels));
         Self { frame, values }
     }
 

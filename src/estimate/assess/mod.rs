@@ -18,7 +18,7 @@ use nalgebra::Matrix3;
 
 use super::lines::ComparedPencils;
 use super::patches::{PatchLevels, Refined, largest_plane, resized};
-use super::trust::{Evidence, PlaneEvidence, RefinedOn, Together};
+use super::trust::{Evidence, PlaneEvidence, RefinedOn, Together, USUAL_SIDE};
 use super::{
     Assessment, Clicks, Estimate, Parameters, PatchSupport, PlaneHomography, PreparedPair, Refinement,
     Search, Trust, Warning,
@@ -30,10 +30,9 @@ use examination::Examiner;
 use margin::{all_apart, differs, least_clear, margin, rival};
 use parallax::{CORNER_SIGMA, OffPlane, precision};
 
-/// How near a match must be to a homography to be explained by it, px in an image of up to [`PLANE_SIDE`] px, more in
+/// How near a match must be to a homography to be explained by it, px in an image of up to [`USUAL_SIDE`] px, more in
 /// proportion in larger ones, where corners are found less precisely: three deviations of a refined match.
 const PLANE_TOLERANCE: f64 = 1.0;
-const PLANE_SIDE: f64 = 800.0;
 
 /// Parallax of matches that are looked for around a plane, at most, as a fraction of the longer side: what distinctive
 /// matches, found to a pixel, begin to see.
@@ -192,7 +191,7 @@ impl Judge<'_> {
         let uncertainty = refinement.and_then(|r| r.uncertainty.as_ref());
         let deviation = uncertainty.and_then(|uncertainty| uncertainty.median_line2_deviation(&matches));
         let side = self.prepared.frames()[0].longer_side();
-        let tolerance = PLANE_TOLERANCE * side.max(PLANE_SIDE) / PLANE_SIDE;
+        let tolerance = PLANE_TOLERANCE * (side / USUAL_SIDE).max(1.0);
         let found = self.plane(f, &matches, tolerance);
         let trust = Trust::judge(&Evidence {
             patches: parameters.search == Search::Patches,

@@ -18,7 +18,7 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use rayon::prelude::*;
 
-use crate::features::{Feature, FeatureMatch, FeatureSet};
+use crate::features::{Feature, FeatureMatch, FeatureSet, SIGMA_PER_SCALE};
 use crate::geometry::{Frame, FundamentalMatrix, Observation, PointPair, eight_point, fit_fundamental};
 use consensus::{BAND, Consensus, Units, Witness, residual};
 use minimal::{Equation, frame_equation, point_equation, solve_seven};
@@ -66,12 +66,10 @@ pub struct FeatureHypothesis {
     pub fundamental: FundamentalMatrix,
     /// Logarithm of how much likelier the matches are than by chance.
     pub score: f64,
-    /// Matches it was fitted to, those found along its lines among them.
+    /// Matches found along the lines of the geometry before the last fit, which is to these and the clicks.
     pub matches: Vec<PointPair>,
 }
 
-/// Standard deviation of the place of a feature, in its scales.
-const SIGMA_PER_SCALE: f64 = 0.25;
 /// Least standard deviation of the place of a feature, px.
 const LEAST_SIGMA: f64 = 0.4;
 /// What no F explains, for lack of a perfect camera: px per px of the longer side.

@@ -45,9 +45,10 @@ const WRONG_BY_CHANCE: f64 = 1e-3;
 pub(in crate::estimate) const WRONG_TOGETHER: f64 = 0.005;
 /// Share of the variance of residuals from which on they are more a pattern than noise.
 const PATTERN: f64 = 0.5;
-/// Size of a pattern that a good camera's lens leaves, px in images up to that side, more in proportion in larger ones.
+/// Size of a pattern that a good camera's lens leaves, px in images up to [`USUAL_SIDE`], more in proportion in larger ones.
 const PATTERN_SIZE: f64 = 0.3;
-const PATTERN_SIDE: f64 = 800.0;
+/// Longer side of images, px, up to which what is found in them is found as precisely; in larger ones errors grow in proportion.
+pub(in crate::estimate) const USUAL_SIDE: f64 = 800.0;
 /// Loosest epipolar lines, as a fraction of the longer side.
 const LOOSEST: f64 = 0.002;
 
@@ -128,7 +129,7 @@ pub(in crate::estimate) struct ResidualPattern {
 impl ResidualPattern {
     /// Whether the matches are off their lines more by a pattern than each for itself; `side` px.
     fn is_bent(self, side: f64) -> bool {
-        self.share > PATTERN && self.size > PATTERN_SIZE * (side / PATTERN_SIDE).max(1.0)
+        self.share > PATTERN && self.size > PATTERN_SIZE * (side / USUAL_SIDE).max(1.0)
     }
 }
 
@@ -396,7 +397,7 @@ mod tests {
             Evidence { together: Together::default(), ..GOOD },
             Evidence { pattern: pattern(PATTERN, 3.0), ..GOOD },
             Evidence { pattern: pattern(0.9, PATTERN_SIZE), ..GOOD },
-            Evidence { pattern: pattern(0.9, 2.0 * PATTERN_SIZE), side: 2.0 * PATTERN_SIDE, ..GOOD },
+            Evidence { pattern: pattern(0.9, 2.0 * PATTERN_SIZE), side: 2.0 * USUAL_SIDE, ..GOOD },
             Evidence { pattern: None, ..GOOD },
         ];
         for evidence in silent {

@@ -7,7 +7,7 @@ use thiserror::Error;
 
 pub(super) use evidence::{
     BarcodeEvidence, CHANCE_DEVIATIONS, CLICK_DEVIATIONS_WRONG, Evidence, GUESS, PlaneEvidence, RefinedOn,
-    ResidualPattern, Together, WRONG_TOGETHER,
+    ResidualPattern, Together, USUAL_SIDE, WRONG_TOGETHER,
 };
 pub use evidence::{CLEAR_MARGIN, CLICK_DEVIATIONS, ENOUGH_MATCHES, FAR_TOO_FEW};
 
