@@ -354,6 +354,9 @@ mod tests {
         let sentence = trust.reasons[0].to_string();
         assert!(sentence.starts_with("point pair 2 is 5.0 px off"));
         assert!(sentence.contains("check that the pair shows the same"), "{sentence}");
+        let rival = |margin| Reason::Ambiguous { margin }.to_string();
+        assert!(rival(0.1).contains("nearly as much support (margin 0.10)"), "{}", rival(0.1));
+        assert!(rival(-0.96).contains("has more support (margin -0.96)"), "{}", rival(-0.96));
         // With anything else against the geometry, the click is not blamed.
         let trust = Trust::judge(&Evidence { clicks: &[0.5, 5.04], margin: Some(0.1), ..GOOD });
         let sentence = trust.reasons[1].to_string();

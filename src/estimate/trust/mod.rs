@@ -46,6 +46,11 @@ fn beside_the_plane(agreeing: usize, groups: usize) -> String {
     }
 }
 
+/// How much a rival has beside a geometry with this advantage over it.
+fn beside(margin: f64) -> &'static str {
+    if margin < 0.0 { "more" } else { "nearly as much" }
+}
+
 /// Something that speaks against a result. Each message is one sentence.
 #[derive(Debug, Clone, PartialEq, Error, Serialize)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
@@ -130,8 +135,8 @@ pub enum Reason {
         /// Size of the pattern, px.
         size: f64,
     },
-    /// A clearly different geometry has nearly as much support.
-    #[error("a clearly different geometry has nearly as much support (margin {margin:.2})")]
+    /// A clearly different geometry has nearly as much support, or more.
+    #[error("a clearly different geometry has {} support (margin {margin:.2})", beside(*margin))]
     Ambiguous {
         /// Relative advantage over it.
         margin: f64,
