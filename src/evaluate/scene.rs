@@ -160,7 +160,7 @@ impl KnownScene {
     }
 
     /// Mean distance between the epipolar lines of an F and the true ones all over the pictures
-    /// ([`epipolar_difference`], each at most [`FAR`] of the longer side), px. Where the true matches lie on one plane, lines
+    /// ([`epipolar_difference`], each at most a tenth of the longer side), px. Where the true matches lie on one plane, lines
     /// may pass them all and be wrong elsewhere. Nothing is known of elsewhere where the true F was fitted to the matches.
     pub fn off_everywhere(&self, fundamental: &FundamentalMatrix) -> Option<f64> {
         let frames = self.images.each_ref().map(|image| image.frame());
