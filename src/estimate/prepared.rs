@@ -241,6 +241,30 @@ mod tests {
     }
 
     #[test]
+    fn what_is_prepared_while_it_is_estimated_waits_for_nobody_for_ever() {
+        // Whoever fails here waits for threads that wait for it.
+        let scene = crate::estimate::exact::ExactScene::aside();
+        let (planes, clicks) = (scene.planes(), scene.clicks());
+        let (done, finished) = std::sync::mpsc::channel();
+        std::thread::spawn(move || {
+            for _ in 0..12 {
+                let prepared = PreparedPair::new(&planes[0], &planes[1]);
+                std::thread::scope(|scope| {
+                    scope.spawn(|| prepared.make_ready(&CancelFlag::default()));
+                    scope.spawn(|| {
+                        let (parameters, monitor) =
+                            (Parameters::default(), crate::estimate::Monitor::silent());
+                        crate::estimate::estimate_prepared(&prepared, &clicks, &parameters, &monitor)
+                            .unwrap();
+                    });
+                });
+            }
+            done.send(()).unwrap();
+        });
+        finished.recv_timeout(std::time::Duration::from_secs(300)).expect("both end");
+    }
+
+    #[test]
     fn pencils_are_compared_once_for_a_click_and_what_they_depend_on() {
         let plane = GrayPlane::from_fn(Frame::new(64, 64), |x, y| ((x * y) % 251) as f32);
         let prepared = PreparedPair::new(&plane, &plane);

@@ -1,7 +1,5 @@
 //! Both images of a pair at the sizes of their pyramids, and how they are turned and scaled against each other.
 
-use std::sync::OnceLock;
-
 use nalgebra::Matrix2;
 
 use super::fixed::{COMPARED_SIDE, FixedContent};
@@ -26,7 +24,7 @@ impl RelativeView {
 #[derive(Debug)]
 pub struct PyramidPair {
     pyramids: [Pyramid; 2],
-    fixed: OnceLock<Option<FixedContent>>,
+    fixed: Option<FixedContent>,
 }
 
 /// Both images at one size.
@@ -44,7 +42,11 @@ impl PyramidPair {
     /// Builds both in parallel, down to a longer side of at least `smallest` px.
     pub fn new(image1: &GrayPlane, image2: &GrayPlane, smallest: f64) -> Self {
         let (a, b) = rayon::join(|| Pyramid::new(image1, smallest), || Pyramid::new(image2, smallest));
-        Self { pyramids: [a, b], fixed: OnceLock::new() }
+        let mut pair = Self { pyramids: [a, b], fixed: None };
+        // At once and not when it is asked for: looking for it takes all threads, and these may be the ones that ask. They
+        // would wait for the thread that looks, and it for them, for ever.
+        pair.fixed = pair.find_fixed();
+        pair
     }
 
     /// Sizes of the two images.
@@ -90,15 +92,16 @@ impl PyramidPair {
         self.fixed().map_or(0, FixedContent::len)
     }
 
-    /// What stays at its place though the scene does not, looked for once.
+    /// What stays at its place though the scene does not.
     pub(crate) fn fixed(&self) -> Option<&FixedContent> {
-        let find = || {
-            // Of other sizes or shapes the same place is not the same.
-            let [frame1, frame2] = self.frames();
-            let level = self.level(COMPARED_SIDE);
-            if frame1 == frame2 { FixedContent::find(level.planes, level.scales[0]) } else { None }
-        };
-        self.fixed.get_or_init(find).as_ref()
+        self.fixed.as_ref()
+    }
+
+    fn find_fixed(&self) -> Option<FixedContent> {
+        // Of other sizes or shapes the same place is not the same.
+        let [frame1, frame2] = self.frames();
+        let level = self.level(COMPARED_SIDE);
+        if frame1 == frame2 { FixedContent::find(level.planes, level.scales[0]) } else { None }
     }
 }
 
