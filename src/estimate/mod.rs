@@ -18,6 +18,7 @@ mod exact;
 mod follow;
 mod lines;
 mod lines_alone;
+mod made_once;
 mod monitor;
 mod parameters;
 mod patches;

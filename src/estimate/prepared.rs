@@ -1,9 +1,10 @@
 //! What is computed once per image pair, whatever the clicks: pyramids, what patches need, compared pencils.
 
 use std::collections::VecDeque;
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use super::lines::ComparedPencils;
+use super::made_once::MadeOnce;
 use super::patches::{FeatureSupport, PatchLevels};
 use super::{CancelFlag, Estimate, EstimateError, Parameters, PencilParameters};
 use crate::features::{
@@ -20,7 +21,7 @@ use crate::similarity::{BarcodeSource, LineMeasure, PictureSource, SimilarityPar
 pub struct PreparedPair {
     pyramids: PyramidPair,
     upright: Arc<PatchLevels>,
-    features: OnceLock<MatchedFeatures>,
+    features: MadeOnce<MatchedFeatures>,
     /// The latest views with features, newest first.
     views: Mutex<VecDeque<Arc<PatchLevels>>>,
     pencils: PencilCache,
@@ -38,7 +39,7 @@ impl PreparedPair {
         Self {
             pyramids: PyramidPair::new(image1, image2, SMALLEST_LEVEL),
             upright: Arc::new(PatchLevels::new(RelativeView::UPRIGHT)),
-            features: OnceLock::new(),
+            features: MadeOnce::default(),
             views: Mutex::default(),
             pencils: PencilCache::default(),
             silhouettes: None,
@@ -98,7 +99,7 @@ impl PreparedPair {
 
     /// The covariant features of both images and their matches.
     pub(super) fn features(&self) -> &MatchedFeatures {
-        self.features.get_or_init(|| {
+        self.features.get_or_make(|| {
             let planes = self.pyramids.level(f64::INFINITY).planes;
             let find = |image: usize| find_features(planes[image], &FeatureParameters::default());
             let (mut first, mut second) = rayon::join(|| find(0), || find(1));
@@ -119,12 +120,14 @@ impl PreparedPair {
 
     /// The patches under a view with the matches of features beside them.
     pub(super) fn patches_with_features(&self, view: RelativeView) -> Arc<PatchLevels> {
+        // Before the lock is taken: finding them takes threads that may ask for it.
+        let matched = self.features();
         // Entries are whole whatever happened to a thread that held the lock.
         let mut views = self.views.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(kept) = views.iter().find(|patches| patches.view() == view) {
             return Arc::clone(kept);
         }
-        let features = self.features().supports();
+        let features = matched.supports();
         // Corners that were compared upright are not compared once more.
         let patches = Arc::new(if view == RelativeView::UPRIGHT {
             self.upright.with_features(features)
@@ -218,6 +221,8 @@ impl PencilCache {
 
 #[cfg(test)]
 mod tests {
+    use rayon::prelude::*;
+
     use super::*;
 
     #[test]
@@ -261,7 +266,23 @@ mod tests {
             }
             done.send(()).unwrap();
         });
-        finished.recv_timeout(std::time::Duration::from_secs(300)).expect("both end");
+        finished.recv_timeout(std::time::Duration::from_mins(5)).expect("both end");
+    }
+
+    #[test]
+    fn searches_of_one_pair_may_run_beside_each_other_on_the_threads_of_a_pool() {
+        let scene = crate::estimate::exact::ExactScene::aside();
+        let [plane1, plane2] = scene.planes();
+        let prepared = PreparedPair::new(&plane1, &plane2);
+        let estimate = |_| {
+            let (parameters, monitor) = (Parameters::default(), crate::estimate::Monitor::silent());
+            *crate::estimate::estimate_prepared(&prepared, &scene.clicks(), &parameters, &monitor)
+                .unwrap()
+                .fundamental()
+        };
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().unwrap();
+        let found: Vec<_> = pool.install(|| (0..4).into_par_iter().map(estimate).collect());
+        assert!(found.iter().all(|f| *f == estimate(0)));
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! What patches need to be computed once per image pair, whatever the clicks: corners, correlations, votes.
 
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 
 use nalgebra::Matrix3;
 
@@ -10,6 +10,7 @@ use super::refinement::{Refined, RefinementLevel, SharedPatches};
 use super::support::{PatchSupport, Support, SupportLevel};
 use super::voting::KappaVoting;
 use crate::cancel::CancelFlag;
+use crate::estimate::made_once::MadeOnce;
 use crate::geometry::{FundamentalMatrix, Observation, PointPair, rescaling};
 use crate::image::{PairLevel, PyramidPair, RelativeView, warps_around};
 
@@ -31,18 +32,18 @@ pub(in crate::estimate) struct PatchLevels {
     /// Matches of covariant features that support beside corners.
     features: Vec<FeatureSupport>,
     /// Support where proposals are ranked, with the features.
-    with_features: OnceLock<SupportLevel>,
+    with_features: MadeOnce<SupportLevel>,
 }
 
 /// What corners say under a view, whether or not features stand beside them.
 #[derive(Debug)]
 struct CornerLevels {
     view: RelativeView,
-    coarse: OnceLock<SupportLevel>,
-    voting: OnceLock<KappaVoting>,
+    coarse: MadeOnce<SupportLevel>,
+    voting: MadeOnce<KappaVoting>,
     /// Corners of the finer levels, which of a small picture are the same.
     patches: SharedPatches,
-    fine: OnceLock<SupportLevel>,
+    fine: MadeOnce<SupportLevel>,
     refinement: [RefinementLevel; REFINEMENT_SIDES.len()],
 }
 
@@ -52,18 +53,18 @@ impl PatchLevels {
         let patches = SharedPatches::default();
         let corners = CornerLevels {
             view,
-            coarse: OnceLock::new(),
-            voting: OnceLock::new(),
-            fine: OnceLock::new(),
+            coarse: MadeOnce::default(),
+            voting: MadeOnce::default(),
+            fine: MadeOnce::default(),
             refinement: REFINEMENT_SIDES.map(|_| RefinementLevel::on(&patches)),
             patches,
         };
-        Self { corners: Arc::new(corners), features: Vec::new(), with_features: OnceLock::new() }
+        Self { corners: Arc::new(corners), features: Vec::new(), with_features: MadeOnce::default() }
     }
 
     /// The same corners, with matches of features beside them, in full-size pixels.
     pub fn with_features(&self, features: Vec<FeatureSupport>) -> Self {
-        Self { corners: Arc::clone(&self.corners), features, with_features: OnceLock::new() }
+        Self { corners: Arc::clone(&self.corners), features, with_features: MadeOnce::default() }
     }
 
     /// How the images are turned and scaled against each other.
@@ -79,13 +80,13 @@ impl PatchLevels {
     /// Support where proposals are made: of corners alone.
     pub fn coarse(&self, pyramids: &PyramidPair) -> &SupportLevel {
         let corners = &self.corners;
-        corners.coarse.get_or_init(|| corners.coarse(pyramids))
+        corners.coarse.get_or_make(|| corners.coarse(pyramids))
     }
 
     /// The corner pairs of the coarse level that vote for κ.
     pub fn voting(&self, pyramids: &PyramidPair) -> &KappaVoting {
         let vote = || KappaVoting::new(&self.coarse(pyramids).support, VOTES_PER_CORNER);
-        self.corners.voting.get_or_init(vote)
+        self.corners.voting.get_or_make(vote)
     }
 
     /// Patches that agree with a geometry (full-size pixels) where proposals are ranked.
@@ -97,11 +98,11 @@ impl PatchLevels {
     /// Support where proposals are ranked: of corners, and of features where there are some.
     pub fn fine(&self, pyramids: &PyramidPair) -> &SupportLevel {
         let corners = &self.corners;
-        let fine = corners.fine.get_or_init(|| corners.fine(pyramids));
+        let fine = corners.fine.get_or_make(|| corners.fine(pyramids));
         if self.features.is_empty() {
             return fine;
         }
-        self.with_features.get_or_init(|| {
+        self.with_features.get_or_make(|| {
             let at_level = |m: &FeatureSupport| SupportingMatch {
                 pair: m.pair.rescaled(fine.scales),
                 correlation: m.correlation,

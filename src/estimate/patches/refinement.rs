@@ -5,7 +5,7 @@
 //! cost, and the same again with a narrower band. The clicks take part with their own uncertainty.
 
 use std::collections::HashMap;
-use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use nalgebra::Matrix3;
 use rayon::prelude::*;
@@ -17,6 +17,7 @@ use super::level_corners::{Alike, LevelCorners};
 use super::near_lines::is_within;
 use super::uncertainty::Uncertainty;
 use crate::cancel::CancelFlag;
+use crate::estimate::made_once::MadeOnce;
 use crate::geometry::{
     FundamentalMatrix, Line, Observation, Point, PointPair, finite_point, fit_fundamental, sampson_distance,
 };
@@ -54,7 +55,7 @@ impl FeatureSupport {
 pub(in crate::estimate) struct RefinementLevel {
     /// What others use, too, where they look at the same size.
     patches: SharedPatches,
-    corners: OnceLock<LevelCorners>,
+    corners: MadeOnce<LevelCorners>,
     /// Where in image 2 the surroundings of a corner of image 1 fit best, starting at a corner of image 2 under a
     /// warp: the same whatever `F`, and most matches of one refinement are those of the next.
     aligned: Mutex<HashMap<Alike, Option<Point>>>,
@@ -91,12 +92,12 @@ pub(in crate::estimate) struct Refined {
 pub(super) struct SharedPatches(Arc<Mutex<Vec<PatchesOfScales>>>);
 
 type PatchesOfScales = ([f64; 2], PatchesOfSize);
-type PatchesOfSize = Arc<OnceLock<Arc<CornerPatches>>>;
+type PatchesOfSize = Arc<MadeOnce<Arc<CornerPatches>>>;
 
 impl SharedPatches {
     pub fn get(&self, level: &PairLevel, view: RelativeView) -> Arc<CornerPatches> {
         let patches = || CornerPatches::new(level, CORNERS, warps_around(&level.warp(view)));
-        Arc::clone(self.of_size(level.scales).get_or_init(|| Arc::new(patches())))
+        Arc::clone(self.of_size(level.scales).get_or_make(|| Arc::new(patches())))
     }
 
     fn of_size(&self, scales: [f64; 2]) -> PatchesOfSize {
@@ -125,7 +126,7 @@ impl RefinementLevel {
     }
 
     fn corners(&self, level: &PairLevel, view: RelativeView) -> &LevelCorners {
-        self.corners.get_or_init(|| LevelCorners::new(self.patches.get(level, view)))
+        self.corners.get_or_make(|| LevelCorners::new(self.patches.get(level, view)))
     }
 
     /// Refines `f` (full size) at this level; `None` when too few matches support it there. Clicks and
