@@ -19,6 +19,7 @@ mod follow;
 mod lines;
 mod lines_alone;
 mod made_once;
+mod matched_features;
 mod monitor;
 mod parameters;
 mod patches;
@@ -40,6 +41,7 @@ pub use driver::{estimate, estimate_prepared};
 pub use error::{EstimateError, Warning};
 pub use follow::follow;
 pub use lines::{Candidate, ComparedPencils, Construction, LineFigures, RoundTrip, lines_at};
+pub use matched_features::FeatureViews;
 pub use monitor::{Monitor, Progress};
 pub use parameters::{
     LineScore, LinesAloneParameters, Method, PARAMETERS, ParameterEntry, ParameterValue, Parameters,

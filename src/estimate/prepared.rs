@@ -5,11 +5,9 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use super::lines::ComparedPencils;
 use super::made_once::MadeOnce;
-use super::patches::{FeatureSupport, PatchLevels};
+use super::matched_features::{FeatureViews, MatchedFeatures};
+use super::patches::PatchLevels;
 use super::{CancelFlag, Estimate, EstimateError, Parameters, PencilParameters};
-use crate::features::{
-    FeatureMatch, FeatureParameters, FeatureSet, SIGMA_PER_SCALE, find_features, match_features,
-};
 use crate::geometry::{Frame, PointPair};
 use crate::image::{GrayPlane, PyramidPair, RelativeView};
 use crate::motion::{MotionError, Silhouettes};
@@ -22,6 +20,7 @@ pub struct PreparedPair {
     pyramids: PyramidPair,
     upright: Arc<PatchLevels>,
     features: MadeOnce<MatchedFeatures>,
+    slanted: MadeOnce<MatchedFeatures>,
     /// The latest views with features, newest first.
     views: Mutex<VecDeque<Arc<PatchLevels>>>,
     pencils: PencilCache,
@@ -31,7 +30,7 @@ pub struct PreparedPair {
 /// Levels smaller than this are never used, px.
 const SMALLEST_LEVEL: f64 = 48.0;
 /// Views kept besides the upright one: some ten megabytes each.
-const VIEWS_KEPT: usize = 3;
+const VIEWS_KEPT: usize = 4;
 
 impl PreparedPair {
     /// Builds the pyramids, in parallel; everything else when it is first needed.
@@ -40,6 +39,7 @@ impl PreparedPair {
             pyramids: PyramidPair::new(image1, image2, SMALLEST_LEVEL),
             upright: Arc::new(PatchLevels::new(RelativeView::UPRIGHT)),
             features: MadeOnce::default(),
+            slanted: MadeOnce::default(),
             views: Mutex::default(),
             pencils: PencilCache::default(),
             silhouettes: None,
@@ -98,19 +98,12 @@ impl PreparedPair {
     }
 
     /// The covariant features of both images and their matches.
-    pub(super) fn features(&self) -> &MatchedFeatures {
-        self.features.get_or_make(|| {
-            let planes = self.pyramids.level(f64::INFINITY).planes;
-            let find = |image: usize| find_features(planes[image], &FeatureParameters::default());
-            let (mut first, mut second) = rayon::join(|| find(0), || find(1));
-            if let Some(fixed) = self.pyramids.fixed() {
-                for set in [&mut first, &mut second] {
-                    set.retain(|feature| !fixed.covers(feature.position));
-                }
-            }
-            let matches = match_features(&first, &second);
-            MatchedFeatures { sets: [first, second], matches }
-        })
+    pub(super) fn features(&self, views: FeatureViews) -> &MatchedFeatures {
+        let frontal = || self.features.get_or_make(|| MatchedFeatures::frontal(&self.pyramids));
+        match views {
+            FeatureViews::Frontal => frontal(),
+            FeatureViews::Slanted => self.slanted.get_or_make(|| frontal().with_slanted(&self.pyramids)),
+        }
     }
 
     /// Patches compared upright, without features.
@@ -119,21 +112,19 @@ impl PreparedPair {
     }
 
     /// The patches under a view with the matches of features beside them.
-    pub(super) fn patches_with_features(&self, view: RelativeView) -> Arc<PatchLevels> {
+    pub(super) fn patches_with_features(&self, view: RelativeView, of: FeatureViews) -> Arc<PatchLevels> {
         // Before the lock is taken: finding them takes threads that may ask for it.
-        let matched = self.features();
+        let matched = self.features(of);
         // Entries are whole whatever happened to a thread that held the lock.
         let mut views = self.views.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(kept) = views.iter().find(|patches| patches.view() == view) {
+        let mut under_view = views.iter().filter(|patches| patches.view() == view);
+        if let Some(kept) = under_view.clone().find(|patches| patches.features() == Some(of)) {
             return Arc::clone(kept);
         }
-        let features = matched.supports();
-        // Corners that were compared upright are not compared once more.
-        let patches = Arc::new(if view == RelativeView::UPRIGHT {
-            self.upright.with_features(features)
-        } else {
-            PatchLevels::new(view).with_features(features)
-        });
+        // Corners that were compared under this view are not compared once more.
+        let corners = if view == RelativeView::UPRIGHT { Some(&self.upright) } else { under_view.next() };
+        let patches = corners.map_or_else(|| Arc::new(PatchLevels::new(view)), Arc::clone);
+        let patches = Arc::new(patches.with_features(of, matched.supports()));
         views.truncate(VIEWS_KEPT - 1);
         views.push_front(Arc::clone(&patches));
         patches
@@ -141,10 +132,8 @@ impl PreparedPair {
 
     /// The patches that the search which found an estimate looked at.
     pub(super) fn patches_of(&self, found: &Estimate) -> Arc<PatchLevels> {
-        match &found.trace {
-            Some(trace) if trace.features => self.patches_with_features(trace.view),
-            _ => self.upright_patches(),
-        }
+        let looked_at = found.trace.as_ref().and_then(|trace| Some((trace.view, trace.features?)));
+        looked_at.map_or_else(|| self.upright_patches(), |(view, of)| self.patches_with_features(view, of))
     }
 
     /// What lines are compared in, under a view.
@@ -169,23 +158,6 @@ impl PreparedPair {
         compare: impl FnOnce() -> Result<ComparedPencils, EstimateError>,
     ) -> Result<Arc<ComparedPencils>, EstimateError> {
         self.pencils.get((view, parameters.similarity, parameters.pencils), click, compare)
-    }
-}
-
-/// Covariant features of both images, and which of them are each other's nearest.
-#[derive(Debug)]
-pub(super) struct MatchedFeatures {
-    pub sets: [FeatureSet; 2],
-    pub matches: Vec<FeatureMatch>,
-}
-
-impl MatchedFeatures {
-    fn supports(&self) -> Vec<FeatureSupport> {
-        let support = |m: &FeatureMatch| {
-            let sigma = SIGMA_PER_SCALE * self.sets[0].features()[m.feature1].scale;
-            FeatureSupport::new(m.pair, sigma, m.ratio)
-        };
-        self.matches.iter().map(support).collect()
     }
 }
 

@@ -130,7 +130,7 @@ impl<'a> SearchRecord<'a> {
         SearchTrace {
             clicks: clicks.clone(),
             view: patches.view(),
-            features: patches.has_features(),
+            features: patches.features(),
             method: parameters.method,
             preset: parameters.preset,
             seed: parameters.seed,
@@ -149,6 +149,7 @@ mod tests {
     use super::super::assess::little_texture;
     use super::super::{ClickRole, PreparedPair, SearchPlan, Warning};
     use super::*;
+    use crate::estimate::FeatureViews;
     use crate::geometry::{Frame, PointPair};
     use crate::image::{GrayPlane, RelativeView};
 
@@ -196,7 +197,8 @@ mod tests {
         record.pencils(&second, pencils(&second, [50, 60])).unwrap();
         // The first search is the one that is chosen after all.
         let plane = GrayPlane::from_fn(Frame::new(64, 64), |x, y| ((x * y) % 251) as f32);
-        let patches = PreparedPair::new(&plane, &plane).patches_with_features(RelativeView::UPRIGHT);
+        let patches = PreparedPair::new(&plane, &plane)
+            .patches_with_features(RelativeView::UPRIGHT, FeatureViews::Frontal);
         let trace = record.trace(&first, &of_first, &patches, Vec::new(), &Parameters::default());
         let shown: Vec<PointPair> = trace.pencils.iter().map(|pencils| pencils.click).collect();
         assert_eq!(shown, trace.clicks.anchors());

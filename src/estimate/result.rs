@@ -10,8 +10,8 @@ use serde::Serialize;
 
 use super::patches::Hypothesis;
 use super::{
-    Clicks, ComparedPencils, LineFigures, Method, PatchSupport, Preset, RefinedMatch, Refinement, Stage,
-    Trust, Uncertainty, Warning,
+    Clicks, ComparedPencils, FeatureViews, LineFigures, Method, PatchSupport, Preset, RefinedMatch,
+    Refinement, Stage, Trust, Uncertainty, Warning,
 };
 use crate::geometry::{EpipolarGeometry, FundamentalMatrix};
 use crate::image::RelativeView;
@@ -116,8 +116,8 @@ pub struct SearchTrace {
     pub clicks: Clicks,
     /// How the images were taken to be turned and scaled against each other.
     pub view: RelativeView,
-    /// Whether covariant features were looked at beside patches.
-    pub features: bool,
+    /// Which covariant features were looked at beside patches, if any.
+    pub features: Option<FeatureViews>,
     /// How it was computed.
     pub method: Method,
     /// The choices it was computed with.

@@ -329,6 +329,7 @@ mod tests {
     use super::super::exact::ExactScene;
     use super::super::{CancelFlag, PreparedPair, SearchPlan};
     use super::*;
+    use crate::estimate::FeatureViews;
     use crate::geometry::PointPair;
     use crate::image::RelativeView;
 
@@ -341,7 +342,7 @@ mod tests {
     ) -> Option<FundamentalMatrix> {
         let parameters = Parameters::default();
         let source = prepared.similarity_source(RelativeView::UPRIGHT, &parameters);
-        let patches = prepared.patches_with_features(RelativeView::UPRIGHT);
+        let patches = prepared.patches_with_features(RelativeView::UPRIGHT, FeatureViews::Frontal);
         let clicks = Clicks::for_plan(pairs, SearchPlan::Patches { clicks: 2 });
         let input = SearchInput {
             prepared,

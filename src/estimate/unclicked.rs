@@ -10,6 +10,8 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
 use super::choice::{self, ClickedPairs};
+use super::matched_features::{FeatureViews, MatchedFeatures};
+use super::patches::PatchLevels;
 use super::record::SearchRecord;
 use super::search::{Judged, SearchInput, by_patches, compared};
 use super::wider::{FeatureProposals, by_features};
@@ -38,38 +40,17 @@ pub(super) fn without_clicks(
 ) -> Result<Judged, EstimateError> {
     let SearchInput { prepared, clicks, parameters, .. } = *input;
     record.enter(Stage::Features)?;
-    let FeatureProposals { hypotheses, views } = FeatureProposals::new(input)?;
-    let proposed: Vec<FundamentalMatrix> = hypotheses.iter().map(|h| h.fundamental).collect();
-    let view = views.first().copied().unwrap_or(RelativeView::UPRIGHT);
-    let putative = putative_matches(prepared, view);
     let mut all: Vec<Judged> = Vec::new();
-    let of_leader = hypotheses
-        .first()
-        .and_then(|leader| chosen(prepared, &leader.fundamental, &leader.matches, &putative));
-    let held = of_leader.map_or_else(|| clicks.clone(), |chosen| clicks.with_chosen(chosen));
-    for view in views {
-        let source = prepared.similarity_source(view, parameters);
-        let patches = prepared.patches_with_features(view);
-        let seen = SearchInput { source: &*source, patches: &patches, clicks: &held, ..*input };
-        if all.is_empty() && of_leader.is_some() {
-            // To look at; the geometry does without them.
-            match compared(&seen, record) {
-                Ok(_) | Err(EstimateError::NoCandidates { .. }) => {}
-                Err(error) => return Err(error),
-            }
+    for of in [FeatureViews::Frontal, FeatureViews::Slanted] {
+        if let Some(decided) = by_views(input, of, record, &mut all)? {
+            return Ok(decided);
         }
-        let rivals = all.first().map_or(&[][..], |first: &Judged| &first.hypotheses);
-        record.enter(Stage::Validation)?;
-        let Some(found) = by_features(&seen, &proposed, rivals)? else { continue };
-        let found = seen.judged(record, found);
-        if !found.is_open() {
-            return Ok(found);
-        }
-        all.push(found);
     }
+    let features = prepared.features(FeatureViews::Slanted);
+    let view = all.first().map_or(RelativeView::UPRIGHT, |found| found.patches.view());
     let source = prepared.similarity_source(view, parameters);
-    let patches = prepared.patches_with_features(view);
-    for chosen in drawn(prepared, &putative, parameters.seed) {
+    let patches = prepared.patches_with_features(view, FeatureViews::Slanted);
+    for chosen in drawn(prepared, &putative_matches(prepared, features, &patches), parameters.seed) {
         let clicks = clicks.with_chosen(chosen);
         let seen = SearchInput { source: &*source, patches: &patches, clicks: &clicks, ..*input };
         let found = match by_patches(&seen, record) {
@@ -88,10 +69,54 @@ pub(super) fn without_clicks(
     best.ok_or(EstimateError::NothingWithoutClicks)
 }
 
+/// What features propose under each of the views that they suggest, added to the others; the first that leaves nothing
+/// open is the result.
+fn by_views(
+    input: &SearchInput,
+    of: FeatureViews,
+    record: &mut SearchRecord,
+    all: &mut Vec<Judged>,
+) -> Result<Option<Judged>, EstimateError> {
+    let SearchInput { prepared, clicks, parameters, .. } = *input;
+    let FeatureProposals { hypotheses, views } = FeatureProposals::new(input, of)?;
+    let proposed: Vec<FundamentalMatrix> = hypotheses.iter().map(|h| h.fundamental).collect();
+    let view = views.first().copied().unwrap_or(RelativeView::UPRIGHT);
+    let patches = prepared.patches_with_features(view, of);
+    let putative = putative_matches(prepared, prepared.features(of), &patches);
+    let of_leader = hypotheses
+        .first()
+        .and_then(|leader| chosen(prepared, &leader.fundamental, &leader.matches, &putative));
+    let held = of_leader.map_or_else(|| clicks.clone(), |chosen| clicks.with_chosen(chosen));
+    for view in views {
+        let source = prepared.similarity_source(view, parameters);
+        let patches = prepared.patches_with_features(view, of);
+        let seen = SearchInput { source: &*source, patches: &patches, clicks: &held, ..*input };
+        if all.is_empty() && of_leader.is_some() {
+            // To look at; the geometry does without them.
+            match compared(&seen, record) {
+                Ok(_) | Err(EstimateError::NoCandidates { .. }) => {}
+                Err(error) => return Err(error),
+            }
+        }
+        let rivals = all.first().map_or(&[][..], |first: &Judged| &first.hypotheses);
+        record.enter(Stage::Validation)?;
+        let Some(found) = by_features(&seen, &proposed, rivals)? else { continue };
+        let found = seen.judged(record, found);
+        if !found.is_open() {
+            return Ok(Some(found));
+        }
+        all.push(found);
+    }
+    Ok(None)
+}
+
 /// Matches that stand out whatever the geometry, those of features first.
-fn putative_matches(prepared: &PreparedPair, view: RelativeView) -> Vec<PointPair> {
-    let features = prepared.features().matches.iter().filter(|m| m.ratio < DISTINCTIVE).map(|m| m.pair);
-    let patches = prepared.patches_with_features(view);
+fn putative_matches(
+    prepared: &PreparedPair,
+    features: &MatchedFeatures,
+    patches: &PatchLevels,
+) -> Vec<PointPair> {
+    let features = features.matches.iter().filter(|m| m.ratio < DISTINCTIVE).map(|m| m.pair);
     let fine = patches.fine(prepared.pyramids());
     let full_size = fine.scales.map(f64::recip);
     let corners = fine.support.distinctive().into_iter().map(|m| m.rescaled(full_size));

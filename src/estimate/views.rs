@@ -1,7 +1,7 @@
 //! How the two images are turned and scaled against each other, from the features that a geometry explains.
 
 use super::PreparedPair;
-use super::prepared::MatchedFeatures;
+use super::matched_features::{FeatureViews, MatchedFeatures};
 use crate::features::FeatureMatch;
 use crate::geometry::{Frame, FundamentalMatrix, sampson_distance};
 use crate::image::RelativeView;
@@ -74,7 +74,7 @@ impl PreparedPair {
     /// by those that many others agree with; `None` when there are too few. Finds the features the first time, which
     /// takes some tenths of a second.
     pub fn view_of_features(&self, fundamental: Option<&FundamentalMatrix>) -> Option<RelativeView> {
-        let features = self.features();
+        let features = self.features(FeatureViews::Frontal);
         if let Some(f) = fundamental {
             return view_of(f, features, self.frames());
         }

@@ -4,6 +4,7 @@ use super::choice::{ClickedPairs, chosen};
 use super::covariant::{
     FeatureEvidence, FeatureHypothesis, FeatureSearchParameters, hypotheses_from_features,
 };
+use super::matched_features::FeatureViews;
 use super::patches::{self, Proposal};
 use super::record::SearchRecord;
 use super::search::{Found, Judged, SearchInput, by_patches};
@@ -26,9 +27,9 @@ pub(super) struct FeatureProposals {
 
 impl FeatureProposals {
     /// What features propose, held together by the clicks, however many.
-    pub fn new(input: &SearchInput) -> Result<Self, EstimateError> {
+    pub fn new(input: &SearchInput, of: FeatureViews) -> Result<Self, EstimateError> {
         let SearchInput { prepared, clicks, parameters, cancel, .. } = *input;
-        let features = prepared.features();
+        let features = prepared.features(of);
         let observed = clicks.observed();
         let evidence = FeatureEvidence {
             sets: features.sets.each_ref(),
@@ -62,26 +63,15 @@ pub(super) fn wider(input: &SearchInput, record: &mut SearchRecord) -> Result<Ju
         return upright;
     }
     record.enter(Stage::Features)?;
-    let FeatureProposals { hypotheses, views } = FeatureProposals::new(input)?;
-    let proposed: Vec<FundamentalMatrix> = hypotheses.iter().map(|h| h.fundamental).collect();
     let mut all: Vec<Judged> = Vec::new();
     let mut failure = None;
     match upright {
         Ok(found) => all.push(found),
         Err(error) => failure = Some(error),
     }
-    for view in views {
-        let source = input.prepared.similarity_source(view, input.parameters);
-        let patches = input.prepared.patches_with_features(view);
-        let seen = SearchInput { source: &*source, patches: &patches, ..*input };
-        let rivals = all.first().map_or(&[][..], |upright| &upright.hypotheses);
-        if let Some(found) = by_features(&seen, &proposed, rivals)? {
-            let found = seen.judged(record, found);
-            let is_clear = found.is_clear();
-            all.push(found);
-            if is_clear {
-                break;
-            }
+    for of in [FeatureViews::Frontal, FeatureViews::Slanted] {
+        if under_views(input, of, record, &mut all)? {
+            break;
         }
     }
     let observed = input.clicks.observed();
@@ -99,6 +89,31 @@ pub(super) fn wider(input: &SearchInput, record: &mut SearchRecord) -> Result<Ju
     hypotheses.extend(best.hypotheses);
     let found = Found { fundamental: f, hypotheses, supporting: observed, refined: None, clicks_alone: true };
     Ok(seen.judged(record, found))
+}
+
+/// Adds what features propose under each of the views that they suggest, up to one whose result is clear: whether there is
+/// one.
+fn under_views(
+    input: &SearchInput,
+    of: FeatureViews,
+    record: &mut SearchRecord,
+    all: &mut Vec<Judged>,
+) -> Result<bool, EstimateError> {
+    let FeatureProposals { hypotheses, views } = FeatureProposals::new(input, of)?;
+    let proposed: Vec<FundamentalMatrix> = hypotheses.iter().map(|h| h.fundamental).collect();
+    for view in views {
+        let source = input.prepared.similarity_source(view, input.parameters);
+        let patches = input.prepared.patches_with_features(view, of);
+        let seen = SearchInput { source: &*source, patches: &patches, ..*input };
+        let rivals = all.first().map_or(&[][..], |upright| &upright.hypotheses);
+        if let Some(found) = by_features(&seen, &proposed, rivals)? {
+            all.push(seen.judged(record, found));
+            if all.last().is_some_and(Judged::is_clear) {
+                return Ok(true);
+            }
+        }
+    }
+    Ok(false)
 }
 
 /// Clicks that determine F by themselves, with one to tell that they agree.
@@ -236,7 +251,7 @@ mod tests {
         let (prepared, parameters) = (scene.prepared(), Parameters::default());
         let (source, patches) = (
             prepared.similarity_source(RelativeView::UPRIGHT, &parameters),
-            prepared.patches_with_features(RelativeView::UPRIGHT),
+            prepared.patches_with_features(RelativeView::UPRIGHT, FeatureViews::Frontal),
         );
         let proposed = [scene.disturbed(2.0), scene.disturbed(-3.0)];
         for pairs in [&[][..], &scene.clicks()] {

@@ -6,12 +6,14 @@
 //! of both directions: near zero for what is unique, near one for what repeats. There is no test of it: who draws
 //! matches can prefer low ratios, who counts them can weigh them.
 
+use std::collections::HashMap;
+
 use multiversion::multiversion;
 use rayon::prelude::*;
 
 use super::descriptor::{Descriptor, ENTRIES};
 use super::{Feature, FeatureSet};
-use crate::geometry::PointPair;
+use crate::geometry::{Point, PointPair};
 use crate::lanes::{LANES, SetLanes};
 
 /// Two features that are each other's nearest.
@@ -28,9 +30,11 @@ pub struct FeatureMatch {
 }
 
 /// Neighbours remembered for a feature: the nearest, and enough others that one of them lies elsewhere.
-const KEPT: usize = 4;
+const KEPT: usize = 8;
 /// Two features closer than this many times the scale of one are at the same place.
 const SAME_PLACE: f64 = 3.0;
+/// Farthest that repeated matches are apart, px.
+const REPEATED: f64 = 8.0;
 /// Features of set 1 that one task matches: each begins anew with the neighbours of set 2.
 const CHUNK: usize = 512;
 
@@ -64,6 +68,31 @@ pub fn match_features(set1: &FeatureSet, set2: &FeatureSet) -> Vec<FeatureMatch>
         seen.insert([p.point1.x, p.point1.y, p.point2.x, p.point2.y].map(f64::to_bits))
     });
     matches
+}
+
+/// Leaves out matches that are at both ends within the smaller scale of an earlier one: of a blob that was found under
+/// several views the first match stays.
+pub fn without_repeats(matches: &mut Vec<FeatureMatch>, sets: [&FeatureSet; 2]) {
+    let mut kept: HashMap<[i64; 2], Vec<(PointPair, f64)>> = HashMap::new();
+    let cell = |p: Point| [p.x, p.y].map(|v| (v / REPEATED).floor() as i64);
+    matches.retain(|m| {
+        let scales = [sets[0].features()[m.feature1].scale, sets[1].features()[m.feature2].scale];
+        let [x, y] = cell(m.pair.point1);
+        let scale = scales[0].min(scales[1]);
+        let is_repeated = (-1..=1).flat_map(|dy| (-1..=1).map(move |dx| [x + dx, y + dy])).any(|near| {
+            kept.get(&near).is_some_and(|there| {
+                there.iter().any(|(other, size)| {
+                    let near = size.min(scale).min(REPEATED);
+                    (other.point1 - m.pair.point1).norm() < near
+                        && (other.point2 - m.pair.point2).norm() < near
+                })
+            })
+        });
+        if !is_repeated {
+            kept.entry([x, y]).or_default().push((m.pair, scale));
+        }
+        !is_repeated
+    });
 }
 
 /// Mutual nearest neighbours among the candidates in image 2 of each feature of image 1, whose ratio (among the
@@ -225,6 +254,7 @@ mod tests {
                 position: Point::new(40.0 * k as f64, 0.0),
                 scale: 2.0,
                 orientation: 0.0,
+                shape: nalgebra::Matrix2::identity(),
                 response: 9.0,
             };
             set.push(feature, descriptor);
@@ -286,5 +316,32 @@ mod tests {
         };
         assert!((with_twin(100.0) - 2.0 / 3.0).abs() < 1e-9);
         assert!(with_twin(1.0) < 0.2);
+    }
+
+    #[test]
+    fn of_what_is_matched_twice_at_one_place_the_first_stays() {
+        let (descriptor, mut set) = ([0; ENTRIES], FeatureSet::default());
+        for (x, scale) in [(10.0, 2.0), (11.0, 3.0), (13.0, 2.0), (60.0, 2.0), (60.5, 0.4)] {
+            let feature = Feature {
+                position: Point::new(x, 5.0),
+                scale,
+                orientation: 0.0,
+                shape: nalgebra::Matrix2::identity(),
+                response: 9.0,
+            };
+            set.push(feature, descriptor);
+        }
+        let of = |feature1: usize, feature2: usize| {
+            let pair = PointPair {
+                point1: set.features()[feature1].position,
+                point2: set.features()[feature2].position,
+            };
+            FeatureMatch { feature1, feature2, pair, ratio: 0.5 }
+        };
+        // Near at one end only, farther than the smaller scale at one end, nearer at both.
+        let mut matches = vec![of(0, 3), of(1, 2), of(0, 2), of(1, 3), of(3, 3), of(4, 3)];
+        without_repeats(&mut matches, [&set, &set]);
+        let left: Vec<_> = matches.iter().map(|m| (m.feature1, m.feature2)).collect();
+        assert_eq!(left, [(0, 3), (1, 2), (3, 3), (4, 3)]);
     }
 }

@@ -24,16 +24,18 @@ mod descriptor;
 mod extrema;
 mod matching;
 mod scale_space;
+mod slanted;
 
-use nalgebra::Rotation2;
+use nalgebra::{Matrix2, Rotation2};
 use rayon::prelude::*;
 
-use crate::geometry::Point;
+use crate::geometry::{Point, Vector};
 use crate::image::GrayPlane;
 pub use descriptor::Descriptor;
 use extrema::{Extremum, find_extrema};
-pub use matching::{FeatureMatch, match_candidates, match_features};
+pub use matching::{FeatureMatch, match_candidates, match_features, without_repeats};
 use scale_space::{INTERVALS, Octave, for_each_octave, sigma_at};
+pub use slanted::find_slanted_features;
 
 /// Standard deviation of the place of a feature, in its scales: what two pictures of one thing leave open.
 pub(crate) const SIGMA_PER_SCALE: f64 = 0.25;
@@ -47,8 +49,28 @@ pub struct Feature {
     pub scale: f64,
     /// Direction of its gradients, radians from x towards y, 0 ≤ θ < 2π.
     pub orientation: f64,
+    /// How it is compressed and stretched, for what was seen at a slant: symmetric, determinant 1; the identity for a round
+    /// one. The frame is `shape · R(orientation) · scale`.
+    pub shape: Matrix2<f64>,
     /// How strongly it stands out: difference of Gaussians, grey levels.
     pub response: f64,
+}
+
+impl Feature {
+    /// The first axis of its frame, px.
+    pub fn axis(&self) -> Vector {
+        let (sin, cos) = self.orientation.sin_cos();
+        self.shape * Vector::new(cos, sin) * self.scale
+    }
+
+    /// How offsets around it become offsets around a feature of another picture, if they are of one thing.
+    pub fn affine_to(&self, other: &Self) -> Matrix2<f64> {
+        // A symmetric matrix of determinant 1 is inverted by its adjugate.
+        let shape = &self.shape;
+        let inverse = Matrix2::new(shape.m22, -shape.m12, -shape.m12, shape.m11);
+        let turn = Rotation2::new(other.orientation - self.orientation);
+        other.shape * turn.matrix() * inverse * (other.scale / self.scale)
+    }
 }
 
 /// Features of one picture, each with its descriptor; strongest first.
@@ -86,6 +108,12 @@ impl FeatureSet {
         self.features.retain(|_| *flags.next().unwrap_or(&false));
         let mut flags = kept.iter();
         self.descriptors.retain(|_| *flags.next().unwrap_or(&false));
+    }
+
+    /// Adds those of another set behind these.
+    pub(crate) fn append(&mut self, mut other: Self) {
+        self.features.append(&mut other.features);
+        self.descriptors.append(&mut other.descriptors);
     }
 
     pub(crate) fn push(&mut self, feature: Feature, descriptor: Descriptor) {
@@ -151,6 +179,7 @@ fn described(octave: &Octave, extremum: &Extremum) -> Vec<(Feature, Descriptor)>
             position: centre * octave.spacing,
             scale: sigma * octave.spacing,
             orientation,
+            shape: Matrix2::identity(),
             response: extremum.response,
         };
         Some((feature, descriptor::describe(plane, centre, &frame)?))

@@ -196,3 +196,70 @@ fn flat_and_tiny_pictures_have_no_features() {
         assert!(find_features(&plane, &FeatureParameters::default()).is_empty());
     }
 }
+
+/// Right and unique matches of a texture and the same texture compressed by so much, and how far the maps of the right ones
+/// are from the true one (median of the largest entry).
+fn compressed(angle: f64, by: f64, find: impl Fn(&GrayPlane) -> FeatureSet) -> (usize, usize, f64) {
+    let (side, frame) = (300.0, Frame::new(240, 230));
+    let blobs = texture(side, 1200, 7);
+    let view1 = View::new(side, frame, 0.0, 1.0);
+    let turn = Rotation2::new(angle).into_inner();
+    let affine = turn * Matrix2::from_diagonal(&Vector2::new(1.0 / by, 1.0)) * turn.transpose();
+    let view2 = View { similarity: affine, ..View::new(side, frame, 0.0, 1.0) };
+    let sets = [&view1, &view2].map(|view| find(&view.draw(frame, &blobs)));
+    let mut matches = match_features(&sets[0], &sets[1]);
+    without_repeats(&mut matches, sets.each_ref());
+    matches.retain(|m| m.ratio < 0.8);
+    let onto2 = |p: Point| view2.place(view1.from + (p - view1.to));
+    let is_right = |m: &&FeatureMatch| (m.pair.point2 - onto2(m.pair.point1)).norm() < 1.5;
+    let mut off: Vec<f64> = matches
+        .iter()
+        .filter(is_right)
+        .map(|m| {
+            let [a, b] = [&sets[0].features()[m.feature1], &sets[1].features()[m.feature2]];
+            (a.affine_to(b) - affine).amax()
+        })
+        .collect();
+    off.sort_by(f64::total_cmp);
+    (off.len(), matches.len(), off.get(off.len() / 2).copied().unwrap_or(f64::INFINITY))
+}
+
+#[test]
+fn what_is_seen_at_a_slant_is_found_again_with_the_map_that_the_slant_makes() {
+    let parameters = FeatureParameters::default();
+    let frontal = |plane: &GrayPlane| find_features(plane, &parameters);
+    let all = |plane: &GrayPlane| {
+        let mut set = frontal(plane);
+        set.append(find_slanted_features(plane, &parameters));
+        set
+    };
+    for (degrees, by) in [(0.0, 3.0), (45.0, 2.5), (70.0, 2.5), (135.0, 3.0)] {
+        let angle = f64::to_radians(degrees);
+        let (before, _, _) = compressed(angle, by, frontal);
+        let (right, count, off) = compressed(angle, by, all);
+        println!("{degrees}°, by {by}: {before} before, {right} of {count} right, maps off by {off:.2}");
+        assert!(right > 3 * before.max(10), "{degrees}° {right} {before}");
+        assert!(10 * right > 9 * count, "{degrees}° {right} of {count}");
+        // Compressed to half, not to a third: off by 1/6 along, where a frontal feature is off by 2/3.
+        assert!(off < 0.3, "{degrees}° {off}");
+    }
+}
+
+#[test]
+fn slanted_features_lie_in_the_picture_on_any_number_of_threads_and_flat_ones_have_none() {
+    let blobs = texture(260.0, 1000, 5);
+    let frame = Frame::new(240, 131);
+    let plane = View::new(260.0, frame, 0.0, 1.0).draw(frame, &blobs);
+    let found = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| find_slanted_features(&plane, &FeatureParameters::default()))
+    };
+    let set = found(3);
+    assert!(set.len() > 200 && set.features().iter().all(|f| frame.contains(f.position)));
+    assert!(set.features().iter().all(|f| (f.shape.determinant() - 1.0).abs() < 1e-9));
+    assert_eq!((set.features(), set.descriptors()), (found(1).features(), found(1).descriptors()));
+    for (width, height) in [(1, 1), (16, 16), (90, 40)] {
+        let plane = GrayPlane::from_fn(Frame::new(width, height), |_, _| 77.0);
+        assert!(find_slanted_features(&plane, &FeatureParameters::default()).is_empty());
+    }
+}

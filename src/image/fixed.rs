@@ -4,7 +4,7 @@
 //! caption supports any epipole there is, and says nothing of the scene. So such places are left out before anything is
 //! matched.
 
-use super::{GrayPlane, HALF, Patch, PatchSampler, Warp, find_corners};
+use super::{GrayPlane, HALF, Patch, PatchSampler, Warp, correlation, find_corners};
 use crate::geometry::{Point, Vector, rescaled};
 
 /// Longer side at which pictures are compared, px: letters have corners there.
@@ -77,10 +77,6 @@ impl FixedContent {
         let place = rescaled(point, self.scale);
         self.corners.iter().any(|corner| (corner - place).amax() <= near)
     }
-}
-
-fn correlation(a: &Patch, b: &Patch) -> f32 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 /// Whether the correlation has its peak where there is no offset.

@@ -28,7 +28,7 @@ pub use load::Picture;
 pub use load_error::LoadError;
 pub use options::LoadOptions;
 pub use pair::{PairLevel, PyramidPair, RelativeView};
-pub(crate) use patch::{HALF, Patch, PatchSampler, Warp, offsets, warps_around};
+pub(crate) use patch::{HALF, Patch, PatchSampler, Warp, correlation, offsets, warps_around};
 pub(crate) use patch_block::{PatchBlock, Sketch, correlations, may_correlate, most_correlations};
 pub use plane::GrayPlane;
 pub(crate) use plane::interpolate_all;

@@ -132,6 +132,11 @@ impl<'a> PatchSampler<'a> {
     }
 }
 
+/// How alike two patches are, −1 to 1.
+pub(crate) fn correlation(a: &Patch, b: &Patch) -> f32 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
 /// Brings the mean of the patch to zero and its norm to one; `None` where it is flat.
 fn normalised(patch: &Patch) -> Option<Patch> {
     let sum = |values: &Patch| -> f32 {

@@ -3,7 +3,7 @@
 use super::computation::{Computation, Freshness};
 use super::document::{Document, pair_name};
 use super::verdict::line_score_text;
-use crate::estimate::Stage;
+use crate::estimate::{FeatureViews, Stage};
 
 /// Where a step stands.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -100,10 +100,11 @@ pub fn result_text(stage: Stage, document: &Document, computation: &Computation)
             let trace = estimate?.trace.as_ref()?;
             trace.timings.iter().find(|timing| timing.stage == stage)?;
             let scale = trace.view.scale.map_or(String::new(), |scale| format!(", scaled by {scale:.2}"));
-            Some(if trace.features {
-                format!("image 2 turned by {:.0}°{scale}", trace.view.rotation.to_degrees())
-            } else {
-                "nothing better than upright".to_owned()
+            let turned = || format!("image 2 turned by {:.0}°{scale}", trace.view.rotation.to_degrees());
+            Some(match trace.features {
+                Some(FeatureViews::Frontal) => turned(),
+                Some(FeatureViews::Slanted) => format!("{}, looked at from the side", turned()),
+                None => "nothing better than upright".to_owned(),
             })
         }
     }

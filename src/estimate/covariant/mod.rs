@@ -222,8 +222,8 @@ impl<'a> FeatureSearch<'a> {
                 let (a, b) = (&sets[0].features()[m.feature1], &sets[1].features()[m.feature2]);
                 let pair = units.pair(&m.pair);
                 let along = |image: usize, f: &Feature| {
-                    let (sin, cos) = f.orientation.sin_cos();
-                    [cos, sin].map(|v| v * units.length(image, f.scale))
+                    let axis = f.axis();
+                    [axis.x, axis.y].map(|v| units.length(image, v))
                 };
                 [point_equation(pair), frame_equation(pair, along(0, a), along(1, b))]
             })

@@ -9,10 +9,11 @@
 
 use std::f64::consts::TAU;
 
+use nalgebra::Matrix2;
 use rayon::prelude::*;
 
 use crate::features::{Feature, FeatureMatch, FeatureSet};
-use crate::geometry::{Frame, PointPair, Vector};
+use crate::geometry::{Frame, PointPair};
 
 /// Neighbours are within this share of the longer side, in one image or the other.
 const REACH: f64 = 0.1;
@@ -51,6 +52,8 @@ struct LocalMap {
     pair: PointPair,
     /// Scales of the features, px.
     scales: [f64; 2],
+    /// From offsets in image 1 to offsets in image 2.
+    affine: Matrix2<f64>,
     /// Turn from image 1 to image 2, radians.
     turn: f64,
     /// Scale of image 2 over that of image 1, logarithm.
@@ -60,7 +63,7 @@ struct LocalMap {
 impl LocalMap {
     fn new(m: &FeatureMatch, a: &Feature, b: &Feature) -> Self {
         let (turn, zoom) = (b.orientation - a.orientation, (b.scale / a.scale).ln());
-        Self { pair: m.pair, scales: [a.scale, b.scale], turn, zoom }
+        Self { pair: m.pair, scales: [a.scale, b.scale], affine: a.affine_to(b), turn, zoom }
     }
 
     /// Whether another pair is where this match expects it, at a distance that says something.
@@ -75,8 +78,7 @@ impl LocalMap {
         if dv > REACH * sides[0] && dw > REACH * sides[1] {
             return false;
         }
-        let (sin, cos) = self.turn.sin_cos();
-        let expected = Vector::new(cos * v.x - sin * v.y, sin * v.x + cos * v.y) * self.zoom.exp();
+        let expected = self.affine * v;
         (expected - w).norm() < STRAY * dw.max(expected.norm())
     }
 

@@ -160,6 +160,8 @@ fn near_line(map: &FeatureMap, line: [f32; 3], pulled: f32) -> Vec<usize> {
 
 #[cfg(test)]
 mod tests {
+    use nalgebra::Matrix2;
+
     use super::*;
     use crate::features::{Descriptor, Feature, FeatureSet};
     use crate::geometry::{Camera, Frame, Point};
@@ -176,7 +178,10 @@ mod tests {
         for k in 0..count {
             let position = Point::new(900.0 * value(k, 0.618_034), 600.0 * value(k, 0.754_877));
             let scale = 1.5 + 6.0 * value(k, 0.37);
-            set.push(Feature { position, scale, orientation: 0.0, response: 10.0 }, ALIKE);
+            set.push(
+                Feature { position, scale, orientation: 0.0, shape: Matrix2::identity(), response: 10.0 },
+                ALIKE,
+            );
         }
         set
     }

@@ -36,7 +36,13 @@ fn scene(right: usize, wrong: usize, sigma: f64) -> Scene {
         for (set, (position, orientation)) in
             scene.sets.iter_mut().zip([(pair.point1, 1.0), (pair.point2, 1.0 + turn)])
         {
-            let feature = Feature { position, scale: 2.0, orientation, response: 10.0 };
+            let feature = Feature {
+                position,
+                scale: 2.0,
+                orientation,
+                shape: nalgebra::Matrix2::identity(),
+                response: 10.0,
+            };
             let descriptor = std::array::from_fn(|i| ((i * (k + 1) * 7919 + i * i * 31) % 97) as u8);
             set.push(feature, descriptor);
         }

@@ -1,5 +1,7 @@
 //! Support by matches of covariant features, beside that of corners: each counts where it is near its epipolar lines.
 
+use nalgebra::Matrix2;
+
 use super::near_lines::{NearLines, is_within};
 use crate::geometry::{FundamentalMatrix, PointPair};
 
@@ -20,6 +22,8 @@ pub(in crate::estimate) struct FeatureSupport {
     pub pair: PointPair,
     /// Standard deviation of a coordinate, px of image 1.
     pub sigma: f64,
+    /// How offsets in image 1 become offsets in image 2, as the two frames say.
+    pub affine: Matrix2<f64>,
     /// What it is worth, on the scale of correlations of patches.
     pub correlation: f32,
 }
@@ -27,8 +31,13 @@ pub(in crate::estimate) struct FeatureSupport {
 impl FeatureSupport {
     /// A match whose descriptors' distance is this share of that to the next best. What is as near to another place says
     /// nothing, as a correlation at the floor; what is unique is worth a correlation of 1.
-    pub fn new(pair: PointPair, sigma: f64, ratio: f64) -> Self {
-        Self { pair, sigma, correlation: FLOOR + (1.0 - FLOOR) * (1.0 - ratio).clamp(0.0, 1.0) as f32 }
+    pub fn new(pair: PointPair, sigma: f64, affine: Matrix2<f64>, ratio: f64) -> Self {
+        Self {
+            pair,
+            sigma,
+            affine,
+            correlation: FLOOR + (1.0 - FLOOR) * (1.0 - ratio).clamp(0.0, 1.0) as f32,
+        }
     }
 }
 

@@ -4,12 +4,14 @@ use std::sync::Arc;
 
 use nalgebra::Matrix3;
 
+use super::aligned_features::AlignedFeatures;
 use super::corner_patches::CornerPatches;
 use super::feature_support::{FeatureSupport, SupportingMatch};
 use super::refinement::{Refined, RefinementLevel, SharedPatches};
 use super::support::{PatchSupport, Support, SupportLevel};
 use super::voting::KappaVoting;
 use crate::cancel::CancelFlag;
+use crate::estimate::FeatureViews;
 use crate::estimate::made_once::MadeOnce;
 use crate::geometry::{FundamentalMatrix, Observation, PointPair, rescaling};
 use crate::image::{PairLevel, PyramidPair, RelativeView, warps_around};
@@ -29,8 +31,11 @@ const REFINEMENT_SIDES: [f64; 2] = [800.0, f64::INFINITY];
 #[derive(Debug)]
 pub(in crate::estimate) struct PatchLevels {
     corners: Arc<CornerLevels>,
-    /// Matches of covariant features that support beside corners.
-    features: Vec<FeatureSupport>,
+    /// Matches of covariant features that support beside corners, and of which.
+    features: Arc<[FeatureSupport]>,
+    of: Option<FeatureViews>,
+    /// The same at the levels of the refinement.
+    aligned: [AlignedFeatures; REFINEMENT_SIDES.len()],
     /// Support where proposals are ranked, with the features.
     with_features: MadeOnce<SupportLevel>,
 }
@@ -59,12 +64,25 @@ impl PatchLevels {
             refinement: REFINEMENT_SIDES.map(|_| RefinementLevel::on(&patches)),
             patches,
         };
-        Self { corners: Arc::new(corners), features: Vec::new(), with_features: MadeOnce::default() }
+        Self {
+            corners: Arc::new(corners),
+            features: Arc::default(),
+            of: None,
+            aligned: Default::default(),
+            with_features: MadeOnce::default(),
+        }
     }
 
     /// The same corners, with matches of features beside them, in full-size pixels.
-    pub fn with_features(&self, features: Vec<FeatureSupport>) -> Self {
-        Self { corners: Arc::clone(&self.corners), features, with_features: MadeOnce::default() }
+    pub fn with_features(&self, of: FeatureViews, features: Vec<FeatureSupport>) -> Self {
+        let features: Arc<[FeatureSupport]> = features.into();
+        Self {
+            corners: Arc::clone(&self.corners),
+            of: Some(of),
+            aligned: REFINEMENT_SIDES.map(|_| AlignedFeatures::new(Arc::clone(&features))),
+            with_features: MadeOnce::default(),
+            features,
+        }
     }
 
     /// How the images are turned and scaled against each other.
@@ -72,9 +90,9 @@ impl PatchLevels {
         self.corners.view
     }
 
-    /// Whether covariant features support beside corners.
-    pub fn has_features(&self) -> bool {
-        !self.features.is_empty()
+    /// Which covariant features support beside corners.
+    pub fn features(&self) -> Option<FeatureViews> {
+        self.of
     }
 
     /// Support where proposals are made: of corners alone.
@@ -139,9 +157,9 @@ impl PatchLevels {
         let clicks: Vec<Observation> =
             clicks.iter().map(|pair| Observation { pair: *pair, sigma: click_sigma }).collect();
         let mut refined: Option<Refined> = None;
-        for (level, stage) in self.refinement(pyramids) {
+        for ((level, stage), aligned) in self.refinement(pyramids).into_iter().zip(&self.aligned) {
             let start = refined.as_ref().map_or(*f, |r| r.fundamental);
-            match stage.refine(&level, self.view(), &self.features, &start, &clicks, cancel) {
+            match stage.refine(&level, self.view(), aligned, &start, &clicks, cancel) {
                 Some(result) => refined = Some(result),
                 None => break,
             }

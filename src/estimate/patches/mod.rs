@@ -3,6 +3,7 @@
 //!
 //! Line similarity proposes (see [`super::lines`]), patches dispose.
 
+mod aligned_features;
 mod corner_patches;
 mod feature_support;
 mod level_corners;

@@ -11,10 +11,10 @@ use nalgebra::Matrix3;
 use rayon::prelude::*;
 use serde::Serialize;
 
+use super::aligned_features::AlignedFeatures;
 use super::corner_patches::CornerPatches;
-use super::feature_support::{FLOOR, FeatureSupport};
+use super::feature_support::FLOOR;
 use super::level_corners::{Alike, LevelCorners};
-use super::near_lines::is_within;
 use super::uncertainty::Uncertainty;
 use crate::cancel::CancelFlag;
 use crate::estimate::made_once::MadeOnce;
@@ -42,14 +42,6 @@ pub struct Refinement {
     pub uncertainty: Option<Uncertainty>,
 }
 
-impl FeatureSupport {
-    /// The match in pixels of a level, with its standard deviation there.
-    fn at(&self, scales: [f64; 2]) -> (RefinedMatch, f64) {
-        let found = RefinedMatch { pair: self.pair.rescaled(scales), correlation: self.correlation };
-        (found, (self.sigma * scales[0]).max(MATCH_SIGMA))
-    }
-}
-
 /// Corners and patches of one level, computed once per image pair.
 #[derive(Debug, Default)]
 pub(in crate::estimate) struct RefinementLevel {
@@ -66,7 +58,7 @@ const CORNERS: usize = 1500;
 /// Widths of the band, px of the level, one round each.
 const BANDS: [f64; 3] = [4.0, 2.0, 1.2];
 /// Standard deviation of a refined match, px of the level.
-const MATCH_SIGMA: f64 = 0.3;
+pub(super) const MATCH_SIGMA: f64 = 0.3;
 /// Standard deviations of a match that its band is wide: a match beyond one of them loses influence in the fit.
 const BAND_DEVIATIONS: f64 = 3.0;
 /// Least width of the band, in standard deviations of a match: nearer ones are as good as any.
@@ -135,14 +127,13 @@ impl RefinementLevel {
         &self,
         level: &PairLevel,
         view: RelativeView,
-        features: &[FeatureSupport],
+        features: &AlignedFeatures,
         f: &FundamentalMatrix,
         clicks: &[Observation],
         cancel: &CancelFlag,
     ) -> Option<Refined> {
         let [s1, s2] = level.scales;
         let mut current = f.rescaled(s1, s2)?;
-        let features: Vec<(RefinedMatch, f64)> = features.iter().map(|m| m.at(level.scales)).collect();
         // Each with its standard deviation.
         let mut matches: Vec<(RefinedMatch, f64)> = Vec::new();
         let mut covariance = None;
@@ -152,7 +143,7 @@ impl RefinementLevel {
             }
             let guided = self.guided_matches(level, self.corners(level, view), &current, band);
             matches = guided.into_iter().map(|m| (m, MATCH_SIGMA)).collect();
-            matches.extend(features.iter().filter(|(m, _)| is_within(&current, &m.pair, band)));
+            matches.extend(features.near(level, &current, band));
             if matches.len() < LEAST_MATCHES {
                 return None;
             }
@@ -293,7 +284,14 @@ mod tests {
     ) -> Option<Refined> {
         let clicks: Vec<_> = clicks.iter().map(|pair| Observation { pair: *pair, sigma: 1.0 }).collect();
         let (level, view) = (pyramids.level(side), RelativeView::UPRIGHT);
-        RefinementLevel::default().refine(&level, view, &[], f, &clicks, &CancelFlag::default())
+        RefinementLevel::default().refine(
+            &level,
+            view,
+            &AlignedFeatures::default(),
+            f,
+            &clicks,
+            &CancelFlag::default(),
+        )
     }
 
     #[test]
@@ -354,8 +352,9 @@ mod tests {
         let level = pyramids.level(f64::INFINITY);
         let shared = RefinementLevel::default();
         let view = RelativeView::UPRIGHT;
-        let run =
-            |f: &FundamentalMatrix| shared.refine(&level, view, &[], f, &[], &CancelFlag::default()).unwrap();
+        let run = |f: &FundamentalMatrix| {
+            shared.refine(&level, view, &AlignedFeatures::default(), f, &[], &CancelFlag::default()).unwrap()
+        };
         let start = scene.disturbed(0.5);
         let first = run(&start);
         run(&scene.disturbed(-1.0));
@@ -377,6 +376,10 @@ mod tests {
         let stopped = flag;
         let level = pyramids.level(f64::INFINITY);
         let (f, view) = (scene.fundamental(), RelativeView::UPRIGHT);
-        assert!(RefinementLevel::default().refine(&level, view, &[], &f, &[], &stopped).is_none());
+        assert!(
+            RefinementLevel::default()
+                .refine(&level, view, &AlignedFeatures::default(), &f, &[], &stopped)
+                .is_none()
+        );
     }
 }

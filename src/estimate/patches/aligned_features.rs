@@ -1,0 +1,125 @@
+//! Matches of features at a level of the refinement, moved to where their surroundings fit.
+//!
+//! A feature is placed to a quarter of its scale, a patch to a fraction of a pixel: where the surroundings of a match are
+//! alike under the affine map that its two frames say, it is as good as one of corners, and counts like one.
+
+use std::sync::{Arc, OnceLock};
+
+use rayon::prelude::*;
+
+use super::feature_support::FeatureSupport;
+use super::near_lines::is_within;
+use super::refinement::{MATCH_SIGMA, RefinedMatch};
+use crate::geometry::{FundamentalMatrix, PointPair};
+use crate::image::{Alignment, PairLevel, PatchSampler, Placement, Warp, align, correlation};
+
+/// Matches of features at one level, each aligned when it is first near a geometry: the same whatever `F`.
+#[derive(Debug, Default)]
+pub(super) struct AlignedFeatures {
+    features: Arc<[FeatureSupport]>,
+    aligned: Vec<OnceLock<Aligned>>,
+}
+
+/// A match in pixels of a level, with its standard deviation there.
+pub(super) type Aligned = (RefinedMatch, f64);
+
+/// Correlation from which on a patch is where it was moved to.
+const LEAST_CORRELATION: f32 = 0.8;
+
+impl AlignedFeatures {
+    /// Of these, none of which is aligned yet.
+    pub fn new(features: Arc<[FeatureSupport]>) -> Self {
+        Self { aligned: features.iter().map(|_| OnceLock::new()).collect(), features }
+    }
+
+    /// Those within `band` px of their epipolar lines, in pixels of the level.
+    pub fn near(&self, level: &PairLevel, f: &FundamentalMatrix, band: f64) -> Vec<Aligned> {
+        self.features
+            .par_iter()
+            .zip(&self.aligned)
+            .filter(|(feature, _)| is_within(f, &feature.pair.rescaled(level.scales), band))
+            .map(|(feature, aligned)| *aligned.get_or_init(|| placed(level, feature)))
+            .filter(|(found, _)| is_within(f, &found.pair, band))
+            .collect()
+    }
+}
+
+/// The match where its surroundings fit, or where its features are if they do not.
+fn placed(level: &PairLevel, feature: &FeatureSupport) -> Aligned {
+    let pair = feature.pair.rescaled(level.scales);
+    let affine: Warp = feature.affine * (level.scales[1] / level.scales[0]);
+    let start = Placement { at: pair.point2, affine };
+    let moved = align(level.planes, pair.point1, start, &Alignment::STRICT).filter(|placement| {
+        let first = PatchSampler::new(level.planes[0], &Warp::identity()).patch(pair.point1);
+        let second = PatchSampler::new(level.planes[1], &placement.affine).patch(placement.at);
+        first.zip(second).is_some_and(|(first, second)| correlation(&first, &second) > LEAST_CORRELATION)
+    });
+    let found = |pair: PointPair| RefinedMatch { pair, correlation: feature.correlation };
+    match moved {
+        Some(placement) => (found(PointPair { point2: placement.at, ..pair }), MATCH_SIGMA),
+        None => (found(pair), (feature.sigma * level.scales[0]).max(MATCH_SIGMA)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::estimate::exact::ExactScene;
+    use crate::geometry::{Point, Vector};
+    use crate::image::PyramidPair;
+
+    #[test]
+    fn a_feature_that_is_a_bit_off_is_moved_and_counts_like_a_corner_and_another_stays() {
+        let scene = ExactScene::aside();
+        let [plane1, plane2] = scene.planes();
+        let pyramids = PyramidPair::new(&plane1, &plane2, 48.0);
+        let level = pyramids.level(f64::INFINITY);
+        let feature = |point1: Point, off: Vector| {
+            let pair = PointPair { point1, point2: scene.partner(point1) + off };
+            FeatureSupport::new(pair, 0.9, Warp::identity(), 0.5)
+        };
+        let corners = level.corners(0, 60, 20);
+        let near: Vec<FeatureSupport> =
+            corners.iter().map(|corner| feature(*corner, Vector::new(0.5, -0.4))).collect();
+        let found: Vec<Aligned> = near.iter().map(|feature| placed(&level, feature)).collect();
+        let moved: Vec<&Aligned> = found.iter().filter(|(_, sigma)| *sigma == MATCH_SIGMA).collect();
+        assert!(3 * moved.len() > 2 * found.len(), "{} of {}", moved.len(), found.len());
+        let mut off: Vec<f64> =
+            moved.iter().map(|(m, _)| (scene.partner(m.pair.point1) - m.pair.point2).norm()).collect();
+        off.sort_by(f64::total_cmp);
+        assert!(off[off.len() / 2] < 0.1, "{} px", off[off.len() / 2]);
+        // Something else is there.
+        let wrong: Vec<FeatureSupport> =
+            corners.iter().map(|corner| feature(*corner, Vector::new(19.0, 23.0))).collect();
+        let stayed = wrong.iter().filter(|feature| {
+            let (found, sigma) = placed(&level, feature);
+            sigma == feature.sigma && found.pair == feature.pair
+        });
+        assert!(10 * stayed.count() > 9 * wrong.len());
+    }
+
+    #[test]
+    fn only_what_is_near_the_lines_is_asked_for_and_it_is_the_same_each_time() {
+        let scene = ExactScene::aside();
+        let [plane1, plane2] = scene.planes();
+        let pyramids = PyramidPair::new(&plane1, &plane2, 48.0);
+        let level = pyramids.level(f64::INFINITY);
+        let features: Vec<FeatureSupport> = level
+            .corners(0, 60, 20)
+            .into_iter()
+            .enumerate()
+            .map(|(k, point1)| {
+                let off = Vector::new(0.0, if k % 2 == 0 { 0.3 } else { 25.0 });
+                let pair = PointPair { point1, point2: scene.partner(point1) + off };
+                FeatureSupport::new(pair, 0.9, Warp::identity(), 0.5)
+            })
+            .collect();
+        let half = features.len().div_ceil(2);
+        let aligned = AlignedFeatures::new(features.into());
+        let near = |band: f64| aligned.near(&level, &scene.fundamental(), band);
+        let wide = near(4.0);
+        assert!(wide.len() >= half - 2 && wide.len() <= half + 4, "{} of {half}", wide.len());
+        assert!(near(0.5).iter().all(|found| wide.contains(found)) && near(4.0) == wide);
+        assert!(AlignedFeatures::default().near(&level, &scene.fundamental(), 4.0).is_empty());
+    }
+}
