@@ -1,23 +1,11 @@
 //! Covariant features of two images and their matches, as the images are and as they look at a slant.
 
-use serde::Serialize;
-
 use super::patches::FeatureSupport;
 use crate::features::{
     FeatureMatch, FeatureParameters, FeatureSet, SIGMA_PER_SCALE, find_features, find_slanted_features,
     match_features, without_repeats,
 };
 use crate::image::PyramidPair;
-
-/// Which covariant features are looked at.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum FeatureViews {
-    /// Those of the images as they are.
-    Frontal,
-    /// Besides these, those of the images compressed in several directions, as things look at a slant.
-    Slanted,
-}
 
 /// Covariant features of both images, and which of them are each other's nearest.
 #[derive(Debug)]
@@ -75,8 +63,8 @@ fn without_fixed(mut sets: [FeatureSet; 2], pyramids: &PyramidPair) -> [FeatureS
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use crate::estimate::exact::ExactScene;
+    use crate::features::FeatureViews;
     use crate::image::RelativeView;
 
     #[test]

@@ -41,7 +41,6 @@ pub use driver::{estimate, estimate_prepared};
 pub use error::{EstimateError, Warning};
 pub use follow::follow;
 pub use lines::{Candidate, ComparedPencils, Construction, LineFigures, RoundTrip, lines_at};
-pub use matched_features::FeatureViews;
 pub use monitor::{Monitor, Progress};
 pub use parameters::{
     LineScore, LinesAloneParameters, Method, PARAMETERS, ParameterEntry, ParameterValue, Parameters,

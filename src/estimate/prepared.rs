@@ -5,9 +5,10 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use super::lines::ComparedPencils;
 use super::made_once::MadeOnce;
-use super::matched_features::{FeatureViews, MatchedFeatures};
+use super::matched_features::MatchedFeatures;
 use super::patches::PatchLevels;
 use super::{CancelFlag, Estimate, EstimateError, Parameters, PencilParameters};
+use crate::features::FeatureViews;
 use crate::geometry::{Frame, PointPair};
 use crate::image::{GrayPlane, PyramidPair, RelativeView};
 use crate::motion::{MotionError, Silhouettes};

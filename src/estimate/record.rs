@@ -149,7 +149,7 @@ mod tests {
     use super::super::assess::little_texture;
     use super::super::{ClickRole, PreparedPair, SearchPlan, Warning};
     use super::*;
-    use crate::estimate::FeatureViews;
+    use crate::features::FeatureViews;
     use crate::geometry::{Frame, PointPair};
     use crate::image::{GrayPlane, RelativeView};
 

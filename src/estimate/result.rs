@@ -10,9 +10,10 @@ use serde::Serialize;
 
 use super::patches::Hypothesis;
 use super::{
-    Clicks, ComparedPencils, FeatureViews, LineFigures, Method, PatchSupport, Preset, RefinedMatch,
-    Refinement, Stage, Trust, Uncertainty, Warning,
+    Clicks, ComparedPencils, LineFigures, Method, PatchSupport, Preset, RefinedMatch, Refinement, Stage,
+    Trust, Uncertainty, Warning,
 };
+use crate::features::FeatureViews;
 use crate::geometry::{EpipolarGeometry, FundamentalMatrix};
 use crate::image::RelativeView;
 

@@ -329,7 +329,7 @@ mod tests {
     use super::super::exact::ExactScene;
     use super::super::{CancelFlag, PreparedPair, SearchPlan};
     use super::*;
-    use crate::estimate::FeatureViews;
+    use crate::features::FeatureViews;
     use crate::geometry::PointPair;
     use crate::image::RelativeView;
 

@@ -10,12 +10,13 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
 use super::choice::{self, ClickedPairs};
-use super::matched_features::{FeatureViews, MatchedFeatures};
+use super::matched_features::MatchedFeatures;
 use super::patches::PatchLevels;
 use super::record::SearchRecord;
 use super::search::{Judged, SearchInput, by_patches, compared};
 use super::wider::{FeatureProposals, by_features};
 use super::{EstimateError, PreparedPair, Stage};
+use crate::features::FeatureViews;
 use crate::geometry::{FundamentalMatrix, PointPair, apart_across_lines, sampson_distance};
 use crate::image::RelativeView;
 

@@ -1,8 +1,8 @@
 //! How the two images are turned and scaled against each other, from the features that a geometry explains.
 
 use super::PreparedPair;
-use super::matched_features::{FeatureViews, MatchedFeatures};
-use crate::features::FeatureMatch;
+use super::matched_features::MatchedFeatures;
+use crate::features::{FeatureMatch, FeatureViews};
 use crate::geometry::{Frame, FundamentalMatrix, sampson_distance};
 use crate::image::RelativeView;
 

@@ -4,12 +4,12 @@ use super::choice::{ClickedPairs, chosen};
 use super::covariant::{
     FeatureEvidence, FeatureHypothesis, FeatureSearchParameters, hypotheses_from_features,
 };
-use super::matched_features::FeatureViews;
 use super::patches::{self, Proposal};
 use super::record::SearchRecord;
 use super::search::{Found, Judged, SearchInput, by_patches};
 use super::views::{is_same, view_of};
 use super::{Estimate, EstimateError, Stage};
+use crate::features::FeatureViews;
 use crate::geometry::{
     FundamentalMatrix, Observation, PointPair, eight_point, fit_fundamental, sampson_distance, seven_point,
 };

@@ -17,8 +17,8 @@
 //!
 //! # Pitfalls
 //! - A position is good to a few tenths of a pixel times the scale over 2; large features are less exact.
-//! - Between views that differ by more than some 40° of slant few features are found again: the frames are similarities,
-//!   not affine.
+//! - Between views that differ by more than some 40° of slant few features are found again: their frames are similarities,
+//!   not affine. [`find_slanted_features`] finds those of the picture as it looks at a slant, at some three times the cost.
 
 mod descriptor;
 mod extrema;
@@ -35,7 +35,7 @@ pub use descriptor::Descriptor;
 use extrema::{Extremum, find_extrema};
 pub use matching::{FeatureMatch, match_candidates, match_features, without_repeats};
 use scale_space::{INTERVALS, Octave, for_each_octave, sigma_at};
-pub use slanted::find_slanted_features;
+pub use slanted::{FeatureViews, find_slanted_features};
 
 /// Standard deviation of the place of a feature, in its scales: what two pictures of one thing leave open.
 pub(crate) const SIGMA_PER_SCALE: f64 = 0.25;

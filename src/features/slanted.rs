@@ -20,6 +20,15 @@ use super::{Feature, FeatureParameters, FeatureSet, find_features};
 use crate::geometry::{Frame, Point, Vector};
 use crate::image::GrayPlane;
 
+/// How a picture is looked at for its features.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FeatureViews {
+    /// As it is.
+    Frontal,
+    /// As it is, and compressed in several directions, as things look at a slant.
+    Slanted,
+}
+
 /// Directions of compression, `k · π/4`.
 const DIRECTIONS: usize = 4;
 /// Pixels of a row of the turned picture that become one of the view.
@@ -31,7 +40,7 @@ const REACH: usize = 4;
 
 /// A picture compressed in one direction.
 struct Slant {
-    /// From offsets in the picture to offsets in the turned one.
+    /// Turns offsets in the picture into offsets in the turned one.
     turn: Rotation2<f64>,
     /// The middle of the picture, and that of the turned picture, px.
     centres: [Point; 2],

@@ -3,7 +3,8 @@
 use super::computation::{Computation, Freshness};
 use super::document::{Document, pair_name};
 use super::verdict::line_score_text;
-use crate::estimate::{FeatureViews, Stage};
+use crate::estimate::Stage;
+use crate::features::FeatureViews;
 
 /// Where a step stands.
 #[derive(Debug, Clone, Copy, PartialEq)]

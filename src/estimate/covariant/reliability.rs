@@ -3,7 +3,7 @@
 //! Three witnesses, each worth its own factor of the odds (what right and wrong matches were seen to have):
 //!
 //! - the **ratio** of its distance to that of the next best elsewhere;
-//! - **local support**: a match says, by its two positions, scales and orientations, where its neighbours should be; how
+//! - **local support**: a match says, by its two frames, where its neighbours should be; how
 //!   many of the matches around are there, turned and scaled alike (as in `AdaLAM`, Cavalli et al. 2020);
 //! - **the clicks**, which say the same as neighbours and are certain.
 
@@ -52,7 +52,7 @@ struct LocalMap {
     pair: PointPair,
     /// Scales of the features, px.
     scales: [f64; 2],
-    /// From offsets in image 1 to offsets in image 2.
+    /// Maps offsets in image 1 to offsets in image 2, as the two frames say.
     affine: Matrix2<f64>,
     /// Turn from image 1 to image 2, radians.
     turn: f64,

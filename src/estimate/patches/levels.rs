@@ -11,8 +11,8 @@ use super::refinement::{Refined, RefinementLevel, SharedPatches};
 use super::support::{PatchSupport, Support, SupportLevel};
 use super::voting::KappaVoting;
 use crate::cancel::CancelFlag;
-use crate::estimate::FeatureViews;
 use crate::estimate::made_once::MadeOnce;
+use crate::features::FeatureViews;
 use crate::geometry::{FundamentalMatrix, Observation, PointPair, rescaling};
 use crate::image::{PairLevel, PyramidPair, RelativeView, warps_around};
 
