@@ -30,10 +30,10 @@ impl MatchedFeatures {
     pub fn with_slanted(&self, pyramids: &PyramidPair) -> Self {
         let parameters = FeatureParameters::default();
         let planes = pyramids.level(f64::INFINITY).planes;
-        let find = |image: usize| find_slanted_features(planes[image], &parameters);
-        let (first, second) = rayon::join(|| find(0), || find(1));
+        // One after the other, as its views are: so that never more than one of these is held.
+        let slanted = planes.map(|plane| find_slanted_features(plane, &parameters));
         let mut sets = self.sets.clone();
-        for (set, more) in sets.iter_mut().zip(without_fixed([first, second], pyramids)) {
+        for (set, more) in sets.iter_mut().zip(without_fixed(slanted, pyramids)) {
             set.append(more);
         }
         let mut matches = match_features(&sets[0], &sets[1]);

@@ -14,7 +14,6 @@
 use std::f64::consts::{FRAC_PI_4, SQRT_2, TAU};
 
 use nalgebra::{Matrix2, Rotation2};
-use rayon::prelude::*;
 
 use super::{Feature, FeatureParameters, FeatureSet, find_features};
 use crate::geometry::{Frame, Point, Vector};
@@ -107,19 +106,16 @@ pub fn find_slanted_features(plane: &GrayPlane, parameters: &FeatureParameters) 
     // Together they may take a few times as long as the picture as it is.
     let (most, largest_octave) = (parameters.most / DIRECTIONS, parameters.largest_octave / 2);
     let parameters = FeatureParameters { most, largest_octave, ..*parameters };
-    let of_view = |k: usize| {
+    let mut all = FeatureSet::default();
+    // One after the other, each on all threads: of a large picture a view is large, too.
+    for k in 0..DIRECTIONS {
         let slant = Slant::new(frame, k as f64 * FRAC_PI_4);
         let mut set = find_features(&slant.view(plane), &parameters);
         for feature in &mut set.features {
             *feature = slant.feature_in_picture(feature);
         }
         set.retain(|feature| frame.contains(feature.position));
-        set
-    };
-    let views: Vec<FeatureSet> = (0..DIRECTIONS).into_par_iter().map(of_view).collect();
-    let mut all = FeatureSet::default();
-    for view in views {
-        all.append(view);
+        all.append(set);
     }
     all
 }

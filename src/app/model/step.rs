@@ -104,7 +104,7 @@ pub fn result_text(stage: Stage, document: &Document, computation: &Computation)
             let turned = || format!("image 2 turned by {:.0}°{scale}", trace.view.rotation.to_degrees());
             Some(match trace.features {
                 Some(FeatureViews::Frontal) => turned(),
-                Some(FeatureViews::Slanted) => format!("{}, looked at from the side", turned()),
+                Some(FeatureViews::Slanted) => format!("{}, also at a slant", turned()),
                 None => "nothing better than upright".to_owned(),
             })
         }

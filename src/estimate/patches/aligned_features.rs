@@ -68,29 +68,36 @@ mod tests {
     use crate::geometry::{Point, Vector};
     use crate::image::PyramidPair;
 
-    #[test]
-    fn a_feature_that_is_a_bit_off_is_moved_and_counts_like_a_corner_and_another_stays() {
+    fn scene() -> (ExactScene, PyramidPair) {
         let scene = ExactScene::aside();
         let [plane1, plane2] = scene.planes();
-        let pyramids = PyramidPair::new(&plane1, &plane2, 48.0);
+        (scene, PyramidPair::new(&plane1, &plane2, 48.0))
+    }
+
+    /// A match of a point that is so far off.
+    fn off(scene: &ExactScene, point1: Point, by: Vector) -> FeatureSupport {
+        let pair = PointPair { point1, point2: scene.partner(point1) + by };
+        FeatureSupport::new(pair, 0.9, Warp::identity(), 0.5)
+    }
+
+    #[test]
+    fn a_feature_that_is_a_bit_off_is_moved_and_counts_like_a_corner_and_another_stays() {
+        let (scene, pyramids) = scene();
         let level = pyramids.level(f64::INFINITY);
-        let feature = |point1: Point, off: Vector| {
-            let pair = PointPair { point1, point2: scene.partner(point1) + off };
-            FeatureSupport::new(pair, 0.9, Warp::identity(), 0.5)
-        };
         let corners = level.corners(0, 60, 20);
         let near: Vec<FeatureSupport> =
-            corners.iter().map(|corner| feature(*corner, Vector::new(0.5, -0.4))).collect();
+            corners.iter().map(|corner| off(&scene, *corner, Vector::new(0.5, -0.4))).collect();
         let found: Vec<Aligned> = near.iter().map(|feature| placed(&level, feature)).collect();
         let moved: Vec<&Aligned> = found.iter().filter(|(_, sigma)| *sigma <= MATCH_SIGMA).collect();
         assert!(3 * moved.len() > 2 * found.len(), "{} of {}", moved.len(), found.len());
-        let mut off: Vec<f64> =
+        let mut errors: Vec<f64> =
             moved.iter().map(|(m, _)| (scene.partner(m.pair.point1) - m.pair.point2).norm()).collect();
-        off.sort_by(f64::total_cmp);
-        assert!(off[off.len() / 2] < 0.1, "{} px", off[off.len() / 2]);
+        errors.sort_by(f64::total_cmp);
+        let middle = errors[errors.len() / 2];
+        assert!(middle < 0.1, "{middle} px");
         // Something else is there.
         let wrong: Vec<FeatureSupport> =
-            corners.iter().map(|corner| feature(*corner, Vector::new(19.0, 23.0))).collect();
+            corners.iter().map(|corner| off(&scene, *corner, Vector::new(19.0, 23.0))).collect();
         let stayed = wrong.iter().filter(|feature| {
             let (found, sigma) = placed(&level, feature);
             sigma > MATCH_SIGMA && found.pair == feature.pair
@@ -100,19 +107,13 @@ mod tests {
 
     #[test]
     fn only_what_is_near_the_lines_is_asked_for_and_it_is_the_same_each_time() {
-        let scene = ExactScene::aside();
-        let [plane1, plane2] = scene.planes();
-        let pyramids = PyramidPair::new(&plane1, &plane2, 48.0);
+        let (scene, pyramids) = scene();
         let level = pyramids.level(f64::INFINITY);
         let features: Vec<FeatureSupport> = level
             .corners(0, 60, 20)
             .into_iter()
             .enumerate()
-            .map(|(k, point1)| {
-                let off = Vector::new(0.0, if k % 2 == 0 { 0.3 } else { 25.0 });
-                let pair = PointPair { point1, point2: scene.partner(point1) + off };
-                FeatureSupport::new(pair, 0.9, Warp::identity(), 0.5)
-            })
+            .map(|(k, point1)| off(&scene, point1, Vector::new(0.0, if k % 2 == 0 { 0.3 } else { 25.0 })))
             .collect();
         let half = features.len().div_ceil(2);
         let aligned = AlignedFeatures::new(features.into());
