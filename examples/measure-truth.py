@@ -87,15 +87,23 @@ def main():
     for name in ("left", "right", "truth", "result"):
         parser.add_argument(name)
     given = parser.parse_args()
-    truth = np.loadtxt(given.truth, ndmin=2)[:, :4]
+    try:
+        truth = np.loadtxt(given.truth, ndmin=2)[:, :4]
+        with open(given.result) as file:
+            result = json.load(file)
+        ours = np.array(result["fundamental"], dtype=float).reshape(3, 3)
+        matches = np.array([match["pair"] for match in result["matches"]], dtype=float).reshape(-1, 4)
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        sys.exit(f"Cannot read the true matches or the result: {error}")
+    if truth.shape[1] < 4:
+        sys.exit("The true matches need four numbers a line: x1 y1 x2 y2")
+    if len(matches) < 3:
+        sys.exit("The result holds no matches to start from: it was not refined on patches")
     images = [cv2.imread(f, cv2.IMREAD_GRAYSCALE) for f in (given.left, given.right)]
     if any(image is None for image in images):
         sys.exit("OpenCV cannot read the images")
     images = [image.astype(np.float32) for image in images]
-    with open(given.result) as file:
-        result = json.load(file)
-    ours, theirs = np.array(result["fundamental"]), by_magsac(given.left, given.right)
-    matches = np.array([match["pair"] for match in result["matches"]])
+    theirs = by_magsac(given.left, given.right)
 
     kept, new, moved = [], [], []
     for match in truth:
