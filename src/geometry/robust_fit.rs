@@ -83,6 +83,71 @@ pub fn fit_fundamental(
     Some(FundamentalFit { fundamental, covariance })
 }
 
+/// Covariance of the nine entries of a fitted `F`, row by row, without trust in the σ of the observations or in their
+/// independence: the sandwich estimator of M-estimators (Huber 1967), with the residuals of one group taken as
+/// correlated (Liang & Zeger 1986).
+///
+/// The loss is the Cauchy cost of [`fit_fundamental`] with a scale of 1. `groups` has the number of the group of each
+/// observation. `None` when fewer groups than twice the seven unknowns have observations, or when the observations do
+/// not determine all seven numbers.
+pub fn grouped_covariance(
+    f: &FundamentalMatrix,
+    observations: &[Observation],
+    groups: &[usize],
+) -> Option<Matrix9> {
+    let conditioning = Conditioning::new(observations);
+    let representation = Orthonormal::new(&conditioning.conditioned(f.matrix()))?;
+    let matrix = representation.matrix();
+    let derivatives = representation.derivatives(&matrix);
+    let by_entries = SMatrix::<f64, 9, 7>::from_fn(|row, k| derivatives[k][(row / 3, row % 3)]);
+    let count = groups.iter().max()? + 1;
+    let mut scores = vec![Vector7::zeros(); count];
+    let mut seen = vec![false; count];
+    let (mut bread, mut expected) = (Matrix7::zeros(), Matrix7::zeros());
+    for (observation, group) in observations.iter().zip(groups) {
+        let x1 = conditioning.to[0] * observation.pair.point1.to_homogeneous();
+        let x2 = conditioning.to[1] * observation.pair.point2.to_homogeneous();
+        let (l2, l1) = (matrix * x1, matrix.tr_mul(&x2));
+        let square = l2.xy().norm_squared() + l1.xy().norm_squared();
+        if square < 1e-28 {
+            continue;
+        }
+        let weight = 1.0 / (conditioning.to[0][(0, 0)] * observation.sigma * square.sqrt());
+        let n = x2.dot(&l2);
+        let residual = n * weight;
+        let c = n / square;
+        let by = SVector::<f64, 9>::from_fn(|k, _| {
+            let (i, j) = (k / 3, k % 3);
+            let first = if i < 2 { l2[i] * x1[j] } else { 0.0 };
+            let second = if j < 2 { l1[j] * x2[i] } else { 0.0 };
+            weight * (x2[i] * x1[j] - c * (first + second))
+        });
+        let by = by_entries.tr_mul(&by);
+        let left = 1.0 / (1.0 + residual * residual);
+        scores[*group] += by * (residual * left);
+        seen[*group] = true;
+        bread += by * by.transpose() * ((1.0 - residual * residual) * left * left);
+        // The expectation of the same for Cauchy residuals.
+        expected += by * by.transpose() * (0.5 * left);
+    }
+    let used = seen.iter().filter(|seen| **seen).count();
+    if used < 14 {
+        return None;
+    }
+    let inverse = bread.cholesky().or_else(|| expected.cholesky())?.inverse();
+    let meat: Matrix7 = scores.iter().map(|score| score * score.transpose()).sum();
+    let few = used as f64 / (used as f64 - 7.0);
+    let unit = conditioning.in_pixels(&matrix);
+    let norm = unit.norm();
+    let unit = unit / norm;
+    let columns = derivatives.map(|d| {
+        let moved = conditioning.in_pixels(&d) / norm;
+        moved - unit * unit.dot(&moved)
+    });
+    let jacobian = SMatrix::<f64, 9, 7>::from_fn(|row, k| columns[k][(row / 3, row % 3)]);
+    Some(jacobian * (inverse * meat * inverse * few) * jacobian.transpose())
+}
+
 /// Steps tried at most: a fit that starts within some pixels settles in fewer than ten.
 const ITERATIONS: usize = 25;
 
