@@ -3,7 +3,6 @@
 use std::path::{Path, PathBuf};
 
 use image::DynamicImage;
-use npyz::WriterBuilder;
 use serde::Serialize;
 use thiserror::Error;
 
@@ -47,8 +46,8 @@ pub enum RectifiedError {
     /// Writing was stopped.
     #[error("stopped; nothing was written")]
     Cancelled,
-    /// A table cannot be encoded.
-    #[error("the maps cannot be encoded: {0}")]
+    /// The description cannot be encoded.
+    #[error("the description cannot be encoded: {0}")]
     Encode(String),
 }
 
@@ -139,8 +138,7 @@ impl RectifiedFiles {
         drop(both);
         for (file, map) in self.maps.iter().flatten().zip(&rectification.maps) {
             next()?;
-            let array = map_array(map, rectification).map_err(|e| RectifiedError::Encode(reason(&e)))?;
-            staged.push(file.stage(&array)?);
+            staged.push(file.stage(&map_array(map, rectification))?);
         }
         next()?;
         let description = rectification.description(fundamental, originals.map(Picture::frame));
@@ -175,21 +173,50 @@ impl RectifiedFiles {
     }
 }
 
-/// Rows × columns × (x, y) of `f32`, as `cv2.remap` takes it: where each rectified pixel is in the original, px;
-/// (−1, −1) where nowhere.
-fn map_array(map: &ImageMap, rectification: &Rectification) -> std::io::Result<Vec<u8>> {
+/// Encodes a map as a NumPy array of shape (rows, columns, 2), type `f32`, as `cv2.remap` takes it: the place (x, y) of each
+/// rectified pixel in the original, px; (−1, −1) for a rectified pixel outside the original.
+fn map_array(map: &ImageMap, rectification: &Rectification) -> Vec<u8> {
     let size = rectification.size;
-    let mut content = Vec::with_capacity(size.width * size.height * 8 + 128);
-    let shape = [size.height as u64, size.width as u64, 2];
-    let mut writer =
-        npyz::WriteOptions::new().default_dtype().shape(&shape).writer(&mut content).begin_nd()?;
+    let mut content = npy_header(size.height, size.width);
+    content.reserve(size.width * size.height * 8);
     for y in 0..size.height {
         let row = map.row(y as f64);
         for x in 0..size.width {
             let position = row.at(x as f64).map_or([-1.0, -1.0], |p| [p.x as f32, p.y as f32]);
-            writer.extend(position)?;
+            content.extend(position.into_iter().flat_map(f32::to_le_bytes));
         }
     }
-    writer.finish()?;
-    Ok(content)
+    content
+}
+
+/// Returns the 128 bytes before the values of a NumPy array of shape (`rows`, `columns`, 2): magic, version 1.0, length of
+/// the text, and the text, which ends in a line feed. Numbers of rows and columns have at most 20 digits, so the text always fits.
+fn npy_header(rows: usize, columns: usize) -> Vec<u8> {
+    const TEXT: usize = 128 - 10;
+    let dictionary = format!("{{'descr': '<f4', 'fortran_order': False, 'shape': ({rows}, {columns}, 2), }}");
+    let mut header = b"\x93NUMPY\x01\x00".to_vec();
+    header.extend((TEXT as u16).to_le_bytes());
+    header.extend(format!("{dictionary:<0$}\n", TEXT - 1).bytes());
+    header
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_array_begins_with_a_header_of_128_bytes_that_numpy_reads() {
+        for shape in [(480, 640), (1, 1), (usize::MAX, usize::MAX)] {
+            let header = npy_header(shape.0, shape.1);
+            assert_eq!(header.len(), 128);
+            assert_eq!(header[..8], *b"\x93NUMPY\x01\x00");
+            assert_eq!(u16::from_le_bytes([header[8], header[9]]), 118);
+            let text = std::str::from_utf8(&header[10..]).unwrap();
+            assert!(text.ends_with('\n'));
+            let (rows, columns) = shape;
+            let expected =
+                format!("{{'descr': '<f4', 'fortran_order': False, 'shape': ({rows}, {columns}, 2), }}");
+            assert_eq!(text.trim_end(), expected);
+        }
+    }
 }
