@@ -11,7 +11,6 @@ use image::{
 };
 
 use super::deep_tiff::{DeepProblem, DeepTiff, within_unit};
-use super::float::developed;
 use super::tiff_header::lists_fit;
 use super::webp::WebpClaims;
 use super::whole::what_is_missing;
@@ -22,14 +21,13 @@ use crate::foreign::{excerpt, reason};
 const SLACK: u64 = 64 << 20;
 
 /// The formats that are read.
-const KNOWN: [ImageFormat; 7] = [
+const KNOWN: [ImageFormat; 6] = [
     ImageFormat::Png,
     ImageFormat::Jpeg,
     ImageFormat::Tiff,
     ImageFormat::Bmp,
     ImageFormat::Pnm,
     ImageFormat::WebP,
-    ImageFormat::OpenExr,
 ];
 
 /// The pixels of a file, upright. `path` is what to call it.
@@ -41,9 +39,13 @@ pub(super) fn decode(
     let job = Job { path, options };
     // By the content alone: a name that promises another format is no reason to call a file damaged.
     let format = guess(&mut reader).map_err(|e| job.io(&e))?;
-    let Some(format) = format.filter(|format| KNOWN.contains(format)) else {
+    let Some(format) = format else {
         return Err(LoadError::Format { path: path.to_owned() });
     };
+    if !KNOWN.contains(&format) {
+        let format = format.extensions_str()[0].to_uppercase();
+        return Err(LoadError::OtherFormat { path: path.to_owned(), format });
+    }
     if !options.accept_damaged
         && let Some(missing) = what_is_missing(format, &mut reader).map_err(|e| job.io(&e))?
     {
@@ -86,9 +88,6 @@ pub(super) fn decode(
     let orientation = orientation.unwrap_or(Orientation::NoTransforms);
     let mut pixels = job.pixels(decoder, color)?;
     pixels.apply_orientation(orientation);
-    if format == ImageFormat::OpenExr {
-        return Ok(developed(pixels));
-    }
     within_unit(pixels).ok_or_else(|| LoadError::NotFinite { path: path.to_owned() })
 }
 
@@ -253,4 +252,19 @@ fn rewind(reader: &mut impl Seek, job: &Job) -> Result<(), LoadError> {
 /// The format that the first bytes tell.
 fn guess(reader: &mut (impl BufRead + Seek)) -> std::io::Result<Option<ImageFormat>> {
     Ok(ImageReader::new(reader).with_guessed_format()?.format())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_format_that_is_not_read_is_named_with_a_way_around() {
+        for (content, name) in [(&b"\x76\x2f\x31\x01\x02\0\0\0"[..], "EXR"), (b"GIF89a\x01\0\x01\0", "GIF")] {
+            let error = decode(std::io::Cursor::new(content), "a.dat", LoadOptions::default()).unwrap_err();
+            let message = error.to_string();
+            assert!(message.contains(&format!("has the format {name}")), "{message}");
+            assert!(message.contains("convert it to TIFF or PNG"), "{message}");
+        }
+    }
 }

@@ -16,10 +16,18 @@ pub enum LoadError {
         reason: String,
     },
     /// The content is not a picture in a known format.
-    #[error("{path} is not an image in a known format (PNG, JPEG, TIFF, BMP, PNM, WebP or EXR)")]
+    #[error("{path} is not an image in a known format (PNG, JPEG, TIFF, BMP, PNM or WebP)")]
     Format {
         /// The file.
         path: String,
+    },
+    /// The content is a picture in a format that is not read.
+    #[error("the image {path} has the format {format}, which is not read: convert it to TIFF or PNG{}", for_animations(format))]
+    OtherFormat {
+        /// The file.
+        path: String,
+        /// Name of the format, such as EXR.
+        format: String,
     },
     /// The format is known, but not this variety of it.
     #[error(
@@ -102,6 +110,10 @@ pub enum LoadError {
         /// What it may be.
         expected: &'static str,
     },
+}
+
+fn for_animations(format: &str) -> &'static str {
+    if format == "GIF" { ", an animation to a video or to numbered pictures in a folder" } else { "" }
 }
 
 fn way_out(in_part: bool) -> String {

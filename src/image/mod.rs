@@ -5,7 +5,6 @@ mod corners;
 mod decode;
 mod deep_tiff;
 mod fixed;
-mod float;
 mod limit;
 mod load;
 mod load_error;
@@ -34,5 +33,3 @@ pub use plane::GrayPlane;
 pub(crate) use plane::interpolate_all;
 pub use pyramid::Pyramid;
 pub use sampling::Profile;
-#[cfg(feature = "files")]
-pub(crate) use webp::WebpClaims;

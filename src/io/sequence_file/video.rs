@@ -180,7 +180,7 @@ mod tests {
         assert!(told("echo 'moov atom not found' >&2; exit 1").ends_with("as a video: moov atom not found"));
         assert!(told("printf 'P6 4 3 255 abc'").contains("not as expected"));
         assert!(told("printf 'P5 99999999 99999999 255 abc'").contains("pixels"), "no memory is asked for");
-        assert!(told(FRAME).contains("single picture"));
+        assert!(told(FRAME).contains("single frame"));
         let cut = read_with(&format!("{FRAME}{FRAME} echo 'end of file' >&2; exit 1")).unwrap();
         assert_eq!(cut.notes.len(), 1);
         let missing = super::read(Path::new("film.mp4"), "no-such-program", &CancelFlag::default(), &|_| ());

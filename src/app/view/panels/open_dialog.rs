@@ -117,7 +117,7 @@ impl OpenDialog {
             return;
         }
         let open = dialog(ctx, "Open images", 520.0, |ui| {
-            ui.weak("Type or paste the paths of two images, of two sequences (folders of frames, videos, animated pictures) or of a session, browse for the files, or drop them on the window.");
+            ui.weak("Type or paste the paths of two images, of two sequences (folders of frames, videos) or of a session, browse for the files, or drop them on the window.");
             ui.add_space(6.0);
             let rows = [
                 ("Left image", "Browse for the left image", Side::Left),
