@@ -22,7 +22,10 @@ pub enum LoadError {
         path: String,
     },
     /// The content is a picture in a format that is not read.
-    #[error("the image {path} has the format {format}, which is not read: convert it to TIFF or PNG{}", for_animations(format))]
+    #[error(
+        "the image {path} has the format {format}, which is not read: convert it to TIFF or PNG{}",
+        for_animations(format)
+    )]
     OtherFormat {
         /// The file.
         path: String,
