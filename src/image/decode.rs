@@ -46,12 +46,10 @@ pub(super) fn decode(
         let format = format.extensions_str()[0].to_uppercase();
         return Err(LoadError::OtherFormat { path: path.to_owned(), format });
     }
-    if !options.accept_damaged
-        && let Some(missing) = what_is_missing(format, &mut reader).map_err(|e| job.io(&e))?
-    {
+    if let Some(missing) = what_is_missing(format, &mut reader).map_err(|e| job.io(&e))? {
         // What claims too many pixels is first of all that.
         job.check_header(format, &mut reader)?;
-        return Err(in_pixels(job.damaged(missing)));
+        return Err(job.damaged(missing));
     }
     if format == ImageFormat::Png {
         job.check_png(&mut reader)?;
@@ -108,7 +106,7 @@ impl Job<'_> {
         if ["too large", "dimensions"].iter().any(|words| reason.contains(words)) {
             return LoadError::Enormous { path: self.path() };
         }
-        LoadError::Damaged { path: self.path(), reason, in_part: false }
+        LoadError::Damaged { path: self.path(), reason }
     }
 
     fn io(&self, error: &std::io::Error) -> LoadError {
@@ -129,7 +127,7 @@ impl Job<'_> {
                 _ => self.io(&error),
             },
             ImageError::Unsupported(error) => match self.damaged(&error.to_string()) {
-                LoadError::Damaged { path, reason, .. } => LoadError::Unsupported { path, reason },
+                LoadError::Damaged { path, reason } => LoadError::Unsupported { path, reason },
                 enormous => enormous,
             },
             ImageError::Limits(_) => LoadError::Memory { path: self.path() },
@@ -214,21 +212,11 @@ impl Job<'_> {
         values.resize(length, bytemuck::Zeroable::zeroed());
         match decoder.read_image(bytemuck::cast_slice_mut(&mut values)) {
             Err(ImageError::Limits(_)) => return Err(LoadError::Memory { path: self.path() }),
-            Err(error) if !self.options.accept_damaged => {
-                return Err(in_pixels(self.failed(error)));
-            }
-            _ => {}
+            Err(error) => return Err(self.failed(error)),
+            Ok(()) => {}
         }
         ImageBuffer::from_raw(width, height, values)
             .ok_or_else(|| self.damaged("its pixels are not all there"))
-    }
-}
-
-/// An error in the pixels, behind a good header.
-fn in_pixels(error: LoadError) -> LoadError {
-    match error {
-        LoadError::Damaged { path, reason, .. } => LoadError::Damaged { path, reason, in_part: true },
-        other => other,
     }
 }
 

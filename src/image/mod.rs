@@ -22,7 +22,7 @@ mod whole;
 
 pub(crate) use alignment::{Alignment, LEAST_INSIDE, Placement, align};
 pub use corners::find_corners;
-pub use limit::{DAMAGED_VARIABLE, MEGAPIXELS_VARIABLE};
+pub use limit::MEGAPIXELS_VARIABLE;
 pub use load::Picture;
 pub use load_error::LoadError;
 pub use options::LoadOptions;
