@@ -1,5 +1,6 @@
 //! A rectified pair as files in a folder.
 
+use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};
 
 use image::DynamicImage;
@@ -37,6 +38,14 @@ pub enum RectifiedError {
         /// The system's reason.
         reason: String,
     },
+    /// Another run writes into the folder.
+    #[error(
+        "another run of the program is writing into the folder {path}: wait for its end, or choose another folder"
+    )]
+    Busy {
+        /// The folder.
+        path: String,
+    },
     /// A file cannot be written.
     #[error(transparent)]
     Write(#[from] WriteError),
@@ -60,6 +69,8 @@ pub struct RectifiedFiles {
     maps: Option<[OutputFile; 2]>,
     options: RectifiedOptions,
     trust: Option<TrustNote>,
+    /// The folder, locked: two runs at once would leave pictures of one with the description of the other.
+    _folder: Option<File>,
 }
 
 /// The description, and how far its geometry is to be trusted.
@@ -76,6 +87,8 @@ impl RectifiedFiles {
     /// `left`, `right` and `stacked` with the extension of the format, `rectification.json`, and with
     /// [`RectifiedOptions::maps`] `left-map.npy` and `right-map.npy`.
     ///
+    /// The folder is locked until the value is dropped: another run into it is refused.
+    ///
     /// `inputs` are files that are needed still, the images above all: none of them is replaced.
     pub fn prepare(
         folder: &Path,
@@ -86,6 +99,11 @@ impl RectifiedFiles {
             let reason = if folder.exists() { "there is a file of that name".into() } else { reason(&e) };
             RectifiedError::Folder { path: shown_path(folder), reason }
         })?;
+        // Not every system opens folders, and not every file system has locks.
+        let locked = File::open(folder).ok();
+        if locked.as_ref().is_some_and(|folder| matches!(folder.try_lock(), Err(TryLockError::WouldBlock))) {
+            return Err(RectifiedError::Busy { path: shown_path(folder) });
+        }
         let file = |name: &str| OutputFile::prepare(&folder.join(name));
         let picture = |name: &str| file(&format!("{name}.{}", options.format.extension()));
         let files = Self {
@@ -95,6 +113,7 @@ impl RectifiedFiles {
             maps: if options.maps { Some([file("left-map.npy")?, file("right-map.npy")?]) } else { None },
             options,
             trust: None,
+            _folder: locked,
         };
         let outputs = files.paths();
         let outputs: Vec<&Path> = outputs.iter().map(PathBuf::as_path).collect();
@@ -203,6 +222,18 @@ fn npy_header(rows: usize, columns: usize) -> Vec<u8> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[cfg(unix)]
+    #[test]
+    fn two_runs_into_one_folder_are_not_mixed() {
+        let folder = tempfile::tempdir().unwrap();
+        let options = RectifiedOptions { format: PictureFormat::Png, guide_spacing: 0, maps: false };
+        let first = RectifiedFiles::prepare(folder.path(), options, &[]).unwrap();
+        let message = RectifiedFiles::prepare(folder.path(), options, &[]).unwrap_err().to_string();
+        assert!(message.starts_with("another run of the program is writing into the folder"), "{message}");
+        drop(first);
+        RectifiedFiles::prepare(folder.path(), options, &[]).unwrap();
+    }
 
     #[test]
     fn an_array_begins_with_a_header_of_128_bytes_that_numpy_reads() {
