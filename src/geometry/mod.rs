@@ -46,6 +46,7 @@ pub use line_grid::{line_grid, line_spacing};
 pub use orthonormal::Vector7;
 pub use pencil::{LinePair, PencilMap, pencil_angles};
 pub use point::{HomogeneousPoint, PointPair, finite_point, rescaled, rescaling};
+pub(crate) use residual::median;
 pub use residual::{algebraic_residual, apart_across_lines, sampson_distance, symmetric_epipolar_distance};
 pub use robust_fit::{FundamentalFit, Matrix9, Observation, fit_fundamental};
 pub(crate) use seven_point::determinant_on_pencil;

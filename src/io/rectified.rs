@@ -192,7 +192,7 @@ impl RectifiedFiles {
     }
 }
 
-/// Encodes a map as a NumPy array of shape (rows, columns, 2), type `f32`, as `cv2.remap` takes it: the place (x, y) of each
+/// Encodes a map as a `NumPy` array of shape (rows, columns, 2), type `f32`, as `cv2.remap` takes it: the place (x, y) of each
 /// rectified pixel in the original, px; (−1, −1) for a rectified pixel outside the original.
 fn map_array(map: &ImageMap, rectification: &Rectification) -> Vec<u8> {
     let size = rectification.size;
@@ -208,7 +208,7 @@ fn map_array(map: &ImageMap, rectification: &Rectification) -> Vec<u8> {
     content
 }
 
-/// Returns the 128 bytes before the values of a NumPy array of shape (`rows`, `columns`, 2): magic, version 1.0, length of
+/// Returns the 128 bytes before the values of a `NumPy` array of shape (`rows`, `columns`, 2): magic, version 1.0, length of
 /// the text, and the text, which ends in a line feed. Numbers of rows and columns have at most 20 digits, so the text always fits.
 fn npy_header(rows: usize, columns: usize) -> Vec<u8> {
     const TEXT: usize = 128 - 10;

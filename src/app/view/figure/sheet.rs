@@ -59,7 +59,6 @@ pub struct Sheet {
 }
 
 /// Lets the overlays draw onto a sheet.
-#[expect(clippy::too_many_lines, reason = "one place after the other, with nothing to share")]
 pub fn sheet(model: &Model, panes: [Option<PanePlace>; 2], choices: &FigureChoices) -> Option<Sheet> {
     let pictures = model.open.pictures()?;
     let frames = pictures.each_ref().map(|picture| picture.frame());
