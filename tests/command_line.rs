@@ -225,7 +225,7 @@ mod options {
             (["--preset", "magic"], "invalid value 'magic'"),
             (["--method", "magic"], "invalid value 'magic'"),
             (["--seed", "-1"], "--seed"),
-            (["--threads", "0"], "from 1 to 1024"),
+            (["--threads", "0"], "from 1 to 256"),
             (["--set", "nonsense=1"], "there is no parameter nonsense"),
         ] {
             pictures.estimate_fails("left.png", "right.png", &[&GOOD[..], &rest].concat(), 2, words);

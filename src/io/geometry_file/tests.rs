@@ -292,12 +292,6 @@ fn what_is_wrong_is_said() {
         ("F: [1, 2\npoints: 3", "not valid YAML"),
         ("a: &a [1]\nF: *a\n", "aliases"),
         ("<opencv_storage><F>", "convert it to YAML with OpenCV"),
-        ("<html></html>", "expected the element opencv_storage, found html"),
-        ("<opencv_storage></opencv_storage>", "there is no"),
-        (
-            "<opencv_storage><F><rows>99999999999</rows><cols>99999999999</cols><data>1 2 3</data></F></opencv_storage>",
-            "numbers, found 3",
-        ),
         (
             "{\"F\": {\"rows\": 18446744073709551615, \"cols\": 2, \"dt\": \"99d\", \"data\": []}}",
             "numbers, found 0",
