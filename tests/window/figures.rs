@@ -12,7 +12,7 @@ use epiline::geometry::FundamentalMatrix;
 use nalgebra::Matrix3;
 
 #[test]
-fn a_figure_has_the_images_with_lines_and_letters_or_pixels_of_any_size() {
+fn a_figure_has_the_images_with_lines_and_letters() {
     let files = Files::new();
     let mut window = sample();
     click_two_pairs(&mut window);

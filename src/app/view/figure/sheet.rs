@@ -128,8 +128,8 @@ pub fn sheet(model: &Model, panes: [Option<PanePlace>; 2], choices: &FigureChoic
     };
     context.set_pixels_per_point(scale);
     // A new scale counts from the next frame on.
-    let _ = context.run_ui(input.clone(), |_| ());
-    let drawn = context.run_ui(input, |ui| {
+    let mut before = context.run_ui(input.clone(), |_| ());
+    let mut drawn = context.run_ui(input, |ui| {
         for (side, place) in Side::BOTH.into_iter().zip(&places) {
             let painter = ui.painter().with_clip_rect(place.transform.rect);
             let labels = Labels::default();
@@ -148,6 +148,9 @@ pub fn sheet(model: &Model, panes: [Option<PanePlace>; 2], choices: &FigureChoic
             }
         }
     });
+    // The files write letters as such, and have no use for their textures.
+    before.textures_delta.clear();
+    drawn.textures_delta.clear();
     let names = model.document.pictures.as_ref().map(|pictures| pictures.each_ref().map(|p| p.name.clone()));
     Some(Sheet {
         pictures,
