@@ -61,7 +61,7 @@
 //!
 //! | feature | modules | what it brings |
 //! |---|---|---|
-//! | `files` | `io`, `synthetic::Sample` | readers and writers of JSON, YAML, XML and `.npy` arrays, frames of animations |
+//! | `files` | `io`, `synthetic::Sample` | readers and writers of JSON, YAML and `.npy` arrays, sequences of frames |
 //! | `evaluate` (with `files`) | `evaluate`, `publish` | measuring estimators, reports in HTML and Markdown |
 //! | `cli` (with `evaluate`) | `cli` | the command line and the program `epiline` |
 //! | `inspector` (with `evaluate`) | `app` | the window |

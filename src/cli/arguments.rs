@@ -98,10 +98,12 @@ pub(super) fn pixels(text: &str) -> Result<f64, String> {
 
 /// A number of things, one or more.
 pub(super) fn count(text: &str) -> Result<usize, String> {
-    match text.parse::<usize>() {
-        Ok(value) if (1..=1_000_000).contains(&value) => Ok(value),
-        _ => Err("expected a whole number from 1 to 1000000".into()),
-    }
+    whole(text, 1_000_000)
+}
+
+fn whole(text: &str, most: usize) -> Result<usize, String> {
+    let value = text.parse().ok().filter(|value| (1..=most).contains(value));
+    value.ok_or_else(|| format!("expected a whole number from 1 to {most}"))
 }
 
 /// A size of a picture in millions of pixels, as pixels.
@@ -114,10 +116,8 @@ pub(super) fn megapixels(text: &str) -> Result<usize, String> {
 
 /// A number of threads.
 pub(super) fn threads(text: &str) -> Result<usize, String> {
-    match text.parse::<usize>() {
-        Ok(value) if (1..=1024).contains(&value) => Ok(value),
-        _ => Err("expected a whole number from 1 to 1024".into()),
-    }
+    // Hundreds of threads on a few cores hinder each other: a thousand take half a minute for a second of work.
+    whole(text, 256)
 }
 
 /// Runs `work` on a number of threads of its own, all cores by default.
@@ -133,82 +133,45 @@ pub(super) fn on_threads<T: Send>(
     Ok(pool.install(work))
 }
 
-impl ValueEnum for Preset {
-    fn value_variants<'a>() -> &'a [Self] {
-        &[Self::Paper, Self::Robust]
-    }
+/// Describes the values of a type to clap, which the folders below do not know.
+macro_rules! value_enum {
+    ($kind:ty, $all:expr, $value:ident => $described:expr) => {
+        impl ValueEnum for $kind {
+            fn value_variants<'a>() -> &'a [Self] {
+                &$all
+            }
 
-    fn to_possible_value(&self) -> Option<PossibleValue> {
-        Some(match self {
-            Self::Paper => PossibleValue::new("paper").help("as published"),
-            Self::Robust => PossibleValue::new("robust").help("what measured best on real images"),
-        })
-    }
+            fn to_possible_value(&self) -> Option<PossibleValue> {
+                let $value = self;
+                Some($described)
+            }
+        }
+    };
 }
 
-impl ValueEnum for Method {
-    fn value_variants<'a>() -> &'a [Self] {
-        &Self::ALL
-    }
-
-    fn to_possible_value(&self) -> Option<PossibleValue> {
-        Some(match self {
-            Self::TwoPoint => PossibleValue::new("two-point").help("two point pairs"),
-            Self::ThreePoint => PossibleValue::new("three-point").help("three point pairs, faster"),
-            Self::LinesAlone => PossibleValue::new("lines").help("no point pair: all lines of both images"),
-        })
-    }
-}
-
-impl ValueEnum for Format {
-    fn value_variants<'a>() -> &'a [Self] {
-        &Self::ALL
-    }
-
-    fn to_possible_value(&self) -> Option<PossibleValue> {
-        Some(PossibleValue::new(self.name()).help(format!("{}, .{}", self.label(), self.extension())))
-    }
-}
-
-impl ValueEnum for RectifyMethod {
-    fn value_variants<'a>() -> &'a [Self] {
-        &Self::ALL
-    }
-
-    fn to_possible_value(&self) -> Option<PossibleValue> {
-        let help = match self {
-            Self::Auto => "planar where it bends the images little, else polar",
-            Self::Planar => "one homography an image; epipoles outside both",
-            Self::Polar => "a row for each pair of half epipolar lines; epipoles anywhere",
-        };
-        Some(PossibleValue::new(self.name()).help(help))
-    }
-}
-
-impl ValueEnum for PictureFormat {
-    fn value_variants<'a>() -> &'a [Self] {
-        &Self::ALL
-    }
-
-    fn to_possible_value(&self) -> Option<PossibleValue> {
-        Some(PossibleValue::new(self.extension()))
-    }
-}
-
-impl ValueEnum for Protocol {
-    fn value_variants<'a>() -> &'a [Self] {
-        &[Self::Paper, Self::WellPosed, Self::WrongClick]
-    }
-
-    fn to_possible_value(&self) -> Option<PossibleValue> {
-        let help = match self {
-            Self::Paper => "points at least 30 px apart in both images",
-            Self::WellPosed => "also 12 % of the image off each other's true epipolar line",
-            Self::WrongClick => "well-posed, but the second pair joins points of two matches",
-        };
-        Some(PossibleValue::new(self.name()).help(help))
-    }
-}
+value_enum!(Preset, [Self::Paper, Self::Robust], value => match value {
+    Self::Paper => PossibleValue::new("paper").help("as published"),
+    Self::Robust => PossibleValue::new("robust").help("what measured best on real images"),
+});
+value_enum!(Method, Self::ALL, value => match value {
+    Self::TwoPoint => PossibleValue::new("two-point").help("two point pairs"),
+    Self::ThreePoint => PossibleValue::new("three-point").help("three point pairs, faster"),
+    Self::LinesAlone => PossibleValue::new("lines").help("no point pair: all lines of both images"),
+});
+value_enum!(Format, Self::ALL, value => {
+    PossibleValue::new(value.name()).help(format!("{}, .{}", value.label(), value.extension()))
+});
+value_enum!(RectifyMethod, Self::ALL, value => PossibleValue::new(value.name()).help(match value {
+    Self::Auto => "planar where it bends the images little, else polar",
+    Self::Planar => "one homography an image; epipoles outside both",
+    Self::Polar => "a row for each pair of half epipolar lines; epipoles anywhere",
+}));
+value_enum!(PictureFormat, Self::ALL, value => PossibleValue::new(value.extension()));
+value_enum!(Protocol, [Self::Paper, Self::WellPosed, Self::WrongClick], value => PossibleValue::new(value.name()).help(match value {
+    Self::Paper => "points at least 30 px apart in both images",
+    Self::WellPosed => "also 12 % of the image off each other's true epipolar line",
+    Self::WrongClick => "well-posed, but the second pair joins points of two matches",
+}));
 
 #[cfg(test)]
 mod tests {
@@ -227,7 +190,7 @@ mod tests {
     #[test]
     fn counts_and_lengths_have_a_range() {
         assert_eq!((count("10"), threads("2"), pixels("0.5")), (Ok(10), Ok(2), Ok(0.5)));
-        assert!(count("0").is_err() && count("-1").is_err() && threads("5000").is_err());
+        assert!(count("0").is_err() && count("-1").is_err() && threads("257").is_err());
         assert!(pixels("-1").is_err() && pixels("nan").is_err() && pixels("inf").is_err());
     }
 }

@@ -36,6 +36,20 @@ pub fn complain(error: &CliError) {
     tell(format_args!("error: {}", one_line(&error.to_string())));
 }
 
+/// Prints the help, the version, or what is wrong with the arguments, and returns the exit status. Help that cannot be
+/// written is an error.
+pub fn print_answer(answer: &clap::Error) -> u8 {
+    let printed = answer.print().and_then(|()| std::io::stdout().flush());
+    match printed {
+        Err(e) if e.kind() != ErrorKind::BrokenPipe && !answer.use_stderr() => {
+            let error = CliError::StandardOutput(reason(&e));
+            complain(&error);
+            error.exit_status()
+        }
+        _ => answer.exit_code() as u8,
+    }
+}
+
 /// Makes a panic one line on standard error, unless a developer asked for more with `RUST_BACKTRACE`.
 pub fn report_panics_in_one_sentence() {
     if std::env::var_os("RUST_BACKTRACE").is_some_and(|v| v != "0") {

@@ -11,7 +11,7 @@ use crate::geometry::PointPair;
 /// What the window opens with.
 #[derive(Debug, Args)]
 pub(super) struct WindowArguments {
-    /// Two images to open, two sequences (folders of frames, videos, animated pictures), a session (.json), or one folder of images,
+    /// Two images to open, two sequences (folders of frames, videos), a session (.json), or one folder of images,
     /// with ground truth or without; without them the built-in sample opens
     #[arg(value_names = ["LEFT", "RIGHT"], num_args = 0..=2)]
     images: Vec<PathBuf>,

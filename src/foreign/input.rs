@@ -73,14 +73,14 @@ pub fn reason(error: &std::io::Error) -> String {
 
 /// Whether a path leads to a pipe that has a name, which another program may open or not.
 #[cfg(unix)]
-pub fn is_named_pipe(path: &Path) -> bool {
+fn is_named_pipe(path: &Path) -> bool {
     use std::os::unix::fs::FileTypeExt;
     path.metadata().is_ok_and(|found| found.file_type().is_fifo())
 }
 
 /// Whether a path leads to a pipe that has a name, which another program may open or not.
 #[cfg(not(unix))]
-pub fn is_named_pipe(_path: &Path) -> bool {
+fn is_named_pipe(_path: &Path) -> bool {
     false
 }
 

@@ -7,8 +7,6 @@
 mod input;
 mod text;
 
-#[cfg(feature = "files")]
-pub(crate) use input::is_named_pipe;
 pub(crate) use input::{open_input, reason};
 #[cfg(feature = "cli")]
 pub(crate) use text::escaped_lines;

@@ -48,6 +48,7 @@ pub(crate) use minimal::{Equation, frame_equation, point_equation, solve_seven};
 pub use orthonormal::Vector7;
 pub use pencil::{LinePair, PencilMap, pencil_angles};
 pub use point::{HomogeneousPoint, PointPair, finite_point, rescaled, rescaling};
+pub(crate) use residual::median;
 pub use residual::{algebraic_residual, apart_across_lines, sampson_distance, symmetric_epipolar_distance};
 pub use robust_fit::{FundamentalFit, Matrix9, Observation, fit_fundamental, grouped_covariance};
 pub(crate) use seven_point::determinant_on_pencil;

@@ -35,6 +35,16 @@ pub fn apart_across_lines(f: &FundamentalMatrix, p: &PointPair, q: &PointPair) -
     ]
 }
 
+/// Returns the median of some values, the greater middle one of an even number; 0 of none.
+pub(crate) fn median(values: impl IntoIterator<Item = f64>) -> f64 {
+    let mut values: Vec<f64> = values.into_iter().collect();
+    if values.is_empty() {
+        return 0.0;
+    }
+    let middle = values.len() / 2;
+    *values.select_nth_unstable_by(middle, f64::total_cmp).1
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -11,7 +11,6 @@ use image::{
 };
 
 use super::deep_tiff::{DeepProblem, DeepTiff, within_unit};
-use super::float::developed;
 use super::tiff_header::lists_fit;
 use super::webp::WebpClaims;
 use super::whole::what_is_missing;
@@ -22,14 +21,13 @@ use crate::foreign::{excerpt, reason};
 const SLACK: u64 = 64 << 20;
 
 /// The formats that are read.
-const KNOWN: [ImageFormat; 7] = [
+const KNOWN: [ImageFormat; 6] = [
     ImageFormat::Png,
     ImageFormat::Jpeg,
     ImageFormat::Tiff,
     ImageFormat::Bmp,
     ImageFormat::Pnm,
     ImageFormat::WebP,
-    ImageFormat::OpenExr,
 ];
 
 /// The pixels of a file, upright. `path` is what to call it.
@@ -41,15 +39,17 @@ pub(super) fn decode(
     let job = Job { path, options };
     // By the content alone: a name that promises another format is no reason to call a file damaged.
     let format = guess(&mut reader).map_err(|e| job.io(&e))?;
-    let Some(format) = format.filter(|format| KNOWN.contains(format)) else {
+    let Some(format) = format else {
         return Err(LoadError::Format { path: path.to_owned() });
     };
-    if !options.accept_damaged
-        && let Some(missing) = what_is_missing(format, &mut reader).map_err(|e| job.io(&e))?
-    {
+    if !KNOWN.contains(&format) {
+        let format = format.extensions_str()[0].to_uppercase();
+        return Err(LoadError::OtherFormat { path: path.to_owned(), format });
+    }
+    if let Some(missing) = what_is_missing(format, &mut reader).map_err(|e| job.io(&e))? {
         // What claims too many pixels is first of all that.
         job.check_header(format, &mut reader)?;
-        return Err(in_pixels(job.damaged(missing)));
+        return Err(job.damaged(missing));
     }
     if format == ImageFormat::Png {
         job.check_png(&mut reader)?;
@@ -86,9 +86,6 @@ pub(super) fn decode(
     let orientation = orientation.unwrap_or(Orientation::NoTransforms);
     let mut pixels = job.pixels(decoder, color)?;
     pixels.apply_orientation(orientation);
-    if format == ImageFormat::OpenExr {
-        return Ok(developed(pixels));
-    }
     within_unit(pixels).ok_or_else(|| LoadError::NotFinite { path: path.to_owned() })
 }
 
@@ -109,7 +106,7 @@ impl Job<'_> {
         if ["too large", "dimensions"].iter().any(|words| reason.contains(words)) {
             return LoadError::Enormous { path: self.path() };
         }
-        LoadError::Damaged { path: self.path(), reason, in_part: false }
+        LoadError::Damaged { path: self.path(), reason }
     }
 
     fn io(&self, error: &std::io::Error) -> LoadError {
@@ -130,7 +127,7 @@ impl Job<'_> {
                 _ => self.io(&error),
             },
             ImageError::Unsupported(error) => match self.damaged(&error.to_string()) {
-                LoadError::Damaged { path, reason, .. } => LoadError::Unsupported { path, reason },
+                LoadError::Damaged { path, reason } => LoadError::Unsupported { path, reason },
                 enormous => enormous,
             },
             ImageError::Limits(_) => LoadError::Memory { path: self.path() },
@@ -215,21 +212,11 @@ impl Job<'_> {
         values.resize(length, bytemuck::Zeroable::zeroed());
         match decoder.read_image(bytemuck::cast_slice_mut(&mut values)) {
             Err(ImageError::Limits(_)) => return Err(LoadError::Memory { path: self.path() }),
-            Err(error) if !self.options.accept_damaged => {
-                return Err(in_pixels(self.failed(error)));
-            }
-            _ => {}
+            Err(error) => return Err(self.failed(error)),
+            Ok(()) => {}
         }
         ImageBuffer::from_raw(width, height, values)
             .ok_or_else(|| self.damaged("its pixels are not all there"))
-    }
-}
-
-/// An error in the pixels, behind a good header.
-fn in_pixels(error: LoadError) -> LoadError {
-    match error {
-        LoadError::Damaged { path, reason, .. } => LoadError::Damaged { path, reason, in_part: true },
-        other => other,
     }
 }
 
@@ -253,4 +240,19 @@ fn rewind(reader: &mut impl Seek, job: &Job) -> Result<(), LoadError> {
 /// The format that the first bytes tell.
 fn guess(reader: &mut (impl BufRead + Seek)) -> std::io::Result<Option<ImageFormat>> {
     Ok(ImageReader::new(reader).with_guessed_format()?.format())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_format_that_is_not_read_is_named_with_a_way_around() {
+        for (content, name) in [(&b"\x76\x2f\x31\x01\x02\0\0\0"[..], "EXR"), (b"GIF89a\x01\0\x01\0", "GIF")] {
+            let error = decode(std::io::Cursor::new(content), "a.dat", LoadOptions::default()).unwrap_err();
+            let message = error.to_string();
+            assert!(message.contains(&format!("has the format {name}")), "{message}");
+            assert!(message.contains("convert it to TIFF or PNG"), "{message}");
+        }
+    }
 }

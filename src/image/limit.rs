@@ -1,10 +1,8 @@
-//! How the pixels of a picture are counted, and the environment variables that say what is read: what those who set the
+//! How the pixels of a picture are counted, and the environment variable that says what is read: what those who set the
 //! limit and those who tell of it have in common.
 
 /// The environment variable that raises (or lowers) the size of pictures that are read, millions of pixels.
 pub const MEGAPIXELS_VARIABLE: &str = "EPILINE_MAX_MEGAPIXELS";
-/// The environment variable that has damaged pictures read as far as they go: 1 or 0.
-pub const DAMAGED_VARIABLE: &str = "EPILINE_READ_DAMAGED";
 
 /// Bytes of a pixel as wide as four channels of 16 bits: what the limit counts a pixel as.
 pub(super) const WIDE_PIXEL: u64 = 8;

@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-use super::limit::{DAMAGED_VARIABLE, MEGAPIXELS_VARIABLE, weight};
+use super::limit::{MEGAPIXELS_VARIABLE, weight};
 
 /// Why a picture could not be read. Each message is one sentence for the user.
 #[derive(Debug, Error)]
@@ -16,10 +16,21 @@ pub enum LoadError {
         reason: String,
     },
     /// The content is not a picture in a known format.
-    #[error("{path} is not an image in a known format (PNG, JPEG, TIFF, BMP, PNM, WebP or EXR)")]
+    #[error("{path} is not an image in a known format (PNG, JPEG, TIFF, BMP, PNM or WebP)")]
     Format {
         /// The file.
         path: String,
+    },
+    /// The content is a picture in a format that is not read.
+    #[error(
+        "the image {path} has the format {format}, which is not read: convert it to TIFF or PNG{}",
+        for_animations(format)
+    )]
+    OtherFormat {
+        /// The file.
+        path: String,
+        /// Name of the format, such as EXR.
+        format: String,
     },
     /// The format is known, but not this variety of it.
     #[error(
@@ -32,14 +43,12 @@ pub enum LoadError {
         reason: String,
     },
     /// The file is damaged or truncated.
-    #[error("the image {path} is damaged or incomplete: {reason}{}", way_out(*in_part))]
+    #[error("the image {path} is damaged or incomplete: {reason}; get it anew")]
     Damaged {
         /// The file.
         path: String,
         /// The decoder's reason.
         reason: String,
-        /// Whether some of it can be read.
-        in_part: bool,
     },
     /// The header claims a size that the decoder does not even tell.
     #[error(
@@ -104,12 +113,8 @@ pub enum LoadError {
     },
 }
 
-fn way_out(in_part: bool) -> String {
-    if in_part {
-        format!("; get it anew, or set {DAMAGED_VARIABLE}=1 to use what can be read of it")
-    } else {
-        String::new()
-    }
+fn for_animations(format: &str) -> &'static str {
+    if format == "GIF" { ", an animation to a video or to numbered pictures in a folder" } else { "" }
 }
 
 fn too_large(path: &str, width: u64, height: u64, bytes_a_pixel: u64, most_pixels: u64) -> String {

@@ -5,7 +5,7 @@ use std::io::{BufRead, Seek, SeekFrom};
 
 /// The claims of a WebP file.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) struct WebpClaims {
+pub(super) struct WebpClaims {
     /// Width and height of each coded picture, px: those of an animation may be larger than the canvas.
     pub pictures: Vec<[u32; 2]>,
     /// Whether colour profile, EXIF and XMP are as long as they say.
@@ -14,7 +14,7 @@ pub(crate) struct WebpClaims {
 
 impl WebpClaims {
     /// Reads the headers of all chunks. Leaves the reader anywhere.
-    pub(crate) fn read(reader: &mut (impl BufRead + Seek)) -> std::io::Result<Self> {
+    pub(super) fn read(reader: &mut (impl BufRead + Seek)) -> std::io::Result<Self> {
         let end = reader.seek(SeekFrom::End(0))?;
         let mut claims = Self { pictures: Vec::new(), metadata_is_there: true };
         // Behind `RIFF`, the length, and `WEBP`.

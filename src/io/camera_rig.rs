@@ -1,6 +1,6 @@
 //! A folder of sequences that known cameras recorded together.
 //!
-//! `NAME` is a folder of numbered frames, or `NAME.EXT` a video or an animated picture, and `NAME.P` its camera, 3×4 in
+//! `NAME` is a folder of numbered frames, or `NAME.EXT` a video, and `NAME.P` its camera, 3×4 in
 //! three rows. True matches of two cameras are in `truth-A-B.txt`, rows `x1 y1 x2 y2`; A and B are the names, or the
 //! numbers at their ends.
 

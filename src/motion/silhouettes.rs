@@ -9,7 +9,7 @@ use super::barcode::WORD;
 use super::frame_motion::{FrameMotion, by_majority};
 use super::{BackgroundParameters, Barcode, FEWEST_FRAMES, FrameSequence, MotionError};
 use crate::cancel::CancelFlag;
-use crate::geometry::{AnchoredLine, Frame};
+use crate::geometry::{AnchoredLine, Frame, median};
 
 /// Share of the pixels that never rest, or that move in the median frame, from which on there is no background.
 const EVERYTHING: f64 = 0.5;
@@ -91,7 +91,7 @@ impl Silhouettes {
         if shares.iter().sum::<f64>() < NOTHING * frames as f64 {
             return Err(MotionError::NothingMoves { name });
         }
-        let middle = median(shares.into_iter());
+        let middle = median(shares);
         if middle > EVERYTHING {
             return Err(MotionError::EverythingMoves { name, percent: (100.0 * middle) as u32 });
         }
@@ -259,16 +259,6 @@ pub fn common_frames(counts: [usize; 2], offset: i32) -> ([usize; 2], usize) {
 /// First frames in common at an offset.
 fn starts(offset: i32) -> [usize; 2] {
     [(-offset).max(0) as usize, offset.max(0) as usize]
-}
-
-/// Median of some values; 0 of none.
-fn median(values: impl Iterator<Item = f64>) -> f64 {
-    let mut values: Vec<f64> = values.collect();
-    if values.is_empty() {
-        return 0.0;
-    }
-    let middle = values.len() / 2;
-    *values.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
 #[cfg(test)]

@@ -81,7 +81,7 @@ pub struct Kernel {
 impl Kernel {
     /// A kernel for one disparity range and one set of parameters.
     pub fn new(range: DisparityRange, parameters: StereoParameters) -> Self {
-        let margin = margin(&parameters);
+        let margin = margin(&parameters, range);
         let rows = vec![[u16::MAX; LANES]; range.len() + 2 * margin];
         Self { range, parameters, states: [rows.clone(), rows] }
     }
@@ -97,7 +97,7 @@ impl Kernel {
     }
 
     fn run(&mut self, a: &First, b: &LaneBlock) -> [u32; LANES] {
-        let margin = margin(&self.parameters);
+        let margin = margin(&self.parameters, self.range);
         for states in &mut self.states {
             states[margin..margin + self.range.len()].fill([0; LANES]);
         }
@@ -107,8 +107,8 @@ impl Kernel {
 }
 
 /// Rows of `u16::MAX` kept on each side of the states, for jumps from beyond the range.
-fn margin(parameters: &StereoParameters) -> usize {
-    parameters.explicit_changes().max(1)
+fn margin(parameters: &StereoParameters, range: DisparityRange) -> usize {
+    parameters.explicit_changes(range).max(1)
 }
 
 enum First<'a> {
@@ -120,7 +120,8 @@ enum First<'a> {
 struct Recurrence<'a> {
     truncation: u16,
     outside: u16,
-    alpha: u16,
+    /// Cost of the largest changes.
+    jump: u16,
     /// `changes[k − 1]`: cost of a change of disparity by `k`.
     changes: &'a [u16],
     /// Cost of a change by −1.
@@ -137,12 +138,13 @@ fn run_block(
     old: &mut Vec<Row>,
     new: &mut Vec<Row>,
 ) -> [u32; LANES] {
-    let changes: Vec<u16> =
-        (1..=margin(parameters)).map(|k| parameters.change_cost(k as i32).unwrap_or(u16::MAX)).collect();
+    let changes: Vec<u16> = (1..=margin(parameters, range))
+        .map(|k| parameters.change_cost(k as i32).unwrap_or(u16::MAX))
+        .collect();
     let step = Recurrence {
         truncation: parameters.truncation,
         outside: parameters.outside,
-        alpha: parameters.alpha,
+        jump: parameters.jump_cost(),
         changes: &changes,
         back: parameters.change_cost(-1).unwrap_or(u16::MAX),
         ordering: parameters.ordering,
@@ -239,7 +241,7 @@ fn advance<const K: usize, const ONE: bool>(
         for l in 0..LANES {
             prefix[l] = prefix[l].min(current[l]);
             let jump = if K == 0 && step.ordering == Ordering::Free { lowest[l] } else { prefix[l] };
-            let reached = best[l].min(jump.saturating_add(step.alpha)) - lowest[l];
+            let reached = best[l].min(jump.saturating_add(step.jump)) - lowest[l];
             let difference = value[l].wrapping_sub(other[l]);
             let inside = difference.wrapping_mul(difference).min(step.truncation);
             let mut cost = (inside & present[l]) | (step.outside & !present[l]);
@@ -273,9 +275,17 @@ mod tests {
         let base = StereoParameters::PAPER;
         let mut sets = Vec::new();
         for ordering in [Ordering::Positions, Ordering::Free, Ordering::Disparities] {
-            for (lambda, alpha) in
-                [(2, 3), (400, 2000), (50, 200), (7, 5), (0, 0), (3, 1000), (65_535, 65_535)]
-            {
+            for (lambda, alpha) in [
+                (2, 3),
+                (400, 2000),
+                (50, 200),
+                (7, 5),
+                (0, 0),
+                (0, 2000),
+                (1, 20_000),
+                (3, 1000),
+                (65_535, 65_535),
+            ] {
                 sets.push(StereoParameters { lambda, alpha, ordering, ..base });
             }
         }

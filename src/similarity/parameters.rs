@@ -93,9 +93,16 @@ impl StereoParameters {
     pub const PAPER: Self =
         Self { truncation: 2500, lambda: 2, alpha: 3, outside: 300, ordering: Ordering::Positions };
 
-    /// Disparity changes with a cost of their own: those with `λ Δ² < α`, Δ ≥ 1. All larger ones cost α.
-    pub fn explicit_changes(&self) -> usize {
-        (1..=256u64).take_while(|d| u64::from(self.lambda) * d * d < u64::from(self.alpha)).count()
+    /// Returns the cost of the largest disparity changes: α, and 0 where λ = 0.
+    pub fn jump_cost(&self) -> u16 {
+        if self.lambda == 0 { 0 } else { self.alpha }
+    }
+
+    /// Returns the number of disparity changes with a cost of their own: those with `λ Δ² < α` and Δ ≥ 1 that `range`
+    /// has. All larger ones cost [`StereoParameters::jump_cost`].
+    pub fn explicit_changes(&self, range: DisparityRange) -> usize {
+        let differs = |d: &usize| u64::from(self.lambda) * (*d as u64).pow(2) < u64::from(self.jump_cost());
+        (1..range.len()).take_while(differs).count()
     }
 
     /// ψ: cost of a change of disparity by `change` samples; `None` when the ordering forbids it.

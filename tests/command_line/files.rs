@@ -5,8 +5,7 @@ use std::fmt::Write;
 use super::*;
 
 /// The formats that are read as well as written: names and extensions.
-const FORMATS: [(&str, &str); 4] =
-    [("json", "json"), ("text", "txt"), ("opencv-yaml", "yml"), ("opencv-xml", "xml")];
+const FORMATS: [(&str, &str); 3] = [("json", "json"), ("text", "txt"), ("opencv-yaml", "yml")];
 
 /// F of a motion with rotation, from two cameras, and exact matches, in the files `p1.P`, `p2.P`, `matches.txt`.
 fn scene() -> Pictures {

@@ -1,7 +1,5 @@
-//! Sequences of frames: folders of numbered pictures, animated pictures, and videos through an `ffmpeg` found on the
-//! machine.
+//! Sequences of frames: folders of numbered pictures, and videos through an `ffmpeg` found on the machine.
 
-mod animation;
 mod folder;
 mod video;
 
@@ -13,7 +11,7 @@ use super::ReadError;
 use super::hash::{sha256_of_bytes, sha256_of_file};
 use super::read::has_image_extension;
 use crate::cancel::CancelFlag;
-use crate::foreign::shown_path;
+use crate::foreign::{open_input, shown_path};
 use crate::geometry::Frame;
 use crate::image::{GrayPlane, LoadError, Picture};
 use crate::motion::{FrameSequence, MotionError};
@@ -66,17 +64,23 @@ pub enum SequenceError {
         /// The file or folder.
         path: String,
     },
-    /// A picture with one frame.
-    #[error(
-        "{path} is a single picture: a sequence is a folder of numbered frames, an animated picture or a video"
-    )]
+    /// A folder or video with one frame.
+    #[error("{path} has a single frame: a sequence is a folder of numbered frames or a video")]
     OneFrame {
+        /// The file.
+        path: String,
+    },
+    /// A picture file, animated or not.
+    #[error(
+        "{path} is a picture, and sequences are not read from pictures, animated or not: give a video, or a folder with the frames as numbered pictures"
+    )]
+    Picture {
         /// The file.
         path: String,
     },
     /// A video without a program that reads it.
     #[error(
-        "{path} is no animated picture, and the program ffmpeg, which reads videos, is not on this machine: install it, or give a folder of frames"
+        "cannot read {path}: the program ffmpeg, which reads videos, is not on this machine; install it, or give a folder of frames"
     )]
     NoFfmpeg {
         /// The file.
@@ -96,13 +100,13 @@ pub enum SequenceError {
 pub const VIDEO_EXTENSIONS: [&str; 10] =
     ["mp4", "m4v", "mov", "avi", "mkv", "webm", "mpg", "mpeg", "wmv", "ogv"];
 
-/// Whether what is there is a sequence and not a picture: a folder, an animated picture, or by its name a video.
+/// Returns whether the path is a sequence and not a picture: a folder, or by its name a video.
 pub fn is_sequence(path: &Path) -> bool {
     let is_video = path
         .extension()
         .and_then(|e| e.to_str())
         .is_some_and(|e| VIDEO_EXTENSIONS.iter().any(|known| known.eq_ignore_ascii_case(e)));
-    is_video || path.is_dir() || animation::is_animated(path)
+    is_video || path.is_dir()
 }
 
 /// SHA-256 of the numbered frames of a folder, with their names: other frames have another one.
@@ -132,11 +136,12 @@ pub fn read_sequence(
     if path.is_dir() {
         return folder::read(path, cancel, each);
     }
-    match animation::read(path, cancel, each)? {
-        Some(read) => Ok(read),
-        None if has_image_extension(path) => Err(SequenceError::OneFrame { path: shown_path(path) }),
-        None => video::read(path, "ffmpeg", cancel, each),
+    let path_is_gif = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("gif"));
+    if path_is_gif || has_image_extension(path) {
+        return Err(SequenceError::Picture { path: shown_path(path) });
     }
+    open_input(path).map_err(|reason| LoadError::Open { path: shown_path(path), reason })?;
+    video::read(path, "ffmpeg", cancel, each)
 }
 
 /// Frames as they come in.
