@@ -1,26 +1,29 @@
-//! What a person may ask for when pictures are read.
+//! Options for reading pictures.
 
 use super::LoadError;
 use super::limit::{DAMAGED_VARIABLE, MEGAPIXELS_VARIABLE, weight};
 
-/// How pictures are read.
+/// Limits and tolerances for reading pictures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct LoadOptions {
-    /// The most pixels of a picture. Pixels wider than 8 bytes (floating-point colours) count for more.
+    /// Maximum number of pixels. Pixels wider than 8 bytes (floating-point colours) count for more.
     pub most_pixels: u64,
-    /// Take a damaged or incomplete picture as far as it goes; what is missing is black or grey.
+    /// Whether damaged or incomplete pictures are read as far as possible. Missing parts are black
+    /// or grey.
     pub accept_damaged: bool,
 }
 
 impl Default for LoadOptions {
-    /// 250 million pixels (a pair of them takes some 6 GB), and no damaged ones.
+    /// Returns a limit of 250 million pixels, which takes about 6 GB for a pair, without damaged
+    /// pictures.
     fn default() -> Self {
         Self { most_pixels: 250_000_000, accept_damaged: false }
     }
 }
 
 impl LoadOptions {
-    /// The default with what the environment variables [`MEGAPIXELS_VARIABLE`] and [`DAMAGED_VARIABLE`] say.
+    /// Returns the default options, overridden by the environment variables [`MEGAPIXELS_VARIABLE`]
+    /// and [`DAMAGED_VARIABLE`].
     pub fn from_environment() -> Result<Self, LoadError> {
         let value = |name| std::env::var_os(name).map(|value| value.to_string_lossy().into_owned());
         Self::of(value(MEGAPIXELS_VARIABLE).as_deref(), value(DAMAGED_VARIABLE).as_deref())
@@ -50,7 +53,7 @@ impl LoadOptions {
         Ok(options)
     }
 
-    /// An error when a picture of that size has more pixels than are read.
+    /// Returns an error if a picture of the given size exceeds the limit or has no pixels.
     pub(crate) fn check(
         self,
         path: &str,
@@ -70,7 +73,7 @@ impl LoadOptions {
         Err(LoadError::TooLarge { path, width, height, bytes_a_pixel, most_pixels })
     }
 
-    /// Whether that many pixels of so many bytes are within the limit.
+    /// Returns whether so many pixels of the given width in bytes are within the limit.
     pub(super) fn allows(self, pixels: u64, bytes_a_pixel: u64) -> bool {
         weight(pixels, bytes_a_pixel) <= u128::from(self.most_pixels)
     }
