@@ -1,13 +1,13 @@
 //! Plane projective geometry in `f64`: points, lines, pencils, fundamental matrices, cameras.
 //!
-//! Pure mathematics on [`nalgebra`] types: no images, no threads, no input or output.
+//! The module is pure mathematics on [`nalgebra`] types: no images, no threads, no input or output.
 //!
 //! # Conventions
 //! - Pixel coordinates are `(x, y)`, x right, y down; the centre of the top-left pixel is `(0, 0)`.
 //! - A fundamental matrix maps image 1 to image 2: `x2ᵀ F x1 = 0`, `line2 = F x1`, `line1 = Fᵀ x2`,
 //!   `F e1 = 0`, `Fᵀ e2 = 0`.
-//! - Names carry the direction of a map: `line2_from_line1`.
-//! - Angles are radians. Nothing here divides by the third coordinate of an epipole.
+//! - Function names give the direction of a map: `line2_from_line1`.
+//! - Angles are in radians. No function divides by the third coordinate of an epipole.
 
 mod anchored;
 mod area;

@@ -1,24 +1,24 @@
-//! What a person may ask for when pictures are read.
+//! Options for reading pictures.
 
 use super::LoadError;
 use super::limit::{MEGAPIXELS_VARIABLE, weight};
 
-/// How pictures are read.
+/// Limits for reading pictures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct LoadOptions {
-    /// The most pixels of a picture. Pixels wider than 8 bytes (floating-point colours) count for more.
+    /// Maximum number of pixels. Pixels wider than 8 bytes (floating-point colours) count for more.
     pub most_pixels: u64,
 }
 
 impl Default for LoadOptions {
-    /// 250 million pixels (a pair of them takes some 6 GB).
+    /// Returns a limit of 250 million pixels, which takes about 6 GB for a pair.
     fn default() -> Self {
         Self { most_pixels: 250_000_000 }
     }
 }
 
 impl LoadOptions {
-    /// Returns the default, changed by the environment variable [`MEGAPIXELS_VARIABLE`].
+    /// Returns the default options, overridden by the environment variable [`MEGAPIXELS_VARIABLE`].
     pub fn from_environment() -> Result<Self, LoadError> {
         Self::of(std::env::var_os(MEGAPIXELS_VARIABLE).map(|value| value.to_string_lossy().into_owned()))
     }
@@ -37,7 +37,7 @@ impl LoadOptions {
         }
     }
 
-    /// An error when a picture of that size has more pixels than are read.
+    /// Returns an error if a picture of the given size exceeds the limit or has no pixels.
     pub(crate) fn check(
         self,
         path: &str,
@@ -57,7 +57,7 @@ impl LoadOptions {
         Err(LoadError::TooLarge { path, width, height, bytes_a_pixel, most_pixels })
     }
 
-    /// Whether that many pixels of so many bytes are within the limit.
+    /// Returns whether so many pixels of the given width in bytes are within the limit.
     pub(super) fn allows(self, pixels: u64, bytes_a_pixel: u64) -> bool {
         weight(pixels, bytes_a_pixel) <= u128::from(self.most_pixels)
     }
