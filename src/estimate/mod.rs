@@ -40,6 +40,7 @@ pub use assess::{SMALLEST_SIDE, examine};
 pub use clicks::{Click, ClickRole, Clicks};
 pub use driver::{estimate, estimate_prepared};
 pub use error::{EstimateError, Warning};
+pub use fit::{EpipoleEllipse, Match, MatchFit, MatchFitError, Noise, Uncertainty, estimate_fundamental};
 pub use follow::follow;
 pub use lines::{Candidate, ComparedPencils, Construction, LineFigures, RoundTrip, lines_at};
 pub use monitor::{Monitor, Progress};
@@ -48,7 +49,7 @@ pub use parameters::{
     PatchParameters, PencilParameters, Preset, RefinementParameters, Search, SearchPlan,
     ValidationParameters, parameters_as_markdown,
 };
-pub use patches::{EpipoleEllipse, PatchSupport, RefinedMatch, Refinement, Uncertainty};
+pub use patches::{PatchSupport, RefinedMatch, Refinement};
 pub use prepared::PreparedPair;
 pub use result::{
     Apart, Assessment, BarcodeFigures, Estimate, PlaneHomography, SearchCounts, SearchTrace, StageTiming,

@@ -36,6 +36,12 @@ pub struct ResultFile<'a> {
     frame_offset: Option<i32>,
     verdict: Option<Verdict>,
     reasons: Vec<String>,
+    /// Covariance of the nine entries of `fundamental`, row by row, px.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    covariance: Option<Vec<[f64; 9]>>,
+    /// Half of the right matches have a smaller Sampson distance, px.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    noise: Option<f64>,
     /// Nested rows, `x2 ∝ H x1`, where the verdict says that one plane is all that is known.
     #[serde(skip_serializing_if = "Option::is_none")]
     homography21: Option<[[f64; 3]; 3]>,
@@ -110,6 +116,7 @@ impl<'a> ResultFile<'a> {
     ) -> Self {
         let (assessment, trace) = (&found.assessment, found.trace.as_deref());
         let trust = assessment.trust.as_ref();
+        let refinement = assessment.refinement.as_ref();
         Self {
             convention: Format::Json.convention(),
             fundamental: found.fundamental(),
@@ -124,6 +131,10 @@ impl<'a> ResultFile<'a> {
             frame_offset: None,
             verdict: trust.map(|t| t.verdict),
             reasons: trust.iter().flat_map(|t| t.reasons.iter().map(ToString::to_string)).collect(),
+            covariance: refinement.and_then(|r| r.uncertainty.as_ref()).map(|uncertainty| {
+                uncertainty.covariance().row_iter().map(|row| std::array::from_fn(|k| row[k])).collect()
+            }),
+            noise: refinement.and_then(|r| r.noise),
             homography21: assessment.plane.map(|plane| nested(&plane.homography21)),
             plane: assessment.plane.map(|PlaneHomography { matches, share, residual, .. }| PlaneFigures {
                 matches,

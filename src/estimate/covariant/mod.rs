@@ -16,8 +16,8 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use rayon::prelude::*;
 
-use crate::features::{Feature, FeatureMatch, FeatureSet, SIGMA_PER_SCALE};
 use super::fit::{BAND, Consensus, Units, Witness, residual};
+use crate::features::{Feature, FeatureMatch, FeatureSet, SIGMA_PER_SCALE};
 use crate::geometry::{
     Equation, Frame, FundamentalMatrix, Observation, PointPair, eight_point, fit_fundamental, frame_equation,
     point_equation, solve_seven,

@@ -3,8 +3,8 @@
 use multiversion::multiversion;
 use rayon::prelude::*;
 
-use crate::estimate::fit::BAND;
 use super::{FeatureEvidence, sigma};
+use crate::estimate::fit::BAND;
 use crate::features::{FeatureMatch, match_candidates};
 use crate::geometry::FundamentalMatrix;
 use crate::lanes::{LANES, SetLanes};

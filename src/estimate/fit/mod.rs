@@ -1,11 +1,19 @@
 //! From matches alone to a fundamental matrix: noise, consensus, covariance.
+//!
+//! [`estimate_fundamental`] is the stage by itself. The final fit at full size (`patches/guided_fit`) uses the same parts and
+//! matches again along the lines of each geometry.
 
 mod consensus;
+mod matches;
 mod noise;
 mod scoring;
+mod uncertainty;
 
 use crate::geometry::PointPair;
+
+pub use matches::{MatchFit, MatchFitError, estimate_fundamental};
 pub use noise::Noise;
+pub use uncertainty::{EpipoleEllipse, Uncertainty};
 
 pub(super) use consensus::{Evidence, Fitted};
 pub(super) use scoring::{BAND, Consensus, Units, Witness, residual};
@@ -13,11 +21,18 @@ pub(super) use scoring::{BAND, Consensus, Units, Witness, residual};
 /// A putative match.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Match {
-    /// The match, px.
+    /// Positions in both images, px.
     pub pair: PointPair,
-    /// Scale of the noise of this match relative to the others; 1 for an ordinary match.
+    /// Scale of the noise of this match relative to the others: 1 for an ordinary match.
     pub sigma: f64,
     /// Probability that the match is right as far as its likeness tells, whatever the geometry: 1 for a unique match, ½
-    /// for one of two that look alike.
+    /// for one of two places that look alike.
     pub prior: f64,
+}
+
+impl From<PointPair> for Match {
+    /// An ordinary, unique match.
+    fn from(pair: PointPair) -> Self {
+        Self { pair, sigma: 1.0, prior: 1.0 }
+    }
 }

@@ -23,6 +23,8 @@ pub(super) const LEAST_SCALE: f64 = 0.02;
 /// Shares of inliers stay away from 0 and 1, where the likelihood has no bound.
 const LEAST_SHARE: f64 = 0.01;
 const ITERATIONS: usize = 30;
+/// Scales that hold 95 % of the residuals of a Cauchy distribution, `tan(0.95 π / 2)`.
+const INLIER_SCALES: f64 = 12.7;
 
 /// Distribution of the residuals of inliers and outliers.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -46,8 +48,7 @@ pub(super) struct Residual {
 
 /// Residuals of matches about a geometry.
 pub(super) fn residuals(f: &FundamentalMatrix, matches: &[Match]) -> Vec<Residual> {
-    let of =
-        |m: &Match| Residual { distance: sampson_distance(f, &m.pair), sigma: m.sigma, prior: m.prior };
+    let of = |m: &Match| Residual { distance: sampson_distance(f, &m.pair), sigma: m.sigma, prior: m.prior };
     matches.iter().map(of).collect()
 }
 
@@ -74,8 +75,7 @@ impl Noise {
             }
             let scale = (squares / shares.max(f64::MIN_POSITIVE)).sqrt().max(LEAST_SCALE);
             let inliers = (shares / priors).clamp(LEAST_SHARE, 1.0 - LEAST_SHARE);
-            let settled =
-                (scale / noise.scale).ln().abs() < 1e-3 && (inliers - noise.inliers).abs() < 1e-3;
+            let settled = (scale / noise.scale).ln().abs() < 1e-3 && (inliers - noise.inliers).abs() < 1e-3;
             noise = Self { scale, inliers, ..noise };
             if settled {
                 break;
@@ -97,14 +97,69 @@ impl Noise {
         1.0 - (1.0 - self.inliers * r.prior) / self.ratio(r)
     }
 
-    /// Distance at which a match with a σ of 1 is as likely an outlier as an inlier, px.
+    /// Distance that 95 % of the inliers with a σ of 1 keep, px.
     pub fn reach(&self) -> f64 {
-        let odds = self.inliers / (1.0 - self.inliers);
-        (self.scale * (odds * self.spread / PI - self.scale)).max(0.0).sqrt()
+        INLIER_SCALES * self.scale
     }
 
     /// Log-likelihood of residuals, less that of outliers alone.
     pub(super) fn log_likelihood(&self, residuals: &[Residual]) -> f64 {
         residuals.iter().map(|r| self.ratio(r).ln()).sum()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::{RngExt, SeedableRng};
+    use rand_pcg::Pcg64Mcg;
+
+    /// Cauchy residuals of this scale, and residuals spread over `spread` px.
+    fn mixture(right: usize, wrong: usize, scale: f64, spread: f64, seed: u64) -> Vec<Residual> {
+        let mut rng = Pcg64Mcg::seed_from_u64(seed);
+        let mut all = Vec::new();
+        for _ in 0..right {
+            let distance = scale * (0.5 * PI * rng.random::<f64>()).tan();
+            all.push(Residual { distance, sigma: 1.0, prior: 1.0 });
+        }
+        for _ in 0..wrong {
+            all.push(Residual { distance: 0.5 * spread * rng.random::<f64>(), sigma: 1.0, prior: 1.0 });
+        }
+        all
+    }
+
+    #[test]
+    fn scale_and_share_of_inliers_are_those_of_the_mixture() {
+        // Standard errors from the Fisher information: √2/√n of the scale, some 0.02 of the share.
+        for (scale, seed) in [(0.05, 1), (0.2, 2), (0.6, 3)] {
+            let noise = Noise::of(&mixture(1400, 600, scale, 40.0, seed), 40.0);
+            assert!((noise.scale / scale - 1.0).abs() < 0.15, "{scale}: {noise:?}");
+            assert!((noise.inliers - 0.7).abs() < 0.06, "{scale}: {noise:?}");
+        }
+    }
+
+    #[test]
+    fn matches_of_chance_are_worth_nothing_and_precise_ones_more_than_loose_ones() {
+        let worth = |residuals: &[Residual]| Noise::of(residuals, 8.0).log_likelihood(residuals);
+        let [precise, loose, chance] =
+            [mixture(700, 100, 0.05, 8.0, 4), mixture(850, 0, 0.3, 8.0, 5), mixture(0, 1000, 1.0, 8.0, 6)];
+        assert!(worth(&precise) > 1.3 * worth(&loose), "{} {}", worth(&precise), worth(&loose));
+        assert!(worth(&chance) < 10.0, "{}", worth(&chance));
+    }
+
+    #[test]
+    fn the_scale_has_a_floor_and_few_residuals_do_no_harm() {
+        let exact = vec![Residual { distance: 0.0, sigma: 1.0, prior: 1.0 }; 20];
+        assert!(Noise::of(&exact, 8.0).scale >= LEAST_SCALE);
+        let none = Noise::of(&[], 8.0);
+        assert!(none.scale.is_finite() && none.log_likelihood(&[]) == 0.0);
+    }
+
+    #[test]
+    fn an_ambiguous_match_is_less_likely_right() {
+        let noise = Noise { scale: 0.1, inliers: 0.9, spread: 8.0 };
+        let probability = |prior| noise.inlier_probability(&Residual { distance: 0.4, sigma: 1.0, prior });
+        assert!(probability(1.0) > 0.8 && probability(0.2) < 0.5);
+        assert!((noise.reach() - 1.27).abs() < 1e-9);
     }
 }

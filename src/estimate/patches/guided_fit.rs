@@ -23,10 +23,6 @@ use crate::image::{PairLevel, RelativeView};
 
 /// Widest band in which matches are looked for, px of the level: that of the first refinement.
 const WIDEST: f64 = 4.0;
-/// Scales of the noise within which matches are looked for in the end: 97 % of Cauchy residuals are.
-const BAND_SCALES: f64 = 25.0;
-/// Scales of the noise within which a match counts as right: 95 % of Cauchy residuals are.
-const RIGHT_SCALES: f64 = 12.7;
 /// Rounds of consensus at most; each begins with the best geometry of the one before.
 const ROUNDS: u64 = 3;
 /// Least gain in log-likelihood for another round.
@@ -80,7 +76,7 @@ impl GuidedMatcher<'_> {
         pool.add(self.matches(&start, WIDEST));
         let noise = self.evidence(&pool.observed(), &clicks, WIDEST).fitted(&start)?.noise;
         // One band for all, as likelihoods are compared.
-        let band = (BAND_SCALES * noise.scale).min(WIDEST);
+        let band = noise.reach().min(WIDEST);
         let mut best = self.followed(&start, &clicks, band)?;
         for round in 0..ROUNDS {
             if cancel.is_cancelled() {
@@ -89,15 +85,16 @@ impl GuidedMatcher<'_> {
             pool.add(self.matches(&best.fitted.fundamental, WIDEST));
             let matches = pool.observed();
             let evidence = self.evidence(&matches, &clicks, WIDEST);
-            let agreed = evidence.consensus(&best.fitted, settling.seed.wrapping_add(round), cancel);
+            let (seed, scales) = (settling.seed.wrapping_add(round), best.fitted.rival_scales());
+            let agreed = evidence.consensus(&[best.fitted.fundamental], &scales, seed, cancel);
             let rivals: Vec<Followed> = agreed
                 .par_iter()
+                .map(|(_, f)| f)
                 .filter(|f| f.rescaled(1.0 / s1, 1.0 / s2).is_some_and(|f| (settling.allows)(&f)))
                 .filter_map(|f| self.followed(f, &clicks, band))
                 .collect();
-            let likelier = |a: &Followed, b: &Followed| {
-                a.fitted.log_likelihood.total_cmp(&b.fitted.log_likelihood)
-            };
+            let likelier =
+                |a: &Followed, b: &Followed| a.fitted.log_likelihood.total_cmp(&b.fitted.log_likelihood);
             let Some(rival) = rivals.into_iter().max_by(likelier) else { break };
             let gain = rival.fitted.log_likelihood - best.fitted.log_likelihood;
             if gain > 0.0 {
@@ -120,12 +117,7 @@ impl GuidedMatcher<'_> {
     }
 
     /// Fits a geometry to the matches along its lines, with bands that narrow to `band`.
-    fn followed(
-        &self,
-        f: &FundamentalMatrix,
-        clicks: &[Observation],
-        band: f64,
-    ) -> Option<Followed> {
+    fn followed(&self, f: &FundamentalMatrix, clicks: &[Observation], band: f64) -> Option<Followed> {
         let mut current = *f;
         for band in [WIDEST, band] {
             let matches = observed(&self.matches(&current, band));
@@ -148,14 +140,13 @@ impl GuidedMatcher<'_> {
         let evidence_matches = observed(&matches);
         let covariance = self.evidence(&evidence_matches, clicks, band).covariance(&fitted);
         let (f, noise) = (fitted.fundamental, fitted.noise);
-        let right = |m: &LevelMatch| {
-            sampson_distance(&f, &m.found.pair) < RIGHT_SCALES * noise.scale * m.sigma / MATCH_SIGMA
-        };
+        let right =
+            |m: &LevelMatch| sampson_distance(&f, &m.found.pair) < noise.reach() * m.sigma / MATCH_SIGMA;
         matches.retain(right);
         if matches.len() < LEAST_MATCHES {
             return None;
         }
-        Refined::new(self.level, &f, &matches, Some((noise.scale, covariance)))
+        Refined::new(self.level, &f, &matches, Some(noise.scale), covariance)
     }
 }
 

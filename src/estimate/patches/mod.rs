@@ -18,12 +18,10 @@ mod refinement;
 mod resampling;
 mod search;
 mod support;
-mod uncertainty;
 mod voting;
 
 pub use refinement::{RefinedMatch, Refinement};
 pub use support::PatchSupport;
-pub use uncertainty::{EpipoleEllipse, Uncertainty};
 
 pub(super) use feature_support::FeatureSupport;
 pub(super) use guided_fit::Settling;

@@ -15,8 +15,8 @@ use super::aligned_features::{AlignedFeatures, LevelMatch};
 use super::corner_patches::CornerPatches;
 use super::feature_support::FLOOR;
 use super::level_corners::{Alike, LevelCorners, MutualMatch};
-use super::uncertainty::Uncertainty;
 use crate::cancel::CancelFlag;
+use crate::estimate::fit::Uncertainty;
 use crate::estimate::made_once::MadeOnce;
 use crate::geometry::{
     FundamentalMatrix, Line, Matrix9, Observation, Point, PointPair, finite_point, fit_fundamental,
@@ -83,13 +83,13 @@ pub(in crate::estimate) struct Refined {
 }
 
 impl Refined {
-    /// What matches of a level, in its pixels, make of a geometry that was fitted to them there, and of the noise and the
-    /// covariance of this fit.
+    /// A geometry that was fitted to matches at a level, all in its pixels, with their noise and the covariance of the fit.
     pub(super) fn new(
         level: &PairLevel,
         f: &FundamentalMatrix,
         matches: &[LevelMatch],
-        fit: Option<(f64, Option<Matrix9>)>,
+        noise: Option<f64>,
+        covariance: Option<Matrix9>,
     ) -> Option<Self> {
         let [s1, s2] = level.scales;
         let weight = |m: &LevelMatch| {
@@ -98,14 +98,14 @@ impl Refined {
         };
         let weights: Vec<f64> = matches.iter().map(weight).collect();
         let full_size = [1.0 / s1, 1.0 / s2];
-        let at_full_size = |m: &LevelMatch| RefinedMatch { pair: m.found.pair.rescaled(full_size), ..m.found };
-        let uncertainty = fit.and_then(|(_, covariance)| Some(Uncertainty::new(f, &covariance?, level.scales)));
+        let at_full_size =
+            |m: &LevelMatch| RefinedMatch { pair: m.found.pair.rescaled(full_size), ..m.found };
         Some(Self {
             fundamental: f.rescaled(1.0 / s1, 1.0 / s2)?,
             refinement: Refinement {
                 matches: matches.iter().map(at_full_size).collect(),
-                uncertainty,
-                noise: fit.map(|(noise, _)| noise / s1),
+                uncertainty: covariance.map(|c| Uncertainty::new(f, &c, level.scales)),
+                noise: noise.map(|noise| noise / s1),
             },
             weight: weights.iter().sum(),
             weight_deviation: weights.iter().map(|weight| weight * weight).sum::<f64>().sqrt(),
@@ -169,6 +169,7 @@ impl RefinementLevel {
         let [s1, s2] = level.scales;
         let mut current = f.rescaled(s1, s2)?;
         let mut matches: Vec<LevelMatch> = Vec::new();
+        let mut covariance = None;
         for band in BANDS {
             if cancel.is_cancelled() {
                 return None;
@@ -187,10 +188,11 @@ impl RefinementLevel {
                 }))
                 .collect();
             let scale = (band / BAND_DEVIATIONS / MATCH_SIGMA).max(LEAST_SCALE);
-            current = fit_fundamental(&current, &observations, scale)?.fundamental;
+            let fitted = fit_fundamental(&current, &observations, scale)?;
+            (current, covariance) = (fitted.fundamental, fitted.covariance);
         }
         matches.retain(|m| sampson_distance(&current, &m.found.pair) < BANDS[BANDS.len() - 1]);
-        Refined::new(level, &current, &matches, None)
+        Refined::new(level, &current, &matches, None, covariance)
     }
 
     /// Matches of corners and features within `band` px of the epipolar lines of `f`, all in the level's pixels.

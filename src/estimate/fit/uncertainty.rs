@@ -6,7 +6,7 @@
 
 use nalgebra::{Matrix2, Matrix3, SVector, Vector2};
 
-use crate::geometry::{FundamentalMatrix, Matrix9, Point, PointPair, finite_point, rescaled};
+use crate::geometry::{FundamentalMatrix, Matrix9, Point, PointPair, finite_point, rescaled, rescaling};
 
 /// Covariance of a fundamental matrix, with the level it was estimated at.
 #[derive(Debug, Clone, PartialEq)]
@@ -31,6 +31,25 @@ impl Uncertainty {
     /// `covariance` is that of the nine entries of `fundamental`, row by row, in images resized by `scales`.
     pub(crate) fn new(fundamental: &FundamentalMatrix, covariance: &Matrix9, scales: [f64; 2]) -> Self {
         Self { fundamental: *fundamental, covariance: *covariance, scales }
+    }
+
+    /// Covariance of the nine entries of `F` at full size with Frobenius norm 1, row by row.
+    pub fn covariance(&self) -> Matrix9 {
+        let [from1, from2] = self.scales.map(rescaling);
+        let by_entry = |k: usize| {
+            let mut entry = Matrix3::zeros();
+            entry[(k / 3, k % 3)] = 1.0;
+            from2.transpose() * entry * from1
+        };
+        let f = from2.transpose() * self.fundamental.matrix() * from1;
+        let norm = f.norm();
+        let unit = f / norm;
+        let columns: [Matrix3<f64>; 9] = std::array::from_fn(|k| {
+            let moved = by_entry(k) / norm;
+            moved - unit * unit.dot(&moved)
+        });
+        let jacobian = Matrix9::from_fn(|row, k| columns[k][(row / 3, row % 3)]);
+        jacobian * self.covariance * jacobian.transpose()
     }
 
     /// Standard deviation, px, of the epipolar line of `point1` in image 2 across itself, where it passes
@@ -129,6 +148,18 @@ mod tests {
         let change = (at(step).fundamental().matrix() - at(-step).fundamental().matrix()) / 2.0;
         let v = entries(&change);
         (at(0.0), place, v * v.transpose(), step)
+    }
+
+    #[test]
+    fn the_covariance_at_full_size_gives_the_same_deviations() {
+        let (scene, place, covariance, step) = along_a_motion();
+        let half = Uncertainty::new(&scene.fundamental(), &covariance, [0.5; 2]);
+        let full_size = scene.fundamental().rescaled(2.0, 2.0).unwrap();
+        let full = Uncertainty::new(&full_size, &half.covariance(), [1.0; 2]);
+        for point1 in [Point::new(40.0, 60.0), Point::new(300.0, 200.0)] {
+            let [a, b] = [&half, &full].map(|u| u.line2_deviation(point1, point1).unwrap());
+            assert!(a > 0.0 && (a / b - 1.0).abs() < 1e-6, "{a} {b} {place:?} {step}");
+        }
     }
 
     #[test]

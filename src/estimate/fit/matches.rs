@@ -1,0 +1,224 @@
+//! The fundamental matrix of given matches, with no images.
+
+use thiserror::Error;
+
+use super::Match;
+use super::consensus::{Evidence, Fitted};
+use super::noise::{Noise, residuals};
+use super::uncertainty::Uncertainty;
+use crate::cancel::CancelFlag;
+use crate::geometry::{Frame, FundamentalMatrix, sampson_distance};
+
+/// A fundamental matrix fitted to matches.
+#[derive(Debug, Clone)]
+pub struct MatchFit {
+    /// The fitted matrix.
+    pub fundamental: FundamentalMatrix,
+    /// Noise of the matches, estimated together with the matrix.
+    pub noise: Noise,
+    /// Probability that each match is right, 0 to 1, in the order of the matches.
+    pub inlier_probabilities: Vec<f64>,
+    /// Covariance of the matrix, with bands of lines and ellipses of epipoles. `None` where fewer than 14 of 64 regions of
+    /// image 1 have inliers.
+    pub uncertainty: Option<Uncertainty>,
+}
+
+/// The reason why matches gave no fundamental matrix.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
+pub enum MatchFitError {
+    /// Too few matches.
+    #[error("a fit needs at least {} matches, {found} were given", LEAST_MATCHES)]
+    TooFew {
+        /// Number of matches given.
+        found: usize,
+    },
+    /// No geometry explains enough matches.
+    #[error(
+        "no epipolar geometry explains {} or more of the matches: most of them may be wrong",
+        LEAST_MATCHES
+    )]
+    NoAgreement,
+}
+
+/// Twice the seven unknowns: as many matches check the fit as determine it.
+const LEAST_MATCHES: usize = 14;
+/// Smallest scale of the first search, px: about the noise of the best matches.
+const FINEST: f64 = 0.05;
+/// Largest scale of the first search, as a fraction of the longer side: the residue of a lens.
+const COARSEST: f64 = 0.002;
+/// Each scale of the first search is this many times the one before. The truncated score tolerates a factor of 2.
+const STEP: f64 = 3.0;
+/// Rounds of consensus at most.
+const ROUNDS: u64 = 3;
+
+/// Fits a fundamental matrix to matches of which many may be wrong, and estimates their noise with it.
+///
+/// `frames` are the sizes of the images. The same matches and seed give the same matrix on any number of threads.
+///
+/// # Errors
+/// [`MatchFitError`] for fewer than 14 matches, or when no geometry explains as many.
+pub fn estimate_fundamental(
+    matches: &[Match],
+    frames: [Frame; 2],
+    seed: u64,
+) -> Result<MatchFit, MatchFitError> {
+    if matches.len() < LEAST_MATCHES {
+        return Err(MatchFitError::TooFew { found: matches.len() });
+    }
+    let cancel = CancelFlag::default();
+    let side = frames[0].longer_side().max(frames[1].longer_side());
+    let all = Evidence { matches, clicks: &[], frames, spread: side };
+    let scales: Vec<f64> = std::iter::successors(Some(FINEST), |scale| Some(STEP * scale))
+        .take_while(|scale| *scale <= (COARSEST * side).max(FINEST))
+        .collect();
+    let agreed = all.consensus(&[], &scales, seed, &cancel);
+    // A match within some scales says the more, the smaller the scale is beside the picture.
+    let worth = |((score, _), scale): &(&(f64, FundamentalMatrix), &f64)| score * (side / **scale).ln();
+    let first = agreed.iter().zip(&scales).max_by(|a, b| worth(a).total_cmp(&worth(b)));
+    let ((_, f), scale) = first.ok_or(MatchFitError::NoAgreement)?;
+    let coarse = Noise { scale: *scale, inliers: 0.5, spread: side };
+    let start = within(&all, f, coarse.reach()).ok_or(MatchFitError::NoAgreement)?;
+    // One band for all, as likelihoods are compared.
+    let band = start.noise.reach();
+    let mut best = within(&all, &start.fundamental, band).ok_or(MatchFitError::NoAgreement)?;
+    for round in 0..ROUNDS {
+        let seed = seed.wrapping_add(1 + round);
+        let agreed = all.consensus(&[best.fundamental], &best.rival_scales(), seed, &cancel);
+        let rivals = agreed.iter().filter_map(|(_, f)| within(&all, f, band));
+        let Some(rival) = rivals.max_by(|a, b| a.log_likelihood.total_cmp(&b.log_likelihood)) else { break };
+        if rival.log_likelihood <= best.log_likelihood {
+            break;
+        }
+        best = rival;
+    }
+    let near = near(matches, &best.fundamental, band);
+    let covariance = Evidence { matches: &near, ..all }.covariance(&best);
+    let noise = Noise { spread: side, ..best.noise };
+    Ok(MatchFit {
+        fundamental: best.fundamental,
+        inlier_probabilities: residuals(&best.fundamental, matches)
+            .iter()
+            .map(
+                |r| if r.distance < noise.reach() * r.sigma { best.noise.inlier_probability(r) } else { 0.0 },
+            )
+            .collect(),
+        noise: best.noise,
+        uncertainty: covariance.map(|c| Uncertainty::new(&best.fundamental, &c, [1.0; 2])),
+    })
+}
+
+/// Fits to the matches within `band` px of the lines, beside a uniform distribution over the band.
+fn within(all: &Evidence, f: &FundamentalMatrix, band: f64) -> Option<Fitted> {
+    let mut current = *f;
+    let mut fitted = None;
+    for _ in 0..3 {
+        let near = near(all.matches, &current, band);
+        if near.len() < LEAST_MATCHES {
+            return None;
+        }
+        let evidence = Evidence { matches: &near, spread: 2.0 * band, ..*all };
+        let next: Fitted = evidence.fitted(&current)?;
+        current = next.fundamental;
+        fitted = Some(next);
+    }
+    fitted
+}
+
+fn near(matches: &[Match], f: &FundamentalMatrix, band: f64) -> Vec<Match> {
+    matches.iter().filter(|m| sampson_distance(f, &m.pair) < band * m.sigma).copied().collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::PI;
+
+    use rand::{RngExt, SeedableRng};
+    use rand_pcg::Pcg64Mcg;
+
+    use super::*;
+    use crate::estimate::exact::{ExactScene, FRAME};
+    use crate::geometry::{PointPair, Vector};
+
+    /// Matches of a scene with Cauchy noise of this scale, and wrong ones behind them.
+    fn matches(scene: &ExactScene, right: usize, wrong: usize, scale: f64, seed: u64) -> Vec<Match> {
+        let mut rng = Pcg64Mcg::seed_from_u64(seed);
+        let mut all: Vec<Match> = Vec::new();
+        for pair in scene.pairs(right) {
+            let size = scale * (PI * (rng.random::<f64>() - 0.5)).tan();
+            let angle = 2.0 * PI * rng.random::<f64>();
+            let point2 = pair.point2 + size * Vector::new(angle.cos(), angle.sin());
+            all.push(PointPair { point2, ..pair }.into());
+        }
+        for pair in scene.pairs(wrong) {
+            let (x, y) = (rng.random::<f64>() * FRAME.right(), rng.random::<f64>() * FRAME.bottom());
+            all.push(PointPair { point2: crate::geometry::Point::new(x, y), ..pair }.into());
+        }
+        all
+    }
+
+    #[test]
+    fn half_of_the_matches_may_be_wrong() {
+        for scene in [ExactScene::aside(), ExactScene::forward()] {
+            for scale in [0.05, 0.3] {
+                let given = matches(&scene, 200, 200, scale, 7);
+                let fit = estimate_fundamental(&given, [FRAME; 2], 3).unwrap();
+                let error = scene.error(&fit.fundamental);
+                assert!(error < 2.0 * scale, "{scale}: {error} px");
+                let right = |range: std::ops::Range<usize>| {
+                    fit.inlier_probabilities[range].iter().filter(|p| **p > 0.5).count()
+                };
+                assert!(right(0..200) > 160 && right(200..400) < 30, "{} {}", right(0..200), right(200..400));
+            }
+        }
+    }
+
+    #[test]
+    fn the_seed_decides_and_threads_do_not() {
+        let given = matches(&ExactScene::aside(), 100, 60, 0.1, 9);
+        let fit = || estimate_fundamental(&given, [FRAME; 2], 5).unwrap().fundamental;
+        let one = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+        assert_eq!(fit(), one.install(fit));
+    }
+
+    #[test]
+    fn precise_matches_outvote_more_loose_ones() {
+        let (scene, given) = (ExactScene::aside(), matches(&ExactScene::aside(), 120, 0, 0.05, 11));
+        // As many more that agree loosely on another geometry.
+        let mut all = given;
+        let other = ExactScene::moved([0.3, 0.02, 0.3]);
+        all.extend(matches(&other, 150, 0, 0.6, 12));
+        let fit = estimate_fundamental(&all, [FRAME; 2], 1).unwrap();
+        let (own, of_other) = (scene.error(&fit.fundamental), other.error(&fit.fundamental));
+        assert!(own < 0.2 && own < 0.2 * of_other, "{own} {of_other}");
+    }
+
+    #[test]
+    fn the_covariance_tells_how_far_lines_are_off() {
+        let scene = ExactScene::aside();
+        let (mut inside, mut count) = (0, 0);
+        for seed in 0..40 {
+            let given = matches(&scene, 300, 60, 0.15, 100 + seed);
+            let fit = estimate_fundamental(&given, [FRAME; 2], seed).unwrap();
+            let uncertainty = fit.uncertainty.unwrap();
+            for pair in scene.pairs(9) {
+                let deviation = uncertainty.line2_deviation(pair.point1, pair.point2).unwrap();
+                let line = fit.fundamental.line2_from_point1(pair.point1).unwrap();
+                count += 1;
+                inside += usize::from(line.distance(pair.point2) < 1.96 * deviation);
+            }
+        }
+        let share = f64::from(inside as u32) / f64::from(count);
+        // 360 lines of 40 independent fits: some 4 % either way; the estimator itself is a few percent short of 95.
+        assert!((0.85..=0.995).contains(&share), "{share}");
+    }
+
+    #[test]
+    fn too_few_matches_and_matches_of_chance_are_refused() {
+        let scene = ExactScene::aside();
+        let few = matches(&scene, 13, 0, 0.1, 1);
+        let found = estimate_fundamental(&few, [FRAME; 2], 1).unwrap_err();
+        assert_eq!(found, MatchFitError::TooFew { found: 13 });
+        let same: Vec<Match> = vec![PointPair::new(5.0, 6.0, 7.0, 8.0).into(); 40];
+        assert_eq!(estimate_fundamental(&same, [FRAME; 2], 1).unwrap_err(), MatchFitError::NoAgreement);
+    }
+}
