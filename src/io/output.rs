@@ -1,7 +1,7 @@
-//! Output files that are either complete or not there.
+//! Atomic output: files are written completely or not at all.
 //!
-//! The content goes to a temporary file in the same folder, which then takes the place of the target in one
-//! step. A reader never sees half a file, and a failure leaves an older file as it was.
+//! The content goes to a temporary file in the same folder, which then replaces the target in one
+//! step. A reader never sees a partial file, and a failure keeps the old file.
 
 use std::fs::File;
 use std::io::{ErrorKind, Write};
@@ -14,16 +14,14 @@ use thiserror::Error;
 use super::part_file::{PartFile, remove_dead_parts};
 use crate::foreign::{is_named_pipe, reason, shown_path};
 
-/// How long a pipe may stand still.
+/// Longest time without progress on a pipe.
 const PATIENCE: Duration = Duration::from_secs(30);
 
-/// Why a file could not be written, one sentence.
+/// Reason why a file cannot be written, one sentence.
 #[derive(Debug, Error)]
 #[error("cannot write {path}: {reason}")]
 pub struct WriteError {
-    /// The file.
     path: String,
-    /// Why.
     reason: String,
 }
 
@@ -33,7 +31,7 @@ impl WriteError {
     }
 }
 
-/// A place for output that was found writable.
+/// Destination that was found writable.
 #[derive(Debug, Clone)]
 pub struct OutputFile {
     path: PathBuf,
@@ -42,30 +40,30 @@ pub struct OutputFile {
 
 #[derive(Debug, Clone)]
 enum DestinationKind {
-    /// A file, replaced as a whole; a private one only its owner may read.
+    /// Regular file, replaced as a whole. Only its owner may read a private file.
     File { private: bool },
-    /// Written through: replacing a device by a file would be a surprise.
+    /// Device, written in place. Replacing a device by a file would be a surprise.
     Device,
-    /// A pipe that somebody reads, open so that the reader does not take it for closed.
+    /// Pipe with a reader. It is kept open, or the reader would see its end.
     Pipe(Arc<File>),
 }
 
-/// A whole file beside its target, which it replaces when asked to.
+/// Complete temporary file beside its target.
 #[derive(Debug)]
 pub(super) struct StagedFile {
     target: OutputFile,
-    /// `None` when it went into a device or a pipe right away.
+    /// Temporary file; `None` if the content went directly to a device or a pipe.
     part: Option<PartFile>,
 }
 
 impl OutputFile {
-    /// Checks, before a long computation, that the file can be written. Nothing is left behind, and what programs that
-    /// were killed left half written in the folder is removed.
+    /// Checks that a file can be written, before a long computation. Leaves no file behind, and
+    /// removes temporary files of killed programs from the folder.
     pub fn prepare(path: &Path) -> Result<Self, WriteError> {
         Self::prepare_as(path, false)
     }
 
-    /// A file that only its owner may read, whatever the permissions of the one that it replaces.
+    /// Prepares a file that only its owner may read, even if it replaces a public file.
     pub fn prepare_private(path: &Path) -> Result<Self, WriteError> {
         Self::prepare_as(path, true)
     }
@@ -79,7 +77,7 @@ impl OutputFile {
         if found.is_err() && path.symlink_metadata().is_ok_and(|link| link.is_symlink()) {
             return Err(failed("it is a link that leads nowhere"));
         }
-        // Behind a symbolic link it is the file it points to that is replaced, not the link.
+        // The file behind a symbolic link is replaced, not the link.
         let path_behind = path.canonicalize().unwrap_or_else(|_| path.to_owned());
         let kind = match found {
             Ok(found) if found.is_dir() => return Err(failed("it is a folder")),
@@ -115,17 +113,18 @@ impl OutputFile {
         Ok(output)
     }
 
-    /// Where it will be, behind symbolic links.
+    /// Returns the path, with symbolic links resolved.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// Writes the whole content at once. A file keeps the permissions of the one that it replaces.
+    /// Writes the whole content. A replaced file keeps its permissions.
     pub fn write(&self, content: &[u8]) -> Result<(), WriteError> {
         self.stage(content)?.put()
     }
 
-    /// Writes the whole content beside the file, which is as it was until [`StagedFile::put`].
+    /// Writes the whole content to a temporary file. The target is unchanged until
+    /// [`StagedFile::put`].
     pub(super) fn stage(&self, content: &[u8]) -> Result<StagedFile, WriteError> {
         let part = match &self.kind {
             DestinationKind::File { private } => {
@@ -156,7 +155,7 @@ impl OutputFile {
 }
 
 impl StagedFile {
-    /// Takes the place of the target.
+    /// Replaces the target.
     pub(super) fn put(self) -> Result<(), WriteError> {
         let Some(part) = self.part else { return Ok(()) };
         let private = matches!(self.target.kind, DestinationKind::File { private: true });
@@ -164,7 +163,7 @@ impl StagedFile {
     }
 }
 
-/// Opens a pipe for writing, which fails when nobody has it open for reading.
+/// Opens a pipe for writing. Fails without a reader.
 #[cfg(unix)]
 fn open_pipe(path: &Path) -> std::io::Result<File> {
     use std::os::unix::fs::OpenOptionsExt;
@@ -176,7 +175,7 @@ fn open_pipe(path: &Path) -> std::io::Result<File> {
     std::fs::OpenOptions::new().write(true).open(path)
 }
 
-/// Writes as fast as the reader reads, and gives up when it has stopped.
+/// Writes at the reader's pace, and fails when the reader stops.
 fn write_to_pipe(mut pipe: &File, content: &[u8]) -> std::io::Result<()> {
     let mut rest = content;
     let mut moved = Instant::now();
@@ -191,7 +190,7 @@ fn write_to_pipe(mut pipe: &File, content: &[u8]) -> std::io::Result<()> {
                 std::thread::sleep(Duration::from_millis(5));
             }
             Err(e) if e.kind() == ErrorKind::WouldBlock => {
-                return Err(std::io::Error::other("nobody reads from this pipe any more"));
+                return Err(std::io::Error::other("nobody reads from this pipe any longer"));
             }
             Err(e) => return Err(e),
         }
@@ -323,7 +322,7 @@ mod tests {
         assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
         let message = OutputFile::prepare(&pipe).unwrap_err().to_string();
         assert!(message.ends_with("nobody reads from this pipe"), "{message}");
-        // Somebody who reads gets everything, more than a pipe holds.
+        // A reader gets everything, more than a pipe buffers.
         let copy = folder.path().join("copy");
         let mut reader = std::process::Command::new("cat")
             .arg(&pipe)

@@ -1,4 +1,4 @@
-//! A rectified pair as files in a folder.
+//! Files of a rectified pair in a folder.
 
 use std::path::{Path, PathBuf};
 
@@ -16,26 +16,26 @@ use crate::geometry::FundamentalMatrix;
 use crate::image::Picture;
 use crate::rectify::{Description, ImageMap, Rectification, stacked};
 
-/// What is written beside the two pictures.
+/// Options of the files written beside the two pictures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct RectifiedOptions {
-    /// The kind of the picture files.
+    /// Format of the pictures.
     pub format: PictureFormat,
     /// Rows between the guide lines of the stacked picture; 0 draws none.
     pub guide_spacing: usize,
-    /// Also write where each rectified pixel is in the original, as `npy` arrays.
+    /// Whether to write the original position of each rectified pixel, as `npy` arrays.
     pub maps: bool,
 }
 
-/// Why a rectified pair was not written. Each message is one sentence for the user.
+/// Reason why a rectified pair was not written. Each message is for the user.
 #[derive(Debug, Error)]
 pub enum RectifiedError {
-    /// The folder cannot be made.
+    /// The folder cannot be created.
     #[error("cannot make the folder {path}: {reason}")]
     Folder {
-        /// The folder.
+        /// Path of the folder.
         path: String,
-        /// The system's reason.
+        /// Reason given by the system.
         reason: String,
     },
     /// A file cannot be written.
@@ -44,15 +44,15 @@ pub enum RectifiedError {
     /// A picture cannot be encoded.
     #[error(transparent)]
     Picture(#[from] PictureError),
-    /// Writing was stopped.
+    /// Writing was cancelled.
     #[error("stopped; nothing was written")]
     Cancelled,
-    /// A table cannot be encoded.
+    /// A map cannot be encoded.
     #[error("the maps cannot be encoded: {0}")]
     Encode(String),
 }
 
-/// The files of a rectified pair, found writable.
+/// Files of a rectified pair, found writable.
 #[derive(Debug)]
 pub struct RectifiedFiles {
     pictures: [OutputFile; 2],
@@ -63,7 +63,7 @@ pub struct RectifiedFiles {
     trust: Option<TrustNote>,
 }
 
-/// The description, and how far its geometry is to be trusted.
+/// Description of the rectification with the verdict on its geometry.
 #[derive(Serialize)]
 struct Described<'a> {
     #[serde(flatten)]
@@ -73,11 +73,11 @@ struct Described<'a> {
 }
 
 impl RectifiedFiles {
-    /// Makes the folder if need be and checks, before the work, that all files can be written into it:
-    /// `left`, `right` and `stacked` with the extension of the format, `rectification.json`, and with
-    /// [`RectifiedOptions::maps`] `left-map.npy` and `right-map.npy`.
+    /// Creates the folder if necessary and checks, before the work, that all files can be written:
+    /// `left`, `right` and `stacked` with the extension of the format, `rectification.json`, and
+    /// with [`RectifiedOptions::maps`] `left-map.npy` and `right-map.npy`.
     ///
-    /// `inputs` are files that are needed still, the images above all: none of them is replaced.
+    /// `inputs` are files that are still needed, such as the images; none of them is replaced.
     pub fn prepare(
         folder: &Path,
         options: RectifiedOptions,
@@ -103,18 +103,18 @@ impl RectifiedFiles {
         Ok(files)
     }
 
-    /// Says how far the geometry is to be trusted.
+    /// Adds the verdict on the geometry to the description.
     #[must_use]
     pub fn with_trust(mut self, trust: Option<TrustNote>) -> Self {
         self.trust = trust;
         self
     }
 
-    /// Writes everything; `rectified` are the drawn pictures. `go_on` is asked before each file, by its place in
-    /// [`RectifiedFiles::paths`], and stops the writing with `false`.
+    /// Writes all files; `rectified` are the drawn pictures. `go_on` is called before each file
+    /// with its index in [`RectifiedFiles::paths`]; returning `false` stops the writing.
     ///
-    /// All of it is written beside an older pair before any of that is replaced. `rectification.json` goes first and
-    /// comes last: whatever happens, pictures beside one belong to it.
+    /// New files are complete before an older pair is replaced. `rectification.json` is removed
+    /// first and replaced last, so it always belongs to the pictures beside it.
     pub fn write(
         &self,
         rectification: &Rectification,
@@ -155,14 +155,14 @@ impl RectifiedFiles {
             }
             _ => {}
         }
-        // In this order, the description last.
+        // The description must come last.
         for file in staged {
             file.put()?;
         }
         Ok(())
     }
 
-    /// Paths of all files, in the order of writing.
+    /// Returns the paths of all files, in the order of writing.
     pub fn paths(&self) -> Vec<PathBuf> {
         let maps = self.maps.iter().flatten();
         self.pictures
@@ -175,8 +175,8 @@ impl RectifiedFiles {
     }
 }
 
-/// Rows × columns × (x, y) of `f32`, as `cv2.remap` takes it: where each rectified pixel is in the original, px;
-/// (−1, −1) where nowhere.
+/// Returns an array for `cv2.remap`: rows × columns × (x, y) of `f32`. Entries are the original
+/// positions of the rectified pixels, px; (−1, −1) if there is none.
 fn map_array(map: &ImageMap, rectification: &Rectification) -> std::io::Result<Vec<u8>> {
     let size = rectification.size;
     let mut content = Vec::with_capacity(size.width * size.height * 8 + 128);

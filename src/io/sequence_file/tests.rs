@@ -64,7 +64,7 @@ fn animations_are_read_frame_by_frame() {
     let moving = read(&path).unwrap();
     assert_eq!(moving.sequence.len(), 9);
     assert!(moving.sequence.frame(5)[21] > 180 && moving.sequence.frame(5)[5] < 60);
-    // Cut off in the middle: what is there is read, and the rest told.
+    // A file cut off in the middle is read as far as possible, with a note.
     let bytes = std::fs::read(&path).unwrap();
     std::fs::write(&path, &bytes[..bytes.len() * 2 / 3]).unwrap();
     let cut = read(&path).unwrap();

@@ -1,5 +1,5 @@
-//! Videos, read by an `ffmpeg` found on the machine. It is asked for grey pictures one after the other, and for nothing
-//! from the network.
+//! Videos, decoded by an installed `ffmpeg` into a stream of grey pictures. Network protocols are
+//! disabled.
 
 use std::io::{BufRead, BufReader, ErrorKind, Read};
 use std::path::Path;
@@ -11,17 +11,17 @@ use crate::foreign::{excerpt, shown_path};
 use crate::geometry::Frame;
 use crate::image::{GrayPlane, LoadOptions, Picture};
 
-/// Bytes of what the program complains about that are kept.
+/// Maximum number of bytes kept of ffmpeg's error messages.
 const MOST_WORDS: u64 = 4096;
 /// Longest header of a frame, bytes: two letters, three numbers and white space.
 const HEADER: usize = 64;
 
-/// A program that is stopped when nobody reads from it any more.
+/// Process that is killed when dropped.
 struct RunningDecoder(Child);
 
 impl Drop for RunningDecoder {
     fn drop(&mut self) {
-        // It may have ended by itself.
+        // The process may have ended already.
         let _ = self.0.kill();
         let _ = self.0.wait();
     }
@@ -35,7 +35,7 @@ pub(super) fn read(
 ) -> Result<SequenceFile, SequenceError> {
     let shown = shown_path(path);
     let failed = |reason: &str| SequenceError::Ffmpeg { path: shown.clone(), reason: excerpt(reason) };
-    // An absolute path cannot be taken for an option or an address.
+    // An absolute path cannot be mistaken for an option or an address.
     let absolute = std::path::absolute(path).map_err(|e| failed(&crate::foreign::reason(&e)))?;
     let started = Command::new(program)
         .args(["-nostdin", "-v", "error", "-protocol_whitelist", "file,pipe", "-i"])
@@ -56,7 +56,7 @@ pub(super) fn read(
     let complaints = running.0.stderr.take().map(|stderr| {
         std::thread::spawn(move || {
             let mut words = String::new();
-            // What is not text is left out; the rest must be read, or the program would wait for ever.
+            // Text only. The rest must be drained, or the process would block.
             let mut stderr = stderr;
             let _ = (&mut stderr).take(MOST_WORDS).read_to_string(&mut words);
             let _ = std::io::copy(&mut stderr, &mut std::io::sink());
@@ -101,7 +101,7 @@ pub(super) fn read(
     gathered.finish()
 }
 
-/// The next picture of the stream, a binary PGM; `None` at its end.
+/// Reads the next picture of the stream, a binary PGM; `None` at the end.
 fn next_frame(stream: &mut BufReader<ChildStdout>, shown: &str) -> Result<Option<GrayPlane>, SequenceError> {
     let broken =
         || SequenceError::Ffmpeg { path: shown.to_owned(), reason: "its frames are not as expected".into() };
@@ -120,7 +120,7 @@ fn next_frame(stream: &mut BufReader<ChildStdout>, shown: &str) -> Result<Option
     Ok(Some(GrayPlane::new(frame, bytes.into_iter().map(f32::from).collect())))
 }
 
-/// The next word of a header and the one character behind it; `None` at the end of the stream.
+/// Reads the next word of a header and the character after it; `None` at the end of the stream.
 fn word(stream: &mut impl BufRead) -> std::io::Result<Option<String>> {
     let mut found = String::new();
     let mut byte = [0u8];
@@ -150,7 +150,7 @@ mod tests {
 
     use super::*;
 
-    /// A program that behaves as ffmpeg does where it is asked for grey pictures.
+    /// Writes a script that replaces ffmpeg.
     fn program(folder: &Path, script: &str) -> String {
         let path = folder.join("ffmpeg");
         std::fs::write(&path, format!("#!/bin/sh\n{script}\n")).unwrap();
