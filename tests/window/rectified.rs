@@ -456,6 +456,6 @@ fn what_rows_that_lie_apart_mean_depends_on_whose_geometry_is_shown() {
         assert!(window.query_by_label_contains("add or correct point pairs").is_none());
         assert!(window.query_by_label_contains("Search ").is_none(), "a range of a wrong geometry");
         press(&mut window, Key::R);
-        assert!(window.query_by_label_contains("Matches lie ").is_none());
+        assert!(window.query_by_label_contains("Rows of ").is_none());
     }
 }
