@@ -17,7 +17,7 @@ pub const INTERNAL_ERROR: u8 = 70;
 /// Exit status after Ctrl-C: 128 plus the signal number, the convention of shells.
 pub(super) const INTERRUPTED: u8 = 130;
 
-/// Reason why a command failed. Each message is for the user.
+/// Reason why a command failed. The message is shown to the user.
 #[derive(Debug, Error)]
 pub enum CliError {
     /// An image cannot be read.

@@ -56,7 +56,6 @@ enum WindowContent {
     Session(PathBuf),
 }
 
-/// Opens the window.
 #[cfg(feature = "inspector")]
 fn open(what: WindowContent, pairs: Vec<PointPair>, imports: Vec<PathBuf>) -> Result<(), CliError> {
     use crate::app::{Opening, Start, run};

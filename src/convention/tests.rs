@@ -73,8 +73,8 @@ fn every_reading_is_found_where_it_matters() {
             "{sentence}"
         );
         assert!((found.scale / reading.scale).ln().abs() < 0.01, "{reading:?}: {sentence}");
-        // An origin of one pixel in images four times as large is a shift of a quarter pixel here.
-        // In images of unknown scale, the scale partly compensates the origin.
+        // In images four times as large, half a pixel of origin shifts points by an eighth of a pixel
+        // here. In images of unknown scale, the scale partly compensates the origin.
         let is_credible = |r: &RankedReading| r.reading.origin.to_bits() == reading.origin.to_bits();
         if reading.scale > 1.0 || (reading.scale - 0.71).abs() < 0.01 {
             assert!(is_credible(best) || check.alike().any(is_credible), "{reading:?}: {sentence}");

@@ -19,7 +19,7 @@ use crate::io::{
 };
 use crate::motion::{BackgroundParameters, MotionError, Silhouettes};
 
-/// Reason why an evaluation is impossible. Each message is for the user.
+/// Reason why an evaluation is impossible. The message is shown to the user.
 #[derive(Debug, Error)]
 pub enum EvaluateError {
     /// A file or folder cannot be read.

@@ -11,7 +11,7 @@ use crate::geometry::{
     Camera, EightPointError, FundamentalMatrix, PointPair, eight_point, symmetric_epipolar_distance,
 };
 
-/// Reason why a pair has no ground truth. Each message is for the user.
+/// Reason why a pair has no ground truth. The message is shown to the user.
 #[derive(Debug, Error)]
 pub enum TruthError {
     /// The file of the matches cannot be read.

@@ -8,7 +8,7 @@ use super::output::WriteError;
 /// Identity of the file at a path.
 #[derive(Debug, PartialEq, Eq)]
 enum Identity {
-    /// Existing file.
+    /// File that exists.
     Old(Place),
     /// File that does not exist yet, by its folder and name.
     New(Place, OsString),

@@ -13,7 +13,7 @@ const MOST_BYTES: u64 = 64 << 20;
 /// Maximum length of an error message, characters. Other libraries quote any amount of the file.
 const MOST_WORDS: usize = 300;
 
-/// Reason why a file or folder cannot be read. Each message is for the user.
+/// Reason why a file or folder cannot be read. The message is shown to the user.
 #[derive(Debug, Error)]
 pub enum ReadError {
     /// The file is missing or not readable.

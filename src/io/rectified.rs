@@ -27,7 +27,7 @@ pub struct RectifiedOptions {
     pub maps: bool,
 }
 
-/// Reason why a rectified pair was not written. Each message is for the user.
+/// Reason why a rectified pair was not written. The message is shown to the user.
 #[derive(Debug, Error)]
 pub enum RectifiedError {
     /// The folder cannot be created.

@@ -35,7 +35,7 @@ const LONGEST_PATH: usize = 8192;
 const CONVENTION: &str = "Pixels are (x, y), x right, y down, the centre of the top-left pixel is (0, 0). F is nested \
     rows: x2' F x1 = 0. Paths are relative to the folder of this file.";
 
-/// Reason why a session cannot be read. Each message is for the user.
+/// Reason why a session cannot be read. The message is shown to the user.
 #[derive(Debug, Error)]
 pub enum SessionError {
     /// The file cannot be read.
@@ -356,7 +356,7 @@ mod tests {
         let located = session.images.clone().map(|i| i.locate(&path).unwrap());
         assert_eq!(located[0], Located::Missing(folder.path().join("a.png")));
         assert_eq!(located[1], Located::Changed(folder.path().join("b.png")));
-        // A session outside the folder of the images finds them once it is moved beside them.
+        // An image beside the session is found even if its path is wrong.
         let below = folder.path().join("deep");
         std::fs::create_dir(&below).unwrap();
         let reference = ImageReference {

@@ -31,7 +31,7 @@ pub(super) fn instead_of_planar(error: &RectifyError) -> String {
 pub(super) fn against_planar(planar: &Rectification) -> Option<String> {
     planar.measures.distortion.iter().enumerate().find_map(|(k, distortion)| {
         let what = bent(distortion)?;
-        Some(format!("the planar method would make image {} {what}", k + 1))
+        Some(format!("with the planar method image {} would be {what}", k + 1))
     })
 }
 

@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-/// Reason why a pair cannot be rectified. Each message is for the user.
+/// Reason why a pair cannot be rectified. The message is shown to the user.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 pub enum RectifyError {
     /// An epipole lies inside an image.
@@ -29,7 +29,7 @@ pub enum RectifyError {
         image: usize,
     },
     /// The pixel limit leaves no room for a picture.
-    #[error("the limit of {limit} pixels for a rectified image is too small")]
+    #[error("the limit of {limit} pixels for a rectified image is too small. Raise the limit")]
     Limit {
         /// Limit in pixels.
         limit: usize,

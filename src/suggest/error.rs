@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-/// Reason why no match was suggested. Each message is for the user.
+/// Reason why no match was suggested. The message is shown to the user.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum SuggestError {
     /// A coordinate is NaN or infinite.

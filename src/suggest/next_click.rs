@@ -101,7 +101,7 @@ pub fn next_click(
         .filter(is_apart)
         .filter_map(seen)
         .collect();
-    // Of equal points the most textured one comes first.
+    // Of equal points the first is kept, which is the most textured.
     let best = places.into_iter().reduce(|best, other| if other.0 > best.0 { other } else { best });
     best.map(|(_, place)| place).filter(|place| place.disagreement >= LEAST * side)
 }

@@ -55,7 +55,7 @@ impl ReportSubject<'_> {
     }
 }
 
-/// Method whose worst trials are shown.
+/// Method of main interest: its trials are shown as pictures.
 const TWO_POINT: &str = "two-point";
 
 /// Creates the document. `progress` receives the number of drawn scenes and their total.

@@ -46,7 +46,7 @@ impl SequenceFile {
     }
 }
 
-/// Reason why a sequence cannot be read. Each message is for the user.
+/// Reason why a sequence cannot be read. The message is shown to the user.
 #[derive(Debug, Error)]
 pub enum SequenceError {
     /// A frame cannot be read.
@@ -74,7 +74,7 @@ pub enum SequenceError {
     },
     /// The file may be a video, but ffmpeg is not installed.
     #[error(
-        "{path} is not an animated picture. To read it as a video, the program ffmpeg is needed, which is not on this machine: install it, or give a folder of frames"
+        "{path} is not an animated picture, and the program ffmpeg, which reads videos, is not on this machine. Install ffmpeg, or give a folder of frames"
     )]
     NoFfmpeg {
         /// Path of the file.

@@ -184,6 +184,6 @@ mod tests {
         let cut = read_with(&format!("{FRAME}{FRAME} echo 'end of file' >&2; exit 1")).unwrap();
         assert_eq!(cut.notes.len(), 1);
         let missing = super::read(Path::new("film.mp4"), "no-such-program", &CancelFlag::default(), &|_| ());
-        assert!(missing.unwrap_err().to_string().contains("install it, or give a folder of frames"));
+        assert!(missing.unwrap_err().to_string().contains("Install ffmpeg, or give a folder of frames"));
     }
 }

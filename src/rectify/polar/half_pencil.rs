@@ -79,8 +79,9 @@ impl HalfPencil {
         self.reach(angle).map_or_else(|| (self.frame.centre() - self.epipole).norm(), |r| r[1]).max(1.0)
     }
 
-    /// Returns the point of the half line nearest to the middle of its visible part. It is at least
-    /// 1 px from the epipole, even outside the image, because `F` has no line at the epipole.
+    /// Returns the middle of the visible part of the half line, or if it misses the image its point
+    /// nearest to the image centre. The point is at least 1 px from the epipole, even outside the
+    /// image, because `F` has no line at the epipole.
     pub(super) fn point(&self, angle: f64) -> Point {
         let along = direction(angle);
         let reach = self.reach(angle).map_or_else(

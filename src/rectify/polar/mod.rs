@@ -77,7 +77,7 @@ pub(super) struct Polar {
     pub(super) frame: Frame,
     /// Factor by which the pixel limit reduced the picture.
     pub(super) scale: f64,
-    /// True when neither a match nor an image outside the epipole determined the orientation.
+    /// True if the orientation was assumed: without matches, and with an epipole inside an image.
     pub(super) orientation_assumed: bool,
 }
 
@@ -99,7 +99,7 @@ pub(super) fn polar(
         Range::of(rows.iter().filter_map(|r| pencil.reach(r[k])).flatten())
     };
     let radii = [columns(&full_size, 0), columns(&full_size, 1)];
-    // With a wrong F, a half line may end before the range of distances begins.
+    // With a wrong F the half lines may miss an image, which leaves no columns.
     if radii.iter().any(|range| range.low >= range.high) {
         return Err(RectifyError::NoCommonLines);
     }

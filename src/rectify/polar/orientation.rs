@@ -19,7 +19,7 @@ pub(super) struct Orientation {
 
 impl Orientation {
     /// Finds the orientation: from the matches if there are any, otherwise from the position of the
-    /// images. With both epipoles inside, half lines are assumed to turn by less than 90°.
+    /// images. With an epipole inside an image, half lines are assumed to turn by less than 90°.
     pub(super) fn find(f: &FundamentalMatrix, pencils: [&HalfPencil; 2], matches: &[PointPair]) -> Self {
         let [pencil1, pencil2] = pencils;
         let votes: i64 = matches
