@@ -25,8 +25,8 @@ const NEWS: usize = 100;
 /// Estimate the fundamental matrix of two stationary cameras from two sequences recorded at the
 /// same time
 ///
-/// The method compares motion barcodes: in which frames do moving objects cross a line? Point pairs
-/// are optional
+/// The method compares motion barcodes, which record the frames in which moving objects cross a
+/// line. Point pairs are optional
 #[derive(Debug, Args)]
 #[command(allow_negative_numbers = true)]
 pub(super) struct BarcodeArguments {

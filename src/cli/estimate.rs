@@ -22,15 +22,15 @@ use crate::image::Picture;
 pub(super) struct EstimateArguments {
     #[command(flatten)]
     images: ImagePair,
-    /// Point pair: the same scene point in both images, pixels; repeatable. Two are enough, and
-    /// none are needed (the preset paper takes none, two or three)
+    /// Point pair: the same scene point in both images, pixels; repeatable. Two pairs are enough;
+    /// without any, F is found from the images alone (the preset paper takes none, two or three)
     #[arg(long = "pair", value_name = "X1,Y1,X2,Y2", value_parser = point_pair, allow_hyphen_values = true)]
     pairs: Vec<PointPair>,
     /// Preset of the parameters
     #[arg(long, value_enum, default_value_t)]
     preset: Preset,
     /// Method of estimation, by default chosen by the number of point pairs. The method lines
-    /// compares all lines of both images and needs none
+    /// compares all lines of both images and needs no pair
     #[arg(long, value_enum)]
     method: Option<Method>,
     /// Random seed; the same seed gives the same F

@@ -181,7 +181,7 @@ impl Circumstances {
         }
         if let Some((click, image, distance)) = self.epipole.filter(|(.., d)| *d < NEAR_EPIPOLE * self.side) {
             told.push(format!(
-                "Click {} is {distance:.0} px from the epipole of image {}, where lines are sensitive to every pixel.",
+                "Click {} is {distance:.0} px from the epipole of image {}. There every pixel turns its line.",
                 click_name(click),
                 image + 1
             ));
