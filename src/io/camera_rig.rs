@@ -108,7 +108,7 @@ mod tests {
         assert_eq!(found.names, ["cam01", "cam02"]);
         assert!(found.sequences[0].ends_with("cam01.mp4") && found.sequences[1].ends_with("cam02"));
         let told = found.matches([0, 1]).unwrap_err().to_string();
-        assert!(told.contains("expected truth-cam01-cam02.txt"), "{told}");
+        assert!(told.contains("a file truth-cam01-cam02.txt"), "{told}");
         write("truth-02-01.txt", "1 2 3 4\n");
         assert_eq!(found.matches([0, 1]).unwrap(), [PointPair::new(3.0, 4.0, 1.0, 2.0)]);
         write("truth-cam01-cam02.txt", "5 6 7 8\n");
