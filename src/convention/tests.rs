@@ -73,8 +73,8 @@ fn every_reading_is_found_where_it_matters() {
             "{sentence}"
         );
         assert!((found.scale / reading.scale).ln().abs() < 0.01, "{reading:?}: {sentence}");
-        // In images four times as large, half a pixel of origin shifts points by an eighth of a pixel
-        // here. In images of unknown scale, the scale partly compensates the origin.
+        // In images four times as large, half a pixel of origin shifts points by an eighth of a
+        // pixel here. In images of unknown scale, the scale partly compensates the origin.
         let is_credible = |r: &RankedReading| r.reading.origin.to_bits() == reading.origin.to_bits();
         if reading.scale > 1.0 || (reading.scale - 0.71).abs() < 0.01 {
             assert!(is_credible(best) || check.alike().any(is_credible), "{reading:?}: {sentence}");
@@ -170,7 +170,7 @@ fn nothing_fits_matches_of_other_images() {
     assert!(sentence.contains("y pointing up, or only one of the images resized"), "{sentence}");
 }
 
-/// For a pure sideways motion the transpose, every origin and every scale give the same matrix.
+/// A pure sideways motion gives the same matrix under transposition and for every origin and scale.
 #[test]
 fn the_same_thing_is_listed_once() {
     let rows = Matrix3::new(0.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 1.0, 0.0);
