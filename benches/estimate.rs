@@ -1,10 +1,12 @@
-//! Time of whole estimates: until the first geometry, until the final one, and stage by stage. Run with
-//! `cargo bench --bench estimate`; with `-- stages` behind it only the stages.
+//! Time of whole estimates: until the first geometry, until the final geometry, and by stage.
 //!
-//! Stages: the built-in courtyard as it is and at 12 megapixels, and three pairs of photographs where the folder
-//! `../shared/data` is there. Sizes: the built-in courtyard at several sizes, from the images on (nothing is prepared before), from its own two
-//! point pairs, on all cores. Sizes other than 768 px are resampled: enlarged images hold no more detail, so
-//! they tell the cost of the pixels, not of the corners they would have had.
+//! Run with `cargo bench --bench estimate`; append `-- stages` for the stages only.
+//!
+//! - Stages: the built-in courtyard at its own size and at 12 megapixels, and three pairs of
+//!   photographs if the folder `../shared/data` exists.
+//! - Sizes: the built-in courtyard at several sizes, from unprepared images and its own two point
+//!   pairs, on all cores. Sizes other than 768 px are resampled. Enlarged images hold no more
+//!   detail, so they measure the cost of pixels, not of additional corners.
 
 use std::path::Path;
 use std::time::Instant;
@@ -19,7 +21,7 @@ use epiline::synthetic::{Sample, SamplePair};
 use image::imageops::{FilterType, resize};
 use image::{ImageBuffer, Luma};
 
-/// Image sizes and how often each is timed.
+/// Image sizes, each with its number of runs.
 const SIZES: [(Frame, usize); 5] = [
     (Frame { width: 192, height: 144 }, 9),
     (Frame { width: 384, height: 288 }, 7),
@@ -55,7 +57,7 @@ fn resized(plane: &GrayPlane, frame: Frame) -> GrayPlane {
     if from == frame {
         return plane.clone();
     }
-    // The resampler takes 1 for white.
+    // White is 1 for the resampler.
     let values = plane.values().iter().map(|v| v / 255.0).collect();
     let buffer: ImageBuffer<Luma<f32>, Vec<f32>> =
         ImageBuffer::from_raw(from.width as u32, from.height as u32, values).expect("one value a pixel");
@@ -63,7 +65,7 @@ fn resized(plane: &GrayPlane, frame: Frame) -> GrayPlane {
     GrayPlane::new(frame, out.into_raw().iter().map(|v| 255.0 * v).collect())
 }
 
-/// Median seconds until the first and the final geometry, and the error of the final one, px.
+/// Returns the median seconds until the first and the final geometry, and the final error in px.
 fn timed(pair: &Sized, preset: Preset, runs: usize) -> (f64, f64, f64) {
     let parameters = Parameters::from(preset);
     let (mut first, mut last, mut error) = (Vec::new(), Vec::new(), f64::NAN);
@@ -79,7 +81,7 @@ fn timed(pair: &Sized, preset: Preset, runs: usize) -> (f64, f64, f64) {
     (median(&first), median(&last), error)
 }
 
-/// Largest memory this process has had, MiB, where the system tells.
+/// Returns the peak memory of this process in MiB, if the system reports it.
 fn peak_memory() -> Option<f64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find(|l| l.starts_with("VmHWM:"))?;
@@ -90,7 +92,7 @@ fn peak_memory() -> Option<f64> {
 struct Photographs {
     name: &'static str,
     files: [&'static str; 2],
-    /// Two clicks, true to a pixel.
+    /// Two clicks, accurate to a pixel.
     clicks: [[f64; 4]; 2],
 }
 
@@ -114,7 +116,7 @@ const PHOTOGRAPHS: [Photographs; 3] = [
 const DATA: &str = "../shared/data";
 const RUNS: usize = 5;
 
-/// Seconds of each stage, and until the first and the final geometry.
+/// Returns the seconds of each stage, and until the first and the final geometry.
 fn stages(found: &Estimate) -> Vec<f64> {
     let Some(trace) = &found.trace else { return vec![f64::NAN; Stage::ALL.len() + 2] };
     let seconds =
@@ -122,7 +124,7 @@ fn stages(found: &Estimate) -> Vec<f64> {
     Stage::ALL.into_iter().map(seconds).chain([trace.first_seconds, trace.seconds]).collect()
 }
 
-/// One row of times: medians over the runs, milliseconds.
+/// Prints one row of times: medians over the runs, milliseconds.
 fn print_stages(name: &str, runs: &[Estimate]) {
     let times: Vec<Vec<f64>> = runs.iter().map(stages).collect();
     print!("{name:<42}");
@@ -133,7 +135,8 @@ fn print_stages(name: &str, runs: &[Estimate]) {
     println!("  {verdict}");
 }
 
-/// Times from the images on, and again with the images prepared after both clicks were moved a little.
+/// Times estimates from unprepared images, and with the images prepared after both clicks moved
+/// slightly.
 fn time_stages(name: &str, planes: &[GrayPlane; 2], clicks: &[PointPair]) {
     let (parameters, silent) = (Parameters::from(Preset::Robust), Monitor::silent());
     let moved = |by: f64| -> Vec<PointPair> {
@@ -203,7 +206,7 @@ fn sizes() {
         let rows: Vec<_> = SIZES
             .iter()
             .map(|(frame, runs)| {
-                // Once before the clock runs, where that costs little, so that code and pages are in memory.
+                // An untimed run at small sizes loads code and pages into memory.
                 let pair = Sized::new(&sample, *frame);
                 if frame.width <= NATIVE {
                     timed(&pair, preset, 1);

@@ -1,5 +1,5 @@
-//! Time of finding, describing and matching covariant features at several sizes of one picture, and what limits the
-//! number of features costs. Run with `cargo bench --bench features`.
+//! Time of detecting, describing and matching covariant features at several image sizes, and the
+//! effect of the limit on the number of features. Run with `cargo bench --bench features`.
 
 use std::hint::black_box;
 use std::time::Instant;
@@ -10,14 +10,14 @@ use epiline::geometry::{Frame, Point};
 use epiline::image::GrayPlane;
 use epiline::synthetic::Sample;
 
-/// The picture at another size, by bilinear interpolation: for time alone, so aliasing does not matter.
+/// Resizes the picture by bilinear interpolation. Aliasing does not affect the time.
 fn resized(plane: &GrayPlane, width: usize) -> GrayPlane {
     let scale = plane.frame().width as f64 / width as f64;
     let frame = Frame::new(width, (plane.frame().height as f64 / scale) as usize);
     GrayPlane::from_fn(frame, |x, y| plane.sample(Point::new(x as f64 * scale, y as f64 * scale)))
 }
 
-/// Median seconds of some runs.
+/// Returns the median seconds of several runs.
 fn seconds(mut run: impl FnMut()) -> f64 {
     run();
     let times: Vec<f64> = (0..7)
@@ -39,7 +39,7 @@ fn main() {
     );
     for width in [384, 768, 1536, 3072] {
         let planes = sample.pictures.each_ref().map(|p| resized(&p.gray, width));
-        // Little contrast is asked for, so that there are enough features to be limited.
+        // A low contrast threshold gives enough features for the limit to take effect.
         for most in [2500, 8000] {
             let parameters = FeatureParameters { most, contrast: 1.0, ..FeatureParameters::default() };
             let sets = planes.each_ref().map(|p| find_features(p, &parameters));

@@ -1,5 +1,6 @@
-//! Processor time of frames while a point is dragged, with the real estimator, and while large images are moved. There is no
-//! graphics card in it: uploads are left out. Run with `cargo bench --bench frames`.
+//! Processor time of the window's frames while a point is dragged, with the real estimator, and
+//! while large images are moved. Uploads to a graphics card are not included. Run with
+//! `cargo bench --bench frames`.
 
 #[path = "../tests/window/support.rs"]
 #[expect(dead_code, reason = "shared with the tests of the window")]
@@ -20,12 +21,13 @@ use epiline::app::{Inspector, Opening, Services, Start, install_theme};
 use epiline::synthetic::Sample;
 use support::{Files, P_LEFT, Window, at, button, click, pane, press, screen, settle, wheel};
 
-/// Frames of a drag, at 60 a second.
+/// Frames of a drag, at 60 per second.
 const FRAMES: u32 = 180;
 const FRAME: Duration = Duration::from_micros(16_667);
 
-/// Processor time of this thread: the estimator takes what it can get of the processors meanwhile. Where the system does
-/// not tell, the time that passes.
+/// Returns the processor time of this thread: the estimator competes for the processors, which
+/// would distort the elapsed time. Returns the elapsed time if the system reports no processor
+/// time.
 fn processor_time() -> Duration {
     static BEGUN: LazyLock<Instant> = LazyLock::new(Instant::now);
     let told = std::fs::read_to_string("/proc/thread-self/schedstat").ok();
@@ -33,7 +35,7 @@ fn processor_time() -> Duration {
     nanoseconds.map_or_else(|| BEGUN.elapsed(), Duration::from_nanos)
 }
 
-/// A window with the real services, and how much processor time each of its frames took.
+/// Opens a window with the real services, and records the processor time of each frame.
 fn timed(start: Start) -> (Window, Rc<RefCell<Vec<Duration>>>) {
     let times: Rc<RefCell<Vec<Duration>>> = Rc::default();
     let noted = Rc::clone(&times);
@@ -86,7 +88,7 @@ fn while_dragging() {
     drag_in_circles(&mut window, &times);
 }
 
-/// Pairs and pinned lines of a full window.
+/// Number of pairs and of pinned lines in a full window.
 const MANY: usize = 40;
 
 fn drag_in_circles(window: &mut Window, times: &RefCell<Vec<Duration>>) {
@@ -96,7 +98,8 @@ fn drag_in_circles(window: &mut Window, times: &RefCell<Vec<Duration>>) {
     window.step();
     times.borrow_mut().clear();
     let fundamental = |window: &Window| window.state().estimate().map(|estimate| *estimate.fundamental());
-    // When a point was moved that the geometry on the screen does not know of yet, and how long such waits were.
+    // Time of the first move not yet answered by a geometry on the screen, and the lengths of such
+    // waits.
     let (mut waiting, mut waits) = (None, Vec::new());
     let mut shown = fundamental(window);
     for frame in 0..FRAMES {
@@ -110,7 +113,7 @@ fn drag_in_circles(window: &mut Window, times: &RefCell<Vec<Duration>>) {
             shown = now;
             waits.extend(waiting.take().map(|moved: Instant| moved.elapsed()));
         }
-        // The lines of this frame came before the answer to what it moved.
+        // The lines of this frame were computed before the point moved.
         waiting.get_or_insert(begun);
         std::thread::sleep(FRAME.saturating_sub(begun.elapsed()));
     }

@@ -1,5 +1,5 @@
-//! Throughput of the stereo kernel in GCUPS: 10⁹ dynamic-programming cells (line sample × disparity) a second
-//! on one core. Run with `cargo bench --bench kernel`.
+//! Throughput of the stereo kernel in GCUPS: 10⁹ dynamic-programming cells (line sample ×
+//! disparity) per second on one core. Run with `cargo bench --bench kernel`.
 
 use std::hint::black_box;
 use std::time::Instant;
@@ -7,7 +7,7 @@ use std::time::Instant;
 use epiline::image::Profile;
 use epiline::similarity::{DisparityRange, Kernel, LANES, LaneBlock, StereoParameters, match_cost};
 
-/// A textured profile; texture does not change the speed, it keeps the numbers honest.
+/// Returns a textured profile. Texture does not affect the speed, but gives realistic costs.
 fn profile(length: usize, seed: u32) -> Profile {
     let values = (0..length as u32)
         .map(|k| (k.wrapping_mul(2_654_435_761).wrapping_add(seed.wrapping_mul(40_503)) >> 24) as u8)
@@ -15,7 +15,7 @@ fn profile(length: usize, seed: u32) -> Profile {
     Profile { first: -(length as i32) / 2, values }
 }
 
-/// Median GCUPS over repeated runs of about 30 ms each.
+/// Returns the median GCUPS over repeated runs of about 30 ms each.
 fn gcups(cells_per_run: f64, mut run: impl FnMut()) -> f64 {
     run();
     let mut rates: Vec<f64> = (0..15)

@@ -1,5 +1,5 @@
-//! Time of comparing two pencils line by line, the stage that grows fastest with the image: lines × lines ×
-//! samples × disparities. Run with `cargo bench --bench pencils`.
+//! Time of comparing two pencils line by line, the stage that grows fastest with the image size:
+//! lines × lines × samples × disparities. Run with `cargo bench --bench pencils`.
 
 use std::f64::consts::{PI, TAU};
 use std::hint::black_box;
@@ -12,7 +12,7 @@ use epiline::image::{GrayPlane, Pyramid};
 use epiline::similarity::{DisparityRange, LineSimilarity, StereoSimilarity};
 use epiline::synthetic::Sample;
 
-/// The lines through a point: one sense, or both.
+/// Returns the lines through a point in one direction or in both.
 fn pencil(frame: Frame, point: Point, spacing: f64, both: bool) -> Vec<AnchoredLine> {
     let half = pencil_angles(frame.farthest_corner(point), spacing);
     let reversed = half.iter().map(|a| a + PI).take(if both { half.len() } else { 0 });
@@ -29,8 +29,8 @@ fn main() {
     );
     for preset in [Preset::Robust, Preset::Paper] {
         let parameters = Parameters::from(preset);
-        // Full size is left out: the estimator compares pencils at a coarse level, and sixteen times the time of
-        // half the size tells nothing new.
+        // Full size is omitted: the estimator compares pencils at a coarse level, and full size
+        // takes sixteen times as long as half the size.
         for level in (1..pyramids[0].len()).rev() {
             let planes: [&GrayPlane; 2] = [pyramids[0].level(level), pyramids[1].level(level)];
             let frame = planes[0].frame();

@@ -1,5 +1,6 @@
-//! Measures geometry from motion barcodes on made sequences: error against the number of frames, of things that move and
-//! of noise in the masks, with two clicks and without. Prints a table in Markdown.
+//! Measures geometry from motion barcodes on synthetic sequences, with two clicks and without.
+//! Prints the error against the number of frames, the number of moving objects, and the noise in
+//! the masks, as a table in Markdown.
 //!
 //! `cargo run --release --example measure-barcodes [SEEDS [PART OF A NAME]]`
 
@@ -14,11 +15,12 @@ use epiline::synthetic::{BallScene, ThrownBalls};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg32;
 
-/// A made recording and how its masks are got.
+/// A synthetic recording and the source of its masks.
 struct Case {
     name: String,
     thrown: ThrownBalls,
-    /// Share of the pixels of the exact masks that are flipped; `None` takes the masks from the pictures.
+    /// Fraction of the pixels flipped in the exact masks; `None` computes the masks from the
+    /// pictures.
     mask_noise: Option<f64>,
 }
 

@@ -1,13 +1,23 @@
-//! How often a pair without parallax is called reliable: its epipoles are determined by nothing, so it never should be.
+//! Counts the pairs without parallax that are called reliable. The epipoles of such a pair are
+//! undetermined, so the verdict should never be reliable.
 //!
-//! Makes pairs from any photographs, seeded: a camera that stands still while pasted things move, the same darker and noisy,
-//! one that only turns, unrelated pictures under the same captions, two halves that move apart, a smooth warp, a strong
-//! lens, a screen whose text is scrolled; and estimates from two points of what does not move.
+//! The program makes seeded pairs from any photographs and estimates from two points of the
+//! background:
+//!
+//! - `static`: a static camera while pasted objects move
+//! - `darker`: the same, with a darker and noisier second image
+//! - `turned`: a camera that only rotates
+//! - `captions`: unrelated pictures under the same captions
+//! - `halves`: two halves that move apart
+//! - `warp`: a smooth warp
+//! - `lens`: strong lens distortion
+//! - `screen`: a screen whose text is scrolled
 //!
 //! `cargo run --release --example measure-no-parallax -- PAIRS_A_KIND [KIND...] PICTURE PICTURE...`
 //!
-//! `A..B` in place of a count makes those numbers again. Without kinds all are made. Pairs that are called reliable are told by their number. Photographs should show different
-//! scenes: two of one scene under the same captions are a pair with parallax.
+//! `A..B` instead of a count repeats the pairs of those numbers. Without kinds, all kinds are made.
+//! Pairs called reliable are listed by number. Photographs should show different scenes: two
+//! photographs of one scene under the same captions have parallax.
 
 use std::path::Path;
 
@@ -50,7 +60,7 @@ impl Kind {
     }
 }
 
-/// A thing cut out of a picture, where it is pasted in each image.
+/// An object cut out of a picture, with its position in each image.
 struct Thing {
     picture: usize,
     from: Point,
@@ -59,7 +69,7 @@ struct Thing {
 }
 
 impl Thing {
-    /// Where a pixel of an image comes from, if it shows this thing.
+    /// Returns the source position of a pixel of an image, if the object covers it.
     fn source(&self, image: usize, p: Point) -> Option<Point> {
         let d = p - self.at[image];
         (d.x.abs() < self.half.x && d.y.abs() < self.half.y).then(|| self.from + d)
@@ -88,7 +98,7 @@ fn make(kind: Kind, pictures: &[GrayPlane], rng: &mut Pcg64Mcg) -> Made {
         rng.random_range(-0.15..0.15),
     );
     let background = if kind == Kind::Captions { second } else { first };
-    // Where a pixel of image 2 comes from in the picture behind everything.
+    // Maps a pixel of image 2 to its source in the background picture.
     let behind = |p: Point| match kind {
         Kind::Turned => mapped(&turn, p),
         Kind::Halves if p.x < 0.5 * FRAME.width as f64 => p + shift,
@@ -121,7 +131,8 @@ fn make(kind: Kind, pictures: &[GrayPlane], rng: &mut Pcg64Mcg) -> Made {
         GrayPlane::new(FRAME, values)
     };
     let images = [draw(0, first, &|p| p), draw(1, background, &behind)];
-    // Two points of the background, or of captions, far from each other; image 2 is where image 1's point went.
+    // Two points of the background, or of captions, far apart. Image 2 shows each point at its
+    // moved position.
     let inverse = |p: Point| {
         let mut q = p;
         for _ in 0..50 {
@@ -153,7 +164,7 @@ fn thing(pictures: usize, rng: &mut Pcg64Mcg) -> Thing {
     }
 }
 
-/// A wide, low thing at the same place in both images.
+/// Returns a wide, low object at the same position in both images.
 fn caption(pictures: usize, rng: &mut Pcg64Mcg) -> Thing {
     let at = Point::new(rng.random_range(200.0..560.0), rng.random_range(60.0..510.0));
     Thing {
@@ -163,7 +174,7 @@ fn caption(pictures: usize, rng: &mut Pcg64Mcg) -> Thing {
     }
 }
 
-/// The homography from image 2 to image 1 of a camera that turns by some degrees.
+/// Returns the homography from image 2 to image 1 of a camera that rotates by some degrees.
 fn turn(rng: &mut Pcg64Mcg) -> Matrix3<f64> {
     let k = Matrix3::new(800.0, 0.0, 383.5, 0.0, 800.0, 287.5, 0.0, 0.0, 1.0);
     let mut angle = |most: f64| rng.random_range(-most..most);
@@ -171,12 +182,13 @@ fn turn(rng: &mut Pcg64Mcg) -> Matrix3<f64> {
     k * rotation.matrix() * k.try_inverse().expect("a camera has a focal length")
 }
 
-/// The part of a screen whose text scrolls; a list beside it and a bar above stay.
+/// Returns whether a point lies in the scrolled text. The list beside it and the bar above are
+/// static.
 fn is_scrolled(p: Point) -> bool {
     p.x > 200.0 && p.y > 60.0
 }
 
-/// Grey level of a screen of text, of which `what` chooses the letters.
+/// Returns the grey level of a screen of text; `what` selects the letters.
 fn screen(p: Point, what: u64) -> f64 {
     let (row, column) = ((p.y / 16.0).floor(), (p.x / 8.0).floor());
     let mix = |a: f64, b: f64, c: u64| {
@@ -184,7 +196,7 @@ fn screen(p: Point, what: u64) -> f64 {
             ^ (b as i64 as u64).wrapping_mul(0xc2b2_ae3d_27d4_eb4f);
         ((v ^ c.wrapping_mul(0x1656_67b1_9e37_79f9)).wrapping_mul(0xff51_afd7_ed55_8ccd) >> 33) as u32
     };
-    // A letter is a pattern of 3 × 4 strokes; every sixth or so is a space.
+    // A letter is a pattern of 3 × 4 strokes; about every sixth is a space.
     let letter = mix(row, column, what);
     let (x, y) = (p.x.rem_euclid(8.0), p.y.rem_euclid(16.0));
     let stroke = (x / 2.5) as u32 + 3 * ((y - 3.0).max(0.0) / 2.6) as u32;
@@ -198,7 +210,7 @@ fn mapped(h: &Matrix3<f64>, p: Point) -> Point {
     Point::new(q.x / q.z, q.y / q.z)
 }
 
-/// Pictures repeat beyond their borders, mirrored.
+/// Reflects a position at the borders, so that pictures continue as their mirror images.
 fn wrapped(p: Point, frame: Frame) -> Point {
     let fold = |v: f64, most: f64| {
         let v = v.rem_euclid(2.0 * most.max(1.0));

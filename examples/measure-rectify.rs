@@ -1,8 +1,11 @@
-//! Measures rectification with the true F of real pairs and of the built-in samples, by both methods.
+//! Measures rectification with the true F of real pairs and of the built-in samples, by both
+//! methods.
 //!
-//! `cargo run --release --example measure-rectify [VGG-FOLDER] [PAIRS-FOLDER] [PICTURE-FOLDER]`: vertical distance of
-//! all true matches, shape, size and time of each pair, and the time of a pair of 4000×3000 px. With a third folder
-//! the pictures with guide lines are written there, and what `compare-rectify.py` compares with OpenCV.
+//! `cargo run --release --example measure-rectify [VGG-FOLDER] [PAIRS-FOLDER] [PICTURE-FOLDER]`
+//!
+//! Prints the vertical distance of all true matches, shape, size and time of each pair, and the
+//! time of a pair of 4000×3000 px. Into a third folder it writes the pictures with guide lines, and
+//! the files that `compare-rectify.py` compares with OpenCV.
 
 use std::error::Error;
 use std::path::Path;
@@ -52,7 +55,8 @@ fn shape(d: &Distortion) -> String {
     )
 }
 
-/// The images, F, the matches and the planar homographies of a pair, for `compare-rectify.py`.
+/// Writes the images, F, the matches and the planar homographies of a pair, for
+/// `compare-rectify.py`.
 fn write_pair(folder: &Path, scene: &KnownScene) -> Result<(), Box<dyn Error>> {
     let frames = [scene.images[0].frame(), scene.images[1].frame()];
     let mut pair = json!({

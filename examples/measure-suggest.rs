@@ -1,7 +1,10 @@
-//! Measures guided second clicks on the true matches of real pairs, both ways, with and without the true F.
+//! Measures suggested second clicks on the true matches of real pairs, in both directions, with and
+//! without the true F.
 //!
-//! `cargo run --release --example measure-suggest [VGG-FOLDER] [PAIRS-FOLDER] [EVERY]`: shares that are called
-//! clear, and of those the shares that lie within 2 px and within 1 % of the longer side of the true match.
+//! `cargo run --release --example measure-suggest [VGG-FOLDER] [PAIRS-FOLDER] [EVERY]`
+//!
+//! Prints the fraction of clear suggestions. Among these it prints the fractions within 2 px, and
+//! within 1 % of the longer side, of the true match.
 
 use std::error::Error;
 use std::path::Path;

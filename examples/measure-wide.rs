@@ -1,9 +1,15 @@
-//! Measures geometries proposed by covariant features on pairs with known geometry: clicks are true matches with noise.
+//! Measures geometries proposed by covariant features on pairs of known geometry. Clicks are true
+//! matches with noise.
 //!
-//! `cargo run --release --example measure-wide [CLICKS] [TRIALS] [FOLDER …]`: for every pair the mean symmetric epipolar
-//! distance of its true matches in each trial, px; then the shares below 1 px and below 1 % of the longer side, for each
-//! bin of the folder's `TABLE.md`, and the times. A folder holds `NAMEA.png`, `NAMEB.png` (or `.jpg`), true matches
-//! `NAME.txt` as rows of `x1 y1 x2 y2`, and `NAME_F.txt` where F is known better than from these.
+//! `cargo run --release --example measure-wide [CLICKS] [TRIALS] [FOLDER …]`
+//!
+//! Prints the mean symmetric epipolar distance of each pair's true matches in each trial, px. For
+//! each bin of the folder's `TABLE.md` it prints the fractions below 1 px and below 1 % of the
+//! longer side, then the times.
+//!
+//! A folder holds `NAMEA.png` and `NAMEB.png` (or `.jpg`), and the true matches `NAME.txt` as rows
+//! of `x1 y1 x2 y2`. The folder may hold `NAME_F.txt` if F is known more accurately than from the
+//! matches.
 
 use std::collections::BTreeMap;
 use std::error::Error;
@@ -18,12 +24,12 @@ use epiline::image::{GrayPlane, Picture};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
-/// Least distance of two clicks, share of the longer side.
+/// Minimum distance of two clicks, as a fraction of the longer side.
 const APART: f64 = 0.15;
 /// Standard deviation of a clicked coordinate, px.
 const NOISE: f64 = 1.0;
 
-/// Errors of one bin: px, and shares of the longer side.
+/// Errors of one bin, in px and as fractions of the longer side.
 #[derive(Default)]
 struct Bin(Vec<[f64; 2]>);
 
@@ -35,7 +41,7 @@ fn beside(name: &Path, suffix: &str) -> PathBuf {
     PathBuf::from(format!("{}{suffix}", name.display()))
 }
 
-/// Names of all pairs in a folder, without `A.png` and `B.png`.
+/// Returns the names of all pairs in a folder, without `A.png` and `B.png`.
 fn names(folder: &Path) -> Result<Vec<PathBuf>, Box<dyn Error>> {
     let mut names: Vec<PathBuf> = folder
         .read_dir()?
@@ -53,7 +59,7 @@ fn picture(name: &Path, side: &str) -> Option<PathBuf> {
     ["png", "jpg"].map(|e| beside(name, &format!("{side}.{e}"))).into_iter().find(|path| path.exists())
 }
 
-/// The last column of the row of a pair in `TABLE.md`.
+/// Returns the last column of a pair's row in `TABLE.md`.
 fn bin(name: &Path) -> Option<String> {
     let table = std::fs::read_to_string(name.with_file_name("TABLE.md")).ok()?;
     let start = format!("| {} |", name.file_name()?.to_str()?);
@@ -67,7 +73,7 @@ fn gauss(random: &mut Pcg64Mcg) -> f64 {
     (-2.0 * radius.ln()).sqrt() * angle.cos()
 }
 
-/// True matches apart from each other (as far as that can be had), with noise.
+/// Draws noisy true matches, at a minimum distance that shrinks until enough are found.
 fn clicks(matches: &[PointPair], sides: [f64; 2], count: usize, random: &mut Pcg64Mcg) -> Vec<PointPair> {
     let mut chosen: Vec<PointPair> = Vec::new();
     let mut apart = APART;

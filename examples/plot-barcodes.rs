@@ -1,8 +1,10 @@
-//! Draws what `measure-barcodes` printed: error against the number of frames, of things that move, and of noise in the
-//! masks, with two clicks and without.
+//! Plots the table printed by `measure-barcodes`, with two clicks and without. The plots show the
+//! error against the number of frames, the number of moving objects, and the noise in the masks.
 //!
-//! `cargo run --release --example measure-barcodes > table.md`
-//! `cargo run --release --example plot-barcodes -- table.md docs`
+//! ```sh
+//! cargo run --release --example measure-barcodes > table.md
+//! cargo run --release --example plot-barcodes -- table.md docs
+//! ```
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -13,14 +15,15 @@ use epiline::publish::plot::{COLORS, Curve, Panel, Stroke, curves};
 /// Errors above this are drawn at the upper edge, px.
 const MOST: f64 = 4.0;
 
-/// Which recordings a plot is of: the name of its file, of its axis, and what of a recording's name is the number.
+/// Plots, each with its file name, its axis label, and the suffix behind the number in a
+/// recording's name.
 const PLOTS: [(&str, &str, &str); 3] = [
     ("barcodes-frames", "frames, with 8 balls", " frames"),
     ("barcodes-balls", "balls, in 300 frames", " balls"),
     ("barcodes-noise", "pixels of the exact masks that are flipped, %", " % of the pixels flipped"),
 ];
 
-/// Errors without clicks and with two, by the number.
+/// Errors without clicks and with two clicks, for each number of frames, balls or per cent.
 type Errors = BTreeMap<u64, [Vec<f64>; 2]>;
 
 fn main() {
@@ -44,7 +47,7 @@ fn draw(table: &str, folder: &Path) -> Result<(), String> {
             let [_, name, _, none, _, two, ..] = cells[..] else { continue };
             let Some(number) = number_of(name, unit) else { continue };
             let own = errors.entry(number).or_default();
-            // What found nothing is worse than any error.
+            // A failed estimate is worse than any error.
             own[0].push(none.parse().unwrap_or(f64::INFINITY));
             own[1].push(two.parse().unwrap_or(f64::INFINITY));
         }
@@ -69,7 +72,7 @@ fn draw(table: &str, folder: &Path) -> Result<(), String> {
     Ok(())
 }
 
-/// The number of frames, of balls, or of per cent in the name of a recording.
+/// Returns the number of frames, balls or per cent in the name of a recording.
 fn number_of(name: &str, unit: &str) -> Option<u64> {
     match (name, unit) {
         ("as it is", " frames") => Some(300),

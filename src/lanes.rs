@@ -1,29 +1,30 @@
-//! Which lanes of a group of sixteen a condition holds in, inside loops that the compiler makes vectors of.
+//! Set lanes of a group of sixteen, for use inside loops that the compiler vectorises.
 //!
-//! A function that is compiled for several instruction sets must not hand closures to the library: they are not compiled
-//! into it. Hence conditions are written into an array, lane by lane, and then looked at.
+//! A function compiled for several instruction sets must not pass closures to the library: the
+//! library's code is not recompiled for the instruction set. Loops therefore write each condition
+//! into an array, one byte per lane, and this module reads the array.
 
 use std::hint::black_box;
 
 /// Lanes of a group.
 pub(crate) const LANES: usize = 16;
 
-/// One bit for each lane that is 1, of lanes that are 0 or 1.
+/// Returns a mask with one bit per lane, from lanes that are 0 or 1.
 #[inline]
 fn bits(lanes: [u8; LANES]) -> u32 {
-    // Where the compiler sees what becomes of the lanes, it compares them one by one; this keeps the sixteen together.
+    // Without the barrier the compiler tests the lanes one by one instead of all sixteen at once.
     let bytes = u128::from_le_bytes(black_box(lanes));
-    // Moves the lowest bits of eight bytes next to each other, into the highest byte.
+    // Gathers the lowest bits of eight bytes in the highest byte.
     let packed = |eight: u64| (eight.wrapping_mul(0x0102_0408_1020_4080) >> 56) as u32;
     packed(bytes as u64) | packed((bytes >> 64) as u64) << 8
 }
 
-/// Numbers of the lanes whose bits are set, ascending.
+/// Indices of the set lanes, ascending.
 #[derive(Debug)]
 pub(crate) struct SetLanes(u32);
 
 impl SetLanes {
-    /// The lanes that are 1, of lanes that are 0 or 1.
+    /// Collects the lanes that are 1. Every lane must be 0 or 1.
     #[inline]
     pub(crate) fn of(lanes: [u8; LANES]) -> Self {
         Self(bits(lanes))
@@ -44,7 +45,8 @@ impl Iterator for SetLanes {
     }
 }
 
-/// Places of the marks that are 1, ascending, of marks that are 0 or 1 and mostly 0.
+/// Returns the indices of the marks that are 1, ascending. Every mark must be 0 or 1; most should
+/// be 0.
 pub(crate) fn marked(marks: &[u8]) -> impl Iterator<Item = usize> + '_ {
     let (groups, rest) = marks.as_chunks::<LANES>();
     let some = groups.iter().enumerate().filter(|(_, group)| u128::from_le_bytes(**group) != 0);

@@ -1,25 +1,26 @@
-//! Epipolar geometry of two images from clicked point pairs, two or more, or from none.
+//! Epipolar geometry of two images, from two or more clicked point pairs, or from none.
 //!
-//! A scene point that is seen in one image lies in the other on a line, its epipolar line; the fundamental
-//! matrix `F` says which line. Here **two** point pairs are enough to find `F`: lines through them are compared by how
-//! well their intensities match, which takes no further points.
+//! A scene point seen in one image lies on a line in the other image: its epipolar line. The
+//! fundamental matrix `F` maps points to their epipolar lines. **Two** point pairs are enough here
+//! to find `F`: the lines through the clicks are compared by their intensities, so no further
+//! points are needed.
 //!
 //! # The pipeline on one page
 //!
-//! | stage | what comes in | what goes out | where |
+//! | stage | input | output | where |
 //! |---|---|---|---|
 //! | load | files | [`image::Picture`]: pixels, and a grey plane of floats | [`image`] |
 //! | prepare | two grey planes | [`estimate::PreparedPair`]: pyramids; corners and patch correlations when first needed | [`estimate`] |
-//! | pencils | a click, a pyramid level | all lines through the click in both images, the cost of each against each, and the pairs that prefer each other | [`similarity`], [`estimate::ComparedPencils`] |
+//! | pencils | a click, a pyramid level | all lines through the click in both images; the cost of every line pair; mutual best matches | [`similarity`], [`estimate::ComparedPencils`] |
 //! | hypotheses | candidate line pairs of both clicks | two line pairs and one number κ each: epipoles, a map between the pencils, an `F` | [`geometry::PencilMap`] |
-//! | validation | hypotheses | the same, scored on lines over the whole of both images, and on patches | [`estimate::SearchTrace`] |
-//! | refinement | the best ones | `F` at full resolution | [`estimate::Estimate`] |
-//! | features | where that leaves doubts, covariant features of both images | geometries and views that they propose, ranked and refined alike | [`features`], [`estimate::covariant`] |
+//! | validation | hypotheses | hypotheses scored on lines across both images, and on patches | [`estimate::SearchTrace`] |
+//! | refinement | the best hypotheses | `F` at full resolution | [`estimate::Estimate`] |
+//! | features | covariant features of both images, if the result is in doubt | further geometries and views, ranked and refined alike | [`features`], [`estimate::covariant`] |
 //! | judgement | the result, its matches, its rivals | a verdict with its reasons | [`estimate::Trust`] |
 //!
-//! Each stage is a pure function of its input, the parameters and a seed; [`estimate::Monitor`] hears of its
-//! progress and can stop it. How the stages work, in equations, is told in `docs/estimator.md`; what every parameter
-//! means, in `docs/parameters.md`.
+//! Each stage is a pure function of its input, the parameters and a seed. [`estimate::Monitor`]
+//! receives progress reports and can stop an estimate. `docs/estimator.md` describes the stages in
+//! equations; `docs/parameters.md` describes every parameter.
 //!
 //! # An estimate
 //!
@@ -36,11 +37,11 @@
 //!
 //! let found = estimate(&left.gray, &right.gray, &clicks, &Parameters::default(), &Monitor::silent())?;
 //!
-//! // The line in the right image on which the match of a left point lies:
+//! // The epipolar line in the right image of a point in the left image:
 //! let line = found.fundamental().line2_from_point1(clicks[0].point1).ok_or("that point is the epipole")?;
 //! assert!(line.distance(clicks[0].point2) < 1.0);
 //!
-//! // How far all true matches are from their lines, px:
+//! // Distances of all true matches from their epipolar lines, px:
 //! let f = found.fundamental();
 //! let distances: Vec<f64> = pair.matches.iter().map(|m| symmetric_epipolar_distance(f, m)).collect();
 //! assert!(mean(&distances) < 0.7);
@@ -50,18 +51,19 @@
 //! # Conventions
 //!
 //! - Pixels are `(x, y)`, x right, y down; the centre of the top-left pixel is `(0, 0)`.
-//! - `F` maps image 1 (left) to image 2 (right): `x2ᵀ F x1 = 0`; rank 2, Frobenius norm 1, the entry of largest
-//!   magnitude positive. More in [`geometry`].
+//! - `F` maps image 1 (left) to image 2 (right): `x2ᵀ F x1 = 0`; rank 2, Frobenius norm 1, the
+//!   entry of largest magnitude positive. [`geometry`] lists all conventions.
 //! - The same images, points, parameters and seed give the same bits on any number of threads.
 //!
 //! # Features
 //!
-//! With `default-features = false` there is what an estimate takes: [`geometry`], [`image`], [`similarity`],
-//! [`mod@estimate`], and [`suggest`], [`rectify`] and [`convention`] beside it. On top of that, all on by default:
+//! With `default-features = false` the crate has the modules that an estimate needs ([`geometry`],
+//! [`image`], [`similarity`], [`mod@estimate`]), and [`suggest`], [`rectify`] and [`convention`].
+//! Further features, all on by default:
 //!
-//! | feature | modules | what it brings |
+//! | feature | modules | contents |
 //! |---|---|---|
-//! | `files` | `io`, `synthetic::Sample` | readers and writers of JSON, YAML, XML and `.npy` arrays, frames of animations |
+//! | `files` | `io`, `synthetic::Sample` | readers and writers of JSON, YAML and `.npy` arrays, sequences of frames |
 //! | `evaluate` (with `files`) | `evaluate`, `publish` | measuring estimators, reports in HTML and Markdown |
 //! | `cli` (with `evaluate`) | `cli` | the command line and the program `epiline` |
 //! | `inspector` (with `evaluate`) | `app` | the window |

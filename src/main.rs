@@ -3,11 +3,14 @@
 use std::process::ExitCode;
 
 use clap::Parser;
-use epiline::cli::{CommandLine, INTERNAL_ERROR, complain, report_panics_in_one_sentence};
+use epiline::cli::{CommandLine, INTERNAL_ERROR, complain, print_answer, report_panics_in_one_sentence};
 
 fn main() -> ExitCode {
     report_panics_in_one_sentence();
-    let command_line = CommandLine::parse();
+    let command_line = match CommandLine::try_parse() {
+        Ok(command_line) => command_line,
+        Err(answer) => return ExitCode::from(print_answer(&answer)),
+    };
     match std::panic::catch_unwind(|| command_line.run()) {
         Ok(Ok(())) => ExitCode::SUCCESS,
         Ok(Err(error)) => {

@@ -115,6 +115,27 @@ fn real_data(folder: &str) -> Option<PathBuf> {
 
 const GOOD: [&str; 4] = ["--pair", "20,30,25,30", "--pair", "120,90,118,91"];
 
+#[cfg(target_os = "linux")]
+#[test]
+fn help_that_cannot_be_written_is_an_error() {
+    for argument in ["--help", "--version"] {
+        let full = std::fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
+        let output = epiline(&[argument]).stdout(full).output().unwrap();
+        assert_eq!(output.status.code(), Some(2), "{argument}");
+        assert!(text(&output.stderr).contains("cannot write to standard output"), "{argument}");
+    }
+}
+
+#[test]
+fn odd_settings_are_refused_or_quick() {
+    fails(&["estimate", "--sample", "--threads", "1000"], 2, "from 1 to 256");
+    // Took more than a minute when changes of disparity without a cost were tried one by one.
+    let begun = std::time::Instant::now();
+    let output = run(&["estimate", "--sample", "--preset", "paper", "--set", "stereo.lambda=0"]);
+    assert!(output.status.code().is_some_and(|code| code < 2), "{}", text(&output.stderr));
+    assert!(begun.elapsed().as_secs() < 20, "{:?}", begun.elapsed());
+}
+
 #[test]
 fn help_and_version_succeed() {
     for arguments in
@@ -205,7 +226,7 @@ mod options {
             (["--preset", "magic"], "invalid value 'magic'"),
             (["--method", "magic"], "invalid value 'magic'"),
             (["--seed", "-1"], "--seed"),
-            (["--threads", "0"], "from 1 to 1024"),
+            (["--threads", "0"], "from 1 to 256"),
             (["--set", "nonsense=1"], "there is no parameter nonsense"),
         ] {
             pictures.estimate_fails("left.png", "right.png", &[&GOOD[..], &rest].concat(), 2, words);

@@ -73,35 +73,33 @@ fn opencv_reads_what_we_write() {
     let mut file = example();
     // The first image has a name with every character that could be misread.
     file.images = file.images.map(|[a, b]| [b, a]);
-    for format in [Format::OpencvYaml, Format::OpencvXml] {
-        let path = folder.path().join("geometry").with_extension(format.extension());
-        file.write(&path, format).unwrap();
-        let found = opencv(&python, "read", &path);
-        println!("OpenCV {}: {}", found["version"], path.display());
-        let matrices = &found["matrices"];
-        let f = file.fundamental.unwrap();
-        assert_eq!(matrices["F"], rows(f.matrix()));
-        assert_eq!(matrices["e1"], rows(&f.epipole1()));
-        assert_eq!(matrices["e2"], rows(&f.epipole2()));
-        let ([p1, p2], [h1, h2]) = (file.cameras.unwrap(), file.homographies.unwrap());
-        assert_eq!((&matrices["P1"], &matrices["P2"]), (&rows(p1.matrix()), &rows(p2.matrix())));
-        assert_eq!((&matrices["H1"], &matrices["H2"]), (&rows(&h1), &rows(&h2)));
-        for (name, of) in [("points1", 0), ("points2", 1)] {
-            let points: Value =
-                file.pairs.iter().map(|p| [p.point1, p.point2][of]).map(|p| vec![p.x, p.y]).collect();
-            assert_eq!(matrices[name], points);
-        }
-        let number = |name: &str| found[name].as_f64().unwrap();
-        assert_eq!(found["stated_pairs"], 40.0);
-        assert!(number("mean") > 0.05 && number("max") > number("mean"));
-        // Lines of OpenCV are in double precision, with different rounding.
-        assert!((number("mean") - number("stated_mean")).abs() < 1e-9, "{found}");
-        assert!((number("max") - number("stated_max")).abs() < 1e-9, "{found}");
-        let name = &file.images.as_ref().unwrap()[0].name;
-        assert_eq!(found["image1"], serde_json::json!([name, 1024.0, 3.0]));
-        for length in found["annihilated"].as_array().unwrap() {
-            assert!(length.as_f64().unwrap() < 1e-12);
-        }
+    let path = folder.path().join("geometry.yml");
+    file.write(&path, Format::OpencvYaml).unwrap();
+    let found = opencv(&python, "read", &path);
+    println!("OpenCV {}: {}", found["version"], path.display());
+    let matrices = &found["matrices"];
+    let f = file.fundamental.unwrap();
+    assert_eq!(matrices["F"], rows(f.matrix()));
+    assert_eq!(matrices["e1"], rows(&f.epipole1()));
+    assert_eq!(matrices["e2"], rows(&f.epipole2()));
+    let ([p1, p2], [h1, h2]) = (file.cameras.unwrap(), file.homographies.unwrap());
+    assert_eq!((&matrices["P1"], &matrices["P2"]), (&rows(p1.matrix()), &rows(p2.matrix())));
+    assert_eq!((&matrices["H1"], &matrices["H2"]), (&rows(&h1), &rows(&h2)));
+    for (name, of) in [("points1", 0), ("points2", 1)] {
+        let points: Value =
+            file.pairs.iter().map(|p| [p.point1, p.point2][of]).map(|p| vec![p.x, p.y]).collect();
+        assert_eq!(matrices[name], points);
+    }
+    let number = |name: &str| found[name].as_f64().unwrap();
+    assert_eq!(found["stated_pairs"], 40.0);
+    assert!(number("mean") > 0.05 && number("max") > number("mean"));
+    // Lines of OpenCV are in double precision, with different rounding.
+    assert!((number("mean") - number("stated_mean")).abs() < 1e-9, "{found}");
+    assert!((number("max") - number("stated_max")).abs() < 1e-9, "{found}");
+    let name = &file.images.as_ref().unwrap()[0].name;
+    assert_eq!(found["image1"], serde_json::json!([name, 1024.0, 3.0]));
+    for length in found["annihilated"].as_array().unwrap() {
+        assert!(length.as_f64().unwrap() < 1e-12);
     }
 }
 
@@ -110,41 +108,42 @@ fn we_read_what_opencv_writes() {
     let Some(python) = python() else { return };
     let folder = tempfile::tempdir().unwrap();
     let written = opencv(&python, "write", folder.path());
-    for (extension, format) in [("yml", Format::OpencvYaml), ("xml", Format::OpencvXml)] {
-        let path = folder.path().join("written").with_extension(extension);
-        let (file, told) = GeometryFile::read(&path).unwrap();
-        assert_eq!(told, format);
-        // OpenCV writes 17 digits, so no precision is lost. The sign of F is normalised.
-        let rows = |value: &Value| {
-            let numbers: Vec<f64> = value
-                .as_array()
-                .unwrap()
-                .iter()
-                .flat_map(|r| r.as_array().unwrap())
-                .map(|v| v.as_f64().unwrap())
-                .collect();
-            numbers
-        };
-        let f = Matrix3::from_row_slice(&rows(&written["F"]));
-        let found = *file.fundamental.unwrap().matrix();
-        assert!(found == f || found == -f, "{found} {f}");
-        let [h1, h2] = file.homographies.unwrap();
-        assert_eq!(h1, Matrix3::from_row_slice(&rows(&written["H1"])));
-        assert_eq!(h2, Matrix3::from_row_slice(&rows(&written["H2"])));
-        let (points1, points2) = (rows(&written["points1"]), rows(&written["points2"]));
-        let expected: Vec<_> =
-            points1.chunks(2).zip(points2.chunks(2)).map(|(a, b)| (a[0], a[1], b[0], b[1])).collect();
-        let found: Vec<_> =
-            file.pairs.iter().map(|p| (p.point1.x, p.point1.y, p.point2.x, p.point2.y)).collect();
-        // Single precision is written with nine digits, so double precision reads a nearby number.
-        assert_eq!(found.len(), 12);
-        for (a, b) in found.iter().zip(&expected) {
-            assert_eq!((a.0, a.1), (b.0, b.1));
-            assert!((a.2 - b.2).abs() < 1e-5 && (a.3 - b.3).abs() < 1e-5, "{a:?} {b:?}");
-        }
+    let (file, told) = GeometryFile::read(&folder.path().join("written.yml")).unwrap();
+    assert_eq!(told, Format::OpencvYaml);
+    // OpenCV writes 17 digits, so no precision is lost. The sign of F is normalised.
+    let rows = |value: &Value| {
+        let numbers: Vec<f64> = value
+            .as_array()
+            .unwrap()
+            .iter()
+            .flat_map(|r| r.as_array().unwrap())
+            .map(|v| v.as_f64().unwrap())
+            .collect();
+        numbers
+    };
+    let f = Matrix3::from_row_slice(&rows(&written["F"]));
+    let found = *file.fundamental.unwrap().matrix();
+    assert!(found == f || found == -f, "{found} {f}");
+    let [h1, h2] = file.homographies.unwrap();
+    assert_eq!(h1, Matrix3::from_row_slice(&rows(&written["H1"])));
+    assert_eq!(h2, Matrix3::from_row_slice(&rows(&written["H2"])));
+    let (points1, points2) = (rows(&written["points1"]), rows(&written["points2"]));
+    let expected: Vec<_> =
+        points1.chunks(2).zip(points2.chunks(2)).map(|(a, b)| (a[0], a[1], b[0], b[1])).collect();
+    let found: Vec<_> = file.pairs.iter().map(|p| (p.point1.x, p.point1.y, p.point2.x, p.point2.y)).collect();
+    // Single precision is written with nine digits, so double precision reads a nearby number.
+    assert_eq!(found.len(), 12);
+    for (a, b) in found.iter().zip(&expected) {
+        assert_eq!((a.0, a.1), (b.0, b.1));
+        assert!((a.2 - b.2).abs() < 1e-5 && (a.3 - b.3).abs() < 1e-5, "{a:?} {b:?}");
     }
-    // Compressed files are not text, and infinite numbers are not JSON: both give an error message.
-    for (name, words) in [("written.yml.gz", "not a text file"), ("written.json", "not valid JSON")] {
+    // Compressed files are not text, XML is refused, and infinite numbers are not JSON: each gives an
+    // error message.
+    for (name, words) in [
+        ("written.yml.gz", "not a text file"),
+        ("written.xml", "Convert it to YAML with OpenCV"),
+        ("written.json", "not valid JSON"),
+    ] {
         let message = GeometryFile::read(&folder.path().join(name)).unwrap_err().to_string();
         assert!(message.contains(words), "{message}");
     }

@@ -39,7 +39,7 @@ fn a_picture_takes_at_most_twelve_bytes_a_pixel() {
     assert!(corners < 3 * pixels + SLACK, "corners: {:.1} bytes a pixel", corners as f64 / pixels as f64);
     let (features, _) = most_held(|| find_features(&picture.gray, &FeatureParameters::default()));
     let (claimed, ()) = most_held(|| {
-        let options = LoadOptions { most_pixels: 100_000, accept_damaged: true };
+        let options = LoadOptions { most_pixels: 100_000 };
         for file in [webp_with_metadata(0x7fff_ff00), webp_with_frame([16_000, 8_000])] {
             // The file may be read or refused, without allocating gigabytes.
             let _ = Picture::from_bytes_with("claims", &file, options);

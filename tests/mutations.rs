@@ -191,10 +191,8 @@ fn read(bytes: &[u8], reader: Reader, file: &Path) -> Vec<String> {
     let mut hear = |error: Option<String>| said.extend(error);
     match reader {
         Reader::Picture => {
-            for accept_damaged in [false, true] {
-                let options = LoadOptions { most_pixels: MOST_PIXELS, accept_damaged };
-                hear(Picture::from_bytes_with("picture", bytes, options).err().map(|e| e.to_string()));
-            }
+            let options = LoadOptions { most_pixels: MOST_PIXELS };
+            hear(Picture::from_bytes_with("picture", bytes, options).err().map(|e| e.to_string()));
         }
         Reader::Text => {
             if let Ok(text) = std::str::from_utf8(bytes) {

@@ -30,8 +30,7 @@ const NEWS: usize = 100;
 #[derive(Debug, Args)]
 #[command(allow_negative_numbers = true)]
 pub(super) struct BarcodeArguments {
-    /// Frames of the left camera: a folder of numbered pictures, an animated picture, or a video if
-    /// ffmpeg is installed
+    /// Frames of the left camera: a folder of numbered pictures, or a video if ffmpeg is installed
     #[arg(required_unless_present = "sample", requires = "right")]
     left: Option<PathBuf>,
     /// Frames of the right camera

@@ -37,6 +37,20 @@ pub fn complain(error: &CliError) {
     tell(format_args!("error: {}", one_line(&error.to_string())));
 }
 
+/// Prints the answer of the argument parser and returns the exit status. The answer is the help, the
+/// version, or an error in the arguments. Help that cannot be written is an error.
+pub fn print_answer(answer: &clap::Error) -> u8 {
+    let printed = answer.print().and_then(|()| std::io::stdout().flush());
+    match printed {
+        Err(e) if e.kind() != ErrorKind::BrokenPipe && !answer.use_stderr() => {
+            let error = CliError::StandardOutput(reason(&e));
+            complain(&error);
+            error.exit_status()
+        }
+        _ => answer.exit_code() as u8,
+    }
+}
+
 /// Makes a panic print one line to standard error, unless `RUST_BACKTRACE` is set.
 pub fn report_panics_in_one_sentence() {
     if std::env::var_os("RUST_BACKTRACE").is_some_and(|v| v != "0") {

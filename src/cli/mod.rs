@@ -22,7 +22,7 @@ mod window;
 
 use clap::{Parser, Subcommand};
 
-pub use console::{complain, report_panics_in_one_sentence};
+pub use console::{complain, print_answer, report_panics_in_one_sentence};
 pub use error::{CliError, INTERNAL_ERROR};
 
 /// See and trust the epipolar geometry of two images, from two clicked point pairs.

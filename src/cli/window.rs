@@ -11,8 +11,8 @@ use crate::geometry::PointPair;
 /// Content to open in the window.
 #[derive(Debug, Args)]
 pub(super) struct WindowArguments {
-    /// Two images, two sequences (folders of frames, videos or animated pictures), a session
-    /// (.json), or a folder of images, with or without ground truth; by default the built-in sample
+    /// Two images, two sequences (folders of frames or videos), a session (.json), or a folder of
+    /// images, with or without ground truth; by default the built-in sample
     #[arg(value_names = ["LEFT", "RIGHT"], num_args = 0..=2)]
     images: Vec<PathBuf>,
     /// Open the built-in sequences: thrown balls seen by two stationary cameras

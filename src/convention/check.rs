@@ -6,7 +6,7 @@ use serde::Serialize;
 use thiserror::Error;
 
 use super::{FEWEST_MATCHES, Reading};
-use crate::geometry::{FundamentalMatrix, PointPair, symmetric_epipolar_distance};
+use crate::geometry::{FundamentalMatrix, PointPair, median, symmetric_epipolar_distance};
 
 /// Pixel origins in use: the centre of the upper left pixel, its corner, and counting from 1.
 const ORIGINS: [f64; 3] = [0.0, 0.5, 1.0];
@@ -154,7 +154,7 @@ fn estimated_scale(given: &FundamentalMatrix, turned: Reading, matches: &[PointP
     let few: Vec<PointPair> = matches.iter().step_by(matches.len().div_ceil(500)).copied().collect();
     let cost = |octaves: f64| {
         let reading = Reading { scale: octaves.exp2(), ..turned };
-        reading.apply(given).map_or(f64::INFINITY, |f| median(&distances(&f, &few)))
+        reading.apply(given).map_or(f64::INFINITY, |f| median(distances(&f, &few)))
     };
     let last = (2.0 * SCALE_OCTAVES * STEPS_PER_OCTAVE) as usize;
     let octaves = |k: usize| k as f64 / STEPS_PER_OCTAVE - SCALE_OCTAVES;
@@ -176,7 +176,7 @@ impl RankedReading {
         Some(Self {
             reading,
             fundamental,
-            median: median(&distances),
+            median: median(distances.iter().copied()),
             within: near as f64 / distances.len() as f64,
             told_apart: false,
             distances,
@@ -316,13 +316,6 @@ fn pixels(value: f64) -> String {
 
 fn distances(f: &FundamentalMatrix, matches: &[PointPair]) -> Vec<f64> {
     matches.iter().map(|pair| symmetric_epipolar_distance(f, pair)).collect()
-}
-
-/// Returns the median; of an even number of values the greater middle one.
-fn median(values: &[f64]) -> f64 {
-    let mut values = values.to_vec();
-    let middle = values.len() / 2;
-    *values.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
 /// Returns the diagonal of the bounding rectangle of the points, of the larger of both images, px.

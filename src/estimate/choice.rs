@@ -36,6 +36,11 @@ impl ClickedPairs<'_> {
         self.contradicting(f, CLICK_DEVIATIONS) >= SPEAK
     }
 
+    /// Whether they speak for a refined geometry against another: at least two fewer contradict it.
+    pub fn prefer(&self, f: &FundamentalMatrix, other: &FundamentalMatrix) -> bool {
+        self.contradicting(f, CLICK_DEVIATIONS) + SPEAK <= self.contradicting(other, CLICK_DEVIATIONS)
+    }
+
     /// Geometries, not refined yet, that clicks prefer to a refined one: at least two fewer are far from their lines.
     /// Ones that the fewest are far from come first, and otherwise the order stays. Without a refined one all are preferred
     /// that not most of them refuse.

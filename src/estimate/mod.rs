@@ -15,6 +15,7 @@ mod driver;
 mod error;
 #[cfg(test)]
 mod exact;
+mod fit;
 mod follow;
 mod lines;
 mod lines_alone;

@@ -7,13 +7,13 @@ use rayon::prelude::*;
 use super::assess::Judge;
 use super::choice::{ClickedPairs, Weighed, chosen};
 use super::lines::{ComparedPencils, LineExaminer, LineFigures, draw_pairs, published};
-use super::patches::{self, PatchLevels, Proposal, Refined};
+use super::patches::{self, PatchLevels, Proposal, Refined, Settling};
 use super::record::SearchRecord;
 use super::result::{Assessment, REPORTED};
 use super::trust::{FAR_TOO_FEW, Reason, Verdict};
 use super::{Clicks, Estimate, EstimateError, Parameters, PatchSupport, PreparedPair, Stage};
 use crate::cancel::CancelFlag;
-use crate::geometry::{FundamentalMatrix, PointPair};
+use crate::geometry::{FundamentalMatrix, Observation, PointPair};
 use crate::similarity::SimilaritySource;
 
 /// What a search is given.
@@ -320,7 +320,18 @@ impl SearchInput<'_> {
             cancel.check()?;
             all.extend(more.into_iter().flatten().filter(is_of_this_scene));
         }
-        Ok(chosen(&all, &clicked).map(|k| all.swap_remove(k)))
+        let Some(best) = chosen(&all, &clicked).map(|k| all.swap_remove(k)) else { return Ok(None) };
+        let settling = Settling {
+            clicks: &observed
+                .iter()
+                .map(|pair| Observation { pair: *pair, sigma: parameters.click_sigma })
+                .collect::<Vec<_>>(),
+            allows: &|f| !clicked.prefer(&best.fundamental, f),
+            seed: parameters.seed,
+        };
+        let settled = patches.settle(prepared.pyramids(), &best.fundamental, &settling, cancel);
+        cancel.check()?;
+        Ok(Some(settled.unwrap_or(best)))
     }
 }
 

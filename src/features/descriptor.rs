@@ -1,16 +1,19 @@
-//! Orientation and description of a feature from the gradients around it.
+//! Orientation and descriptor of a feature, from the gradients around it.
 //!
-//! The surroundings are sampled on a grid that is laid out by a **local frame** `A`, a 2×2 map from offsets in units of
-//! the grid to offsets in the picture; gradients are differences of neighbouring samples, that is in the coordinates
-//! of the grid. So a feature that is turned, zoomed or, with a general `A`, sheared has the same gradients, and the
-//! places and weights of the grid are constants.
+//! The surroundings are sampled on a grid defined by a **local frame** `A`, a 2×2 map from grid
+//! offsets to picture offsets. Gradients are differences of neighbouring samples, in grid
+//! coordinates. The gradients are therefore invariant to rotation and scale and, for a general `A`,
+//! to shear. The positions and weights of the grid are constants.
 //!
-//! - **Orientation** (Lowe 2004, section 5): gradient directions within 4.5 σ, weighted by their length and a Gaussian
-//!   of 1.5 σ, in a histogram of 36 bins; every peak of at least 0.8 times the highest one is an orientation.
-//! - **Descriptor** (Lowe 2004, section 6): 4 × 4 cells of side 3 σ, in each a histogram of 8 directions, votes shared
-//!   linearly by neighbouring cells and directions, weighted by a Gaussian of 2 cells; unit length, no entry
-//!   above 0.2. Then **`RootSIFT`** (Arandjelović & Zisserman 2012): entries divided by their sum, square roots taken, so
-//!   that the Euclidean distance compares histograms by Hellinger's measure. 512 times that is stored in a byte.
+//! - **Orientation** (Lowe 2004, section 5): a histogram of the gradient directions within 4.5 σ.
+//!   Votes are weighted by magnitude and a Gaussian of 1.5 σ; there are 36 bins. Every peak of at
+//!   least 0.8 times the highest is an orientation.
+//! - **Descriptor** (Lowe 2004, section 6): 4 × 4 cells of side 3 σ, each with a histogram of 8
+//!   directions. Votes are interpolated linearly between cells and directions and weighted by a
+//!   Gaussian of 2 cells. The vector has unit length, with entries clipped at 0.2.
+//! - **`RootSIFT`** (Arandjelović & Zisserman 2012): entries are divided by their sum, then
+//!   replaced by their square roots. The Euclidean distance is then the Hellinger distance of the
+//!   histograms. Each entry is stored as a byte, multiplied by 512.
 
 use std::f32::consts::{FRAC_PI_2, PI, TAU};
 use std::sync::LazyLock;
@@ -21,26 +24,26 @@ use nalgebra::Matrix2;
 use crate::geometry::Point;
 use crate::image::{GrayPlane, interpolate_all};
 
-/// Entries of a descriptor: 4 × 4 cells, 8 directions each.
+/// Entries of a descriptor: 4 × 4 cells of 8 directions.
 pub(super) const ENTRIES: usize = 128;
 
-/// What the surroundings of a feature look like: 512 times the square roots of shares that sum up to one.
+/// A `RootSIFT` descriptor: 512 times the square roots of fractions that add up to one.
 pub type Descriptor = [u8; ENTRIES];
 
 /// Gradients along a side of the grid.
 const SIDE: usize = 25;
-/// Samples along a side of the grid: gradients are differences of two.
+/// Samples along a side of the grid. A gradient is the difference of two samples.
 const SAMPLES: usize = SIDE + 2;
 /// Samples of a row, padded to whole vectors.
 const STRIDE: usize = SAMPLES.next_multiple_of(16);
-/// Gradients padded to whole vectors.
+/// Number of gradients, padded to whole vectors.
 const PADDED: usize = (SIDE * SIDE).next_multiple_of(16);
 
-/// Bins of the histogram of orientations.
+/// Bins of the orientation histogram.
 const BINS: usize = 36;
-/// Reach of the histogram of orientations, in σ.
+/// Radius of the orientation histogram, in σ.
 const ORIENTATION_REACH: f64 = 4.5;
-/// Share of the highest peak from which a further peak is an orientation of its own.
+/// Minimum height of a further orientation, as a fraction of the highest peak.
 const SECOND_PEAK: f32 = 0.8;
 
 const CELLS: usize = 4;
@@ -49,20 +52,21 @@ const DIRECTIONS: usize = 8;
 const CELL: f64 = 3.0;
 /// Gradients along the side of a cell.
 const PER_CELL: f64 = 5.0;
-/// Largest entry of a descriptor of unit length: one strong edge is not to outweigh everything else.
+/// Largest entry of a descriptor of unit length, so that one strong edge cannot dominate.
 const LARGEST_ENTRY: f32 = 0.2;
 
-/// Lengths and directions of gradients on a grid; directions in turns, 0 ≤ t < 1.
+/// Magnitudes and directions of the gradients on a grid. Directions are in turns, 0 ≤ t < 1.
 struct Gradients {
     lengths: [f32; PADDED],
     turns: [f32; PADDED],
 }
 
-/// Weights that depend on the place in the grid alone.
+/// Weights that depend only on the position in the grid.
 struct Weights {
     orientation: [f32; PADDED],
     descriptor: [f32; PADDED],
-    /// Cell before each column or row of the grid, counted from a cell outside, and the share of the cell after it.
+    /// Cell before each column or row of the grid, counted from a cell outside, and the weight of
+    /// the next cell.
     cells: [(usize, f32); SIDE],
 }
 
@@ -76,20 +80,22 @@ static WEIGHTS: LazyLock<Weights> = LazyLock::new(|| {
     for k in 0..SIDE * SIDE {
         let r = radius(k);
         if r <= half {
-            // A third of the reach is 1.5 σ.
+            // A third of the radius is 1.5 σ.
             weights.orientation[k] = gauss(r, half / 3.0) as f32;
         }
         weights.descriptor[k] = gauss(r, 2.0 * PER_CELL) as f32;
     }
     for (k, cell) in weights.cells.iter_mut().enumerate() {
-        // Centres of the cells are at −1.5, −0.5, 0.5 and 1.5; one more cell before them takes what falls outside.
+        // Cell centres are at −1.5, −0.5, 0.5 and 1.5. One more cell before them takes the votes
+        // outside.
         let position = place(k) / PER_CELL + 0.5 * CELLS as f64 + 0.5;
         *cell = (position as usize, (position - position.floor()) as f32);
     }
     weights
 });
 
-/// The orientations of a blob of size `sigma` in a plane smoothed accordingly, radians from x towards y.
+/// Returns the orientations of a blob of size `sigma` in a plane of matching smoothness, radians
+/// from x towards y.
 pub(super) fn orientations(plane: &GrayPlane, centre: Point, sigma: f64) -> Vec<f64> {
     let spacing = ORIENTATION_REACH * sigma / (SIDE / 2) as f64;
     let gradients = gradients(plane, centre, &(Matrix2::identity() * spacing));
@@ -111,20 +117,22 @@ pub(super) fn orientations(plane: &GrayPlane, centre: Point, sigma: f64) -> Vec<
         .filter_map(|k| {
             let [before, here, after] = [1, 2, 3].map(|d| at(&smooth, k, d));
             let peak = here > before && here >= after && here >= SECOND_PEAK * highest;
-            // The top of the parabola through three bins.
+            // The vertex of the parabola through three bins.
             let offset = 0.5 * (before - after) / (before - 2.0 * here + after);
             peak.then(|| f64::from((k as f32 + offset) / BINS as f32 * TAU).rem_euclid(f64::from(TAU)))
         })
         .collect()
 }
 
-/// The descriptor of a blob whose local frame is `frame`: the picture's offsets are `frame` times those in units of
-/// σ along the feature's own axes; for a turn by θ that is `σ R(θ)`. `None` where there are no gradients.
+/// Returns the descriptor of a blob with the local frame `frame`, which maps offsets in units of σ
+/// along the feature's axes to picture offsets. A rotation by θ has the frame `σ R(θ)`. Returns
+/// `None` when the surroundings are flat.
 pub(super) fn describe(plane: &GrayPlane, centre: Point, frame: &Matrix2<f64>) -> Option<Descriptor> {
     histogram(&gradients(plane, centre, &(frame * (CELL / PER_CELL))))
 }
 
-/// Intensities on the grid around a point, and the differences of neighbouring ones as lengths and directions.
+/// Samples the grid around a point and returns the differences of neighbours as magnitudes and
+/// directions.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx2", "x86_64+avx2", "aarch64+neon"))]
 fn gradients(plane: &GrayPlane, centre: Point, grid: &Matrix2<f64>) -> Gradients {
     let [a, b, c, d] = [grid.m11, grid.m21, grid.m12, grid.m22].map(|v| v as f32);
@@ -136,7 +144,7 @@ fn gradients(plane: &GrayPlane, centre: Point, grid: &Matrix2<f64>) -> Gradients
         let v = row as f32 - half;
         for column in 0..STRIDE {
             let u = column as f32 - half;
-            // Outside the picture its border goes on, which has no gradient across.
+            // Border pixels repeat outside the picture, without a gradient across the border.
             px[row * STRIDE + column] = (x + a * u + c * v).clamp(0.0, right);
             py[row * STRIDE + column] = (y + b * u + d * v).clamp(0.0, bottom);
         }
@@ -160,7 +168,8 @@ fn gradients(plane: &GrayPlane, centre: Point, grid: &Matrix2<f64>) -> Gradients
     gradients
 }
 
-/// The direction of a vector as a share of a full turn, to 10⁻⁴, without a branch: the loop over it becomes vectors.
+/// Returns the direction of a vector as a fraction of a full turn, to 10⁻⁴. The function has no
+/// branches, so that loops over it vectorise.
 #[inline]
 fn turns(x: f32, y: f32) -> f32 {
     let (width, height) = (x.abs(), y.abs());
@@ -173,11 +182,11 @@ fn turns(x: f32, y: f32) -> f32 {
     (angle / TAU).clamp(0.0, 0.999_999_9)
 }
 
-/// The votes of all gradients, normalised.
+/// Accumulates the votes of all gradients and normalises them.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx2", "x86_64+avx2", "aarch64+neon"))]
 fn histogram(gradients: &Gradients) -> Option<Descriptor> {
     let weights = &*WEIGHTS;
-    // With a row of cells around the 4 × 4 for votes that fall outside.
+    // A ring of cells around the 4 × 4 cells takes the votes outside.
     let mut cells = [[[0f32; DIRECTIONS]; CELLS + 2]; CELLS + 2];
     for row in 0..SIDE {
         let (cell_y, share_y) = weights.cells[row];
@@ -241,7 +250,7 @@ mod tests {
             let found = orientations(&plane, centre, 3.0);
             assert_eq!(found.len(), 1);
             let off = (found[0].to_degrees() - degrees).abs();
-            // All gradients alike are the worst case for a parabola through three bins of 10°.
+            // Parallel gradients are the worst case for a parabola through three bins of 10°.
             assert!(off.min(360.0 - off) < 1.0, "{degrees} {found:?}");
             let turned = Matrix2::new(cos, -sin, sin, cos) * 3.0;
             let descriptor = describe(&plane, centre, &turned).unwrap();

@@ -4,9 +4,10 @@
 //!     D(i) = L(i+1) − L(i),     x̂ = −(∂²D/∂x²)⁻¹ ∂D/∂x,     D(x̂) = D + ½ (∂D/∂x)ᵀ x̂
 //! ```
 //!
-//! with `x = (x, y, i)`. A pixel larger or smaller than its 26 neighbours is moved to the extremum `x̂` of the
-//! parabola through them; kept if `|D(x̂)|` is at least the contrast asked for, and if the curvatures across and
-//! along are alike: `tr² / det < (r + 1)² / r` of the 2×2 Hessian, which an edge does not fulfil.
+//! with `x = (x, y, i)`. A pixel above or below all 26 neighbours is refined to the extremum `x̂`
+//! of the parabola through them. The extremum is kept if `|D(x̂)|` reaches the contrast threshold,
+//! and if its principal curvatures are similar: `tr² / det < (r + 1)² / r` of the 2×2 Hessian,
+//! which fails on edges.
 
 use std::cmp::Ordering;
 
@@ -17,11 +18,11 @@ use rayon::prelude::*;
 use super::scale_space::{INTERVALS, Octave};
 use crate::lanes::marked;
 
-/// Pixels of an octave next to its border in which nothing is looked for.
+/// Border width of an octave without extrema, px.
 const MARGIN: usize = 5;
-/// Steps to neighbouring pixels after which an extremum that has not settled is given up.
+/// Maximum number of steps to neighbouring pixels before an extremum is rejected.
 const STEPS: usize = 5;
-/// Rows that one task searches.
+/// Rows searched by one task.
 const STRIP: usize = 32;
 
 /// An extremum of the difference of Gaussians.
@@ -31,13 +32,14 @@ pub(super) struct Extremum {
     pub octave: usize,
     /// Position in pixels of the octave.
     pub position: [f64; 2],
-    /// Level in the octave, `INTERVALS` of which double the scale.
+    /// Level in the octave. The scale doubles every `INTERVALS` levels.
     pub level: f64,
     /// `|D(x̂)|`, grey levels.
     pub response: f64,
 }
 
-/// All extrema of an octave, row by row. `contrast` in grey levels; `edge_ratio` is r above.
+/// Finds all extrema of an octave, ordered by row. `contrast` is in grey levels; `edge_ratio` is
+/// `r` above.
 pub(super) fn find_extrema(octave: &Octave, index: usize, contrast: f64, edge_ratio: f64) -> Vec<Extremum> {
     let frame = octave.frame();
     if frame.width <= 2 * MARGIN || frame.height <= 2 * MARGIN {
@@ -54,18 +56,19 @@ pub(super) fn find_extrema(octave: &Octave, index: usize, contrast: f64, edge_ra
         })
         .collect();
     let mut found = found.concat();
-    // Two pixels may settle at the same place.
+    // Two pixels may converge to the same extremum.
     let place = |e: &Extremum| [e.position[1], e.position[0], e.level];
     found.sort_by(|a, b| place(a).partial_cmp(&place(b)).unwrap_or(Ordering::Equal));
     found.dedup_by_key(|e| place(e).map(f64::to_bits));
     found
 }
 
-/// `[level, x, y]` of pixels whose magnitude is above the threshold and no neighbour beyond them.
+/// Returns `[level, x, y]` of the pixels that exceed the threshold in magnitude and that no
+/// neighbour exceeds.
 fn pixels_of_extrema(octave: &Octave, rows: std::ops::Range<usize>, threshold: f64) -> Vec<[usize; 3]> {
     let width = octave.frame().width;
     let height = rows.len() + 2;
-    // The differences of the strip and a row on either side, which fit into the cache.
+    // The differences of a strip and one row on either side fit into the cache.
     let differences: Vec<Vec<f32>> = octave
         .levels
         .windows(2)
@@ -86,7 +89,7 @@ fn pixels_of_extrema(octave: &Octave, rows: std::ops::Range<usize>, threshold: f
             mark_tops(lines, threshold, &mut tops);
             for x in marked(&tops).map(|k| MARGIN + k) {
                 let value = line(row)[x];
-                // Mirrored at zero, a minimum is a maximum.
+                // With its sign reversed, a minimum is a maximum.
                 let sign = value.signum();
                 let value = value.abs();
                 let highest = |plane: &[f32]| {
@@ -103,8 +106,8 @@ fn pixels_of_extrema(octave: &Octave, rows: std::ops::Range<usize>, threshold: f
     found
 }
 
-/// Marks what is farther from zero than the threshold, and than or as far as the four pixels next to it; the first mark is
-/// of the second pixel of `row`.
+/// Marks pixels beyond the threshold in magnitude that are no nearer to zero than their four
+/// neighbours. The first mark is for the second pixel of `row`.
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512vl+avx2", "x86_64+avx2", "aarch64+neon"))]
 fn mark_tops([above, row, below]: [&[f32]; 3], threshold: f32, tops: &mut [u8]) {
     let inner = tops.len();
@@ -119,7 +122,8 @@ fn mark_tops([above, row, below]: [&[f32]; 3], threshold: f32, tops: &mut [u8]) 
     }
 }
 
-/// The extremum of the parabola around a pixel, `None` if it does not settle or lies on an edge.
+/// Returns the extremum of the parabola around a pixel. Returns `None` when the extremum does not
+/// converge or lies on an edge.
 fn refine(octave: &Octave, pixel: [usize; 3], edge_ratio: f64) -> Option<Extremum> {
     let frame = octave.frame();
     let [mut level, mut x, mut y] = pixel;
@@ -152,7 +156,7 @@ fn refine(octave: &Octave, pixel: [usize; 3], edge_ratio: f64) -> Option<Extremu
             });
         }
         let moved = |from: usize, by: f64, low: usize, high: usize| {
-            // A step of more than one pixel is no better known than its direction.
+            // A step longer than one pixel is reliable only in its direction.
             let to = from as f64 + by.round().clamp(-1.0, 1.0);
             (to >= low as f64 && to <= high as f64).then_some(to as usize)
         };

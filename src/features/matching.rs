@@ -1,10 +1,13 @@
 //! Mutual nearest neighbours of two sets of features.
 //!
-//! The distance of two descriptors is Euclidean, in integers, so every machine ranks alike. A match joins two features
-//! each of which is nearest to the other. Its **ratio** is the distance to the nearest over that to the next one *that
-//! lies elsewhere* (Lowe 2004, section 7.1; Mishkin, Matas & Perdoch 2015: "first geometrically inconsistent"), the larger
-//! of both directions: near zero for what is unique, near one for what repeats. There is no test of it: who draws
-//! matches can prefer low ratios, who counts them can weigh them.
+//! Descriptor distances are Euclidean, computed in integers so that every machine ranks alike. A
+//! match joins two features that are each other's nearest neighbour.
+//!
+//! The **ratio** of a match is the distance to the nearest neighbour over that to the next
+//! neighbour *at another place* (Lowe 2004, section 7.1). Mishkin, Matas & Perdoch (2015) call this
+//! neighbour "first geometrically inconsistent". The larger ratio of both directions counts. The
+//! ratio is near zero for distinctive features and near one for repeated structure. No ratio test
+//! is applied: samplers can prefer low ratios, and scores can weight by them.
 
 use std::collections::HashMap;
 
@@ -16,33 +19,34 @@ use super::{Feature, FeatureSet};
 use crate::geometry::{Point, PointPair};
 use crate::lanes::{LANES, SetLanes};
 
-/// Two features that are each other's nearest.
+/// Two features that are each other's nearest neighbour.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FeatureMatch {
     /// Index of the feature in image 1.
     pub feature1: usize,
     /// Index of the feature in image 2.
     pub feature2: usize,
-    /// Where they are.
+    /// Positions of the two features, px.
     pub pair: PointPair,
-    /// Distance of the descriptors over the distance to the next best elsewhere, 0 to 1.
+    /// Descriptor distance over the distance to the next neighbour at another place, 0 to 1.
     pub ratio: f64,
 }
 
-/// Neighbours remembered for a feature: the nearest, and enough others that one of them lies elsewhere.
+/// Neighbours kept per feature: enough that one lies at another place.
 const KEPT: usize = 8;
-/// Two features closer than this many times the scale of one are at the same place.
+/// Largest distance of two features at the same place, in units of the larger scale.
 const SAME_PLACE: f64 = 3.0;
-/// Farthest that repeated matches are apart, px.
+/// Largest distance of repeated matches, px.
 const REPEATED: f64 = 8.0;
-/// Features of set 1 that one task matches: each begins anew with the neighbours of set 2.
+/// Features of set 1 matched by one task. Each task starts a new list of neighbours for set 2.
 const CHUNK: usize = 512;
 
 type Neighbours = [(i32, u32); KEPT];
 const NONE: Neighbours = [(i32::MAX, u32::MAX); KEPT];
 type Wide = [i16; ENTRIES];
 
-/// All mutual nearest neighbours, lowest ratio first; of several at the same two places the first.
+/// Returns all mutual nearest neighbours, lowest ratio first. Of several matches at the same two
+/// places the first is kept.
 pub fn match_features(set1: &FeatureSet, set2: &FeatureSet) -> Vec<FeatureMatch> {
     let [near2, near1] = neighbours(set1.descriptors(), set2.descriptors());
     let (features1, features2) = (set1.features(), set2.features());
@@ -70,8 +74,8 @@ pub fn match_features(set1: &FeatureSet, set2: &FeatureSet) -> Vec<FeatureMatch>
     matches
 }
 
-/// Leaves out matches that are at both ends within the smaller scale of an earlier one: of a blob that was found under
-/// several views the first match stays.
+/// Removes repeated matches, those within the smaller scale of an earlier match at both ends. A
+/// blob detected in several views keeps its first match.
 pub fn without_repeats(matches: &mut Vec<FeatureMatch>, sets: [&FeatureSet; 2]) {
     let mut kept: HashMap<[i64; 2], Vec<(PointPair, f64)>> = HashMap::new();
     let cell = |p: Point| [p.x, p.y].map(|v| (v / REPEATED).floor() as i64);
@@ -95,8 +99,9 @@ pub fn without_repeats(matches: &mut Vec<FeatureMatch>, sets: [&FeatureSet; 2]) 
     });
 }
 
-/// Mutual nearest neighbours among the candidates in image 2 of each feature of image 1, whose ratio (among the
-/// candidates alone, both ways) is at most `largest`.
+/// Returns the mutual nearest neighbours among given candidates: for each feature of image 1,
+/// indices of features of image 2. The ratio, computed among the candidates in both directions, is
+/// at most `largest`.
 pub fn match_candidates(
     sets: [&FeatureSet; 2],
     candidates: &[Vec<usize>],
@@ -137,7 +142,7 @@ pub fn match_candidates(
         .collect()
 }
 
-/// Squared distances of a descriptor to some of those of a set.
+/// Returns the squared distances of a descriptor to some descriptors of a set.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx2", "x86_64+avx2", "aarch64+neon"))]
 fn squared_distances(own: &Descriptor, set: &[Descriptor], some: &[usize]) -> Vec<i32> {
     let mut distances = Vec::with_capacity(some.len());
@@ -161,7 +166,8 @@ fn insert(neighbours: &mut Neighbours, distance: i32, index: u32) {
     }
 }
 
-/// Distance to the nearest over the distance to the next that is elsewhere.
+/// Returns the distance to the nearest neighbour over the distance to the next neighbour at another
+/// place.
 fn ratio(neighbours: &Neighbours, features: &[Feature]) -> f64 {
     let nearest = &features[neighbours[0].1 as usize];
     let elsewhere = neighbours[1..].iter().find(|(_, index)| {
@@ -169,12 +175,13 @@ fn ratio(neighbours: &Neighbours, features: &[Feature]) -> f64 {
             .get(*index as usize)
             .is_none_or(|f| (f.position - nearest.position).norm() > SAME_PLACE * f.scale.max(nearest.scale))
     });
-    // With all of them at the same place, the next is at least as far as the last of them.
+    // If all neighbours are at the same place, the next is at least as far as the last of them.
     let next = elsewhere.unwrap_or(&neighbours[KEPT - 1]).0;
     (f64::from(neighbours[0].0.max(0)) / f64::from(next.max(1))).sqrt().min(1.0)
 }
 
-/// The nearest descriptors in the other set to each of set 1 and each of set 2: squared distance and index.
+/// Returns the nearest neighbours of each descriptor of set 1 and of set 2: squared distance and
+/// index.
 fn neighbours(set1: &[Descriptor], set2: &[Descriptor]) -> [Vec<Neighbours>; 2] {
     let wide = |set: &[Descriptor]| -> Vec<Wide> { set.iter().map(|d| d.map(i16::from)).collect() };
     let set2 = wide(set2);
@@ -186,7 +193,7 @@ fn neighbours(set1: &[Descriptor], set2: &[Descriptor]) -> [Vec<Neighbours>; 2] 
         .collect();
     let mut near2 = Vec::with_capacity(set1.len());
     let mut near1 = vec![NONE; set2.len()];
-    // In the order of set 1, so that of equal ones the first stays first.
+    // Merged in the order of set 1, so that the first of equal neighbours stays first.
     for [of_chunk, of_set2] in found {
         near2.extend(of_chunk);
         for (all, more) in near1.iter_mut().zip(of_set2) {
@@ -203,10 +210,11 @@ fn dot(a: &Wide, b: &Wide) -> i32 {
     a.iter().zip(b).map(|(x, y)| i32::from(*x) * i32::from(*y)).sum()
 }
 
-/// Descriptors of set 2 that stay in the cache while a chunk of set 1 passes by.
+/// Descriptors of set 2 that stay in the cache while a chunk of set 1 is processed.
 const BLOCK: usize = 4 * LANES;
 
-/// The nearest of each other, of a chunk of set 1 from index `first` on and all of set 2.
+/// Returns the nearest neighbours between all of set 2 and a chunk of set 1 that starts at index
+/// `first`.
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512vl+avx2", "x86_64+avx2", "aarch64+neon"))]
 fn nearest(chunk: &[Wide], first: usize, set2: &[Wide], lengths2: &[i32]) -> [Vec<Neighbours>; 2] {
     let mut near2 = vec![NONE; chunk.len()];
@@ -216,7 +224,7 @@ fn nearest(chunk: &[Wide], first: usize, set2: &[Wide], lengths2: &[i32]) -> [Ve
         let near1 = &mut near1[block * BLOCK..][..set2.len()];
         let mut farthest1 = [i32::MAX; BLOCK];
         for (i, (own, near2)) in chunk.iter().zip(&mut near2).enumerate() {
-            // Those that are missing in the last block are nearest to nothing.
+            // Missing descriptors of the last block are infinitely far.
             let mut distances = [i32::MAX; BLOCK];
             for (distance, (other, length2)) in distances.iter_mut().zip(set2.iter().zip(lengths2)) {
                 *distance = lengths1[i] + length2 - 2 * dot(own, other);
@@ -245,7 +253,7 @@ mod tests {
     use super::*;
     use crate::geometry::Point;
 
-    /// Descriptors that differ, each at a place of its own.
+    /// Returns distinct descriptors, each at its own place.
     fn set(count: usize, seed: usize) -> FeatureSet {
         let mut set = FeatureSet::default();
         for k in 0..count {
@@ -264,7 +272,7 @@ mod tests {
 
     #[test]
     fn finds_the_same_neighbours_as_the_definition() {
-        // The first set in two chunks, the second with a part of a block.
+        // The first set takes two chunks, the second a partial block.
         let (a, b) = (set(CHUNK + 61, 1), set(131, 60));
         let distance = |x: &Descriptor, y: &Descriptor| -> i32 {
             x.iter().zip(y).map(|(a, b)| (i32::from(*a) - i32::from(*b)).pow(2)).sum()
@@ -338,7 +346,7 @@ mod tests {
             };
             FeatureMatch { feature1, feature2, pair, ratio: 0.5 }
         };
-        // Near at one end only, farther than the smaller scale at one end, nearer at both.
+        // Close at one end only; farther than the smaller scale at one end; close at both ends.
         let mut matches = vec![of(0, 3), of(1, 2), of(0, 2), of(1, 3), of(3, 3), of(4, 3)];
         without_repeats(&mut matches, [&set, &set]);
         let left: Vec<_> = matches.iter().map(|m| (m.feature1, m.feature2)).collect();

@@ -1,24 +1,29 @@
-//! Covariant local features: points that bring their own scale and orientation, found again in the other picture
-//! though it is turned, zoomed or seen from elsewhere.
+//! Covariant local features: points with their own scale and orientation, detected again in a
+//! picture that is rotated, scaled or taken from elsewhere.
 //!
-//! 1. **Detection**: extrema of the difference of Gaussians over position and scale, to a fraction of a pixel.
-//! 2. **Orientation** from the gradients around; several where several are strong.
-//! 3. **Description** in that local frame: 4 × 4 histograms of gradients, square-rooted (`RootSIFT`).
-//! 4. **Matching**: mutual nearest neighbours with their ratio, unique ones first.
+//! 1. **Detection**: extrema of the difference of Gaussians over position and scale, to a fraction
+//!    of a pixel.
+//! 2. **Orientation** from the surrounding gradients; several orientations if several are strong.
+//! 3. **Description** in that local frame: 4 × 4 histograms of gradients, square-rooted
+//!    (`RootSIFT`).
+//! 4. **Matching**: mutual nearest neighbours with their ratio, distinctive matches first.
 //!
 //! # Sources
 //! - D. G. Lowe, "Distinctive image features from scale-invariant keypoints", IJCV 60(2), 2004.
-//! - R. Arandjelović, A. Zisserman, "Three things everyone should know to improve object retrieval", CVPR 2012.
+//! - R. Arandjelović, A. Zisserman, "Three things everyone should know to improve object
+//!   retrieval", CVPR 2012.
 //! - I. Rey-Otero, M. Delbracio, "Anatomy of the SIFT method", IPOL 4, 2014.
 //!
-//! Differences from the first: gradients are differences over a fixed share of the feature's scale, not over one pixel of
-//! its octave, and votes for an orientation are shared by two bins; both make features depend less on where between two
-//! levels or pixels they fall.
+//! Two differences from Lowe make features depend less on their position between levels and pixels.
+//! Gradients are differences over a fixed fraction of the feature's scale, not over one pixel of
+//! its octave. Orientation votes are shared by two bins.
 //!
 //! # Pitfalls
-//! - A position is good to a few tenths of a pixel times the scale over 2; large features are less exact.
-//! - Between views that differ by more than some 40° of slant few features are found again: their frames are similarities,
-//!   not affine. [`find_slanted_features`] finds those of the picture as it looks at a slant, at some three times the cost.
+//! - The error of a position is a few tenths of a pixel times half the scale, so large features are
+//!   less accurate.
+//! - Few features repeat between views that differ by more than about 40° of slant, because the
+//!   local frames are similarities, not affine maps. [`find_slanted_features`] detects features of
+//!   slanted views, at about three times the cost.
 
 mod descriptor;
 mod extrema;
@@ -37,35 +42,36 @@ pub use matching::{FeatureMatch, match_candidates, match_features, without_repea
 use scale_space::{INTERVALS, Octave, for_each_octave, sigma_at};
 pub use slanted::{FeatureViews, find_slanted_features};
 
-/// Standard deviation of the place of a feature, in its scales: what two pictures of one thing leave open.
+/// Standard deviation of a feature's position, in units of its scale.
 pub(crate) const SIGMA_PER_SCALE: f64 = 0.25;
 
-/// A point of a picture with a size and a direction of its own.
+/// An image point with its own size and orientation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Feature {
     /// Position, px.
     pub position: Point,
-    /// Standard deviation of the Gaussian that its blob is like, px.
+    /// Standard deviation of the blob, px.
     pub scale: f64,
-    /// Direction of its gradients, radians from x towards y, 0 ≤ θ < 2π.
+    /// Dominant gradient direction, radians from x towards y, 0 ≤ θ < 2π.
     pub orientation: f64,
-    /// How it is compressed and stretched, for what was seen at a slant: symmetric, determinant 1; the identity for a round
-    /// one. The frame is `shape · R(orientation) · scale`.
+    /// Compression and stretch of a feature of a slanted view: symmetric, determinant 1. The
+    /// identity for a round feature. The local frame is `shape · R(orientation) · scale`.
     pub shape: Matrix2<f64>,
-    /// How strongly it stands out: difference of Gaussians, grey levels.
+    /// Contrast of the blob: difference of Gaussians, grey levels.
     pub response: f64,
 }
 
 impl Feature {
-    /// The first axis of its frame, px.
+    /// Returns the first axis of the local frame, px.
     pub fn axis(&self) -> Vector {
         let (sin, cos) = self.orientation.sin_cos();
         self.shape * Vector::new(cos, sin) * self.scale
     }
 
-    /// How offsets around it become offsets around a feature of another picture, if they are of one thing.
+    /// Returns the affine map from offsets around this feature to offsets around a matching feature
+    /// of another picture.
     pub fn affine_to(&self, other: &Self) -> Matrix2<f64> {
-        // A symmetric matrix of determinant 1 is inverted by its adjugate.
+        // The adjugate inverts a symmetric matrix of determinant 1.
         let shape = &self.shape;
         let inverse = Matrix2::new(shape.m22, -shape.m12, -shape.m12, shape.m11);
         let turn = Rotation2::new(other.orientation - self.orientation);
@@ -73,7 +79,7 @@ impl Feature {
     }
 }
 
-/// Features of one picture, each with its descriptor; strongest first.
+/// Features of one picture with their descriptors, strongest first.
 #[derive(Debug, Clone, Default)]
 pub struct FeatureSet {
     features: Vec<Feature>,
@@ -81,27 +87,27 @@ pub struct FeatureSet {
 }
 
 impl FeatureSet {
-    /// The features.
+    /// Returns the features, in the order of the descriptors.
     pub fn features(&self) -> &[Feature] {
         &self.features
     }
 
-    /// The descriptor of each feature.
+    /// Returns the descriptor of each feature.
     pub fn descriptors(&self) -> &[Descriptor] {
         &self.descriptors
     }
 
-    /// Number of features.
+    /// Returns the number of features.
     pub fn len(&self) -> usize {
         self.features.len()
     }
 
-    /// Whether there are none.
+    /// Returns whether the set is empty.
     pub fn is_empty(&self) -> bool {
         self.features.is_empty()
     }
 
-    /// Keeps the features that are asked for.
+    /// Keeps the features that satisfy a condition.
     pub(crate) fn retain(&mut self, is_kept: impl Fn(&Feature) -> bool) {
         let kept: Vec<bool> = self.features.iter().map(is_kept).collect();
         let mut flags = kept.iter();
@@ -110,7 +116,7 @@ impl FeatureSet {
         self.descriptors.retain(|_| *flags.next().unwrap_or(&false));
     }
 
-    /// Adds those of another set behind these.
+    /// Appends the features of another set.
     pub(crate) fn append(&mut self, mut other: Self) {
         self.features.append(&mut other.features);
         self.descriptors.append(&mut other.descriptors);
@@ -122,40 +128,40 @@ impl FeatureSet {
     }
 }
 
-/// Which features are found, and how many.
+/// Parameters of feature detection.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FeatureParameters {
-    /// Most features, the strongest.
+    /// Maximum number of features. The strongest are kept.
     pub most: usize,
-    /// Smallest difference of Gaussians, grey levels.
+    /// Minimum difference of Gaussians, grey levels.
     pub contrast: f64,
-    /// Largest ratio of the curvatures across and along: more is an edge.
+    /// Maximum ratio of the principal curvatures. Edges exceed it.
     pub edge_ratio: f64,
-    /// Most pixels of the first octave. It has twice the size of the picture if that is few enough, else the
-    /// picture's own size, half of it and so on: larger pictures take no longer.
+    /// Maximum number of pixels of the first octave. The first octave has twice the size of the
+    /// picture if that is within the limit. Otherwise it has the picture's own size, half of it and
+    /// so on. Larger pictures thus take no longer.
     pub largest_octave: usize,
 }
 
 impl Default for FeatureParameters {
     fn default() -> Self {
-        // Half the contrast that Lowe asks for: of the weak features fewer are found again, but matches are rated by their
-        // neighbours, and with more of them more geometries are right: of 18 hard wide pairs 91 instead of 78 % of the
-        // trials below 1 px.
+        // Half of Lowe's contrast. Weak features repeat less often, but matches are weighted by
+        // their ratio, and more matches yield more correct geometries.
         Self { most: 8000, contrast: 1.8, edge_ratio: 10.0, largest_octave: 4_000_000 }
     }
 }
 
-/// The features of a picture. The same on any number of threads.
+/// Finds the features of a picture. The result does not depend on the number of threads.
 pub fn find_features(plane: &GrayPlane, parameters: &FeatureParameters) -> FeatureSet {
     let mut octaves: Vec<Octave> = Vec::new();
     let mut extrema: Vec<Extremum> = Vec::new();
     for_each_octave(plane, parameters.largest_octave, |mut octave| {
         extrema.extend(find_extrema(&octave, octaves.len(), parameters.contrast, parameters.edge_ratio));
-        // Features are described at the levels between the ends.
+        // Features are described at the inner levels only.
         octave.levels.truncate(INTERVALS + 1);
         octaves.push(octave);
     });
-    // Stable, so equal ones keep their order.
+    // A stable sort keeps the order of equal features.
     extrema.sort_by(|a, b| b.response.total_cmp(&a.response));
     extrema.truncate(parameters.most);
     let described: Vec<Vec<(Feature, Descriptor)>> =
@@ -167,7 +173,7 @@ pub fn find_features(plane: &GrayPlane, parameters: &FeatureParameters) -> Featu
     set
 }
 
-/// The features at an extremum, one for each of its orientations.
+/// Returns the features at an extremum, one for each orientation.
 fn described(octave: &Octave, extremum: &Extremum) -> Vec<(Feature, Descriptor)> {
     let plane = &octave.levels[(extremum.level.round() as usize).clamp(1, INTERVALS)];
     let [x, y] = extremum.position;

@@ -4,26 +4,26 @@
 //!     L(σ) = G(σ) * I,    σᵢ = σ₀ · 2^(i/S),   i = 0 … S + 2
 //! ```
 //!
-//! After each doubling of σ every second pixel is dropped, and the next octave begins. Pixel `(i, j)` of every
-//! octave lies at `(i, j) · spacing` of the picture: all octaves share the centre of the first pixel, the doubled
-//! one too, so no position is off by a fraction of a pixel.
+//! After each doubling of σ every second pixel is dropped, and the next octave begins. Pixel
+//! `(i, j)` of every octave lies at `(i, j) · spacing` of the picture. All octaves, the doubled one
+//! included, share the centre of the first pixel, so no position is off by a fraction of a pixel.
 
 use multiversion::multiversion;
 
 use crate::geometry::Frame;
 use crate::image::GrayPlane;
 
-/// Levels σ₀·2^(i/S) per octave in which features are looked for (S in the equations).
+/// Levels σ₀·2^(i/S) per octave that are searched for features (S in the equations).
 pub(super) const INTERVALS: usize = 3;
 /// Smoothing of the first level of an octave, px of that octave (σ₀).
 pub(super) const BASE_SIGMA: f64 = 1.6;
-/// Smoothing that a camera's picture has already, px.
+/// Assumed smoothing of a camera's picture, px.
 const CAMERA_SIGMA: f64 = 0.5;
-/// Shorter side, px, below which no octave is made.
+/// Minimum shorter side of an octave, px.
 const SMALLEST_SIDE: usize = 16;
-/// Kernels reach this many σ, beyond which a Gaussian holds 10⁻⁴ of its mass.
+/// Radius of the kernels in σ. A Gaussian has 10⁻⁴ of its mass beyond it.
 const KERNEL_REACH: f64 = 4.0;
-/// Rows that one task smooths.
+/// Rows smoothed by one task.
 const STRIP: usize = 16;
 
 /// The levels of one octave.
@@ -31,12 +31,12 @@ const STRIP: usize = 16;
 pub(super) struct Octave {
     /// Distance of neighbouring pixels, px of the picture.
     pub spacing: f64,
-    /// `INTERVALS + 3` planes of equal size, σ growing by `2^(1/INTERVALS)`.
+    /// `INTERVALS + 3` planes of equal size; σ grows by `2^(1/INTERVALS)` per level.
     pub levels: Vec<GrayPlane>,
 }
 
 impl Octave {
-    /// The octave that begins with `base`, which is smoothed by [`BASE_SIGMA`].
+    /// Builds an octave on `base`, which must be smoothed by [`BASE_SIGMA`].
     fn new(base: GrayPlane, spacing: f64) -> Self {
         let mut levels = vec![base];
         for i in 1..INTERVALS + 3 {
@@ -46,18 +46,18 @@ impl Octave {
         Self { spacing, levels }
     }
 
-    /// The first plane of the octave after this: σ has doubled, every second pixel is dropped.
+    /// Returns the first plane of the next octave: σ has doubled, every second pixel is dropped.
     fn next_base(&self) -> GrayPlane {
         decimated(&self.levels[INTERVALS])
     }
 
-    /// Size of its planes.
+    /// Returns the size of the planes.
     pub fn frame(&self) -> Frame {
         self.levels[0].frame()
     }
 }
 
-/// Smoothing of a level, px of the octave; levels may be fractions.
+/// Returns the smoothing of a level, px of the octave. Levels may be fractional.
 pub(super) fn sigma_at(level: f64) -> f64 {
     BASE_SIGMA * (level / INTERVALS as f64).exp2()
 }
@@ -66,8 +66,9 @@ fn level_sigma(level: usize) -> f64 {
     sigma_at(level as f64)
 }
 
-/// All octaves of a picture, one at a time, finest first: each is handed to `visit`. The first is of twice the
-/// picture's size if that has at most `largest` pixels, else of the picture's size, half of it and so on.
+/// Passes each octave of a picture to `visit`, finest first. The first octave has twice the
+/// picture's size if that is at most `largest` pixels, otherwise the picture's size, half of it and
+/// so on.
 pub(super) fn for_each_octave(plane: &GrayPlane, largest: usize, mut visit: impl FnMut(Octave)) {
     let Frame { width, height } = plane.frame();
     if width.min(height) < SMALLEST_SIDE {
@@ -94,14 +95,14 @@ pub(super) fn for_each_octave(plane: &GrayPlane, largest: usize, mut visit: impl
     }
 }
 
-/// Every second pixel of every second row.
+/// Returns every second pixel of every second row.
 fn decimated(plane: &GrayPlane) -> GrayPlane {
     let frame = Frame::new(plane.frame().width.div_ceil(2), plane.frame().height.div_ceil(2));
     let values = (0..frame.height).flat_map(|y| plane.row(2 * y).iter().step_by(2).copied()).collect();
     GrayPlane::new(frame, values)
 }
 
-/// [`decimated`] of [`smoothed`], a strip at a time: of a large picture a smoothed copy would be much.
+/// Smooths and decimates a plane strip by strip, which avoids a smoothed copy of a large picture.
 fn smoothed_and_decimated(plane: &GrayPlane, sigma: f64) -> GrayPlane {
     const ROWS: usize = STRIP.div_ceil(2) * 2;
     let full = plane.frame();
@@ -119,7 +120,7 @@ fn smoothed_and_decimated(plane: &GrayPlane, sigma: f64) -> GrayPlane {
     })
 }
 
-/// Twice the size by bilinear interpolation: pixel `i` lies at `i/2`.
+/// Doubles the size by bilinear interpolation: pixel `i` lies at `i/2`.
 fn doubled(plane: &GrayPlane) -> GrayPlane {
     let Frame { width, height } = plane.frame();
     let frame = Frame::new(2 * width - 1, 2 * height - 1);
@@ -134,14 +135,14 @@ fn doubled(plane: &GrayPlane) -> GrayPlane {
     })
 }
 
-/// The plane under a Gaussian of this σ, px; mirrored at its borders.
+/// Smooths a plane by a Gaussian of the given σ, px, mirrored at the borders.
 fn smoothed(plane: &GrayPlane, sigma: f64) -> GrayPlane {
     let frame = plane.frame();
     let kernel = half_kernel(sigma, frame);
     GrayPlane::from_strips(frame, STRIP, |first, out| smooth_rows(plane, &kernel, first, out))
 }
 
-/// The middle and one side of a normalised Gaussian kernel, no wider than mirroring allows.
+/// Returns the centre and one side of a normalised Gaussian kernel, no wider than mirroring allows.
 fn half_kernel(sigma: f64, frame: Frame) -> Vec<f32> {
     let reach = ((KERNEL_REACH * sigma).ceil() as usize).min(frame.width.min(frame.height) - 1);
     let weights: Vec<f64> = (0..=reach).map(|k| (-0.5 * (k as f64 / sigma).powi(2)).exp()).collect();
@@ -149,19 +150,20 @@ fn half_kernel(sigma: f64, frame: Frame) -> Vec<f32> {
     weights.iter().map(|w| (w / sum) as f32).collect()
 }
 
-/// Columns smoothed at once: their sums stay in registers while the kernel passes by.
+/// Columns smoothed at once. Their sums stay in registers while the kernel passes.
 const BLOCK: usize = 32;
 
-/// Smooths the rows from `first` on, as many as `out` holds: down the columns into a row of its own, then along it.
+/// Smooths the rows from `first` on that `out` holds: first down the columns into a row buffer,
+/// then along the row.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx2", "x86_64+avx2", "aarch64+neon"))]
 fn smooth_rows(plane: &GrayPlane, kernel: &[f32], first: usize, out: &mut [f32]) {
     let Frame { width, height } = plane.frame();
     let reach = kernel.len() - 1;
-    // Whole blocks: what lies behind the mirrored border is summed up and not used.
+    // Whole blocks: sums behind the mirrored border are computed but not used.
     let mut padded = vec![0f32; width.next_multiple_of(BLOCK) + 2 * reach];
     for (k, out) in out.chunks_exact_mut(width).enumerate() {
         let y = first + k;
-        // A pair of rows the same distance above and below, mirrored into the picture.
+        // The two rows at the same distance above and below, mirrored into the picture.
         let rows = |d: usize| {
             let above = y.abs_diff(d);
             let below = if y + d < height { y + d } else { 2 * (height - 1) - (y + d) };
@@ -208,7 +210,7 @@ fn smooth_rows(plane: &GrayPlane, kernel: &[f32], first: usize, out: &mut [f32])
     }
 }
 
-/// Whole blocks are stored as vectors: only the last one of a row needs to be copied.
+/// Stores a block of sums: whole blocks as vectors, the last block of a row as a partial copy.
 #[inline]
 fn store(out: &mut [f32], block: &[f32; BLOCK]) {
     if let Ok(whole) = <&mut [f32; BLOCK]>::try_from(&mut *out) {
@@ -230,7 +232,8 @@ mod tests {
     #[test]
     fn a_wave_is_damped_as_gauss_says() {
         let k = std::f64::consts::PI / 10.0;
-        // 30 and 10 half waves: mirrored without a kink; and a width that is no multiple of a block.
+        // The sides hold 30 and 10 half waves, so mirroring leaves no kink. The width is no
+        // multiple of a block.
         let frame = Frame::new(301, 101);
         let plane = GrayPlane::from_fn(frame, |x, y| wave(x as f64, y as f64, k));
         for sigma in [0.8, 1.5, 3.0] {
@@ -260,7 +263,8 @@ mod tests {
             for_each_octave(&plane, largest, |octave| octaves.push(octave));
             assert_eq!((octaves[0].spacing, octaves.len()), (spacing, count));
             for octave in &octaves {
-                // Smoothing keeps a ramp away from the borders, so its value tells the place.
+                // Smoothing preserves a ramp away from the borders, so its value encodes the
+                // position.
                 let (x, y) = (octave.frame().width / 2, octave.frame().height / 2);
                 let expected = octave.spacing * (3 * x + y) as f64;
                 assert!((f64::from(octave.levels[0].at(x, y)) - expected).abs() < 0.1, "{largest}");

@@ -1,10 +1,11 @@
-//! Features of a picture as it looks at a slant (after Morel & Yu, "ASIFT: a new framework for fully affine invariant image
-//! comparison", SIAM J. Imaging Sciences 2(2), 2009).
+//! Features of slanted views of a picture (after Morel & Yu, "ASIFT: a new framework for fully
+//! affine invariant image comparison", SIAM J. Imaging Sciences 2(2), 2009).
 //!
-//! What a camera sees at a slant is compressed in one direction, and the features of [`super::find_features`], whose frames
-//! are turned and scaled only, are not found again there. Here the picture is compressed to half in each of four
-//! directions, features are found in what that gives, and their places and frames are told in the picture itself: of two
-//! pictures that differ by compressions up to four in any direction, some two views are nearly alike.
+//! A slanted surface appears compressed in one direction. The features of [`super::find_features`]
+//! do not repeat there, because their local frames are similarities. Here the picture is compressed
+//! to half in each of four directions. Features are detected in each view, and their positions and
+//! frames are mapped back to the picture. Pictures that differ by a compression up to four in any
+//! direction then have two similar views.
 //!
 //! ```text
 //!     picture = Rᵀ D⁻¹ view + centre,   R a turn by −φ, D = diag(1/2, 1)
@@ -19,31 +20,32 @@ use super::{Feature, FeatureParameters, FeatureSet, find_features};
 use crate::geometry::{Frame, Point, Vector};
 use crate::image::GrayPlane;
 
-/// How a picture is looked at for its features.
+/// Views of a picture in which features are detected.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FeatureViews {
-    /// As it is.
+    /// The picture as it is.
     Frontal,
-    /// As it is, and compressed in several directions, as things look at a slant.
+    /// The picture as it is, and the picture compressed in several directions.
     Slanted,
 }
 
-/// Directions of compression, `k · π/4`.
+/// Number of compression directions, `k · π/4`.
 const DIRECTIONS: usize = 4;
-/// Pixels of a row of the turned picture that become one of the view.
+/// Compression factor along the rows of the rotated picture.
 const COMPRESSION: usize = 2;
-/// Smoothing along the row before pixels are dropped: 0.8 √(t² − 1) px for a compression by t (ASIFT, section 4.2).
+/// Smoothing along a row before decimation: 0.8 √(t² − 1) px for a compression by t (ASIFT, section
+/// 4.2).
 const SMOOTHING: f64 = 1.385_640_646;
-/// The kernel reaches this far, px.
+/// Radius of the smoothing kernel, px.
 const REACH: usize = 4;
 
-/// A picture compressed in one direction.
+/// A view of a picture compressed in one direction.
 struct Slant {
-    /// Turns offsets in the picture into offsets in the turned one.
+    /// Rotation from offsets in the picture to offsets in the rotated picture.
     turn: Rotation2<f64>,
-    /// The middle of the picture, and that of the turned picture, px.
+    /// Centres of the picture and of the rotated picture, px.
     centres: [Point; 2],
-    /// Size of the turned picture.
+    /// Size of the rotated picture.
     turned: Frame,
 }
 
@@ -58,7 +60,7 @@ impl Slant {
         Self { turn, centres: [middle(frame), middle(turned)], turned }
     }
 
-    /// What the picture looks like.
+    /// Returns the compressed view of the picture.
     fn view(&self, plane: &GrayPlane) -> GrayPlane {
         let weight = |d: usize| (-0.5 * (d as f64 / SMOOTHING).powi(2)).exp();
         let sum = weight(0) + 2.0 * (1..=REACH).map(weight).sum::<f64>();
@@ -66,7 +68,7 @@ impl Slant {
         let width = self.turned.width;
         let frame = Frame::new(width.div_ceil(COMPRESSION), self.turned.height);
         GrayPlane::from_strips(frame, 1, |v, out| {
-            // The border goes on to all sides.
+            // Border pixels repeat on all sides.
             let row: Vec<f32> = (0..width + 2 * REACH)
                 .map(|u| plane.sample(self.in_picture(Point::new(u as f64 - REACH as f64, v as f64))))
                 .collect();
@@ -78,12 +80,12 @@ impl Slant {
         })
     }
 
-    /// The place of a point of the turned picture.
+    /// Maps a point of the rotated picture to the picture.
     fn in_picture(&self, point: Point) -> Point {
         self.centres[0] + self.turn.inverse() * (point - self.centres[1])
     }
 
-    /// A feature of the view as one of the picture.
+    /// Maps a feature of the view to the picture.
     fn feature_in_picture(&self, feature: &Feature) -> Feature {
         let compression = COMPRESSION as f64;
         let stretch = Matrix2::from_diagonal(&Vector::new(compression, 1.0));
@@ -99,15 +101,15 @@ impl Slant {
     }
 }
 
-/// The features of a picture compressed in each of four directions, at most `most` in all. The same on any number of
-/// threads.
+/// Finds the features of a picture compressed in each of four directions, at most `most` in total.
+/// The result does not depend on the number of threads.
 pub fn find_slanted_features(plane: &GrayPlane, parameters: &FeatureParameters) -> FeatureSet {
     let frame = plane.frame();
-    // Together they may take a few times as long as the picture as it is.
+    // The limits keep the time of all views together to a few times that of the picture itself.
     let (most, largest_octave) = (parameters.most / DIRECTIONS, parameters.largest_octave / 2);
     let parameters = FeatureParameters { most, largest_octave, ..*parameters };
     let mut all = FeatureSet::default();
-    // One after the other, each on all threads: of a large picture a view is large, too.
+    // One view at a time, each on all threads, because views of a large picture are large.
     for k in 0..DIRECTIONS {
         let slant = Slant::new(frame, k as f64 * FRAC_PI_4);
         let mut set = find_features(&slant.view(plane), &parameters);

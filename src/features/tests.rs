@@ -1,4 +1,5 @@
-//! Features of a texture that can be drawn turned and zoomed exactly: a sum of Gaussian blobs.
+//! Features of a texture that can be drawn exactly at any rotation and scale: a sum of Gaussian
+//! blobs.
 
 use std::f64::consts::{PI, TAU};
 
@@ -26,7 +27,7 @@ impl Blob {
     }
 }
 
-/// Blobs of all sizes, more small ones than large ones, over a square of this side.
+/// Returns blobs of many sizes, mostly small, over a square of the given side.
 fn texture(side: f64, count: usize, seed: u64) -> Vec<Blob> {
     let mut random = Pcg64Mcg::seed_from_u64(seed);
     (0..count)
@@ -40,7 +41,8 @@ fn texture(side: f64, count: usize, seed: u64) -> Vec<Blob> {
         .collect()
 }
 
-/// The texture under `x' = scale · R(angle) · (x − middle) + middle'`, with the frame's middle as `middle'`.
+/// A view of the texture: `x' = scale · R(angle) · (x − middle) + middle'`, with `middle'` the
+/// frame's centre.
 struct View {
     similarity: Matrix2<f64>,
     from: Point,
@@ -91,7 +93,7 @@ fn a_blob_is_found_where_it_is_as_large_and_as_turned_as_it_is() {
         let centre = Point::new(79.3 + 0.13 * k as f64, 70.6);
         let angle = 0.3 + 1.1 * k as f64;
         let (sin, cos) = angle.sin_cos();
-        // On a ramp, which no difference of Gaussians sees and which gives the blob a direction.
+        // A ramp gives the blob an orientation. No difference of Gaussians responds to a ramp.
         let blob = Blob::new(centre, [sigma, sigma], 0.0, -60.0);
         let plain = View::new(0.0, Frame::new(1, 1), 0.0, 1.0).draw(frame, &[blob]);
         let plane = GrayPlane::from_fn(frame, |x, y| {
@@ -112,7 +114,8 @@ fn a_blob_is_found_where_it_is_as_large_and_as_turned_as_it_is() {
     }
 }
 
-/// Shares of the features of one view that are found again in the other, and of the matches that are right.
+/// Returns the repeatability of the features of one view in the other, and the precision of the
+/// matches.
 fn repeated(angle: f64, scale: f64) -> [f64; 2] {
     let side = 300.0;
     let blobs = texture(side, 1200, 11);
@@ -122,7 +125,8 @@ fn repeated(angle: f64, scale: f64) -> [f64; 2] {
     let [set1, set2] = [(&view1, frame1), (&view2, frame2)]
         .map(|(v, frame)| find_features(&v.draw(frame, &blobs), &FeatureParameters::default()));
     let onto2 = |p: Point| view2.place(view1.from + (p - view1.to));
-    // What is not near a border, not only just strong enough, and can be seen at half the size.
+    // Features away from the border, well above the contrast threshold, and large enough to be seen
+    // at half the size.
     let wanted: Vec<&Feature> = set1
         .features()
         .iter()
@@ -166,7 +170,7 @@ fn features_are_found_again_under_any_turn_and_at_twice_or_half_the_size() {
     ] {
         let [again, right] = repeated(f64::to_radians(degrees), scale);
         println!("{degrees}°, scale {scale}: {again:.2} found again, {right:.2} of the matches right");
-        // Extrema next to each other merge into one or are lost; Lowe's figure is some 80 %.
+        // Neighbouring extrema merge or vanish; Lowe's repeatability is about 80 %.
         assert!(again > 0.75, "{degrees}° {scale} {again}");
         assert!(right > 0.95, "{degrees}° {scale} {right}");
     }
@@ -197,8 +201,8 @@ fn flat_and_tiny_pictures_have_no_features() {
     }
 }
 
-/// Right and unique matches of a texture and the same texture compressed by so much, and how far the maps of the right ones
-/// are from the true one (median of the largest entry).
+/// Matches a texture with a compressed copy. Returns the numbers of correct and of distinctive
+/// matches, and the error of the correct matches' affine maps (median of the largest entry).
 fn compressed(angle: f64, by: f64, find: impl Fn(&GrayPlane) -> FeatureSet) -> (usize, usize, f64) {
     let (side, frame) = (300.0, Frame::new(240, 230));
     let blobs = texture(side, 1200, 7);
@@ -240,7 +244,8 @@ fn what_is_seen_at_a_slant_is_found_again_with_the_map_that_the_slant_makes() {
         println!("{degrees}°, by {by}: {before} before, {right} of {count} right, maps off by {off:.2}");
         assert!(right > 3 * before.max(10), "{degrees}° {right} {before}");
         assert!(10 * right > 9 * count, "{degrees}° {right} of {count}");
-        // Compressed to half, not to a third: off by 1/6 along, where a frontal feature is off by 2/3.
+        // The view is compressed to half, the texture to a third, so the map is off by 1/6. The map
+        // of a frontal feature is off by 2/3.
         assert!(off < 0.3, "{degrees}° {off}");
     }
 }

@@ -1,20 +1,23 @@
-//! Opening a file for reading, whatever the path leads to.
+//! Opening an input file, whatever its path leads to.
 
 use std::fs::{File, Metadata};
 use std::io::ErrorKind;
 use std::path::Path;
 
-/// A file that was opened for reading.
+/// A file opened for reading.
 #[derive(Debug)]
 pub struct Input {
-    /// To read from.
+    /// Open handle, positioned at the start.
     pub file: File,
-    /// Size of the file, bytes; `None` for piped data, which has no size and cannot be read twice.
+    /// Size in bytes; `None` for piped data, which has no size and cannot be read twice.
     pub size: Option<u64>,
 }
 
-/// Opens a regular file, or data piped into the program (`/dev/stdin`, `/dev/fd/N`). Everything else is refused with
-/// a clause for the user, above all what could be waited for without end: named pipes and devices.
+/// Opens a regular file, or data piped into the program (`/dev/stdin`, `/dev/fd/N`).
+///
+/// # Errors
+/// A clause for the user. Named pipes and devices are refused, because reading them could block
+/// forever.
 pub fn open_input(path: &Path) -> Result<Input, String> {
     let failed = |e: &std::io::Error| why_not(path, e);
     let found = path.metadata().map_err(|e| failed(&e))?;
@@ -35,7 +38,7 @@ pub fn open_input(path: &Path) -> Result<Input, String> {
     Ok(Input { file, size })
 }
 
-/// Why a path leads to nothing that can be read.
+/// Returns why nothing can be read at a path.
 fn why_not(path: &Path, error: &std::io::Error) -> String {
     let is_link = path.symlink_metadata().is_ok_and(|found| found.is_symlink());
     match error.kind() {
@@ -46,7 +49,7 @@ fn why_not(path: &Path, error: &std::io::Error) -> String {
     }
 }
 
-/// The system's reason in plain words, without its error number.
+/// Returns the system's reason in plain words, without its error number.
 pub fn reason(error: &std::io::Error) -> String {
     match error.kind() {
         ErrorKind::NotFound => "there is no such file or folder".into(),
@@ -62,7 +65,7 @@ pub fn reason(error: &std::io::Error) -> String {
         ErrorKind::OutOfMemory => "there is not enough memory".into(),
         _ => {
             let text = error.to_string();
-            // Behind the number there is at most a path that only the program knows.
+            // Anything behind the number is a path internal to the program.
             let words = text.split(" (os error").next().unwrap_or(&text);
             let mut characters = words.chars();
             let first = characters.next().map(|c| c.to_ascii_lowercase());
@@ -71,21 +74,21 @@ pub fn reason(error: &std::io::Error) -> String {
     }
 }
 
-/// Whether a path leads to a pipe that has a name, which another program may open or not.
+/// Returns whether a path leads to a named pipe. Another program may never open the other end.
 #[cfg(unix)]
-pub fn is_named_pipe(path: &Path) -> bool {
+fn is_named_pipe(path: &Path) -> bool {
     use std::os::unix::fs::FileTypeExt;
     path.metadata().is_ok_and(|found| found.file_type().is_fifo())
 }
 
-/// Whether a path leads to a pipe that has a name, which another program may open or not.
+/// Returns whether a path leads to a named pipe. Another program may never open the other end.
 #[cfg(not(unix))]
-pub fn is_named_pipe(_path: &Path) -> bool {
+fn is_named_pipe(_path: &Path) -> bool {
     false
 }
 
-/// Whether this is a pipe that has another end: one that the shell made and handed over, which has no place of its own
-/// among the files.
+/// Returns whether the file is an anonymous pipe, as the shell makes them: a pipe without a path in
+/// the file system.
 #[cfg(unix)]
 fn is_piped_into_us(path: &Path, found: &Metadata) -> bool {
     use std::os::unix::fs::FileTypeExt;

@@ -1,14 +1,13 @@
-//! What comes from outside: opening files that may be anything, and showing texts that anybody may have written.
+//! Untrusted input: opening files of any kind, and quoting text of unknown origin.
 //!
-//! A path can lead to a named pipe that nobody writes to, to a device without an end, or round in a circle; a name or a
-//! line of a file can be megabytes long and hold the codes that a terminal obeys. Everything that opens a file for
-//! reading goes through [`open_input`], and every foreign word in a message through [`excerpt`] or [`shown_path`].
+//! A path can lead to a named pipe without a writer, to an endless device, or into a loop of links.
+//! A name or a line of a file can be megabytes long and can hold terminal control codes. Every file
+//! is opened for reading by [`open_input`]. Every foreign word in a message passes through
+//! [`excerpt`] or [`shown_path`].
 
 mod input;
 mod text;
 
-#[cfg(feature = "files")]
-pub(crate) use input::is_named_pipe;
 pub(crate) use input::{open_input, reason};
 #[cfg(feature = "cli")]
 pub(crate) use text::escaped_lines;

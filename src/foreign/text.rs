@@ -1,13 +1,14 @@
-//! Foreign text in messages: short, and without anything that a terminal takes for an order.
+//! Foreign text in messages: shortened, with control characters escaped.
 
 use std::path::Path;
 
-/// Characters of a foreign text in a message.
+/// Maximum number of characters of a foreign text in a message.
 const MOST: usize = 80;
-/// Characters of a path in a message; the end tells more than the beginning.
+/// Maximum number of characters of a path in a message. A longer path keeps its end, the more
+/// telling part.
 const MOST_OF_A_PATH: usize = 300;
 
-/// The beginning of a text, at most 80 characters, control characters as escapes.
+/// Returns the beginning of a text, at most 80 characters, with control characters escaped.
 pub fn excerpt(text: &str) -> String {
     let mut characters = text.chars();
     let mut shown = String::new();
@@ -27,14 +28,14 @@ pub fn excerpt(text: &str) -> String {
     shown
 }
 
-/// The whole text, control characters as escapes.
+/// Returns the whole text with control characters escaped.
 pub fn escaped(text: &str) -> String {
     let mut shown = String::with_capacity(text.len());
     text.chars().for_each(|c| push(&mut shown, c));
     shown
 }
 
-/// [`escaped`] of a text of several lines, which stay lines.
+/// Returns the whole text with control characters escaped, except tabs and line ends.
 #[cfg(feature = "cli")]
 pub fn escaped_lines(text: &str) -> String {
     let mut shown = String::with_capacity(text.len());
@@ -44,7 +45,7 @@ pub fn escaped_lines(text: &str) -> String {
     shown
 }
 
-/// A path for people: control characters as escapes, of a very long one the end.
+/// Returns a path for display: control characters escaped, at most 300 characters from the end.
 pub fn shown_path(path: &Path) -> String {
     let shown = escaped(&path.to_string_lossy());
     let count = shown.chars().count();
@@ -55,7 +56,7 @@ pub fn shown_path(path: &Path) -> String {
 }
 
 fn push(shown: &mut String, c: char) {
-    // The marks that turn the direction of writing show other names than there are.
+    // Marks that change the writing direction can disguise a name.
     let turns = matches!(c, '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
     if c.is_control() || turns {
         shown.extend(c.escape_default());

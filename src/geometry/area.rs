@@ -1,22 +1,23 @@
-//! The paper's epipolar area: how much of an image lies between two lines (paper, section 5.1, step 2d).
+//! The epipolar area: the area of an image between two lines (paper, section 5.1, step 2d).
 
 use super::{Frame, Line, Point};
 
-/// Area in px² of the part of the image between two lines: where they disagree about the side.
+/// Returns the area in px² of the part of the image between two lines: the points on different
+/// sides of the two lines.
 ///
-/// The lines are oriented alike first (the acute wedge). Closed form: the sampling rectangle is clipped by
-/// half planes and its area taken by the shoelace formula.
+/// The lines are first oriented alike, which selects the acute wedge. The area has a closed form:
+/// the sampling rectangle is clipped by half planes and measured by the shoelace formula.
 pub fn area_between_lines(a: &Line, b: &Line, frame: Frame) -> f64 {
     wedges(a, b, frame).iter().map(Polygon::area).sum()
 }
 
-/// The corners of the parts of the image that [`area_between_lines`] adds up: two wedges, either of which may be
+/// Returns the corners of the two wedges measured by [`area_between_lines`]. Either wedge may be
 /// empty.
 pub fn regions_between_lines(a: &Line, b: &Line, frame: Frame) -> [Vec<Point>; 2] {
     wedges(a, b, frame).map(|wedge: Polygon| wedge.points[..wedge.len].to_vec())
 }
 
-/// Where the two lines, oriented alike, disagree about the side.
+/// Returns the two parts of the image where the lines, oriented alike, disagree about the side.
 fn wedges(a: &Line, b: &Line, frame: Frame) -> [Polygon; 2] {
     let b = if a.direction().dot(&b.direction()) < 0.0 { b.reversed() } else { *b };
     let between =
@@ -24,7 +25,7 @@ fn wedges(a: &Line, b: &Line, frame: Frame) -> [Polygon; 2] {
     [between(a, &b), between(&b, a)]
 }
 
-/// A convex polygon of at most eight corners: a rectangle cut by two lines has six.
+/// A convex polygon of at most eight corners. A rectangle cut by two lines has six.
 #[derive(Clone, Copy)]
 struct Polygon {
     points: [Point; 8],
@@ -38,7 +39,7 @@ impl Polygon {
         Self { points, len: 4 }
     }
 
-    /// The part on the positive side of a line (Sutherland–Hodgman).
+    /// Returns the part on the positive side of a line (Sutherland–Hodgman).
     fn clipped(&self, line: &Line) -> Self {
         let mut out = Self { points: self.points, len: 0 };
         for k in 0..self.len {
@@ -55,7 +56,7 @@ impl Polygon {
     }
 
     fn push(&mut self, p: Point) {
-        // A convex polygon gains at most one corner a cut; rounding cannot exceed the room for eight.
+        // Each cut adds at most one corner to a convex polygon. Rounding cannot exceed eight.
         if self.len < self.points.len() {
             self.points[self.len] = p;
             self.len += 1;
@@ -98,7 +99,7 @@ mod tests {
     }
 
     proptest! {
-        // The closed form against counting small cells.
+        // Compares the closed form with a count of small cells.
         #[test]
         fn agrees_with_counting(
             x in -50.0..150.0f64, y in -50.0..110.0f64, s in 0.0..3.1f64, t in -0.5..0.5f64

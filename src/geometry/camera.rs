@@ -9,15 +9,16 @@ use super::{FundamentalMatrix, Point};
 pub struct Camera(Matrix3x4<f64>);
 
 impl Camera {
-    /// A camera with the given projection matrix; `None` when it is not finite or its centre is undefined
-    /// (rank below 3).
+    /// Creates a camera from a projection matrix. Returns `None` when the matrix is not finite or
+    /// has rank below 3, which leaves the centre undefined.
     pub fn from_matrix(matrix: Matrix3x4<f64>) -> Option<Self> {
         let camera = Self(matrix);
         (matrix.iter().all(|v| v.is_finite()) && camera.centre().norm() > 0.0).then_some(camera)
     }
 
-    /// A camera at `position` that looks at `target` with the image's y axis pointing away from `up`;
-    /// focal length and principal point in pixels. `None` when it looks along `up`.
+    /// Creates a camera at `position` that looks at `target`, with the image's y axis pointing away
+    /// from `up`. Focal length and principal point are in pixels. Returns `None` when the camera
+    /// looks along `up`.
     pub fn looking_at(
         position: Point3<f64>,
         target: Point3<f64>,
@@ -40,12 +41,12 @@ impl Camera {
         ]))
     }
 
-    /// `P`.
+    /// Returns the projection matrix `P`.
     pub fn matrix(&self) -> &Matrix3x4<f64> {
         &self.0
     }
 
-    /// The camera centre as a homogeneous 3-D point (`P C = 0`), by the four 3×3 minors.
+    /// Returns the camera centre as a homogeneous 3-D point (`P C = 0`), from the four 3×3 minors.
     pub fn centre(&self) -> Vector4<f64> {
         let minor = |skip: usize| {
             let columns: Vec<_> = (0..4).filter(|c| *c != skip).collect();
@@ -54,20 +55,21 @@ impl Camera {
         Vector4::new(minor(0), -minor(1), minor(2), -minor(3))
     }
 
-    /// The image of a scene point, px; `None` for points in the camera's plane.
+    /// Projects a scene point into the image, px. Returns `None` for points in the camera's focal
+    /// plane.
     pub fn project(&self, point: &Point3<f64>) -> Option<Point> {
         super::finite_point(&(self.0 * point.to_homogeneous()))
     }
 
-    /// `F` of two cameras: `F = [e2]× P2 P1⁺` with `e2 = P2 C1` (Hartley & Zisserman, eq. 9.1). `None` when
-    /// the centres coincide.
+    /// Returns the fundamental matrix of two cameras, `F = [e2]× P2 P1⁺` with `e2 = P2 C1` (Hartley
+    /// & Zisserman, eq. 9.1). Returns `None` when the centres coincide.
     pub fn fundamental(camera1: &Self, camera2: &Self) -> Option<FundamentalMatrix> {
         let e2 = camera2.0 * camera1.centre();
         let inverse1 = camera1.0.pseudo_inverse(0.0).ok()?;
         FundamentalMatrix::from_rank_two(e2.cross_matrix() * camera2.0 * inverse1)
     }
 
-    /// Two cameras in general position for tests.
+    /// Returns two cameras in general position for tests.
     #[cfg(test)]
     pub(crate) fn example_pair() -> (Self, Self) {
         let camera = |x: f64, y: f64, z: f64| {
@@ -121,7 +123,7 @@ mod tests {
     #[test]
     fn same_centre_has_no_fundamental() {
         let (camera, _) = Camera::example_pair();
-        // e2 = P C is zero to rounding only, so the check is on what a caller sees: no usable geometry.
+        // e2 = P C vanishes only up to rounding, so the test checks that no NaN reaches the caller.
         if let Some(f) = Camera::fundamental(&camera, &camera) {
             assert!(!f.matrix().iter().any(|v| v.is_nan()));
         }

@@ -1,10 +1,12 @@
-//! How different two fundamental matrices are, in pixels.
+//! Difference between two fundamental matrices, in pixels.
 
 use super::{Frame, FundamentalMatrix, Point};
 
-/// Mean distance between the epipolar lines of two geometries, px: for points spread over image 1, the middle
-/// of each one's epipolar line in image 2 under `f` is a match under `f`; how far is it from one under `g`?
-/// The same with `f` and `g` exchanged. Each distance counts at most `cap` px.
+/// Returns the mean distance between the epipolar lines of two geometries, px.
+///
+/// Points are spread over image 1. The midpoint of each point's epipolar line in image 2 under `f`
+/// forms a match of `f`; its symmetric epipolar distance under `g` is measured. The mean covers
+/// both directions, `f` and `g` exchanged. Each distance counts at most `cap` px.
 pub fn epipolar_difference(
     f: &FundamentalMatrix,
     g: &FundamentalMatrix,

@@ -7,20 +7,21 @@ use super::conditioning::{conditioning, equation};
 use super::elimination::{Eliminated, Unknowns};
 use super::{FundamentalMatrix, PointPair};
 
-/// Why eight or more point pairs gave no fundamental matrix.
+/// The reason why point pairs gave no fundamental matrix.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 pub enum EightPointError {
     /// Fewer than eight pairs.
     #[error("the eight-point algorithm needs at least 8 point pairs, {0} were given")]
     TooFew(usize),
-    /// All points (nearly) coincide, or the configuration determines no matrix.
+    /// All points (nearly) coincide, or the configuration is degenerate.
     #[error(
         "these point pairs do not determine a fundamental matrix: spread them over the images and over depth"
     )]
     Degenerate,
 }
 
-/// `F` from eight or more point pairs by linear least squares on normalised coordinates, rank 2 enforced.
+/// Fits `F` to eight or more point pairs by linear least squares on conditioned coordinates, with
+/// rank 2 enforced.
 pub fn eight_point(pairs: &[PointPair]) -> Result<FundamentalMatrix, EightPointError> {
     if pairs.len() < 8 {
         return Err(EightPointError::TooFew(pairs.len()));
@@ -37,10 +38,12 @@ pub fn eight_point(pairs: &[PointPair]) -> Result<FundamentalMatrix, EightPointE
     FundamentalMatrix::from_rank_two(t2.transpose() * rank_two.matrix() * t1).ok_or(degenerate)
 }
 
-/// The second smallest singular value of the equations over the largest one where they determine a matrix.
+/// Minimum ratio of the second smallest to the largest singular value for which the equations
+/// determine a matrix.
 const DETERMINED: f64 = 3e-7;
 
-/// The vector of which the products with the rows have the smallest sum of squares; `None` when others do as well.
+/// Returns the unit vector with the smallest sum of squared products with the rows. Returns `None`
+/// when the vector is not unique.
 fn least_squares_solution(rows: impl Iterator<Item = Unknowns>) -> Option<Unknowns> {
     let mut normal = SMatrix::<f64, 9, 9>::zeros();
     for row in rows {
@@ -53,7 +56,8 @@ fn least_squares_solution(rows: impl Iterator<Item = Unknowns>) -> Option<Unknow
     is_determined.then(|| eigen.eigenvectors.column(order[0]).into_owned())
 }
 
-/// The vector orthogonal to eight rows. `None` when the rows (nearly) depend on each other.
+/// Returns the vector orthogonal to eight rows. Returns `None` when the rows are (nearly)
+/// dependent.
 fn solution_of_eight(rows: impl Iterator<Item = Unknowns>) -> Option<Unknowns> {
     let mut equations = [[0.0; 9]; 8];
     for (equation, row) in equations.iter_mut().zip(rows) {
@@ -77,14 +81,15 @@ mod tests {
             for n in [8, 20] {
                 let f = eight_point(&pairs[..n]).unwrap();
                 for pair in &pairs {
-                    // The normal equations square a condition number of up to some 10⁵.
+                    // The normal equations square a condition number of up to about 10⁵.
                     assert!(symmetric_epipolar_distance(&f, pair) < 1e-3, "seed {seed}");
                 }
             }
         }
     }
 
-    /// Median over many scenes of the mean distance of 100 exact points to the F of `count` noisy ones, px.
+    /// Returns the median over many scenes of the mean distance of 100 exact points to the `F` of
+    /// `count` noisy points, px.
     fn error(count: usize, sigma: f64) -> f64 {
         let mut errors: Vec<f64> = (0..60)
             .map(|seed| {
@@ -102,10 +107,12 @@ mod tests {
 
     #[test]
     fn the_error_is_proportional_to_small_noise_and_falls_with_more_points() {
-        // First order: a tenth of the noise gives a tenth of the error, up to the spread of a median of 60.
+        // First order: a tenth of the noise gives a tenth of the error, within the spread of a
+        // median of 60.
         let ratio = error(20, 0.1) / error(20, 0.01);
         assert!((9.0..11.0).contains(&ratio), "{ratio}");
-        // Five times as many points: a factor of √5 and what a minimal sample adds.
+        // Five times as many points lower the error by √5. The minimal sample of eight is even less
+        // accurate.
         let [eight, twenty, hundred] = [8, 20, 100].map(|count| error(count, 0.5));
         assert!(eight > 2.0 * twenty && twenty > 1.8 * hundred, "{eight} {twenty} {hundred}");
         assert!(hundred < 0.5, "{hundred}");
@@ -119,7 +126,8 @@ mod tests {
         for n in [8, 9] {
             assert_eq!(eight_point(&vec![pairs[0]; n]), Err(EightPointError::Degenerate));
         }
-        // Eight are eliminated, more are fitted: both see that one of eight is another one again.
+        // Eight pairs are solved by elimination, more by least squares. Both solvers must detect a
+        // repeated pair.
         let seven = [&pairs[..7], &pairs[..1]].concat();
         assert_eq!(eight_point(&seven), Err(EightPointError::Degenerate));
         assert_eq!(eight_point(&seven.repeat(2)), Err(EightPointError::Degenerate));

@@ -1,8 +1,8 @@
-//! The epipolar geometry of two images: F with its epipoles.
+//! The epipolar geometry of two images: `F` with its epipoles.
 
 use super::{Frame, FundamentalMatrix, HomogeneousPoint, finite_point};
 
-/// A fundamental matrix and its epipoles, computed once. It says nothing of how it came about.
+/// A fundamental matrix and its epipoles, computed once.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EpipolarGeometry {
     fundamental: FundamentalMatrix,
@@ -11,17 +11,17 @@ pub struct EpipolarGeometry {
 }
 
 impl EpipolarGeometry {
-    /// `x2ᵀ F x1 = 0`.
+    /// Returns the fundamental matrix, `x2ᵀ F x1 = 0`.
     pub fn fundamental(&self) -> &FundamentalMatrix {
         &self.fundamental
     }
 
-    /// The epipole in image 1, homogeneous, unit norm.
+    /// Returns the epipole in image 1, homogeneous, unit norm.
     pub fn epipole1(&self) -> HomogeneousPoint {
         self.epipole1
     }
 
-    /// The epipole in image 2, homogeneous, unit norm.
+    /// Returns the epipole in image 2, homogeneous, unit norm.
     pub fn epipole2(&self) -> HomogeneousPoint {
         self.epipole2
     }
@@ -33,7 +33,7 @@ impl From<FundamentalMatrix> for EpipolarGeometry {
     }
 }
 
-/// Where an epipole is: a position, or a direction when it is infinitely far.
+/// Describes an epipole in words: its position, or its direction when it is at infinity.
 pub fn place_in_words(epipole: &HomogeneousPoint, frame: Frame) -> String {
     if let Some(p) = finite_point(epipole) {
         let side = if frame.contains(p) { "inside" } else { "outside" };

@@ -6,84 +6,85 @@ use super::{Line, Point, Vector};
 
 /// Width and height of an image in pixels.
 ///
-/// Its *sampling rectangle* spans the pixel centres, `[0, width − 1] × [0, height − 1]`: there bilinear
-/// interpolation needs no pixel outside the image.
+/// The *sampling rectangle* spans the pixel centres, `[0, width − 1] × [0, height − 1]`. Inside it
+/// bilinear interpolation needs no pixel outside the image.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Frame {
-    /// Pixels across.
+    /// Width in pixels.
     pub width: usize,
-    /// Pixels down.
+    /// Height in pixels.
     pub height: usize,
 }
 
-/// A stretch of a line, from `start` to `end` along [`Line::direction`].
+/// A segment of a line, from `start` to `end` along [`Line::direction`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Segment {
-    /// First point.
+    /// First point of the segment.
     pub start: Point,
-    /// Last point.
+    /// Last point of the segment.
     pub end: Point,
 }
 
 impl Segment {
-    /// Length in pixels.
+    /// Returns the length in pixels.
     pub fn length(&self) -> f64 {
         (self.end - self.start).norm()
     }
 
-    /// The point half way.
+    /// Returns the midpoint of the segment.
     pub fn midpoint(&self) -> Point {
         nalgebra::center(&self.start, &self.end)
     }
 }
 
 impl Frame {
-    /// A frame of the given size in pixels.
+    /// Creates a frame of the given size in pixels.
     pub fn new(width: usize, height: usize) -> Self {
         Self { width, height }
     }
 
-    /// The longer side in pixels.
+    /// Returns the longer side in pixels.
     pub fn longer_side(&self) -> f64 {
         self.width.max(self.height) as f64
     }
 
-    /// The shorter side in pixels.
+    /// Returns the shorter side in pixels.
     pub fn shorter_side(&self) -> f64 {
         self.width.min(self.height) as f64
     }
 
-    /// The diagonal in pixels.
+    /// Returns the diagonal in pixels.
     pub fn diagonal(&self) -> f64 {
         (self.width as f64).hypot(self.height as f64)
     }
 
-    /// Centre of the image.
+    /// Returns the centre of the sampling rectangle.
     pub fn centre(&self) -> Point {
         Point::new(self.right() / 2.0, self.bottom() / 2.0)
     }
 
-    /// x of the last pixel centre.
+    /// Returns the x coordinate of the last pixel centres.
     pub fn right(&self) -> f64 {
         self.width as f64 - 1.0
     }
 
-    /// y of the last pixel centre.
+    /// Returns the y coordinate of the last pixel centres.
     pub fn bottom(&self) -> f64 {
         self.height as f64 - 1.0
     }
 
-    /// Whether a point lies on the pixels of the image (half a pixel beyond the outer centres).
+    /// Returns whether a point lies on a pixel of the image, up to half a pixel beyond the outer
+    /// centres.
     pub fn contains(&self, p: Point) -> bool {
         p.x >= -0.5 && p.y >= -0.5 && p.x <= self.right() + 0.5 && p.y <= self.bottom() + 0.5
     }
 
-    /// The point on the pixels of the image that is nearest to `p`.
+    /// Returns the point on the image's pixels nearest to `p`.
     pub fn nearest(&self, p: Point) -> Point {
         Point::new(p.x.clamp(-0.5, self.right() + 0.5), p.y.clamp(-0.5, self.bottom() + 0.5))
     }
 
-    /// Corners of the sampling rectangle, clockwise on the screen from the top left.
+    /// Returns the corners of the sampling rectangle, clockwise on the screen from the top left.
     pub fn corners(&self) -> [Point; 4] {
         [
             Point::new(0.0, 0.0),
@@ -93,18 +94,18 @@ impl Frame {
         ]
     }
 
-    /// Largest distance from `p` to a corner, px.
+    /// Returns the largest distance from `p` to a corner, px.
     pub fn farthest_corner(&self, p: Point) -> f64 {
         self.corners().iter().map(|c| (c - p).norm()).fold(0.0, f64::max)
     }
 
-    /// Range of `t` for which `origin + t · direction` lies in the sampling rectangle, or `None`.
-    /// `direction` need not be a unit vector; `t` counts in its lengths.
+    /// Returns the range of `t` for which `origin + t · direction` lies in the sampling rectangle,
+    /// or `None`. `direction` need not be a unit vector.
     pub fn clip_ray(&self, origin: Point, direction: Vector) -> Option<(f64, f64)> {
         let mut range = (f64::NEG_INFINITY, f64::INFINITY);
         for (o, d, last) in [(origin.x, direction.x, self.right()), (origin.y, direction.y, self.bottom())] {
             if d.abs() < 1e-12 {
-                // Rounding may leave a line along the border a hair outside it.
+                // Rounding may place a line along the border slightly outside it.
                 if o < -1e-9 || o > last + 1e-9 {
                     return None;
                 }
@@ -116,7 +117,7 @@ impl Frame {
         (range.0.is_finite() && range.1.is_finite() && range.0 <= range.1).then_some(range)
     }
 
-    /// The part of a line inside the sampling rectangle.
+    /// Returns the part of a line inside the sampling rectangle.
     pub fn clip(&self, line: &Line) -> Option<Segment> {
         let origin = line.foot(self.centre());
         let direction = line.direction();

@@ -1,4 +1,4 @@
-//! The fundamental matrix.
+//! The fundamental matrix: validation, epipoles and epipolar lines.
 
 use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
@@ -8,41 +8,44 @@ use super::conditioning::pixels_from_conditioned;
 use super::point::rescaling;
 use super::{Frame, HomogeneousPoint, Line, Point};
 
-/// `F` with `x2ᵀ F x1 = 0`: rank 2, Frobenius norm 1, the entry of largest magnitude positive.
+/// A fundamental matrix `F`, `x2ᵀ F x1 = 0`: rank 2, Frobenius norm 1, the entry of largest
+/// magnitude positive.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FundamentalMatrix(Matrix3<f64>);
 
-/// Why numbers are no fundamental matrix.
+/// The reason why a 3×3 matrix is no fundamental matrix.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum NotFundamental {
-    /// Infinite, or not numbers.
+    /// Some entries are infinite or NaN.
     #[error("the matrix has entries that are not finite numbers")]
     NotFinite,
-    /// The rows are multiples of one.
+    /// The matrix has rank 1 or 0.
     #[error("the matrix has rank 1 or 0, a fundamental matrix has 2")]
     RankBelowTwo,
-    /// Far from any matrix of rank 2.
+    /// The matrix is far from every matrix of rank 2.
     #[error(
         "the matrix has rank 3 (its third singular value is {:.2} % of the second), a fundamental matrix has 2: is it a homography, or rounded to too few digits?",
         100.0 * third_to_second
     )]
     RankThree {
-        /// The smallest singular value over the second one, 0 to 1, in conditioned coordinates or in pixels,
-        /// whichever is larger.
+        /// Ratio of the third to the second singular value, 0 to 1: the larger of the ratios in
+        /// pixels and in conditioned coordinates.
         third_to_second: f64,
     },
 }
 
-/// Third over second singular value in conditioned coordinates. Matrices rounded to two digits stay below it.
+/// Largest accepted ratio of the third to the second singular value, in conditioned coordinates.
+/// Matrices rounded to two digits stay below it.
 const MOST_THIRD: f64 = 0.05;
-/// Third over second singular value in pixels, where homographies have a thousandth.
+/// Ratio of the third to the second singular value in pixels above which a matrix may be a
+/// homography. Homographies have about a thousandth.
 const CLEAR_IN_PIXELS: f64 = 1e-4;
-/// Assumed side of images whose size is unknown, px.
+/// Assumed size of images of unknown size, px.
 const TYPICAL: Frame = Frame { width: 1000, height: 1000 };
 
 impl FundamentalMatrix {
-    /// Takes a matrix that has rank 2 by construction and brings it to norm and sign. `None` when it is
-    /// not finite or has lower rank.
+    /// Normalises a matrix that has rank 2 by construction. Returns `None` when the matrix is not
+    /// finite or has lower rank.
     pub fn from_rank_two(matrix: Matrix3<f64>) -> Option<Self> {
         let matrix = in_range(matrix);
         let norm = matrix.norm();
@@ -52,12 +55,13 @@ impl FundamentalMatrix {
         let largest = matrix.iter().fold(0.0, |m: f64, v| if v.abs() > m.abs() { *v } else { m });
         let f = Self(matrix / (norm * largest.signum()));
         let [e1, e2] = [f.epipole1(), f.epipole2()];
-        // A zero null vector means rank 1: no two rows (columns) differ.
+        // A null vector of zeros means rank 1: all columns (rows) are parallel.
         (e1.norm() > 0.0 && e2.norm() > 0.0 && f.0.iter().all(|v| v.is_finite())).then_some(f)
     }
 
-    /// The nearest matrix of rank 2 in Frobenius norm (smallest singular value set to zero). Condition
-    /// the coordinates before: the norm is meaningful only where the entries have like sizes.
+    /// Returns the nearest matrix of rank 2 in Frobenius norm: the smallest singular value is set
+    /// to zero. Coordinates should be conditioned: the norm is meaningful only for entries of
+    /// similar size.
     pub fn nearest_rank_two(matrix: Matrix3<f64>) -> Option<Self> {
         if !matrix.iter().all(|v| v.is_finite()) {
             return None;
@@ -68,33 +72,38 @@ impl FundamentalMatrix {
         Self::from_rank_two(svd.recompose().ok()?)
     }
 
-    /// The 3×3 matrix.
+    /// Returns the 3×3 matrix.
     pub fn matrix(&self) -> &Matrix3<f64> {
         &self.0
     }
 
-    /// Nested rows, as in result files.
+    /// Returns the matrix as nested rows, as in result files.
     pub fn rows(&self) -> [[f64; 3]; 3] {
         std::array::from_fn(|r| std::array::from_fn(|c| self.0[(r, c)]))
     }
 
-    /// A matrix from numbers of unknown origin, in pixels of images of the given sizes (1000×1000 px where they are unknown). A
-    /// matrix of rank 3 that is nearly one of rank 2 (rounded, or estimated without that constraint) is brought to the
-    /// nearest one in conditioned coordinates, which keeps its lines; the [`rows`](Self::rows) of a fundamental
-    /// matrix give that matrix again, bit for bit.
+    /// Creates a fundamental matrix from numbers of unknown origin, in pixels of images of the
+    /// given sizes. Unknown sizes count as 1000×1000 px.
+    ///
+    /// A matrix nearly of rank 2 (rounded, or estimated without the constraint) is replaced by the
+    /// nearest matrix of rank 2. The distance is measured in conditioned coordinates, which
+    /// preserves the epipolar lines. The [`rows`](Self::rows) of a fundamental matrix give the same
+    /// matrix back, bit for bit.
     ///
     /// # Errors
-    /// When the matrix has rank 1 or lower, and when it has rank 3 and is none that was meant to have rank 2.
+    /// Fails when the matrix has rank 1 or lower, or when its rank is clearly 3.
     pub fn from_numbers(matrix: Matrix3<f64>, frames: Option<[Frame; 2]>) -> Result<Self, NotFundamental> {
         if !matrix.iter().all(|v| v.is_finite()) {
             return Err(NotFundamental::NotFinite);
         }
         let matrix = in_range(matrix);
-        // In pixels the second singular value may be a millionth of the first, but it is no rounding error.
+        // In pixels the second singular value may be a millionth of the first without being a
+        // rounding error.
         if matrix.rank(1e-13 * matrix.norm()) < 2 {
             return Err(NotFundamental::RankBelowTwo);
         }
-        // Rounding leaves the norm and the third singular value within a few units of the last place.
+        // Rounding leaves the norm and the third singular value within a few units in the last
+        // place.
         if matrix.singular_values().min() <= 1e-15 * matrix.norm() {
             let f = Self::from_rank_two(matrix).ok_or(NotFundamental::RankBelowTwo)?;
             let as_written = [matrix, -matrix].into_iter().find(|m| (f.0 - m).norm() <= 1e-15);
@@ -103,8 +112,9 @@ impl FundamentalMatrix {
         let [t1, t2] = frames.unwrap_or([TYPICAL; 2]).map(pixels_from_conditioned);
         let conditioned = t2.transpose() * matrix * t1;
         let (in_pixels, ratio) = (third_to_second(&matrix), third_to_second(&conditioned));
-        // In x2ᵀ H x1 of a homography the products of coordinates outweigh the rest, so in conditioned coordinates it
-        // looks like rank 2; in pixels a matrix meant to have rank 2 does not look more like rank 3 than there.
+        // A homography in conditioned coordinates looks like rank 2, because products of
+        // coordinates dominate x2ᵀ H x1. A true rank-2 matrix does not look more like rank 3 in
+        // pixels than in conditioned coordinates.
         let is_map_of_points = in_pixels > CLEAR_IN_PIXELS && ratio < 1e-2 * in_pixels;
         if ratio > MOST_THIRD || is_map_of_points {
             return Err(NotFundamental::RankThree { third_to_second: ratio.max(in_pixels) });
@@ -115,39 +125,40 @@ impl FundamentalMatrix {
             .ok_or(NotFundamental::RankBelowTwo)
     }
 
-    /// A matrix from nested rows, as [`from_numbers`](Self::from_numbers) for images of unknown size.
+    /// Creates a matrix from nested rows, like [`from_numbers`](Self::from_numbers) for images of
+    /// unknown size.
     pub fn from_rows(rows: [[f64; 3]; 3]) -> Result<Self, NotFundamental> {
         Self::from_numbers(Matrix3::from_fn(|r, c| rows[r][c]), None)
     }
 
-    /// The epipolar line in image 2 of a point of image 1; `None` at the epipole.
+    /// Returns the epipolar line in image 2 of a point of image 1; `None` at the epipole.
     pub fn line2_from_point1(&self, point1: Point) -> Option<Line> {
         Line::from_homogeneous(self.0 * point1.to_homogeneous())
     }
 
-    /// The epipolar line in image 1 of a point of image 2; `None` at the epipole.
+    /// Returns the epipolar line in image 1 of a point of image 2; `None` at the epipole.
     pub fn line1_from_point2(&self, point2: Point) -> Option<Line> {
         Line::from_homogeneous(self.0.tr_mul(&point2.to_homogeneous()))
     }
 
-    /// The epipole in image 1 (`F e1 = 0`), unit norm.
+    /// Returns the epipole in image 1 (`F e1 = 0`), unit norm.
     pub fn epipole1(&self) -> HomogeneousPoint {
         null_vector(&self.0.transpose())
     }
 
-    /// The epipole in image 2 (`Fᵀ e2 = 0`), unit norm.
+    /// Returns the epipole in image 2 (`Fᵀ e2 = 0`), unit norm.
     pub fn epipole2(&self) -> HomogeneousPoint {
         null_vector(&self.0)
     }
 
-    /// The matrix for the images exchanged, `Fᵀ`.
+    /// Returns the fundamental matrix of the exchanged images, `Fᵀ`.
     #[must_use]
     pub fn swapped(&self) -> Self {
         Self(self.0.transpose())
     }
 
-    /// `F` for images resized by `scale1` and `scale2` (new size over old size), where pixel centres map as
-    /// `x' = (x + ½)·scale − ½`.
+    /// Returns `F` for images resized by `scale1` and `scale2` (new size over old size). Pixel
+    /// centres map as `x' = (x + ½)·scale − ½`.
     #[must_use]
     pub fn rescaled(&self, scale1: f64, scale2: f64) -> Option<Self> {
         let old_from_new = |scale: f64| rescaling(1.0 / scale);
@@ -155,23 +166,24 @@ impl FundamentalMatrix {
     }
 }
 
-/// The matrix, with entries about 1 where squares of the given ones would leave the range of the numbers.
+/// Scales the matrix to entries of about 1 when squares of its entries would overflow or underflow.
 fn in_range(matrix: Matrix3<f64>) -> Matrix3<f64> {
     let largest = matrix.amax();
     if largest == 0.0 || (1e-100..1e100).contains(&largest) { matrix } else { matrix / largest }
 }
 
-/// The smallest singular value over the second one.
+/// Returns the ratio of the smallest to the second singular value.
 fn third_to_second(matrix: &Matrix3<f64>) -> f64 {
     let values = matrix.singular_values();
     values[2] / values[1]
 }
 
-/// The vector orthogonal to the columns of a rank-2 matrix: the longest cross product of two of them.
+/// Returns the unit vector orthogonal to the columns of a rank-2 matrix: the longest of their cross
+/// products.
 fn null_vector(m: &Matrix3<f64>) -> Vector3<f64> {
     let mut columns: [Vector3<f64>; 3] = std::array::from_fn(|k| m.column(k).into_owned());
-    // Columns differ by orders of magnitude; the direction of a cross product does not depend on that,
-    // but the choice of the best conditioned one does.
+    // Columns differ by orders of magnitude. Unit columns make the longest cross product the best
+    // conditioned one.
     for column in &mut columns {
         if let Some(unit) = column.try_normalize(0.0) {
             *column = unit;
@@ -232,7 +244,7 @@ mod tests {
         for f in [f, f.swapped(), f.rescaled(0.37, 2.9).unwrap()] {
             assert_eq!(FundamentalMatrix::from_rows(f.rows()), Ok(f));
         }
-        // Another scale or sign is brought to norm and sign.
+        // Scale and sign are normalised.
         let other = f.rows().map(|row| row.map(|v| -3.0 * v));
         assert!((FundamentalMatrix::from_rows(other).unwrap().matrix() - f.matrix()).norm() < 1e-15);
     }

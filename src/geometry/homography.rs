@@ -5,12 +5,12 @@ use nalgebra::{Matrix3, SMatrix, SVector};
 use super::conditioning::conditioning;
 use super::{PointPair, finite_point};
 
-/// The homography `x2 ~ H x1` of four or more matches by linear least squares on conditioned coordinates; `None` when
-/// they do not determine one.
+/// Fits the homography `x2 ~ H x1` to four or more matches by linear least squares on conditioned
+/// coordinates. Returns `None` when the matches do not determine a homography.
 pub fn homography(pairs: &[PointPair]) -> Option<Matrix3<f64>> {
     let [t1, t2] = conditioning(pairs)?;
-    // Two rows of b × (H a) = 0 for each match, (a, 0, −bx a) and (0, a, −by a): their products are those of a with itself
-    // times 1, bx, by and bx² + by².
+    // Each match gives two rows of b × (H a) = 0: (a, 0, −bx a) and (0, a, −by a). The blocks of
+    // the normal equations are a aᵀ times 1, bx, by and bx² + by².
     let mut products = [Matrix3::zeros(); 4];
     for pair in pairs {
         let a = t1 * pair.point1.to_homogeneous();
@@ -32,10 +32,13 @@ pub fn homography(pairs: &[PointPair]) -> Option<Matrix3<f64>> {
     h.iter().all(|x| x.is_finite()).then_some(h)
 }
 
-/// The eigenvector of the smallest eigenvalue of a matrix without negative ones: by inverse iteration, which is some ten
-/// times as fast as all of them, and by these where it does not settle.
+/// Returns the eigenvector of the smallest eigenvalue of a positive semidefinite matrix.
+///
+/// Inverse iteration is about ten times as fast as a full decomposition, which is the fallback when
+/// the iteration does not converge.
 fn least_eigenvector(m: &SMatrix<f64, 9, 9>) -> SVector<f64, 9> {
-    // Far below any eigenvalue that is not zero, far above rounding; the vectors stay the same.
+    // The shift is far below any nonzero eigenvalue and far above rounding. The shift leaves the
+    // eigenvectors unchanged.
     let shifted = m + SMatrix::identity() * (1e-12 * m.trace());
     if let Some(cholesky) = shifted.cholesky() {
         let mut v = SVector::<f64, 9>::from_fn(|k, _| 1.0 + 0.1 * k as f64).normalize();
@@ -52,11 +55,12 @@ fn least_eigenvector(m: &SMatrix<f64, 9, 9>) -> SVector<f64, 9> {
     eigen.eigenvectors.column(eigen.eigenvalues.imin()).into_owned()
 }
 
-/// Inverse iterations at most: the error falls by the ratio of the two smallest eigenvalues with each.
+/// Maximum number of inverse iterations. Each lowers the error by the ratio of the two smallest
+/// eigenvalues.
 const ITERATIONS: usize = 12;
 
-/// How far the point of image 2 is from where the homography maps that of image 1, px; infinite when it maps it to
-/// infinity.
+/// Returns the distance in image 2 between the mapped point of image 1 and its partner, px. The
+/// distance is infinite when the point maps to infinity.
 pub fn transfer_error(h: &Matrix3<f64>, pair: &PointPair) -> f64 {
     finite_point(&(h * pair.point1.to_homogeneous())).map_or(f64::INFINITY, |p| (p - pair.point2).norm())
 }

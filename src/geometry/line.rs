@@ -4,79 +4,82 @@ use nalgebra::Vector3;
 
 use super::{HomogeneousPoint, Point, Vector};
 
-/// A line `a x + b y + c = 0` with `a² + b² = 1`, so that evaluating it gives a signed distance in
-/// pixels. A line and its negative are the same set of points with opposite orientation.
+/// A line `a x + b y + c = 0` with `a² + b² = 1`, so that the left side is a signed distance in
+/// pixels. A line and its negative hold the same points with opposite orientation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Line(Vector3<f64>);
 
 impl Line {
-    /// Normalises `(a, b, c)`; `None` for the line at infinity and for non-finite numbers.
+    /// Normalises `(a, b, c)`. Returns `None` for the line at infinity and for non-finite numbers.
     pub fn from_homogeneous(coefficients: Vector3<f64>) -> Option<Self> {
         let norm = coefficients.xy().norm();
         let line = coefficients / norm;
-        // The first two are at most 1, so the sum is finite when all are.
+        // The first two entries are at most 1, so the sum is finite exactly when all three entries
+        // are.
         (norm > 0.0 && line.sum().is_finite()).then_some(Self(line))
     }
 
-    /// The line through `point` whose direction makes `angle` radians with the x axis.
+    /// Creates the line through `point` whose direction makes `angle` radians with the x axis.
     pub fn through_at_angle(point: Point, angle: f64) -> Self {
         let (sin, cos) = angle.sin_cos();
         Self(Vector3::new(-sin, cos, sin * point.x - cos * point.y))
     }
 
-    /// The line through two points; `None` when they coincide.
+    /// Creates the line through two points. Returns `None` when the points coincide.
     pub fn through(a: Point, b: Point) -> Option<Self> {
         Self::joining(&a.to_homogeneous(), &b.to_homogeneous())
     }
 
-    /// The line through two homogeneous points; `None` when they coincide or both are at infinity.
+    /// Creates the line through two homogeneous points. Returns `None` when they coincide or both
+    /// are at infinity.
     pub fn joining(a: &HomogeneousPoint, b: &HomogeneousPoint) -> Option<Self> {
         Self::from_homogeneous(a.cross(b))
     }
 
-    /// `(a, b, c)`.
+    /// Returns the coefficients `(a, b, c)`.
     pub fn coefficients(&self) -> &Vector3<f64> {
         &self.0
     }
 
-    /// Signed distance of a point in pixels, positive on the side the normal points to.
+    /// Returns the signed distance of a point in pixels, positive on the side of the normal.
     pub fn signed_distance(&self, point: Point) -> f64 {
         self.0.x * point.x + self.0.y * point.y + self.0.z
     }
 
-    /// Absolute distance of a point in pixels.
+    /// Returns the absolute distance of a point in pixels.
     pub fn distance(&self, point: Point) -> f64 {
         self.signed_distance(point).abs()
     }
 
-    /// Unit vector along the line: the normal turned by −90°, so that a line built by
+    /// Returns the unit vector along the line: the normal turned by −90°. A line built by
     /// [`Line::through_at_angle`] runs along its angle.
     pub fn direction(&self) -> Vector {
         Vector::new(self.0.y, -self.0.x)
     }
 
-    /// Intersection with another line, at infinity when they are parallel, zero when they coincide.
+    /// Returns the intersection with another line. Parallel lines meet at infinity; coincident
+    /// lines give the zero vector.
     pub fn intersection(&self, other: &Self) -> HomogeneousPoint {
         self.0.cross(&other.0)
     }
 
-    /// The angle between the two lines, radians, at most a right angle.
+    /// Returns the angle between two lines in radians, at most π/2.
     pub fn angle_to(&self, other: &Self) -> f64 {
         self.direction().perp(&other.direction()).abs().min(1.0).asin()
     }
 
-    /// The point of the line nearest to `point`.
+    /// Returns the point of the line nearest to `point`.
     pub fn foot(&self, point: Point) -> Point {
         point - self.0.xy() * self.signed_distance(point)
     }
 
-    /// The line with the opposite orientation.
+    /// Returns the line with the opposite orientation.
     #[must_use]
     pub fn reversed(&self) -> Self {
         Self(-self.0)
     }
 
-    /// The line with the orientation that puts `point` on its positive side.
+    /// Returns the line with the orientation that puts `point` on its positive side.
     #[must_use]
     pub fn with_positive_side(&self, point: Point) -> Self {
         if self.signed_distance(point) < 0.0 { self.reversed() } else { *self }

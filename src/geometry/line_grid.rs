@@ -1,19 +1,20 @@
-//! All lines of an image, evenly spread.
+//! Lines spread evenly over an image.
 
 use std::f64::consts::PI;
 
 use super::{AnchoredLine, Frame, Point};
 
-/// How far neighbours among about `count` lines of an image are apart, px.
+/// Returns the distance in px between neighbours among about `count` lines of an image.
 pub fn line_spacing(frame: Frame, count: usize) -> f64 {
-    // Directions times distances, both `spacing` px apart at the corners: the mean width of a rectangle seen from all
-    // directions is 2 (w + h) / π.
+    // Directions and offsets are both `spacing` px apart at the corners. The mean width of a
+    // rectangle over all directions is 2 (w + h) / π.
     let half = 0.5 * frame.diagonal();
     let width = 2.0 * (frame.right() + frame.bottom()) / PI;
     (PI * half * width / count.max(1) as f64).sqrt().max(1.0)
 }
 
-/// About `count` lines of an image, evenly spread over direction (radians, `[0, π)`) and distance from its middle.
+/// Returns about `count` lines of an image, evenly spread over direction (radians, `[0, π)`) and
+/// over distance from the image centre.
 pub fn line_grid(frame: Frame, count: usize) -> Vec<AnchoredLine> {
     let middle = Point::new(0.5 * frame.right(), 0.5 * frame.bottom());
     let half = 0.5 * frame.diagonal();

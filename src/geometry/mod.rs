@@ -1,13 +1,13 @@
 //! Plane projective geometry in `f64`: points, lines, pencils, fundamental matrices, cameras.
 //!
-//! Pure mathematics on [`nalgebra`] types: no images, no threads, no input or output.
+//! The module is pure mathematics on [`nalgebra`] types: no images, no threads, no input or output.
 //!
 //! # Conventions
 //! - Pixel coordinates are `(x, y)`, x right, y down; the centre of the top-left pixel is `(0, 0)`.
 //! - A fundamental matrix maps image 1 to image 2: `x2ᵀ F x1 = 0`, `line2 = F x1`, `line1 = Fᵀ x2`,
 //!   `F e1 = 0`, `Fᵀ e2 = 0`.
-//! - Names carry the direction of a map: `line2_from_line1`.
-//! - Angles are radians. Nothing here divides by the third coordinate of an epipole.
+//! - Function names give the direction of a map: `line2_from_line1`.
+//! - Angles are in radians. No function divides by the third coordinate of an epipole.
 
 mod anchored;
 mod area;
@@ -22,6 +22,7 @@ mod fundamental;
 mod homography;
 mod line;
 mod line_grid;
+mod minimal;
 mod orthonormal;
 mod pencil;
 mod point;
@@ -43,11 +44,13 @@ pub use fundamental::{FundamentalMatrix, NotFundamental};
 pub use homography::{homography, transfer_error};
 pub use line::Line;
 pub use line_grid::{line_grid, line_spacing};
+pub(crate) use minimal::{Equation, frame_equation, point_equation, solve_seven};
 pub use orthonormal::Vector7;
 pub use pencil::{LinePair, PencilMap, pencil_angles};
 pub use point::{HomogeneousPoint, PointPair, finite_point, rescaled, rescaling};
+pub(crate) use residual::median;
 pub use residual::{algebraic_residual, apart_across_lines, sampson_distance, symmetric_epipolar_distance};
-pub use robust_fit::{FundamentalFit, Matrix9, Observation, fit_fundamental};
+pub use robust_fit::{FundamentalFit, Matrix9, Observation, fit_fundamental, grouped_covariance};
 pub(crate) use seven_point::determinant_on_pencil;
 pub use seven_point::{SevenPointError, seven_point};
 

@@ -1,14 +1,15 @@
-//! `F` in seven numbers.
+//! The orthonormal representation of `F` by seven numbers.
 //!
-//! `F = U diag(cos φ, sin φ, 0) Vᵀ` with rotations `U`, `V` (Bartoli & Sturm 2004): seven numbers, rank 2 at
-//! every step, no special case for epipoles at infinity. Increments are small rotations on either side, so the
-//! derivatives are products of `F` with the generators of rotation.
+//! `F = U diag(cos φ, sin φ, 0) Vᵀ` with rotations `U`, `V` (Bartoli & Sturm 2004). Every parameter
+//! vector gives rank 2, and epipoles at infinity are no special case. Increments are small
+//! rotations on either side, so the derivatives are products of `F` with the generators of
+//! rotations.
 
 use nalgebra::{Matrix3, Rotation3, SVector, Vector3};
 
 use super::{Frame, FundamentalMatrix};
 
-/// Increments of the seven numbers: a small rotation on either side, and φ.
+/// Increments of the seven numbers: a small rotation on each side, then φ.
 pub type Vector7 = SVector<f64, 7>;
 
 /// The orthonormal representation of a matrix of rank 2.
@@ -27,7 +28,7 @@ impl Orthonormal {
         order.sort_by(|a, b| svd.singular_values[*b].total_cmp(&svd.singular_values[*a]));
         let mut u = Matrix3::from_columns(&order.map(|k| u.column(k).into_owned()));
         let mut v = Matrix3::from_columns(&order.map(|k| v_t.row(k).transpose()));
-        // The third column has no weight, so its sign is free: it makes both rotations proper.
+        // The third column has zero weight, so its sign is free to make both rotations proper.
         if u.determinant() < 0.0 {
             u.column_mut(2).neg_mut();
         }
@@ -43,7 +44,7 @@ impl Orthonormal {
         self.u * Matrix3::from_diagonal(&Vector3::new(cos, sin, 0.0)) * self.v.transpose()
     }
 
-    /// Derivatives of the matrix by the seven increments.
+    /// Returns the derivatives of the matrix with respect to the seven increments.
     pub(super) fn derivatives(&self, f: &Matrix3<f64>) -> [Matrix3<f64>; 7] {
         let generator = |k: usize| Vector3::from_fn(|i, _| f64::from(u8::from(i == k))).cross_matrix();
         let (sin, cos) = self.phi.sin_cos();
@@ -72,8 +73,9 @@ impl Orthonormal {
 }
 
 impl FundamentalMatrix {
-    /// The matrix after a small step of its seven numbers, in coordinates in which half a diagonal of each image is 1: a
-    /// component of the step of 0.01 moves epipolar lines by about 1 % of that. `None` when the numbers degenerate.
+    /// Returns the matrix after a small step of its seven numbers. The unit of length is half the
+    /// diagonal of each image. A step of 0.01 moves epipolar lines by about 1 % of this unit.
+    /// Returns `None` when the representation degenerates.
     #[must_use]
     pub fn moved(&self, step: &Vector7, frames: [Frame; 2]) -> Option<Self> {
         let [from1, from2] = frames.map(|frame| {

@@ -1,20 +1,23 @@
 //! Pencils of lines through a point, and the one-dimensional homography between two pencils.
 //!
-//! The epipolar lines of image 1 form a pencil through `e1`, those of image 2 a pencil through `e2`.
-//! They correspond by a projective map of one dimension, three degrees of freedom. With two
-//! corresponding line pairs `(lp, lp2)` and `(lq, lq2)` as bases it is one number κ:
+//! The epipolar lines of image 1 form a pencil through `e1`, the epipolar lines of image 2 a pencil
+//! through `e2`. A one-dimensional projective map relates the pencils; it has three degrees of
+//! freedom. Two corresponding line pairs `(lp, lp2)` and `(lq, lq2)` as bases reduce the map to one
+//! number κ:
 //!
 //! ```text
 //!     line2_from_line1:   α·lp + β·lq  ↦  α·lp2 + κ·β·lq2
 //! ```
 //!
-//! A third line pair gives κ. To more pairs no map is fitted but `F` itself, see [`super::fit_fundamental`]. The paper
-//! prints a 3×3 homography fitted to three concurrent lines, which they do not determine.
+//! A third line pair gives κ. With more pairs, `F` itself is fitted instead of the map, see
+//! [`super::fit_fundamental`]. The paper prints a 3×3 homography fitted to three concurrent lines,
+//! which do not determine a homography.
 //!
 //! # Pitfalls
-//! κ depends on the orientation (sign) of the four basis lines. [`PencilMap`] orients them itself: each
-//! line's positive side is the side of the other click. Then κ > 0 keeps the lines that pass between the
-//! two clicks in image 1 between them in image 2, as it must be for points in front of both cameras.
+//! κ depends on the orientation (sign) of the four basis lines. [`PencilMap`] orients the basis
+//! lines so that each has the other click on its positive side. If κ > 0, lines that pass between
+//! the clicks in image 1 also pass between them in image 2. Points in front of both cameras require
+//! this.
 
 use nalgebra::Vector2;
 
@@ -38,7 +41,7 @@ pub struct PencilMap {
 }
 
 impl PencilMap {
-    /// A map through the two line pairs, oriented by the clicks `p` and `q` they pass through.
+    /// Creates a map from two line pairs, oriented by the clicks `p` and `q` on them.
     pub fn new(p: LinePair, q: LinePair, clicks: [&PointPair; 2], kappa: f64) -> Self {
         let [click_p, click_q] = clicks;
         Self {
@@ -54,81 +57,84 @@ impl PencilMap {
         }
     }
 
-    /// The map of the same bases with another κ.
+    /// Returns the map with the same bases and another κ.
     #[must_use]
     pub fn with_kappa(self, kappa: f64) -> Self {
         Self { kappa, ..self }
     }
 
-    /// κ: how the second basis line is weighed in image 2.
+    /// Returns κ, the weight of the second basis line in image 2.
     pub fn kappa(&self) -> f64 {
         self.kappa
     }
 
-    /// The line pair through the first click, oriented.
+    /// Returns the oriented line pair through the first click.
     pub fn p(&self) -> &LinePair {
         &self.p
     }
 
-    /// The line pair through the second click, oriented.
+    /// Returns the oriented line pair through the second click.
     pub fn q(&self) -> &LinePair {
         &self.q
     }
 
-    /// The line of image 1's pencil through a point, as coordinates `(α, β)` in the basis.
+    /// Returns the line of image 1's pencil through a point, as coordinates `(α, β)` in the basis.
     pub fn coordinates1(&self, point: Point) -> Vector2<f64> {
         Vector2::new(self.q.line1.signed_distance(point), -self.p.line1.signed_distance(point))
     }
 
-    /// The line of image 2's pencil through a point, as coordinates in the basis of image 2.
+    /// Returns the line of image 2's pencil through a point, as coordinates in the basis of image
+    /// 2.
     pub fn coordinates2(&self, point: Point) -> Vector2<f64> {
         Vector2::new(self.q.line2.signed_distance(point), -self.p.line2.signed_distance(point))
     }
 
-    /// The line of image 1 with the given coordinates.
+    /// Returns the line of image 1 with the given coordinates.
     pub fn line1(&self, coordinates: Vector2<f64>) -> Option<Line> {
         Line::from_homogeneous(
             self.p.line1.coefficients() * coordinates.x + self.q.line1.coefficients() * coordinates.y,
         )
     }
 
-    /// The line of image 2 with the given coordinates.
+    /// Returns the line of image 2 with the given coordinates.
     pub fn line2(&self, coordinates: Vector2<f64>) -> Option<Line> {
         Line::from_homogeneous(
             self.p.line2.coefficients() * coordinates.x + self.q.line2.coefficients() * coordinates.y,
         )
     }
 
-    /// The paper's H: the line of image 2 that corresponds to the line of image 1 with these coordinates.
+    /// Applies the paper's H: returns the line of image 2 that corresponds to a line of image 1.
     pub fn line2_from_line1(&self, coordinates1: Vector2<f64>) -> Option<Line> {
         self.line2(Vector2::new(coordinates1.x, self.kappa * coordinates1.y))
     }
 
-    /// The paper's G, exact inverse of [`Self::line2_from_line1`].
+    /// Applies the paper's G, the exact inverse of [`Self::line2_from_line1`].
     pub fn line1_from_line2(&self, coordinates2: Vector2<f64>) -> Option<Line> {
         self.line1(Vector2::new(self.kappa * coordinates2.x, coordinates2.y))
     }
 
-    /// Bisector of the two basis lines of image 1, in the sector that holds the segment between the clicks.
+    /// Returns the bisector of the two basis lines of image 1, in the sector of the segment between
+    /// the clicks.
     pub fn bisector1() -> Vector2<f64> {
         Vector2::new(1.0, -1.0)
     }
 
-    /// κ that maps the line with coordinates `c1` in image 1 to the line with coordinates `c2` in image 2;
-    /// `None` when either is a basis line.
+    /// Returns the κ that maps the line `c1` of image 1 to the line `c2` of image 2, both as
+    /// coordinates. Returns `None` when either is a basis line.
     pub fn kappa_from_coordinates(c1: Vector2<f64>, c2: Vector2<f64>) -> Option<f64> {
         // (α, κβ) ∝ (α2, β2)
         let kappa = (c2.y * c1.x) / (c2.x * c1.y);
         (kappa.is_finite() && kappa != 0.0).then_some(kappa)
     }
 
-    /// κ from one more scene point seen in both images; `None` when it lies on a basis line.
+    /// Returns the κ given by one more point pair. Returns `None` when a point lies on a basis
+    /// line.
     pub fn kappa_from_point_pair(&self, pair: &PointPair) -> Option<f64> {
         Self::kappa_from_coordinates(self.coordinates1(pair.point1), self.coordinates2(pair.point2))
     }
 
-    /// The fundamental matrix `F = lp2 lqᵀ − κ lq2 lpᵀ`, rank 2 by construction, epipoles at infinity
-    /// included. `None` when the bases are degenerate (`lp` and `lq` the same line).
+    /// Returns the fundamental matrix `F = lp2 lqᵀ − κ lq2 lpᵀ`, of rank 2 by construction, also
+    /// for epipoles at infinity. Returns `None` when `lp` and `lq` coincide.
     pub fn fundamental(&self) -> Option<FundamentalMatrix> {
         let f = self.p.line2.coefficients() * self.q.line1.coefficients().transpose()
             - self.q.line2.coefficients() * self.p.line1.coefficients().transpose() * self.kappa;
@@ -136,8 +142,8 @@ impl PencilMap {
     }
 }
 
-/// Directions of a pencil of undirected lines through `centre`: angles in `[0, π)`, neighbouring lines at
-/// most `spacing` px apart at distance `reach` px.
+/// Returns the directions of a pencil of undirected lines, angles in `[0, π)`. Neighbouring lines
+/// are at most `spacing` px apart at a distance of `reach` px.
 pub fn pencil_angles(reach: f64, spacing: f64) -> Vec<f64> {
     let count = (std::f64::consts::PI * reach / spacing).ceil().max(4.0) as usize;
     (0..count).map(|k| std::f64::consts::PI * k as f64 / count as f64).collect()
@@ -154,7 +160,7 @@ mod tests {
         PointPair { point1: camera1.project(&x).unwrap(), point2: camera2.project(&x).unwrap() }
     }
 
-    /// The true map of the example cameras through two clicks.
+    /// Returns the true map of the example cameras through two clicks.
     fn example() -> (FundamentalMatrix, PencilMap, Vec<PointPair>) {
         let (camera1, camera2) = Camera::example_pair();
         let f = Camera::fundamental(&camera1, &camera2).unwrap();
@@ -190,7 +196,7 @@ mod tests {
         let c1 = map.coordinates1(points[4].point1);
         let line1 = map.line1(c1).unwrap();
         let line2 = map.line2_from_line1(c1).unwrap();
-        // Coordinates of line2 from a point on it.
+        // A point on line2 gives its coordinates.
         let on2 = line2.foot(points[4].point2);
         let back = map.line1_from_line2(map.coordinates2(on2)).unwrap();
         assert!(back.coefficients().cross(line1.coefficients()).norm() < 1e-7);

@@ -7,10 +7,10 @@ use super::Point;
 
 /// A point of the projective plane as a homogeneous triple, defined up to scale.
 ///
-/// Epipoles are held this way because they are often far away or at infinity.
+/// Epipoles have this type because they are often far away or at infinity.
 pub type HomogeneousPoint = Vector3<f64>;
 
-/// One scene point seen in both images, pixel coordinates.
+/// The image points of one scene point in both images, in pixels.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct PointPair {
     /// Position in image 1.
@@ -20,42 +20,42 @@ pub struct PointPair {
 }
 
 impl PointPair {
-    /// A pair from the four numbers `x1 y1 x2 y2` of a match file.
+    /// Creates a pair from the four numbers `x1 y1 x2 y2` of a match file.
     pub fn new(x1: f64, y1: f64, x2: f64, y2: f64) -> Self {
         Self { point1: Point::new(x1, y1), point2: Point::new(x2, y2) }
     }
 
-    /// The pair with the images exchanged.
+    /// Returns the pair with the images exchanged.
     #[must_use]
     pub fn swapped(self) -> Self {
         Self { point1: self.point2, point2: self.point1 }
     }
 
-    /// The pair after both images were resized, see [`rescaled`].
+    /// Returns the pair after both images were resized, see [`rescaled`].
     #[must_use]
     pub fn rescaled(&self, scales: [f64; 2]) -> Self {
         Self { point1: rescaled(self.point1, scales[0]), point2: rescaled(self.point2, scales[1]) }
     }
 
-    /// Whether all four coordinates are finite numbers.
+    /// Returns whether all four coordinates are finite numbers.
     pub fn is_finite(&self) -> bool {
         self.point1.iter().chain(self.point2.iter()).all(|v| v.is_finite())
     }
 }
 
-/// A point after its image was resized by `scale` (new size over old size): pixel centres map as
-/// `x' = (x + ½)·scale − ½`.
+/// Returns a point after its image was resized by `scale` (new size over old size): pixel centres
+/// map as `x' = (x + ½)·scale − ½`.
 pub fn rescaled(p: Point, scale: f64) -> Point {
     Point::new((p.x + 0.5) * scale - 0.5, (p.y + 0.5) * scale - 0.5)
 }
 
-/// [`rescaled`] as a matrix for homogeneous points.
+/// Returns the map of [`rescaled`] as a matrix for homogeneous points.
 pub fn rescaling(scale: f64) -> Matrix3<f64> {
     let shift = 0.5 * scale - 0.5;
     Matrix3::new(scale, 0.0, shift, 0.0, scale, shift, 0.0, 0.0, 1.0)
 }
 
-/// The pixel position of a homogeneous point, or `None` when it is at infinity or beyond 10⁹ px.
+/// Returns the pixel position of a homogeneous point, or `None` beyond 10⁹ px and at infinity.
 pub fn finite_point(p: &HomogeneousPoint) -> Option<Point> {
     let scale = p.xy().norm();
     (p.z.abs() * 1e9 > scale).then(|| Point::new(p.x / p.z, p.y / p.z))

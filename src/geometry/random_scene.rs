@@ -1,4 +1,5 @@
-//! Two cameras in random general position and points they both see, for tests of what turns points into an F.
+//! Two cameras in random general position and their common points, for tests of the solvers for
+//! `F`.
 
 use nalgebra::{Point3, Vector3};
 use rand::{RngExt, SeedableRng};
@@ -6,7 +7,8 @@ use rand_pcg::Pcg64Mcg;
 
 use super::{Camera, Frame, FundamentalMatrix, Point, PointPair};
 
-/// Images of 768×576 px, focal length 800 px, a baseline of about a fifth of the depth, points 4 to 9 away.
+/// Two cameras of 768×576 px with a focal length of 800 px. The baseline is about a fifth of the
+/// depth; points are at depths 4 to 9.
 pub(crate) struct RandomScene {
     cameras: [Camera; 2],
     random: Pcg64Mcg,
@@ -29,12 +31,12 @@ impl RandomScene {
         Camera::fundamental(&self.cameras[0], &self.cameras[1]).unwrap()
     }
 
-    /// Exact images of `count` points all over the common field of view.
+    /// Returns exact images of `count` points spread over the common field of view.
     pub(crate) fn pairs(&mut self, count: usize) -> Vec<PointPair> {
         self.seen(count, |_, _, depth| depth)
     }
 
-    /// Exact images of `count` points on one slanted plane.
+    /// Returns exact images of `count` points on one slanted plane.
     pub(crate) fn planar_pairs(&mut self, count: usize) -> Vec<PointPair> {
         self.seen(count, |x, y, _| 6.0 + 0.4 * x - 0.3 * y)
     }
@@ -56,7 +58,7 @@ impl RandomScene {
         pairs
     }
 
-    /// The pairs with Gaussian noise of standard deviation `sigma` px on every coordinate (Box and Muller).
+    /// Adds Gaussian noise of standard deviation `sigma` px to every coordinate (Box–Muller).
     pub(crate) fn disturbed(&mut self, pairs: &[PointPair], sigma: f64) -> Vec<PointPair> {
         let mut moved = |p: Point| {
             let radius = sigma * (-2.0 * (1.0 - self.random.random::<f64>()).ln()).sqrt();

@@ -1,5 +1,5 @@
-//! Robust fit of all seven degrees of freedom of `F` to point matches: Levenberg–Marquardt on a Cauchy cost of
-//! the Sampson distance (Hartley & Zisserman, §11.4.3 and A6.8).
+//! Robust fit of the seven degrees of freedom of `F` to point matches. Levenberg–Marquardt
+//! minimises a Cauchy cost of the Sampson distance (Hartley & Zisserman, §11.4.3 and A6.8).
 
 use multiversion::multiversion;
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
@@ -7,10 +7,10 @@ use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 use super::orthonormal::{Orthonormal, Vector7};
 use super::{FundamentalMatrix, PointPair};
 
-/// A match and its standard deviation in px, each coordinate.
+/// A match with the standard deviation of its coordinates.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Observation {
-    /// Where the scene point is seen.
+    /// The matched points.
     pub pair: PointPair,
     /// Standard deviation of each coordinate, px.
     pub sigma: f64,
@@ -18,22 +18,25 @@ pub struct Observation {
 
 type Matrix7 = SMatrix<f64, 7, 7>;
 
-/// Result of a robust fit.
+/// The result of a robust fit.
 #[derive(Debug, Clone)]
 pub struct FundamentalFit {
-    /// The fitted matrix.
+    /// Fitted fundamental matrix.
     pub fundamental: FundamentalMatrix,
-    /// Covariance of the nine entries of the matrix, row by row, from the curvature of the robust cost scaled
-    /// by the residuals that were left. `None` when the observations do not determine all seven numbers.
+    /// Covariance of the nine entries of the matrix, row by row: the inverse curvature of the
+    /// robust cost times the residual variance. `None` when the observations do not determine all
+    /// seven numbers.
     pub covariance: Option<Matrix9>,
 }
 
-/// Covariance of the nine entries of a matrix, row by row.
+/// A 9×9 covariance of the entries of a 3×3 matrix, row by row.
 pub type Matrix9 = SMatrix<f64, 9, 9>;
 
-/// Fits `F` to the observations, starting from `start`. `scale` is the Sampson distance, in units of each
-/// observation's σ, beyond which a match loses influence. `None` when there are too few observations or the
-/// numbers degenerate.
+/// Fits `F` to the observations, starting from `start`.
+///
+/// `scale` is the Sampson distance beyond which a match loses influence, in units of the
+/// observation's σ. Returns `None` when fewer than seven observations are given or the
+/// representation degenerates.
 pub fn fit_fundamental(
     start: &FundamentalMatrix,
     observations: &[Observation],
@@ -68,7 +71,8 @@ pub fn fit_fundamental(
     }
     let in_pixels = conditioning.in_pixels(&representation.matrix());
     let fundamental = FundamentalMatrix::from_rank_two(in_pixels)?;
-    // The entries of F follow the seven numbers linearly to first order; its norm is brought to 1 on the way.
+    // The entries of F follow the seven numbers linearly to first order. F is also scaled to norm
+    // 1.
     let scale_to_unit = 1.0 / in_pixels.norm();
     let derivatives = representation.derivatives(&representation.matrix()).map(|d| {
         let moved = conditioning.in_pixels(&d) * scale_to_unit;
@@ -77,25 +81,91 @@ pub fn fit_fundamental(
     });
     let jacobian = SMatrix::<f64, 9, 7>::from_fn(|row, k| derivatives[k][(row / 3, row % 3)]);
     let freedom = (observations.len() as f64 - 7.0).max(1.0);
-    // The robust cost of Gaussian residuals is about their sum of squares.
+    // For Gaussian residuals the robust cost is about their sum of squares.
     let variance = cost / freedom;
     let covariance = hessian.cholesky().map(|c| jacobian * c.inverse() * jacobian.transpose() * variance);
     Some(FundamentalFit { fundamental, covariance })
 }
 
-/// Steps tried at most: a fit that starts within some pixels settles in fewer than ten.
+/// Covariance of the nine entries of a fitted `F`, row by row, without trust in the σ of the observations or in their
+/// independence: the sandwich estimator of M-estimators (Huber 1967), with the residuals of one group taken as
+/// correlated (Liang & Zeger 1986).
+///
+/// The loss is the Cauchy cost of [`fit_fundamental`] with a scale of 1. `groups` has the number of the group of each
+/// observation. `None` when fewer groups than twice the seven unknowns have observations, or when the observations do
+/// not determine all seven numbers.
+pub fn grouped_covariance(
+    f: &FundamentalMatrix,
+    observations: &[Observation],
+    groups: &[usize],
+) -> Option<Matrix9> {
+    let conditioning = Conditioning::new(observations);
+    let representation = Orthonormal::new(&conditioning.conditioned(f.matrix()))?;
+    let matrix = representation.matrix();
+    let derivatives = representation.derivatives(&matrix);
+    let by_entries = SMatrix::<f64, 9, 7>::from_fn(|row, k| derivatives[k][(row / 3, row % 3)]);
+    let count = groups.iter().max()? + 1;
+    let mut scores = vec![Vector7::zeros(); count];
+    let mut seen = vec![false; count];
+    let (mut bread, mut expected) = (Matrix7::zeros(), Matrix7::zeros());
+    for (observation, group) in observations.iter().zip(groups) {
+        let x1 = conditioning.to[0] * observation.pair.point1.to_homogeneous();
+        let x2 = conditioning.to[1] * observation.pair.point2.to_homogeneous();
+        let (l2, l1) = (matrix * x1, matrix.tr_mul(&x2));
+        let square = l2.xy().norm_squared() + l1.xy().norm_squared();
+        if square < 1e-28 {
+            continue;
+        }
+        let weight = 1.0 / (conditioning.to[0][(0, 0)] * observation.sigma * square.sqrt());
+        let n = x2.dot(&l2);
+        let residual = n * weight;
+        let c = n / square;
+        let by = SVector::<f64, 9>::from_fn(|k, _| {
+            let (i, j) = (k / 3, k % 3);
+            let first = if i < 2 { l2[i] * x1[j] } else { 0.0 };
+            let second = if j < 2 { l1[j] * x2[i] } else { 0.0 };
+            weight * (x2[i] * x1[j] - c * (first + second))
+        });
+        let by = by_entries.tr_mul(&by);
+        let left = 1.0 / (1.0 + residual * residual);
+        scores[*group] += by * (residual * left);
+        seen[*group] = true;
+        bread += by * by.transpose() * ((1.0 - residual * residual) * left * left);
+        // The expectation of the same for Cauchy residuals.
+        expected += by * by.transpose() * (0.5 * left);
+    }
+    let used = seen.iter().filter(|seen| **seen).count();
+    if used < 14 {
+        return None;
+    }
+    let inverse = bread.cholesky().or_else(|| expected.cholesky())?.inverse();
+    let meat: Matrix7 = scores.iter().map(|score| score * score.transpose()).sum();
+    let few = used as f64 / (used as f64 - 7.0);
+    let unit = conditioning.in_pixels(&matrix);
+    let norm = unit.norm();
+    let unit = unit / norm;
+    let columns = derivatives.map(|d| {
+        let moved = conditioning.in_pixels(&d) / norm;
+        moved - unit * unit.dot(&moved)
+    });
+    let jacobian = SMatrix::<f64, 9, 7>::from_fn(|row, k| columns[k][(row / 3, row % 3)]);
+    Some(jacobian * (inverse * meat * inverse * few) * jacobian.transpose())
+}
+
+/// Maximum number of steps. A fit that starts within some pixels converges in fewer than ten.
 const ITERATIONS: usize = 25;
 
-/// Observations that are looked at together.
+/// Number of observations processed together.
 const LANES: usize = 8;
 
-/// Coordinates moved and scaled to order one, the same for both images.
+/// The observations in coordinates near 1: moved to the centroid of each image, with one scale for
+/// both images.
 struct Conditioning {
     to: [Matrix3<f64>; 2],
     blocks: Vec<ObservationBlock>,
 }
 
-/// Some observations, laid out for the vector units.
+/// A group of observations, laid out for vector instructions.
 #[derive(Clone)]
 struct ObservationBlock {
     point1: [[f64; LANES]; 2],
@@ -123,7 +193,7 @@ impl Conditioning {
         let s = 1.0 / spread.sqrt().max(1e-9);
         let to = [centre1, centre2].map(|c| Matrix3::new(s, 0.0, -s * c.x, 0.0, s, -s * c.y, 0.0, 0.0, 1.0));
         let conditioned = |chunk: &[Observation]| {
-            // Lanes that are left over repeat the last observation, without weight.
+            // Lanes beyond the last observation repeat it with weight 0.
             let of = |lane: usize| &chunk[lane.min(chunk.len() - 1)];
             let coordinate = |image: usize, axis: usize| {
                 std::array::from_fn(|lane| {
@@ -152,7 +222,7 @@ impl Conditioning {
         self.to[1].transpose() * f * self.to[0]
     }
 
-    /// Robust cost, its gradient and Gauss–Newton Hessian in the seven increments.
+    /// Returns the robust cost, its gradient and its Gauss–Newton Hessian in the seven increments.
     fn normal_equations(&self, representation: &Orthonormal, scale: f64) -> Option<(f64, Vector7, Matrix7)> {
         let f = representation.matrix();
         let derivatives = representation.derivatives(&f);
@@ -171,15 +241,17 @@ struct Sums {
     /// `Σ ln(1 + r²/s²)`.
     cost: f64,
     gradient: [f64; 9],
-    /// Row by row up to the diagonal.
+    /// Lower triangle with the diagonal, row by row.
     hessian: [[f64; 9]; 9],
 }
 
-/// Blocks of which `1 + r²/s²` is multiplied before the logarithm is taken: of few enough the product is finite.
+/// Blocks whose `1 + r²/s²` are multiplied before one logarithm is taken. The product of so few
+/// stays finite.
 const MULTIPLIED: usize = 4;
 
-/// Adds up cost, gradient and Gauss–Newton Hessian. With lines `l2 = F x1`, `l1 = Fᵀ x2` and the residual
-/// `r = n / d` of `n = x2ᵀ F x1`, `d² = |l2|² + |l1|²` (first two coordinates), the derivative by an entry is
+/// Sums cost, gradient and Gauss–Newton Hessian over all observations. For lines `l2 = F x1`,
+/// `l1 = Fᵀ x2`, the residual is `r = n / d` with `n = x2ᵀ F x1` and `d² = |l2|² + |l1|²` (first
+/// two coordinates). Its derivative with respect to an entry is
 ///
 /// ```text
 ///     d · ∂r/∂F(i,j) = x2(i) x1(j) − n/d² · (l2(i) x1(j) [i < 2] + x2(i) l1(j) [j < 2]).
@@ -191,10 +263,10 @@ fn sums(blocks: &[ObservationBlock], f: &[f64; 9], scale: f64) -> Sums {
     let mut cost = 0.0;
     let (mut gradient, mut hessian) = ([[0.0; LANES]; 9], [[[0.0; LANES]; 9]; 9]);
     for blocks in blocks.chunks(MULTIPLIED) {
-        // The product less one, which keeps what small residuals add.
+        // The product minus 1 keeps the contribution of small residuals.
         let mut product = [0.0; LANES];
         for ObservationBlock { point1: [x1, y1], point2: [x2, y2], weight } in blocks {
-            // Derivatives by the entries, the residual, and what the loss leaves of the weight.
+            // Derivatives by the entries, the residual, and the weight after the robust loss.
             let mut by: [Lanes; 9] = [[0.0; LANES]; 9];
             let (mut residual, mut left) = ([0.0; LANES], [0.0; LANES]);
             for k in 0..LANES {
@@ -202,7 +274,7 @@ fn sums(blocks: &[ObservationBlock], f: &[f64; 9], scale: f64) -> Sums {
                 let (a1, b1) = (f[0] * x2[k] + f[3] * y2[k] + f[6], f[1] * x2[k] + f[4] * y2[k] + f[7]);
                 let n = a2 * x2[k] + b2 * y2[k] + f[6] * x1[k] + f[7] * y1[k] + f[8];
                 let square = a2 * a2 + b2 * b2 + a1 * a1 + b1 * b1;
-                // At both epipoles at once nothing is known.
+                // With both points at the epipoles the residual is undefined.
                 let inverse = if square < 1e-28 { 0.0 } else { 1.0 / square };
                 let (c, s) = (n * inverse, inverse.sqrt() * weight[k]);
                 residual[k] = n * s;
@@ -239,7 +311,7 @@ fn sums(blocks: &[ObservationBlock], f: &[f64; 9], scale: f64) -> Sums {
             cost += product.ln_1p();
         }
     }
-    // Loops: closures handed to the library are not compiled into a function of some instruction set.
+    // Loops, because closures passed to the library are not compiled for the instruction set.
     let mut sums = Sums { cost, gradient: [0.0; 9], hessian: [[0.0; 9]; 9] };
     for i in 0..9 {
         sums.gradient[i] = total(&gradient[i]);
@@ -286,7 +358,7 @@ mod tests {
         pairs.iter().map(|p| symmetric_epipolar_distance(f, p)).sum::<f64>() / pairs.len() as f64
     }
 
-    /// A start some pixels off.
+    /// Returns a start that is some pixels off.
     fn disturbed(f: &FundamentalMatrix) -> FundamentalMatrix {
         let moved = |s: f64| Matrix3::new(1.0, s * 0.004, 4.0 * s, -s * 0.004, 1.0, -3.0 * s, 0.0, 0.0, 1.0);
         FundamentalMatrix::from_rank_two(moved(1.0).transpose() * f.matrix() * moved(-1.0)).unwrap()

@@ -1,15 +1,15 @@
 //! The seven-point algorithm (Hartley & Zisserman, §11.1.2).
 //!
-//! Seven pairs give seven equations `x2ᵀ F x1 = 0`, which leave a pencil of matrices `a F1 + b F2`. Rank 2 asks for
-//! `det(a F1 + b F2) = 0`, a binary cubic, so there are one or three real solutions. Which of the three is
-//! the true one the seven pairs cannot tell, for all fit exactly: it takes an eighth.
+//! Seven pairs give seven equations `x2ᵀ F x1 = 0`, which leave a pencil of matrices `a F1 + b F2`.
+//! Rank 2 requires `det(a F1 + b F2) = 0`, a binary cubic, so there are one or three real
+//! solutions. All solutions fit the seven pairs exactly; only an eighth pair tells them apart.
 //!
 //! # Pitfalls
-//! - The book's `det(λ F1 + (1 − λ) F2)` loses the solution `F1 − F2`, at infinite λ. Here the basis is turned so that
-//!   the leading coefficient is far from zero, and every solution has a finite parameter.
-//! - A solution of multiplicity two is on the verge of being no real one: rounding may bring it as two equal
-//!   solutions or not at all.
-//! - Six points of one plane (or seven) leave a whole family of matrices of rank 2, which is refused.
+//! - The book's `det(λ F1 + (1 − λ) F2)` loses the solution `F1 − F2`, at infinite λ. Here the
+//!   basis is rotated until the leading coefficient is far from zero, so every solution has a
+//!   finite parameter.
+//! - A double root is on the verge of being complex: rounding may give two equal solutions or none.
+//! - Six points on one plane (or seven) leave a family of rank-2 matrices; such input is refused.
 
 use nalgebra::{Matrix3, SMatrix};
 use thiserror::Error;
@@ -17,29 +17,29 @@ use thiserror::Error;
 use super::conditioning::{conditioning, equation};
 use super::{FundamentalMatrix, PointPair};
 
-/// Why seven point pairs gave no fundamental matrix.
+/// The reason why seven point pairs gave no fundamental matrix.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 pub enum SevenPointError {
-    /// The number of pairs is another one.
+    /// Not exactly seven pairs.
     #[error("the seven-point algorithm needs exactly 7 point pairs, {0} were given")]
     Count(usize),
-    /// The points coincide, or the configuration leaves infinitely many matrices.
+    /// The points coincide, or infinitely many matrices fit.
     #[error(
         "these seven point pairs leave infinitely many fundamental matrices: spread them over the images and over depth"
     )]
     Degenerate,
 }
 
-/// Least ratio of the seventh to the first singular value of the equations on conditioned points. Below it a third
-/// matrix fits all points to about a millionth of a pixel.
+/// Minimum ratio of the seventh to the first singular value of the conditioned equations. Below
+/// this ratio a third matrix fits all points to about a millionth of a pixel.
 const INDEPENDENT: f64 = 1e-9;
 
-/// Least magnitude that the determinant must reach somewhere on the pencil, for matrices of norm 1. It is at
-/// most 1/√27; rounding alone makes it some 1e-15.
+/// Minimum magnitude of the largest determinant on the pencil, for matrices of norm 1. The
+/// determinant is at most 1/√27; rounding alone makes it about 1e-15.
 const DETERMINANT: f64 = 1e-12;
 
-/// All real solutions, one or three (two in the limit between), from exactly seven pairs; each fits all of
-/// them exactly.
+/// Returns all real solutions for exactly seven pairs: one or three, or two at the boundary. Each
+/// solution fits all pairs exactly.
 pub fn seven_point(pairs: &[PointPair]) -> Result<Vec<FundamentalMatrix>, SevenPointError> {
     if pairs.len() != 7 {
         return Err(SevenPointError::Count(pairs.len()));
@@ -57,7 +57,8 @@ pub fn seven_point(pairs: &[PointPair]) -> Result<Vec<FundamentalMatrix>, SevenP
     if solutions.is_empty() { Err(degenerate) } else { Ok(solutions) }
 }
 
-/// Orthonormal basis of the matrices that satisfy the seven equations; `None` when there are more than two.
+/// Returns an orthonormal basis of the matrices that satisfy the seven equations. Returns `None`
+/// when the null space has more than two dimensions.
 fn null_space(pairs: &[PointPair], transforms: &[Matrix3<f64>; 2]) -> Option<[Matrix3<f64>; 2]> {
     // Two rows of zeros make the decomposition return all nine right singular vectors.
     let mut equations = SMatrix::<f64, 9, 9>::zeros();
@@ -67,7 +68,7 @@ fn null_space(pairs: &[PointPair], transforms: &[Matrix3<f64>; 2]) -> Option<[Ma
     if !equations.iter().all(|v| v.is_finite()) {
         return None;
     }
-    // Singular values in descending order.
+    // The singular values are in descending order.
     let svd = equations.svd(false, true);
     if svd.singular_values[6] < INDEPENDENT * svd.singular_values[0] {
         return None;
@@ -76,9 +77,11 @@ fn null_space(pairs: &[PointPair], transforms: &[Matrix3<f64>; 2]) -> Option<[Ma
     Some([7, 8].map(|k| Matrix3::from_fn(|r, c| v_t[(k, 3 * r + c)])))
 }
 
-/// The directions `(a, b)` of norm 1 with `det(a F1 + b F2) = 0`; `None` when it vanishes everywhere.
+/// Returns the unit directions `(a, b)` with `det(a F1 + b F2) = 0`. Returns `None` when the
+/// determinant vanishes everywhere.
 fn roots_on_pencil(f1: &Matrix3<f64>, f2: &Matrix3<f64>) -> Option<Vec<[f64; 2]>> {
-    // The determinant is a cubic in (a, b), so among six directions over half a turn one is far from its zeros.
+    // The determinant is a cubic in (a, b), so one of six directions over half a turn is far from
+    // its zeros.
     let (angle, largest) = (0..6)
         .map(|k| f64::from(k) * std::f64::consts::PI / 6.0)
         .map(|angle| (angle, (angle.cos() * f1 + angle.sin() * f2).determinant()))
@@ -96,7 +99,8 @@ fn roots_on_pencil(f1: &Matrix3<f64>, f2: &Matrix3<f64>) -> Option<Vec<[f64; 2]>
     Some(real_roots(coefficients).into_iter().map(direction).collect())
 }
 
-/// `c0, c1, c2` of `det(μ G1 + G2) = μ³ det G1 + μ² tr(adj(G1) G2) + μ tr(adj(G2) G1) + det G2`.
+/// Returns `c0, c1, c2` of
+/// `det(μ G1 + G2) = μ³ det G1 + μ² tr(adj(G1) G2) + μ tr(adj(G2) G1) + det G2`.
 pub(crate) fn determinant_on_pencil(g1: &Matrix3<f64>, g2: &Matrix3<f64>) -> [f64; 3] {
     let mixed = |g: &Matrix3<f64>, h: &Matrix3<f64>| -> f64 {
         let column = |m: &Matrix3<f64>, k: usize| m.column(k).into_owned();
@@ -110,18 +114,18 @@ pub(crate) fn determinant_on_pencil(g1: &Matrix3<f64>, g2: &Matrix3<f64>) -> [f6
     [g2.determinant(), mixed(g2, g1), mixed(g1, g2)]
 }
 
-/// Imaginary part, relative to the root, that rounding gives to the two halves of a double root.
+/// Largest imaginary part, relative to the root, that rounding gives to a double root.
 const DOUBLE: f64 = 1e-7;
 
-/// The real roots of `μ³ + c2 μ² + c1 μ + c0`: eigenvalues of the companion matrix, each improved by Newton's
-/// method.
+/// Returns the real roots of `μ³ + c2 μ² + c1 μ + c0`: eigenvalues of the companion matrix,
+/// polished by Newton's method.
 fn real_roots([c0, c1, c2]: [f64; 3]) -> Vec<f64> {
     let companion = Matrix3::new(0.0, 0.0, -c0, 1.0, 0.0, -c1, 0.0, 1.0, -c2);
     let polished = |mut mu: f64| {
         for _ in 0..3 {
             let value = ((mu + c2) * mu + c1) * mu + c0;
             let step = value / ((3.0 * mu + 2.0 * c2) * mu + c1);
-            // At a double root the slope vanishes and a step leads anywhere.
+            // At a double root the slope vanishes and a Newton step leads anywhere.
             let small = step.abs() <= DOUBLE * (1.0 + mu.abs());
             mu -= if small { step } else { 0.0 };
         }
@@ -149,8 +153,8 @@ mod tests {
         solutions.iter().map(|f| mean_distance(f, pairs)).fold(f64::INFINITY, f64::min)
     }
 
-    /// How often the determinant changes its sign over half a turn of the pencil: the number of solutions, found
-    /// without a polynomial.
+    /// Returns the number of sign changes of the determinant over half a turn of the pencil, which
+    /// is the number of solutions.
     fn sign_changes(pairs: &[PointPair]) -> usize {
         let [f1, f2] = null_space(pairs, &conditioning(pairs).unwrap()).unwrap();
         let value = |k: i32| {
@@ -214,7 +218,8 @@ mod tests {
             errors[50]
         };
         let [tiny, small, usual] = [0.001, 0.01, 0.5].map(error);
-        // First order, up to the spread of a median and the solutions that noise creates and destroys.
+        // First order, within the spread of a median and the solutions that noise creates and
+        // destroys.
         assert!((9.0..11.0).contains(&(small / tiny)), "{small} / {tiny}");
         assert!(usual > 0.5 && usual < 100.0 * 0.5, "{usual}");
     }
@@ -256,7 +261,8 @@ mod tests {
         // (μ − 2)(μ² + 1).
         let one = real_roots([-2.0, 1.0, -2.0]);
         assert!(one.len() == 1 && (one[0] - 2.0).abs() < 1e-14);
-        // (μ − 1)²(μ + 3): the double root once, twice or not, the simple one surely.
+        // (μ − 1)²(μ + 3): the double root may be found once, twice or not at all, the simple root
+        // always.
         let double = real_roots([3.0, -5.0, 1.0]);
         assert!(double.iter().any(|r| (r + 3.0).abs() < 1e-14));
         assert!(double.iter().all(|r| (r + 3.0).abs() < 1e-14 || (r - 1.0).abs() < 1e-6), "{double:?}");

@@ -1,15 +1,15 @@
 //! Sub-pixel alignment of a patch under an affine map, gain and offset.
 //!
-//! Least squares over shift, affine map, gain and offset (Lucas & Kanade 1981; Baker & Matthews 2004, forward
-//! additive):
+//! Least squares over shift, affine map, gain and offset (Lucas & Kanade 1981; Baker & Matthews
+//! 2004, forward additive):
 //!
 //! ```text
 //!     gain·I1(p + x) + offset = I2(q + A x)        x in a square around 0
 //! ```
 //!
 //! # Pitfalls
-//! - Weakly textured patches do not determine the affine map, and those with one direction of texture slide: the map is
-//!   held back, see [`Hold`].
+//! - Weakly textured patches do not determine the affine map, and patches with one texture
+//!   direction slide along it. [`Hold`] therefore penalises changes of the affine map.
 
 use std::ops::Range;
 
@@ -20,45 +20,46 @@ use super::GrayPlane;
 use super::patch::{HALF, Warp, offsets};
 use crate::geometry::{Point, Vector};
 
-/// Where a patch of the first image lies in the second: `at + affine · x`.
+/// Position of a first-image patch in the second image: `at + affine · x`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Placement {
     pub at: Point,
     pub affine: Warp,
 }
 
-/// How patches are aligned.
+/// Settings of an alignment.
 #[derive(Debug)]
 pub(crate) struct Alignment {
     iterations: usize,
-    /// A step shorter than this is the last one, px.
+    /// Convergence threshold: a shorter step ends the iteration, px.
     settled: f64,
-    /// Whether a patch that has not settled at the end is given up.
+    /// Whether a patch that has not converged is rejected.
     must_settle: bool,
-    /// Largest way from the start, px.
+    /// Largest accepted distance from the start, px.
     largest_move: f64,
-    /// Determinants that the affine map may have, if it matters.
+    /// Accepted determinants of the affine map; `None` accepts all.
     determinants: Option<Range<f64>>,
-    /// Share of the samples that must lie inside both images, the others do not count. `None`: all count, with the
-    /// nearest intensity of the border.
+    /// Minimum fraction of the samples inside both images; samples outside are ignored. `None`
+    /// keeps all samples and repeats the border intensities outside.
     least_inside: Option<f64>,
     hold: Hold,
-    /// Grey levels are counted from here, and offsets from the centre in units of so many px: conditions the equations.
+    /// Grey level subtracted from the intensities. `unit` is the unit of offsets from the centre,
+    /// px. Both condition the equations.
     middle: f64,
     unit: f64,
 }
 
-/// What keeps the affine map from going astray.
+/// Regularisation of the affine map.
 #[derive(Debug)]
 enum Hold {
-    /// A penalty on each step of it, squared grey levels.
+    /// Penalty on each step of the affine map, squared grey levels.
     Step(f64),
-    /// A penalty on its way from the start, in shares of what the gradients of the image say.
+    /// Penalty on the distance from the start, as a fraction of the sum of squared image gradients.
     Start(f64),
 }
 
 impl Alignment {
-    /// Alignment of pairs of corners that look alike, from starts a pixel off.
+    /// Settings for pairs of similar corners, from starts within about a pixel.
     pub(crate) const STRICT: Self = Self {
         iterations: 10,
         settled: 0.01,
@@ -66,13 +67,13 @@ impl Alignment {
         largest_move: 1.5,
         determinants: Some(0.2..4.0),
         least_inside: None,
-        // About the texture of one grey level a pixel over a whole patch.
+        // About the texture of one grey level per pixel over a whole patch.
         hold: Hold::Step(500.0),
         middle: 0.0,
         unit: HALF as f64,
     };
 
-    /// Alignment at any place of an image, borders too, from starts that a smaller size of the images gave.
+    /// Settings for any place of an image, borders included, from starts found at a coarser level.
     pub(crate) const LENIENT: Self = Self {
         iterations: 8,
         settled: 0.02,
@@ -86,14 +87,16 @@ impl Alignment {
     };
 }
 
-/// Share of a patch to be inside: in the corner of an image it is little more than a quarter.
+/// Minimum fraction of a patch inside the image. A patch in the corner of an image is a little more
+/// than a quarter inside.
 pub(crate) const LEAST_INSIDE: f64 = 0.25;
 
 type Vector8 = SVector<f64, 8>;
 type Matrix8 = SMatrix<f64, 8, 8>;
 
-/// The placement near `start` under which the surroundings of `point1` in the first plane fit the second best; `None`
-/// when it runs away, does not settle or is too far outside.
+/// Finds the placement near `start` that best aligns the surroundings of `point1` in the first
+/// plane with the second plane. Returns `None` when the placement diverges, does not converge, or
+/// lies too far outside.
 pub(crate) fn align(
     planes: [&GrayPlane; 2],
     point1: Point,
@@ -158,8 +161,8 @@ pub(crate) fn align(
     (!how.must_settle).then_some(placed)
 }
 
-/// The value at a point by bilinear interpolation, and half the differences of those a pixel before and after it in x and
-/// in y; outside the image the nearest border value counts.
+/// Returns the bilinear value at a point and its central differences in x and in y. Outside the
+/// image the nearest border value counts.
 fn value_and_slopes(plane: &GrayPlane, p: Point) -> [f64; 3] {
     let frame = plane.frame();
     if !(p.x >= 1.0 && p.y >= 1.0 && p.x < frame.right() - 1.0 && p.y < frame.bottom() - 1.0) {
@@ -167,7 +170,8 @@ fn value_and_slopes(plane: &GrayPlane, p: Point) -> [f64; 3] {
         let slopes = [value(1.0, 0.0) - value(-1.0, 0.0), value(0.0, 1.0) - value(0.0, -1.0)];
         return [value(0.0, 0.0), 0.5 * slopes[0], 0.5 * slopes[1]];
     }
-    // All five lie alike between the pixels around them: twelve pixels and one way to interpolate.
+    // All five samples share their position between pixels, so twelve pixels and one set of weights
+    // suffice.
     let (x, y) = (p.x as usize, p.y as usize);
     let (fx, fy) = ((p.x - x as f64) as f32, (p.y - y as f64) as f32);
     let row = |k: usize| &plane.row(y + k - 1)[x - 1..x + 3];
@@ -181,14 +185,14 @@ fn value_and_slopes(plane: &GrayPlane, p: Point) -> [f64; 3] {
 }
 
 const AREA: usize = (2 * HALF + 1) * (2 * HALF + 1);
-/// Numbers added up at once.
+/// Numbers added in parallel.
 const LANES: usize = 8;
 const PADDED: usize = AREA.next_multiple_of(LANES);
 
-/// Linear equations of a least-squares step, a column of all of them after the other.
+/// Equations of a least-squares step, stored column by column.
 struct Equations {
     count: usize,
-    /// Eight coefficients and the right side.
+    /// Eight coefficients and the right-hand side.
     columns: [[f64; PADDED]; 9],
 }
 
@@ -207,7 +211,7 @@ impl Equations {
         self.count += 1;
     }
 
-    /// The normal equations.
+    /// Returns the normal equations.
     fn normal(&mut self) -> (Matrix8, Vector8) {
         for column in &mut self.columns {
             column[self.count..].fill(0.0);
@@ -218,7 +222,7 @@ impl Equations {
     }
 }
 
-/// Products of the columns with each other and those before them.
+/// Returns the product of each column with itself and every earlier column.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq+avx2", "x86_64+avx2", "aarch64+neon"))]
 fn products(columns: &[[f64; PADDED]; 9]) -> [[f64; 9]; 9] {
     let mut products = [[0.0; 9]; 9];
@@ -288,7 +292,7 @@ mod tests {
                 0.5 * (value(0.0, 1.0) - value(0.0, -1.0)),
             ];
             let found = value_and_slopes(&plane, Point::new(x, y));
-            // Single precision of some hundred grey levels.
+            // Single precision at some hundred grey levels.
             let apart = found.iter().zip(expected).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
             assert!(apart < 1e-3, "{x} {y}: {found:?} {expected:?}");
         }

@@ -1,4 +1,5 @@
-//! Corner points: where the smaller eigenvalue of the structure tensor has a local maximum (Shi & Tomasi 1994).
+//! Corner points: local maxima of the smaller eigenvalue of the structure tensor (Shi & Tomasi
+//! 1994).
 
 use std::cmp::Ordering;
 
@@ -9,16 +10,18 @@ use super::GrayPlane;
 use crate::geometry::{Frame, Point};
 use crate::lanes::marked;
 
-/// Corners at pixel positions, strongest first, at most `count`, spread over the image: a cell of an 8×8 grid
-/// gives at most four times its share, so that one busy region does not take them all. Corners keep `border`
-/// px from the edge of the image.
+/// Finds up to `count` corners at pixel positions, strongest first, at least `border` px from the
+/// edge of the image.
+///
+/// A cell of an 8×8 grid holds at most four times its share of the corners, so that one busy region
+/// cannot take all of them.
 pub fn find_corners(plane: &GrayPlane, count: usize, border: usize) -> Vec<Point> {
     let frame = plane.frame();
     let border = border.max(RADIUS + 2);
     if frame.width <= 2 * border || frame.height <= 2 * border {
         return Vec::new();
     }
-    // A band at a time: over the whole of a large image the products take several times its memory.
+    // Bands limit the memory: the products of a whole large image take several times its size.
     let bands: Vec<usize> = (border..frame.height - border).step_by(BAND).collect();
     let mut peaks: Vec<(f32, usize, usize)> = bands
         .into_par_iter()
@@ -28,7 +31,7 @@ pub fn find_corners(plane: &GrayPlane, count: usize, border: usize) -> Vec<Point
             let mut found = Vec::new();
             let mut tops = vec![0u8; frame.width - 2 * border];
             for y in first..end {
-                // Most pixels are on a slope, which the next ones tell.
+                // Most pixels lie on a slope, which the four neighbours already show.
                 mark_tops([y - 1, y, y + 1].map(|y| &response.row(y)[border - 1..]), &mut tops);
                 for x in marked(&tops).map(|k| border + k) {
                     let value = response.at(x, y);
@@ -40,7 +43,7 @@ pub fn find_corners(plane: &GrayPlane, count: usize, border: usize) -> Vec<Point
             found
         })
         .collect();
-    // Position decides between equals, so that the order does not depend on threads.
+    // Ties are ordered by position, so that the order does not depend on threads.
     peaks.sort_by(|a, b| b.0.total_cmp(&a.0).then((a.2, a.1).cmp(&(b.2, b.1))));
     let mut room = [(count / 16).max(4); 64];
     peaks
@@ -56,12 +59,13 @@ pub fn find_corners(plane: &GrayPlane, count: usize, border: usize) -> Vec<Point
         .collect()
 }
 
-/// Half width of the window the structure tensor is averaged over.
+/// Half width of the averaging window of the structure tensor.
 const RADIUS: usize = 2;
-/// Rows that are looked at at once.
+/// Rows per band.
 const BAND: usize = 64;
 
-/// Marks what is above 1 and no lower than the four pixels next to it; the first mark is of the second pixel of `row`.
+/// Marks pixels above 1 and no lower than their four neighbours. The first mark is for the second
+/// pixel of `row`.
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512vl+avx2", "x86_64+avx2", "aarch64+neon"))]
 fn mark_tops([above, row, below]: [&[f32]; 3], tops: &mut [u8]) {
     let inner = tops.len();
@@ -88,7 +92,7 @@ fn is_peak(response: &Response, x: usize, y: usize, value: f32) -> bool {
     })
 }
 
-/// Smaller eigenvalue of the structure tensor on some rows, squared grey levels per px².
+/// Smaller eigenvalue of the structure tensor for a band of rows, squared grey levels per px².
 struct Response {
     first: usize,
     width: usize,
@@ -104,10 +108,11 @@ impl Response {
         &self.values[(y - self.first) * self.width..][..self.width]
     }
 
-    /// The response of the rows from `first` to before `end`, which are at least `RADIUS` rows from the edge.
+    /// Computes the response of rows `first..end`, which must be at least `RADIUS` rows from the
+    /// edge.
     fn of_rows(plane: &GrayPlane, first: usize, end: usize) -> Self {
         let Frame { width, height } = plane.frame();
-        // Products of the central differences, summed along each row, then down each column.
+        // Products of the central differences are summed along each row, then down each column.
         let above = first - RADIUS;
         let mut products: [Vec<f32>; 3] = std::array::from_fn(|_| vec![0f32; width]);
         let mut sums: [Vec<f32>; 3] = std::array::from_fn(|_| vec![0f32; width * (end + RADIUS - above)]);
@@ -127,7 +132,8 @@ impl Response {
     }
 }
 
-/// Sums of the products of the differences over the window along one row, from it and its neighbours.
+/// Sums the products of the differences along one row over the window, from the row and its
+/// neighbours.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx2", "x86_64+avx2", "aarch64+neon"))]
 fn sum_products([above, row, below]: [&[f32]; 3], products: &mut [Vec<f32>; 3], sums: [&mut [f32]; 3]) {
     let inner = row.len() - 2;
@@ -148,7 +154,7 @@ fn sum_products([above, row, below]: [&[f32]; 3], products: &mut [Vec<f32>; 3], 
     }
 }
 
-/// Smaller eigenvalues in one row, from the sums along as many rows as the window is high, one after the other.
+/// Computes the smaller eigenvalues of one row from the sums of as many rows as the window is high.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx2", "x86_64+avx2", "aarch64+neon"))]
 fn smaller_eigenvalues(sums: [&[f32]; 3], out: &mut [f32]) {
     let width = out.len();
@@ -162,7 +168,7 @@ fn smaller_eigenvalues(sums: [&[f32]; 3], out: &mut [f32]) {
         let sum = |rows: &[&[f32]; 2 * RADIUS + 1]| rows.iter().fold(0.0, |sum, row| sum + row[x]);
         let (a, b, c) = (sum(&xx), sum(&xy), sum(&yy));
         let half = 0.5 * (a - c);
-        // Squares of grey levels are far from the largest numbers.
+        // Squared grey levels are far from overflow.
         *value = (0.5 * (a + c) - (half * half + b * b).sqrt()) / area;
     }
 }

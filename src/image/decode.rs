@@ -1,7 +1,10 @@
-//! Decoding pictures of any format without trusting a word of them.
+//! Decoding of untrusted pictures in any format.
 //!
-//! What a header claims is compared with the limit before anything of that size is asked for; the decoders themselves get
-//! a limit, too. Pitfall: not every decoder keeps to limits, and the one for JPEG fills up what is missing.
+//! The size in a header is compared with the limit before memory of that size is allocated. The
+//! decoders have a memory limit of their own.
+//!
+//! # Pitfalls
+//! - Not every decoder keeps to its limit, and the JPEG decoder fills in missing data.
 
 use std::io::{BufRead, ErrorKind, Seek, SeekFrom};
 
@@ -11,45 +14,45 @@ use image::{
 };
 
 use super::deep_tiff::{DeepProblem, DeepTiff, within_unit};
-use super::float::developed;
 use super::tiff_header::lists_fit;
 use super::webp::WebpClaims;
 use super::whole::what_is_missing;
 use super::{LoadError, LoadOptions};
 use crate::foreign::{excerpt, reason};
 
-/// What the decoders may use for texts, colour profiles and rows.
+/// Memory the decoders may use for texts, colour profiles and rows, bytes.
 const SLACK: u64 = 64 << 20;
 
-/// The formats that are read.
-const KNOWN: [ImageFormat; 7] = [
+/// Supported formats.
+const KNOWN: [ImageFormat; 6] = [
     ImageFormat::Png,
     ImageFormat::Jpeg,
     ImageFormat::Tiff,
     ImageFormat::Bmp,
     ImageFormat::Pnm,
     ImageFormat::WebP,
-    ImageFormat::OpenExr,
 ];
 
-/// The pixels of a file, upright. `path` is what to call it.
+/// Decodes the pixels of a file, upright. `path` is the name used in messages.
 pub(super) fn decode(
     mut reader: impl BufRead + Seek,
     path: &str,
     options: LoadOptions,
 ) -> Result<DynamicImage, LoadError> {
     let job = Job { path, options };
-    // By the content alone: a name that promises another format is no reason to call a file damaged.
+    // The content alone decides: a file with a misleading name is not damaged.
     let format = guess(&mut reader).map_err(|e| job.io(&e))?;
-    let Some(format) = format.filter(|format| KNOWN.contains(format)) else {
+    let Some(format) = format else {
         return Err(LoadError::Format { path: path.to_owned() });
     };
-    if !options.accept_damaged
-        && let Some(missing) = what_is_missing(format, &mut reader).map_err(|e| job.io(&e))?
-    {
-        // What claims too many pixels is first of all that.
+    if !KNOWN.contains(&format) {
+        let format = format.extensions_str()[0].to_uppercase();
+        return Err(LoadError::OtherFormat { path: path.to_owned(), format });
+    }
+    if let Some(missing) = what_is_missing(format, &mut reader).map_err(|e| job.io(&e))? {
+        // A size above the limit is the more useful error.
         job.check_header(format, &mut reader)?;
-        return Err(in_pixels(job.damaged(missing)));
+        return Err(job.damaged(missing));
     }
     if format == ImageFormat::Png {
         job.check_png(&mut reader)?;
@@ -86,13 +89,10 @@ pub(super) fn decode(
     let orientation = orientation.unwrap_or(Orientation::NoTransforms);
     let mut pixels = job.pixels(decoder, color)?;
     pixels.apply_orientation(orientation);
-    if format == ImageFormat::OpenExr {
-        return Ok(developed(pixels));
-    }
     within_unit(pixels).ok_or_else(|| LoadError::NotFinite { path: path.to_owned() })
 }
 
-/// What all steps need to know.
+/// Name and options of the file being decoded, for checks and messages.
 struct Job<'a> {
     path: &'a str,
     options: LoadOptions,
@@ -105,11 +105,11 @@ impl Job<'_> {
 
     fn damaged(&self, reason: &str) -> LoadError {
         let reason = plain(reason);
-        // What the decoders say of dimensions, each in its own way.
+        // Each decoder words its complaint about dimensions differently.
         if ["too large", "dimensions"].iter().any(|words| reason.contains(words)) {
             return LoadError::Enormous { path: self.path() };
         }
-        LoadError::Damaged { path: self.path(), reason, in_part: false }
+        LoadError::Damaged { path: self.path(), reason }
     }
 
     fn io(&self, error: &std::io::Error) -> LoadError {
@@ -122,7 +122,7 @@ impl Job<'_> {
     fn failed(&self, error: ImageError) -> LoadError {
         match error {
             ImageError::IoError(error) => match error.kind() {
-                // Decoders tell of their own troubles in this way, too.
+                // Decoders also report their own problems as input errors.
                 ErrorKind::UnexpectedEof => self.damaged("it ends too early"),
                 ErrorKind::InvalidData | ErrorKind::InvalidInput | ErrorKind::Other => {
                     self.damaged(&error.to_string())
@@ -130,7 +130,7 @@ impl Job<'_> {
                 _ => self.io(&error),
             },
             ImageError::Unsupported(error) => match self.damaged(&error.to_string()) {
-                LoadError::Damaged { path, reason, .. } => LoadError::Unsupported { path, reason },
+                LoadError::Damaged { path, reason } => LoadError::Unsupported { path, reason },
                 enormous => enormous,
             },
             ImageError::Limits(_) => LoadError::Memory { path: self.path() },
@@ -138,12 +138,12 @@ impl Job<'_> {
         }
     }
 
-    /// Whether so many pixels may be read.
+    /// Checks a size against the limit.
     fn check(&self, width: u32, height: u32, bytes_a_pixel: u64) -> Result<(), LoadError> {
         self.options.check(self.path, width, height, bytes_a_pixel)
     }
 
-    /// [`Job::check`] of what the header claims; a header that cannot be read is not judged.
+    /// Checks the size in the header. An unreadable header passes.
     fn check_header(&self, format: ImageFormat, reader: &mut (impl BufRead + Seek)) -> Result<(), LoadError> {
         rewind(reader, self)?;
         match self.decoder(format, reader) {
@@ -155,7 +155,8 @@ impl Job<'_> {
         }
     }
 
-    /// The decoder of PNG asks for memory for its rows before it tells how long they are; the header begins with that.
+    /// Checks the size at the start of a PNG header, because the PNG decoder allocates its rows
+    /// before it reports their length.
     fn check_png(&self, reader: &mut (impl BufRead + Seek)) -> Result<(), LoadError> {
         let mut header = [0; 24];
         rewind(reader, self)?;
@@ -179,7 +180,7 @@ impl Job<'_> {
         reader.into_decoder().map_err(|e| self.failed(e))
     }
 
-    /// The pixels as they are in the file.
+    /// Reads the pixels in the file's own format.
     fn pixels(&self, decoder: impl ImageDecoder, color: ColorType) -> Result<DynamicImage, LoadError> {
         type Kind = DynamicImage;
         match color {
@@ -207,7 +208,7 @@ impl Job<'_> {
         let (width, height) = decoder.dimensions();
         let memory = |_| LoadError::Memory { path: self.path() };
         let count = width as usize * height as usize;
-        // The grey plane comes next: rather a sentence now than an abort then.
+        // The grey plane needs memory next. An error here is better than an abort there.
         Vec::<f32>::new().try_reserve_exact(count).map_err(memory)?;
         let mut values: Vec<P::Subpixel> = Vec::new();
         let length = count * usize::from(P::CHANNEL_COUNT);
@@ -215,25 +216,15 @@ impl Job<'_> {
         values.resize(length, bytemuck::Zeroable::zeroed());
         match decoder.read_image(bytemuck::cast_slice_mut(&mut values)) {
             Err(ImageError::Limits(_)) => return Err(LoadError::Memory { path: self.path() }),
-            Err(error) if !self.options.accept_damaged => {
-                return Err(in_pixels(self.failed(error)));
-            }
-            _ => {}
+            Err(error) => return Err(self.failed(error)),
+            Ok(()) => {}
         }
         ImageBuffer::from_raw(width, height, values)
             .ok_or_else(|| self.damaged("its pixels are not all there"))
     }
 }
 
-/// An error in the pixels, behind a good header.
-fn in_pixels(error: LoadError) -> LoadError {
-    match error {
-        LoadError::Damaged { path, reason, .. } => LoadError::Damaged { path, reason, in_part: true },
-        other => other,
-    }
-}
-
-/// A decoder's words without those about itself, short.
+/// Shortens a decoder's message and removes the part about the decoder.
 fn plain(reason: &str) -> String {
     let reason = reason.trim().trim_end_matches('.');
     let known = ["does not support the format features ", "does not support the color type "];
@@ -250,7 +241,22 @@ fn rewind(reader: &mut impl Seek, job: &Job) -> Result<(), LoadError> {
     reader.seek(SeekFrom::Start(0)).map(|_| ()).map_err(|e| job.io(&e))
 }
 
-/// The format that the first bytes tell.
+/// Guesses the format from the first bytes.
 fn guess(reader: &mut (impl BufRead + Seek)) -> std::io::Result<Option<ImageFormat>> {
     Ok(ImageReader::new(reader).with_guessed_format()?.format())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_format_that_is_not_read_is_named_with_a_way_around() {
+        for (content, name) in [(&b"\x76\x2f\x31\x01\x02\0\0\0"[..], "EXR"), (b"GIF89a\x01\0\x01\0", "GIF")] {
+            let error = decode(std::io::Cursor::new(content), "a.dat", LoadOptions::default()).unwrap_err();
+            let message = error.to_string();
+            assert!(message.contains(&format!("has the format {name}")), "{message}");
+            assert!(message.contains("convert it to TIFF or PNG"), "{message}");
+        }
+    }
 }

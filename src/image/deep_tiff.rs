@@ -1,8 +1,9 @@
-//! Grey TIFF files with floating-point or wide whole numbers, which measuring instruments and simulations write, and
-//! what their numbers mean as brightness.
+//! Grey TIFF files with floating-point or wide integer samples, as written by measuring instruments
+//! and simulations.
 //!
-//! There is no convention: 0 to 1 and 0 to 255 are both common. The range that the numbers keep within decides; all others
-//! are stretched from their smallest to their largest number.
+//! The brightness of such numbers has no convention: ranges of 0 to 1 and 0 to 255 are both common.
+//! The range of the numbers decides between the two; all other numbers are stretched from their
+//! minimum to their maximum.
 
 use std::io::{BufRead, Seek};
 
@@ -11,32 +12,32 @@ use tiff::decoder::{Decoder, DecodingResult, Limits};
 use tiff::tags::Tag;
 use tiff::{ColorType, TiffError};
 
-/// Brightness of deep pixels, 0 ..= 65535 as `offset + factor × number`.
+/// Linear scale from numbers to brightness, 0 ..= 65535: `offset + factor × number`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct BrightnessScale {
     offset: f64,
     factor: f64,
 }
 
-/// A grey TIFF file of a kind that the general decoder does not know.
+/// A grey TIFF file that the general decoder does not support.
 pub(super) struct DeepTiff<R: BufRead + Seek> {
     decoder: Decoder<R>,
     /// Width and height, px.
     pub size: [u32; 2],
-    /// Bytes of a pixel in the file, and while it is read.
+    /// Bytes per pixel, both in the file and while reading.
     pub bytes_a_pixel: u64,
 }
 
-/// What was wrong while reading the pixels.
+/// The reason why the pixels could not be read.
 pub(super) enum DeepProblem {
-    /// Numbers that are not finite.
+    /// Some numbers are not finite.
     NotFinite,
-    /// What the decoder says.
+    /// The decoder's error.
     Decoder(TiffError),
 }
 
 impl<R: BufRead + Seek> DeepTiff<R> {
-    /// The header, if the file is one of those.
+    /// Reads the header of such a grey TIFF file. Returns `None` for every other file.
     pub fn open(reader: R) -> Option<Self> {
         const UNSIGNED: u16 = 1;
         let mut decoder = Decoder::new(reader).ok()?;
@@ -51,7 +52,7 @@ impl<R: BufRead + Seek> DeepTiff<R> {
         Some(Self { decoder, size: [width, height], bytes_a_pixel: u64::from(bits / 8) })
     }
 
-    /// All pixels, with 16 bits.
+    /// Reads all pixels, converted to 16 bits.
     pub fn read(self) -> Result<DynamicImage, DeepProblem> {
         let [width, height] = self.size;
         let bytes = u64::from(width) * u64::from(height) * self.bytes_a_pixel;
@@ -79,7 +80,8 @@ impl<R: BufRead + Seek> DeepTiff<R> {
     }
 }
 
-/// Colours of floating-point pixels beyond 0 to 1 as 16 bits; `None` when some are not finite.
+/// Converts floating-point colours beyond 0 to 1 to 16 bits. Returns `None` when some are not
+/// finite.
 pub(super) fn within_unit(pixels: DynamicImage) -> Option<DynamicImage> {
     fn is_within(values: &[f32]) -> bool {
         values.iter().all(|v| (0.0..=1.0).contains(v))
@@ -99,7 +101,7 @@ pub(super) fn within_unit(pixels: DynamicImage) -> Option<DynamicImage> {
     }
 }
 
-/// Numbers as 16 bits; `None` when some are not finite.
+/// Converts numbers to 16 bits. Returns `None` when some are not finite.
 fn bright<T>(values: &[T], number: impl Fn(&T) -> f64) -> Option<Vec<u16>> {
     let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
     for value in values.iter().map(&number) {
@@ -113,9 +115,9 @@ fn bright<T>(values: &[T], number: impl Fn(&T) -> f64) -> Option<Vec<u16>> {
 }
 
 impl BrightnessScale {
-    /// The scale for numbers from `low` to `high`.
+    /// Returns the scale for numbers from `low` to `high`.
     fn of(low: f64, high: f64) -> Self {
-        // Whoever means 0 to 255 goes beyond the glare of 0 to 1.
+        // Numbers meant as 0 to 255 exceed even the highlights of numbers meant as 0 to 1.
         let common = match high {
             _ if low < 0.0 => None,
             ..=1.0 => Some(1.0),
@@ -124,7 +126,7 @@ impl BrightnessScale {
         };
         let (low, span) = common.map_or((low, high - low), |most| (0.0, most));
         let factor = 65535.0 / span;
-        // All the same, or so far apart that nothing between can be told.
+        // All numbers are equal, or the span overflows: every pixel becomes black.
         if !factor.is_finite() || factor <= 0.0 {
             return Self { offset: 0.0, factor: 0.0 };
         }
@@ -139,7 +141,7 @@ mod tests {
     #[test]
     fn the_range_of_the_numbers_tells_what_they_mean() {
         let levels = |values: &[f64]| bright(values, |v| *v);
-        // What falls between two levels may become either.
+        // A number half way between two levels may round either way.
         let middle = |values: &[f64]| levels(values).map(|l| [l[0], l[1] / 2 * 2, l[2]]);
         assert_eq!(levels(&[0.0, 0.5, 1.0]), Some(vec![0, 32768, 65535]));
         assert_eq!(levels(&[0.0, 100.0, 255.0]), Some(vec![0, 25700, 65535]));

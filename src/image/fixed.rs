@@ -1,40 +1,43 @@
-//! What both pictures show at the very same place though the scene does not stay: captions, a logo, dirt on the sensor.
+//! Static overlays: image content at the same place in both pictures although the scene moves, such
+//! as captions, logos and dirt on the sensor.
 //!
-//! A point that does not move lies on its own line under every pure translation, `x · [e]ₓ x = 0`, whatever the epipole: a
-//! caption supports any epipole there is, and says nothing of the scene. So such places are left out before anything is
-//! matched.
+//! A static point lies on its own epipolar line under every pure translation, `x · [e]ₓ x = 0`,
+//! whatever the epipole. A caption therefore supports every epipole and says nothing about the
+//! scene. Such places are excluded before anything is matched.
 
 use super::{GrayPlane, HALF, Patch, PatchSampler, Warp, correlation, find_corners};
 use crate::geometry::{Point, Vector, rescaled};
 
-/// Longer side at which pictures are compared, px: letters have corners there.
+/// Longer side at which pictures are compared, px. Letters have corners at this size.
 pub(super) const COMPARED_SIDE: f64 = 768.0;
-/// Corners that are compared.
+/// Number of corners compared.
 const CORNERS: usize = 1500;
-/// Correlation from which two patches show the same: noise and compression are left to it.
+/// Correlation from which two patches show the same content. The margin allows for noise and
+/// compression.
 const SAME: f32 = 0.9;
-/// How far corners are looked for around their place, px.
+/// Search radius for a moved corner, px.
 const REACH: usize = 4;
-/// Within this they have not moved, px: what the place of a correlation's peak is good to.
+/// Largest displacement of a static corner, px: about the accuracy of a correlation peak.
 const STILL: f64 = 0.25;
-/// Corners that stay, at least, beyond those that chance puts there.
+/// Minimum number of static corners beyond the number expected by chance.
 const FEWEST: f64 = 10.0;
-/// More than chance, in standard deviations of its number.
+/// Minimum excess over the number expected by chance, in standard deviations of that number.
 const DEVIATIONS: f64 = 5.0;
-/// With more of the corners than these staying it is the camera that stood still.
+/// Fraction of static corners above which the camera itself was static.
 const MOST: f64 = 0.25;
 
-/// Places that are left out, the same in both pictures.
+/// Excluded places, the same in both pictures.
 #[derive(Debug, Clone)]
 pub(crate) struct FixedContent {
-    /// Corners that stay, pixels of the compared size.
+    /// Static corners, in pixels of the compared size.
     corners: Vec<Point>,
-    /// Size over full size.
+    /// Compared size over full size.
     scale: f64,
 }
 
 impl FixedContent {
-    /// Looks for it in two pictures of a size, `scale` of the full one.
+    /// Finds static overlays in two pictures of one size, at `scale` times the full size. Returns
+    /// `None` if there are none, or if the camera itself was static.
     pub(super) fn find(planes: [&GrayPlane; 2], scale: f64) -> Option<Self> {
         if planes[0].frame() != planes[1].frame() {
             return None;
@@ -58,20 +61,21 @@ impl FixedContent {
         if count < FEWEST || count > MOST * patches.len() as f64 {
             return None;
         }
-        // Where everything moves a little, some corners stay by chance. Were all distances equally frequent, as around a
-        // point that stays, this part of those that move little would.
+        // Under small motions some corners stay by chance. If all displacements were equally
+        // frequent, this fraction of the slowly moving corners would count as static.
         let little = patches.iter().filter(|of| moves_little(|x, y| alike(of, Vector::new(x, y)))).count();
         let by_chance = STILL / (REACH as f64 + 0.5) * (count + little as f64);
         let is_more = count >= FEWEST + by_chance + DEVIATIONS * by_chance.sqrt();
         is_more.then_some(Self { corners: stay, scale })
     }
 
-    /// Corners that stay.
+    /// Returns the number of static corners.
     pub(crate) fn len(&self) -> usize {
         self.corners.len()
     }
 
-    /// Whether a point of either picture, in full-size pixels, is so near to it that a patch around it shows some of it.
+    /// Returns whether a patch around a point of either picture, in full-size pixels, shows static
+    /// content.
     pub(crate) fn covers(&self, point: Point) -> bool {
         let near = (HALF + 1) as f64;
         let place = rescaled(point, self.scale);
@@ -79,13 +83,13 @@ impl FixedContent {
     }
 }
 
-/// Whether the correlation has its peak where there is no offset.
+/// Returns whether the correlation peaks at zero offset.
 fn is_still(alike: impl Fn(f64, f64) -> f32) -> bool {
     let middle = f64::from(alike(0.0, 0.0));
     let off = |before: f32, behind: f32| {
         let (before, behind) = (f64::from(before), f64::from(behind));
         let bend = before + behind - 2.0 * middle;
-        // A parabola through three values.
+        // A parabola through three values locates the peak.
         (before.max(behind) <= middle && bend < 0.0).then(|| 0.5 * (before - behind) / bend)
     };
     let x = off(alike(-1.0, 0.0), alike(1.0, 0.0));
@@ -93,7 +97,7 @@ fn is_still(alike: impl Fn(f64, f64) -> f32) -> bool {
     x.zip(y).is_some_and(|(x, y)| x.hypot(y) < STILL)
 }
 
-/// Whether a corner is found again near its place, but not there.
+/// Returns whether a corner is found again near its place, but not at it.
 fn moves_little(alike: impl Fn(f64, f64) -> f32) -> bool {
     let (mut best, mut place) = (SAME, None);
     let reach = REACH as i32;
@@ -113,7 +117,7 @@ mod tests {
     use super::*;
     use crate::geometry::Frame;
 
-    /// Blobs that move by `(x, y)` px, under a caption that stays.
+    /// Returns blobs that move by `(x, y)` px under a static caption.
     fn picture(x: f64, y: f64, caption: bool) -> GrayPlane {
         let hash = |i: i64, j: i64| {
             let h = (i.wrapping_mul(0x9E37_79B9) ^ j.wrapping_mul(0x85EB_CA6B)).wrapping_mul(0xC2B2_AE35);
@@ -136,7 +140,7 @@ mod tests {
         let [one, two] = [picture(0.0, 0.0, true), picture(23.4, -9.7, true)];
         let fixed = FixedContent::find([&one, &two], 0.5).expect("a caption");
         assert!(fixed.len() > 20, "{}", fixed.len());
-        // Full-size pixels: twice those.
+        // At a scale of ½, full-size coordinates are doubled.
         assert!(fixed.covers(Point::new(205.0, 580.0)));
         assert!(!fixed.covers(Point::new(200.0, 300.0)) && !fixed.covers(Point::new(800.0, 590.0)));
     }

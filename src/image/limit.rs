@@ -1,15 +1,13 @@
-//! How the pixels of a picture are counted, and the environment variables that say what is read: what those who set the
-//! limit and those who tell of it have in common.
+//! The pixel count used by the size limit, and the environment variable that sets the limit.
 
-/// The environment variable that raises (or lowers) the size of pictures that are read, millions of pixels.
+/// Environment variable with the largest picture that is read, in millions of pixels.
 pub const MEGAPIXELS_VARIABLE: &str = "EPILINE_MAX_MEGAPIXELS";
-/// The environment variable that has damaged pictures read as far as they go: 1 or 0.
-pub const DAMAGED_VARIABLE: &str = "EPILINE_READ_DAMAGED";
 
-/// Bytes of a pixel as wide as four channels of 16 bits: what the limit counts a pixel as.
+/// Bytes of a pixel of four 16-bit channels, the widest pixel that counts as one.
 pub(super) const WIDE_PIXEL: u64 = 8;
 
-/// Pixels as the limit counts them.
+/// Returns the pixel count to compare with the limit. Pixels wider than [`WIDE_PIXEL`] bytes count
+/// for more.
 pub(super) fn weight(pixels: u64, bytes_a_pixel: u64) -> u128 {
     (u128::from(pixels) * u128::from(bytes_a_pixel.max(WIDE_PIXEL))).div_ceil(u128::from(WIDE_PIXEL))
 }

@@ -1,4 +1,4 @@
-//! Reading picture files.
+//! Reading picture files into memory.
 
 use std::io::{BufReader, Cursor, Read};
 use std::path::{Path, PathBuf};
@@ -11,35 +11,38 @@ use super::{GrayPlane, LoadError, LoadOptions};
 use crate::foreign::{escaped, open_input, reason, shown_path};
 use crate::geometry::Frame;
 
-/// A picture as loaded: every pixel as in the file (upright by its EXIF orientation) and its grey plane.
+/// A loaded picture: the pixels of the file, upright by its EXIF orientation, and their grey plane.
 ///
-/// It takes the bytes of the pixels and four more a pixel; a copy shares the grey plane.
+/// A picture takes the bytes of its pixels and four more bytes per pixel. Clones share the grey
+/// plane.
 #[derive(Debug, Clone)]
 pub struct Picture {
-    /// What to call it: the file name, or the name of a built-in sample.
+    /// Name for display: the file name, or the name of a built-in sample.
     pub name: String,
-    /// Path of the file that it came from, if any.
+    /// Path of the source file, if any.
     pub path: Option<PathBuf>,
-    /// Pixels with the depth and channels of the file. Those of grey floating-point files have 16 bits, and so have
-    /// floating-point colours beyond 0 to 1.
+    /// Pixels with the depth and channels of the file. Grey floating-point pixels, and
+    /// floating-point colours beyond 0 to 1, are converted to 16 bits.
     pub pixels: DynamicImage,
-    /// Intensities for computation.
+    /// Intensities used by all computations.
     pub gray: GrayPlane,
 }
 
 impl Picture {
-    /// Reads a file with the limits of the environment ([`LoadOptions::from_environment`]): grey, colour or alpha, of 8 or
-    /// 16 bits or floating point; the format is told from the content. Piped data is read as well as a file.
+    /// Reads a file with the limits of the environment ([`LoadOptions::from_environment`]).
+    ///
+    /// Grey, colour and alpha channels of 8 bits, 16 bits or floating point are supported. The
+    /// content determines the format. Piped data is read like a file.
     pub fn open(path: &Path) -> Result<Self, LoadError> {
         Self::open_with(path, LoadOptions::from_environment()?)
     }
 
-    /// Reads a file.
+    /// Reads a file with the given options.
     pub fn open_with(path: &Path, options: LoadOptions) -> Result<Self, LoadError> {
         let shown = shown_path(path);
         let failed = |reason| LoadError::Open { path: shown.clone(), reason };
         let input = open_input(path).map_err(failed)?;
-        // Pixels that are worth it compress to less than they are.
+        // Any reasonable picture compresses to fewer bytes than its pixels.
         let most_bytes = options.most_pixels.saturating_mul(super::limit::WIDE_PIXEL).max(1 << 20);
         let long = || LoadError::LongFile { path: shown.clone(), megabytes: most_bytes / 1_000_000 };
         let pixels = if let Some(size) = input.size {
@@ -48,7 +51,7 @@ impl Picture {
             }
             decode(BufReader::new(input.file), &shown, options)?
         } else {
-            // Decoders go back and forth.
+            // Decoders seek back and forth, so piped data is buffered.
             let mut bytes = Vec::new();
             let read = input.file.take(most_bytes + 1).read_to_end(&mut bytes);
             read.map_err(|e| failed(reason(&e)))?;
@@ -61,18 +64,18 @@ impl Picture {
         Self::from_pixels(name, Some(path.to_owned()), pixels)
     }
 
-    /// A picture from a file's bytes in memory, for built-in samples, with the default limits.
+    /// Decodes a file's bytes in memory with the default limits, for built-in samples.
     pub fn from_bytes(name: &str, bytes: &[u8]) -> Result<Self, LoadError> {
         Self::from_bytes_with(name, bytes, LoadOptions::default())
     }
 
-    /// A picture from a file's bytes in memory.
+    /// Decodes a file's bytes in memory with the given options.
     pub fn from_bytes_with(name: &str, bytes: &[u8], options: LoadOptions) -> Result<Self, LoadError> {
         let pixels = decode(Cursor::new(bytes), name, options)?;
         Self::from_pixels(name.to_owned(), None, pixels)
     }
 
-    /// A picture from decoded pixels.
+    /// Creates a picture from decoded pixels.
     pub fn from_pixels(name: String, path: Option<PathBuf>, pixels: DynamicImage) -> Result<Self, LoadError> {
         if pixels.width() == 0 || pixels.height() == 0 {
             return Err(LoadError::Empty { path: name });
@@ -81,7 +84,7 @@ impl Picture {
         Ok(Self { name, path, pixels, gray })
     }
 
-    /// Width and height.
+    /// Returns width and height.
     pub fn frame(&self) -> Frame {
         self.gray.frame()
     }

@@ -1,122 +1,127 @@
-//! Why a picture is not read.
+//! Errors of reading a picture.
 
 use thiserror::Error;
 
-use super::limit::{DAMAGED_VARIABLE, MEGAPIXELS_VARIABLE, weight};
+use super::limit::{MEGAPIXELS_VARIABLE, weight};
 
-/// Why a picture could not be read. Each message is one sentence for the user.
+/// The reason why a picture could not be read. Each message is one sentence for the user.
 #[derive(Debug, Error)]
 pub enum LoadError {
-    /// The file is missing, may not be read, or is nothing to read from.
+    /// The file is missing, unreadable, or not a regular file.
     #[error("cannot open the image {path}: {reason}")]
     Open {
-        /// The file.
+        /// Path for display.
         path: String,
         /// The system's reason.
         reason: String,
     },
     /// The content is not a picture in a known format.
-    #[error("{path} is not an image in a known format (PNG, JPEG, TIFF, BMP, PNM, WebP or EXR)")]
+    #[error("{path} is not an image in a known format (PNG, JPEG, TIFF, BMP, PNM or WebP)")]
     Format {
-        /// The file.
+        /// Path for display.
         path: String,
     },
-    /// The format is known, but not this variety of it.
+    /// The content is a picture in an unsupported format.
+    #[error(
+        "the image {path} has the format {format}, which is not read: convert it to TIFF or PNG{}",
+        for_animations(format)
+    )]
+    OtherFormat {
+        /// Path for display.
+        path: String,
+        /// Name of the format, such as EXR.
+        format: String,
+    },
+    /// The format is known, but this variant of it is not supported.
     #[error(
         "the image {path} is of a kind that is not read ({reason}): save it with 8 or 16 bits, grey or colour"
     )]
     Unsupported {
-        /// The file.
+        /// Path for display.
         path: String,
-        /// What of it is not read.
+        /// The unsupported property.
         reason: String,
     },
     /// The file is damaged or truncated.
-    #[error("the image {path} is damaged or incomplete: {reason}{}", way_out(*in_part))]
+    #[error("the image {path} is damaged or incomplete: {reason}; get it anew")]
     Damaged {
-        /// The file.
+        /// Path for display.
         path: String,
         /// The decoder's reason.
         reason: String,
-        /// Whether some of it can be read.
-        in_part: bool,
     },
-    /// The header claims a size that the decoder does not even tell.
+    /// The header claims a size that the decoder rejects without reporting it.
     #[error(
         "the image {path} claims a size beyond what its format allows or this program reads: its header is damaged, or \
          make it smaller"
     )]
     Enormous {
-        /// The file.
+        /// Path for display.
         path: String,
     },
-    /// The picture has more pixels than are read.
+    /// The picture has more pixels than the limit.
     #[error("the image {}", too_large(path, *width, *height, *bytes_a_pixel, *most_pixels))]
     TooLarge {
-        /// The file.
+        /// Path for display.
         path: String,
-        /// What it claims to have, px.
+        /// Width in the header, px.
         width: u64,
-        /// What it claims to have, px.
+        /// Height in the header, px.
         height: u64,
-        /// Depth and channels.
+        /// Bytes of all channels of a pixel.
         bytes_a_pixel: u64,
-        /// The limit.
+        /// Limit on the number of pixels.
         most_pixels: u64,
     },
-    /// The file itself is larger than the largest picture that is read.
+    /// The file is larger than the largest picture within the limit.
     #[error(
         "the image {path} has more than {megabytes} MB, larger than any that is read: set {MEGAPIXELS_VARIABLE} to raise the limit"
     )]
     LongFile {
-        /// The file.
+        /// Path for display.
         path: String,
-        /// The limit, millions of bytes.
+        /// Limit on the file size, millions of bytes.
         megabytes: u64,
     },
-    /// There is no memory for the picture.
+    /// The picture does not fit into memory.
     #[error("the image {path} needs more memory than there is: make it smaller")]
     Memory {
-        /// The file.
+        /// Path for display.
         path: String,
     },
     /// The image has no pixels.
     #[error("the image {path} has no pixels")]
     Empty {
-        /// The file.
+        /// Path for display.
         path: String,
     },
-    /// Values that are no brightness.
+    /// Some pixels are infinite or NaN.
     #[error("the image {path} has pixels that are not finite numbers (NaN or infinite): replace them first")]
     NotFinite {
-        /// The file.
+        /// Path for display.
         path: String,
     },
-    /// An environment variable says nothing sensible.
+    /// An environment variable has an invalid value.
     #[error("{name} is \"{value}\", expected {expected}")]
     Setting {
-        /// The variable.
+        /// Name of the variable.
         name: &'static str,
-        /// What it is.
+        /// Value of the variable.
         value: String,
-        /// What it may be.
+        /// Description of the valid values.
         expected: &'static str,
     },
 }
 
-fn way_out(in_part: bool) -> String {
-    if in_part {
-        format!("; get it anew, or set {DAMAGED_VARIABLE}=1 to use what can be read of it")
-    } else {
-        String::new()
-    }
+fn for_animations(format: &str) -> &'static str {
+    if format == "GIF" { ", an animation to a video or to numbered pictures in a folder" } else { "" }
 }
 
 fn too_large(path: &str, width: u64, height: u64, bytes_a_pixel: u64, most_pixels: u64) -> String {
     let pixels = u128::from(width) * u128::from(height);
     let millions = |count: u128| count.div_ceil(1_000_000).max(1);
     let counted = weight(u64::try_from(pixels).unwrap_or(u64::MAX), bytes_a_pixel);
-    // The pixels, the grey plane and its smaller sizes.
+    // Memory for the pixels, the grey plane and its pyramid.
     let memory = (pixels * (u128::from(bytes_a_pixel) + 6)).div_ceil(1_000_000_000);
     let wide = if counted > pixels { format!(" of {bytes_a_pixel} bytes") } else { String::new() };
     format!(

@@ -1,4 +1,4 @@
-//! The grey plane of a picture, straight from its pixels: nothing is held beside the two.
+//! The grey plane of a picture, computed from its pixels without an intermediate copy.
 
 use std::sync::Arc;
 
@@ -7,7 +7,8 @@ use image::DynamicImage;
 use super::GrayPlane;
 use crate::geometry::Frame;
 
-/// Luma (ITU-R BT.709 weights) in grey levels 0 ..= 255, without rounding to 8 bits. Alpha is not looked at.
+/// Returns the luma (ITU-R BT.709 weights) in grey levels 0 ..= 255, not rounded to 8 bits. Alpha
+/// is ignored.
 pub(super) fn gray_plane(pixels: &DynamicImage) -> GrayPlane {
     let frame = Frame::new(pixels.width() as usize, pixels.height() as usize);
     let values: Arc<[f32]> = match pixels {
@@ -41,7 +42,7 @@ pub(super) fn gray_plane(pixels: &DynamicImage) -> GrayPlane {
             .iter()
             .map(|[r, g, b, _]| 255.0 * luma([*r, *g, *b].map(unit)))
             .collect(),
-        // A kind that a later version of the decoders may bring.
+        // Future versions of the decoders may add pixel formats.
         other => other.to_luma16().into_raw().into_iter().map(|v| f32::from(v) / 257.0).collect(),
     };
     GrayPlane::shared(frame, values)
@@ -52,7 +53,7 @@ fn luma<T: Into<f32>>(color: [T; 3]) -> f32 {
     0.2126 * r + 0.7152 * g + 0.0722 * b
 }
 
-/// A value from 0 to 1; of what is no number nothing is seen.
+/// Clamps a value to 0 to 1. NaN becomes 0.
 fn unit(value: f32) -> f32 {
     if value.is_nan() { 0.0 } else { value.clamp(0.0, 1.0) }
 }

@@ -5,7 +5,6 @@ mod corners;
 mod decode;
 mod deep_tiff;
 mod fixed;
-mod float;
 mod limit;
 mod load;
 mod load_error;
@@ -23,7 +22,7 @@ mod whole;
 
 pub(crate) use alignment::{Alignment, LEAST_INSIDE, Placement, align};
 pub use corners::find_corners;
-pub use limit::{DAMAGED_VARIABLE, MEGAPIXELS_VARIABLE};
+pub use limit::MEGAPIXELS_VARIABLE;
 pub use load::Picture;
 pub use load_error::LoadError;
 pub use options::LoadOptions;
@@ -34,5 +33,3 @@ pub use plane::GrayPlane;
 pub(crate) use plane::interpolate_all;
 pub use pyramid::Pyramid;
 pub use sampling::Profile;
-#[cfg(feature = "files")]
-pub(crate) use webp::WebpClaims;

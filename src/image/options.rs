@@ -1,56 +1,43 @@
-//! What a person may ask for when pictures are read.
+//! Options for reading pictures.
 
 use super::LoadError;
-use super::limit::{DAMAGED_VARIABLE, MEGAPIXELS_VARIABLE, weight};
+use super::limit::{MEGAPIXELS_VARIABLE, weight};
 
-/// How pictures are read.
+/// Limits for reading pictures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct LoadOptions {
-    /// The most pixels of a picture. Pixels wider than 8 bytes (floating-point colours) count for more.
+    /// Maximum number of pixels. Pixels wider than 8 bytes (floating-point colours) count for more.
     pub most_pixels: u64,
-    /// Take a damaged or incomplete picture as far as it goes; what is missing is black or grey.
-    pub accept_damaged: bool,
 }
 
 impl Default for LoadOptions {
-    /// 250 million pixels (a pair of them takes some 6 GB), and no damaged ones.
+    /// Returns a limit of 250 million pixels, which takes about 6 GB for a pair.
     fn default() -> Self {
-        Self { most_pixels: 250_000_000, accept_damaged: false }
+        Self { most_pixels: 250_000_000 }
     }
 }
 
 impl LoadOptions {
-    /// The default with what the environment variables [`MEGAPIXELS_VARIABLE`] and [`DAMAGED_VARIABLE`] say.
+    /// Returns the default options, overridden by the environment variable [`MEGAPIXELS_VARIABLE`].
     pub fn from_environment() -> Result<Self, LoadError> {
-        let value = |name| std::env::var_os(name).map(|value| value.to_string_lossy().into_owned());
-        Self::of(value(MEGAPIXELS_VARIABLE).as_deref(), value(DAMAGED_VARIABLE).as_deref())
+        Self::of(std::env::var_os(MEGAPIXELS_VARIABLE).map(|value| value.to_string_lossy().into_owned()))
     }
 
-    fn of(megapixels: Option<&str>, damaged: Option<&str>) -> Result<Self, LoadError> {
-        let wrong = |name, value: &str, expected| LoadError::Setting {
-            name,
-            value: crate::foreign::excerpt(value),
-            expected,
-        };
-        let mut options = Self::default();
-        match megapixels.map(|value| (value, value.trim().parse::<f64>())) {
-            None | Some(("", _)) => {}
-            Some((_, Ok(number))) if (0.0001..=100_000.0).contains(&number) => {
-                options.most_pixels = (number * 1e6) as u64;
+    fn of(megapixels: Option<String>) -> Result<Self, LoadError> {
+        let Some(value) = megapixels.filter(|value| !value.is_empty()) else { return Ok(Self::default()) };
+        match value.trim().parse::<f64>() {
+            Ok(number) if (0.0001..=100_000.0).contains(&number) => {
+                Ok(Self { most_pixels: (number * 1e6) as u64 })
             }
-            Some((value, _)) => {
-                return Err(wrong(MEGAPIXELS_VARIABLE, value, "millions of pixels, 0.0001 to 100000"));
-            }
+            _ => Err(LoadError::Setting {
+                name: MEGAPIXELS_VARIABLE,
+                value: crate::foreign::excerpt(&value),
+                expected: "millions of pixels, 0.0001 to 100000",
+            }),
         }
-        match damaged {
-            None | Some("" | "0") => {}
-            Some("1") => options.accept_damaged = true,
-            Some(value) => return Err(wrong(DAMAGED_VARIABLE, value, "1 or 0")),
-        }
-        Ok(options)
     }
 
-    /// An error when a picture of that size has more pixels than are read.
+    /// Returns an error if a picture of the given size exceeds the limit or has no pixels.
     pub(crate) fn check(
         self,
         path: &str,
@@ -70,7 +57,7 @@ impl LoadOptions {
         Err(LoadError::TooLarge { path, width, height, bytes_a_pixel, most_pixels })
     }
 
-    /// Whether that many pixels of so many bytes are within the limit.
+    /// Returns whether so many pixels of the given width in bytes are within the limit.
     pub(super) fn allows(self, pixels: u64, bytes_a_pixel: u64) -> bool {
         weight(pixels, bytes_a_pixel) <= u128::from(self.most_pixels)
     }
@@ -82,18 +69,20 @@ mod tests {
 
     #[test]
     fn the_environment_changes_the_default_or_is_refused() {
-        assert_eq!(LoadOptions::of(None, None).unwrap(), LoadOptions::default());
-        assert_eq!(LoadOptions::of(Some("0.5"), Some("1")).unwrap().most_pixels, 500_000);
-        assert!(LoadOptions::of(None, Some("1")).unwrap().accept_damaged);
-        for (megapixels, damaged) in [("much", "0"), ("-1", "0"), ("nan", "0"), ("1", "yes")] {
-            let message = LoadOptions::of(Some(megapixels), Some(damaged)).unwrap_err().to_string();
+        let of = |value: &str| LoadOptions::of(Some(value.to_owned()));
+        for unset in [LoadOptions::of(None), of("")] {
+            assert_eq!(unset.unwrap(), LoadOptions::default());
+        }
+        assert_eq!(of("0.5").unwrap().most_pixels, 500_000);
+        for wrong in ["much", "-1", "nan"] {
+            let message = of(wrong).unwrap_err().to_string();
             assert!(message.contains("EPILINE_") && message.contains("expected"), "{message}");
         }
     }
 
     #[test]
     fn wide_pixels_count_for_more() {
-        let options = LoadOptions { most_pixels: 100, accept_damaged: false };
+        let options = LoadOptions { most_pixels: 100 };
         assert!(options.allows(100, 1) && options.allows(100, 8) && !options.allows(101, 1));
         assert!(options.allows(50, 16) && !options.allows(51, 16));
         assert!(!options.allows(u64::MAX, u64::MAX));

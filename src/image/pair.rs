@@ -1,4 +1,4 @@
-//! Both images of a pair at the sizes of their pyramids, and how they are turned and scaled against each other.
+//! The pyramids of an image pair, and the relative rotation and scale of its images.
 
 use nalgebra::Matrix2;
 
@@ -6,17 +6,18 @@ use super::fixed::{COMPARED_SIDE, FixedContent};
 use super::{GrayPlane, Pyramid, find_corners};
 use crate::geometry::{Frame, Point, PointPair, rescaled};
 
-/// How things look in image 2 against image 1, roughly: turned and enlarged.
+/// Approximate rotation and scale of image 2 relative to image 1.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct RelativeView {
-    /// How much larger things are in image 2, full-size pixels; `None` when they fill like shares of both images.
+    /// Size of objects in image 2 over their size in image 1, full-size pixels. `None`: in
+    /// proportion to the image sizes.
     pub scale: Option<f64>,
-    /// How far they are turned, radians, from the x axis to the y axis.
+    /// Rotation in radians, from the x axis towards the y axis.
     pub rotation: f64,
 }
 
 impl RelativeView {
-    /// Neither turned nor, in proportion to the sizes of the images, scaled.
+    /// No rotation, and scales in proportion to the image sizes.
     pub const UPRIGHT: Self = Self { scale: None, rotation: 0.0 };
 }
 
@@ -30,38 +31,39 @@ pub struct PyramidPair {
 /// Both images at one size.
 #[derive(Clone, Copy)]
 pub struct PairLevel<'a> {
-    /// The images.
+    /// Grey planes of the images.
     pub planes: [&'a GrayPlane; 2],
-    /// Size over full size, of each image.
+    /// Level size over full size, for each image.
     pub scales: [f64; 2],
-    /// The pair that this is a level of.
+    /// Pair of pyramids that holds the level.
     pair: &'a PyramidPair,
 }
 
 impl PyramidPair {
-    /// Builds both in parallel, down to a longer side of at least `smallest` px.
+    /// Builds both pyramids in parallel, down to a longer side of at least `smallest` px.
     pub fn new(image1: &GrayPlane, image2: &GrayPlane, smallest: f64) -> Self {
         let (a, b) = rayon::join(|| Pyramid::new(image1, smallest), || Pyramid::new(image2, smallest));
         let mut pair = Self { pyramids: [a, b], fixed: None };
-        // At once and not when it is asked for: looking for it takes all threads, and these may be the ones that ask. They
-        // would wait for the thread that looks, and it for them, for ever.
+        // The search for static overlays runs here because a search on demand could deadlock. The
+        // search uses all threads, and these could be waiting for its result.
         pair.fixed = pair.find_fixed();
         pair
     }
 
-    /// Sizes of the two images.
+    /// Returns the full sizes of the two images.
     pub fn frames(&self) -> [Frame; 2] {
         self.pyramids.each_ref().map(|pyramid| pyramid.level(0).frame())
     }
 
-    /// The levels nearest to a longer side of `side` px (full size when that is infinite), chosen for each image
-    /// apart, so that images of different size are compared at like sizes.
+    /// Returns the levels nearest to a longer side of `side` px; infinity selects full size. The
+    /// level is chosen for each image separately, so that images of different size are compared at
+    /// similar sizes.
     pub fn level(&self, side: f64) -> PairLevel<'_> {
         self.level_seen(side, RelativeView::UPRIGHT)
     }
 
-    /// The levels at which things are of like size in both images under a view: neither is larger than asked for, nor
-    /// finer than the image that shows less.
+    /// Returns the levels at which objects have similar size in both images under a view. Neither
+    /// level is larger than requested, nor finer than the image of lower resolution.
     pub fn level_seen(&self, side: f64, view: RelativeView) -> PairLevel<'_> {
         let nearest = |image: usize, side: f64| {
             let pyramid = &self.pyramids[image];
@@ -73,7 +75,7 @@ impl PyramidPair {
         };
         let mut numbers = [0, 1].map(|image| nearest(image, side));
         if let Some(scale) = view.scale {
-            // Things are larger by 2ᵏ in image 2, so it is halved as often more than image 1.
+            // Objects are larger by 2ᵏ in image 2, so image 2 is halved k times more often.
             let more = scale.log2().round() as i64;
             let [k1, k2] = numbers.map(|k| k as i64);
             let first = k1.max(k2 - more).max(0).max(-more);
@@ -87,18 +89,18 @@ impl PyramidPair {
         }
     }
 
-    /// Corners that are left out because they stay at their place though the scene does not: captions, a logo.
+    /// Returns the number of corners excluded as static overlays, such as captions and logos.
     pub fn left_out(&self) -> usize {
         self.fixed().map_or(0, FixedContent::len)
     }
 
-    /// What stays at its place though the scene does not.
+    /// Returns the static overlays of the pair.
     pub(crate) fn fixed(&self) -> Option<&FixedContent> {
         self.fixed.as_ref()
     }
 
     fn find_fixed(&self) -> Option<FixedContent> {
-        // Of other sizes or shapes the same place is not the same.
+        // Between images of different size, equal positions do not correspond.
         let [frame1, frame2] = self.frames();
         let level = self.level(COMPARED_SIDE);
         if frame1 == frame2 { FixedContent::find(level.planes, level.scales[0]) } else { None }
@@ -106,19 +108,21 @@ impl PyramidPair {
 }
 
 impl PairLevel<'_> {
-    /// Sizes of the images at this level.
+    /// Returns the sizes of the images at this level.
     pub fn frames(&self) -> [Frame; 2] {
         self.planes.map(GrayPlane::frame)
     }
 
-    /// How offsets in image 1 become offsets in image 2 under a view, in pixels of this level.
+    /// Returns the map from offsets in image 1 to offsets in image 2 under a view, in pixels of
+    /// this level.
     pub fn warp(&self, view: RelativeView) -> Matrix2<f64> {
         let scale = view.scale.map_or(1.0, |scale| scale * self.scales[1] / self.scales[0]);
         let (sin, cos) = view.rotation.sin_cos();
         Matrix2::new(cos, -sin, sin, cos) * scale
     }
 
-    /// Corners of an image ([`find_corners`]), in pixels of this level, without what stays at its place.
+    /// Returns the corners of an image ([`find_corners`]) without static overlays, in pixels of
+    /// this level.
     pub fn corners(&self, image: usize, count: usize, border: usize) -> Vec<Point> {
         let mut corners = find_corners(self.planes[image], count, border);
         if let Some(fixed) = self.pair.fixed() {
@@ -127,7 +131,7 @@ impl PairLevel<'_> {
         corners
     }
 
-    /// A full-size point pair in this level's pixels.
+    /// Converts a full-size point pair to this level's pixels.
     pub fn resized(&self, pair: &PointPair) -> PointPair {
         pair.rescaled(self.scales)
     }
@@ -145,7 +149,7 @@ mod tests {
         assert_eq!(level.scales.map(f64::to_bits), [0.25f64, 1.0].map(f64::to_bits));
         assert_eq!(level.frames(), [Frame::new(200, 100); 2]);
         assert_eq!(pair.level(f64::INFINITY).frames()[0].width, 800);
-        // Half as large in image 2: image 1 is taken at half its size.
+        // Objects are half as large in image 2, so image 1 is taken at half its size.
         let view = RelativeView { scale: Some(0.5), rotation: 0.0 };
         let seen = pair.level_seen(f64::INFINITY, view);
         assert_eq!(seen.frames().map(|frame| frame.width), [400, 200]);

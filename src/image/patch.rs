@@ -1,4 +1,4 @@
-//! Square patches of brightness, of mean zero and norm one, around points of a picture.
+//! Square patches of intensities around image points, with zero mean and unit norm.
 
 use nalgebra::Matrix2;
 
@@ -10,33 +10,36 @@ use crate::lanes::LANES;
 pub(crate) const HALF: usize = 5;
 pub(super) const SIDE: usize = 2 * HALF + 1;
 pub(super) const AREA: usize = SIDE * SIDE;
-/// Patch values padded to a multiple of the lanes of the vector units.
+/// Number of patch values, padded to a multiple of the vector lanes.
 pub(super) const PADDED: usize = 128;
 
-/// Offsets of a patch's pixels from its centre, row by row.
+/// Returns the offsets of a patch's pixels from its centre, row by row.
 pub(crate) fn offsets() -> impl Iterator<Item = Vector> {
     let from_middle = |k: usize| k as f64 - HALF as f64;
     (0..AREA).map(move |k| Vector::new(from_middle(k % SIDE), from_middle(k / SIDE)))
 }
 
-/// A patch with mean zero and norm one, padded with zeros.
+/// A patch with zero mean and unit norm, padded with zeros.
 pub(crate) type Patch = [f32; PADDED];
 
-/// How the surroundings of a point look in the other image, to first order: offsets in image 2 are `warp` times
+/// First-order map between the surroundings of matching points: offsets in image 2 are `warp` times
 /// offsets in image 1.
 pub(crate) type Warp = Matrix2<f64>;
 
-/// Turns without a change of size, degrees. Correlation falls off slowly enough for what lies between.
+/// Rotations without a change of scale, degrees. Correlation falls off slowly enough to cover
+/// rotations in between.
 const TURNS: [f64; 2] = [-20.0, 20.0];
-/// Changes of size, and the turns that go with each, degrees.
+/// Scale changes. `ZOOM_TURNS` are the rotations combined with each, degrees.
 const ZOOMS: [f64; 2] = [0.75, 4.0 / 3.0];
 const ZOOM_TURNS: [f64; 3] = [-15.0, 0.0, 15.0];
-/// Widths of a wall seen from another side over its width here, and how far its rows slant, px per px.
+/// Widths of a wall seen from another side, relative to its width in this image. `SHEARS` are the
+/// slants of its rows, px per px.
 const SQUEEZES: [f64; 2] = [0.6, 1.6];
 const SHEARS: [f64; 3] = [-0.3, 0.0, 0.3];
 
-/// Warps tried when nothing is known about the surface: the identity, turns by 20°, scale by 4/3, and the
-/// foreshortening of a wall seen from another side. Between them, correlation falls off slowly enough.
+/// Returns the warps tried when nothing is known about the surface: the identity, rotations by 20°,
+/// scales of 4/3, and the foreshortening of a wall. Correlation falls off slowly enough to cover
+/// warps in between.
 fn warps() -> Vec<Warp> {
     let turned = |degrees: f64, scale: f64| {
         let (sin, cos) = degrees.to_radians().sin_cos();
@@ -59,24 +62,27 @@ fn warps() -> Vec<Warp> {
     all
 }
 
-/// [`warps`] after the one that both images have in common; at most [`LANES`].
+/// Returns [`warps`] composed with the warp common to both images; at most [`LANES`].
 pub(crate) fn warps_around(common: &Warp) -> Vec<Warp> {
     let all = warps();
     if *common == Warp::identity() { all } else { all.iter().map(|warp| common * warp).collect() }
 }
 
-/// Takes patches from one plane under one warp. Around all corners, which are whole pixels, the samples lie alike between
-/// the pixels, so where they lie is computed once.
+/// A sampler of patches from one plane under one warp.
+///
+/// Corners are at whole pixels, so the samples around all corners share their positions between
+/// pixels, which are computed once.
 #[derive(Debug)]
 pub(crate) struct PatchSampler<'a> {
     plane: &'a GrayPlane,
     warp: Warp,
-    /// How far the samples reach from the centre, px.
+    /// Half width and half height of the sampled area, px.
     reach: [f64; 2],
-    /// Index of the pixel up and left of each sample after that of the first pixel needed; that one before the centre.
+    /// Index of the pixel above left of each sample, relative to the first pixel needed. `before`
+    /// is the relative index of the centre.
     offsets: [usize; AREA],
     before: usize,
-    /// Where each sample lies between the pixels around it, px.
+    /// Position of each sample between its pixels, px.
     right: [f32; AREA],
     down: [f32; AREA],
 }
@@ -85,7 +91,7 @@ impl<'a> PatchSampler<'a> {
     pub(crate) fn new(plane: &'a GrayPlane, warp: &Warp) -> Self {
         let half = HALF as f64;
         let reach = [half * (warp.m11.abs() + warp.m12.abs()), half * (warp.m21.abs() + warp.m22.abs())];
-        // Whole pixels, so that all indices count from the first one.
+        // Whole pixels, so that all offsets count from the first pixel.
         let [left, up] = reach.map(f64::ceil);
         let width = plane.frame().width;
         let (mut offsets, mut right, mut down) = ([0; AREA], [0.0; AREA], [0.0; AREA]);
@@ -98,7 +104,8 @@ impl<'a> PatchSampler<'a> {
         Self { plane, warp: *warp, reach, offsets, before, right, down }
     }
 
-    /// The patch around a point, by bilinear interpolation; `None` where it is flat.
+    /// Returns the patch around a point, by bilinear interpolation. Returns `None` when the patch
+    /// is flat.
     pub(crate) fn patch(&self, centre: Point) -> Option<Patch> {
         let mut patch = [0.0; PADDED];
         if let Some(pixels) = self.pixels(centre) {
@@ -118,7 +125,8 @@ impl<'a> PatchSampler<'a> {
         normalised(&patch)
     }
 
-    /// The pixels from the first one that is needed on, where all samples around a whole pixel lie inside the image.
+    /// Returns the pixels from the first one needed, if the centre is a whole pixel and all samples
+    /// are inside the image.
     fn pixels(&self, centre: Point) -> Option<&[f32]> {
         let frame = self.plane.frame();
         let [reach_x, reach_y] = self.reach.map(f64::ceil);
@@ -132,12 +140,12 @@ impl<'a> PatchSampler<'a> {
     }
 }
 
-/// How alike two patches are, −1 to 1.
+/// Returns the correlation of two patches, −1 to 1.
 pub(crate) fn correlation(a: &Patch, b: &Patch) -> f32 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// Brings the mean of the patch to zero and its norm to one; `None` where it is flat.
+/// Normalises a patch to zero mean and unit norm. Returns `None` when the patch is flat.
 fn normalised(patch: &Patch) -> Option<Patch> {
     let sum = |values: &Patch| -> f32 {
         let mut sums = [0f32; LANES];
@@ -166,7 +174,7 @@ pub(super) mod tests {
         (120.0 + 50.0 * (0.41 * x).sin() * (0.37 * y).cos() + 30.0 * (0.23 * x + 0.31 * y).sin()) as f32
     }
 
-    /// A textured plane, changed in brightness.
+    /// Returns a textured plane with its intensities changed by `brightness`.
     pub(in crate::image) fn plane(brightness: impl Fn(f32) -> f32) -> GrayPlane {
         GrayPlane::from_fn(Frame::new(40, 36), |x, y| brightness(texture(x as f64, y as f64)))
     }
@@ -176,7 +184,7 @@ pub(super) mod tests {
         let plane = plane(|v| v);
         for warp in warps() {
             let sampler = PatchSampler::new(&plane, &warp);
-            // Inside, at the border, and between the pixels.
+            // Inside, at the border, and between pixels.
             for at in [
                 Point::new(20.0, 17.0),
                 Point::new(5.0, 6.0),

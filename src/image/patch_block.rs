@@ -1,4 +1,5 @@
-//! Correlations of many patches with many, and what they are at most by the smoothest waves of both.
+//! Correlations of many patches with many others, and upper bounds for them from low-frequency
+//! waves.
 
 use std::f64::consts::PI;
 use std::sync::LazyLock;
@@ -9,35 +10,37 @@ use multiversion::target::target_cfg_f;
 use super::patch::{AREA, Patch, SIDE};
 use crate::lanes::LANES;
 
-/// Rows that are summed together: as many sums as the registers of most processors hold.
+/// Number of rows summed together: as many sums as fit into the registers of most processors.
 const AT_ONCE: usize = 6;
 
-/// Up to [`LANES`] patches interleaved pixel by pixel, so that one patch is compared with all of them in step.
+/// Up to [`LANES`] patches interleaved pixel by pixel, to correlate one patch with all of them at
+/// once.
 #[derive(Debug, Clone)]
 pub(crate) struct PatchBlock {
     rows: [[f32; LANES]; AREA],
     sketches: SketchBlock,
 }
 
-/// What is known of a patch without its fine detail: the numbers of its smoothest waves, and the norm of the rest.
+/// The low-frequency content of a patch: its cosine coefficients, and the norm of the remainder.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Sketch {
     waves: [f32; WAVES],
     rest: f32,
 }
 
-/// Sketches of the patches of a block, interleaved alike.
+/// Sketches of the patches of a block, interleaved in the same way.
 #[derive(Debug, Clone)]
 struct SketchBlock {
     waves: [[f32; LANES]; WAVES],
     rest: [f32; LANES],
 }
 
-/// Waves of a sketch: those of up to some three periods across a patch, which hold nearly all that corners look like.
+/// Number of waves of a sketch. Up to about three periods across a patch hold nearly all of a
+/// corner's content.
 const WAVES: usize = 36;
 
-/// The smoothest waves of the two-dimensional cosine transform but the constant one, over the pixels of a patch:
-/// orthogonal to each other, each of norm one.
+/// The lowest-frequency basis functions of the two-dimensional cosine transform, without the
+/// constant, over the pixels of a patch. The functions are orthonormal.
 static WAVE_PIXELS: LazyLock<[[f32; AREA]; WAVES]> = LazyLock::new(|| {
     let mut orders: Vec<[usize; 2]> =
         (0..SIDE).flat_map(|v| (0..SIDE).map(move |u| [u, v])).filter(|order| *order != [0, 0]).collect();
@@ -55,7 +58,7 @@ static WAVE_PIXELS: LazyLock<[[f32; AREA]; WAVES]> = LazyLock::new(|| {
 });
 
 impl PatchBlock {
-    /// The patches in their lanes; a lane without one correlates with nothing.
+    /// Places each patch in its lane. An empty lane has zero correlation with every patch.
     pub(crate) fn new(patches: impl IntoIterator<Item = Option<Patch>>) -> Self {
         let mut rows = [[0.0; LANES]; AREA];
         for (lane, patch) in patches.into_iter().take(LANES).enumerate() {
@@ -68,7 +71,7 @@ impl PatchBlock {
 }
 
 impl Sketch {
-    /// Sketches of many patches.
+    /// Computes the sketches of many patches.
     pub(crate) fn of_all<'p>(patches: impl Iterator<Item = &'p Patch>) -> Vec<Self> {
         let all: Vec<&Patch> = patches.collect();
         let of_some = |some: &[&Patch]| {
@@ -99,7 +102,7 @@ fn sketched(rows: &[[f32; LANES]; AREA], pixels: &[[f32; AREA]; WAVES]) -> Sketc
         }
         waves.copy_from_slice(&sums);
     }
-    // Of a patch of norm one; without a patch there is no rest either.
+    // Patches have unit norm; an empty lane has neither norm nor remainder.
     let [mut norm, mut sum] = [[0f32; LANES]; 2];
     for row in rows {
         for lane in 0..LANES {
@@ -119,18 +122,20 @@ fn sketched(rows: &[[f32; LANES]; AREA], pixels: &[[f32; AREA]; WAVES]) -> Sketc
     SketchBlock { waves, rest }
 }
 
-/// What single precision may be off by, and far more.
+/// Bound on the rounding error of single precision, with a wide margin.
 const ROUNDING: f32 = 1e-4;
 
-/// Which of the sketches may belong to patches of which a correlation with the block is above `least`: by their waves, and
-/// the product of the rests, which is most that these can add (Cauchy and Schwarz). Their numbers are put into an empty list.
+/// Collects the indices of the sketches whose patches may correlate with the block above `least`.
+///
+/// The bound is the correlation of the waves plus the product of the remainders (Cauchy–Schwarz).
+/// `found` is cleared first.
 #[multiversion(targets(
     "x86_64+avx512f+avx512vl+avx512bw+avx512dq+avx2+fma",
     "x86_64+avx2+fma",
     "aarch64+neon"
 ))]
 pub(crate) fn may_correlate(sketches: &[Sketch], block: &PatchBlock, least: f32, found: &mut Vec<u32>) {
-    // Where there is no such instruction, it would be a slow function.
+    // Without the instruction, `mul_add` would be a slow library call.
     let fused = target_cfg_f!(any(target_feature = "fma", target_arch = "aarch64"));
     found.clear();
     let SketchBlock { waves, rest } = &block.sketches;
@@ -163,10 +168,10 @@ pub(crate) fn may_correlate(sketches: &[Sketch], block: &PatchBlock, least: f32,
     }
 }
 
-/// Sums that a correlation is split into, so that none waits for the one before.
+/// Number of partial sums of a correlation, so that no addition waits for the previous one.
 const SPLIT: usize = 4;
 
-/// What correlations of the patch of a sketch with those of a block are at most, a little above at that.
+/// Returns upper bounds for the correlations of a sketch's patch with the patches of a block.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx2+fma", "x86_64+avx2+fma", "aarch64+neon"))]
 pub(crate) fn most_correlations(sketch: &Sketch, block: &PatchBlock) -> [f32; LANES] {
     let fused = target_cfg_f!(any(target_feature = "fma", target_arch = "aarch64"));
@@ -186,7 +191,7 @@ pub(crate) fn most_correlations(sketch: &Sketch, block: &PatchBlock) -> [f32; LA
     most
 }
 
-/// Correlations of a patch with those of a block, −1 to 1.
+/// Returns the correlations of a patch with the patches of a block, −1 to 1.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx2+fma", "x86_64+avx2+fma", "aarch64+neon"))]
 pub(crate) fn correlations(patch: &Patch, block: &PatchBlock) -> [f32; LANES] {
     let fused = target_cfg_f!(any(target_feature = "fma", target_arch = "aarch64"));
@@ -201,8 +206,8 @@ pub(crate) fn correlations(patch: &Patch, block: &PatchBlock) -> [f32; LANES] {
     added(&sums)
 }
 
-/// The parts of split sums together. A loop: where closures are handed to the library inside a function of some
-/// instruction set, they are not compiled into it.
+/// Adds up the partial sums. A loop, because closures passed to the library are not compiled for
+/// the instruction set.
 #[inline]
 fn added(parts: &[[f32; LANES]; SPLIT]) -> [f32; LANES] {
     let mut sums = [0f32; LANES];
@@ -249,7 +254,7 @@ mod tests {
             many.iter().map(|list| PatchBlock::new(list.iter().copied().map(Some))).collect();
         let sketches = Sketch::of_all(few.iter());
         let plain = |a: &Patch, b: &Patch| a.iter().zip(b).map(|(x, y)| x * y).sum::<f32>();
-        // What half of the patches and blocks are above.
+        // The threshold is the median of the highest correlations.
         let highest = |a: &Patch, list: &[Patch]| list.iter().map(|b| plain(a, b)).fold(-1.0, f32::max);
         let mut all: Vec<f32> = few.iter().flat_map(|a| many.iter().map(|list| highest(a, list))).collect();
         all.sort_by(f32::total_cmp);
@@ -267,7 +272,7 @@ mod tests {
                 for (lane, b) in list.iter().enumerate() {
                     let expected = plain(a, b);
                     assert!((correlations(a, block)[lane] - expected).abs() < 1e-5);
-                    // Off by as much as if what the waves leave were the same, or the opposite.
+                    // The bound is too high by at most twice the product of the remainders.
                     let rests = sketch.rest * block.sketches.rest[lane];
                     let highest = expected + 2.0 * rests + 2.0 * ROUNDING;
                     assert!((expected..highest).contains(&most[lane]), "{expected} {}", most[lane]);

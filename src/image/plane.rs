@@ -8,8 +8,8 @@ use rayon::prelude::*;
 use crate::geometry::{Frame, Point};
 use crate::lanes::LANES;
 
-/// A grey image, row-major, intensities in grey levels `0 ..= 255` whatever the depth of the file. Copies share the
-/// values.
+/// A grey image, row-major, with intensities in grey levels `0 ..= 255` for any depth of the file.
+/// Clones share the values.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GrayPlane {
     frame: Frame,
@@ -17,32 +17,32 @@ pub struct GrayPlane {
 }
 
 impl GrayPlane {
-    /// A plane from row-major values.
+    /// Creates a plane from row-major values.
     ///
     /// # Panics
-    /// When the number of values is not `width × height`: a programming error.
+    /// Panics if the number of values is not `width × height`.
     pub fn new(frame: Frame, values: Vec<f32>) -> Self {
         Self::shared(frame, values.into())
     }
 
-    /// [`GrayPlane::new`] of values that are shared already.
+    /// Creates a plane like [`GrayPlane::new`], from values that are already shared.
     pub(super) fn shared(frame: Frame, values: Arc<[f32]>) -> Self {
         assert_eq!(values.len(), frame.width * frame.height, "one value a pixel");
         Self { frame, values }
     }
 
-    /// A plane computed in strips of this many rows (at least one), on all threads, where it stays: `fill` gets the first row of its
-    /// strip and the pixels.
+    /// Computes a plane in place, on all threads, in strips of `rows` rows (at least one). `fill`
+    /// receives the first row of its strip and the strip's pixels.
     pub(crate) fn from_strips(frame: Frame, rows: usize, fill: impl Fn(usize, &mut [f32]) + Sync) -> Self {
         let mut values: Arc<[f32]> = std::iter::repeat_n(0.0, frame.width * frame.height).collect();
         let rows = rows.max(1);
-        // Nobody else has it yet, so nothing is copied.
+        // The values have a single owner here, so nothing is copied.
         let strips = Arc::make_mut(&mut values).par_chunks_mut((rows * frame.width).max(1));
         strips.enumerate().for_each(|(strip, pixels)| fill(strip * rows, pixels));
         Self { frame, values }
     }
 
-    /// A plane computed pixel by pixel from `(x, y)`.
+    /// Computes a plane pixel by pixel from `(x, y)`.
     pub fn from_fn(frame: Frame, f: impl Fn(usize, usize) -> f32) -> Self {
         let values = (0..frame.height)
             .flat_map(|y| (0..frame.width).map(move |x| (x, y)))
@@ -51,41 +51,42 @@ impl GrayPlane {
         Self { frame, values }
     }
 
-    /// Width and height.
+    /// Returns width and height.
     pub fn frame(&self) -> Frame {
         self.frame
     }
 
-    /// All values, row by row.
+    /// Returns all values, row by row.
     pub fn values(&self) -> &[f32] {
         &self.values
     }
 
-    /// One row.
+    /// Returns the values of a row.
     pub fn row(&self, y: usize) -> &[f32] {
         &self.values[y * self.frame.width..(y + 1) * self.frame.width]
     }
 
-    /// The value of a pixel.
+    /// Returns the value of a pixel.
     pub fn at(&self, x: usize, y: usize) -> f32 {
         self.values[y * self.frame.width + x]
     }
 
-    /// Bilinear interpolation; positions outside the sampling rectangle take the nearest border value.
+    /// Interpolates bilinearly. Positions outside the sampling rectangle take the nearest border
+    /// value.
     pub fn sample(&self, p: Point) -> f32 {
         let (right, bottom) = (self.frame.right().max(0.0) as f32, self.frame.bottom().max(0.0) as f32);
         self.interpolate((p.x as f32).clamp(0.0, right), (p.y as f32).clamp(0.0, bottom))
     }
 
-    /// Bilinear interpolation at a position inside the sampling rectangle, for loops that have made sure of it.
-    /// `f32` holds 1/1000 px over the largest images.
+    /// Interpolates bilinearly at a position known to be inside the sampling rectangle. `f32`
+    /// resolves 1/1000 px in the largest images.
     #[inline]
     pub(crate) fn interpolate(&self, x: f32, y: f32) -> f32 {
         let Frame { width, height } = self.frame;
         if width < 2 || height < 2 {
             return self.at(x as usize, y as usize);
         }
-        // The last column and row interpolate from the cell before them.
+        // The last column and row interpolate from the preceding cell.
         let xi = (x as usize).min(width - 2);
         let yi = (y as usize).min(height - 2);
         let (fx, fy) = (x - xi as f32, y - yi as f32);
@@ -96,7 +97,8 @@ impl GrayPlane {
         a + (b - a) * fy
     }
 
-    /// Standard deviation of all values, grey levels: near zero for a flat image.
+    /// Returns the standard deviation of all values, grey levels. A flat image has a value near
+    /// zero.
     pub fn contrast(&self) -> f64 {
         let n = self.values.len().max(1) as f64;
         let mean = self.values.iter().map(|v| f64::from(*v)).sum::<f64>() / n;
@@ -105,13 +107,15 @@ impl GrayPlane {
     }
 }
 
-/// A whole number below this, added to it, stands in the lowest bits of the sum: how vectors make integers.
+/// Adding an integer below this number leaves the integer in the lowest bits of the sum, a
+/// conversion that vectorises.
 const SHIFT: f32 = 8_388_608.0;
 
-/// [`GrayPlane::interpolate`] at many positions, sixteen at a time: all but the look at the pixels becomes vectors.
+/// Interpolates at many positions, sixteen at a time, like [`GrayPlane::interpolate`]. All but the
+/// pixel look-up is vectorised.
 ///
 /// # Panics
-/// When the three are not equally many, or no multiple of sixteen: a programming error.
+/// Panics if the three slices differ in length, or if the length is no multiple of sixteen.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx2", "x86_64+avx2", "aarch64+neon"))]
 pub(crate) fn interpolate_all(plane: &GrayPlane, x: &[f32], y: &[f32], found: &mut [f32]) {
     assert!(x.len() == found.len() && y.len() == found.len() && found.len().is_multiple_of(LANES));

@@ -1,19 +1,20 @@
-//! Image pyramids: the same picture at smaller sizes.
+//! Image pyramids: one picture at successively smaller sizes.
 
 use super::GrayPlane;
 use crate::geometry::Frame;
 
-/// A picture halved again and again, finest level first.
+/// A picture halved repeatedly, finest level first.
 ///
-/// Each level is the 2×2 box average of the one before, so pixel centres map as
-/// `x_fine = 2·x_coarse + ½`, in general `x' = (x + ½)·scale − ½`. An odd last row or column is dropped.
+/// Each level is the 2×2 box average of the previous level. Pixel centres map as
+/// `x_fine = 2·x_coarse + ½`, in general as `x' = (x + ½)·scale − ½`. An odd last row or column is
+/// dropped.
 #[derive(Debug, Clone)]
 pub struct Pyramid {
     levels: Vec<GrayPlane>,
 }
 
 impl Pyramid {
-    /// All levels down to a longer side of at least `smallest` px.
+    /// Builds all levels down to a longer side of at least `smallest` px.
     pub fn new(plane: &GrayPlane, smallest: f64) -> Self {
         let mut levels = vec![plane.clone()];
         while let Some(last) = levels.last()
@@ -27,23 +28,23 @@ impl Pyramid {
         Self { levels }
     }
 
-    /// Level `k`: the picture at scale `2⁻ᵏ`; the coarsest one when there are fewer.
+    /// Returns level `k`, the picture at scale `2⁻ᵏ`, or the coarsest level if there are fewer.
     pub fn level(&self, k: usize) -> &GrayPlane {
         &self.levels[k.min(self.levels.len() - 1)]
     }
 
-    /// Number of levels, at least one.
+    /// Returns the number of levels, at least one.
     pub fn len(&self) -> usize {
         self.levels.len()
     }
 
-    /// Always false: there is at least the picture itself.
+    /// Returns whether there are no levels, which is always false.
     pub fn is_empty(&self) -> bool {
         self.levels.is_empty()
     }
 }
 
-/// The 2×2 box average.
+/// Returns the 2×2 box average of a plane.
 fn halved(plane: &GrayPlane) -> GrayPlane {
     let frame = Frame::new(plane.frame().width / 2, plane.frame().height / 2);
     GrayPlane::from_strips(frame, 1, |y, out| {

@@ -1,29 +1,32 @@
-//! Intensities along lines.
+//! Intensity profiles along lines.
 
 use super::plane::{GrayPlane, interpolate_all};
 use crate::geometry::AnchoredLine;
 use crate::lanes::LANES;
 
-/// Samples that are taken at once.
+/// Number of samples taken at once.
 const BLOCK: usize = 4 * LANES;
 
-/// Intensities at equidistant points of a line, in grey levels rounded to 8 bits; index 0 is the anchor.
+/// Intensities at equidistant points of a line, in grey levels rounded to 8 bits. Index 0 is the
+/// anchor.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Profile {
-    /// Index of the first sample; negative when the line enters the image before its anchor.
+    /// Index of the first sample, negative when the line enters the image before its anchor.
     pub first: i32,
-    /// Grey levels.
+    /// Samples in grey levels.
     pub values: Vec<u8>,
 }
 
 impl Profile {
-    /// Samples a line every `step` px by bilinear interpolation; empty when it misses the image.
+    /// Samples a line every `step` px by bilinear interpolation. The profile is empty when the line
+    /// misses the image.
     pub fn sample(plane: &GrayPlane, line: &AnchoredLine, step: f64) -> Self {
         let Some((first, last)) = line.index_range(plane.frame(), step) else {
             return Self { first: 0, values: Vec::new() };
         };
         let (right, bottom) = (plane.frame().right() as f32, plane.frame().bottom() as f32);
-        // Fixed to the first sample, f32 keeps 1/1000 px over the longest line of the largest image.
+        // Relative to the first sample, `f32` resolves 1/1000 px over the longest line of the
+        // largest image.
         let start = line.point_at(f64::from(first) * step);
         let (x0, y0) = (start.x as f32, start.y as f32);
         let (dx, dy) = ((line.direction.x * step) as f32, (line.direction.y * step) as f32);
@@ -42,28 +45,29 @@ impl Profile {
         Self { first, values }
     }
 
-    /// Number of samples.
+    /// Returns the number of samples.
     pub fn len(&self) -> usize {
         self.values.len()
     }
 
-    /// Whether the line misses the image.
+    /// Returns whether the line misses the image.
     pub fn is_empty(&self) -> bool {
         self.values.is_empty()
     }
 
-    /// The sample with this index, if the line has it.
+    /// Returns the sample with the given index, if any.
     pub fn get(&self, index: i32) -> Option<u8> {
         let offset = usize::try_from(index.checked_sub(self.first)?).ok()?;
         self.values.get(offset).copied()
     }
 
-    /// Index after the last sample.
+    /// Returns the index after the last sample.
     pub fn end(&self) -> i32 {
         self.first + self.values.len() as i32
     }
 
-    /// Mean absolute difference of neighbouring samples, grey levels: how much texture the line crosses.
+    /// Returns the mean absolute difference of neighbouring samples in grey levels, a measure of
+    /// texture.
     pub fn texture(&self) -> f64 {
         let sum: u32 = self.values.windows(2).map(|w| u32::from(w[0].abs_diff(w[1]))).sum();
         f64::from(sum) / self.values.len().saturating_sub(1).max(1) as f64

@@ -1,19 +1,20 @@
-//! A look at the header of a TIFF file before its decoder believes it.
+//! A check of a TIFF header before decoding.
 //!
-//! The decoder makes room for a list as long as the header says, some 32 bytes an entry, before it reads one: a list that is
-//! longer than the whole file is caught here.
+//! The decoder allocates each list at the length in the header, about 32 bytes per entry, before
+//! reading it. This check rejects lists longer than the whole file.
 
 use std::io::{BufRead, Read, Seek, SeekFrom};
 
-/// Whether all lists of the first directory can be in the file. What is no TIFF header is left to the decoder.
+/// Returns whether all lists of the first directory fit into the file. Anything but a TIFF header
+/// passes.
 pub(super) fn lists_fit(reader: &mut (impl BufRead + Seek)) -> std::io::Result<bool> {
     let length = reader.seek(SeekFrom::End(0))?;
     Ok(longest_list(reader)?.is_none_or(|longest| longest <= length))
 }
 
-/// Bytes of the longest list, if there is a directory to read.
+/// Returns the length in bytes of the longest list, if there is a readable directory.
 fn longest_list(reader: &mut (impl BufRead + Seek)) -> std::io::Result<Option<u64>> {
-    /// Directories of honest files have some twenty entries.
+    /// Maximum number of entries read. Valid directories have about twenty.
     const MOST_ENTRIES: u64 = 4096;
     reader.seek(SeekFrom::Start(0))?;
     let mut order = [0; 2];
@@ -26,7 +27,7 @@ fn longest_list(reader: &mut (impl BufRead + Seek)) -> std::io::Result<Option<u6
         Some(43) => true,
         _ => return Ok(None),
     };
-    // Of the large kind first the size of offsets, and nothing.
+    // BigTIFF first states the size of its offsets, then two zero bytes.
     let start = if is_big { numbers.read(4).and_then(|_| numbers.read(8)) } else { numbers.read(4) };
     let Some(start) = start else { return Ok(None) };
     numbers.reader.seek(SeekFrom::Start(start))?;
@@ -53,7 +54,7 @@ struct Numbers<'a, R> {
 }
 
 impl<R: Read> Numbers<'_, R> {
-    /// A number of that many bytes, unless the file ends.
+    /// Reads a number of the given size in bytes, or `None` at the end of the file.
     fn read(&mut self, bytes: usize) -> Option<u64> {
         let mut buffer = [0; 8];
         let buffer = &mut buffer[..bytes];
@@ -79,7 +80,7 @@ mod tests {
         picture.write_to(&mut file, image::ImageFormat::Tiff).unwrap();
         let good = file.into_inner();
         assert!(fit(&good) && fit(b"") && fit(b"II") && fit(b"II*\0\xff\xff\xff\xff"));
-        // The bits of the samples, eight million of them.
+        // The first entry lists bits per sample, eight million of them.
         let little = b"II*\0\x08\0\0\0\x01\0\x02\x01\x03\0\x01\xff\x7f\0\x08\0\0\0\0\0\0\0";
         let big = b"MM\0+\0\x08\0\0\0\0\0\0\0\0\0\x10\0\0\0\0\0\0\0\x01\x01\x02\0\x03\0\0\0\xff\0\0\0\0\0\0\0\0\0\0\0\0";
         assert!(!fit(little) && !fit(big));

@@ -1,28 +1,28 @@
-//! What a WebP file claims, chunk by chunk: its decoder asks for memory for coded pictures and metadata of whatever size they
-//! say, without a limit.
+//! Sizes stated by the chunks of a WebP file. The decoder allocates pictures and metadata of any
+//! stated size without a limit.
 
 use std::io::{BufRead, Seek, SeekFrom};
 
-/// The claims of a WebP file.
+/// Sizes stated by a WebP file.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) struct WebpClaims {
-    /// Width and height of each coded picture, px: those of an animation may be larger than the canvas.
+pub(super) struct WebpClaims {
+    /// Width and height of each coded picture, px. Frames of an animation may exceed the canvas.
     pub pictures: Vec<[u32; 2]>,
-    /// Whether colour profile, EXIF and XMP are as long as they say.
+    /// Whether colour profile, EXIF and XMP have their stated lengths.
     pub metadata_is_there: bool,
 }
 
 impl WebpClaims {
-    /// Reads the headers of all chunks. Leaves the reader anywhere.
-    pub(crate) fn read(reader: &mut (impl BufRead + Seek)) -> std::io::Result<Self> {
+    /// Reads the headers of all chunks. The position of the reader afterwards is unspecified.
+    pub(super) fn read(reader: &mut (impl BufRead + Seek)) -> std::io::Result<Self> {
         let end = reader.seek(SeekFrom::End(0))?;
         let mut claims = Self { pictures: Vec::new(), metadata_is_there: true };
-        // Behind `RIFF`, the length, and `WEBP`.
+        // The chunks follow `RIFF`, the length, and `WEBP`.
         claims.walk(reader, [12, end], end, false)?;
         Ok(claims)
     }
 
-    /// The chunks from one place of the file to another; `end` is that of the file.
+    /// Reads the chunks in `[from, to]`; `end` is the end of the file.
     fn walk(
         &mut self,
         reader: &mut (impl BufRead + Seek),
@@ -30,9 +30,9 @@ impl WebpClaims {
         end: u64,
         in_frame: bool,
     ) -> std::io::Result<()> {
-        /// Name and length of a chunk.
+        /// Bytes of a chunk's name and length.
         const HEADER: u64 = 8;
-        /// Place, size and duration of a frame, before its own chunks.
+        /// Bytes of a frame's position, size and duration, before its own chunks.
         const FRAME: u64 = 16;
         let mut at = from;
         while at + HEADER <= to.min(end) {
@@ -49,7 +49,7 @@ impl WebpClaims {
                     self.pictures.extend(coded_size(name, &start));
                 }
                 b"ICCP" | b"EXIF" | b"XMP " => self.metadata_is_there &= begin + length <= end,
-                // There are no frames in frames.
+                // Frames contain no frames.
                 b"ANMF" if !in_frame => self.walk(reader, [begin + FRAME, begin + length], end, true)?,
                 _ => {}
             }
@@ -60,7 +60,8 @@ impl WebpClaims {
     }
 }
 
-/// Width and height at the start of a coded picture; none where the mark before them is missing, for then nothing is decoded.
+/// Returns width and height from the start of a coded picture. Returns `None` without the start
+/// code, since the decoder rejects such a picture.
 fn coded_size(name: [u8; 4], start: &[u8; 10]) -> Option<[u32; 2]> {
     const SIDE: u32 = 0x3fff;
     if name == *b"VP8L" {
@@ -101,7 +102,7 @@ mod tests {
         assert!(claims(&[chunk(*b"EXIF", 4, &[0; 4])]).metadata_is_there);
         assert!(!claims(&[chunk(*b"EXIF", 0xffff_fff0, &[0; 4])]).metadata_is_there);
         assert!(!claims(&[chunk(*b"JUNK", 3, &[0; 4]), chunk(*b"ICCP", 5, &[0; 4])]).metadata_is_there);
-        // Frames in frames to no end.
+        // Frames nested without end.
         let nested: Vec<Vec<u8>> = (0..200).map(|_| chunk(*b"ANMF", u32::MAX, &[0; 16])).collect();
         assert!(claims(&nested).pictures.is_empty());
         assert!(claims(&[vec![0; 3]]).pictures.is_empty());

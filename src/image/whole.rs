@@ -1,14 +1,17 @@
-//! Whether a picture file is all there, for the formats whose decoders fill what is missing without a word.
+//! Detection of truncated picture files, for the formats whose decoders silently fill in missing
+//! data.
 //!
-//! A JPEG file is a chain of segments, each with its length but the coded pixels, in which every byte 255 that is not
-//! followed by a zero or a restart mark begins the next; an end mark (EOI) closes it. What follows is not looked at: cameras
-//! put films and second pictures there. A WebP file says its length in its header.
+//! A JPEG file is a chain of segments, each with its length. The coded pixels have no length: in
+//! them, a byte 255 starts the next segment unless a zero or a restart mark follows. An end mark
+//! (EOI) closes the file. Data behind the end mark is ignored, since cameras append films and
+//! second pictures. A WebP file states its length in its header.
 
 use std::io::{BufRead, Seek, SeekFrom};
 
 use image::ImageFormat;
 
-/// What is missing of a file, if that can be told. Leaves the reader anywhere.
+/// Returns a description of the missing part of a file, if any is detected. The position of the
+/// reader afterwards is unspecified.
 pub(super) fn what_is_missing(
     format: ImageFormat,
     reader: &mut (impl BufRead + Seek),
@@ -29,7 +32,8 @@ fn jpeg_ends(reader: &mut (impl BufRead + Seek)) -> std::io::Result<bool> {
         let Some(mark) = next_mark(reader)? else { return Ok(false) };
         match mark {
             END_OF_IMAGE => return Ok(true),
-            // Marks without a length: restarts, a zero that makes 255 a value, and one that nobody uses.
+            // Marks without a length: restarts, the zero that makes 255 a value, and an unused
+            // mark.
             START_OF_IMAGE | 0x00 | 0x01 | 0xd0..=0xd7 => {}
             _ => {
                 let mut length = [0; 2];
@@ -46,7 +50,7 @@ fn jpeg_ends(reader: &mut (impl BufRead + Seek)) -> std::io::Result<bool> {
     }
 }
 
-/// The byte behind the next 255.
+/// Returns the byte behind the next 255.
 fn next_mark(reader: &mut impl BufRead) -> std::io::Result<Option<u8>> {
     let mut after = false;
     loop {
@@ -55,7 +59,7 @@ fn next_mark(reader: &mut impl BufRead) -> std::io::Result<Option<u8>> {
             return Ok(None);
         }
         let (used, found) = if after {
-            // Any number of 255 may stand before a mark.
+            // Any number of bytes 255 may precede a mark.
             (1, (buffer[0] != 0xff).then_some(buffer[0]))
         } else {
             match buffer.iter().position(|byte| *byte == 0xff) {
@@ -80,7 +84,7 @@ fn webp_has_its_length(reader: &mut (impl BufRead + Seek)) -> std::io::Result<bo
     if reader.read_exact(&mut length).is_err() {
         return Ok(false);
     }
-    // The header of eight bytes does not count.
+    // The stated length excludes the header of eight bytes.
     Ok(u64::from(u32::from_le_bytes(length)) + 8 <= end)
 }
 
@@ -98,7 +102,7 @@ mod tests {
         let picture = image::GrayImage::from_fn(40, 30, |x, y| image::Luma([(x * y * 7 % 256) as u8]));
         for format in [ImageFormat::Jpeg, ImageFormat::WebP] {
             let mut file = Cursor::new(Vec::new());
-            // The lossless encoder takes colour alone.
+            // The lossless encoder accepts only colour.
             image::DynamicImage::from(picture.clone()).to_rgb8().write_to(&mut file, format).unwrap();
             let bytes = file.into_inner();
             assert!(is_whole(format, &bytes), "{format:?}");

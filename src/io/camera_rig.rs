@@ -1,8 +1,8 @@
 //! Folders of sequences recorded together by calibrated cameras.
 //!
-//! `NAME` is a folder of numbered frames, or `NAME.EXT` a video or an animated picture. `NAME.P` is
-//! its camera, 3×4 in three rows. The true matches of cameras A and B are in `truth-A-B.txt`, rows
-//! `x1 y1 x2 y2`. A and B are the names of the cameras or the numbers at the end of the names.
+//! `NAME` is a folder of numbered frames, or `NAME.EXT` a video. `NAME.P` is its camera, 3×4 in
+//! three rows. The true matches of cameras A and B are in `truth-A-B.txt`, rows `x1 y1 x2 y2`. A and
+//! B are the names of the cameras or the numbers at the end of the names.
 
 use std::path::{Path, PathBuf};
 

@@ -8,7 +8,7 @@ use super::pair_folder::PairFiles;
 use super::read::ReadError;
 use super::vgg::VggFolder;
 use crate::geometry::{
-    Camera, EightPointError, FundamentalMatrix, PointPair, eight_point, symmetric_epipolar_distance,
+    Camera, EightPointError, FundamentalMatrix, PointPair, eight_point, median, symmetric_epipolar_distance,
 };
 
 /// Reason why a pair has no ground truth. The message is shown to the user.
@@ -123,8 +123,5 @@ impl GroundTruth {
 }
 
 fn median_distance(fundamental: &FundamentalMatrix, matches: &[PointPair]) -> f64 {
-    let mut distances: Vec<f64> =
-        matches.iter().map(|pair| symmetric_epipolar_distance(fundamental, pair)).collect();
-    distances.sort_unstable_by(f64::total_cmp);
-    distances.get(distances.len() / 2).copied().unwrap_or(0.0)
+    median(matches.iter().map(|pair| symmetric_epipolar_distance(fundamental, pair)))
 }

@@ -3,19 +3,12 @@
 //! The content goes to a temporary file in the same folder, which then replaces the target in one
 //! step. A reader never sees a partial file, and a failure keeps the old file.
 
-use std::fs::File;
-use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
-use std::time::{Duration, Instant};
 
 use thiserror::Error;
 
 use super::part_file::{PartFile, remove_dead_parts};
-use crate::foreign::{is_named_pipe, reason, shown_path};
-
-/// Longest time without progress on a pipe.
-const PATIENCE: Duration = Duration::from_secs(30);
+use crate::foreign::{reason, shown_path};
 
 /// Reason why a file cannot be written, one sentence.
 #[derive(Debug, Error)]
@@ -35,25 +28,16 @@ impl WriteError {
 #[derive(Debug, Clone)]
 pub struct OutputFile {
     path: PathBuf,
-    kind: DestinationKind,
-}
-
-#[derive(Debug, Clone)]
-enum DestinationKind {
-    /// Regular file, replaced as a whole. Only its owner may read a private file.
-    File { private: bool },
-    /// Device, written in place. Replacing a device by a file would be a surprise.
-    Device,
-    /// Pipe with a reader. It is kept open, or the reader would see its end.
-    Pipe(Arc<File>),
+    /// Whether only the owner may read the file.
+    private: bool,
 }
 
 /// Complete temporary file beside its target.
 #[derive(Debug)]
 pub(super) struct StagedFile {
     target: OutputFile,
-    /// Temporary file; `None` if the content went directly to a device or a pipe.
-    part: Option<PartFile>,
+    /// Temporary file with the whole content.
+    part: PartFile,
 }
 
 impl OutputFile {
@@ -79,37 +63,27 @@ impl OutputFile {
         }
         // The file behind a symbolic link is replaced, not the link.
         let path_behind = path.canonicalize().unwrap_or_else(|_| path.to_owned());
-        let kind = match found {
+        match found {
             Ok(found) if found.is_dir() => return Err(failed("it is a folder")),
+            Ok(found) if !found.is_file() => {
+                return Err(failed("it is a pipe or a device. Name a file, or - for standard output"));
+            }
             Ok(found) if found.permissions().readonly() => return Err(failed("it is write-protected")),
-            Ok(found) if found.is_file() => DestinationKind::File { private },
-            Ok(_) if is_named_pipe(path) => {
-                let pipe = open_pipe(path).map_err(|e| match e.kind() {
-                    ErrorKind::PermissionDenied => failed(&reason(&e)),
-                    _ => failed("nobody reads from this pipe"),
-                })?;
-                DestinationKind::Pipe(Arc::new(pipe))
-            }
-            Ok(found) if is_block_device(&found) => return Err(failed("it is a disk")),
-            Ok(_) => DestinationKind::Device,
-            Err(_) => DestinationKind::File { private },
-        };
-        let is_file = matches!(kind, DestinationKind::File { .. });
-        let output = Self { path: path_behind, kind };
-        if is_file {
-            let folder = output.folder();
-            match folder.metadata() {
-                Ok(found) if !found.is_dir() => {
-                    return Err(failed(&format!("{} is not a folder", shown_path(folder))));
-                }
-                Ok(_) => {}
-                Err(_) => return Err(failed(&format!("there is no folder {}", shown_path(folder)))),
-            }
-            remove_dead_parts(folder);
-            PartFile::create(folder, private).map_err(|e| {
-                failed(&format!("the folder {} is not writable ({})", shown_path(folder), reason(&e)))
-            })?;
+            _ => {}
         }
+        let output = Self { path: path_behind, private };
+        let folder = output.folder();
+        match folder.metadata() {
+            Ok(found) if !found.is_dir() => {
+                return Err(failed(&format!("{} is not a folder", shown_path(folder))));
+            }
+            Ok(_) => {}
+            Err(_) => return Err(failed(&format!("there is no folder {}", shown_path(folder)))),
+        }
+        remove_dead_parts(folder);
+        PartFile::create(folder, private).map_err(|e| {
+            failed(&format!("the folder {} is not writable ({})", shown_path(folder), reason(&e)))
+        })?;
         Ok(output)
     }
 
@@ -126,24 +100,12 @@ impl OutputFile {
     /// Writes the whole content to a temporary file. The target is unchanged until
     /// [`StagedFile::put`].
     pub(super) fn stage(&self, content: &[u8]) -> Result<StagedFile, WriteError> {
-        let part = match &self.kind {
-            DestinationKind::File { private } => {
-                PartFile::create(self.folder(), *private).and_then(|mut part| {
-                    part.fill(content)?;
-                    Ok(Some(part))
-                })
-            }
-            DestinationKind::Device => self.write_through(content).map(|()| None),
-            DestinationKind::Pipe(pipe) => write_to_pipe(pipe, content).map(|()| None),
-        };
+        let part = PartFile::create(self.folder(), self.private).and_then(|mut part| {
+            part.fill(content)?;
+            Ok(part)
+        });
         let part = part.map_err(|e| WriteError::new(&self.path, reason(&e)))?;
         Ok(StagedFile { target: self.clone(), part })
-    }
-
-    fn write_through(&self, content: &[u8]) -> std::io::Result<()> {
-        let mut file = std::fs::OpenOptions::new().write(true).open(&self.path)?;
-        file.write_all(content)?;
-        file.flush()
     }
 
     fn folder(&self) -> &Path {
@@ -157,56 +119,9 @@ impl OutputFile {
 impl StagedFile {
     /// Replaces the target.
     pub(super) fn put(self) -> Result<(), WriteError> {
-        let Some(part) = self.part else { return Ok(()) };
-        let private = matches!(self.target.kind, DestinationKind::File { private: true });
-        part.persist(&self.target.path, private).map_err(|e| WriteError::new(&self.target.path, reason(&e)))
+        let Self { target, part } = self;
+        part.persist(&target.path, target.private).map_err(|e| WriteError::new(&target.path, reason(&e)))
     }
-}
-
-/// Opens a pipe for writing. Fails without a reader.
-#[cfg(unix)]
-fn open_pipe(path: &Path) -> std::io::Result<File> {
-    use std::os::unix::fs::OpenOptionsExt;
-    std::fs::OpenOptions::new().write(true).custom_flags(libc::O_NONBLOCK).open(path)
-}
-
-#[cfg(not(unix))]
-fn open_pipe(path: &Path) -> std::io::Result<File> {
-    std::fs::OpenOptions::new().write(true).open(path)
-}
-
-/// Writes at the reader's pace, and fails when the reader stops.
-fn write_to_pipe(mut pipe: &File, content: &[u8]) -> std::io::Result<()> {
-    let mut rest = content;
-    let mut moved = Instant::now();
-    while !rest.is_empty() {
-        match pipe.write(rest) {
-            Ok(count) => {
-                rest = &rest[count..];
-                moved = Instant::now();
-            }
-            Err(e) if e.kind() == ErrorKind::Interrupted => {}
-            Err(e) if e.kind() == ErrorKind::WouldBlock && moved.elapsed() < PATIENCE => {
-                std::thread::sleep(Duration::from_millis(5));
-            }
-            Err(e) if e.kind() == ErrorKind::WouldBlock => {
-                return Err(std::io::Error::other("nobody reads from this pipe any longer"));
-            }
-            Err(e) => return Err(e),
-        }
-    }
-    Ok(())
-}
-
-#[cfg(unix)]
-fn is_block_device(found: &std::fs::Metadata) -> bool {
-    use std::os::unix::fs::FileTypeExt;
-    found.file_type().is_block_device()
-}
-
-#[cfg(not(unix))]
-fn is_block_device(_found: &std::fs::Metadata) -> bool {
-    false
 }
 
 #[cfg(test)]
@@ -275,8 +190,7 @@ mod tests {
 
     #[cfg(unix)]
     #[test]
-    fn links_keep_pointing_and_devices_stay_devices() {
-        use std::os::unix::fs::FileTypeExt;
+    fn links_keep_pointing() {
         let folder = tempfile::tempdir().unwrap();
         let target = folder.path().join("target.json");
         let link = folder.path().join("link.json");
@@ -285,9 +199,6 @@ mod tests {
         OutputFile::prepare(&link).unwrap().write(b"new").unwrap();
         assert!(link.symlink_metadata().unwrap().is_symlink());
         assert_eq!(std::fs::read(&target).unwrap(), b"new");
-
-        OutputFile::prepare(Path::new("/dev/null")).unwrap().write(b"gone").unwrap();
-        assert!(Path::new("/dev/null").metadata().unwrap().file_type().is_char_device());
     }
 
     #[cfg(unix)]
@@ -309,7 +220,7 @@ mod tests {
 
     #[cfg(unix)]
     #[test]
-    fn links_into_nothing_and_pipes_without_a_reader_are_refused() {
+    fn links_into_nothing_pipes_and_devices_are_refused() {
         let folder = tempfile::tempdir().unwrap();
         for (name, target) in [("dangling", "nothing"), ("circle", "circle")] {
             let link = folder.path().join(name);
@@ -320,22 +231,9 @@ mod tests {
         assert_eq!(names(folder.path()), ["circle", "dangling"]);
         let pipe = folder.path().join("pipe");
         assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
-        let message = OutputFile::prepare(&pipe).unwrap_err().to_string();
-        assert!(message.ends_with("nobody reads from this pipe"), "{message}");
-        // A reader gets everything, more than a pipe buffers.
-        let copy = folder.path().join("copy");
-        let mut reader = std::process::Command::new("cat")
-            .arg(&pipe)
-            .stdout(File::create(&copy).unwrap())
-            .spawn()
-            .unwrap();
-        let content = vec![b'x'; 1 << 20];
-        let output = (0..500).find_map(|_| {
-            std::thread::sleep(Duration::from_millis(10));
-            OutputFile::prepare(&pipe).ok()
-        });
-        output.unwrap().write(&content).unwrap();
-        assert!(reader.wait().unwrap().success());
-        assert_eq!(std::fs::read(&copy).unwrap(), content);
+        for odd in [&pipe, Path::new("/dev/null")] {
+            let message = OutputFile::prepare(odd).unwrap_err().to_string();
+            assert!(message.ends_with("Name a file, or - for standard output"), "{message}");
+        }
     }
 }

@@ -103,8 +103,8 @@ pub(super) fn read_folder(path: &Path) -> Result<Vec<PathBuf>, ReadError> {
 }
 
 /// Extensions of files that are opened as images.
-pub const IMAGE_EXTENSIONS: [&str; 13] =
-    ["png", "jpg", "jpeg", "tif", "tiff", "bmp", "pgm", "ppm", "pnm", "pbm", "pam", "webp", "exr"];
+pub const IMAGE_EXTENSIONS: [&str; 12] =
+    ["png", "jpg", "jpeg", "tif", "tiff", "bmp", "pgm", "ppm", "pnm", "pbm", "pam", "webp"];
 
 /// Returns whether the extension is one of [`IMAGE_EXTENSIONS`], ignoring case.
 pub fn has_image_extension(path: &Path) -> bool {

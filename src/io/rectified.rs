@@ -1,9 +1,9 @@
 //! Files of a rectified pair in a folder.
 
+use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};
 
 use image::DynamicImage;
-use npyz::WriterBuilder;
 use serde::Serialize;
 use thiserror::Error;
 
@@ -38,6 +38,14 @@ pub enum RectifiedError {
         /// Reason given by the system.
         reason: String,
     },
+    /// Another run writes into the folder.
+    #[error(
+        "another run of the program is writing into the folder {path}. Wait for its end, or choose another folder"
+    )]
+    Busy {
+        /// Path of the folder.
+        path: String,
+    },
     /// A file cannot be written.
     #[error(transparent)]
     Write(#[from] WriteError),
@@ -47,8 +55,8 @@ pub enum RectifiedError {
     /// Writing was cancelled.
     #[error("stopped; nothing was written")]
     Cancelled,
-    /// A map cannot be encoded.
-    #[error("the maps cannot be encoded: {0}")]
+    /// The description cannot be encoded.
+    #[error("the description cannot be encoded: {0}")]
     Encode(String),
 }
 
@@ -61,6 +69,9 @@ pub struct RectifiedFiles {
     maps: Option<[OutputFile; 2]>,
     options: RectifiedOptions,
     trust: Option<TrustNote>,
+    /// Locked folder. Two runs at once could leave the pictures of one run with the description of
+    /// the other.
+    _folder: Option<File>,
 }
 
 /// Description of the rectification with the verdict on its geometry.
@@ -77,6 +88,8 @@ impl RectifiedFiles {
     /// `left`, `right` and `stacked` with the extension of the format, `rectification.json`, and
     /// with [`RectifiedOptions::maps`] `left-map.npy` and `right-map.npy`.
     ///
+    /// The folder is locked until the value is dropped, so another run cannot write into it.
+    ///
     /// `inputs` are files that are still needed, such as the images; none of them is replaced.
     pub fn prepare(
         folder: &Path,
@@ -87,6 +100,11 @@ impl RectifiedFiles {
             let reason = if folder.exists() { "there is a file of that name".into() } else { reason(&e) };
             RectifiedError::Folder { path: shown_path(folder), reason }
         })?;
+        // Not every system opens folders, and not every file system has locks.
+        let locked = File::open(folder).ok();
+        if locked.as_ref().is_some_and(|folder| matches!(folder.try_lock(), Err(TryLockError::WouldBlock))) {
+            return Err(RectifiedError::Busy { path: shown_path(folder) });
+        }
         let file = |name: &str| OutputFile::prepare(&folder.join(name));
         let picture = |name: &str| file(&format!("{name}.{}", options.format.extension()));
         let files = Self {
@@ -96,6 +114,7 @@ impl RectifiedFiles {
             maps: if options.maps { Some([file("left-map.npy")?, file("right-map.npy")?]) } else { None },
             options,
             trust: None,
+            _folder: locked,
         };
         let outputs = files.paths();
         let outputs: Vec<&Path> = outputs.iter().map(PathBuf::as_path).collect();
@@ -139,8 +158,7 @@ impl RectifiedFiles {
         drop(both);
         for (file, map) in self.maps.iter().flatten().zip(&rectification.maps) {
             next()?;
-            let array = map_array(map, rectification).map_err(|e| RectifiedError::Encode(reason(&e)))?;
-            staged.push(file.stage(&array)?);
+            staged.push(file.stage(&map_array(map, rectification))?);
         }
         next()?;
         let description = rectification.description(fundamental, originals.map(Picture::frame));
@@ -175,21 +193,63 @@ impl RectifiedFiles {
     }
 }
 
-/// Returns an array for `cv2.remap`: rows × columns × (x, y) of `f32`. Entries are the original
-/// positions of the rectified pixels, px; (−1, −1) if there is none.
-fn map_array(map: &ImageMap, rectification: &Rectification) -> std::io::Result<Vec<u8>> {
+/// Returns an array for `cv2.remap`, in the `NumPy` format: rows × columns × (x, y) of `f32`. Entries
+/// are the original positions of the rectified pixels, px; (−1, −1) for a pixel outside the original.
+fn map_array(map: &ImageMap, rectification: &Rectification) -> Vec<u8> {
     let size = rectification.size;
-    let mut content = Vec::with_capacity(size.width * size.height * 8 + 128);
-    let shape = [size.height as u64, size.width as u64, 2];
-    let mut writer =
-        npyz::WriteOptions::new().default_dtype().shape(&shape).writer(&mut content).begin_nd()?;
+    let mut content = npy_header(size.height, size.width);
+    content.reserve(size.width * size.height * 8);
     for y in 0..size.height {
         let row = map.row(y as f64);
         for x in 0..size.width {
             let position = row.at(x as f64).map_or([-1.0, -1.0], |p| [p.x as f32, p.y as f32]);
-            writer.extend(position)?;
+            content.extend(position.into_iter().flat_map(f32::to_le_bytes));
         }
     }
-    writer.finish()?;
-    Ok(content)
+    content
+}
+
+/// Returns the 128 bytes before the values of a `NumPy` array of shape (`rows`, `columns`, 2): magic,
+/// version 1.0, length of the text, and the text, which ends in a line feed. Numbers of rows and
+/// columns have at most 20 digits, so the text always fits.
+fn npy_header(rows: usize, columns: usize) -> Vec<u8> {
+    const TEXT: usize = 128 - 10;
+    let dictionary = format!("{{'descr': '<f4', 'fortran_order': False, 'shape': ({rows}, {columns}, 2), }}");
+    let mut header = b"\x93NUMPY\x01\x00".to_vec();
+    header.extend((TEXT as u16).to_le_bytes());
+    header.extend(format!("{dictionary:<0$}\n", TEXT - 1).bytes());
+    header
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[cfg(unix)]
+    #[test]
+    fn two_runs_into_one_folder_are_not_mixed() {
+        let folder = tempfile::tempdir().unwrap();
+        let options = RectifiedOptions { format: PictureFormat::Png, guide_spacing: 0, maps: false };
+        let first = RectifiedFiles::prepare(folder.path(), options, &[]).unwrap();
+        let message = RectifiedFiles::prepare(folder.path(), options, &[]).unwrap_err().to_string();
+        assert!(message.starts_with("another run of the program is writing into the folder"), "{message}");
+        drop(first);
+        RectifiedFiles::prepare(folder.path(), options, &[]).unwrap();
+    }
+
+    #[test]
+    fn an_array_begins_with_a_header_of_128_bytes_that_numpy_reads() {
+        for shape in [(480, 640), (1, 1), (usize::MAX, usize::MAX)] {
+            let header = npy_header(shape.0, shape.1);
+            assert_eq!(header.len(), 128);
+            assert_eq!(header[..8], *b"\x93NUMPY\x01\x00");
+            assert_eq!(u16::from_le_bytes([header[8], header[9]]), 118);
+            let text = std::str::from_utf8(&header[10..]).unwrap();
+            assert!(text.ends_with('\n'));
+            let (rows, columns) = shape;
+            let expected =
+                format!("{{'descr': '<f4', 'fortran_order': False, 'shape': ({rows}, {columns}, 2), }}");
+            assert_eq!(text.trim_end(), expected);
+        }
+    }
 }

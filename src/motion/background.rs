@@ -1,17 +1,19 @@
-//! What a scene looks like without what moves in it: medians over time, and how much each pixel varies by itself.
+//! The static background of a scene: medians over time, and the temporal noise of each pixel.
 
 use rayon::prelude::*;
 
 use super::FrameSequence;
 
-/// How what moves is told from what stands still.
+/// Parameters of background subtraction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BackgroundParameters {
-    /// Frames before and after one from which its background is the median: light that changes more slowly is followed.
+    /// Half length of the window whose median is the background, frames. The background follows
+    /// slower changes of light.
     pub reach: usize,
-    /// Smallest difference from the background that counts, grey levels.
+    /// Minimum difference from the background of a moving object, grey levels.
     pub least_difference: f32,
-    /// The same in standard deviations of the pixel.
+    /// Minimum difference from the background of a moving object, in standard deviations of the
+    /// pixel.
     pub deviations: f32,
 }
 
@@ -21,25 +23,26 @@ impl Default for BackgroundParameters {
     }
 }
 
-/// Frames that a median is taken of, at most: more change nothing.
+/// Maximum number of frames in a median. More frames change little.
 const SAMPLES: usize = 41;
-/// Medians over one sequence, at most, and frames between two of them, at least.
+/// Largest spacing of the medians in a sequence, frames.
 const EVERY: usize = 30;
-/// Mean of the smaller half of the differences from the median, in standard deviations of a Gaussian: what moves may be
-/// among the larger half.
+/// Mean of the smaller half of the absolute deviations from the median, in standard deviations of a
+/// Gaussian. Moving objects affect only the larger half.
 const QUIET_DEVIATIONS: f32 = 0.325;
-/// Pixels that the light of a frame is measured on, and darker ones that say little about it, grey levels.
+/// Number of pixels on which the light of a frame is measured.
 const LIGHT_PIXELS: usize = 4000;
+/// Grey level up to which a pixel says little about the light.
 const DARK: f32 = 16.0;
-/// A pixel that varies by more than this has no background, grey levels: no camera is as noisy.
+/// Deviation above which a pixel has no background, grey levels. No camera is that noisy.
 const RESTLESS: f32 = 25.0;
-/// Smallest deviation, grey levels: rounding alone makes a third of one.
+/// Smallest deviation, grey levels. Rounding alone contributes a third of a grey level.
 const LEAST_DEVIATION: f32 = 0.5;
 
-/// The background at some times of a sequence; between them it is interpolated.
+/// The background at several times of a sequence, interpolated in between.
 pub(super) struct Background {
     times: Vec<usize>,
-    /// Which of the backgrounds is that of each time: windows at the ends of a sequence are the same.
+    /// Index of the background of each time. Times near the ends of a sequence share a window.
     of_times: Vec<usize>,
     medians: Vec<Vec<f32>>,
     deviations: Vec<Vec<f32>>,
@@ -50,13 +53,14 @@ impl Background {
         let count = sequence.len();
         let last = count.saturating_sub(1);
         let steps = last.div_ceil(EVERY).max(1);
-        // Shorter sequences than the window have one background.
+        // Sequences shorter than the window have one background.
         let times: Vec<usize> = if count <= parameters.reach {
             vec![last / 2]
         } else {
             (0..=steps).map(|k| k * last / steps).collect()
         };
-        // A window at the end of the sequence is moved inwards, not cut: what moves must stay the smaller part.
+        // A window at the end of the sequence is shifted inwards, not cut, so that moving objects
+        // stay a minority.
         let length = (2 * parameters.reach + 1).min(count);
         let firsts: Vec<usize> =
             times.iter().map(|time| time.saturating_sub(parameters.reach).min(count - length)).collect();
@@ -69,14 +73,15 @@ impl Background {
         Self { times, of_times, medians, deviations }
     }
 
-    /// The share of the pixels that never come to rest.
+    /// Returns the fraction of the pixels that have no background, because their deviation exceeds
+    /// [`RESTLESS`].
     pub(super) fn restless(&self) -> f64 {
         let count = |deviations: &Vec<f32>| deviations.iter().filter(|d| **d > RESTLESS).count();
         let all: usize = self.deviations.iter().map(Vec::len).sum();
         self.deviations.iter().map(count).sum::<usize>() as f64 / all.max(1) as f64
     }
 
-    /// Background and deviation of each pixel at a time, as `each(pixel, background, deviation)`.
+    /// Returns a function from a pixel to its background and deviation at a time.
     pub(super) fn at(&self, time: usize) -> impl Fn(usize) -> (f32, f32) + '_ {
         let after = self.times.partition_point(|t| *t <= time).clamp(1, self.times.len().max(2) - 1);
         let (a, b) = (after - 1, after.min(self.times.len() - 1));
@@ -92,7 +97,7 @@ impl Background {
     }
 }
 
-/// Median and deviation of each pixel over `length` frames.
+/// Returns the median and deviation of each pixel over `length` frames.
 fn medians(sequence: &FrameSequence, first: usize, length: usize) -> (Vec<f32>, Vec<f32>) {
     let samples = SAMPLES.min(length);
     let numbers: Vec<usize> = (0..samples).map(|k| first + k * length / samples).collect();
@@ -106,7 +111,7 @@ fn medians(sequence: &FrameSequence, first: usize, length: usize) -> (Vec<f32>, 
             *values.select_nth_unstable(middle).1
         })
         .collect();
-    // Light that changes is no noise: each frame is brought to the light of the median first.
+    // Changing light is no noise, so each frame is first scaled to the brightness of the median.
     let gains: Vec<f32> =
         numbers.par_iter().map(|number| gain(sequence.frame(*number), &|p| f32::from(raw[p]))).collect();
     let of_pixel = |values: &mut Vec<f32>, pixel: usize| {
@@ -124,8 +129,8 @@ fn medians(sequence: &FrameSequence, first: usize, length: usize) -> (Vec<f32>, 
     (0..pixels).into_par_iter().map_init(Vec::new, of_pixel).unzip()
 }
 
-/// How much brighter a frame is than its background: a camera that adapts to the light, or the sun, changes all of it in
-/// proportion.
+/// Returns the brightness of a frame relative to its background. The sun, or a camera that adapts
+/// to the light, scales the whole frame.
 pub(super) fn gain(frame: &[u8], still: &dyn Fn(usize) -> f32) -> f32 {
     let step = frame.len().div_ceil(LIGHT_PIXELS).max(1);
     let bright = (0..frame.len()).step_by(step).filter(|pixel| still(*pixel) > DARK);

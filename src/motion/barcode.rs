@@ -1,16 +1,18 @@
-//! Motion barcodes of lines: in which frames a line is crossed by something that moves.
+//! Motion barcodes of lines: the frames in which moving objects cross a line.
 
-/// Frames of a word, one bit each.
+/// Frames per word, one bit each.
 pub(super) const WORD: usize = 64;
-/// A barcode that is 0, or 1, in fewer frames than this is nearly constant and is like any other.
+/// Minimum number of zeros and of ones in a barcode. A barcode with fewer is nearly constant and
+/// resembles every other.
 pub const FEWEST_CHANGES: usize = 4;
 
-/// Standard deviations below the correlation: nineteen of twenty are higher.
+/// Number of standard deviations from the correlation to its lower bound, for a one-sided
+/// confidence of 95 %.
 const BELOW: f64 = 1.64;
-/// Events without which there is no interval.
+/// Minimum number of events for a confidence interval.
 const FEWEST_EVENTS: usize = 4;
 
-/// One bit a frame, set when something that moves crosses the line.
+/// A bit per frame, set when a moving object crosses the line.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Barcode {
     words: Vec<u64>,
@@ -20,39 +22,40 @@ pub struct Barcode {
 }
 
 impl Barcode {
-    /// A barcode from its bits, 64 frames a word, the first in the lowest bit. Bits beyond `frames` must be 0.
+    /// Creates a barcode from its bits, 64 frames per word, the first frame in the lowest bit. Bits
+    /// beyond `frames` must be 0.
     pub(super) fn new(words: Vec<u64>, frames: usize) -> Self {
         let ones = words.iter().map(|word| word.count_ones() as usize).sum();
-        // Each bit against the one after it, which may be the first of the next word.
+        // Each bit is compared with the next, which may be the first of the next word.
         let after = |k: usize| words[k] >> 1 | words.get(k + 1).map_or(0, |next| next << (WORD - 1));
         let differing: usize = (0..words.len()).map(|k| (words[k] ^ after(k)).count_ones() as usize).sum();
-        // What follows the last bit is no bit of the barcode.
+        // The bit behind the last is not part of the barcode.
         let last = frames.checked_sub(1).is_some_and(|last| words[last / WORD] >> (last % WORD) & 1 == 1);
         let changes = differing - usize::from(last);
         Self { words, frames, ones, changes }
     }
 
-    /// Number of frames.
+    /// Returns the number of frames.
     pub fn len(&self) -> usize {
         self.frames
     }
 
-    /// Whether there are no frames.
+    /// Returns whether there are no frames.
     pub fn is_empty(&self) -> bool {
         self.frames == 0
     }
 
-    /// Frames in which the line is crossed.
+    /// Returns the number of frames in which the line is crossed.
     pub fn ones(&self) -> usize {
         self.ones
     }
 
-    /// Whether the line is crossed in a frame.
+    /// Returns whether the line is crossed in a frame.
     pub fn is_set(&self, time: usize) -> bool {
         self.words[time / WORD] >> (time % WORD) & 1 == 1
     }
 
-    /// Variance of its bits, 0 to 1/4; 0 where it is nearly constant.
+    /// Returns the variance of the bits, 0 to 1/4; 0 for a nearly constant barcode.
     pub fn variance(&self) -> f64 {
         if self.ones.min(self.frames - self.ones) < FEWEST_CHANGES {
             return 0.0;
@@ -61,8 +64,8 @@ impl Barcode {
         share * (1.0 - share)
     }
 
-    /// Normalised cross-correlation with another barcode of as many frames, −1 to 1; `None` where one of them is nearly
-    /// constant.
+    /// Returns the normalised cross-correlation with a barcode of equal length, −1 to 1. Returns
+    /// `None` when either barcode is nearly constant.
     pub fn correlation(&self, other: &Self) -> Option<f64> {
         let spread = self.variance() * other.variance();
         if spread <= 0.0 {
@@ -74,24 +77,28 @@ impl Barcode {
         Some(covariance / spread.sqrt())
     }
 
-    /// What the correlation with another barcode is at least: the lower end of its confidence interval (Fisher 1915), in
-    /// which each time that something begins or ends to cross a line is one observation. Barcodes of few events, which are
-    /// alike by chance, are no match for those of many. `None` where one of them is nearly constant.
+    /// Returns a lower bound for the correlation: the lower end of its confidence interval (Fisher
+    /// 1915).
+    ///
+    /// Each begin or end of a crossing counts as one observation. Barcodes with few events, which
+    /// are similar by chance, thus rank below those with many. Returns `None` when either barcode
+    /// is nearly constant or has too few events.
     pub fn least_correlation(&self, other: &Self) -> Option<f64> {
         let events = self.changes.min(other.changes);
         let correlation = self.correlation(other).filter(|_| events >= FEWEST_EVENTS)?;
         let n = events as f64;
-        // Equal barcodes could differ by half an event.
+        // The correlation of equal barcodes is limited, because its inverse hyperbolic tangent is
+        // infinite: equal barcodes could differ by half an event.
         let most = 1.0 - 0.5 / n;
         Some((correlation.clamp(-most, most).atanh() - BELOW / (n - 3.0).sqrt()).tanh())
     }
 
-    /// How often it changes between 0 and 1.
+    /// Returns the number of changes between 0 and 1.
     pub fn changes(&self) -> usize {
         self.changes
     }
 
-    /// The same with the first `by` frames moved to the end.
+    /// Returns the barcode rotated in time: its first `by` frames move to the end.
     #[must_use]
     pub fn turned(&self, by: usize) -> Self {
         let mut words = vec![0u64; self.words.len()];
@@ -101,7 +108,7 @@ impl Barcode {
         Self::new(words, self.frames)
     }
 
-    /// The frames from `first` on, `count` of them.
+    /// Returns `count` frames of the barcode, starting at `first`.
     #[must_use]
     pub fn part(&self, first: usize, count: usize) -> Self {
         let (skipped, shift) = (first / WORD, first % WORD);

@@ -1,26 +1,27 @@
-//! What keeps a sequence of frames from having barcodes.
+//! Errors of computing motion barcodes.
 
 use thiserror::Error;
 
-/// A sequence in which nothing can be compared. Each message is one sentence and says what to do.
+/// The reason why a sequence has no usable barcodes. Each message is one sentence and suggests a
+/// remedy.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum MotionError {
-    /// Too few frames.
+    /// The sequence has too few frames.
     #[error("{name} has {frames}, at least {least} frames are needed", frames = counted(*found))]
     TooFewFrames {
-        /// The sequence.
+        /// Name of the sequence.
         name: String,
-        /// Frames it has.
+        /// Number of frames found.
         found: usize,
-        /// Frames needed.
+        /// Number of frames needed.
         least: usize,
     },
-    /// A frame is not as large as the first one.
+    /// The size of a frame differs from that of the first frame.
     #[error(
         "frame {frame} of {name} is {width}×{height} px, but the first one is {first_width}×{first_height} px: all frames must be of one size"
     )]
     FrameSize {
-        /// The sequence.
+        /// Name of the sequence.
         name: String,
         /// Number of the frame, from 0.
         frame: usize,
@@ -28,37 +29,37 @@ pub enum MotionError {
         width: usize,
         /// Height of the frame, px.
         height: usize,
-        /// Size of the first one, px.
+        /// Width of the first frame, px.
         first_width: usize,
-        /// Size of the first one, px.
+        /// Height of the first frame, px.
         first_height: usize,
     },
-    /// Nothing moves.
+    /// Hardly any pixel moves.
     #[error(
         "nothing moves in {name}: motion barcodes need things that move in front of a camera that stands still"
     )]
     NothingMoves {
-        /// The sequence.
+        /// Name of the sequence.
         name: String,
     },
-    /// Everything moves.
+    /// More than half of the pixels move, so there is no background.
     #[error(
         "{percent} % of the pixels of {name} show something that moves nearly all the time, so that there is no background: something covers most of the picture, or the light flickers"
     )]
     EverythingMoves {
-        /// The sequence.
+        /// Name of the sequence.
         name: String,
-        /// Percent of the pixels.
+        /// Percentage of moving pixels.
         percent: u32,
     },
-    /// The camera moves.
+    /// The camera is not static.
     #[error(
         "the camera of {name} moves: its background is shifted by {shift:.1} px in half of the frames; motion barcodes need a camera that stands still, or a recording that was stabilised"
     )]
     CameraMoves {
-        /// The sequence.
+        /// Name of the sequence.
         name: String,
-        /// Median shift, px of the frames as they are compared.
+        /// Median shift, px of the compared frames.
         shift: f64,
     },
     /// The sequences have too few frames in common.
@@ -66,14 +67,14 @@ pub enum MotionError {
         "at an offset of {offset} the sequences have {common} frames in common, at least {least} are needed"
     )]
     NoOverlap {
-        /// The offset, frames.
+        /// Offset of the second sequence, frames.
         offset: i32,
-        /// Frames in common.
+        /// Number of frames in common.
         common: usize,
-        /// Frames needed.
+        /// Number of frames needed.
         least: usize,
     },
-    /// A stop was asked for.
+    /// The computation was cancelled.
     #[error("the comparison was stopped")]
     Cancelled,
 }

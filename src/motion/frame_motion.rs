@@ -1,15 +1,17 @@
-//! What moves in one frame, before it is put together with the others.
+//! The moving pixels of one frame.
 
 use super::background::{Background, gain};
 use super::{BackgroundParameters, FrameSequence};
 use crate::geometry::Frame;
 
-/// Fewest of a pixel and its eight neighbours that must differ from the background: specks of noise go, and holes.
+/// Minimum number of moving pixels, of a pixel and its eight neighbours, for the pixel to move. The
+/// vote removes specks of noise and holes.
 const MAJORITY: u8 = 5;
-/// Differences from the background that the shift is measured on, grey levels: larger ones are things that move.
+/// Largest difference from the background used to measure the shift, grey levels. Moving objects
+/// differ by more.
 const SHIFT_DIFFERENCE: f32 = 40.0;
 
-/// What moves in one frame, and how far the background is shifted.
+/// The moving pixels of one frame, and the shift of its background.
 #[derive(Default)]
 pub(super) struct FrameMotion {
     pub mask: Vec<bool>,
@@ -40,11 +42,12 @@ impl FrameMotion {
     }
 }
 
-/// How far a frame is shifted against its background, px: one step of least squares on the brightness.
+/// Returns the shift of a frame against its background, px: one least-squares step on the
+/// intensities.
 fn shift(size: Frame, still: &dyn Fn(usize) -> f32, difference: &dyn Fn(usize) -> f32) -> f64 {
     let Frame { width, height } = size;
     let [mut xx, mut xy, mut yy, mut xd, mut yd] = [0.0f64; 5];
-    // Every third pixel either way is enough to see the whole picture move.
+    // Every third pixel in each direction is enough to see the whole picture move.
     for y in (1..height.saturating_sub(1)).step_by(3) {
         for x in (1..width.saturating_sub(1)).step_by(3) {
             let pixel = y * width + x;
@@ -68,10 +71,10 @@ fn shift(size: Frame, still: &dyn Fn(usize) -> f32, difference: &dyn Fn(usize) -
     dx.hypot(dy)
 }
 
-/// Each pixel as most of its neighbourhood is.
+/// Sets each pixel to the majority of its 3×3 neighbourhood.
 pub(super) fn by_majority(mask: &[bool], size: Frame) -> Vec<bool> {
     let Frame { width, height } = size;
-    // Sums of three in a row first, then of three rows.
+    // Sums of three pixels in a row, then of three rows.
     let at = |x: usize, y: usize| u8::from(mask[y * width + x]);
     let mut rows = vec![0u8; mask.len()];
     for y in 0..height {

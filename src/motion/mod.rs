@@ -1,12 +1,12 @@
-//! What moves in front of a camera that stands still: frames, silhouettes, and the motion barcodes of lines (paper,
-//! section 2.3).
+//! Moving objects in front of a static camera: frames, silhouettes, and the motion barcodes of
+//! lines (paper, section 2.3).
 //!
-//! A [`FrameSequence`] holds the frames, [`Silhouettes`] say which pixels of which frame show something that moves, and a
-//! [`Barcode`] says in which frames a line is crossed by that: what two corresponding epipolar lines have in common,
-//! however different the scene looks from the two places. [`find_offset`] finds how far two recordings are shifted
-//! against each other.
+//! A [`FrameSequence`] holds the frames; [`Silhouettes`] mark the moving pixels of each frame. A
+//! [`Barcode`] marks the frames in which moving objects cross a line. Corresponding epipolar lines
+//! have similar barcodes, however different the views. [`find_offset`] estimates the time offset of
+//! two recordings.
 //!
-//! Nothing here reads a file.
+//! This module reads no files.
 
 mod background;
 mod barcode;

@@ -1,4 +1,4 @@
-//! How far two recordings are shifted against each other in time.
+//! The time offset between two recordings.
 
 use rayon::prelude::*;
 
@@ -6,23 +6,26 @@ use super::{Barcode, FEWEST_FRAMES, MotionError, Silhouettes, common_frames};
 use crate::cancel::CancelFlag;
 use crate::geometry::{AnchoredLine, line_grid};
 
-/// Offsets are looked for within this many frames either way.
+/// Largest offset tried in either direction, frames.
 pub const MOST_OFFSET: i32 = 50;
-/// Lines of each image that are compared.
+/// Number of lines compared in each image.
 const LINES: usize = 500;
-/// Share of the lines of image 1 that count, those with the most similar partner: most lines correspond to none.
+/// Fraction of the lines of image 1 that count, best correlation first. Most lines have no
+/// counterpart.
 const BEST: f64 = 0.2;
 
-/// How well the barcodes of two sequences agree at an offset.
+/// Agreement of the barcodes of two sequences at an offset.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OffsetAgreement {
-    /// Frame `k` of the first goes with frame `k + offset` of the second.
+    /// Offset in frames: frame `k` of the first sequence matches frame `k + offset` of the second.
     pub offset: i32,
-    /// What the best pairs of lines correlate by at least ([`Barcode::least_correlation`]), on average, −1 to 1.
+    /// Mean lower bound of the correlation ([`Barcode::least_correlation`]) over the best line
+    /// pairs, −1 to 1.
     pub correlation: f64,
 }
 
-/// Agreement at every offset from `−reach` to `reach` at which enough frames are left, best first.
+/// Returns the agreement at every offset from `−reach` to `reach` that leaves enough frames, best
+/// first.
 pub fn find_offset(
     both: [&Silhouettes; 2],
     reach: i32,
@@ -39,7 +42,8 @@ pub fn find_offset(
     let counts = both.map(Silhouettes::len);
     let agreement = |offset: i32| {
         let ([from1, from2], common) = common_frames(counts, offset);
-        // Half of the frames may be lost to the shift; with fewer left, chance agrees as well.
+        // At least half of the frames must stay. With fewer frames, a wrong offset can agree as
+        // well by chance.
         if cancel.is_cancelled() || common < FEWEST_FRAMES.max(counts[0].min(counts[1]) / 2) {
             return None;
         }
@@ -55,7 +59,7 @@ pub fn find_offset(
     };
     let mut found: Vec<OffsetAgreement> = (-reach..=reach).into_par_iter().filter_map(agreement).collect();
     cancel.check()?;
-    // Of equal ones that with the smaller shift.
+    // Ties go to the smaller offset.
     found.sort_by(|a, b| b.correlation.total_cmp(&a.correlation).then(a.offset.abs().cmp(&b.offset.abs())));
     Ok(found)
 }

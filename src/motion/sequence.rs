@@ -1,4 +1,4 @@
-//! The frames of a camera that stands still.
+//! The frames of a static camera.
 
 use std::fmt;
 
@@ -6,9 +6,10 @@ use super::MotionError;
 use crate::geometry::Frame;
 use crate::image::GrayPlane;
 
-/// Fewer frames than this tell no line from another.
+/// Minimum number of frames. Fewer frames cannot tell lines apart.
 pub const FEWEST_FRAMES: usize = 16;
-/// Frames are kept at this longer side at most, px: silhouettes need no finer one, and 300 frames take 92 MB.
+/// Longer side at which frames are kept, px. Silhouettes need no finer resolution, and 300 frames
+/// take 92 MB.
 pub const LONGEST_SIDE: usize = 640;
 
 /// Grey frames of one size, reduced to [`LONGEST_SIDE`].
@@ -20,7 +21,7 @@ pub struct FrameSequence {
     frames: Vec<Vec<u8>>,
 }
 
-/// Without its pixels, of which there are millions.
+/// Omits the pixels, of which there are millions.
 impl fmt::Debug for FrameSequence {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { name, size, full_size, frames } = self;
@@ -31,13 +32,16 @@ impl fmt::Debug for FrameSequence {
 }
 
 impl FrameSequence {
-    /// A sequence without frames yet; its name is for messages.
+    /// Creates an empty sequence. The name appears in messages.
     pub fn new(name: impl Into<String>) -> Self {
         let nothing = Frame::new(0, 0);
         Self { name: name.into(), full_size: nothing, size: nothing, frames: Vec::new() }
     }
 
-    /// Appends a frame; an error when it is not as large as the first one.
+    /// Appends a frame.
+    ///
+    /// # Errors
+    /// Fails when the size differs from that of the first frame.
     pub fn push(&mut self, plane: &GrayPlane) -> Result<(), MotionError> {
         let frame = plane.frame();
         if self.frames.is_empty() {
@@ -58,48 +62,48 @@ impl FrameSequence {
         Ok(())
     }
 
-    /// Repeats the last frame: in the place of one that is missing, so that the later ones keep their time.
+    /// Repeats the last frame in place of a missing frame, so that later frames keep their times.
     pub fn repeat_last(&mut self) {
         if let Some(last) = self.frames.last().cloned() {
             self.frames.push(last);
         }
     }
 
-    /// What it is called in messages.
+    /// Returns the name for messages.
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// Number of frames.
+    /// Returns the number of frames.
     pub fn len(&self) -> usize {
         self.frames.len()
     }
 
-    /// Whether there are no frames.
+    /// Returns whether there are no frames.
     pub fn is_empty(&self) -> bool {
         self.frames.is_empty()
     }
 
-    /// Size of the frames as they are kept, px.
+    /// Returns the size of the frames as kept, px.
     pub fn size(&self) -> Frame {
         self.size
     }
 
-    /// Size of the frames as they were recorded, px.
+    /// Returns the size of the frames as recorded, px.
     pub fn full_size(&self) -> Frame {
         self.full_size
     }
 
-    /// Grey levels of a frame as it is kept, row by row.
+    /// Returns the grey levels of a frame as kept, row by row.
     ///
     /// # Panics
-    /// When there is no such frame: a programming error.
+    /// Panics if there is no such frame.
     pub fn frame(&self, number: usize) -> &[u8] {
         &self.frames[number]
     }
 }
 
-/// The size that frames are kept at.
+/// Returns the size at which frames are kept.
 fn reduced(full: Frame) -> Frame {
     let longer = full.width.max(full.height);
     if longer <= LONGEST_SIDE {
@@ -109,7 +113,7 @@ fn reduced(full: Frame) -> Frame {
     Frame::new(side(full.width), side(full.height))
 }
 
-/// Means over the area of each pixel of the smaller size.
+/// Averages the plane over the area of each pixel of the smaller size.
 fn resampled(plane: &GrayPlane, size: Frame) -> Vec<u8> {
     let full = plane.frame();
     if full == size {

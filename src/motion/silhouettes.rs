@@ -1,4 +1,4 @@
-//! Which pixels show something that moves, frame by frame.
+//! Moving pixels of a sequence, frame by frame.
 
 use std::fmt;
 
@@ -9,17 +9,19 @@ use super::barcode::WORD;
 use super::frame_motion::{FrameMotion, by_majority};
 use super::{BackgroundParameters, Barcode, FEWEST_FRAMES, FrameSequence, MotionError};
 use crate::cancel::CancelFlag;
-use crate::geometry::{AnchoredLine, Frame};
+use crate::geometry::{AnchoredLine, Frame, median};
 
-/// Share of the pixels that never rest, or that move in the median frame, from which on there is no background.
+/// Fraction of moving pixels, over time or in the median frame, above which there is no background.
 const EVERYTHING: f64 = 0.5;
-/// Share of a sequence's pixels that have to move in all for something to move: a speck now and then is noise.
+/// Minimum fraction of moving pixels, over all frames. Fewer are noise.
 const NOTHING: f64 = 2e-5;
-/// Median shift of the background, px, from which on the camera moves.
+/// Median shift of the background above which the camera is moving, px.
 const SHAKING: f64 = 0.35;
 
-/// Which pixels of which frame show something that moves. The frames of one pixel lie together, one bit each, so that
-/// the barcode of a line is a union of few words.
+/// The moving pixels of every frame.
+///
+/// The frames of a pixel are stored together, one bit each, so that the barcode of a line is a
+/// union of few words.
 #[derive(Clone, PartialEq, Eq)]
 pub struct Silhouettes {
     name: String,
@@ -30,7 +32,7 @@ pub struct Silhouettes {
     bits: Vec<u64>,
 }
 
-/// Without its bits, of which there are millions.
+/// Omits the bits, of which there are millions.
 impl fmt::Debug for Silhouettes {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { name, size, full_size, frames, .. } = self;
@@ -41,7 +43,7 @@ impl fmt::Debug for Silhouettes {
 }
 
 impl Silhouettes {
-    /// Tells what moves in a sequence from what stands still.
+    /// Separates the moving pixels of a sequence from its background.
     pub fn new(
         sequence: &FrameSequence,
         parameters: &BackgroundParameters,
@@ -75,7 +77,8 @@ impl Silhouettes {
         Self::from_masks(sequence.name(), sequence.size(), sequence.full_size(), masks)
     }
 
-    /// Silhouettes from masks, one a frame, each row by row at `size`. Specks and holes of single pixels are taken out.
+    /// Creates silhouettes from one mask per frame, each row by row at `size`. Specks and holes of
+    /// single pixels are removed.
     pub fn from_masks(
         name: &str,
         size: Frame,
@@ -91,7 +94,7 @@ impl Silhouettes {
         if shares.iter().sum::<f64>() < NOTHING * frames as f64 {
             return Err(MotionError::NothingMoves { name });
         }
-        let middle = median(shares.into_iter());
+        let middle = median(shares);
         if middle > EVERYTHING {
             return Err(MotionError::EverythingMoves { name, percent: (100.0 * middle) as u32 });
         }
@@ -105,53 +108,55 @@ impl Silhouettes {
         Ok(Self { name, size, full_size, frames, words, bits })
     }
 
-    /// What the sequence is called in messages.
+    /// Returns the name of the sequence for messages.
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// Number of frames.
+    /// Returns the number of frames.
     pub fn len(&self) -> usize {
         self.frames
     }
 
-    /// Whether there are no frames.
+    /// Returns whether there are no frames.
     pub fn is_empty(&self) -> bool {
         self.frames == 0
     }
 
-    /// Size of the masks, px.
+    /// Returns the size of the masks, px.
     pub fn size(&self) -> Frame {
         self.size
     }
 
-    /// Size of the frames as they were recorded, px.
+    /// Returns the size of the frames as recorded, px.
     pub fn full_size(&self) -> Frame {
         self.full_size
     }
 
-    /// Whether a pixel shows something that moves.
+    /// Returns whether a pixel is moving in a frame.
     pub fn is_moving(&self, x: usize, y: usize, time: usize) -> bool {
         let word = self.bits[(y * self.size.width + x) * self.words + time / WORD];
         word >> (time % WORD) & 1 == 1
     }
 
-    /// The mask of a frame, row by row.
+    /// Returns the mask of a frame, row by row.
     pub fn mask(&self, time: usize) -> Vec<bool> {
         let of_pixel = |own: &[u64]| own[time / WORD] >> (time % WORD) & 1 == 1;
         self.bits.chunks_exact(self.words).map(of_pixel).collect()
     }
 
-    /// The share of all pixels of all frames that show something that moves.
+    /// Returns the fraction of moving pixels over all frames.
     pub fn share(&self) -> f64 {
         let set: u64 = self.bits.iter().map(|word| u64::from(word.count_ones())).sum();
         set as f64 / (self.size.width * self.size.height * self.frames).max(1) as f64
     }
 
-    /// Frames in which a line is crossed. The line is in pixels of an image that is `scale` times as large as the masks.
+    /// Returns the barcode of a line, in pixels of an image that is `scale` times as large as the
+    /// masks.
     pub fn barcode(&self, line: &AnchoredLine, scale: f64) -> Barcode {
         let Frame { width, height } = self.size;
-        // As `geometry::rescaled` has it, but a quotient: times the reciprocal would round otherwise.
+        // Like `geometry::rescaled`, but by division: multiplying by the reciprocal would round
+        // differently.
         let to_mask = |v: f64| (v + 0.5) / scale - 0.5;
         let anchor = crate::geometry::Point::new(to_mask(line.anchor.x), to_mask(line.anchor.y));
         let own = AnchoredLine { anchor, direction: line.direction };
@@ -165,8 +170,10 @@ impl Silhouettes {
         Barcode::new(self.union(&pixels), self.frames)
     }
 
-    /// The union over some pixels, given by the places of their first words. Nearly all the time of a search by barcodes
-    /// is spent here: some words at a time stay in registers.
+    /// Returns the union over some pixels, given by the indices of their first words.
+    ///
+    /// A search by barcodes spends nearly all its time here. A few words at a time stay in
+    /// registers.
     fn union(&self, pixels: &[usize]) -> Vec<u64> {
         let mut words = Vec::with_capacity(self.words);
         while words.len() < self.words {
@@ -195,7 +202,7 @@ impl Silhouettes {
         union
     }
 
-    /// The same with some of the frames only, in the order given.
+    /// Returns the silhouettes of the given frames only, in the given order.
     #[must_use]
     pub fn at_times(&self, times: &[usize]) -> Self {
         let words = times.len().div_ceil(WORD);
@@ -212,7 +219,7 @@ impl Silhouettes {
         Self { name: self.name.clone(), frames: times.len(), words, bits, ..*self }
     }
 
-    /// The same at half the size: a pixel shows something that moves if one of its four does.
+    /// Returns the silhouettes at half the size. A pixel moves if any of its four pixels does.
     #[must_use]
     pub fn halved(&self) -> Self {
         let Frame { width, height } = self.size;
@@ -232,8 +239,8 @@ impl Silhouettes {
         Self { name: self.name.clone(), size, bits, ..*self }
     }
 
-    /// Both sequences where they overlap, when frame `k` of the first was taken together with frame `k + offset` of the
-    /// second.
+    /// Returns the overlap of two sequences, in which frame `k` of the first matches frame
+    /// `k + offset` of the second.
     pub fn overlapping(both: [&Self; 2], offset: i32) -> Result<[Self; 2], MotionError> {
         let ([from1, from2], common) = common_frames(both.map(Self::len), offset);
         if common < FEWEST_FRAMES {
@@ -249,26 +256,17 @@ impl Silhouettes {
     }
 }
 
-/// The frames in common at an offset: the first one of either sequence, and how many; none where they do not overlap.
+/// Returns the overlap at an offset: its first frame in each sequence, and its number of frames,
+/// possibly 0.
 pub fn common_frames(counts: [usize; 2], offset: i32) -> ([usize; 2], usize) {
     let first = starts(offset);
     let left = |k: usize| counts[k].saturating_sub(first[k]);
     (first, left(0).min(left(1)))
 }
 
-/// First frames in common at an offset.
+/// Returns the first frames in common at an offset.
 fn starts(offset: i32) -> [usize; 2] {
     [(-offset).max(0) as usize, offset.max(0) as usize]
-}
-
-/// Median of some values; 0 of none.
-fn median(values: impl Iterator<Item = f64>) -> f64 {
-    let mut values: Vec<f64> = values.collect();
-    if values.is_empty() {
-        return 0.0;
-    }
-    let middle = values.len() / 2;
-    *values.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
 #[cfg(test)]
@@ -279,7 +277,7 @@ mod tests {
 
     const SIZE: Frame = Frame { width: 96, height: 72 };
 
-    /// Frames with a texture, made by a brightness at a place and a time.
+    /// Creates textured frames from a brightness as a function of position and time.
     fn sequence(frames: usize, level: impl Fn(usize, usize, usize) -> f32) -> FrameSequence {
         let mut sequence = FrameSequence::new("left");
         for time in 0..frames {
@@ -292,7 +290,7 @@ mod tests {
         90.0 + 40.0 * ((x as f32) * 0.35).sin() * ((y as f32) * 0.27).cos()
     }
 
-    /// Noise of some grey levels, the same every time.
+    /// Returns reproducible noise of some grey levels.
     fn noise(x: usize, y: usize, time: usize) -> f32 {
         let hash = (x * 73_856_093) ^ (y * 19_349_663) ^ (time * 83_492_791);
         ((hash >> 7) % 9) as f32 - 4.0
@@ -320,7 +318,7 @@ mod tests {
             wrong += (0..mask.len()).filter(|k| mask[*k] != is_in_square(k % 96, k / 96, time)).count();
             all += mask.iter().filter(|moving| **moving).count();
         }
-        // The corners of the square go with the specks.
+        // The corners of the square vanish with the specks.
         assert!(wrong * 20 < all, "{wrong} of {all}");
         let line = AnchoredLine::at_angle(Point::new(40.0, 0.0), std::f64::consts::FRAC_PI_2);
         let barcode = found.barcode(&line, 1.0);
@@ -339,7 +337,7 @@ mod tests {
                 .starts_with("nothing moves in left")
         );
         assert!(told(&sequence(9, |x, y, _| texture(x, y))).starts_with("left has 9 frames, at least 16"));
-        // Everything: another texture each time.
+        // A different texture in every frame.
         let all = sequence(80, |x, y, t| {
             [20.0, 120.0, 220.0][((x / 9) * 73 + (y / 7) * 199 + t * t * 31 + t * 7) % 101 % 3]
         });
@@ -356,7 +354,8 @@ mod tests {
             let masks: Vec<Vec<bool>> = (0..40).map(mask).collect();
             Silhouettes::from_masks("made", SIZE, SIZE, masks).unwrap()
         };
-        // The second camera began seven frames earlier, so that the same is seen seven frames later in it.
+        // The second camera started seven frames earlier, so the scene appears seven frames later
+        // in it.
         let (first, second) = (moving(7), moving(0));
         let [a, b] = Silhouettes::overlapping([&first, &second], 7).unwrap();
         assert_eq!((a.len(), a.mask(20)), (33, b.mask(20)));

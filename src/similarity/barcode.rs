@@ -10,7 +10,7 @@ use crate::motion::{Barcode, Silhouettes};
 
 /// Two synchronised sequences of static cameras, compared by the motion barcodes of lines.
 pub struct BarcodeSource {
-    /// What moves, in as many frames of either.
+    /// Silhouettes of the moving objects in each sequence, with the same number of frames.
     pub silhouettes: [Arc<Silhouettes>; 2],
 }
 
@@ -34,16 +34,16 @@ impl SimilaritySource for BarcodeSource {
     }
 }
 
-/// One minus what the normalised cross-correlation of two motion barcodes is at least ([`Barcode::least_correlation`]),
-/// 0 to 2.
+/// A similarity of lines by motion barcodes. The cost is 1 minus the lower bound of the normalised
+/// cross-correlation ([`Barcode::least_correlation`]), 0 to 2.
 pub struct BarcodeSimilarity<'a> {
-    /// What moves in either sequence.
+    /// Silhouettes of the moving objects in each sequence.
     pub silhouettes: [&'a Silhouettes; 2],
-    /// Size of the images that lines are given in, over that of the masks.
+    /// Size of the images in which lines are given, over the size of the masks.
     pub scales: [f64; 2],
 }
 
-/// The cost of lines that have nothing to do with each other.
+/// Cost of unrelated lines.
 const UNRELATED: f32 = 1.0;
 
 impl BarcodeSimilarity<'_> {
@@ -87,8 +87,9 @@ impl LineSimilarity for BarcodeSimilarity<'_> {
         CostMatrix::new(lines1.len(), lines2.len(), costs)
     }
 
-    /// The deviation of the bits of each line's barcode, 0 to 1/2; 0 where it is nearly constant. The correlations of
-    /// many pairs of lines, each weighted with both deviations, are the correlation of all their bits.
+    /// Returns the standard deviation of the bits of each line's barcode, 0 to 1/2; 0 for a nearly
+    /// constant barcode. Correlations of many line pairs, weighted by both deviations, give the
+    /// correlation of all their bits.
     fn information(&self, image: usize, lines: &[AnchoredLine]) -> Vec<f64> {
         self.barcodes(image, lines).iter().map(|barcode| barcode.variance().sqrt()).collect()
     }

@@ -1,39 +1,42 @@
 //! The vectorised stereo cost: C* of 32 line pairs at once.
 //!
-//! The recurrence is the one of [`super::match_cost`], bit for bit. It runs along the samples of a line and
-//! along its disparities, both of which carry a dependency; so the vector lanes are *lines*: lane `k` matches
-//! one line pair, and the sequential prefix minimum over disparities costs one operation for all 32.
+//! The results equal those of [`super::match_cost`], bit for bit. The recurrence is sequential both
+//! along the samples of a line and along the disparities, so the vector lanes are *line pairs*. The
+//! sequential prefix minimum over disparities then costs one operation for all 32 pairs.
 //!
 //! ```text
 //!     best  = min( S[d], S[d−k] + λk² (k < √(α/λ)), S[d+1] + min(λ, α), min over d' ≤ d of S[d'] + α )
 //!     S'[d] = best − lowest + φ
 //! ```
 //!
-//! Plain loops over fixed-size arrays, compiled once per instruction set by the `multiversion` crate, which
-//! chooses at run time; no `unsafe` here. Throughput is bounded by the vector ALUs: some 15 operations a cell
-//! (see `cargo bench`); loads and the 6 KB of state stay in the first-level cache.
+//! The code is plain loops over fixed-size arrays, without `unsafe`. The `multiversion` crate
+//! compiles it once per instruction set and selects a version at run time. The vector ALUs bound
+//! the throughput, at about 15 operations per cell (see `cargo bench`). Loads and the 6 KB of state
+//! stay in the first-level cache.
 //!
 //! # Pitfalls
-//! Lanes differ in length. A sample that a lane of the first block does not have costs 0 and leaves the minimum
-//! as it is, so the lane's total is exact; a sample that a lane of the second block does not have is outside.
+//! Lanes differ in length. A sample missing in a lane of the first block costs 0 and leaves the
+//! minimum unchanged, so the lane's total is exact. A sample missing in a lane of the second block
+//! counts as outside.
 
 use multiversion::multiversion;
 
 use super::{DisparityRange, Ordering, StereoParameters};
 use crate::image::Profile;
 
-/// Line pairs matched at once: two vectors of 16 in 256-bit registers, one of 32 in 512-bit ones.
+/// Line pairs matched at once: two vectors of 16 in 256-bit registers, one of 32 in 512-bit
+/// registers.
 pub const LANES: usize = 32;
 
 type Row = [u16; LANES];
 
-/// Up to [`LANES`] profiles interleaved sample by sample, all with the same index 0.
+/// Up to [`LANES`] profiles interleaved sample by sample, with a common index 0.
 #[derive(Debug, Clone)]
 pub struct LaneBlock {
-    /// Sample index of `rows[1]`; the first and the last row are outside every lane.
+    /// Sample index of `rows[1]`. The first and the last row are outside every lane.
     first: i32,
     values: Vec<Row>,
-    /// All ones where the lane has a sample, zero where it does not.
+    /// All ones where the lane has a sample, zero elsewhere.
     present: Vec<Row>,
 }
 
@@ -41,7 +44,7 @@ impl LaneBlock {
     /// Interleaves profiles.
     ///
     /// # Panics
-    /// With more than [`LANES`] profiles: a programming error.
+    /// Panics if there are more than [`LANES`] profiles.
     pub fn new<'a>(profiles: impl IntoIterator<Item = &'a Profile>) -> Self {
         let mut lanes = [None; LANES];
         for (count, profile) in profiles.into_iter().enumerate() {
@@ -70,7 +73,7 @@ impl LaneBlock {
     }
 }
 
-/// Matches blocks of lines; keeps its working memory between calls.
+/// The matcher of line blocks. A kernel keeps its working memory between calls.
 #[derive(Debug, Clone)]
 pub struct Kernel {
     range: DisparityRange,
@@ -79,25 +82,25 @@ pub struct Kernel {
 }
 
 impl Kernel {
-    /// A kernel for one disparity range and one set of parameters.
+    /// Creates a kernel for one disparity range and one set of parameters.
     pub fn new(range: DisparityRange, parameters: StereoParameters) -> Self {
-        let margin = margin(&parameters);
+        let margin = margin(&parameters, range);
         let rows = vec![[u16::MAX; LANES]; range.len() + 2 * margin];
         Self { range, parameters, states: [rows.clone(), rows] }
     }
 
-    /// C* of one profile against each lane of a block.
+    /// Returns C* of one profile against each lane of a block.
     pub fn match_one(&mut self, a: &Profile, b: &LaneBlock) -> [u32; LANES] {
         self.run(&First::One(a), b)
     }
 
-    /// C* of each lane of `a` against the same lane of `b`.
+    /// Returns C* of each lane of `a` against the same lane of `b`.
     pub fn match_lanes(&mut self, a: &LaneBlock, b: &LaneBlock) -> [u32; LANES] {
         self.run(&First::Lanes(a), b)
     }
 
     fn run(&mut self, a: &First, b: &LaneBlock) -> [u32; LANES] {
-        let margin = margin(&self.parameters);
+        let margin = margin(&self.parameters, self.range);
         for states in &mut self.states {
             states[margin..margin + self.range.len()].fill([0; LANES]);
         }
@@ -106,9 +109,10 @@ impl Kernel {
     }
 }
 
-/// Rows of `u16::MAX` kept on each side of the states, for jumps from beyond the range.
-fn margin(parameters: &StereoParameters) -> usize {
-    parameters.explicit_changes().max(1)
+/// Returns the number of rows of `u16::MAX` on each side of the states, for jumps from beyond the
+/// range.
+fn margin(parameters: &StereoParameters, range: DisparityRange) -> usize {
+    parameters.explicit_changes(range).max(1)
 }
 
 enum First<'a> {
@@ -116,14 +120,15 @@ enum First<'a> {
     Lanes(&'a LaneBlock),
 }
 
-/// Everything a row of the recurrence needs besides its samples.
+/// Costs of a step of the recurrence.
 struct Recurrence<'a> {
     truncation: u16,
     outside: u16,
-    alpha: u16,
-    /// `changes[k − 1]`: cost of a change of disparity by `k`.
+    /// Cost of the largest disparity changes.
+    jump: u16,
+    /// Cost of a disparity change by `k` in `changes[k − 1]`.
     changes: &'a [u16],
-    /// Cost of a change by −1.
+    /// Cost of a disparity change by −1.
     back: u16,
     ordering: Ordering,
 }
@@ -137,17 +142,18 @@ fn run_block(
     old: &mut Vec<Row>,
     new: &mut Vec<Row>,
 ) -> [u32; LANES] {
-    let changes: Vec<u16> =
-        (1..=margin(parameters)).map(|k| parameters.change_cost(k as i32).unwrap_or(u16::MAX)).collect();
+    let changes: Vec<u16> = (1..=margin(parameters, range))
+        .map(|k| parameters.change_cost(k as i32).unwrap_or(u16::MAX))
+        .collect();
     let step = Recurrence {
         truncation: parameters.truncation,
         outside: parameters.outside,
-        alpha: parameters.alpha,
+        jump: parameters.jump_cost(),
         changes: &changes,
         back: parameters.change_cost(-1).unwrap_or(u16::MAX),
         ordering: parameters.ordering,
     };
-    // The two presets get code of their own; everything else takes the general loop.
+    // The two presets have specialised code; other parameters use the general loop.
     match (parameters.ordering, changes.len(), a) {
         (Ordering::Positions, 1, First::One(_)) => sweep::<1, true>(&step, range, a, b, old, new),
         (Ordering::Positions, 2, First::One(_)) => sweep::<2, true>(&step, range, a, b, old, new),
@@ -158,7 +164,8 @@ fn run_block(
     }
 }
 
-/// All samples of the first lines. `K` explicit changes, 0 for the general loop; `ONE`: one first profile.
+/// Processes all samples of the first lines. `K` is the number of explicit changes, 0 for the
+/// general loop; `ONE` means a single first profile.
 #[inline(always)]
 #[expect(clippy::inline_always, reason = "must be compiled once per instruction set, inside `run_block`")]
 fn sweep<const K: usize, const ONE: bool>(
@@ -183,7 +190,7 @@ fn sweep<const K: usize, const ONE: bool>(
             First::One(profile) => ([u16::from(profile.values[i]); LANES], [u16::MAX; LANES]),
             First::Lanes(block) => (block.values[i + 1], block.present[i + 1]),
         };
-        // Row of the second block that disparity `range.min` meets.
+        // Row of the second block at disparity `range.min`.
         let offset = first + i as i32 + range.min - b.first + 1;
         lowest = advance::<K, ONE>(step, &value, &has, &lowest, offset, b, old, new);
         std::mem::swap(old, new);
@@ -194,7 +201,7 @@ fn sweep<const K: usize, const ONE: bool>(
     totals
 }
 
-/// A step along the lines by one sample: all disparities.
+/// Advances all disparities by one sample along the lines.
 #[inline(always)]
 #[expect(clippy::inline_always, reason = "must be compiled once per instruction set, inside `run_block`")]
 #[expect(clippy::too_many_arguments, reason = "the hot loop's registers, named")]
@@ -239,7 +246,7 @@ fn advance<const K: usize, const ONE: bool>(
         for l in 0..LANES {
             prefix[l] = prefix[l].min(current[l]);
             let jump = if K == 0 && step.ordering == Ordering::Free { lowest[l] } else { prefix[l] };
-            let reached = best[l].min(jump.saturating_add(step.alpha)) - lowest[l];
+            let reached = best[l].min(jump.saturating_add(step.jump)) - lowest[l];
             let difference = value[l].wrapping_sub(other[l]);
             let inside = difference.wrapping_mul(difference).min(step.truncation);
             let mut cost = (inside & present[l]) | (step.outside & !present[l]);
@@ -273,9 +280,17 @@ mod tests {
         let base = StereoParameters::PAPER;
         let mut sets = Vec::new();
         for ordering in [Ordering::Positions, Ordering::Free, Ordering::Disparities] {
-            for (lambda, alpha) in
-                [(2, 3), (400, 2000), (50, 200), (7, 5), (0, 0), (3, 1000), (65_535, 65_535)]
-            {
+            for (lambda, alpha) in [
+                (2, 3),
+                (400, 2000),
+                (50, 200),
+                (7, 5),
+                (0, 0),
+                (0, 2000),
+                (1, 20_000),
+                (3, 1000),
+                (65_535, 65_535),
+            ] {
                 sets.push(StereoParameters { lambda, alpha, ordering, ..base });
             }
         }

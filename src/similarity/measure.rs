@@ -1,4 +1,4 @@
-//! The interface of line similarities, and the stereo similarity behind it.
+//! The interface of line similarities, and the stereo similarity.
 
 use rayon::prelude::*;
 
@@ -15,38 +15,38 @@ pub struct CostMatrix {
 }
 
 impl CostMatrix {
-    /// A matrix of `rows × columns` costs, row by row; infinite where two lines were not compared.
+    /// Creates a matrix of `rows × columns` costs, row by row. The cost is infinite for lines that
+    /// were not compared.
     ///
     /// # Panics
-    /// When the number of costs is not `rows × columns`: a programming error.
+    /// Panics if the number of costs is not `rows × columns`.
     pub fn new(rows: usize, columns: usize, costs: Vec<f32>) -> Self {
         assert_eq!(costs.len(), rows * columns, "one cost for each pair of lines");
         Self { rows, columns, costs }
     }
 
-    /// Lines of image 1.
+    /// Returns the number of lines of image 1.
     pub fn rows(&self) -> usize {
         self.rows
     }
 
-    /// Lines of image 2.
+    /// Returns the number of lines of image 2.
     pub fn columns(&self) -> usize {
         self.columns
     }
 
-    /// The cost of line `row` of image 1 against line `column` of image 2.
+    /// Returns the cost of line `row` of image 1 against line `column` of image 2.
     pub fn at(&self, row: usize, column: usize) -> f32 {
         self.costs[row * self.columns + column]
     }
 
-    /// All costs of one line of image 1.
+    /// Returns all costs of one line of image 1.
     pub fn row(&self, row: usize) -> &[f32] {
         &self.costs[row * self.columns..(row + 1) * self.columns]
     }
 
-    /// Each cost divided by the geometric mean of the medians of its row and its column: a line that is cheap
-    /// against everything (it crosses no texture) is no longer preferred. On nine real pairs this moved the
-    /// true line pair from the best 10–11 % to the best 3.5 % of all pairs.
+    /// Divides each cost by the geometric mean of the medians of its row and its column. Lines
+    /// without texture, which match every line cheaply, are then no longer preferred.
     #[must_use]
     pub fn normalised(&self) -> Self {
         let row_medians: Vec<f32> =
@@ -63,7 +63,7 @@ impl CostMatrix {
     }
 }
 
-/// Median of the finite values; 1 when there are none.
+/// Returns the median of the finite values; 1 if there are none.
 fn finite_median(values: impl Iterator<Item = f32>) -> f32 {
     let mut finite: Vec<f32> = values.filter(|v| v.is_finite()).collect();
     if finite.is_empty() {
@@ -73,16 +73,18 @@ fn finite_median(values: impl Iterator<Item = f32>) -> f32 {
     *finite.select_nth_unstable_by(middle, f32::total_cmp).1
 }
 
-/// A measure of how well lines of two images match, lower is better.
+/// A measure of how well lines of two images match; lower costs are better.
 ///
-/// Implementations are compared only with themselves, so the unit of the cost is theirs.
+/// The unit of the cost is up to the implementation, since costs of different implementations are
+/// never compared.
 pub trait LineSimilarity: Sync {
-    /// Costs of many line pairs at once, in parallel; infinite when one of the lines misses its image. The cost of a
-    /// pair does not depend on what else is asked for.
+    /// Returns the costs of many line pairs, computed in parallel. The cost is infinite when a line
+    /// misses its image. The cost of a pair does not depend on the other pairs.
     fn pair_costs(&self, pairs: &[(AnchoredLine, AnchoredLine)]) -> Vec<f32>;
 
-    /// Costs of every line of one pencil against every allowed line of the other, in parallel. `stop` is
-    /// asked between rows; when it says so the rest of the matrix stays infinite.
+    /// Returns the costs of every line of one pencil against every allowed line of the other,
+    /// computed in parallel. `stop` is called between rows; once it returns true, the remaining
+    /// costs stay infinite.
     fn cost_matrix(
         &self,
         lines1: &[AnchoredLine],
@@ -91,24 +93,26 @@ pub trait LineSimilarity: Sync {
         stop: &(dyn Fn() -> bool + Sync),
     ) -> CostMatrix;
 
-    /// How much each line of image `image` (0 or 1) has to say: lines near 0 match everything.
+    /// Returns how informative each line of image `image` (0 or 1) is. Lines near 0 match every
+    /// line.
     fn information(&self, image: usize, lines: &[AnchoredLine]) -> Vec<f64>;
 
-    /// Cost of a line pair of which one misses its image altogether.
+    /// Returns the cost of a line pair in which one line misses its image.
     fn outside_cost(&self) -> f32;
 }
 
-/// The stereo cost C* per sample, mean of both directions (paper, section 3), in squared grey levels.
+/// A similarity by the stereo cost C* per sample, mean of both directions (paper, section 3), in
+/// squared grey levels.
 pub struct StereoSimilarity<'a> {
-    /// The two images at the size they are compared at.
+    /// The two images at the size of the comparison.
     pub planes: [&'a GrayPlane; 2],
     /// Disparities tried, in samples of 1 px.
     pub range: DisparityRange,
-    /// The numbers of the cost.
+    /// Parameters of the stereo cost.
     pub parameters: StereoParameters,
 }
 
-/// Making a block costs one part in so many of matching it, about.
+/// Approximate ratio of the cost of matching a block to the cost of making it.
 const PACKING: usize = 8;
 
 impl StereoSimilarity<'_> {
@@ -116,7 +120,7 @@ impl StereoSimilarity<'_> {
         lines.iter().map(|line| Profile::sample(self.planes[image], line, 1.0)).collect()
     }
 
-    /// Costs of each profile of `firsts` against those profiles of `seconds` that are allowed.
+    /// Returns the costs of each profile of `firsts` against the allowed profiles of `seconds`.
     fn one_way(
         &self,
         firsts: &[Profile],
@@ -140,7 +144,7 @@ impl StereoSimilarity<'_> {
                 let wanted: Vec<usize> =
                     (0..seconds.len()).filter(|j| allowed(i, *j) && !seconds[*j].is_empty()).collect();
                 let touched = wanted.chunk_by(|a, b| a / LANES == b / LANES).count();
-                // Where few lines of a block are asked for, blocks of those alone are worth making.
+                // When few lines of each block are wanted, packing them into new blocks saves time.
                 if PACKING * wanted.len().div_ceil(LANES) < (PACKING - 1) * touched {
                     for few in wanted.chunks(LANES) {
                         let block = LaneBlock::new(few.iter().map(|j| &seconds[*j]));
@@ -240,7 +244,7 @@ mod tests {
         };
         let (lines1, lines2) = (pencil(9), pencil(47));
         let matrix = similarity.cost_matrix(&lines1, &lines2, &|i, j| (i + j) % 5 != 0, &|| false);
-        // Few lines of each block: they are put into blocks of their own.
+        // Few lines of each block are wanted, so they are packed into new blocks.
         let sparse = similarity.cost_matrix(&lines1, &lines2, &|i, j| (i + j) % 9 == 0, &|| false);
         let all: Vec<_> = lines1.iter().flat_map(|a| lines2.iter().map(move |b| (*a, *b))).collect();
         let costs = similarity.pair_costs(&all);
@@ -276,7 +280,7 @@ mod tests {
             *value *= 10.0;
         }
         let (a, b) = (CostMatrix::new(3, 4, costs).normalised(), CostMatrix::new(3, 4, scaled));
-        // The row medians scale with the row; the order within the row is what must survive.
+        // The row medians scale with the row. The order within the row must stay.
         let b = b.normalised();
         let order = |m: &CostMatrix| {
             let mut order = [0, 1, 2, 3];

@@ -1,9 +1,10 @@
-//! How well two lines match: the paper's stereo similarity (section 3) and the interface that other
-//! measures implement.
+//! Similarity of lines: the paper's stereo similarity (section 3), and the interface of other
+//! measures.
 //!
-//! What is compared is a [`SimilaritySource`], which makes a [`LineSimilarity`] at any size. The estimators ask that for
-//! costs of lines against lines, many at a time, and never look at intensities themselves, so that a measure without
-//! intensities can take the place of stereo matching: [`BarcodeSource`] compares the motion barcodes of two sequences.
+//! A [`SimilaritySource`] makes a [`LineSimilarity`] at any image size. The estimators request the
+//! costs of many line pairs at a time and never read intensities themselves. A measure without
+//! intensities can therefore replace stereo matching: [`BarcodeSource`] compares the motion
+//! barcodes of two sequences.
 
 mod barcode;
 mod kernel;

@@ -1,4 +1,5 @@
-//! One inspected line pair: its intensities, disparities, and the first profile warped onto the second.
+//! Inspection of one line pair: its intensities, its disparities, and the second profile warped
+//! onto the first.
 
 use super::{DisparityRange, StereoMatch, StereoParameters, match_profiles};
 use crate::geometry::{AnchoredLine, Frame};
@@ -11,18 +12,19 @@ pub struct WarpedProfile {
     pub profile1: Profile,
     /// Intensities along the line of image 2.
     pub profile2: Profile,
-    /// The best matching of profile 1 with profile 2.
+    /// Best matching of profile 1 with profile 2.
     pub matching: StereoMatch,
-    /// Profile 2 brought onto the samples of profile 1 by the disparities, `I₂(i + dᵢ)`; `None` where the
-    /// match falls outside image 2.
+    /// Profile 2 warped onto the samples of profile 1, `I₂(i + dᵢ)`; `None` where the match falls
+    /// outside image 2.
     pub warped2: Vec<Option<u8>>,
 }
 
-/// Samples of a line, about: longer lines are sampled in larger steps.
+/// Approximate maximum number of samples of a line. Longer lines have larger steps.
 const SAMPLES: f64 = 1000.0;
 
-/// Distance of neighbouring samples, px, and the disparities to try, samples, for the inspection of lines of
-/// images whose first one has this frame. `reach` is the largest disparity as a fraction of its longer side.
+/// Returns the sample spacing (px) and the disparities to try (samples) for inspecting a line pair.
+/// `frame1` is the size of the first image. `reach` is the largest disparity as a fraction of the
+/// longer side.
 pub fn inspection_scale(frame1: Frame, reach: f64) -> (f64, DisparityRange) {
     let step = (frame1.diagonal() / SAMPLES).max(1.0);
     let most = (reach * frame1.longer_side() / step).round().max(2.0) as i32;

@@ -1,32 +1,32 @@
-//! What is compared: a source that makes line similarities at any size.
+//! Sources of line similarities at any image size.
 
 use super::{DisparityRange, LineSimilarity, SimilarityParameters, StereoSimilarity};
 use crate::geometry::{Frame, PointPair};
 use crate::image::{PyramidPair, RelativeView};
 
-/// Two images, or whatever else lines are compared in.
+/// Two images, or other data in which lines are compared.
 pub trait SimilaritySource: Sync {
-    /// The similarity at the size nearest to a longer side of `side` px.
+    /// Returns the similarity at the size nearest to a longer side of `side` px.
     fn at(&self, side: f64) -> ScaledSimilarity<'_>;
 
-    /// How far lines of image 2 are turned against those of image 1, about, radians.
+    /// Returns the approximate rotation of image 2 relative to image 1, radians.
     fn rotation(&self) -> f64 {
         0.0
     }
 }
 
-/// A line similarity and the size it works at: all lines that it is asked about are in pixels of that size.
+/// A line similarity and its image size. All lines passed to it are in pixels of that size.
 pub struct ScaledSimilarity<'a> {
-    /// The measure.
+    /// Similarity measure.
     pub lines: Box<dyn LineSimilarity + 'a>,
     /// Sizes of the images.
     pub frames: [Frame; 2],
-    /// Size over full size, of each image.
+    /// Size over full size, for each image.
     pub scales: [f64; 2],
 }
 
 impl ScaledSimilarity<'_> {
-    /// A full-size point pair in pixels of this size.
+    /// Converts a full-size point pair to pixels of this size.
     pub fn resized(&self, pair: &PointPair) -> PointPair {
         pair.rescaled(self.scales)
     }
@@ -34,11 +34,12 @@ impl ScaledSimilarity<'_> {
 
 /// Two pictures, compared by stereo matching.
 pub struct PictureSource<'a> {
-    /// The grey images.
+    /// Pyramids of the grey images.
     pub pyramids: &'a PyramidPair,
-    /// How things are turned and scaled in image 2: profiles are sampled so that they are of like size.
+    /// Rotation and scale of image 2 relative to image 1. Profiles are sampled at levels where
+    /// objects have similar size.
     pub view: RelativeView,
-    /// The numbers of the comparison.
+    /// Parameters of the comparison.
     pub parameters: SimilarityParameters,
 }
 

@@ -1,18 +1,18 @@
-//! The stereo cost of two profiles by dynamic programming: the scalar reference, and the disparities
-//! themselves.
+//! The stereo cost of two profiles by dynamic programming: the scalar reference, and the optimal
+//! disparities.
 //!
 //! ```text
 //!     S(i, d) = φ(i, d) + min over allowed d' of [ S(i − 1, d') + ψ(d − d') ] − min over d' of S(i − 1, d')
 //! ```
 //!
-//! The minimum of each row is taken out and added up apart, so that `S` stays small: 16 bits that saturate at
-//! 65,535. A state that far above the best one of its sample is given up: it could win only if the best one
-//! ran into 26 or more fully mismatched samples in a row. The vectorised kernel computes the same numbers,
-//! bit for bit; tests compare the two.
+//! The minimum of each row is subtracted and summed separately, so that `S` fits into 16 bits,
+//! saturating at 65,535. A saturated state is lost, but it could win only if the best state ran
+//! into 26 or more fully mismatched samples in a row. The vectorised kernel computes the same
+//! numbers, bit for bit; tests compare the two.
 //!
-//! [`match_cost`] is the plain definition, with a loop over every jump: the truth for the kernel. Where the
-//! disparities are wanted, [`match_profiles`] looks at the few jumps that cost less than α one by one and at all
-//! others together; tests compare the two.
+//! [`match_cost`] is the plain definition with a loop over every jump, the reference for the
+//! kernel. [`match_profiles`] also returns the disparities. The function examines the few jumps
+//! cheaper than α one by one and all others together; tests compare the two.
 
 use super::{DisparityRange, Ordering, StereoParameters};
 use crate::image::Profile;
@@ -20,20 +20,20 @@ use crate::image::Profile;
 /// The best matching of a profile with another.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct StereoMatch {
-    /// C*: total cost, squared grey levels.
+    /// Total cost C*, squared grey levels.
     pub cost: u64,
     /// Disparity of each sample of the first profile: sample `i` matches `i + d`.
     pub disparities: Vec<i32>,
-    /// Cost of each sample (φ and the change of disparity before it), squared grey levels.
+    /// Cost of each sample (φ and the preceding disparity change), squared grey levels.
     pub sample_costs: Vec<u32>,
 }
 
-/// C* alone; zero for an empty first profile.
+/// Returns C* without the disparities; zero for an empty first profile.
 pub fn match_cost(a: &Profile, b: &Profile, range: DisparityRange, parameters: &StereoParameters) -> u64 {
     forward(a, b, range, parameters, reach_plainly, |_| ())
 }
 
-/// C* with the disparities that reach it, by backtracking. Among equals the smallest change wins.
+/// Returns C* and the optimal disparities, by backtracking. Ties go to the smallest change.
 pub fn match_profiles(
     a: &Profile,
     b: &Profile,
@@ -55,7 +55,7 @@ pub fn match_profiles(
                 let change = state as i32 - from as i32;
                 parameters.change_cost(change).map_or(u16::MAX, |c| rows[i - 1][from].saturating_add(c))
             };
-            // Ties: the smallest change, so that flat stretches do not wander.
+            // Ties go to the smallest change, so that disparities do not wander in flat stretches.
             let from =
                 (0..range.len()).min_by_key(|from| (reach(*from), from.abs_diff(state))).unwrap_or(state);
             let change = state as i32 - from as i32;
@@ -66,7 +66,7 @@ pub fn match_profiles(
     StereoMatch { cost, disparities, sample_costs }
 }
 
-/// What it costs to reach each state from the cheapest of the row before: a loop over every jump.
+/// Computes the cost of reaching each state from the previous row, by a loop over every jump.
 fn reach_plainly(row: &[u16], parameters: &StereoParameters, reached: &mut [u16]) {
     for (d, reached) in reached.iter_mut().enumerate() {
         let jumps = row.iter().enumerate().filter_map(|(from, state)| {
@@ -76,13 +76,12 @@ fn reach_plainly(row: &[u16], parameters: &StereoParameters, reached: &mut [u16]
     }
 }
 
-/// What it costs to reach each state, quickly: all jumps as far as the ordering allows cost α at most, so their
-/// cheapest start is a running minimum; only those that cost less are looked at one by one.
+/// Computes the cost of reaching each state from the previous row, quickly. Every allowed jump
+/// costs at most `jump_cost`, so a running minimum covers all; only cheaper jumps are examined one
+/// by one.
 fn reach_quickly(row: &[u16], parameters: &StereoParameters, reached: &mut [u16]) {
-    let near =
-        (1..row.len() as u64).take_while(|c| u64::from(parameters.lambda) * c * c < parameters.alpha.into());
-    let near = near.count() as i32;
-    // How far behind a state its predecessors may lie.
+    let near = parameters.explicit_changes(DisparityRange { min: 0, max: row.len() as i32 - 1 }) as i32;
+    // Number of states by which a predecessor may lie behind a state.
     let lead = match parameters.ordering {
         Ordering::Positions => 1,
         Ordering::Free => row.len(),
@@ -97,11 +96,12 @@ fn reach_quickly(row: &[u16], parameters: &StereoParameters, reached: &mut [u16]
             let from = usize::try_from(d as i32 - change).ok()?;
             Some(row.get(from)?.saturating_add(parameters.change_cost(change)?))
         });
-        *reached = jumps.min().unwrap_or(u16::MAX).min(least.saturating_add(parameters.alpha));
+        *reached = jumps.min().unwrap_or(u16::MAX).min(least.saturating_add(parameters.jump_cost()));
     }
 }
 
-/// The recurrence; `reach` is one of the two functions above, `visit` sees each row of states.
+/// Runs the recurrence. `reach` is one of the two functions above; `visit` receives each row of
+/// states.
 fn forward(
     a: &Profile,
     b: &Profile,
@@ -119,7 +119,8 @@ fn forward(
         reach(&row, parameters, &mut next);
         for (d, state) in next.iter_mut().enumerate() {
             let other = b.get(a.first + i as i32 + range.min + d as i32);
-            // The first sample has no change before it: all states are zero then, so it costs nothing.
+            // The first sample has no preceding change; all states are zero, so the jump costs
+            // nothing.
             *state = (*state - lowest).saturating_add(parameters.sample_cost(*value, other));
         }
         std::mem::swap(&mut row, &mut next);
@@ -169,7 +170,7 @@ mod tests {
 
     #[test]
     fn ordering_forbids_going_back_by_more_than_one() {
-        // A block that jumps back by 4 while its surroundings stay: free ordering can follow it.
+        // A block jumps back by 4 while its surroundings stay. Free ordering can follow the jump.
         let base = textured(60, 7);
         let mut other = base.clone();
         other[26..36].copy_from_slice(&base[30..40]);
@@ -208,7 +209,7 @@ mod tests {
         #[test]
         fn states_are_reached_alike_quickly_and_plainly(
             row in proptest::collection::vec(0..60_000u16, 1..40),
-            lambda in 0..900u16,
+            lambda in prop_oneof![Just(0), 0..900u16],
             alpha in 0..9000u16,
             ordering in 0..3usize,
         ) {

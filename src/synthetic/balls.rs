@@ -1,8 +1,9 @@
-//! Balls thrown about in the yard, seen by two cameras that stand still and far apart: a pair of synchronised sequences
+//! Thrown balls in the yard, seen by two static cameras far apart: a pair of synchronised sequences
 //! with exact geometry.
 //!
-//! A ball of centre `c` and radius `r` is seen inside a conic, whose dual is `P Q* Pᵀ` with the dual quadric
-//! `Q* = (c cᵀ − r² I, c; cᵀ, 1)` (Hartley & Zisserman, §8.3): silhouettes are exact to the pixel.
+//! A ball of centre `c` and radius `r` projects to a conic. The conic's dual is `P Q* Pᵀ`, with the
+//! dual quadric `Q* = (c cᵀ − r² I, c; cᵀ, 1)` (Hartley & Zisserman, §8.3). Silhouettes are
+//! therefore exact to the pixel.
 
 use std::f64::consts::TAU;
 
@@ -16,7 +17,7 @@ use crate::geometry::{Camera, Frame, FundamentalMatrix, Point, PointPair};
 use crate::image::GrayPlane;
 use crate::motion::FrameSequence;
 
-/// What is to be seen, and how well.
+/// Parameters of a scene of thrown balls.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ThrownBalls {
     /// Size of the frames, px.
@@ -25,11 +26,12 @@ pub struct ThrownBalls {
     pub frames: usize,
     /// Number of balls.
     pub balls: usize,
-    /// Frame `k` of camera 1 is taken together with frame `k + offset` of camera 2.
+    /// Offset between the sequences: frame `k` of camera 1 is simultaneous with frame `k + offset`
+    /// of camera 2.
     pub offset: i32,
-    /// Standard deviation of the noise of the cameras, grey levels.
+    /// Standard deviation of the camera noise, grey levels.
     pub noise: f64,
-    /// How much brighter the last frame is than the first, as a share: the sun comes out.
+    /// Relative increase in brightness from the first frame to the last, as when the sun comes out.
     pub brightening: f64,
     /// Seed of the paths, the yard and the noise.
     pub seed: u64,
@@ -42,14 +44,14 @@ impl Default for ThrownBalls {
     }
 }
 
-/// The cameras and the balls.
+/// The two cameras and the balls of a scene.
 pub struct BallScene {
     thrown: ThrownBalls,
     cameras: [Camera; 2],
     balls: Vec<Ball>,
 }
 
-/// A ball and its path: in each direction two swings around a middle.
+/// A ball and its path: the sum of two oscillations per axis around a midpoint.
 struct Ball {
     radius: f64,
     shade: f64,
@@ -57,17 +59,17 @@ struct Ball {
     swings: [[Swing; 2]; 3],
 }
 
-/// A part of a path.
+/// One oscillation of a path.
 struct Swing {
     reach: f64,
-    /// Frames.
+    /// Period in frames.
     period: f64,
     phase: f64,
 }
 
-/// Where the balls are, m: in front of everything else in the yard.
+/// Bounds of the balls' positions, m: in front of everything else in the yard.
 const SPACE: [[f64; 2]; 3] = [[-1.7, 1.7], [1.6, 4.3], [0.35, 2.5]];
-/// Where the cameras stand and what they look at, m: the directions of view are 74° apart.
+/// Positions of the cameras and their common target, m. The viewing directions are 74° apart.
 const POSITIONS: [[f64; 3]; 2] = [[-3.0, -0.9, 1.9], [3.0, -0.7, 1.4]];
 const TARGET: [f64; 3] = [0.0, 3.1, 1.35];
 
@@ -77,7 +79,7 @@ impl Ball {
         let shade = if dark { random.random_range(5.0..35.0) } else { random.random_range(225.0..250.0) };
         let swings = SPACE.map(|[low, high]| {
             let half = 0.5 * (high - low);
-            // The first swing is wide and slow, the second one makes each throw different.
+            // The first oscillation is wide and slow; the second makes each throw different.
             [(0.75, 90.0..170.0), (0.25, 25.0..60.0)].map(|(share, periods)| Swing {
                 reach: half * share,
                 period: random.random_range(periods),
@@ -101,10 +103,10 @@ impl Ball {
     }
 }
 
-/// A ball as a camera sees it at some time.
+/// The projection of a ball into a camera at some time.
 struct Disc {
     conic: Matrix3<f64>,
-    /// First and last column and row.
+    /// First and last column. `rows` holds the first and last row.
     columns: [usize; 2],
     rows: [usize; 2],
     distance: f64,
@@ -120,7 +122,7 @@ impl Disc {
         quadric.fixed_view_mut::<3, 1>(0, 3).copy_from(&centre.coords);
         quadric.fixed_view_mut::<1, 3>(3, 0).copy_from(&centre.coords.transpose());
         let dual = camera.matrix() * quadric * camera.matrix().transpose();
-        // Lines x = v that touch the conic: d33 v² − 2 d13 v + d11 = 0.
+        // Lines x = v tangent to the conic: d33 v² − 2 d13 v + d11 = 0.
         let bounds = |k: usize, last: usize| {
             let root = (dual[(k, 2)].powi(2) - dual[(k, k)] * dual[(2, 2)]).sqrt();
             let [a, b] = [-1.0, 1.0].map(|sign| (dual[(k, 2)] + sign * root) / dual[(2, 2)]);
@@ -140,7 +142,7 @@ impl Disc {
         })
     }
 
-    /// The columns of each row that it covers.
+    /// Returns each row of the disc with its first and last column.
     fn spans(&self) -> impl Iterator<Item = (usize, usize, usize)> + '_ {
         (self.rows[0]..=self.rows[1]).filter_map(|y| {
             let is_inside = |x: usize| {
@@ -155,7 +157,7 @@ impl Disc {
 }
 
 impl BallScene {
-    /// Throws the balls. `None` only for a frame without pixels.
+    /// Creates the scene. Returns `None` only for a frame without pixels.
     pub fn new(thrown: ThrownBalls) -> Option<Self> {
         if thrown.frame.width == 0 || thrown.frame.height == 0 {
             return None;
@@ -171,17 +173,17 @@ impl BallScene {
         Some(Self { thrown, cameras, balls })
     }
 
-    /// The two cameras.
+    /// Returns the two cameras.
     pub fn cameras(&self) -> &[Camera; 2] {
         &self.cameras
     }
 
-    /// The exact fundamental matrix.
+    /// Returns the exact fundamental matrix.
     pub fn fundamental(&self) -> Option<FundamentalMatrix> {
         Camera::fundamental(&self.cameras[0], &self.cameras[1])
     }
 
-    /// Places in the space of the balls that both cameras see, at most `count`.
+    /// Returns up to `count` points in the balls' space that both cameras see.
     pub fn matches(&self, count: usize) -> Vec<PointPair> {
         let mut random = Pcg32::seed_from_u64(self.thrown.seed ^ 0x5eed);
         let mut anywhere = || {
@@ -194,7 +196,7 @@ impl BallScene {
         (0..20 * count).filter_map(|_| anywhere()).take(count).collect()
     }
 
-    /// The time, in frames of camera 1, at which a frame of a camera was taken.
+    /// Returns the time of a frame of a camera, in frames of camera 1.
     fn time(&self, camera: usize, number: usize) -> f64 {
         number as f64 - if camera == 0 { 0.0 } else { f64::from(self.thrown.offset) }
     }
@@ -207,7 +209,7 @@ impl BallScene {
         discs
     }
 
-    /// The exact mask of a frame, row by row.
+    /// Returns the exact mask of a frame, row by row.
     pub fn mask(&self, camera: usize, number: usize) -> Vec<bool> {
         let frame = self.thrown.frame;
         let mut mask = vec![false; frame.width * frame.height];
@@ -219,7 +221,7 @@ impl BallScene {
         mask
     }
 
-    /// The frames of both cameras, grey.
+    /// Draws the grey frames of both cameras.
     pub fn sequences(&self) -> Option<[FrameSequence; 2]> {
         let of_camera = |camera: usize, name: &str| {
             let still = yard_picture(self.cameras[camera], self.thrown.frame, self.thrown.seed)?;
@@ -245,7 +247,7 @@ impl BallScene {
         let light = 1.0 + self.thrown.brightening * number as f64 / self.thrown.frames.max(1) as f64;
         let seed = self.thrown.seed.wrapping_mul(7919).wrapping_add(2 * number as u64 + camera as u64);
         let mut random = Pcg32::seed_from_u64(seed);
-        // The sum of two bytes is near enough to a Gaussian of deviation 104.5 for the noise of a camera.
+        // The sum of two uniform bytes approximates a Gaussian of deviation 104.5 well enough.
         let spread = (self.thrown.noise / 104.5) as f32;
         for value in &mut values {
             let bits = random.random::<u32>();
@@ -278,8 +280,7 @@ mod tests {
         for m in scene.matches(50) {
             assert!(symmetric_epipolar_distance(&f, &m) < 1e-6);
         }
-        // The highest line that touches a ball in one view touches it in the other: of what an epipolar plane cuts
-        // both cameras see something.
+        // The epipolar line of a ball's centre passes through the centre in the other view.
         let ball = &scene.balls[0];
         for time in 0..20 {
             let centre = ball.at(f64::from(time));

@@ -1,8 +1,10 @@
-//! Image pairs whose geometry is known to rounding: the built-in samples, and made ones for tests and benchmarks.
+//! Image pairs of exactly known geometry: the built-in samples, and synthetic pairs for tests and
+//! benchmarks.
 //!
-//! - `Sample` (feature `files`) holds the pairs that come with the program; `examples/render-samples` made them.
-//! - [`BallScene`] draws two synchronised sequences in which things move.
-//! - [`test_pair`] draws a yard of flat, textured walls and boxes at any picture size, for every [`Motion`].
+//! - `Sample` (feature `files`) holds the built-in pairs, drawn by `examples/render-samples`.
+//! - [`BallScene`] draws two synchronised sequences of moving balls.
+//! - [`test_pair`] draws a yard of flat, textured walls and boxes at any image size, for every
+//!   [`Motion`].
 
 mod balls;
 mod motion;

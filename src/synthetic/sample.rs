@@ -1,4 +1,4 @@
-//! The pairs that come with the program, stored as pictures with their exact geometry.
+//! The built-in pairs, stored as pictures with their exact geometry.
 
 use nalgebra::Matrix3x4;
 use serde::{Deserialize, Serialize};
@@ -6,57 +6,57 @@ use serde::{Deserialize, Serialize};
 use crate::geometry::{Camera, Frame, FundamentalMatrix, PointPair};
 use crate::image::Picture;
 
-/// A built-in pair.
+/// A built-in image pair.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Sample {
-    /// A sideways motion; both epipoles far outside.
+    /// A sideways motion, with both epipoles far outside the image.
     #[default]
     Courtyard,
-    /// A forward motion; both epipoles inside.
+    /// A forward motion, with both epipoles inside the image.
     Alley,
 }
 
-/// A built-in pair with everything known about it.
+/// A built-in pair with its ground truth.
 #[derive(Debug, Clone)]
 pub struct SamplePair {
     /// The two pictures.
     pub pictures: [Picture; 2],
-    /// The exact fundamental matrix.
+    /// Exact fundamental matrix.
     pub fundamental: FundamentalMatrix,
-    /// The cameras it follows from.
+    /// Cameras of the two pictures.
     pub cameras: [Camera; 2],
-    /// Exact matches at corners, the most distinct first.
+    /// Exact matches at corners, most distinctive first.
     pub matches: Vec<PointPair>,
-    /// Two matches that are good first clicks.
+    /// Two matches suitable as first clicks.
     pub show_me: [PointPair; 2],
-    /// A good third one.
+    /// A match suitable as third click.
     pub third: PointPair,
-    /// What to call it.
+    /// Title for display.
     pub title: String,
-    /// One sentence.
+    /// Description in one sentence.
     pub description: String,
 }
 
-/// The file beside the pictures. Points are rows `x1 y1 x2 y2`, px.
+/// The ground-truth file of a built-in pair. Points are rows `x1 y1 x2 y2`, px.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SampleFile {
     /// Name on the command line.
     pub name: String,
-    /// Name for people.
+    /// Title for display.
     pub title: String,
-    /// One sentence.
+    /// Description in one sentence.
     pub description: String,
-    /// `F` as nested rows.
+    /// Fundamental matrix `F` as nested rows.
     pub fundamental: FundamentalMatrix,
-    /// `P1` as nested rows.
+    /// Projection matrix `P1` as nested rows.
     pub camera1: [[f64; 4]; 3],
-    /// `P2` as nested rows.
+    /// Projection matrix `P2` as nested rows.
     pub camera2: [[f64; 4]; 3],
-    /// Exact matches.
+    /// Exact matches at corners.
     pub matches: Vec<[f64; 4]>,
-    /// Two good first clicks.
+    /// Two matches suitable as first clicks.
     pub show_me: [[f64; 4]; 2],
-    /// A good third one.
+    /// A match suitable as third click.
     pub third: [f64; 4],
 }
 
@@ -67,7 +67,7 @@ impl Sample {
     /// Every sample, the default first.
     pub const ALL: [Self; 2] = [Self::Courtyard, Self::Alley];
 
-    /// Name on the command line and in file names.
+    /// Returns the name used on the command line and in file names.
     pub fn name(self) -> &'static str {
         match self {
             Self::Courtyard => "courtyard",
@@ -75,15 +75,15 @@ impl Sample {
         }
     }
 
-    /// The sample of that name.
+    /// Returns the sample of the given name.
     pub fn from_name(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|s| s.name() == name)
     }
 
-    /// Decodes the pictures and the file beside them.
+    /// Decodes the pictures and their ground truth.
     ///
     /// # Panics
-    /// Only if the embedded files are damaged; a test loads each of them.
+    /// Panics if the embedded files are damaged. A test loads each of them.
     pub fn load(self) -> SamplePair {
         let (first, second, description) = self.files();
         let picture = |which: usize, bytes: &[u8]| {
@@ -152,7 +152,8 @@ mod tests {
             assert!((f.matrix() - s.fundamental.matrix()).norm() < 1e-9);
             assert!(s.matches.len() >= 30);
             for m in s.matches.iter().chain(&s.show_me).chain([&s.third]) {
-                // Coordinates of 10³ px and entries of F known to 10⁻¹⁶ leave this much.
+                // Rounding leaves this distance for coordinates of 10³ px and entries of F known to
+                // 10⁻¹⁶.
                 assert!(symmetric_epipolar_distance(&s.fundamental, m) < 1e-6);
             }
         }

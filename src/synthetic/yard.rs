@@ -1,8 +1,9 @@
-//! A yard of flat, textured walls and boxes, drawn with its exact matches.
+//! A yard of flat, textured walls and boxes, drawn with exact matches.
 //!
-//! A point `c + a u + b v` of a rectangle is seen at `x ∝ P (c + a u + b v, 1) = H (a, b, 1)` with the homography
-//! `H = P [u v c]`, so `H⁻¹ x` gives both coordinates on the rectangle and, as the reciprocal of its third entry, the
-//! depth: of all rectangles that a pixel could show, the one with the largest third entry hides the others.
+//! A point `c + a u + b v` of a rectangle projects to `x ∝ P (c + a u + b v, 1) = H (a, b, 1)` with
+//! the homography `H = P [u v c]`. `H⁻¹ x` therefore gives both coordinates on the rectangle and,
+//! as the reciprocal of its third entry, the depth. Of all rectangles at a pixel, the one with the
+//! largest third entry is visible.
 
 use image::DynamicImage;
 use nalgebra::{Matrix3, Point3, Vector3, Vector4};
@@ -13,14 +14,14 @@ use super::Motion;
 use crate::geometry::{Camera, Frame, FundamentalMatrix, Point, PointPair, Vector};
 use crate::image::{GrayPlane, Picture};
 
-/// A made pair with its truth.
+/// A synthetic pair with its ground truth.
 #[derive(Debug, Clone)]
 pub struct TestPair {
-    /// The pictures, grey.
+    /// The two pictures, grey.
     pub pictures: [Picture; 2],
-    /// The exact fundamental matrix.
+    /// Exact fundamental matrix.
     pub fundamental: FundamentalMatrix,
-    /// Some 60 exact matches, away from depth edges.
+    /// About 60 exact matches, away from depth edges.
     pub matches: Vec<PointPair>,
 }
 
@@ -33,8 +34,8 @@ struct Rectangle {
     seed: u64,
 }
 
-/// A pavement between three walls with six boxes on it, x to the right, y away, z up. The seed moves the boxes and
-/// changes every texture.
+/// Returns a pavement between three walls with six boxes on it; x to the right, y away, z up. The
+/// seed moves the boxes and changes every texture.
 fn yard(seed: u64) -> Vec<Rectangle> {
     let mut random = Pcg32::seed_from_u64(seed);
     let mut rectangles = Vec::new();
@@ -65,7 +66,8 @@ fn yard(seed: u64) -> Vec<Rectangle> {
 }
 
 impl Rectangle {
-    /// The grey level at a place on it: smooth noise of four wavelengths, 0 ..= 255.
+    /// Returns the grey level at a position on the rectangle: smooth noise of four wavelengths, 0
+    /// ..= 255.
     fn shade(&self, a: f64, b: f64) -> f64 {
         let octaves = [(0.9, 70.0), (0.34, 60.0), (0.13, 55.0), (0.05, 45.0)];
         let noise: f64 = octaves
@@ -78,7 +80,7 @@ impl Rectangle {
     }
 }
 
-/// Random numbers 0 ..= 1 at the points of the unit lattice, blended between them.
+/// Returns random numbers 0 ..= 1 at the points of the unit lattice, interpolated smoothly.
 fn value_noise(x: f64, y: f64, seed: u64) -> f64 {
     let lattice = |i: f64, j: f64| {
         let h = (seed.wrapping_mul(0x1656_67B1_9E37_79F9))
@@ -94,11 +96,11 @@ fn value_noise(x: f64, y: f64, seed: u64) -> f64 {
     row(j) * (1.0 - v) + row(j + 1.0) * v
 }
 
-/// The yard as one camera sees it.
+/// The yard as seen by one camera.
 struct YardView<'a> {
     rectangles: &'a [Rectangle],
     camera: Camera,
-    /// `H⁻¹` of every rectangle; `None` for one that the camera sees edge on.
+    /// Inverse homography `H⁻¹` of every rectangle; `None` for a rectangle seen edge-on.
     inverses: Vec<Option<Matrix3<f64>>>,
 }
 
@@ -111,7 +113,8 @@ impl<'a> YardView<'a> {
         Self { rectangles, camera, inverses: rectangles.iter().map(inverse).collect() }
     }
 
-    /// The rectangle that a position shows and the place on it; `None` in the sky.
+    /// Returns the rectangle visible at an image point and the position on it, or `None` in the
+    /// sky.
     fn seen(&self, p: Point) -> Option<(usize, f64, f64)> {
         let mut nearest = (0.0, None);
         for (k, (r, inverse)) in self.rectangles.iter().zip(&self.inverses).enumerate() {
@@ -125,7 +128,8 @@ impl<'a> YardView<'a> {
         nearest.1
     }
 
-    /// The rectangle that a position and its surroundings show; `None` at the border, in the sky and at a depth edge.
+    /// Returns the rectangle visible at an image point and around it, or `None` at the border, in
+    /// the sky and at a depth edge.
     fn seen_whole(&self, p: Point, frame: Frame) -> Option<(usize, f64, f64)> {
         let around = [(-5.0, -5.0), (5.0, -5.0), (-5.0, 5.0), (5.0, 5.0)].map(|(x, y)| p + Vector::new(x, y));
         let (rectangle, a, b) = self.seen(p)?;
@@ -133,7 +137,7 @@ impl<'a> YardView<'a> {
         around.iter().all(whole).then_some((rectangle, a, b))
     }
 
-    /// The picture, 3×3 samples a pixel, with half a grey level of noise.
+    /// Renders the picture with 3×3 samples per pixel and noise of half a grey level.
     fn picture(&self, frame: Frame, seed: u64) -> Option<Picture> {
         let mut random = Pcg32::seed_from_u64(seed);
         let pixels = image::GrayImage::from_fn(frame.width as u32, frame.height as u32, |x, y| {
@@ -149,13 +153,13 @@ impl<'a> YardView<'a> {
     }
 }
 
-/// The yard as a camera sees it. `None` only for a frame without pixels.
+/// Renders the yard for a camera. Returns `None` only for a frame without pixels.
 pub(super) fn yard_picture(camera: Camera, frame: Frame, seed: u64) -> Option<GrayPlane> {
     let yard = yard(seed);
     Some(YardView::new(&yard, camera).picture(frame, seed)?.gray)
 }
 
-/// Draws a pair. `None` only for a frame without pixels.
+/// Draws a pair. Returns `None` only for a frame without pixels.
 pub fn test_pair(frame: Frame, motion: Motion, seed: u64) -> Option<TestPair> {
     let yard = yard(seed);
     let cameras = motion.cameras(frame)?;
@@ -170,7 +174,7 @@ pub fn test_pair(frame: Frame, motion: Motion, seed: u64) -> Option<TestPair> {
         let point2 = view2.camera.project(&(corner + u * a + v * b))?;
         (view2.seen_whole(point2, frame)?.0 == rectangle).then_some(PointPair { point1, point2 })
     };
-    // Small frames have few places that are 5 px away from every edge.
+    // Small frames have few points 5 px away from every edge.
     let matches = (0..6000).filter_map(|_| anywhere()).take(60).collect();
     Some(TestPair { pictures, fundamental: Camera::fundamental(&cameras[0], &cameras[1])?, matches })
 }
@@ -205,7 +209,8 @@ mod tests {
             (0..n).map(|k| difference(pair.matches[k].point1, other(k))).sum::<f64>() / n as f64
         };
         let (right, wrong) = (mean(0), (1..8).map(mean).sum::<f64>() / 7.0);
-        // Half a pixel matters in fine texture: not near zero, but far below.
+        // Half a pixel matters in fine texture, so the difference is not near zero but far below
+        // that of wrong matches.
         assert!(right < 12.0 && right < 0.4 * wrong, "{right} against {wrong}");
     }
 
@@ -221,7 +226,8 @@ mod tests {
         };
         let rectangles = [wall(10.0, 4.0), wall(5.0, 0.5), wall(-3.0, 9.0)];
         let view = YardView::new(&rectangles, straight);
-        // The small one is 0.5 / 5 · focal = 21.76 px to either side of the centre; what is behind is not seen.
+        // The small rectangle reaches 0.5 / 5 · focal = 21.76 px to either side of the centre and
+        // hides the large one.
         for (offset, rectangle) in [(0.0, Some(1)), (21.0, Some(1)), (22.5, Some(0)), (95.0, None)] {
             let seen = view.seen(SMALL.centre() + Vector::new(offset, 0.0));
             assert_eq!(seen.map(|s| s.0), rectangle, "{offset}");

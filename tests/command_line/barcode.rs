@@ -92,7 +92,7 @@ fn pictures_are_no_sequences_and_barcodes_need_some() {
     let file = folder.path().join("one.png");
     image::GrayImage::from_fn(64, 64, |x, y| image::Luma([(x * 3 + y) as u8])).save(&file).unwrap();
     let file = file.display().to_string();
-    fails(&["barcode", &file, &file], 2, "is a single picture");
+    fails(&["barcode", &file, &file], 2, "is a picture. Sequences");
     fails(&["barcode", &folder.path().display().to_string(), &file], 2, "no numbered pictures");
     fails(&["estimate", "--sample", "--set", "measure=barcodes"], 2, "need two sequences of frames");
 }

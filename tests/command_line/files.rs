@@ -5,8 +5,7 @@ use std::fmt::Write;
 use super::*;
 
 /// Names and extensions of the formats that are read and written.
-const FORMATS: [(&str, &str); 4] =
-    [("json", "json"), ("text", "txt"), ("opencv-yaml", "yml"), ("opencv-xml", "xml")];
+const FORMATS: [(&str, &str); 3] = [("json", "json"), ("text", "txt"), ("opencv-yaml", "yml")];
 
 /// Writes the cameras of a motion with rotation and exact matches to `p1.P`, `p2.P` and
 /// `matches.csv`.

@@ -237,54 +237,20 @@ fn cut(files: &Files, name: &str) -> PathBuf {
 }
 
 #[test]
-fn a_damaged_picture_is_opened_when_a_person_says_so() {
+fn a_damaged_picture_is_refused_and_nothing_is_changed() {
     let files = Files::new();
     let whole = files.image("whole.png", 80, 60);
     for name in ["cut.jpg", "cut.png"] {
         let mut window = sample();
         click_two_pairs(&mut window);
         let before = window.state().document().clone();
-        let damaged = cut(&files, name);
-        drop_files(&mut window, &[whole.clone(), damaged.clone()]);
-        assert_eq!(window.state().document().pairs, before.pairs, "nothing is changed unasked");
+        drop_files(&mut window, &[whole.clone(), cut(&files, name)]);
+        assert_eq!(window.state().document().pairs, before.pairs);
         let told: Vec<String> = window.state().messages().map(str::to_owned).collect();
         assert_eq!(told.len(), 1, "{told:?}");
         assert!(
             told[0].contains("The right image") && told[0].contains("is damaged or incomplete"),
             "{told:?}"
         );
-        assert!(!told[0].contains("EPILINE_"), "a window has buttons: {told:?}");
-        window.get_by_label("Open anyway").click();
-        settle(&mut window);
-        assert_eq!(names(&window), ["whole.png", name]);
-        let told: Vec<String> = window.state().messages().map(str::to_owned).collect();
-        assert!(told.len() == 1 && told[0].contains("what is missing is black or grey"), "{told:?}");
-        assert!(window.query_by_label("Open anyway").is_none());
-        // In the dialog it is asked there.
-        let mut window = sample();
-        let paths = [&damaged, &whole].map(|path| path.display().to_string());
-        type_paths(&mut window, &paths);
-        window.get_by_label_contains("The left image");
-        window.get_by_label("Open anyway").click();
-        settle(&mut window);
-        assert_eq!(names(&window), [name, "whole.png"]);
     }
-}
-
-#[test]
-fn what_goes_with_damaged_pictures_waits_for_the_answer() {
-    let files = Files::new();
-    let pairs = vec![PointPair::new(5.0, 6.0, 7.0, 8.0)];
-    let opening = Opening::Files(cut(&files, "cut.jpg"), files.image("whole.png", 80, 60));
-    let mut window = window(Start { opening, pairs: pairs.clone(), ..Start::default() }, services());
-    assert!(window.state().document().pictures.is_none());
-    window.get_by_label("Open anyway").click();
-    settle(&mut window);
-    assert_eq!(window.state().document().pairs, pairs);
-    // Something else in its place has nothing to do with them.
-    let opening = Opening::Files(cut(&files, "cut.jpg"), files.image("whole.png", 80, 60));
-    let mut window = crate::support::window(Start { opening, pairs, ..Start::default() }, services());
-    drop_files(&mut window, &[files.image("a.png", 40, 30), files.image("b.png", 40, 30)]);
-    assert!(window.state().document().pairs.is_empty());
-    assert_eq!(window.state().messages().count(), 0, "the question is settled");
 }

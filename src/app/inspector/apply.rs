@@ -26,7 +26,6 @@ impl Inspector {
             Command::OpenSampleSequences => self.open_sample_sequences(),
             Command::OpenFiles(paths) => self.open_files(paths),
             Command::OpenFolder(path) => self.open_folder(path),
-            Command::OpenAnyway => self.open_anyway(),
             Command::OpenViews(views) => self.open_views(views),
             Command::StepPair { forward } => self.step_pair(forward),
             Command::Browse(side) => self.pick(PickPurpose::Image(side)),

@@ -9,7 +9,6 @@ mod opening;
 mod points;
 mod session;
 
-use std::collections::VecDeque;
 use std::time::Duration;
 
 use egui::Ui;
@@ -36,15 +35,6 @@ pub struct Inspector {
     view: View,
     /// Point pairs to place once the pictures of the start are there.
     start_pairs: Vec<PointPair>,
-    /// What was to go with pictures that turned out to be damaged, until it is said whether they are opened.
-    held_back: HeldBack,
-}
-
-/// Point pairs to place on pictures, and files to import for them.
-#[derive(Default)]
-struct HeldBack {
-    pairs: Vec<PointPair>,
-    imports: VecDeque<PendingImport>,
 }
 
 impl Inspector {
@@ -60,13 +50,7 @@ impl Inspector {
         }
         let mut model = Model::default();
         model.imports.extend(sources(start.imports).into_iter().map(PendingImport::from));
-        let mut inspector = Self {
-            model,
-            tasks,
-            view: View::default(),
-            start_pairs: start.pairs,
-            held_back: HeldBack::default(),
-        };
+        let mut inspector = Self { model, tasks, view: View::default(), start_pairs: start.pairs };
         inspector.tell_of_missing_copies();
         inspector.offer_left_behind();
         inspector

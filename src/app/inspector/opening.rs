@@ -3,13 +3,12 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use super::{HeldBack, Inspector};
+use super::Inspector;
 use crate::app::model::album::Album;
 use crate::app::model::command::{Command, ExchangeCommand};
 use crate::app::model::document::{Side, Trial};
 use crate::app::model::exchange::is_importable;
 use crate::app::model::history::Step;
-use crate::app::model::messages::{MessageAction, MessageKind};
 use crate::app::model::session::{OpenSession, has_session_extension};
 use crate::app::model::truth::NO_TRUTH;
 use crate::app::tasks::{LoadedPair, OpeningFailure};
@@ -21,8 +20,6 @@ impl Inspector {
     /// Takes in pictures that were opened, or why none were.
     pub(super) fn take_pictures(&mut self, ctx: &egui::Context) {
         let Some(result) = self.tasks.loader.poll() else { return };
-        self.model.messages.settle(MessageKind::Damaged);
-        self.held_back = HeldBack::default();
         match result {
             Ok(mut pair) => {
                 self.view.dialogs.open.open = false;
@@ -33,15 +30,11 @@ impl Inspector {
                 }
             }
             Err(failure) => {
-                let pairs = std::mem::take(&mut self.start_pairs);
-                let imports = std::mem::take(&mut self.model.imports);
+                self.start_pairs.clear();
+                self.model.imports.clear();
                 self.model.wanted = None;
                 match failure {
                     OpeningFailure::Text(text) => self.refuse(text),
-                    OpeningFailure::Damaged(text) => {
-                        self.held_back = HeldBack { pairs, imports };
-                        self.ask_about_damage(text);
-                    }
                     OpeningFailure::NoSession { path, problem } => self.import_instead(&path, problem),
                     OpeningFailure::Relocate(relocation) => {
                         self.view.dialogs.open.open = false;
@@ -50,26 +43,6 @@ impl Inspector {
                 }
             }
         }
-    }
-
-    /// Asks whether to open a damaged picture: where it was asked for.
-    fn ask_about_damage(&mut self, text: String) {
-        let dialog = &mut self.view.dialogs.open;
-        if dialog.open {
-            dialog.refuse_damaged(text);
-            return;
-        }
-        let action = MessageAction { label: "Open anyway", command: Command::OpenAnyway };
-        self.model.messages.say(MessageKind::Damaged, text, vec![action]);
-    }
-
-    /// Opens damaged pictures as far as they can be read, with all that was to go with them.
-    pub(super) fn open_anyway(&mut self) {
-        self.model.messages.settle(MessageKind::Damaged);
-        let HeldBack { pairs, imports } = std::mem::take(&mut self.held_back);
-        self.start_pairs = pairs;
-        self.model.imports.extend(imports);
-        self.tasks.loader.open_anyway();
     }
 
     /// Tells why something cannot be opened: in the dialog it was asked for in, which keeps what was typed.

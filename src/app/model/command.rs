@@ -33,8 +33,6 @@ pub enum Command {
     OpenFiles(Vec<PathBuf>),
     /// Open the first pair of a folder.
     OpenFolder(PathBuf),
-    /// Open what was refused last, damaged pictures as far as they can be read.
-    OpenAnyway,
     /// Something about sessions.
     Session(SessionCommand),
     /// Something about files of other programs.

@@ -20,8 +20,6 @@ pub enum MessageKind {
     LeftBehind,
     /// Whether to replace a file that others have changed.
     Replace,
-    /// Whether to open damaged pictures.
-    Damaged,
 }
 
 impl MessageKind {
@@ -29,7 +27,7 @@ impl MessageKind {
     pub fn close(self) -> (&'static str, &'static str) {
         match self {
             Self::LeftBehind => ("Later", "Leave it as it is; the next start asks again."),
-            Self::Replace | Self::Damaged => ("Cancel", "Leave everything as it is."),
+            Self::Replace => ("Cancel", "Leave everything as it is."),
             Self::Problem | Self::Done => ("Dismiss", "Remove this message."),
         }
     }

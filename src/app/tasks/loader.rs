@@ -46,8 +46,6 @@ impl Wanted {
 pub struct Loader {
     waker: Waker,
     task: Option<Task<(Wanted, PairReading), Result<LoadedPair, OpeningFailure>>>,
-    /// What was asked for last, until it is open.
-    asked: Option<Wanted>,
     /// The pictures that were opened last.
     open: Vec<Opened>,
 }
@@ -55,7 +53,7 @@ pub struct Loader {
 impl Loader {
     /// Nothing to open yet.
     pub fn new(waker: Waker) -> Self {
-        Self { waker, task: None, asked: None, open: Vec::new() }
+        Self { waker, task: None, open: Vec::new() }
     }
 
     /// Whether pictures are being opened.
@@ -65,39 +63,32 @@ impl Loader {
 
     /// Opens the built-in pair.
     pub fn open_sample(&mut self) {
-        self.start(Wanted::Sample, false);
+        self.start(Wanted::Sample);
     }
 
     /// Opens the built-in sequences.
     pub fn open_sample_sequences(&mut self) {
-        self.start(Wanted::SampleSequences, false);
+        self.start(Wanted::SampleSequences);
     }
 
     /// Opens two pictures, or two sequences.
     pub fn open(&mut self, both: [PathBuf; 2]) {
-        self.start(Wanted::Files(both), false);
+        self.start(Wanted::Files(both));
     }
 
     /// Opens the first pair of a folder.
     pub fn open_folder(&mut self, path: PathBuf) {
-        self.start(Wanted::Folder(path), false);
+        self.start(Wanted::Folder(path));
     }
 
     /// Opens a pair of a folder; what of it is open already is not read again.
     pub fn open_pair(&mut self, folder: Arc<PairFolder>, pair: [usize; 2]) {
-        self.start(Wanted::Views(folder, pair), false);
+        self.start(Wanted::Views(folder, pair));
     }
 
     /// Opens a session with its pictures.
     pub fn open_session(&mut self, session: OpenSession) {
-        self.start(Wanted::Session(session), false);
-    }
-
-    /// Opens what was refused last, damaged pictures as far as they can be read.
-    pub fn open_anyway(&mut self) {
-        if let Some(wanted) = self.asked.take().filter(|_| !self.is_busy()) {
-            self.start(wanted, true);
-        }
+        self.start(Wanted::Session(session));
     }
 
     /// The end of the opening under way, once it is there.
@@ -113,15 +104,13 @@ impl Loader {
         };
         if let Ok(pair) = &result {
             self.open = pair.pictures.to_vec();
-            self.asked = None;
         }
         Some(result)
     }
 
-    fn start(&mut self, wanted: Wanted, accepts_damaged: bool) {
+    fn start(&mut self, wanted: Wanted) {
         // What somebody names is read again, for it may have changed; the views of a folder follow each other fast.
         let open = if matches!(wanted, Wanted::Views(..)) { self.open.clone() } else { Vec::new() };
-        self.asked = Some(wanted.clone());
         // A newer opening does not wait for the older one.
         let mut task = Task::new(
             "open",
@@ -133,7 +122,7 @@ impl Loader {
             },
         );
         let cancel = CancelFlag::default();
-        task.ask((wanted, PairReading { cancel, open, accepts_damaged, notes: Vec::new() }));
+        task.ask((wanted, PairReading { cancel, open, notes: Vec::new() }));
         self.task = Some(task);
     }
 }

@@ -15,7 +15,7 @@ use crate::app::model::truth::KnownTruth;
 use crate::cancel::CancelFlag;
 use crate::evaluate::Protocol;
 use crate::geometry::PointPair;
-use crate::image::{LoadError, LoadOptions, Picture};
+use crate::image::Picture;
 use crate::io::{is_sequence, read_sequence};
 
 /// What to open.
@@ -64,8 +64,6 @@ pub enum OpeningFailure {
         /// That it is no session.
         problem: String,
     },
-    /// A picture is damaged, and some of it can be read: what happened and what to do.
-    Damaged(String),
     /// The images of a session have to be found first.
     Relocate(Box<Relocation>),
 }
@@ -91,8 +89,6 @@ pub struct PairReading {
     pub cancel: CancelFlag,
     /// Pictures that are open and not read again.
     pub open: Vec<Opened>,
-    /// Whether damaged pictures are read as far as they go.
-    pub accepts_damaged: bool,
     /// What a person has to know about the pictures.
     pub notes: Vec<String>,
 }
@@ -149,30 +145,12 @@ impl PairReading {
     }
 
     /// The picture of a file.
-    fn picture(&mut self, path: &Path, side: Side) -> Result<Opened, OpeningFailure> {
+    fn picture(&self, path: &Path, side: Side) -> Result<Opened, OpeningFailure> {
         if let Some(same) = self.known(path) {
             return Ok(same);
         }
         let name = side.name();
-        let read = match Picture::open(path) {
-            Err(LoadError::Damaged { path: shown, reason, in_part: true }) => {
-                let problem = format!("The {name} image {shown} is damaged or incomplete: {reason}.");
-                if !self.accepts_damaged {
-                    return Err(OpeningFailure::Damaged(format!(
-                        "{problem} Nothing was changed; get it anew, or open it anyway: what is missing will be black or grey."
-                    )));
-                }
-                self.notes.push(format!(
-                    "{problem} What could be read of it is shown; what is missing is black or grey: place no points there."
-                ));
-                let options = LoadOptions::from_environment();
-                options.and_then(|options| {
-                    Picture::open_with(path, LoadOptions { accept_damaged: true, ..options })
-                })
-            }
-            read => read,
-        };
-        read.map(Opened::new).map_err(|error| {
+        Picture::open(path).map(Opened::new).map_err(|error| {
             OpeningFailure::Text(format!(
                 "The {name} image: {error}. Nothing was changed; check the file, or open another one."
             ))

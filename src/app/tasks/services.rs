@@ -182,10 +182,9 @@ impl PreparedCache {
 }
 
 fn pick_file() -> Option<PathBuf> {
-    let others = ["json", "txt", "csv", "tsv", "dat", "yml", "yaml", "xml", "P"];
-    let moving: Vec<&str> = VIDEO_EXTENSIONS.into_iter().chain(["gif"]).collect();
+    let others = ["json", "txt", "csv", "tsv", "dat", "yml", "yaml", "P"];
     let dialog = rfd::FileDialog::new().set_title("Open a file").add_filter("Images", &IMAGE_EXTENSIONS);
-    let dialog = dialog.add_filter("Sequences of frames", &moving);
+    let dialog = dialog.add_filter("Sequences of frames", &VIDEO_EXTENSIONS);
     dialog.add_filter("Sessions, point pairs, matrices", &others).add_filter("All files", &["*"]).pick_file()
 }
 

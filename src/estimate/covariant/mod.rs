@@ -6,8 +6,6 @@
 //!
 //! Any number of clicks: none leaves seven matches to be drawn, seven or more determine F by themselves.
 
-mod consensus;
-mod minimal;
 mod reliability;
 mod rematching;
 
@@ -19,9 +17,11 @@ use rand_pcg::Pcg64Mcg;
 use rayon::prelude::*;
 
 use crate::features::{Feature, FeatureMatch, FeatureSet, SIGMA_PER_SCALE};
-use crate::geometry::{Frame, FundamentalMatrix, Observation, PointPair, eight_point, fit_fundamental};
-use consensus::{BAND, Consensus, Units, Witness, residual};
-use minimal::{Equation, frame_equation, point_equation, solve_seven};
+use super::fit::{BAND, Consensus, Units, Witness, residual};
+use crate::geometry::{
+    Equation, Frame, FundamentalMatrix, Observation, PointPair, eight_point, fit_fundamental, frame_equation,
+    point_equation, solve_seven,
+};
 
 /// Features of both images, their matches, and what was clicked.
 #[derive(Debug, Clone, Copy)]

@@ -3,7 +3,7 @@
 use multiversion::multiversion;
 use rayon::prelude::*;
 
-use super::consensus::BAND;
+use crate::estimate::fit::BAND;
 use super::{FeatureEvidence, sigma};
 use crate::features::{FeatureMatch, match_candidates};
 use crate::geometry::FundamentalMatrix;

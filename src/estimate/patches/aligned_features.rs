@@ -17,11 +17,18 @@ use crate::image::{Alignment, PairLevel, PatchSampler, Placement, Warp, align, c
 #[derive(Debug, Default)]
 pub(super) struct AlignedFeatures {
     features: Arc<[FeatureSupport]>,
-    aligned: Vec<OnceLock<Aligned>>,
+    aligned: Vec<OnceLock<LevelMatch>>,
 }
 
-/// A match in pixels of a level, with its standard deviation there.
-pub(super) type Aligned = (RefinedMatch, f64);
+/// A match in pixels of a level.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct LevelMatch {
+    pub found: RefinedMatch,
+    /// Standard deviation, px.
+    pub sigma: f64,
+    /// Probability that it is the right one of the places that look alike.
+    pub prior: f32,
+}
 
 /// Correlation from which on a patch is where it was moved to.
 const LEAST_CORRELATION: f32 = 0.8;
@@ -33,19 +40,19 @@ impl AlignedFeatures {
     }
 
     /// Matches within `band` px of their epipolar lines, in pixels of the level.
-    pub fn near(&self, level: &PairLevel, f: &FundamentalMatrix, band: f64) -> Vec<Aligned> {
+    pub fn near(&self, level: &PairLevel, f: &FundamentalMatrix, band: f64) -> Vec<LevelMatch> {
         self.features
             .par_iter()
             .zip(&self.aligned)
             .filter(|(feature, _)| is_within(f, &feature.pair.rescaled(level.scales), band))
             .map(|(feature, aligned)| *aligned.get_or_init(|| placed(level, feature)))
-            .filter(|(found, _)| is_within(f, &found.pair, band))
+            .filter(|m| is_within(f, &m.found.pair, band))
             .collect()
     }
 }
 
 /// The match where its surroundings fit, or where its features are if they do not.
-fn placed(level: &PairLevel, feature: &FeatureSupport) -> Aligned {
+fn placed(level: &PairLevel, feature: &FeatureSupport) -> LevelMatch {
     let pair = feature.pair.rescaled(level.scales);
     let affine: Warp = feature.affine * (level.scales[1] / level.scales[0]);
     let start = Placement { at: pair.point2, affine };
@@ -54,10 +61,14 @@ fn placed(level: &PairLevel, feature: &FeatureSupport) -> Aligned {
         let second = PatchSampler::new(level.planes[1], &placement.affine).patch(placement.at);
         first.zip(second).is_some_and(|(first, second)| correlation(&first, &second) > LEAST_CORRELATION)
     });
-    let found = |pair: PointPair| RefinedMatch { pair, correlation: feature.correlation };
+    let found = |pair: PointPair, sigma: f64| LevelMatch {
+        found: RefinedMatch { pair, correlation: feature.correlation },
+        sigma,
+        prior: feature.prior,
+    };
     match moved {
-        Some(placement) => (found(PointPair { point2: placement.at, ..pair }), MATCH_SIGMA),
-        None => (found(pair), (feature.sigma * level.scales[0]).max(MATCH_SIGMA)),
+        Some(placement) => found(PointPair { point2: placement.at, ..pair }, MATCH_SIGMA),
+        None => found(pair, (feature.sigma * level.scales[0]).max(MATCH_SIGMA)),
     }
 }
 
@@ -87,11 +98,11 @@ mod tests {
         let corners = level.corners(0, 60, 20);
         let near: Vec<FeatureSupport> =
             corners.iter().map(|corner| off(&scene, *corner, Vector::new(0.5, -0.4))).collect();
-        let found: Vec<Aligned> = near.iter().map(|feature| placed(&level, feature)).collect();
-        let moved: Vec<&Aligned> = found.iter().filter(|(_, sigma)| *sigma <= MATCH_SIGMA).collect();
+        let found: Vec<LevelMatch> = near.iter().map(|feature| placed(&level, feature)).collect();
+        let moved: Vec<&LevelMatch> = found.iter().filter(|m| m.sigma <= MATCH_SIGMA).collect();
         assert!(3 * moved.len() > 2 * found.len(), "{} of {}", moved.len(), found.len());
         let mut errors: Vec<f64> =
-            moved.iter().map(|(m, _)| (scene.partner(m.pair.point1) - m.pair.point2).norm()).collect();
+            moved.iter().map(|m| (scene.partner(m.found.pair.point1) - m.found.pair.point2).norm()).collect();
         errors.sort_by(f64::total_cmp);
         let middle = errors[errors.len() / 2];
         assert!(middle < 0.1, "{middle} px");
@@ -99,7 +110,7 @@ mod tests {
         let wrong: Vec<FeatureSupport> =
             corners.iter().map(|corner| off(&scene, *corner, Vector::new(19.0, 23.0))).collect();
         let stayed = wrong.iter().filter(|feature| {
-            let (found, sigma) = placed(&level, feature);
+            let LevelMatch { found, sigma, .. } = placed(&level, feature);
             sigma > MATCH_SIGMA && found.pair == feature.pair
         });
         assert!(10 * stayed.count() > 9 * wrong.len());

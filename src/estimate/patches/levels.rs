@@ -7,6 +7,7 @@ use nalgebra::Matrix3;
 use super::aligned_features::AlignedFeatures;
 use super::corner_patches::CornerPatches;
 use super::feature_support::{FeatureSupport, SupportingMatch};
+use super::guided_fit::{GuidedMatcher, Settling};
 use super::refinement::{Refined, RefinementLevel, SharedPatches};
 use super::support::{PatchSupport, Support, SupportLevel};
 use super::voting::KappaVoting;
@@ -165,6 +166,21 @@ impl PatchLevels {
             }
         }
         refined
+    }
+
+    /// Fits the geometry to the matches along its lines at full size, by their own noise, and compares it with the
+    /// geometries that fewer but more precise matches agree on. `None` when too few matches determine it.
+    pub fn settle(
+        &self,
+        pyramids: &PyramidPair,
+        start: &FundamentalMatrix,
+        settling: &Settling,
+        cancel: &CancelFlag,
+    ) -> Option<Refined> {
+        let (level, stage) = self.refinement(pyramids).pop()?;
+        let features = &self.aligned[self.refinement(pyramids).len() - 1];
+        let matcher = GuidedMatcher { stage, level: &level, view: self.view(), features };
+        matcher.settled(start, settling, cancel)
     }
 
     /// Matches within `reach` (a fraction of the longer side) of where a homography of full-size pixels maps them, found

@@ -6,6 +6,7 @@
 mod aligned_features;
 mod corner_patches;
 mod feature_support;
+mod guided_fit;
 mod level_corners;
 mod levels;
 mod look_alikes;
@@ -25,6 +26,7 @@ pub use support::PatchSupport;
 pub use uncertainty::{EpipoleEllipse, Uncertainty};
 
 pub(super) use feature_support::FeatureSupport;
+pub(super) use guided_fit::Settling;
 pub(super) use levels::{PatchLevels, resized};
 pub(super) use plane::largest_plane;
 pub(super) use polish::LEAST_CLICK_SIGMA;

@@ -11,15 +11,16 @@ use nalgebra::Matrix3;
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::aligned_features::AlignedFeatures;
+use super::aligned_features::{AlignedFeatures, LevelMatch};
 use super::corner_patches::CornerPatches;
 use super::feature_support::FLOOR;
-use super::level_corners::{Alike, LevelCorners};
+use super::level_corners::{Alike, LevelCorners, MutualMatch};
 use super::uncertainty::Uncertainty;
 use crate::cancel::CancelFlag;
 use crate::estimate::made_once::MadeOnce;
 use crate::geometry::{
-    FundamentalMatrix, Line, Observation, Point, PointPair, finite_point, fit_fundamental, sampson_distance,
+    FundamentalMatrix, Line, Matrix9, Observation, Point, PointPair, finite_point, fit_fundamental,
+    sampson_distance,
 };
 use crate::image::{Alignment, PairLevel, Placement, RelativeView, align, warps_around};
 
@@ -40,6 +41,8 @@ pub struct Refinement {
     pub matches: Vec<RefinedMatch>,
     /// How well they determine the geometry; `None` when they do not.
     pub uncertainty: Option<Uncertainty>,
+    /// Noise of the matches: half of the right ones have a Sampson distance below this, px. `None` where too few matches tell.
+    pub noise: Option<f64>,
 }
 
 /// Corners and patches of one level, computed once per image pair.
@@ -77,6 +80,37 @@ pub(in crate::estimate) struct Refined {
     pub weight: f64,
     /// Standard deviation of the weight as a sum of so many independent matches (that of a Poisson process).
     pub weight_deviation: f64,
+}
+
+impl Refined {
+    /// What matches of a level, in its pixels, make of a geometry that was fitted to them there, and of the noise and the
+    /// covariance of this fit.
+    pub(super) fn new(
+        level: &PairLevel,
+        f: &FundamentalMatrix,
+        matches: &[LevelMatch],
+        fit: Option<(f64, Option<Matrix9>)>,
+    ) -> Option<Self> {
+        let [s1, s2] = level.scales;
+        let weight = |m: &LevelMatch| {
+            let deviations = sampson_distance(f, &m.found.pair) / m.sigma;
+            f64::from(m.found.correlation - FLOOR) / (1.0 + deviations.powi(2))
+        };
+        let weights: Vec<f64> = matches.iter().map(weight).collect();
+        let full_size = [1.0 / s1, 1.0 / s2];
+        let at_full_size = |m: &LevelMatch| RefinedMatch { pair: m.found.pair.rescaled(full_size), ..m.found };
+        let uncertainty = fit.and_then(|(_, covariance)| Some(Uncertainty::new(f, &covariance?, level.scales)));
+        Some(Self {
+            fundamental: f.rescaled(1.0 / s1, 1.0 / s2)?,
+            refinement: Refinement {
+                matches: matches.iter().map(at_full_size).collect(),
+                uncertainty,
+                noise: fit.map(|(noise, _)| noise / s1),
+            },
+            weight: weights.iter().sum(),
+            weight_deviation: weights.iter().map(|weight| weight * weight).sum::<f64>().sqrt(),
+        })
+    }
 }
 
 /// Corners and patches under one view, for each size made by who comes first.
@@ -134,22 +168,18 @@ impl RefinementLevel {
     ) -> Option<Refined> {
         let [s1, s2] = level.scales;
         let mut current = f.rescaled(s1, s2)?;
-        // Each with its standard deviation.
-        let mut matches: Vec<(RefinedMatch, f64)> = Vec::new();
-        let mut covariance = None;
+        let mut matches: Vec<LevelMatch> = Vec::new();
         for band in BANDS {
             if cancel.is_cancelled() {
                 return None;
             }
-            let guided = self.guided_matches(level, self.corners(level, view), &current, band);
-            matches = guided.into_iter().map(|m| (m, MATCH_SIGMA)).collect();
-            matches.extend(features.near(level, &current, band));
+            matches = self.matches_along_lines(level, view, features, &current, band);
             if matches.len() < LEAST_MATCHES {
                 return None;
             }
             let observations: Vec<Observation> = matches
                 .iter()
-                .map(|(m, sigma)| Observation { pair: m.pair, sigma: *sigma })
+                .map(|m| Observation { pair: m.found.pair, sigma: m.sigma })
                 .chain(clicks.iter().map(|c| Observation {
                     pair: level.resized(&c.pair),
                     // Never below the level's own precision.
@@ -157,29 +187,24 @@ impl RefinementLevel {
                 }))
                 .collect();
             let scale = (band / BAND_DEVIATIONS / MATCH_SIGMA).max(LEAST_SCALE);
-            let fitted = fit_fundamental(&current, &observations, scale)?;
-            (current, covariance) = (fitted.fundamental, fitted.covariance);
+            current = fit_fundamental(&current, &observations, scale)?.fundamental;
         }
-        matches.retain(|(m, _)| sampson_distance(&current, &m.pair) < BANDS[BANDS.len() - 1]);
-        let fits = |m: &RefinedMatch, sigma: f64| {
-            1.0 / (1.0 + (sampson_distance(&current, &m.pair) / sigma).powi(2))
-        };
-        let weights: Vec<f64> =
-            matches.iter().map(|(m, sigma)| f64::from(m.correlation - FLOOR) * fits(m, *sigma)).collect();
-        let full_size = [1.0 / s1, 1.0 / s2];
-        let matches = matches
-            .into_iter()
-            .map(|(m, _)| RefinedMatch { pair: m.pair.rescaled(full_size), ..m })
-            .collect();
-        Some(Refined {
-            fundamental: current.rescaled(1.0 / s1, 1.0 / s2)?,
-            refinement: Refinement {
-                uncertainty: covariance.map(|c| Uncertainty::new(&current, &c, level.scales)),
-                matches,
-            },
-            weight: weights.iter().sum(),
-            weight_deviation: weights.iter().map(|weight| weight * weight).sum::<f64>().sqrt(),
-        })
+        matches.retain(|m| sampson_distance(&current, &m.found.pair) < BANDS[BANDS.len() - 1]);
+        Refined::new(level, &current, &matches, None)
+    }
+
+    /// Matches of corners and features within `band` px of the epipolar lines of `f`, all in the level's pixels.
+    pub fn matches_along_lines(
+        &self,
+        level: &PairLevel,
+        view: RelativeView,
+        features: &AlignedFeatures,
+        f: &FundamentalMatrix,
+        band: f64,
+    ) -> Vec<LevelMatch> {
+        let mut matches = self.guided_matches(level, self.corners(level, view), f, band);
+        matches.extend(features.near(level, f, band));
+        matches
     }
 
     /// Mutual best matches among corners within `band` px of each other's epipolar lines, sub-pixel positions
@@ -190,7 +215,7 @@ impl RefinementLevel {
         corners: &LevelCorners,
         f: &FundamentalMatrix,
         band: f64,
-    ) -> Vec<RefinedMatch> {
+    ) -> Vec<LevelMatch> {
         let lines1: Vec<Option<Line>> =
             corners.places2.points.iter().map(|point2| f.line1_from_point2(*point2)).collect();
         self.mutual_matches(level, corners, |point1, near| {
@@ -210,11 +235,12 @@ impl RefinementLevel {
         radius: f64,
     ) -> Vec<RefinedMatch> {
         let corners = self.corners(level, view);
-        self.mutual_matches(level, corners, |point1, near| {
+        let found = self.mutual_matches(level, corners, |point1, near| {
             if let Some(expected) = finite_point(&(h * point1.to_homogeneous())) {
                 corners.places2.near_point(expected, radius, near);
             }
-        })
+        });
+        found.into_iter().map(|m| m.found).collect()
     }
 
     /// Mutual best matches among corners where `find` looks for them, at sub-pixel positions.
@@ -223,15 +249,17 @@ impl RefinementLevel {
         level: &PairLevel,
         corners: &LevelCorners,
         find: impl Fn(Point, &mut Vec<usize>) + Sync,
-    ) -> Vec<RefinedMatch> {
+    ) -> Vec<LevelMatch> {
         let mutual = corners.mutual(find);
         let positions = self.positions(level, corners, &mutual);
         mutual
             .iter()
             .zip(positions)
-            .filter_map(|((alike, correlation), point2)| {
-                let point1 = corners.patches.points1[alike.corner1 as usize];
-                Some(RefinedMatch { pair: PointPair { point1, point2: point2? }, correlation: *correlation })
+            .filter_map(|(mutual, point2)| {
+                let point1 = corners.patches.points1[mutual.alike.corner1 as usize];
+                let pair = PointPair { point1, point2: point2? };
+                let found = RefinedMatch { pair, correlation: mutual.correlation };
+                Some(LevelMatch { found, sigma: MATCH_SIGMA, prior: mutual.prior })
             })
             .collect()
     }
@@ -242,11 +270,11 @@ impl RefinementLevel {
         &self,
         level: &PairLevel,
         corners: &LevelCorners,
-        mutual: &[(Alike, f32)],
+        mutual: &[MutualMatch],
     ) -> Vec<Option<Point>> {
         let fresh: Vec<Alike> = {
             let known = self.known();
-            mutual.iter().map(|(alike, _)| *alike).filter(|alike| !known.contains_key(alike)).collect()
+            mutual.iter().map(|m| m.alike).filter(|alike| !known.contains_key(alike)).collect()
         };
         let found: Vec<(Alike, Option<Point>)> = fresh
             .into_par_iter()
@@ -260,7 +288,7 @@ impl RefinementLevel {
             .collect();
         let mut known = self.known();
         known.extend(found);
-        mutual.iter().map(|(alike, _)| known.get(alike).copied().flatten()).collect()
+        mutual.iter().map(|m| known.get(&m.alike).copied().flatten()).collect()
     }
 
     fn known(&self) -> MutexGuard<'_, HashMap<Alike, Option<Point>>> {

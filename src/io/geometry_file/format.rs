@@ -16,8 +16,6 @@ pub enum Format {
     Text,
     /// OpenCV `FileStorage`, YAML.
     OpencvYaml,
-    /// OpenCV `FileStorage`, XML.
-    OpencvXml,
     /// Script for MATLAB and Octave, written only.
     Matlab,
 }
@@ -38,7 +36,7 @@ const MATLAB_ALSO_ASSIGNED: [&str; 10] = [
 
 impl Format {
     /// All formats.
-    pub const ALL: [Self; 5] = [Self::Json, Self::Text, Self::OpencvYaml, Self::OpencvXml, Self::Matlab];
+    pub const ALL: [Self; 4] = [Self::Json, Self::Text, Self::OpencvYaml, Self::Matlab];
 
     /// Returns the name on the command line.
     pub fn name(self) -> &'static str {
@@ -46,7 +44,6 @@ impl Format {
             Self::Json => "json",
             Self::Text => "text",
             Self::OpencvYaml => "opencv-yaml",
-            Self::OpencvXml => "opencv-xml",
             Self::Matlab => "matlab",
         }
     }
@@ -57,7 +54,6 @@ impl Format {
             Self::Json => "JSON",
             Self::Text => "plain text",
             Self::OpencvYaml => "OpenCV FileStorage (YAML)",
-            Self::OpencvXml => "OpenCV FileStorage (XML)",
             Self::Matlab => "MATLAB, Octave and VGG",
         }
     }
@@ -68,7 +64,6 @@ impl Format {
             Self::Json => "json",
             Self::Text => "txt",
             Self::OpencvYaml => "yml",
-            Self::OpencvXml => "xml",
             Self::Matlab => "m",
         }
     }
@@ -87,9 +82,6 @@ impl Format {
         let start = text.trim_start();
         if start.starts_with(['{', '[']) {
             return Self::Json;
-        }
-        if start.starts_with('<') {
-            return Self::OpencvXml;
         }
         if start.starts_with("%YAML") || start.starts_with("---") {
             return Self::OpencvYaml;
@@ -126,7 +118,7 @@ impl Format {
     /// Returns the coordinate of the centre of the upper left pixel, in x and y, px.
     pub fn origin(self) -> f64 {
         match self {
-            Self::Json | Self::Text | Self::OpencvYaml | Self::OpencvXml => 0.0,
+            Self::Json | Self::Text | Self::OpencvYaml => 0.0,
             Self::Matlab => 1.0,
         }
     }
@@ -150,7 +142,7 @@ impl Format {
     fn peculiarities(self) -> &'static [&'static str] {
         match self {
             Self::Json | Self::Text => &[],
-            Self::OpencvYaml | Self::OpencvXml => &[
+            Self::OpencvYaml => &[
                 "This is the F of cv::findFundamentalMat and cv::computeCorrespondEpilines; H1 and H2 are for cv::warpPerspective.",
             ],
             Self::Matlab => &[
@@ -191,7 +183,6 @@ mod tests {
         for (text, format) in [
             ("  {\"F\": 1}", Format::Json),
             ("[[1, 2]]", Format::Json),
-            ("<?xml version=\"1.0\"?>", Format::OpencvXml),
             ("%YAML:1.0\n---", Format::OpencvYaml),
             ("# c\nF: !!opencv-matrix", Format::OpencvYaml),
             ("% c\n\nF = [1 2", Format::Matlab),

@@ -4,7 +4,7 @@
 //! |---|---|---|---|
 //! | [`Json`](Format::Json) | this program, scripts | `x2ᵀ F x1 = 0` | (0, 0) |
 //! | [`Text`](Format::Text) | people, `awk` | `x2ᵀ F x1 = 0` | (0, 0) |
-//! | [`OpencvYaml`](Format::OpencvYaml), [`OpencvXml`](Format::OpencvXml) | `cv::FileStorage` | `x2ᵀ F x1 = 0` | (0, 0) |
+//! | [`OpencvYaml`](Format::OpencvYaml) | `cv::FileStorage` | `x2ᵀ F x1 = 0` | (0, 0) |
 //! | [`Matlab`](Format::Matlab), written only | MATLAB, Octave, the VGG toolbox | `x2ᵀ F x1 = 0`, and `F_vgg` transposed | (1, 1) |
 //!
 //! A [`GeometryFile`] is in the convention of this program; writing converts. Every file states its
@@ -21,13 +21,11 @@ mod format;
 mod json;
 mod labels;
 mod matlab;
-mod opencv_xml;
 mod opencv_yaml;
 mod quantity;
 #[cfg(test)]
 mod tests;
 mod text;
-mod xml;
 
 use std::path::Path;
 
@@ -54,7 +52,6 @@ impl GeometryFile {
             Format::Json => json::write(&written),
             Format::Text => text::write(&written),
             Format::OpencvYaml => opencv_yaml::write(&written),
-            Format::OpencvXml => opencv_xml::write(&written),
             Format::Matlab => matlab::write(&written),
         }
     }
@@ -95,6 +92,9 @@ impl GeometryFile {
     }
 
     fn parse_for(text: &str, wanted: BareNumbers) -> Result<(Self, Format), Problem> {
+        if text.trim_start().starts_with('<') {
+            return Err(Problem::whole(XML));
+        }
         let format = Format::of_content(text);
         if format != Format::Text && text.len() > MOST_STRUCTURED {
             return Err(Problem::whole(format!(
@@ -107,12 +107,14 @@ impl GeometryFile {
             Format::Json => json::read(text)?,
             Format::Text => text::read(text, wanted)?,
             Format::OpencvYaml => opencv_yaml::read(text)?,
-            Format::OpencvXml => opencv_xml::read(text)?,
             Format::Matlab => return Err(Problem::whole(MATLAB_SCRIPT)),
         };
         Ok((fields.interpret()?, format))
     }
 }
+
+/// Advice for an XML file: the conversion to YAML with OpenCV.
+const XML: &str = "this is XML, which is not read. Convert it to YAML with OpenCV in Python: s = cv2.FileStorage('F.xml', 0); cv2.FileStorage('F.yml', 1).write('F', s.getNode('F').mat())";
 
 /// Advice for a MATLAB script, which only MATLAB can evaluate.
 const MATLAB_SCRIPT: &str = "this is a MATLAB script, which is written but not read. Save the numbers as text: writematrix(F, 'F.txt', 'Delimiter', ' ')";

@@ -1,7 +1,5 @@
-//! Sequences of frames: folders of numbered pictures, animated pictures, and videos through an
-//! installed `ffmpeg`.
+//! Sequences of frames: folders of numbered pictures, and videos through an installed `ffmpeg`.
 
-mod animation;
 mod folder;
 mod video;
 
@@ -13,7 +11,7 @@ use super::ReadError;
 use super::hash::{sha256_of_bytes, sha256_of_file};
 use super::read::has_image_extension;
 use crate::cancel::CancelFlag;
-use crate::foreign::shown_path;
+use crate::foreign::{open_input, shown_path};
 use crate::geometry::Frame;
 use crate::image::{GrayPlane, LoadError, Picture};
 use crate::motion::{FrameSequence, MotionError};
@@ -64,17 +62,23 @@ pub enum SequenceError {
         /// File or folder.
         path: String,
     },
-    /// The file is a picture with one frame.
-    #[error(
-        "{path} is a single picture. A sequence is a folder of numbered frames, an animated picture or a video"
-    )]
+    /// The folder or the video has one frame.
+    #[error("{path} has a single frame. A sequence is a folder of numbered frames or a video")]
     OneFrame {
+        /// Path of the file or folder.
+        path: String,
+    },
+    /// The file is a picture, animated or not.
+    #[error(
+        "{path} is a picture. Sequences are not read from pictures, animated or not. Give a video, or a folder with the frames as numbered pictures"
+    )]
+    Picture {
         /// Path of the file.
         path: String,
     },
-    /// The file may be a video, but ffmpeg is not installed.
+    /// The program ffmpeg, which reads videos, is not installed.
     #[error(
-        "{path} is not an animated picture, and the program ffmpeg, which reads videos, is not on this machine. Install ffmpeg, or give a folder of frames"
+        "cannot read {path}: the program ffmpeg, which reads videos, is not on this machine. Install ffmpeg, or give a folder of frames"
     )]
     NoFfmpeg {
         /// Path of the file.
@@ -94,14 +98,13 @@ pub enum SequenceError {
 pub const VIDEO_EXTENSIONS: [&str; 10] =
     ["mp4", "m4v", "mov", "avi", "mkv", "webm", "mpg", "mpeg", "wmv", "ogv"];
 
-/// Returns whether a path is a sequence: a folder, an animated picture, or a video by its
-/// extension.
+/// Returns whether a path is a sequence: a folder, or a video by its extension.
 pub fn is_sequence(path: &Path) -> bool {
     let is_video = path
         .extension()
         .and_then(|e| e.to_str())
         .is_some_and(|e| VIDEO_EXTENSIONS.iter().any(|known| known.eq_ignore_ascii_case(e)));
-    is_video || path.is_dir() || animation::is_animated(path)
+    is_video || path.is_dir()
 }
 
 /// Returns a SHA-256 over the names and bytes of the numbered frames of a folder.
@@ -131,11 +134,12 @@ pub fn read_sequence(
     if path.is_dir() {
         return folder::read(path, cancel, each);
     }
-    match animation::read(path, cancel, each)? {
-        Some(read) => Ok(read),
-        None if has_image_extension(path) => Err(SequenceError::OneFrame { path: shown_path(path) }),
-        None => video::read(path, "ffmpeg", cancel, each),
+    let path_is_gif = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("gif"));
+    if path_is_gif || has_image_extension(path) {
+        return Err(SequenceError::Picture { path: shown_path(path) });
     }
+    open_input(path).map_err(|reason| LoadError::Open { path: shown_path(path), reason })?;
+    video::read(path, "ffmpeg", cancel, each)
 }
 
 /// Frames read so far.

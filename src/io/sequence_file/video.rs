@@ -5,6 +5,9 @@ use std::io::{BufRead, BufReader, ErrorKind, Read};
 use std::path::Path;
 use std::process::{Child, ChildStdout, Command, Stdio};
 
+use image::codecs::pnm::PnmDecoder;
+use image::{ColorType, ImageDecoder};
+
 use super::{Gathered, SequenceError, SequenceFile};
 use crate::cancel::CancelFlag;
 use crate::foreign::{excerpt, shown_path};
@@ -13,8 +16,6 @@ use crate::image::{GrayPlane, LoadOptions, Picture};
 
 /// Maximum number of bytes kept of ffmpeg's error messages.
 const MOST_WORDS: u64 = 4096;
-/// Longest header of a frame, bytes: two letters, three numbers and white space.
-const HEADER: usize = 64;
 
 /// Process that is killed when dropped.
 struct RunningDecoder(Child);
@@ -101,41 +102,23 @@ pub(super) fn read(
     gathered.finish()
 }
 
-/// Reads the next picture of the stream, a binary PGM; `None` at the end.
+/// Reads the next picture of the stream, a PGM; `None` at the end.
 fn next_frame(stream: &mut BufReader<ChildStdout>, shown: &str) -> Result<Option<GrayPlane>, SequenceError> {
     let broken =
         || SequenceError::Ffmpeg { path: shown.to_owned(), reason: "its frames are not as expected".into() };
-    let Some(kind) = word(stream).map_err(|_| broken())? else { return Ok(None) };
-    let mut number = || -> Result<u32, SequenceError> {
-        word(stream).ok().flatten().and_then(|w| w.parse().ok()).ok_or_else(broken)
-    };
-    let (width, height, most) = (number()?, number()?, number()?);
-    if kind != "P5" || most != 255 || width == 0 || height == 0 {
+    if stream.fill_buf().map_err(|_| broken())?.is_empty() {
+        return Ok(None);
+    }
+    let decoder = PnmDecoder::new(stream).map_err(|_| broken())?;
+    let (width, height) = decoder.dimensions();
+    if decoder.color_type() != ColorType::L8 {
         return Err(broken());
     }
     LoadOptions::from_environment()?.check(shown, width, height, 1)?;
     let frame = Frame::new(width as usize, height as usize);
     let mut bytes = vec![0u8; frame.width * frame.height];
-    stream.read_exact(&mut bytes).map_err(|_| broken())?;
+    decoder.read_image(&mut bytes).map_err(|_| broken())?;
     Ok(Some(GrayPlane::new(frame, bytes.into_iter().map(f32::from).collect())))
-}
-
-/// Reads the next word of a header and the character after it; `None` at the end of the stream.
-fn word(stream: &mut impl BufRead) -> std::io::Result<Option<String>> {
-    let mut found = String::new();
-    let mut byte = [0u8];
-    while found.len() < HEADER {
-        if stream.read(&mut byte)? == 0 {
-            return Ok((!found.is_empty()).then_some(found));
-        }
-        let c = char::from(byte[0]);
-        match (c.is_ascii_whitespace(), found.is_empty()) {
-            (true, true) => {}
-            (true, false) => return Ok(Some(found)),
-            (false, _) => found.push(c),
-        }
-    }
-    Err(ErrorKind::InvalidData.into())
 }
 
 fn gray_picture(plane: &GrayPlane) -> image::DynamicImage {
@@ -180,7 +163,7 @@ mod tests {
         assert!(told("echo 'moov atom not found' >&2; exit 1").ends_with("as a video: moov atom not found"));
         assert!(told("printf 'P6 4 3 255 abc'").contains("not as expected"));
         assert!(told("printf 'P5 99999999 99999999 255 abc'").contains("pixels"), "no memory is asked for");
-        assert!(told(FRAME).contains("single picture"));
+        assert!(told(FRAME).contains("single frame"));
         let cut = read_with(&format!("{FRAME}{FRAME} echo 'end of file' >&2; exit 1")).unwrap();
         assert_eq!(cut.notes.len(), 1);
         let missing = super::read(Path::new("film.mp4"), "no-such-program", &CancelFlag::default(), &|_| ());

@@ -97,8 +97,6 @@ pub enum FigureFormat {
     Svg,
     /// The same for programs that set type.
     Pdf,
-    /// Pixels.
-    Png,
 }
 
 impl FigureFormat {
@@ -107,7 +105,6 @@ impl FigureFormat {
         match self {
             Self::Svg => "svg",
             Self::Pdf => "pdf",
-            Self::Png => "png",
         }
     }
 }
@@ -117,8 +114,6 @@ impl FigureFormat {
 pub struct FigureChoices {
     /// How it is written.
     pub format: FigureFormat,
-    /// Width of the figure, px; without one, as large as the images are.
-    pub width: Option<u32>,
     /// Whether points and lines have their names.
     pub labels: bool,
     /// Whether the paper is dark.
@@ -146,14 +141,7 @@ impl Default for FigureChoices {
         let mut left_out = [false; OverlayId::COUNT];
         // Marks of a search, which say nothing to who has not seen it.
         left_out[OverlayId::Hypotheses as usize] = true;
-        Self {
-            format: FigureFormat::default(),
-            width: None,
-            labels: true,
-            dark: false,
-            seen: false,
-            left_out,
-        }
+        Self { format: FigureFormat::default(), labels: true, dark: false, seen: false, left_out }
     }
 }
 

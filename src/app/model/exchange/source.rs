@@ -31,9 +31,10 @@ impl ImportSource {
 
 /// Whether a file is to be imported, and not opened as an image. Sessions have a name of this kind, too.
 pub fn is_importable(path: &Path) -> bool {
-    const TABLES: [&str; 3] = ["csv", "tsv", "dat"];
+    // XML is refused by the import, with a way around.
+    const OTHERS: [&str; 4] = ["csv", "tsv", "dat", "xml"];
     let extension = |known: &str| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(known));
-    Format::of_path(path).is_some() || is_camera(path) || TABLES.into_iter().any(extension)
+    Format::of_path(path).is_some() || is_camera(path) || OTHERS.into_iter().any(extension)
 }
 
 fn is_camera(path: &Path) -> bool {

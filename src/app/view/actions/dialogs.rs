@@ -113,11 +113,6 @@ pub fn in_dialogs() -> Vec<Action> {
         ),
         action(Command::ResetParameters, "Reset all", "Take all parameters back to those of the preset."),
         action(
-            Command::OpenAnyway,
-            "Open anyway",
-            "Open what can be read of a damaged image; what is missing is black or grey.",
-        ),
-        action(
             SessionCommand::SaveTo(PathBuf::new()),
             "Save session",
             "Save points, parameters, pinned lines and views in one readable file.",

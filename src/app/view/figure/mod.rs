@@ -1,12 +1,11 @@
 //! Both images with what is drawn over them as a figure for a paper.
 //!
-//! The overlays draw as they do in the window, but onto a sheet of paper: what they drew is one list, from which the SVG,
-//! the PDF and the PNG come.
+//! The overlays draw as they do in the window, but onto a sheet of paper: what they drew is one list, from which the SVG
+//! and the PDF come.
 
 mod font;
 mod pdf;
 mod pieces;
-mod raster;
 mod sheet;
 mod svg;
 
@@ -22,10 +21,8 @@ pub fn figure(
 ) -> Option<ExportContent> {
     let sheet = sheet::sheet(model, panes, choices)?;
     let format = choices.format;
-    // The letters are in the context that wrote them, and it does the same in another thread.
     Some(Box::new(move || match format {
         FigureFormat::Svg => svg::write(&sheet),
         FigureFormat::Pdf => pdf::write(&sheet),
-        FigureFormat::Png => raster::write(&sheet),
     }))
 }

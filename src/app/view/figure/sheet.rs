@@ -1,10 +1,7 @@
 //! The sheet of a figure: both images in their places, and what the overlays drew over them.
 
-use std::collections::HashMap;
-
-use egui::epaint::textures::TexturesDelta;
-use egui::epaint::{ClippedShape, ImageData};
-use egui::{Color32, ColorImage, Rect, TextureId, Vec2, pos2, vec2};
+use egui::epaint::ClippedShape;
+use egui::{Color32, Rect, Vec2, pos2, vec2};
 use image::DynamicImage;
 
 use crate::app::model::Model;
@@ -24,7 +21,7 @@ use crate::io::TrustNote;
 const EXTENT: f32 = 360.0;
 /// Between the images and around both, points.
 const GAP: f32 = 8.0;
-/// A larger file is refused by most programs, px.
+/// Largest number of image pixels that the scale of letters and lines follows.
 const MOST_PIXELS: f32 = 120e6;
 /// Pixels a point at most: lines and letters of larger pictures are thinner, and need no huge letters.
 const MOST_A_POINT: f32 = 8.0;
@@ -55,12 +52,6 @@ pub struct Sheet {
     pub background: Color32,
     /// What the overlays drew, each image's within its bounds.
     pub drawn: Vec<ClippedShape>,
-    /// The letters, as textures.
-    pub letters: HashMap<TextureId, ColorImage>,
-    /// Who wrote the letters.
-    pub context: egui::Context,
-    /// Pixels a point.
-    pub scale: f32,
     /// How far the geometry is to be trusted.
     pub trust: Option<TrustNote>,
     /// The names of the images.
@@ -68,7 +59,6 @@ pub struct Sheet {
 }
 
 /// Lets the overlays draw onto a sheet.
-#[expect(clippy::too_many_lines, reason = "one place after the other, with nothing to share")]
 pub fn sheet(model: &Model, panes: [Option<PanePlace>; 2], choices: &FigureChoices) -> Option<Sheet> {
     let pictures = model.open.pictures()?;
     let frames = pictures.each_ref().map(|picture| picture.frame());
@@ -107,8 +97,7 @@ pub fn sheet(model: &Model, panes: [Option<PanePlace>; 2], choices: &FigureChoic
             if stacked { vec2(a.x.max(b.x), a.y + b.y + GAP) } else { vec2(a.x + b.x + GAP, a.y.max(b.y)) };
         together + Vec2::splat(2.0 * GAP)
     };
-    let mut scale = choices.width.map_or(full, |width| width as f32 / total(sizes).x).max(0.1);
-    scale = scale.min((MOST_PIXELS / (total(sizes).x * total(sizes).y)).sqrt());
+    let mut scale = full.min((MOST_PIXELS / (total(sizes).x * total(sizes).y)).sqrt());
     // Larger sheets in place of larger letters.
     let enlarged = (scale / MOST_A_POINT).max(1.0);
     scale /= enlarged;
@@ -159,11 +148,9 @@ pub fn sheet(model: &Model, panes: [Option<PanePlace>; 2], choices: &FigureChoic
             }
         }
     });
-    // The letters of both frames.
-    let mut letters = HashMap::new();
-    for deltas in [&mut before.textures_delta, &mut drawn.textures_delta] {
-        take_letters(&mut letters, deltas);
-    }
+    // The files write letters as such, and have no use for their textures.
+    before.textures_delta.clear();
+    drawn.textures_delta.clear();
     let names = model.document.pictures.as_ref().map(|pictures| pictures.each_ref().map(|p| p.name.clone()));
     Some(Sheet {
         pictures,
@@ -172,35 +159,9 @@ pub fn sheet(model: &Model, panes: [Option<PanePlace>; 2], choices: &FigureChoic
         size,
         background: if choices.dark { Color32::from_gray(24) } else { Color32::WHITE },
         drawn: drawn.shapes,
-        letters,
-        context,
-        scale,
         trust: trust_note(model),
         title: names.map_or(String::new(), |[left, right]| format!("{left} and {right}")),
     })
-}
-
-/// Takes in the letters that a frame was the first to need.
-fn take_letters(letters: &mut HashMap<TextureId, ColorImage>, deltas: &mut TexturesDelta) {
-    let taken = std::mem::take(&mut deltas.set);
-    deltas.clear();
-    for (id, delta) in
-        taken.into_iter().flat_map(|(id, deltas)| deltas.into_iter().map(move |delta| (id, delta)))
-    {
-        let ImageData::Color(image) = delta.image;
-        match (delta.pos, letters.get_mut(&id)) {
-            (Some([left, top]), Some(whole)) => {
-                for y in 0..image.height() {
-                    for x in 0..image.width() {
-                        whole[(left + x, top + y)] = image[(x, y)];
-                    }
-                }
-            }
-            _ => {
-                letters.insert(id, ColorImage::clone(&image));
-            }
-        }
-    }
 }
 
 impl Sheet {

@@ -25,7 +25,7 @@ pub fn show(ctx: &egui::Context, area: Rect, model: &Model, commands: &mut Vec<C
             for message in model.messages.on_top() {
                 let (fill, edge) = match message.kind {
                     MessageKind::Problem => (palette.message_fill, palette.bad),
-                    MessageKind::Damaged | MessageKind::Replace => (ui.visuals().panel_fill, palette.caution),
+                    MessageKind::Replace => (ui.visuals().panel_fill, palette.caution),
                     MessageKind::LeftBehind => (ui.visuals().panel_fill, palette.accent),
                     MessageKind::Done => (ui.visuals().panel_fill, palette.good),
                 };

@@ -23,8 +23,6 @@ pub struct OpenDialog {
     import: String,
     /// Why nothing was opened, after the last attempt.
     problem: Option<String>,
-    /// Whether that was a damaged picture of which some can be read.
-    damaged: bool,
     just_opened: bool,
 }
 
@@ -66,12 +64,7 @@ impl OpenDialog {
 
     /// Says why nothing was opened, and keeps what was typed.
     pub fn refuse(&mut self, problem: String) {
-        (self.problem, self.damaged) = (Some(problem), false);
-    }
-
-    /// Says that a picture is damaged, and offers to open it all the same.
-    pub fn refuse_damaged(&mut self, problem: String) {
-        (self.problem, self.damaged) = (Some(problem), true);
+        self.problem = Some(problem);
     }
 
     /// The image that is still to be named, when the other one is.
@@ -117,7 +110,7 @@ impl OpenDialog {
             return;
         }
         let open = dialog(ctx, "Open images", 520.0, |ui| {
-            ui.weak("Type or paste the paths of two images, of two sequences (folders of frames, videos, animated pictures) or of a session, browse for the files, or drop them on the window.");
+            ui.weak("Type or paste the paths of two images, of two sequences (folders of frames, videos) or of a session, browse for the files, or drop them on the window.");
             ui.add_space(6.0);
             let rows = [
                 ("Left image", "Browse for the left image", Side::Left),
@@ -172,11 +165,6 @@ impl OpenDialog {
                     begun = true;
                 }
                 elsewhere |= open.has_focus();
-                if self.damaged && self.problem.is_some() {
-                    let anyway = command_button(ui, Command::OpenAnyway, !model.activity.loading, commands);
-                    begun |= anyway.clicked();
-                    elsewhere |= anyway.has_focus();
-                }
                 elsewhere |= command_button(ui, Command::Cancel, true, commands).has_focus();
                 if model.activity.loading {
                     busy::show(ui);

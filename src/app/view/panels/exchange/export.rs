@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use egui::{Button, ComboBox, DragValue, Key, Label, RichText, Role, Ui, WidgetInfo};
+use egui::{Button, ComboBox, Key, Label, RichText, Role, Ui, WidgetInfo};
 
 use super::super::dialog::{PathField, dialog, path_of, row_label};
 use super::super::{command_button, finish_button};
@@ -17,9 +17,6 @@ use crate::app::model::ids::OverlayId;
 use crate::app::model::rectified::RectifiedCommand;
 use crate::app::view::theme;
 use crate::io::Format;
-
-/// The width of a figure at first, px.
-const USUAL_WIDTH: u32 = 1600;
 
 /// What has been chosen; it stays for the next time.
 #[derive(Debug, Clone, Default)]
@@ -217,21 +214,7 @@ impl FileExport {
                 .on_hover_text("Lines and letters, sharp at any size, to be edited and for the web.");
             ui.radio_value(&mut figure.format, FigureFormat::Pdf, "PDF")
                 .on_hover_text("Lines and letters, sharp at any size, for LaTeX and printing.");
-            ui.radio_value(&mut figure.format, FigureFormat::Png, "PNG")
-                .on_hover_text("Pixels, for programs without the other two.");
         });
-        if figure.format == FigureFormat::Png {
-            row(ui, "Size", |ui| {
-                ui.radio_value(&mut figure.width, None, "Full size");
-                let chosen = figure.width.is_some();
-                if ui.radio(chosen, "Width").clicked() && !chosen {
-                    figure.width = Some(USUAL_WIDTH);
-                }
-                if let Some(width) = &mut figure.width {
-                    ui.add(DragValue::new(width).range(64..=20_000).suffix(" px"));
-                }
-            });
-        }
         row(ui, "Images", |ui| {
             ui.radio_value(&mut figure.seen, false, "Whole");
             ui.radio_value(&mut figure.seen, true, "What is seen")
@@ -279,9 +262,6 @@ impl FileExport {
                 FigureFormat::Pdf => {
                     "One page with the images in all their pixels; lines and letters stay sharp, and the font is in the file."
                         .to_owned()
-                }
-                FigureFormat::Png => {
-                    "Full size is that of the larger image; very large figures are reduced.".to_owned()
                 }
             }],
             ExportKind::View => vec!["A PNG file of as many pixels as are on the screen.".to_owned()],

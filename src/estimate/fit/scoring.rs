@@ -14,7 +14,7 @@ use nalgebra::Matrix3;
 use crate::geometry::{Frame, Point, PointPair};
 
 /// Residual, in standard deviations, from which on a match says nothing.
-pub(super) const BAND: f64 = 3.0;
+pub(in crate::estimate) const BAND: f64 = 3.0;
 const LANES: usize = 16;
 
 type Lane = [f32; LANES];
@@ -34,7 +34,7 @@ struct WitnessBlock {
 
 /// A match to be explained.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Witness {
+pub(in crate::estimate) struct Witness {
     pub pair: PointPair,
     /// Standard deviation of a coordinate in each image, px.
     pub sigmas: [f64; 2],
@@ -46,7 +46,7 @@ pub(super) struct Witness {
 
 /// Coordinates of each image moved to its middle, in units of half its longer side.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Units {
+pub(in crate::estimate) struct Units {
     middles: [Point; 2],
     units: [f64; 2],
 }
@@ -94,7 +94,7 @@ impl Units {
 
 /// A pool of witnesses laid out for the vector units.
 #[derive(Debug, Clone)]
-pub(super) struct Consensus {
+pub(in crate::estimate) struct Consensus {
     units: Units,
     blocks: Vec<WitnessBlock>,
 }
@@ -158,7 +158,7 @@ fn score_blocks(blocks: &[WitnessBlock], f: &[f32; 9]) -> f32 {
 }
 
 /// The Sampson distance of a pair in standard deviations.
-pub(super) fn residual(f: &Matrix3<f64>, witness: &Witness) -> f64 {
+pub(in crate::estimate) fn residual(f: &Matrix3<f64>, witness: &Witness) -> f64 {
     let (x1, x2) = (witness.pair.point1.to_homogeneous(), witness.pair.point2.to_homogeneous());
     let (l2, l1) = (f * x1, f.tr_mul(&x2));
     let [s1, s2] = witness.sigmas;

@@ -14,10 +14,10 @@
 
 use nalgebra::Matrix3;
 
-use crate::geometry::{Eliminated, determinant_on_pencil};
+use super::{Eliminated, determinant_on_pencil};
 
 /// Coefficients of one equation in the entries of F, row by row.
-pub(super) type Equation = [f64; 9];
+pub(crate) type Equation = [f64; 9];
 
 /// Below this, for matrices of norm 1, a determinant is rounding: all of the pencil has rank 2.
 const SMALLEST_DETERMINANT: f64 = 1e-15;
@@ -25,18 +25,18 @@ const SMALLEST_DETERMINANT: f64 = 1e-15;
 const SMALLEST_PIVOT: f64 = 1e-9;
 
 /// `x2ᵀ F x1 = 0` for conditioned coordinates `x1 y1 x2 y2`.
-pub(super) fn point_equation([x1, y1, x2, y2]: [f64; 4]) -> Equation {
+pub(crate) fn point_equation([x1, y1, x2, y2]: [f64; 4]) -> Equation {
     [x2 * x1, x2 * y1, x2, y2 * x1, y2 * y1, y2, x1, y1, 1.0]
 }
 
 /// The derivative of the epipolar constraint along `v1` in image 1 and `v2` in image 2.
-pub(super) fn frame_equation([x1, y1, x2, y2]: [f64; 4], v1: [f64; 2], v2: [f64; 2]) -> Equation {
+pub(crate) fn frame_equation([x1, y1, x2, y2]: [f64; 4], v1: [f64; 2], v2: [f64; 2]) -> Equation {
     let ([u1, w1], [u2, w2]) = (v1, v2);
     [u2 * x1 + x2 * u1, u2 * y1 + x2 * w1, u2, w2 * x1 + y2 * u1, w2 * y1 + y2 * w1, w2, u1, w1, 0.0]
 }
 
 /// All matrices of rank 2 that satisfy seven equations; none when these are dependent.
-pub(super) fn solve_seven(equations: &[Equation; 7]) -> Vec<Matrix3<f64>> {
+pub(crate) fn solve_seven(equations: &[Equation; 7]) -> Vec<Matrix3<f64>> {
     let Some([f, g]) = null_space(equations) else { return Vec::new() };
     // The end of the pencil with the larger determinant leads the cubic.
     let (cubic, constant) = (f.determinant(), g.determinant());
