@@ -181,7 +181,7 @@ mod pictures {
         fails(&["estimate", &left, "--pair", "1,2,3,4"], 2, "required");
         fails(&["estimate", "--pair", "1,2,3,4"], 2, "required");
         fails(&["estimate", "--sample", "no-such-sample"], 2, "no-such-sample");
-        fails(&[&left], 2, "two images are needed");
+        fails(&[&left], 2, "Give two images LEFT and RIGHT");
     }
 }
 

@@ -184,7 +184,7 @@ fn check_has_a_status_for_nothing_fits_and_sentences_for_bad_input() {
     fails(
         &["convert", &scene.text("words.txt"), "-o", &scene.text("out.json")],
         2,
-        "words.txt: there is no fundamental matrix",
+        "words.txt: no fundamental matrix, cameras or point pairs found",
     );
     fails(&["convert", "no/such/file", "-o", &scene.text("out.json")], 2, "no such file");
     fails(&["convert", &few, "--images", &scene.text("left.png"), "-o", "x.json"], 2, "--images");
