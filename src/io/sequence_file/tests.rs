@@ -28,7 +28,7 @@ fn a_folder_of_frames_is_read_by_number_and_gaps_are_filled_and_told() {
     let gap = read(folder.path()).unwrap();
     assert_eq!(gap.sequence.len(), 9, "the later ones keep their time");
     assert_eq!(gap.sequence.frame(3), gap.sequence.frame(2));
-    assert!(gap.notes[0].contains(": 11; the frame before"), "{}", gap.notes[0]);
+    assert!(gap.notes[0].contains(": 11. The frame before"), "{}", gap.notes[0]);
 }
 
 #[test]
