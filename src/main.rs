@@ -1,4 +1,4 @@
-//! The program `epiline`; everything is in the library.
+//! The program `epiline`: a thin wrapper of the library's command line.
 
 use std::process::ExitCode;
 

@@ -1,13 +1,13 @@
-//! The picture in ARCHITECTURE.md against the code: who imports whom.
+//! Tests of the code against the import diagrams of ARCHITECTURE.md.
 //!
-//! A block of the document whose first line is `arrows FOLDER` draws what is in that folder, each line a folder or file
-//! with those that it imports. The test reads every `crate::` and `super::` path of the code without its tests, and
-//! fails on an arrow that the picture does not have and on one that the code does not have. Arrows go downwards: what can
-//! be drawn like that has no circle.
+//! A block of the document whose first line is `arrows FOLDER` draws a folder: each line is a file
+//! or subfolder with its imports. The test reads every `crate::` and `super::` path outside tests.
+//! It fails for an import missing from the diagram and for an arrow missing from the code. Arrows
+//! point downwards, which excludes cycles.
 //!
-//! File by file, whatever the document draws: what a folder's own file passes on belongs to the file that defines it, and
-//! at most one pair of files may import each other. What is documented is named by the first word of its sentence. And the
-//! recipes of the document name few files, which are there.
+//! Further tests: re-exports count as imports of the defining file, and at most one pair of files
+//! may import each other. Doc comments must begin with a noun or a verb. The recipes of the
+//! document name few files, and all of them exist.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 use std::path::{Path, PathBuf};
@@ -106,7 +106,7 @@ fn complaints_name_the_place() {
     assert_eq!(picture.complaints(&picture.arrows_of(&sources)), [""; 0]);
 }
 
-/// Files that a recipe touches at most.
+/// Maximum number of files in a recipe.
 const MOST_FILES: usize = 5;
 
 #[test]
@@ -150,16 +150,16 @@ fn a_recipe_is_a_paragraph_with_a_heading() {
     assert_eq!(found[0].names, ["Thing", "made"]);
 }
 
-/// What has to be touched to add something.
+/// Recipe: the files to change to add a feature.
 struct Recipe {
     name: String,
-    /// Files, and folders where a new one goes.
+    /// Files to change, and folders for new files.
     paths: BTreeSet<String>,
-    /// Words of the code.
+    /// Names used in the code.
     names: Vec<String>,
 }
 
-/// The recipes of the document, each a paragraph.
+/// Returns the recipes of the document, one per paragraph.
 fn recipes(document: &str) -> Vec<Recipe> {
     let section = document.split("\n## ").find_map(|section| section.strip_prefix("How to add\n"));
     let paragraphs = section.unwrap_or_default().split("\n\n");
@@ -175,8 +175,8 @@ fn recipes(document: &str) -> Vec<Recipe> {
     paragraphs.filter_map(recipe).collect()
 }
 
-/// Words that stand for something that the reader has yet to find: a list of fields or a search result shows the sentence
-/// alone.
+/// Words that refer to something outside the sentence. A list of fields or a search result shows
+/// the sentence alone.
 const NO_NOUNS: [&str; 9] = ["Its", "It", "Those", "They", "Whose", "Of", "For", "In", "From"];
 
 #[test]
@@ -185,7 +185,7 @@ fn documentation_begins_with_what_is_documented() {
     let mut complaints = Vec::new();
     for file in files_below(&root.join("src")) {
         let file = file.strip_prefix(root).expect("it was found there");
-        // What is written on arguments of the command line is their help.
+        // Doc comments of arguments are the help of the command line.
         if file.starts_with("src/cli") {
             continue;
         }
@@ -206,7 +206,7 @@ fn only_the_first_word_of_documentation_is_looked_at() {
     assert_eq!(without_noun(code), [1, 9]);
 }
 
-/// Lines on which the documentation of an item begins with one of the words.
+/// Returns the lines on which a doc comment begins with one of the words.
 fn without_noun(code: &str) -> Vec<usize> {
     let documentation = |line: &str| line.trim_start().strip_prefix("/// ").map(str::to_owned);
     let mut found = Vec::new();
@@ -222,7 +222,7 @@ fn without_noun(code: &str) -> Vec<usize> {
     found
 }
 
-/// All files of code below a folder, sorted.
+/// Returns all source files below a folder, sorted.
 fn files_below(src: &Path) -> Vec<PathBuf> {
     let mut files = Vec::new();
     let mut folders = vec![src.to_owned()];
@@ -240,22 +240,22 @@ fn files_below(src: &Path) -> Vec<PathBuf> {
     files
 }
 
-/// One folder of the code as the document draws it.
+/// Diagram of one folder in the document.
 struct Picture {
-    /// Names from `src` down, none for `src` itself.
+    /// Module path of the folder, empty for `src`.
     folder: Vec<String>,
-    /// What is in the folder, from top to bottom, with what it imports and the line of the document.
+    /// Members of the folder from top to bottom, with their imports and the line of the document.
     rows: Vec<(String, Vec<String>, usize)>,
 }
 
-/// Who imports whom in a folder, with the first place where; also what is there and imports nothing.
+/// Imports between the members of a folder, with the first place of each, and all members.
 struct Arrows {
     places: BTreeMap<(String, String), String>,
     members: Vec<String>,
 }
 
 impl Picture {
-    /// All pictures of the document.
+    /// Returns all diagrams of the document.
     fn all(document: &str) -> Vec<Self> {
         let mut pictures: Vec<Self> = Vec::new();
         let mut inside = false;
@@ -275,7 +275,7 @@ impl Picture {
         pictures
     }
 
-    /// The arrows that the code has in this folder.
+    /// Returns the imports in this folder.
     fn arrows_of(&self, sources: &[Source]) -> Arrows {
         let depth = self.folder.len();
         let inside =
@@ -283,7 +283,7 @@ impl Picture {
         let mut members: Vec<String> = sources.iter().filter_map(|source| inside(&source.module)).collect();
         members.sort();
         members.dedup();
-        // What the folder's own file passes on belongs to where it comes from.
+        // A re-export of the folder's own file belongs to the defining file.
         let passed_on: HashMap<&str, &[String]> = sources
             .iter()
             .filter(|source| source.module == self.folder)
@@ -298,7 +298,7 @@ impl Picture {
                 let to = match passed_on.get(name.as_str()) {
                     _ if members.contains(&name) => Some(name),
                     Some(path) => inside(path),
-                    // What is defined in the folder's own file is common to all in it.
+                    // Items of the folder's own file are common to all members.
                     None => None,
                 };
                 let Some(to) = to.filter(|to| *to != from) else { continue };
@@ -310,7 +310,7 @@ impl Picture {
         Arrows { places, members }
     }
 
-    /// Everything in which picture and code differ.
+    /// Returns all differences between the diagram and the code.
     fn complaints(&self, arrows: &Arrows) -> Vec<String> {
         let row = |name: &str| self.rows.iter().position(|(from, _, _)| from == name);
         let mut complaints = Vec::new();
@@ -338,7 +338,8 @@ impl Picture {
     }
 }
 
-/// The files that import each other, directly or through others, each circle once; files by their paths.
+/// Returns the cycles of files that import each other, directly or indirectly, each once; files by
+/// path.
 fn circles(sources: &[Source]) -> Vec<Vec<String>> {
     let by_module: HashMap<&[String], usize> =
         sources.iter().enumerate().map(|(k, source)| (source.module.as_slice(), k)).collect();
@@ -370,10 +371,10 @@ fn circles(sources: &[Source]) -> Vec<Vec<String>> {
     circles.into_iter().collect()
 }
 
-/// The file that defines what a path names, found through what other files pass on.
+/// Returns the file that defines an item, following re-exports.
 fn defined_in(path: &[String], sources: &[Source], by_module: &HashMap<&[String], usize>) -> Option<usize> {
     let mut path = path;
-    // A chain of files that pass things on ends; one that goes round would be no Rust.
+    // A chain of re-exports ends; Rust has no cyclic ones.
     for _ in 0..10 {
         let (depth, file) = (0..=path.len()).rev().find_map(|n| Some((n, *by_module.get(&path[..n])?)))?;
         let passed_on = path.get(depth).and_then(|name| {
@@ -387,27 +388,27 @@ fn defined_in(path: &[String], sources: &[Source], by_module: &HashMap<&[String]
     None
 }
 
-/// A path that the code names, from the root of the crate.
+/// Path used by the code, from the root of the crate.
 #[derive(Debug)]
 struct Import {
     path: Vec<String>,
     line: usize,
-    /// Whether others import it from here.
+    /// Whether the import is a re-export.
     is_passed_on: bool,
 }
 
-/// A file of the crate.
+/// Source file of the crate.
 struct Source {
     file: PathBuf,
-    /// Names from the root of the crate.
+    /// Module path from the root of the crate.
     module: Vec<String>,
     imports: Vec<Import>,
-    /// Modules in files of their own that only tests have.
+    /// Test modules in separate files.
     test_modules: Vec<String>,
 }
 
 impl Source {
-    /// All files below a folder but those of tests.
+    /// Reads all files below a folder, except tests.
     fn all(src: &Path) -> Vec<Self> {
         let files = files_below(src);
         let root = src.parent().expect("src is in the repository");
@@ -445,7 +446,8 @@ impl Source {
 
 type Token = (String, usize);
 
-/// Names, numbers and `::` as they are, any other character by itself; no comments, strings or characters. With lines.
+/// Splits code into names, numbers, `::` and single characters, with their lines. Comments, strings
+/// and characters are omitted.
 fn tokens(code: &str) -> Vec<Token> {
     let all: Vec<char> = code.chars().collect();
     let starts = |at: usize, what: &str| what.chars().enumerate().all(|(k, c)| all.get(at + k) == Some(&c));
@@ -485,7 +487,8 @@ fn tokens(code: &str) -> Vec<Token> {
     tokens
 }
 
-/// The tokens without items that only tests have, and the modules among those that are files.
+/// Removes test-only items. Returns the remaining tokens and the names of test modules in separate
+/// files.
 fn without_tests(tokens: &[Token]) -> (Vec<Token>, Vec<String>) {
     let is = |at: usize, what: &[&str]| {
         what.iter().enumerate().all(|(k, token)| tokens.get(at + k).is_some_and(|(t, _)| t == token))
@@ -524,7 +527,7 @@ fn without_tests(tokens: &[Token]) -> (Vec<Token>, Vec<String>) {
     (kept, modules)
 }
 
-/// Every path that is imported, and every one that is written out from the crate or the module above.
+/// Returns every imported path, and every path written out from `crate` or `super`.
 fn imports(tokens: &[Token], module: &[String]) -> Vec<Import> {
     let is = |at: usize, what: &str| tokens.get(at).is_some_and(|(token, _)| token == what);
     let mut found = Vec::new();
@@ -548,7 +551,7 @@ fn imports(tokens: &[Token], module: &[String]) -> Vec<Import> {
     found
 }
 
-/// The paths of a tree of imports that begins here, below a path; says where it ends.
+/// Reads a tree of imports below `path`, and returns its end.
 fn tree(tokens: &[Token], mut at: usize, mut path: Vec<String>, found: &mut Vec<Import>) -> usize {
     let is = |at: usize, what: &str| tokens.get(at).is_some_and(|(token, _)| token == what);
     while let Some((token, line)) = tokens.get(at) {
@@ -560,7 +563,7 @@ fn tree(tokens: &[Token], mut at: usize, mut path: Vec<String>, found: &mut Vec<
                 }
                 return at + 1;
             }
-            // Programs and examples call the crate by its name.
+            // Programs and examples refer to the crate by name.
             "crate" | "epiline" => path.clear(),
             "super" => drop(path.pop()),
             "self" => {}

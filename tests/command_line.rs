@@ -1,11 +1,11 @@
-//! The program as a user runs it: results, exit statuses, and bad input.
+//! The program as a user runs it: results, exit statuses and invalid input.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
 use serde_json::Value;
 
-// Beside this file they would be test programs of their own.
+// Cargo would build files in `tests` as separate test programs.
 #[path = "command_line/barcode.rs"]
 mod barcode;
 #[path = "command_line/files.rs"]
@@ -19,7 +19,7 @@ mod report;
 #[path = "command_line/suggest.rs"]
 mod suggest;
 
-/// The program with the given arguments.
+/// Returns the program with arguments.
 fn epiline(arguments: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_epiline"));
     command.args(arguments).env_remove("RUST_BACKTRACE").stdin(Stdio::null());
@@ -34,7 +34,7 @@ fn text(bytes: &[u8]) -> String {
     String::from_utf8(bytes.to_vec()).unwrap()
 }
 
-/// Asserts that the program ends with the status, says the words in one sentence, and prints nothing else.
+/// Asserts the exit status, an error of one line containing `words`, and no other output.
 #[track_caller]
 fn fails(arguments: &[&str], status: i32, words: &str) {
     let output = run(arguments);
@@ -47,7 +47,7 @@ fn fails(arguments: &[&str], status: i32, words: &str) {
     assert!(output.stdout.is_empty(), "{arguments:?} printed {}", text(&output.stdout));
 }
 
-/// A folder with small pictures and damaged ones.
+/// Folder with small pictures, some of them damaged.
 struct Pictures(tempfile::TempDir);
 
 impl Pictures {
@@ -80,7 +80,7 @@ impl Pictures {
         std::fs::write(self.path(name), content).unwrap();
     }
 
-    /// `estimate` on two of the pictures.
+    /// Returns the arguments of `estimate` on two of the pictures.
     fn estimate(&self, left: &str, right: &str, rest: &[&str]) -> Vec<String> {
         let words = ["estimate".to_owned(), self.text(left), self.text(right)];
         words.into_iter().chain(rest.iter().map(|s| (*s).to_owned())).collect()
@@ -93,7 +93,7 @@ impl Pictures {
     }
 }
 
-/// Smooth blobs that differ from place to place.
+/// Draws smooth blobs without repetition.
 fn textured(width: u32, height: u32, seed: u32) -> image::GrayImage {
     image::GrayImage::from_fn(width, height, |x, y| {
         let (x, y, s) = (f64::from(x), f64::from(y), f64::from(seed));
@@ -102,7 +102,8 @@ fn textured(width: u32, height: u32, seed: u32) -> image::GrayImage {
     })
 }
 
-/// Real pairs with known geometry, or a word that the test was skipped.
+/// Returns a folder of real pairs with ground truth, or `None` with a note that the test is
+/// skipped.
 fn real_data(folder: &str) -> Option<PathBuf> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data").join(folder);
     if path.is_dir() {
@@ -168,7 +169,7 @@ mod pictures {
     #[test]
     fn that_claim_to_be_enormous_are_refused() {
         let pictures = Pictures::new();
-        // Nothing but a header: 4 thousand million pixels in twelve bytes.
+        // A header of twelve bytes claims 4 thousand million pixels.
         pictures.write("bomb.pgm", "P5\n65535 65535\n255\n");
         pictures.estimate_fails("bomb.pgm", "right.png", &GOOD, 2, "bomb.pgm");
     }
@@ -180,7 +181,7 @@ mod pictures {
         fails(&["estimate", &left, "--pair", "1,2,3,4"], 2, "required");
         fails(&["estimate", "--pair", "1,2,3,4"], 2, "required");
         fails(&["estimate", "--sample", "no-such-sample"], 2, "no-such-sample");
-        fails(&[&left], 2, "two images are needed");
+        fails(&[&left], 2, "Give two images LEFT and RIGHT");
     }
 }
 
@@ -247,7 +248,7 @@ mod output {
             let json = pictures.text(name);
             let rest = [&GOOD[..], &["--json", &json]].concat();
             pictures.estimate_fails("left.png", "right.png", &rest, 2, words);
-            // Before the images are even looked at.
+            // The output is checked before the images are read.
             pictures.estimate_fails("missing.png", "right.png", &rest, 2, words);
             fails(&["evaluate", "pairs", "no/such/folder", "--json", &json], 2, words);
         }
@@ -299,7 +300,7 @@ mod output {
     }
 }
 
-/// Makes the pictures a folder of one pair called `p` with twelve matches of no particular geometry.
+/// Creates a pair `p` in the folder, with twelve matches of an arbitrary geometry.
 fn small_pairs(pictures: &Pictures) {
     std::fs::copy(pictures.path("left.png"), pictures.path("pA.png")).unwrap();
     std::fs::copy(pictures.path("right.png"), pictures.path("pB.png")).unwrap();
@@ -369,7 +370,7 @@ mod evaluate {
         small_pairs(&pictures);
         let (folder, json) = (pictures.0.path().to_str().unwrap(), pictures.text("report.json"));
         let drawn = pictures.text("drawn");
-        // The protocol allows dozens of trials, of which one takes tenths of a second on one thread.
+        // The protocol allows dozens of trials; each takes tenths of a second on one thread.
         let mut child = epiline(&["evaluate", "pairs", folder, "--trials", "100", "--protocol", "paper"])
             .args([
                 "--methods",
@@ -385,7 +386,7 @@ mod evaluate {
             .stderr(Stdio::piped())
             .spawn()
             .unwrap();
-        // The first line of progress tells that a trial is done.
+        // The first line of progress means that a trial is done.
         let mut said = BufReader::new(child.stderr.take().unwrap());
         let mut line = String::new();
         said.read_line(&mut line).unwrap();
@@ -416,7 +417,7 @@ mod evaluate {
     fn refuses_folders_that_are_not_what_they_should_be() {
         let pictures = Pictures::new();
         let folder = pictures.0.path().to_str().unwrap();
-        // Without saying what to evaluate: the help, as for bad input.
+        // Without a subcommand the program prints help with the status of invalid input.
         assert_eq!(run(&["evaluate"]).status.code(), Some(2));
         for kind in ["vgg", "pairs"] {
             fails(&["evaluate", kind, "no/such/folder"], 2, "there is no such file or folder");
@@ -469,7 +470,7 @@ mod evaluate {
         small_pairs(&pictures);
         let folder = pictures.0.path().to_str().unwrap();
         for (rest, words) in [
-            (["--only", "q"], "there is no pair called q; there are p"),
+            (["--only", "q"], "there is no pair q. Choose one of p"),
             (["--trials", "0"], "from 1 to 1000000"),
             (["--noise", "-1"], "--noise"),
             (["--noise", "nan"], "expected a number of pixels"),
@@ -480,7 +481,7 @@ mod evaluate {
         }
     }
 
-    /// A set of two views in `folder`, with one file changed.
+    /// Evaluates a set of two views in a folder with one file changed, and asserts the error.
     fn vgg_fails(name: &str, content: Option<&str>, words: &str) {
         let pictures = Pictures::new();
         for (name, content) in [
@@ -524,11 +525,11 @@ fn without_a_display_the_window_says_so() {
     assert!(!complaint.contains("panic"), "{complaint}");
 }
 
-/// What needs a working estimator.
+/// Tests with the real estimator.
 mod geometry {
     use super::*;
 
-    /// `estimate` on the first two views of the house with two of their true matches.
+    /// Runs `estimate` on the first two views of the house with two of their true matches.
     fn house(rest: &[&str]) -> Option<Output> {
         let folder = real_data("house")?;
         let view = |k: usize| folder.join(format!("house.{k:03}.pgm")).to_str().unwrap().to_owned();
@@ -549,7 +550,8 @@ mod geometry {
                 Some((place(&corners1, a), place(&corners2, b)))
             })
             .collect();
-        // The highest and the lowest match: far apart, and the epipolar lines of the set are nearly level.
+        // The highest and the lowest match are far apart, and the epipolar lines of the set are
+        // nearly horizontal.
         let by_height = |a: &&([f64; 2], [f64; 2]), b: &&([f64; 2], [f64; 2])| a.0[1].total_cmp(&b.0[1]);
         let pair = |m: &([f64; 2], [f64; 2])| format!("{},{},{},{}", m.0[0], m.0[1], m.1[0], m.1[1]);
         let p = pair(matches.iter().min_by(by_height).unwrap());
@@ -608,7 +610,7 @@ mod geometry {
         assert_eq!(record["matches"], 298);
         assert!((record["truth_error"].as_f64().unwrap() - 0.26).abs() < 0.01);
         assert_eq!(record["failures"], 0);
-        // Far above what is expected of the estimator: this is a test of the command.
+        // Far above the accuracy of the estimator: this tests the command.
         assert!(record["median"].as_f64().unwrap() < 20.0, "{}", record["median"]);
     }
 
@@ -630,7 +632,7 @@ mod geometry {
         for overall in [seven, eight] {
             let median = overall["median_of_medians"].as_f64().unwrap();
             let end = |name: &str| overall["median_of_medians_interval"][name].as_f64().unwrap();
-            // Exact corners of a tenth of a pixel or so, few of them: some pixels, as others found.
+            // The few corners are accurate to about 0.1 px, so errors of some pixels are expected.
             assert!((0.5..10.0).contains(&median), "{median}");
             assert!(end("low") <= median && median <= end("high"));
         }

@@ -1,9 +1,10 @@
-//! The dependencies as `Cargo.lock` has them, without a tool and without a network; `deny.toml` has the rest.
+//! Dependencies in `Cargo.lock`, tested without tools or network. `deny.toml` has the remaining
+//! rules.
 
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// Crates of which there are two versions, because others ask for them: fewer may become of them, not more.
+/// Crates with two versions, required by other crates. The list may shrink but not grow.
 const TWICE: [&str; 22] = [
     "calloop",
     "calloop-wayland-source",
@@ -29,11 +30,11 @@ const TWICE: [&str; 22] = [
     "block2",
 ];
 
-/// Crates that must not come back: C code that decodes files, whatever reaches a network, and what nobody maintains.
+/// Banned crates: C code that decodes files, network access, and unmaintained code.
 const UNWANTED: [&str; 7] =
     ["openssl-sys", "libwebp-sys", "curl-sys", "reqwest", "hyper", "roxmltree", "ttf-parser"];
 
-/// `name version source` of every package.
+/// Returns `name version source` of every package.
 fn packages() -> Vec<[String; 3]> {
     let lock = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("Cargo.lock")).unwrap();
     let field = |block: &str, name: &str| {

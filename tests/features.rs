@@ -1,7 +1,7 @@
-//! Covariant features held against OpenCV's SIFT on real pairs with known geometry.
+//! Covariant features compared with OpenCV's SIFT on real pairs with ground truth.
 //!
-//! Needs the pictures in `../shared/data` and Python with `cv2` (the program named by `EPILINE_PYTHON`, or `python3`);
-//! says "skipped" where either is missing.
+//! The test needs the pictures in `../shared/data` and Python with `cv2` (the program named by
+//! `EPILINE_PYTHON`, or `python3`). It prints "skipped" if either is missing.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -11,11 +11,12 @@ use epiline::geometry::{FundamentalMatrix, PointPair, eight_point, symmetric_epi
 use epiline::image::Picture;
 use nalgebra::Matrix3;
 
-/// Features a picture, at most, of both programs.
+/// Maximum number of features per picture, for both programs.
 const MOST: usize = 5000;
-/// Larger pictures say nothing new and take a minute.
+/// Longer side of the largest pictures used, px. Larger pictures take a minute and add no
+/// information.
 const LARGEST_SIDE: f64 = 1100.0;
-/// Farthest from the true epipolar lines that a match counts as right, px.
+/// Largest distance of a correct match from the true epipolar lines, px.
 const RIGHT: f64 = 3.0;
 
 fn python() -> Option<PathBuf> {
@@ -27,7 +28,7 @@ fn python() -> Option<PathBuf> {
     found.then_some(python)
 }
 
-/// Names, without the `A` and `B` of the two pictures, of all pairs in a folder.
+/// Returns the names of all pairs in a folder, without the `A` and `B` of the pictures.
 fn pairs(folder: &str) -> Vec<PathBuf> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data").join(folder);
     let Ok(entries) = path.read_dir() else {
@@ -56,7 +57,7 @@ fn point_pairs(rows: &[f64]) -> Vec<PointPair> {
     rows.chunks_exact(4).map(|r| PointPair::new(r[0], r[1], r[2], r[3])).collect()
 }
 
-/// The true F, or the one of the true matches.
+/// Returns the true F, or the F fitted to the true matches.
 fn truth(name: &Path) -> FundamentalMatrix {
     let with = |suffix: &str| std::fs::read_to_string(format!("{}{suffix}.txt", name.display()));
     if let Ok(text) = with("_F") {
@@ -77,7 +78,8 @@ fn right_matches_are_as_many_as_those_of_opencv() {
         if pictures.iter().any(|p| p.gray.frame().longer_side() > LARGEST_SIDE) {
             continue;
         }
-        // OpenCV doubles every picture, and asks for 0.04 / 3 of the range of intensities.
+        // OpenCV doubles every picture and uses a threshold of 0.04 / 3 of the range of
+        // intensities.
         let parameters = FeatureParameters {
             most: MOST,
             contrast: 3.4,

@@ -1,7 +1,7 @@
-//! Files that OpenCV itself reads and writes, not our own reader alone.
+//! Exchange of files with OpenCV itself.
 //!
-//! Needs Python with `cv2`: the program named by `EPILINE_PYTHON`, or `python3`. Without it the tests say "skipped", or
-//! fail where `EPILINE_REQUIRE_OPENCV` is set, as `.ci/run` does.
+//! The tests need Python with `cv2`: the program named by `EPILINE_PYTHON`, or `python3`. Otherwise
+//! they print "skipped", or fail if `EPILINE_REQUIRE_OPENCV` is set, as in `.ci/run`.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -11,7 +11,7 @@ use epiline::io::{Format, GeometryFile, ImageNote};
 use nalgebra::{Matrix3, Point3, Vector3};
 use serde_json::Value;
 
-/// The Python to use, if it has OpenCV.
+/// Returns a Python that has OpenCV.
 fn python() -> Option<PathBuf> {
     let python = std::env::var_os("EPILINE_PYTHON").map_or_else(|| PathBuf::from("python3"), PathBuf::from);
     let found = Command::new(&python).args(["-c", "import cv2"]).output().is_ok_and(|o| o.status.success());
@@ -24,7 +24,7 @@ fn python() -> Option<PathBuf> {
     None
 }
 
-/// Runs the script; what it prints.
+/// Runs the script and returns its output.
 fn opencv(python: &Path, task: &str, path: &Path) -> Value {
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/interchange/opencv.py");
     let output = Command::new(python).arg(script).arg(task).arg(path).output().unwrap();
@@ -32,7 +32,7 @@ fn opencv(python: &Path, task: &str, path: &Path) -> Value {
     serde_json::from_slice(&output.stdout).unwrap()
 }
 
-/// Two cameras, points with some noise, homographies with numbers of all sizes.
+/// Returns two cameras, noisy points, and homographies with entries of all magnitudes.
 fn example() -> GeometryFile {
     let camera = |x: f64| {
         let up = Vector3::new(0.1, -1.0, 0.05);
@@ -65,13 +65,13 @@ fn rows<const R: usize, const C: usize>(matrix: &nalgebra::SMatrix<f64, R, C>) -
     Value::Array(matrix.row_iter().map(|row| row.iter().copied().collect::<Value>()).collect())
 }
 
-/// Every number arrives bit for bit, and the residual stated in the file is what OpenCV gets from its F and points.
+/// Every number arrives bit for bit, and OpenCV's residual equals the one stated in the file.
 #[test]
 fn opencv_reads_what_we_write() {
     let Some(python) = python() else { return };
     let folder = tempfile::tempdir().unwrap();
     let mut file = example();
-    // The image in whose name everything is that could be misread comes first.
+    // The first image has a name with every character that could be misread.
     file.images = file.images.map(|[a, b]| [b, a]);
     let path = folder.path().join("geometry.yml");
     file.write(&path, Format::OpencvYaml).unwrap();
@@ -93,7 +93,7 @@ fn opencv_reads_what_we_write() {
     let number = |name: &str| found[name].as_f64().unwrap();
     assert_eq!(found["stated_pairs"], 40.0);
     assert!(number("mean") > 0.05 && number("max") > number("mean"));
-    // Lines of OpenCV come in double precision, with rounding of its own.
+    // Lines of OpenCV are in double precision, with different rounding.
     assert!((number("mean") - number("stated_mean")).abs() < 1e-9, "{found}");
     assert!((number("max") - number("stated_max")).abs() < 1e-9, "{found}");
     let name = &file.images.as_ref().unwrap()[0].name;
@@ -110,7 +110,7 @@ fn we_read_what_opencv_writes() {
     let written = opencv(&python, "write", folder.path());
     let (file, told) = GeometryFile::read(&folder.path().join("written.yml")).unwrap();
     assert_eq!(told, Format::OpencvYaml);
-    // OpenCV writes 17 digits, so nothing is lost; the sign of F is ours.
+    // OpenCV writes 17 digits, so no precision is lost. The sign of F is normalised.
     let rows = |value: &Value| {
         let numbers: Vec<f64> = value
             .as_array()
@@ -131,16 +131,17 @@ fn we_read_what_opencv_writes() {
     let expected: Vec<_> =
         points1.chunks(2).zip(points2.chunks(2)).map(|(a, b)| (a[0], a[1], b[0], b[1])).collect();
     let found: Vec<_> = file.pairs.iter().map(|p| (p.point1.x, p.point1.y, p.point2.x, p.point2.y)).collect();
-    // Single precision is written with nine digits, which read in double precision are near, not the same.
+    // Single precision is written with nine digits, so double precision reads a nearby number.
     assert_eq!(found.len(), 12);
     for (a, b) in found.iter().zip(&expected) {
         assert_eq!((a.0, a.1), (b.0, b.1));
         assert!((a.2 - b.2).abs() < 1e-5 && (a.3 - b.3).abs() < 1e-5, "{a:?} {b:?}");
     }
-    // Compressed files are not text, and infinite numbers are not JSON: a sentence each.
+    // Compressed files are not text, XML is refused, and infinite numbers are not JSON: each gives an
+    // error message.
     for (name, words) in [
         ("written.yml.gz", "not a text file"),
-        ("written.xml", "convert it to YAML with OpenCV"),
+        ("written.xml", "Convert it to YAML with OpenCV"),
         ("written.json", "not valid JSON"),
     ] {
         let message = GeometryFile::read(&folder.path().join(name)).unwrap_err().to_string();

@@ -1,6 +1,7 @@
-//! The program killed at any moment: every file is the old one or the new one, and nothing half written stays for long.
+//! The program killed at any moment: every file is the old one or the new one, and temporary files
+//! are removed later.
 //!
-//! `EPILINE_KILLS` is how often; a few times in an ordinary run.
+//! `EPILINE_KILLS` sets the number of kills; the default is small.
 
 #![cfg(unix)]
 
@@ -12,10 +13,10 @@ use std::time::Duration;
 use epiline::geometry::Frame;
 use epiline::io::{ImageReference, ImageSource, OutputFile, SessionFile};
 
-/// Set for the child that writes sessions until it is killed.
+/// Environment variable for the child that writes sessions until it is killed.
 const CHILD: &str = "EPILINE_TEST_SAVES_TO";
 
-/// The files of a rectified pair, the description last.
+/// Files of a rectified pair, the description last.
 const NAMES: [&str; 6] =
     ["left.png", "right.png", "stacked.png", "left-map.npy", "right-map.npy", "rectification.json"];
 
@@ -23,7 +24,7 @@ fn kills() -> u64 {
     std::env::var("EPILINE_KILLS").ok().and_then(|value| value.parse().ok()).unwrap_or(12)
 }
 
-/// A pause that differs from kill to kill and is the same in every run, µs.
+/// Returns a pause that differs between kills but not between runs.
 fn pause(kill: u64, longest: u64) -> Duration {
     let mixed = (kill + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
     Duration::from_micros((mixed >> 32) % longest)
@@ -39,11 +40,11 @@ fn session(number: u64) -> SessionFile<Vec<u64>> {
         source: ImageSource::File { path: "image.png".into(), sha256: "00".repeat(32) },
         frame: Frame::new(640, 480),
     };
-    // Long enough to be cut in the middle.
+    // Long enough to be interrupted in the middle.
     SessionFile { images: [image(), image()], fundamental: None, trust: None, content: vec![number; 40_000] }
 }
 
-/// What the child does; as a test by itself it does nothing.
+/// Body of the child process; as a test it does nothing.
 #[test]
 fn child_that_saves() {
     let Ok(path) = std::env::var(CHILD) else { return };
@@ -69,7 +70,7 @@ fn a_session_is_never_half_and_never_older_than_what_was_saved() {
         let mut saved = 0;
         let mut hear = |line: Option<std::io::Result<String>>| {
             let line = line?.ok()?;
-            // The harness of the tests writes into the first line, too.
+            // The test harness writes into the first line, too.
             let number = line.rsplit_once("saved ").and_then(|(_, number)| number.parse().ok());
             saved = number.unwrap_or(saved);
             Some(saved)
@@ -83,7 +84,7 @@ fn a_session_is_never_half_and_never_older_than_what_was_saved() {
         assert!(found.content.len() == 40_000 && found.content[0] >= saved, "kill {kill}: after {saved}");
         assert_eq!(found, session(found.content[0]), "kill {kill}");
     }
-    // What the killed ones left goes with the next file written there.
+    // The next file written in the folder removes the temporary files of killed programs.
     OutputFile::prepare(&folder.path().join("other.json")).unwrap();
     assert_eq!(parts(folder.path()), 0);
 }
@@ -96,7 +97,7 @@ fn a_rectified_pair_is_never_mixed_under_its_description() {
         let picture = image::GrayImage::from_fn(160, 120, |x, y| image::Luma([(x * seed + y * y) as u8]));
         picture.save(file(name)).unwrap();
     }
-    // Two matrices, so that the new pair differs from the old one in every file.
+    // Two matrices make the new pair differ from the old one in every file.
     std::fs::write(file("f0.txt"), "0 0 0\n0 0 -1\n0 1 0\n").unwrap();
     std::fs::write(file("f1.txt"), "0 0 0\n0 0 -1\n0 1 -9\n").unwrap();
     let rectify = |which: u64, output: &str| {

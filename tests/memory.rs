@@ -1,5 +1,5 @@
-//! What pictures cost: at most twelve bytes a pixel beside the decoder, whatever is done with them. One test, because
-//! tests beside it would be counted, too.
+//! Memory of pictures: at most twelve bytes per pixel besides the decoder. A single test, because
+//! tests running in parallel would be counted too.
 
 mod counting;
 
@@ -10,7 +10,7 @@ use epiline::features::{FeatureParameters, find_features};
 use epiline::image::{LoadOptions, Picture, PyramidPair, find_corners};
 use image::ImageFormat;
 
-/// Rows and tables that do not grow with the picture, bytes.
+/// Memory independent of the picture size, bytes.
 const SLACK: usize = 24 << 20;
 
 #[test]
@@ -27,7 +27,7 @@ fn a_picture_takes_at_most_twelve_bytes_a_pixel() {
     let file = file.into_inner();
     let (opening, picture) = most_held(|| Picture::from_bytes("large", &file).unwrap());
     assert!(opening < 12 * pixels + SLACK, "opening: {:.1} bytes a pixel", opening as f64 / pixels as f64);
-    // The pixels, the grey plane and its smaller sizes, once whoever has copies of them.
+    // The pixels, the grey plane and its smaller levels exist once, however many handles there are.
     let (pyramids, pair) = most_held(|| PyramidPair::new(&picture.gray, &picture.gray.clone(), 48.0));
     assert!(
         pyramids < 2 * 2 * pixels + SLACK,
@@ -41,7 +41,7 @@ fn a_picture_takes_at_most_twelve_bytes_a_pixel() {
     let (claimed, ()) = most_held(|| {
         let options = LoadOptions { most_pixels: 100_000 };
         for file in [webp_with_metadata(0x7fff_ff00), webp_with_frame([16_000, 8_000])] {
-            // Read or refused, but not for gigabytes.
+            // The file may be read or refused, without allocating gigabytes.
             let _ = Picture::from_bytes_with("claims", &file, options);
         }
     });
@@ -49,26 +49,26 @@ fn a_picture_takes_at_most_twelve_bytes_a_pixel() {
     println!("opening {opening}, pyramids {pyramids}, corners {corners}, features {features} bytes");
 }
 
-/// A chunk of a WebP file.
+/// Returns a chunk of a WebP file.
 fn chunk(name: [u8; 4], length: u32, content: &[u8]) -> Vec<u8> {
     [&name[..], &length.to_le_bytes(), content].concat()
 }
 
-/// A WebP file of 32×24 px with some flags, before its chunks.
+/// Returns a WebP file of 32×24 px with flags and chunks.
 fn webp(flags: u8, chunks: &[u8]) -> Vec<u8> {
     let header = chunk(*b"VP8X", 10, &[flags, 0, 0, 0, 31, 0, 0, 23, 0, 0]);
     let content = [b"WEBP".to_vec(), header, chunks.to_vec()].concat();
     chunk(*b"RIFF", content.len() as u32, &content)
 }
 
-/// A small picture whose EXIF says that it is so long.
+/// Returns a small picture whose EXIF chunk claims `length` bytes.
 fn webp_with_metadata(length: u32) -> Vec<u8> {
     let mut file = Cursor::new(Vec::new());
     image::GrayImage::new(32, 24).write_to(&mut file, ImageFormat::WebP).unwrap();
     webp(0x08, &[&file.into_inner()[12..], &chunk(*b"EXIF", length, b"Exif")].concat())
 }
 
-/// A small animation whose first frame is coded at another size.
+/// Returns a small animation whose first frame is coded at another size.
 fn webp_with_frame([width, height]: [u16; 2]) -> Vec<u8> {
     let mut coded = vec![0x10, 0, 0, 0x9d, 1, 0x2a];
     coded.extend([width.to_le_bytes(), height.to_le_bytes()].concat());

@@ -1,9 +1,10 @@
-//! Files of every kind, mutated: whatever is in them, they are read or refused with a sentence, without a panic and within
-//! a bound on memory.
+//! Mutated files of every kind: the program reads them or refuses them with a message, without a
+//! panic and within a memory limit.
 //!
-//! A harness of our own on stable Rust: the usual fuzzers need a nightly compiler or instrumented builds. It knows no
-//! coverage, but it starts from a file of every format and from the files that broke something before, and a run is made
-//! again by its seed. `EPILINE_MUTATIONS` is how many, `EPILINE_SEED` with which seed:
+//! The harness runs on stable Rust; the usual fuzzers need a nightly compiler or instrumented
+//! builds. It ignores coverage, but starts from a file of every format and from files that broke
+//! something. A run is repeatable by its seed. `EPILINE_MUTATIONS` sets the number of mutations,
+//! `EPILINE_SEED` the seed:
 //!
 //! ```sh
 //! EPILINE_MUTATIONS=10000000 cargo test --test mutations -- --ignored --nocapture
@@ -23,18 +24,18 @@ use epiline::io::{
 };
 use image::{DynamicImage, ImageFormat};
 
-/// Pixels of the largest picture that is read here.
+/// Pixel limit for pictures.
 const MOST_PIXELS: u64 = 100_000;
-/// The most that a file may make the program hold, bytes: what decoders may use for profiles and texts, and the pictures.
+/// Memory limit per file, bytes: the pictures, and the decoders' profiles and texts.
 const MOST_MEMORY: usize = 96 << 20;
-/// The longest that a file may take, seconds; a hundred times what the slowest takes.
+/// Time limit per file, s: a hundred times the slowest.
 const LONGEST: f64 = 20.0;
-/// The longest file that mutations start from.
+/// Largest file that is mutated, bytes.
 const LONGEST_FILE: u64 = 20_000;
-/// Characters of a message at most.
+/// Maximum length of a message, characters.
 const LONGEST_MESSAGE: usize = 900;
 
-/// The generator `SplitMix64`: the same numbers everywhere.
+/// The generator `SplitMix64`, equal on all platforms.
 struct Random(u64);
 
 impl Random {
@@ -46,7 +47,7 @@ impl Random {
         z ^ (z >> 31)
     }
 
-    /// Below `end`, which is not 0.
+    /// Returns a number below `end`, which is not 0.
     fn below(&mut self, end: usize) -> usize {
         (self.next() % end as u64) as usize
     }
@@ -56,7 +57,7 @@ impl Random {
     }
 }
 
-/// Who reads a file.
+/// Reader of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Reader {
     Picture,
@@ -70,7 +71,7 @@ struct Sample {
     reader: Reader,
 }
 
-/// A small file of every kind, and those that broke something before where they are at hand.
+/// Returns a small file of every kind, and files that once broke something, if present.
 fn corpus() -> Vec<Sample> {
     let mut all = Vec::new();
     let mut add =
@@ -95,7 +96,7 @@ fn corpus() -> Vec<Sample> {
             ImageFormat::WebP,
         ] {
             let mut file = Cursor::new(Vec::new());
-            // Not every format has every kind.
+            // Formats support different pixel types.
             if picture.write_to(&mut file, format).is_ok() {
                 add(&format!("{kind} {format:?}"), file.into_inner(), Reader::Picture);
             }
@@ -144,7 +145,7 @@ fn corpus() -> Vec<Sample> {
     all
 }
 
-/// One change, of the kinds that break parsers.
+/// Applies one change of a kind that breaks parsers.
 fn mutate(bytes: &mut Vec<u8>, other: &[u8], random: &mut Random) {
     const NUMBERS: [&str; 10] =
         ["-1", "0", "1e308", "1e999", "nan", "-inf", "4294967296", "18446744073709551616", "1e-320", "00"];
@@ -184,7 +185,7 @@ fn mutate(bytes: &mut Vec<u8>, other: &[u8], random: &mut Random) {
     bytes.truncate(4 * LONGEST_FILE as usize);
 }
 
-/// Reads it in every way that it may be read, and returns what was said.
+/// Reads a file with all applicable readers and returns their messages.
 fn read(bytes: &[u8], reader: Reader, file: &Path) -> Vec<String> {
     let mut said = Vec::new();
     let mut hear = |error: Option<String>| said.extend(error);
@@ -197,7 +198,7 @@ fn read(bytes: &[u8], reader: Reader, file: &Path) -> Vec<String> {
             if let Ok(text) = std::str::from_utf8(bytes) {
                 match GeometryFile::parse(text) {
                     Ok((found, _)) => {
-                        // What was read can be written in every format.
+                        // Every geometry that was read can be written in every format.
                         for format in Format::ALL {
                             let _ = found.to_text(format);
                         }
@@ -217,7 +218,7 @@ fn read(bytes: &[u8], reader: Reader, file: &Path) -> Vec<String> {
     said
 }
 
-/// Makes so many mutations and complains about each that breaks a promise.
+/// Runs `count` mutations and reports each that breaks a rule.
 fn run(count: usize, seed: u64) {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("mutant");

@@ -1,5 +1,6 @@
-//! The reference of the command line, in `docs/command-line.md` and the man pages in `docs/man`, is what the definition
-//! of the command line says. After a change there `EPILINE_RENEW=1 cargo test --test reference` writes it anew.
+//! Reference of the command line in `docs/command-line.md` and the man pages in `docs/man`,
+//! generated from its definition. After a change, `EPILINE_RENEW=1 cargo test --test reference`
+//! regenerates it.
 
 use std::fmt::Write;
 use std::fs;
@@ -8,9 +9,9 @@ use std::path::{Path, PathBuf};
 use clap::{Command, CommandFactory};
 use epiline::cli::CommandLine;
 
-/// Ends the hand-written part of the document.
+/// Last line of the hand-written part of the document.
 const BEGINNING: &str = "from the definition in `src/cli`.\n";
-/// Characters a line of help.
+/// Width of the help, characters.
 const WIDTH: usize = 110;
 
 fn command() -> Command {
@@ -19,7 +20,7 @@ fn command() -> Command {
     command
 }
 
-/// `epiline help` of the program and of each command.
+/// Returns the help of the program and of each command.
 fn help() -> String {
     let mut command = command();
     let mut text = String::new();
@@ -39,7 +40,7 @@ fn help() -> String {
     text
 }
 
-/// Compares a file with what it should be, or renews it.
+/// Compares a file with its expected content, or regenerates it.
 fn check(path: &Path, expected: &str) {
     if std::env::var_os("EPILINE_RENEW").is_some() {
         fs::write(path, expected).unwrap();

@@ -1,8 +1,9 @@
-//! A long day in the window: drags, openings and exports without end, and what the program holds stays what it was.
+//! Long use of the window: drags, openings and exports must not leak memory, threads or files.
 //!
-//! A test program by itself, because whatever ran beside it would be counted too. Memory is counted at the allocator,
-//! threads and open files by the system. Most searches are answered at once by the stand-in of the window's tests, some by
-//! the estimator itself: with it alone a day takes a day.
+//! This is a separate test program because parallel tests would be counted too. The allocator
+//! counts memory; the system counts threads and open files. The stand-in of the window's tests
+//! answers most searches at once, and the real estimator some of them. With the estimator alone, a
+//! day's use takes a day.
 //!
 //! ```sh
 //! EPILINE_DRAGS=10000 EPILINE_OPENINGS=200 EPILINE_EXPORTS=200 cargo test --test soak -- --ignored --nocapture
@@ -26,20 +27,21 @@ use epiline::geometry::{Frame, PointPair};
 use epiline::synthetic::{Motion, test_pair};
 use support::{Files, P_LEFT, Window, button, drop_files, fake_estimate, screen, settle, window};
 
-/// Rounds before anything is compared: until then lists of a bounded length fill up (unsaved copies, undo, messages).
+/// Rounds before the comparison, while lists of limited length fill up (unsaved copies, undo,
+/// messages).
 const WARM_UP: usize = 32;
-/// One search of so many is a real one.
+/// Searches per search with the real estimator.
 const REAL_SEARCHES: usize = 100;
-/// More than this is not the same, bytes: what the estimator happens to hold of one pair or another.
+/// Tolerated growth of memory, bytes. The estimator's memory depends on the pair.
 const SLACK: usize = 16 << 20;
-/// Files that may be open more than before: locks of unsaved copies come and go.
+/// Tolerated growth of open files. Locks of unsaved copies come and go.
 const MORE_FILES: usize = 4;
 
 fn count(variable: &str, otherwise: usize) -> usize {
     std::env::var(variable).map_or(otherwise, |value| value.parse().unwrap())
 }
 
-/// What the program holds.
+/// Resources held by the program.
 #[derive(Debug, Clone, Copy)]
 struct Holdings {
     bytes: usize,
@@ -54,7 +56,7 @@ impl Holdings {
     }
 }
 
-/// Two pairs of pictures with pairs of points on them, a session, a folder.
+/// Test data: two pairs of pictures with point pairs, a session, a folder.
 struct Material {
     files: Files,
     pairs: [[PathBuf; 2]; 2],
@@ -115,7 +117,7 @@ fn export(window: &mut Window, choices: &[&str], path: &Path) {
     std::fs::remove_file(path).unwrap();
 }
 
-/// Opens something else than what is open, with two pairs of points.
+/// Opens other content than the current one, with two point pairs.
 fn open(window: &mut Window, material: &Material, round: usize) {
     match round % 4 {
         0 => drop_files(window, std::slice::from_ref(&material.session)),
@@ -127,7 +129,7 @@ fn open(window: &mut Window, material: &Material, round: usize) {
     assert_eq!(window.state().document().pairs.len(), 2, "round {round}");
 }
 
-/// A drag of the first point there or back, without waiting for what comes of it.
+/// Drags the first point there or back, without waiting for results.
 fn drag(window: &mut Window, number: usize) {
     let from = screen(window, P_LEFT);
     let to = from + if number.is_multiple_of(2) { vec2(9.0, 6.0) } else { vec2(-9.0, -6.0) };
@@ -141,7 +143,7 @@ fn drag(window: &mut Window, number: usize) {
     window.step();
 }
 
-/// One round: an opening, an export, drags.
+/// Runs one round: an opening, an export, drags.
 fn round(window: &mut Window, material: &Material, number: usize, drags: usize) {
     open(window, material, number);
     let before = support::point(window, P_LEFT);
@@ -189,7 +191,7 @@ fn soak(drags: usize, openings: usize, exports: usize) {
     window.key_press(Key::Enter);
     settle(&mut window);
     let started = Instant::now();
-    // The same number of drags as later: what a burst of them holds is there from the start.
+    // The same number of drags as later, so that their peak memory is included in the baseline.
     let each = drags.div_ceil(rounds);
     for number in 0..WARM_UP {
         round(&mut window, &material, number, each);

@@ -1,4 +1,4 @@
-//! Kinds of values on the command line, and options that several commands share.
+//! Value parsers, and options shared by several commands.
 
 use std::path::{Path, PathBuf};
 
@@ -14,7 +14,7 @@ use crate::io::{Format, PictureFormat};
 use crate::rectify::RectifyMethod;
 use crate::synthetic::{Sample, SamplePair};
 
-/// Four numbers separated by commas.
+/// Parses four numbers separated by commas.
 pub(super) fn point_pair(text: &str) -> Result<PointPair, String> {
     const EXPECTED: &str = "expected four numbers X1,Y1,X2,Y2 (pixels)";
     let cells: Vec<&str> = text.split(',').map(str::trim).collect();
@@ -26,7 +26,7 @@ pub(super) fn point_pair(text: &str) -> Result<PointPair, String> {
     Ok(PointPair::new(number(x1)?, number(y1)?, number(x2)?, number(y2)?))
 }
 
-/// Two numbers separated by a comma.
+/// Parses two numbers separated by a comma.
 pub(super) fn point(text: &str) -> Result<Point, String> {
     const EXPECTED: &str = "expected two numbers X,Y (pixels)";
     let cells: Vec<&str> = text.split(',').map(str::trim).collect();
@@ -38,7 +38,7 @@ pub(super) fn point(text: &str) -> Result<Point, String> {
     Ok(Point::new(number(x)?, number(y)?))
 }
 
-/// Two image files, or a built-in pair in their place.
+/// Two image files, or a built-in pair.
 #[derive(Debug, Args)]
 pub(super) struct ImagePair {
     /// Left image
@@ -46,49 +46,50 @@ pub(super) struct ImagePair {
     left: Option<PathBuf>,
     /// Right image
     right: Option<PathBuf>,
-    /// Use a built-in pair instead of two files; where points or matches are of use, its own
+    /// Use a built-in pair in place of two files, with its own points or matches where a command
+    /// needs them
     #[arg(long, value_name = "NAME", conflicts_with = "left", num_args = 0..=1, default_missing_value = "")]
     sample: Option<String>,
 }
 
 impl ImagePair {
-    /// The two pictures, and the true matches of a built-in pair.
+    /// Loads both pictures, and the true matches of a built-in pair.
     pub(super) fn load(&self) -> Result<([Picture; 2], Option<Vec<PointPair>>), CliError> {
         if let Some(sample) = self.sample()? {
             return Ok((sample.pictures, Some(sample.matches)));
         }
         let (Some(left), Some(right)) = (&self.left, &self.right) else {
-            return Err(CliError::Arguments("two images are needed, LEFT and RIGHT".into()));
+            return Err(CliError::Arguments("two images are needed: LEFT and RIGHT".into()));
         };
         Ok(([Picture::open(left)?, Picture::open(right)?], None))
     }
 
-    /// Whether a built-in pair is to be used.
+    /// Returns whether a built-in pair was selected.
     pub(super) fn is_sample(&self) -> bool {
         self.sample.is_some()
     }
 
-    /// The two files, if that is what was given.
+    /// Returns the image files given.
     pub(super) fn files(&self) -> impl Iterator<Item = &Path> {
         [&self.left, &self.right].into_iter().flatten().map(PathBuf::as_path)
     }
 
-    /// The built-in pair, if that is to be used.
+    /// Loads the built-in pair, if selected.
     pub(super) fn sample(&self) -> Result<Option<SamplePair>, CliError> {
         self.sample.as_deref().map(|name| Ok(built_in(name)?.load())).transpose()
     }
 }
 
-/// The built-in pair of that name, the default one when there is no name.
+/// Returns the built-in pair of a name; the default pair for an empty name.
 fn built_in(name: &str) -> Result<Sample, CliError> {
     let found = if name.is_empty() { Some(Sample::default()) } else { Sample::from_name(name) };
     found.ok_or_else(|| {
         let known = Sample::ALL.map(Sample::name).join(", ");
-        CliError::Arguments(format!("there is no built-in sample {name}; there are {known}"))
+        CliError::Arguments(format!("there is no built-in sample {name}. Choose one of {known}"))
     })
 }
 
-/// A length in pixels, zero or more.
+/// Parses a length in pixels, at least zero.
 pub(super) fn pixels(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(value) if value.is_finite() && value >= 0.0 => Ok(value),
@@ -96,7 +97,7 @@ pub(super) fn pixels(text: &str) -> Result<f64, String> {
     }
 }
 
-/// A number of things, one or more.
+/// Parses a count, at least one.
 pub(super) fn count(text: &str) -> Result<usize, String> {
     whole(text, 1_000_000)
 }
@@ -106,7 +107,7 @@ fn whole(text: &str, most: usize) -> Result<usize, String> {
     value.ok_or_else(|| format!("expected a whole number from 1 to {most}"))
 }
 
-/// A size of a picture in millions of pixels, as pixels.
+/// Parses a number of megapixels and returns pixels.
 pub(super) fn megapixels(text: &str) -> Result<usize, String> {
     match text.parse::<f64>() {
         Ok(value) if (0.0001..=4000.0).contains(&value) => Ok((value * 1e6) as usize),
@@ -114,13 +115,14 @@ pub(super) fn megapixels(text: &str) -> Result<usize, String> {
     }
 }
 
-/// A number of threads.
+/// Parses a number of threads.
 pub(super) fn threads(text: &str) -> Result<usize, String> {
-    // Hundreds of threads on a few cores hinder each other: a thousand take half a minute for a second of work.
+    // Too many threads on a few cores hinder each other: with a thousand, one second of work takes
+    // half a minute.
     whole(text, 256)
 }
 
-/// Runs `work` on a number of threads of its own, all cores by default.
+/// Runs `work` in a thread pool of the given size, by default on all cores.
 pub(super) fn on_threads<T: Send>(
     threads: Option<usize>,
     work: impl FnOnce() -> T + Send,
@@ -133,7 +135,7 @@ pub(super) fn on_threads<T: Send>(
     Ok(pool.install(work))
 }
 
-/// Describes the values of a type to clap, which the folders below do not know.
+/// Implements clap's `ValueEnum` for a type of another module. Those modules do not depend on clap.
 macro_rules! value_enum {
     ($kind:ty, $all:expr, $value:ident => $described:expr) => {
         impl ValueEnum for $kind {
@@ -151,26 +153,28 @@ macro_rules! value_enum {
 
 value_enum!(Preset, [Self::Paper, Self::Robust], value => match value {
     Self::Paper => PossibleValue::new("paper").help("as published"),
-    Self::Robust => PossibleValue::new("robust").help("what measured best on real images"),
+    Self::Robust => PossibleValue::new("robust").help("best results on real images"),
 });
 value_enum!(Method, Self::ALL, value => match value {
     Self::TwoPoint => PossibleValue::new("two-point").help("two point pairs"),
     Self::ThreePoint => PossibleValue::new("three-point").help("three point pairs, faster"),
-    Self::LinesAlone => PossibleValue::new("lines").help("no point pair: all lines of both images"),
+    Self::LinesAlone => {
+        PossibleValue::new("lines").help("no point pairs: compares all lines of both images")
+    }
 });
 value_enum!(Format, Self::ALL, value => {
     PossibleValue::new(value.name()).help(format!("{}, .{}", value.label(), value.extension()))
 });
 value_enum!(RectifyMethod, Self::ALL, value => PossibleValue::new(value.name()).help(match value {
-    Self::Auto => "planar where it bends the images little, else polar",
-    Self::Planar => "one homography an image; epipoles outside both",
-    Self::Polar => "a row for each pair of half epipolar lines; epipoles anywhere",
+    Self::Auto => "planar if the distortion is small, otherwise polar",
+    Self::Planar => "one homography per image; epipoles outside both images",
+    Self::Polar => "one row per pair of half epipolar lines; epipoles anywhere",
 }));
 value_enum!(PictureFormat, Self::ALL, value => PossibleValue::new(value.extension()));
 value_enum!(Protocol, [Self::Paper, Self::WellPosed, Self::WrongClick], value => PossibleValue::new(value.name()).help(match value {
     Self::Paper => "points at least 30 px apart in both images",
-    Self::WellPosed => "also 12 % of the image off each other's true epipolar line",
-    Self::WrongClick => "well-posed, but the second pair joins points of two matches",
+    Self::WellPosed => "also at least 12 % of the image from each other's true epipolar line",
+    Self::WrongClick => "well-posed, but the second pair joins points of different matches",
 }));
 
 #[cfg(test)]

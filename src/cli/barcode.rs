@@ -1,4 +1,4 @@
-//! `epiline barcode`: F of two cameras that stand still, from what moves in front of them.
+//! `epiline barcode`: F of two stationary cameras, from moving objects.
 
 use std::path::{Path, PathBuf};
 
@@ -17,13 +17,16 @@ use crate::motion::{BackgroundParameters, MOST_OFFSET, MotionError, Silhouettes,
 use crate::similarity::LineMeasure;
 use crate::synthetic::{BallScene, ThrownBalls};
 
-/// Offsets told beside the best one.
+/// Maximum number of offsets reported.
 const TOLD: usize = 3;
-/// Frames between two news of reading.
+/// Frames between two progress messages.
 const NEWS: usize = 100;
 
-/// Estimate the fundamental matrix of two cameras that stand still from two sequences of frames recorded at the same time:
-/// in which frames lines are crossed by things that move (motion barcodes). Without point pairs or with any number
+/// Estimate the fundamental matrix of two stationary cameras from two sequences recorded at the
+/// same time
+///
+/// The method compares motion barcodes, which record the frames in which moving objects cross a
+/// line. Point pairs are optional
 #[derive(Debug, Args)]
 #[command(allow_negative_numbers = true)]
 pub(super) struct BarcodeArguments {
@@ -32,25 +35,26 @@ pub(super) struct BarcodeArguments {
     left: Option<PathBuf>,
     /// Frames of the right camera
     right: Option<PathBuf>,
-    /// Use the built-in sequences: balls thrown about in a yard
+    /// Use the built-in sequences of balls thrown in a yard
     #[arg(long, conflicts_with = "left")]
     sample: bool,
-    /// The same scene point in both cameras, pixels, any number of times
+    /// Point pair: the same scene point in both cameras, pixels; repeatable
     #[arg(long = "pair", value_name = "X1,Y1,X2,Y2", value_parser = point_pair, allow_hyphen_values = true)]
     pairs: Vec<PointPair>,
-    /// Frame K of the left camera was taken together with frame K + N of the right one
+    /// Offset between the sequences: frame K of the left camera and frame K + N of the right camera
+    /// are simultaneous
     #[arg(long, value_name = "N", default_value_t = 0, conflicts_with = "find_offset")]
     offset: i32,
-    /// Find the offset, within 50 frames either way
+    /// Find the offset, up to 50 frames in either direction
     #[arg(long)]
     find_offset: bool,
-    /// Whose choices to use
+    /// Preset of the parameters
     #[arg(long, value_enum, default_value_t)]
     preset: Preset,
-    /// Seed of every random choice: the same seed gives the same F
+    /// Random seed; the same seed gives the same F
     #[arg(long, default_value_t = 0)]
     seed: u64,
-    /// Threads to use, all cores by default
+    /// Number of threads, by default one per core
     #[arg(long, value_parser = threads)]
     threads: Option<usize>,
     #[command(flatten)]
@@ -59,7 +63,7 @@ pub(super) struct BarcodeArguments {
     overrides: Overrides,
 }
 
-/// Reads the sequences, finds what moves and the offset, estimates, writes and prints.
+/// Reads the sequences, detects motion, finds the offset, estimates F and writes the result.
 pub(super) fn run(arguments: &BarcodeArguments) -> Result<(), CliError> {
     let inputs: Vec<&Path> =
         [&arguments.left, &arguments.right].into_iter().flatten().map(PathBuf::as_path).collect();
@@ -84,11 +88,11 @@ pub(super) fn run(arguments: &BarcodeArguments) -> Result<(), CliError> {
     output.write(&found, &arguments.pairs, &pictures, &parameters, Some(offset))
 }
 
-/// The two sequences with their notes told.
+/// Reads both sequences and prints their notes.
 fn sequences(arguments: &BarcodeArguments) -> Result<[SequenceFile; 2], CliError> {
     let (Some(left), Some(right)) = (&arguments.left, &arguments.right) else {
         return built_in()
-            .ok_or_else(|| CliError::Arguments("the built-in sequences cannot be drawn".into()));
+            .ok_or_else(|| CliError::Arguments("the built-in sequences cannot be rendered".into()));
     };
     let read = |path: &Path| -> Result<SequenceFile, CliError> {
         let each = |count: usize| {
@@ -106,21 +110,21 @@ fn sequences(arguments: &BarcodeArguments) -> Result<[SequenceFile; 2], CliError
     let [count1, count2] = files.each_ref().map(|file| file.sequence.len());
     if count1 != count2 {
         tell(format_args!(
-            "Note: the sequences have {count1} and {count2} frames; those in common at the offset are compared"
+            "Note: the sequences have {count1} and {count2} frames. Only frames in both at this offset are compared"
         ));
     }
     Ok(files)
 }
 
-/// The built-in sequences as if they had been read.
+/// Returns the built-in sequences.
 fn built_in() -> Option<[SequenceFile; 2]> {
     let [left, right] = BallScene::new(ThrownBalls::default())?.sequences()?;
     Some([SequenceFile::made(left).ok()?, SequenceFile::made(right).ok()?])
 }
 
-/// What moves in either sequence.
+/// Detects the moving objects in both sequences.
 fn moving(files: &[SequenceFile; 2]) -> Result<[Silhouettes; 2], MotionError> {
-    tell(format_args!("Telling what moves from what stands still"));
+    tell(format_args!("Separating moving objects from the background"));
     let of = |file: &SequenceFile| {
         Silhouettes::new(&file.sequence, &BackgroundParameters::default(), &CancelFlag::default())
     };
@@ -128,16 +132,16 @@ fn moving(files: &[SequenceFile; 2]) -> Result<[Silhouettes; 2], MotionError> {
     Ok([of(first)?, of(second)?])
 }
 
-/// The offset at which the barcodes of lines agree best, told with the next ones.
+/// Finds the offset with the highest correlation of barcodes, and prints the best ones.
 fn best_offset(both: [&Silhouettes; 2]) -> Result<i32, CliError> {
     let found = find_offset(both, MOST_OFFSET, &CancelFlag::default())?;
     let Some(best) = found.first() else {
         return Err(CliError::Arguments(
-            "the sequences are too short to find their offset: give it with --offset".into(),
+            "the sequences are too short to find their offset. Give it with --offset".into(),
         ));
     };
     let told: Vec<String> =
         found.iter().take(TOLD).map(|one| format!("{} ({:.3})", one.offset, one.correlation)).collect();
-    tell(format_args!("Offsets with the best agreement: {}", told.join(", ")));
+    tell(format_args!("Best offsets (correlation): {}", told.join(", ")));
     Ok(best.offset)
 }

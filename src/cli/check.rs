@@ -1,4 +1,4 @@
-//! `epiline check`: in which convention is this fundamental matrix?
+//! `epiline check`: detection of the convention of a fundamental matrix.
 
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -14,33 +14,35 @@ use crate::foreign::shown_path;
 use crate::geometry::FundamentalMatrix;
 use crate::io::{Format, GeometryFile, refuse_clashes};
 
-/// Find out with matches in which convention a fundamental matrix or two cameras are
+/// Find the convention of a fundamental matrix or two cameras, using matches
 ///
-/// Tries the matrix as it is and transposed (or with the images exchanged), with x and y exchanged, pixels counted
-/// from (0, 0), (0.5, 0.5) and (1, 1), and for images of another size, and ranks these readings by the median distance
-/// of the matches to their epipolar lines. The exit status is 1 when none fits.
+/// Tests the matrix as it is and transposed (which equals exchanged images), with x and y
+/// exchanged, with pixels counted from (0, 0), (0.5, 0.5) and (1, 1), and for images of another
+/// size. Ranks these readings by the median distance of the matches to their epipolar lines. The
+/// exit status is 1 if none fits.
 #[derive(Debug, Args)]
 pub(super) struct CheckArguments {
     #[command(flatten)]
     input: GeometryInput,
-    /// Write F as it is to be read, with the matches, for any of the programs; standard output when it is -
+    /// Write F in the convention found, with the matches, in the format of any program; - is
+    /// standard output
     #[arg(long, short, value_name = "FILE")]
     output: Option<PathBuf>,
-    /// Format of the output, by default the one its extension stands for
+    /// Format of the output, by default from the file extension
     #[arg(long, value_enum, requires = "output")]
     format: Option<Format>,
     /// List all readings, not only the best
     #[arg(long)]
     all: bool,
-    /// Write all readings as JSON, to standard output when it is -
+    /// Write all readings as JSON; - is standard output
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
 }
 
-/// The content of a result file.
+/// Content of the JSON file.
 #[derive(Serialize)]
 struct CheckFile<'a> {
-    /// The matrix as it is to be read, in the convention of this program; null when no reading fits.
+    /// Fundamental matrix in the convention of this program; null if no reading fits.
     fundamental: Option<FundamentalMatrix>,
     reading: Option<Reading>,
     fits: bool,
@@ -51,7 +53,7 @@ struct CheckFile<'a> {
     version: &'static str,
 }
 
-/// Ranks the readings, writes the files, prints the table.
+/// Ranks the readings, writes the files and prints the table.
 pub(super) fn run(arguments: &CheckArguments) -> Result<(), CliError> {
     let output = Output::prepare(arguments.json.as_deref())?;
     let corrected = GeometryOutput::prepare_optional(arguments.output.as_deref(), arguments.format)?;
@@ -64,7 +66,7 @@ pub(super) fn run(arguments: &CheckArguments) -> Result<(), CliError> {
     let (file, format) = arguments.input.read()?;
     let Some(given) = file.geometry() else {
         let problem = format!(
-            "{}: there is no fundamental matrix in it and no two cameras",
+            "{}: there is no fundamental matrix in it, nor two cameras",
             shown_path(arguments.input.path())
         );
         return Err(CliError::Arguments(problem));
@@ -84,7 +86,7 @@ pub(super) fn run(arguments: &CheckArguments) -> Result<(), CliError> {
     let text = table(&check, format, arguments.all);
     let is_piped = corrected.as_ref().is_some_and(GeometryOutput::is_piped);
     if let (Some(corrected), Some(best)) = (&corrected, believed) {
-        // Cameras and homographies are as they were read; only F was found to mean something else.
+        // Cameras and homographies keep the convention that was read. Only F was checked.
         let file = GeometryFile {
             fundamental: Some(best.fundamental),
             pairs: file.pairs.clone(),
@@ -104,7 +106,7 @@ pub(super) fn run(arguments: &CheckArguments) -> Result<(), CliError> {
     if check.fits() { Ok(()) } else { Err(CliError::NothingFits(sentence)) }
 }
 
-/// The readings for people.
+/// Formats the readings as a table.
 fn table(check: &ConventionCheck, format: Format, all: bool) -> String {
     const MOST: usize = 8;
     let mut text = format!("Read as {}, on {} matches:\n", format.label(), check.matches);
@@ -113,7 +115,7 @@ fn table(check: &ConventionCheck, format: Format, all: bool) -> String {
     for ranked in check.readings.iter().take(count) {
         text.push_str(&row(ranked, check.best()));
     }
-    // How far off it is as it stands, wherever that is.
+    // The matrix as read is always listed, even if it ranks low.
     let is_listed = check.readings.iter().take(count).any(|r| r.reading.changes() == 0);
     if let (Some(as_read), false) = (check.as_read(), is_listed) {
         let _ = writeln!(text, "  …");

@@ -1,4 +1,4 @@
-//! Standard output and standard error. Neither a closed pipe nor a panic prints a stack of frames.
+//! Standard output and standard error. A closed pipe or a panic prints no stack trace.
 
 use std::fmt::Display;
 use std::io::{ErrorKind, IsTerminal, Write};
@@ -6,7 +6,8 @@ use std::io::{ErrorKind, IsTerminal, Write};
 use super::CliError;
 use crate::foreign::{escaped, escaped_lines, reason};
 
-/// Writes to standard output, names in it without what a terminal obeys. A reader that has seen enough (`| head -1`) is not an error.
+/// Writes to standard output, with control characters escaped. A reader that closes early
+/// (`| head -1`) is not an error.
 pub(super) fn print(text: &str) -> Result<(), CliError> {
     let mut out = std::io::stdout().lock();
     match out.write_all(escaped_lines(text).as_bytes()).and_then(|()| out.flush()) {
@@ -15,29 +16,29 @@ pub(super) fn print(text: &str) -> Result<(), CliError> {
     }
 }
 
-/// Writes a line to standard error; if that is closed there is nobody to tell.
+/// Writes a line to standard error. Errors are ignored: there is no other channel.
 pub(super) fn tell(line: impl Display) {
     let _ = writeln!(std::io::stderr(), "{}", escaped_lines(&line.to_string()));
 }
 
-/// Writes over the current line of the terminal.
+/// Overwrites the current line of the terminal.
 pub(super) fn tell_in_place(line: impl Display) {
     let mut err = std::io::stderr();
     let _ = write!(err, "\r\x1b[2K{}", escaped(&line.to_string())).and_then(|()| err.flush());
 }
 
-/// Whether a person watches standard error.
+/// Returns whether standard error is a terminal.
 pub(super) fn is_watched() -> bool {
     std::io::stderr().is_terminal()
 }
 
-/// Tells the user why the program ends, in one line.
+/// Prints an error in one line.
 pub fn complain(error: &CliError) {
     tell(format_args!("error: {}", one_line(&error.to_string())));
 }
 
-/// Prints the help, the version, or what is wrong with the arguments, and returns the exit status. Help that cannot be
-/// written is an error.
+/// Prints the answer of the argument parser and returns the exit status. The answer is the help, the
+/// version, or an error in the arguments. Help that cannot be written is an error.
 pub fn print_answer(answer: &clap::Error) -> u8 {
     let printed = answer.print().and_then(|()| std::io::stdout().flush());
     match printed {
@@ -50,7 +51,7 @@ pub fn print_answer(answer: &clap::Error) -> u8 {
     }
 }
 
-/// Makes a panic one line on standard error, unless a developer asked for more with `RUST_BACKTRACE`.
+/// Makes a panic print one line to standard error, unless `RUST_BACKTRACE` is set.
 pub fn report_panics_in_one_sentence() {
     if std::env::var_os("RUST_BACKTRACE").is_some_and(|v| v != "0") {
         return;
@@ -62,7 +63,7 @@ pub fn report_panics_in_one_sentence() {
     }));
 }
 
-/// Messages of other libraries may have several lines, and what they quote may have anything.
+/// Joins lines and escapes control characters: messages of other libraries may contain both.
 fn one_line(text: &str) -> String {
     escaped(&text.lines().map(str::trim).filter(|l| !l.is_empty()).collect::<Vec<_>>().join(" "))
 }

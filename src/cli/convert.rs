@@ -1,4 +1,4 @@
-//! `epiline convert`: a geometry in the format and the convention of another program.
+//! `epiline convert`: conversion of a geometry to the format and convention of another program.
 
 use std::path::PathBuf;
 
@@ -15,15 +15,15 @@ use crate::io::{Format, refuse_clashes};
 pub(super) struct ConvertArguments {
     #[command(flatten)]
     input: GeometryInput,
-    /// File to write, standard output when it is -
+    /// File to write; - is standard output
     #[arg(long, short, value_name = "FILE")]
     output: PathBuf,
-    /// Format of the output, by default the one its extension stands for
+    /// Format of the output, by default from the file extension
     #[arg(long, value_enum)]
     format: Option<Format>,
 }
 
-/// Reads, writes, says what was converted.
+/// Reads the input, writes the output and prints a summary.
 pub(super) fn run(arguments: &ConvertArguments) -> Result<(), CliError> {
     let output = GeometryOutput::prepare(&arguments.output, arguments.format)?;
     refuse_clashes(&output.file().into_iter().collect::<Vec<_>>(), &arguments.input.inputs())?;

@@ -1,4 +1,4 @@
-//! Everything that can end a command, and its exit status.
+//! Errors of the command line, and their exit statuses.
 
 use thiserror::Error;
 
@@ -14,77 +14,77 @@ use crate::suggest::SuggestError;
 /// Exit status of an error in the program itself (`EX_SOFTWARE` of `sysexits.h`).
 pub const INTERNAL_ERROR: u8 = 70;
 
-/// Exit status after Ctrl-C: 128 and the number of the signal, as shells have it.
+/// Exit status after Ctrl-C: 128 plus the signal number, the convention of shells.
 pub(super) const INTERRUPTED: u8 = 130;
 
-/// Why a command did not succeed. Each message is one sentence for the user.
+/// Reason why a command failed. The message is shown to the user.
 #[derive(Debug, Error)]
 pub enum CliError {
-    /// An image could not be read.
+    /// An image cannot be read.
     #[error(transparent)]
     Load(#[from] LoadError),
     /// The estimator refused the input or found nothing.
     #[error(transparent)]
     Estimate(#[from] EstimateError),
-    /// A sequence of frames could not be read.
+    /// A sequence of frames cannot be read.
     #[error(transparent)]
     Sequence(#[from] SequenceError),
-    /// A sequence has nothing that can be compared.
+    /// A sequence has no usable motion.
     #[error(transparent)]
     Motion(#[from] MotionError),
-    /// Nothing could be evaluated.
+    /// The evaluation failed.
     #[error(transparent)]
     Evaluate(#[from] EvaluateError),
-    /// No place could be suggested.
+    /// No match was suggested.
     #[error(transparent)]
     Suggest(#[from] SuggestError),
-    /// The convention of a matrix could not be checked.
+    /// The convention of a matrix cannot be checked.
     #[error(transparent)]
     Check(#[from] CheckError),
-    /// The matrix fits the matches in no convention.
+    /// No convention of the matrix fits the matches.
     #[error("{0}")]
     NothingFits(String),
     /// The pair cannot be rectified.
     #[error(transparent)]
     Rectify(#[from] RectifyError),
-    /// A rectified pair could not be written.
+    /// A rectified pair cannot be written.
     #[error(transparent)]
     Export(#[from] RectifiedError),
-    /// A file other than an image could not be read.
+    /// A file other than an image cannot be read.
     #[error(transparent)]
     Read(#[from] ReadError),
-    /// A result could not be written.
+    /// A result cannot be written.
     #[error(transparent)]
     Write(#[from] WriteError),
-    /// A folder for results could not be made.
+    /// A folder for results cannot be created.
     #[error("cannot make the folder {path}: {reason}")]
     Folder {
-        /// The folder.
+        /// Path of the folder.
         path: String,
-        /// Why.
+        /// Cause of the failure.
         reason: String,
     },
-    /// Standard output is full or broken (a closed one is no error).
+    /// Standard output is full or broken. A closed pipe is not an error.
     #[error("cannot write to standard output: {0}")]
     StandardOutput(String),
-    /// Arguments that do not go together.
+    /// The arguments are invalid together.
     #[error("{0}")]
     Arguments(String),
-    /// The user stopped the work; what was finished by then has been written.
-    #[error("stopped after {made} of {planned} trials, which are in the report")]
+    /// The user stopped the work. The finished trials have been written.
+    #[error("stopped after {made} of {planned} trials. The report covers the finished trials")]
     Stopped {
-        /// Trials finished.
+        /// Number of finished trials.
         made: usize,
-        /// Trials asked for.
+        /// Number of planned trials.
         planned: usize,
     },
-    /// The window could not be opened.
+    /// The window cannot be opened.
     #[error("{0}")]
     Window(String),
 }
 
 impl CliError {
-    /// What the program returns to the shell.
+    /// Returns the exit status of the program.
     pub fn exit_status(&self) -> u8 {
         match self {
             Self::Estimate(error) if !error.is_bad_input() => 1,

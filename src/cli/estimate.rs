@@ -1,4 +1,4 @@
-//! `epiline estimate`: F from point pairs given as numbers.
+//! `epiline estimate`: F from point pairs, or from the images alone.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
@@ -22,21 +22,21 @@ use crate::image::Picture;
 pub(super) struct EstimateArguments {
     #[command(flatten)]
     images: ImagePair,
-    /// The same scene point in both images, pixels, any number of times: two are enough, and without any the images alone
-    /// have to do (the preset paper takes none, two or three)
+    /// Point pair: the same scene point in both images, pixels; repeatable. Two pairs are enough;
+    /// without any, F is found from the images alone (the preset paper takes none, two or three)
     #[arg(long = "pair", value_name = "X1,Y1,X2,Y2", value_parser = point_pair, allow_hyphen_values = true)]
     pairs: Vec<PointPair>,
-    /// Whose choices to use
+    /// Preset of the parameters
     #[arg(long, value_enum, default_value_t)]
     preset: Preset,
-    /// How to find the geometry; by the number of pairs when it is not said: lines compares all lines of both images and
-    /// needs no pair
+    /// Method of estimation, by default chosen by the number of point pairs. The method lines
+    /// compares all lines of both images and needs no pair
     #[arg(long, value_enum)]
     method: Option<Method>,
-    /// Seed of every random choice: the same seed gives the same F
+    /// Random seed; the same seed gives the same F
     #[arg(long, default_value_t = 0)]
     seed: u64,
-    /// Threads to use, all cores by default
+    /// Number of threads, by default one per core
     #[arg(long, value_parser = threads)]
     threads: Option<usize>,
     #[command(flatten)]
@@ -45,13 +45,13 @@ pub(super) struct EstimateArguments {
     overrides: Overrides,
 }
 
-/// The images and the clicks on them.
+/// Images and the clicks on them.
 struct EstimateInput {
     pictures: [Picture; 2],
     pairs: Vec<PointPair>,
 }
 
-/// Estimates, writes the JSON file, prints the summary.
+/// Estimates F, writes the JSON file and prints the summary.
 pub(super) fn run(arguments: &EstimateArguments) -> Result<(), CliError> {
     let output = arguments.result.prepare(&arguments.images.files().collect::<Vec<_>>())?;
     let mut parameters = arguments.overrides.parameters(arguments.preset)?;
@@ -71,7 +71,8 @@ pub(super) fn run(arguments: &EstimateArguments) -> Result<(), CliError> {
     output.write(&found, &input.pairs, &input.pictures, &parameters, None)
 }
 
-/// Reads the images; counts the pairs before, which is quicker. A built-in pair has points of its own.
+/// Reads the images after checking the number of pairs, which is faster. A built-in pair has its
+/// own points.
 fn input(arguments: &EstimateArguments, needed: usize, method: Method) -> Result<EstimateInput, CliError> {
     let EstimateArguments { images, pairs, .. } = arguments;
     let found = pairs.len();
@@ -87,7 +88,7 @@ fn input(arguments: &EstimateArguments, needed: usize, method: Method) -> Result
     Ok(EstimateInput { pictures, pairs: pairs.clone() })
 }
 
-/// An estimate, its progress told on standard error.
+/// Runs an estimate with its progress on standard error.
 pub(super) fn watched(
     work: impl FnOnce(&Monitor) -> Result<Estimate, EstimateError>,
 ) -> Result<Estimate, EstimateError> {

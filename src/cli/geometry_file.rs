@@ -15,19 +15,19 @@ use crate::io::{Format, GeometryFile, ImageNote, OutputFile, read_camera, read_p
 pub(super) struct GeometryInput {
     /// File with F or two cameras, in any format; or the camera (.P) of image 1
     file: PathBuf,
-    /// The camera (.P) of image 2
+    /// Camera (.P) of image 2
     camera2: Option<PathBuf>,
-    /// Point pairs: rows of x1 y1 x2 y2, or any of the formats
+    /// File with point pairs: rows of x1 y1 x2 y2, or any of the formats
     #[arg(long, value_name = "FILE")]
     matches: Option<PathBuf>,
-    /// The two images, for their names and sizes
+    /// Both images, for their names and sizes
     #[arg(long, num_args = 2, value_names = ["LEFT", "RIGHT"])]
     images: Option<Vec<PathBuf>>,
 }
 
 impl GeometryInput {
-    /// Reads all of it, and says in which format the file was. Matches and images given apart replace those in
-    /// the file.
+    /// Reads the geometry and returns the format of the file. Separate matches and images replace
+    /// those in the file.
     pub(super) fn read(&self) -> Result<(GeometryFile, Format), CliError> {
         let (mut file, format) = match &self.camera2 {
             Some(camera2) => {
@@ -50,47 +50,47 @@ impl GeometryInput {
         Ok((file, format))
     }
 
-    /// All files that are read.
+    /// Returns all input files.
     pub(super) fn inputs(&self) -> Vec<&Path> {
         let images = self.images.iter().flatten();
         let files = [&self.file].into_iter().chain(&self.camera2).chain(&self.matches).chain(images);
         files.map(PathBuf::as_path).collect()
     }
 
-    /// The file as it was named.
+    /// Returns the path of the geometry file.
     pub(super) fn path(&self) -> &Path {
         &self.file
     }
 }
 
-/// Names and sizes.
+/// Returns the names and sizes of the pictures.
 pub(super) fn image_notes(pictures: &[Picture; 2]) -> [ImageNote; 2] {
     [0, 1].map(|k| ImageNote { name: pictures[k].name.clone(), frame: pictures[k].frame() })
 }
 
-/// Destination of a geometry: a file, checked before the work begins, or standard output.
+/// Destination of a geometry: a file, checked before the work, or standard output.
 #[derive(Debug)]
 pub(super) struct GeometryOutput {
-    /// `None` is standard output.
+    /// Output file; `None` is standard output.
     file: Option<OutputFile>,
     format: Format,
 }
 
 impl GeometryOutput {
-    /// Finds the format, by the name of the file unless it is given.
+    /// Prepares an output. Without `format`, the file extension decides.
     pub(super) fn prepare(path: &Path, format: Option<Format>) -> Result<Self, CliError> {
         let is_piped = path == Path::new("-");
         let format = format.or_else(|| Format::of_path(path)).ok_or_else(|| {
             let known = Format::ALL.map(|f| format!("{} (.{})", f.name(), f.extension())).join(", ");
             CliError::Arguments(format!(
-                "the name {} does not tell the format, add --format with one of {known}",
+                "the format is not clear from the name {}. Add --format with one of {known}",
                 shown_path(path)
             ))
         })?;
         Ok(Self { file: if is_piped { None } else { Some(OutputFile::prepare(path)?) }, format })
     }
 
-    /// An output that need not be asked for.
+    /// Prepares an optional output.
     pub(super) fn prepare_optional(
         path: Option<&Path>,
         format: Option<Format>,
@@ -98,17 +98,17 @@ impl GeometryOutput {
         path.map(|path| Self::prepare(path, format)).transpose()
     }
 
-    /// The file, if there is one.
+    /// Returns the output file, if there is one.
     pub(super) fn file(&self) -> Option<&Path> {
         self.file.as_ref().map(OutputFile::path)
     }
 
-    /// Whether it goes to standard output, which nothing else may use then.
+    /// Returns whether the output is standard output, which then has no other use.
     pub(super) fn is_piped(&self) -> bool {
         self.file.is_none()
     }
 
-    /// Place and format, for people.
+    /// Describes the destination and the format.
     pub(super) fn place(&self) -> String {
         match &self.file {
             Some(file) => format!("{} ({})", shown_path(file.path()), self.format.label()),
@@ -116,7 +116,7 @@ impl GeometryOutput {
         }
     }
 
-    /// Writes it; says so if the program that it is for cannot use it under its name.
+    /// Writes the geometry, with a note if the target program cannot use the file name.
     pub(super) fn write(&self, file: &GeometryFile) -> Result<(), CliError> {
         let text = file.to_text(self.format);
         match &self.file {

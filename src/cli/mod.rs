@@ -1,7 +1,8 @@
-//! The command line: the same library as the window, for tests, benchmarks and scripts.
+//! Command line: the library of the window, for tests, benchmarks and scripts.
 //!
-//! Human text goes to standard output, progress and errors to standard error. Exit status: 0 success, 1 a
-//! computation that found nothing, 2 bad input, 130 stopped by Ctrl-C, 70 an error in the program itself.
+//! Text for people goes to standard output, progress and errors to standard error. Exit statuses: 0
+//! success, 1 a computation without a result, 2 invalid input, 130 stopped by Ctrl-C, 70 an error
+//! in the program itself.
 
 mod arguments;
 mod barcode;
@@ -26,8 +27,8 @@ pub use error::{CliError, INTERNAL_ERROR};
 
 /// See and trust the epipolar geometry of two images, from two clicked point pairs.
 ///
-/// Without a command, opens the window: on two images, or on the built-in sample.
-/// Coordinates are pixels, x to the right and y down; the centre of the top-left pixel is (0, 0).
+/// Without a command, the window opens, with two images or with the built-in sample. Coordinates
+/// are pixels, x to the right and y down; the centre of the top-left pixel is (0, 0).
 #[derive(Debug, Parser)]
 #[command(name = "epiline", version, args_conflicts_with_subcommands = true)]
 pub struct CommandLine {
@@ -49,7 +50,7 @@ enum CliCommand {
 }
 
 impl CommandLine {
-    /// Does what was asked for.
+    /// Runs the command.
     pub fn run(self) -> Result<(), CliError> {
         match self.command {
             None => window::run(self.window),

@@ -1,4 +1,4 @@
-//! Where results go: a file, checked before the work begins, or standard output.
+//! Destination of results: a file, checked before the work, or standard output.
 
 use std::path::Path;
 
@@ -8,7 +8,7 @@ use super::CliError;
 use super::console::{print, tell};
 use crate::io::OutputFile;
 
-/// Destination of a command's JSON and its text for people.
+/// Destination of a command's JSON and of its text for people.
 #[derive(Debug)]
 pub(super) enum Output {
     /// Text to standard output, no JSON.
@@ -20,7 +20,7 @@ pub(super) enum Output {
 }
 
 impl Output {
-    /// Output for the value of `--json`; fails when the file cannot be written.
+    /// Prepares the output for the value of `--json`. Fails if the file cannot be written.
     pub(super) fn prepare(json: Option<&Path>) -> Result<Self, CliError> {
         Ok(match json {
             None => Self::Text,
@@ -29,7 +29,7 @@ impl Output {
         })
     }
 
-    /// The file, if there is one.
+    /// Returns the JSON file, if there is one.
     pub(super) fn file(&self) -> Option<&Path> {
         match self {
             Self::File(file) => Some(file.path()),
@@ -37,7 +37,8 @@ impl Output {
         }
     }
 
-    /// Writes both; the file first, because the reader of standard output may leave early.
+    /// Writes JSON and text. The file comes first, because the reader of standard output may close
+    /// early.
     pub(super) fn write(&self, json: &impl Serialize, text: &str) -> Result<(), CliError> {
         let mut content =
             serde_json::to_string_pretty(json).map_err(|e| CliError::StandardOutput(e.to_string()))?;

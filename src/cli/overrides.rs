@@ -1,4 +1,4 @@
-//! Changing single parameters of the estimator.
+//! Overrides of single parameters of the estimator.
 
 use clap::Args;
 use serde_json::Value;
@@ -6,24 +6,25 @@ use serde_json::Value;
 use super::CliError;
 use crate::estimate::{Parameters, Preset};
 
-/// Options that change parameters after the preset has set them.
+/// Options that change parameters of a preset.
 #[derive(Debug, Clone, Default, Args)]
 pub(super) struct Overrides {
-    /// Refine all of F at full resolution on patches matched along the epipolar lines; on in the preset
+    /// Refine F at full resolution on patches matched along the epipolar lines; on in the preset
     /// robust, off in paper
     #[arg(long, value_name = "true|false", num_args = 0..=1, default_missing_value = "true",
         require_equals = true)]
     refine: Option<bool>,
-    /// Change one parameter of the estimator, named as under "parameters" in result files; repeatable
+    /// Set one parameter of the estimator, with its name under "parameters" in result files;
+    /// repeatable
     #[arg(long = "set", value_name = "NAME=VALUE", help_heading = "Advanced")]
     set: Vec<String>,
 }
 
 impl Overrides {
-    /// The parameters of a preset with the changes made.
+    /// Returns the parameters of a preset with the overrides applied.
     ///
-    /// They are made on the parameters as data, so every parameter can be changed by its name, nested ones as
-    /// `outer.inner`, without a line of code for each.
+    /// The overrides act on the serialised parameters. Every parameter can be changed by its name,
+    /// nested ones as `outer.inner`, without code for each.
     pub(super) fn parameters(&self, preset: Preset) -> Result<Parameters, CliError> {
         let mut parameters = Parameters::from(preset);
         if let Some(refine) = self.refine {
@@ -36,7 +37,7 @@ impl Overrides {
         Ok(parameters)
     }
 
-    /// The same options as words of a command.
+    /// Returns the overrides as words of a command.
     pub(super) fn words(&self) -> Vec<String> {
         let refine = self.refine.map(|refine| format!("--refine={refine}"));
         let set = self.set.iter().flat_map(|assignment| ["--set".to_owned(), assignment.clone()]);
@@ -54,10 +55,10 @@ fn changed(parameters: &Parameters, assignment: &str) -> Result<Parameters, Stri
     for part in name.split('.') {
         let known = place.as_object().map(|o| o.keys().cloned().collect::<Vec<_>>().join(", "));
         place = place.get_mut(part).ok_or_else(|| {
-            format!("there is no parameter {name}; there are {}", known.unwrap_or_default())
+            format!("there is no parameter {name}. Choose one of {}", known.unwrap_or_default())
         })?;
     }
-    // What is not a number or another piece of JSON is a word.
+    // Text that is not valid JSON is a plain string.
     *place = serde_json::from_str(text).unwrap_or_else(|_| Value::String(text.to_owned()));
     serde_json::from_value(data).map_err(|e| e.to_string())
 }
@@ -89,7 +90,7 @@ mod tests {
 
     #[test]
     fn refuses_unknown_names_and_wrong_kinds() {
-        assert!(with(&["sed=7"]).unwrap_err().contains("there is no parameter sed; there are"));
+        assert!(with(&["sed=7"]).unwrap_err().contains("there is no parameter sed. Choose one of"));
         assert!(with(&["seed=many"]).unwrap_err().starts_with("--set seed=many: "));
         assert!(with(&["seed"]).unwrap_err().contains("expected NAME=VALUE"));
         assert!(with(&["preset=paper"]).unwrap_err().contains("use --preset"));

@@ -1,4 +1,4 @@
-//! `epiline rectify`: both images redrawn so that corresponding points are in the same row.
+//! `epiline rectify`: both images redrawn with corresponding points in the same row.
 
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -18,36 +18,36 @@ use crate::rectify::{Distortion, Limits, Rectification, RectifyMethod, rectify};
 pub(super) struct RectifyArguments {
     #[command(flatten)]
     images: ImagePair,
-    /// The fundamental matrix: a result of estimate or any other file that holds one
+    /// File with the fundamental matrix: a result of estimate, or any other format
     #[arg(long, value_name = "FILE")]
     fundamental: PathBuf,
-    /// Folder for the pictures and rectification.json; made if missing
+    /// Folder for the pictures and rectification.json; created if missing
     #[arg(long, value_name = "DIR")]
     output: PathBuf,
-    /// How to rectify
+    /// Method of rectification
     #[arg(long, value_enum, default_value_t)]
     method: RectifyMethod,
-    /// Matches to measure the rows on: a file of rows x1 y1 x2 y2
+    /// Matches for measuring the row errors: a file of rows x1 y1 x2 y2
     #[arg(long, value_name = "FILE")]
     matches: Option<PathBuf>,
-    /// Kind of the picture files
+    /// Format of the pictures
     #[arg(long, value_enum, default_value_t = PictureFormat::default())]
     format: PictureFormat,
     /// Rows between the guide lines of the stacked picture, 0 for none
     #[arg(long, value_name = "ROWS", default_value_t = 40)]
     guide_lines: usize,
-    /// Also write where each rectified pixel is in the original, as npy arrays for cv2.remap
+    /// Also write the original position of each rectified pixel, as npy arrays for cv2.remap
     #[arg(long)]
     maps: bool,
-    /// Largest rectified picture, millions of pixels; larger ones are drawn smaller
+    /// Maximum size of a rectified picture, millions of pixels; larger ones are reduced
     #[arg(long, value_name = "MP", value_parser = megapixels)]
     max_megapixels: Option<usize>,
-    /// Threads to use, all cores by default
+    /// Number of threads, by default one per core
     #[arg(long, value_parser = threads)]
     threads: Option<usize>,
 }
 
-/// Rectifies, writes the folder, prints what came out.
+/// Rectifies the images, writes the folder and prints a summary.
 pub(super) fn run(arguments: &RectifyArguments) -> Result<(), CliError> {
     let options = RectifiedOptions {
         format: arguments.format,
@@ -76,18 +76,18 @@ pub(super) fn run(arguments: &RectifyArguments) -> Result<(), CliError> {
     print(&summary(&rectification, &files))
 }
 
-/// What came out, for people.
+/// Describes a rectification in words.
 fn summary(r: &Rectification, files: &RectifiedFiles) -> String {
     let mut text = format!("Method: {}, because {}\n", r.method.name(), r.reason);
     let _ = writeln!(text, "Pictures: {} x {} px", r.size.width, r.size.height);
     if let Some(rows) = r.measures.rows {
         let _ = write!(
             text,
-            "Rows: {} matches differ by {:.3} px on average, {:.3} px at most; disparity {:.0} to {:.0} px",
+            "Row error of {} matches: {:.3} px on average, {:.3} px at most; disparity {:.0} to {:.0} px",
             rows.matches, rows.mean, rows.max, rows.disparity[0], rows.disparity[1]
         );
         if rows.far_off > 0 {
-            let _ = write!(text, " without {} that are far off all others", rows.far_off);
+            let _ = write!(text, " without {} outliers", rows.far_off);
         }
         text.push('\n');
     }
@@ -103,7 +103,7 @@ fn summary(r: &Rectification, files: &RectifiedFiles) -> String {
     text
 }
 
-/// How a picture differs from its image.
+/// Describes the distortion of a picture.
 fn shape(d: &Distortion) -> String {
     let mut parts = Vec::new();
     if let Some(angle) = d.orthogonality {
@@ -113,7 +113,7 @@ fn shape(d: &Distortion) -> String {
         parts.push(format!("diagonals 1 : {ratio:.3}"));
     }
     for (share, what) in
-        [(d.cut, "left out"), (d.shrunk, "below half size"), (d.stretched, "above twice size")]
+        [(d.cut, "cut off"), (d.shrunk, "below half size"), (d.stretched, "above twice size")]
     {
         parts.push(format!("{:.1} % of the area {what}", 100.0 * share));
     }

@@ -1,4 +1,4 @@
-//! Where the result of an estimate goes: text and JSON, and a file for another program.
+//! Destinations of a result: text, JSON, and a file for another program.
 
 use std::path::{Path, PathBuf};
 
@@ -14,29 +14,30 @@ use crate::io::{
     Format, GeometryFile, PairLabel, PairOrigin, ResultFile, TrustNote, refuse_clashes, result_in_words,
 };
 
-/// What to write of a result.
+/// Output options of a result.
 #[derive(Debug, Args)]
 pub(super) struct ResultArguments {
-    /// Write the result as JSON, to standard output when it is -
+    /// Write the result as JSON; - is standard output
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
-    /// Write F, the epipoles, the points and the matched patches for another program, and where one plane or a turn of the
-    /// camera is all that is certain its homography H21
+    /// Write F, the epipoles, the points and the matched patches for another program; if only a
+    /// plane or a rotation of the camera is certain, also its homography H21
     #[arg(long, value_name = "FILE")]
     export: Option<PathBuf>,
-    /// Format of the export, by default the one its extension stands for
+    /// Format of the export, by default from the file extension
     #[arg(long, value_enum, requires = "export")]
     format: Option<Format>,
 }
 
-/// The outputs, checked before the work begins.
+/// Outputs of a result, checked before the work.
 pub(super) struct ResultOutput {
     output: Output,
     export: Option<GeometryOutput>,
 }
 
 impl ResultArguments {
-    /// An error when an output cannot be written, or would take the place of an input or of the other one.
+    /// Checks the outputs. Fails if one cannot be written, or would overwrite an input or the other
+    /// output.
     pub(super) fn prepare(&self, inputs: &[&Path]) -> Result<ResultOutput, CliError> {
         let output = Output::prepare(self.json.as_deref())?;
         let export = GeometryOutput::prepare_optional(self.export.as_deref(), self.format)?;
@@ -51,7 +52,7 @@ impl ResultArguments {
 }
 
 impl ResultOutput {
-    /// Writes what was found from these pairs; `offset` is that of two sequences.
+    /// Writes the result. `offset` is the time offset of two sequences.
     pub(super) fn write(
         self,
         found: &Estimate,
@@ -69,8 +70,8 @@ impl ResultOutput {
     }
 }
 
-/// What other programs can use of it: the clicks, and behind them the matches that the refinement found; where the
-/// epipoles are open, the homography that is not.
+/// Returns the content of the export: the clicks followed by the matches of the refinement. If the
+/// epipoles are undetermined, it includes the homography.
 fn geometry_file(found: &Estimate, pairs: &[PointPair], pictures: &[Picture; 2]) -> GeometryFile {
     let label = |origin| PairLabel { origin, ..PairLabel::default() };
     let given = pairs.iter().map(|_| label(PairOrigin::Clicked));

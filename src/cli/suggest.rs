@@ -1,4 +1,4 @@
-//! `epiline suggest`: the match of a point that was clicked in one image.
+//! `epiline suggest`: the match of a point clicked in one image.
 
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -14,39 +14,39 @@ use crate::geometry::{FundamentalMatrix, Point};
 use crate::io::{read_fundamental, refuse_clashes};
 use crate::suggest::{ClickedImage, Known, SuggestParameters, Suggestions, suggest};
 
-/// Suggest where a point of one image is in the other
+/// Suggest the match of a point in the other image
 #[derive(Debug, Args)]
 #[command(allow_negative_numbers = true)]
 pub(super) struct SuggestArguments {
     #[command(flatten)]
     images: ImagePair,
-    /// The point, pixels
+    /// Coordinates of the point, pixels
     #[arg(long, value_name = "X,Y", value_parser = point, allow_hyphen_values = true)]
     at: Point,
-    /// The image the point is in
+    /// Image that contains the point
     #[arg(long = "in", value_enum, default_value_t = ImageSide::Left, value_name = "IMAGE")]
     side: ImageSide,
-    /// Search along the epipolar line of this fundamental matrix: a result of estimate, nine numbers, or any other format
+    /// Search along the epipolar line of this fundamental matrix: a result of estimate, nine
+    /// numbers, or any other format
     #[arg(long, value_name = "FILE")]
     fundamental: Option<PathBuf>,
     /// Half width of the band searched around the epipolar line, pixels
     #[arg(long, value_name = "PX", value_parser = pixels, requires = "fundamental", default_value_t = SuggestParameters::default().band)]
     band: f64,
-    /// Threads to use, all cores by default
+    /// Number of threads, by default one per core
     #[arg(long, value_parser = threads)]
     threads: Option<usize>,
-    /// Write the result as JSON, to standard output when it is -
+    /// Write the result as JSON; - is standard output
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
 }
 
-/// One of the two images.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, Serialize)]
 #[serde(rename_all = "kebab-case")]
 enum ImageSide {
-    /// The first image
+    /// First image
     Left,
-    /// The second image
+    /// Second image
     Right,
 }
 
@@ -59,7 +59,7 @@ impl From<ImageSide> for ClickedImage {
     }
 }
 
-/// Suggests, writes the JSON file, prints the candidates.
+/// Suggests matches, writes the JSON file and prints the candidates.
 pub(super) fn run(arguments: &SuggestArguments) -> Result<(), CliError> {
     let output = Output::prepare(arguments.json.as_deref())?;
     let inputs: Vec<&Path> = arguments.images.files().chain(arguments.fundamental.as_deref()).collect();
@@ -86,7 +86,7 @@ pub(super) fn run(arguments: &SuggestArguments) -> Result<(), CliError> {
     output.write(&result, &table(&found, arguments.at, clicked))
 }
 
-/// The content of a result file. Positions are `[x, y]` in px, angles radians.
+/// Content of the JSON file. Positions are `[x, y]` in px, angles in radians.
 #[derive(Serialize)]
 struct SuggestionFile<'a> {
     at: Point,
@@ -102,7 +102,7 @@ struct SuggestionFile<'a> {
     version: &'static str,
 }
 
-/// The candidates for people.
+/// Formats the candidates as a table.
 fn table(found: &Suggestions, at: Point, clicked: ClickedImage) -> String {
     let other = 3 - clicked.number();
     let mut text =
@@ -120,10 +120,11 @@ fn table(found: &Suggestions, at: Point, clicked: ClickedImage) -> String {
         );
     }
     let _ = writeln!(text, "{}", found.verdict);
-    let _ = writeln!(text, "Ambiguity: {:.2} (0 stands alone, 1 another is as good)", found.ambiguity);
+    let _ =
+        writeln!(text, "Ambiguity: {:.2} (0: no rival, 1: another place fits equally well)", found.ambiguity);
     let _ = match found.return_distance {
-        Some(distance) => writeln!(text, "Way back: ends {distance:.2} px from the point"),
-        None => writeln!(text, "Way back: found nothing alike"),
+        Some(distance) => writeln!(text, "Reverse search: ends {distance:.2} px from the point"),
+        None => writeln!(text, "Reverse search: no match found"),
     };
     text
 }

@@ -8,20 +8,21 @@ use super::CliError;
 use super::arguments::point_pair;
 use crate::geometry::PointPair;
 
-/// What the window opens with.
+/// Content to open in the window.
 #[derive(Debug, Args)]
 pub(super) struct WindowArguments {
-    /// Two images to open, two sequences (folders of frames, videos), a session (.json), or one folder of images,
-    /// with ground truth or without; without them the built-in sample opens
+    /// Two images, two sequences (folders of frames or videos), a session (.json), or a folder of
+    /// images, with or without ground truth; by default the built-in sample
     #[arg(value_names = ["LEFT", "RIGHT"], num_args = 0..=2)]
     images: Vec<PathBuf>,
-    /// Open the built-in sequences: balls thrown about, seen by two cameras that stand still
+    /// Open the built-in sequences: thrown balls seen by two stationary cameras
     #[arg(long, conflicts_with = "images")]
     sequences: bool,
     /// Point pair to place, pixels in the left and in the right image; repeatable
     #[arg(long = "pair", value_name = "X1,Y1,X2,Y2", value_parser = point_pair, allow_hyphen_values = true)]
     pairs: Vec<PointPair>,
-    /// File with point pairs, F or two cameras (.P, given one after the other) to import; repeatable
+    /// File to import, with point pairs, F or two cameras (.P, given one after the other);
+    /// repeatable
     #[arg(long = "import", value_name = "FILE")]
     imports: Vec<PathBuf>,
 }
@@ -37,15 +38,15 @@ pub(super) fn run(arguments: WindowArguments) -> Result<(), CliError> {
             WindowContent::Session(file.clone())
         }
         _ => {
-            let problem = "two images are needed, LEFT and RIGHT, or a session (.json), or one folder with ground truth; one \
-                 other file was given";
+            let problem = "one file was given that is not a session (.json). Give two images LEFT and RIGHT, a session, or \
+                 one folder of images";
             return Err(CliError::Arguments(problem.into()));
         }
     };
     open(what, arguments.pairs, arguments.imports)
 }
 
-/// What the window opens with.
+/// Content of the window at the start.
 #[cfg_attr(not(feature = "inspector"), expect(dead_code, reason = "there is no window to tell"))]
 enum WindowContent {
     Sample,
@@ -55,7 +56,6 @@ enum WindowContent {
     Session(PathBuf),
 }
 
-/// Hands over to the window.
 #[cfg(feature = "inspector")]
 fn open(what: WindowContent, pairs: Vec<PointPair>, imports: Vec<PathBuf>) -> Result<(), CliError> {
     use crate::app::{Opening, Start, run};
@@ -69,11 +69,11 @@ fn open(what: WindowContent, pairs: Vec<PointPair>, imports: Vec<PathBuf>) -> Re
     run(Start { opening, pairs, imports }).map_err(|error| CliError::Window(error.to_string()))
 }
 
-/// Without the window there is only the command line.
+/// Reports that this build has no window.
 #[cfg(not(feature = "inspector"))]
 fn open(_what: WindowContent, _pairs: Vec<PointPair>, _imports: Vec<PathBuf>) -> Result<(), CliError> {
     Err(CliError::Window(
-        "this build has no window; use the commands estimate and evaluate, or build with the feature inspector"
+        "this build has no window. Use the commands estimate and evaluate, or build with the feature inspector"
             .into(),
     ))
 }

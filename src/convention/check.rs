@@ -1,4 +1,4 @@
-//! Trying all readings, and what to say about them.
+//! Trial of all readings, and the verdict in words.
 
 use std::fmt::Write;
 
@@ -8,61 +8,62 @@ use thiserror::Error;
 use super::{FEWEST_MATCHES, Reading};
 use crate::geometry::{FundamentalMatrix, PointPair, median, symmetric_epipolar_distance};
 
-/// Origins in use: the centre of the upper left pixel, its corner, and counting from 1.
+/// Pixel origins in use: the centre of the upper left pixel, its corner, and counting from 1.
 const ORIGINS: [f64; 3] = [0.0, 0.5, 1.0];
-/// Sizes to which images are commonly reduced before matching, and back.
+/// Common reductions of images before matching, and their inverses.
 const SCALES: [f64; 9] = [1.0, 0.5, 2.0, 0.25, 4.0, 1.0 / 3.0, 3.0, 0.125, 8.0];
-/// Other scales are searched between 1 / 16 and 16.
+/// Range of the search for other scales, octaves to either side: 1 / 16 to 16.
 const SCALE_OCTAVES: f64 = 4.0;
-/// A scale found by search is news only if it is farther than this from those tried anyway.
+/// Minimum distance of a searched scale from the listed scales, natural logarithm.
 const SCALE_STEP: f64 = 0.03;
-/// Matches that are looked at; more tell no more.
+/// Maximum number of matches used. More matches add no certainty.
 const MOST_MATCHES: usize = 4000;
-/// A median below this fits, px.
+/// Largest median distance that counts as a fit, px.
 const FITS: f64 = 2.0;
-/// Limit in large images, where matches are less exact in pixels: this share of the extent of the matches.
+/// The same limit for large images, as a fraction of the extent of the matches.
 const FITS_SHARE: f64 = 0.002;
-/// Standard errors between two readings that are told apart. About a hundred are compared.
+/// Minimum difference between two readings, standard errors. About a hundred readings are compared.
 const CLEARLY: f64 = 4.0;
-/// Difference that is worth a word: this share of what the better one leaves.
+/// Minimum difference between two readings, relative to the mean distance of the better one.
 const MATERIAL: f64 = 0.1;
-/// No image reaches so far, px; squares of much larger numbers are infinite.
+/// Largest coordinate accepted, px. Squares of much larger numbers are infinite.
 const FARTHEST: f64 = 1e7;
-/// A reading that does not fit is told from one that does, however few the matches, if its median is so many times as
-/// large.
+/// Ratio of medians from which a reading that does not fit is rejected in favour of one that fits,
+/// however few the matches.
 const FAR: f64 = 4.0;
 
-/// Why nothing could be checked.
+/// Reason why a convention cannot be checked.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 pub enum CheckError {
-    /// Too few matches.
+    /// There are too few matches.
     #[error(
-        "checking a convention takes at least {FEWEST_MATCHES} matches, {0} were given: add some, at different depths"
+        "checking a convention takes at least {FEWEST_MATCHES} matches, {0} were given. Add matches at different depths"
     )]
     TooFew(usize),
-    /// Coordinates that are no numbers.
+    /// A coordinate is not a finite number.
     #[error("a match has a coordinate that is not a finite number")]
     NotFinite,
-    /// Coordinates beyond any image.
+    /// A coordinate is beyond any image.
     #[error(
-        "a match has a coordinate beyond {FARTHEST:e} px, which is in no image: check the unit and the columns of the \
+        "a match has a coordinate beyond {FARTHEST:e} px, outside any image. Check the unit and the columns of the \
          matches"
     )]
     TooFar,
 }
 
-/// A reading and how well it fits.
+/// Reading of a matrix, with its fit to the matches.
 #[derive(Debug, Clone, Serialize)]
 pub struct RankedReading {
-    /// How the matrix is read.
+    /// Reading under test.
     pub reading: Reading,
-    /// The matrix, so read, in the convention of this program.
+    /// Fundamental matrix under this reading, in the convention of this program.
     pub fundamental: FundamentalMatrix,
     /// Median symmetric epipolar distance of the matches, px.
     pub median: f64,
-    /// Share of the matches nearer to their lines than [`ConventionCheck::limit`], 0 to 1.
+    /// Fraction of the matches within [`ConventionCheck::limit`] of their epipolar lines, 0 to 1.
     pub within: f64,
-    /// Whether the matches tell it apart from the first reading of the list; the first is not told from itself.
+    /// True if the matches distinguish this reading from the first of the list; false for the first
+    /// itself.
     pub told_apart: bool,
     #[serde(skip)]
     distances: Vec<f64>,
@@ -71,16 +72,16 @@ pub struct RankedReading {
 /// All readings of a matrix, the most credible first.
 #[derive(Debug, Clone, Serialize)]
 pub struct ConventionCheck {
-    /// At least one; first what to believe, then the others by median.
+    /// Readings, at least one. The first is the most credible; the others are sorted by median.
     pub readings: Vec<RankedReading>,
-    /// A reading fits if its median is at most this, px.
+    /// Largest median of a reading that fits, px.
     pub limit: f64,
-    /// Matches that were looked at.
+    /// Number of matches used.
     pub matches: usize,
 }
 
-/// Tries all readings of a matrix on matches in the convention of this program. `given` is the matrix as it was
-/// read.
+/// Tests all readings of a matrix on matches in the convention of this program. `given` is the
+/// matrix as it was read.
 pub fn check_convention(
     given: &FundamentalMatrix,
     matches: &[PointPair],
@@ -95,7 +96,7 @@ pub fn check_convention(
     if matches.iter().flat_map(numbers).any(|number| number.abs() > FARTHEST) {
         return Err(CheckError::TooFar);
     }
-    // Evenly spread: matches are often listed in some order.
+    // An even sample: matches are often listed in some order.
     let stride = matches.len().div_ceil(MOST_MATCHES);
     let matches: Vec<PointPair> = matches.iter().step_by(stride).copied().collect();
     let limit = FITS.max(FITS_SHARE * extent(&matches));
@@ -103,18 +104,18 @@ pub fn check_convention(
     let mut readings: Vec<RankedReading> = Vec::new();
     for reading in candidates(given, &matches) {
         let Some(ranked) = RankedReading::new(reading, given, &matches, limit) else { continue };
-        // Simpler ones come first, so the first name of a matrix is the simplest.
+        // Simpler readings come first, so the first name of a matrix is the simplest.
         if !readings.iter().any(|other| other.is_same(&ranked)) {
             readings.push(ranked);
         }
     }
-    // Stable: of equals the simpler.
+    // A stable sort: of equal readings the simpler comes first.
     readings.sort_by(|a, b| a.median.total_cmp(&b.median));
     believe(&mut readings, limit);
     Ok(ConventionCheck { readings, limit, matches: matches.len() })
 }
 
-/// Moves the simplest reading that the matches cannot tell from the best one to the front.
+/// Moves the simplest of the readings that are indistinguishable from the best one to the front.
 fn believe(readings: &mut Vec<RankedReading>, limit: f64) {
     let Some(best) = readings.first().cloned() else { return };
     let credible = |r: &RankedReading| !r.is_told_from(&best, limit);
@@ -129,7 +130,7 @@ fn believe(readings: &mut Vec<RankedReading>, limit: f64) {
     readings.insert(0, first);
 }
 
-/// All readings to try, those with fewer changes first.
+/// Returns all readings to test, simpler ones first.
 fn candidates(given: &FundamentalMatrix, matches: &[PointPair]) -> Vec<Reading> {
     let mut readings = Vec::new();
     for (transposed, axes_exchanged) in [(false, false), (true, false), (false, true), (true, true)] {
@@ -145,7 +146,8 @@ fn candidates(given: &FundamentalMatrix, matches: &[PointPair]) -> Vec<Reading> 
     readings
 }
 
-/// The scale with the smallest median, by a grid of eighths of octaves and a golden section between its neighbours.
+/// Returns the scale with the smallest median, by a grid of eighths of octaves and a golden section
+/// search.
 fn estimated_scale(given: &FundamentalMatrix, turned: Reading, matches: &[PointPair]) -> Option<f64> {
     const STEPS_PER_OCTAVE: f64 = 8.0;
     const SECTIONS: usize = 24;
@@ -181,18 +183,19 @@ impl RankedReading {
         })
     }
 
-    /// Whether every match is as far from its lines under both, up to rounding.
+    /// Returns whether both readings give every match the same distance, up to rounding.
     fn is_same(&self, other: &Self) -> bool {
         self.distances.iter().zip(&other.distances).all(|(a, b)| (a - b).abs() <= 1e-6 * (1.0 + a.abs()))
     }
 
-    /// Whether the matches are clearly farther from their lines than under a better reading.
+    /// Returns whether the matches are clearly farther from their lines than under `better`.
     fn is_told_from(&self, better: &Self, limit: f64) -> bool {
-        // Among few matches one that happens to be nearer under the wrong reading makes the difference look uncertain.
+        // With few matches, a single match that happens to fit the wrong reading inflates the
+        // variance.
         if better.median <= limit && self.median > limit && self.median > FAR * better.median {
             return true;
         }
-        // Beyond a few times the median a match is wrong, or as good as wrong, under both.
+        // Beyond a few times the median a match is an outlier under both readings.
         let cap = (4.0 * better.median).max(0.5);
         let count = self.distances.len() as f64;
         let differences =
@@ -205,37 +208,37 @@ impl RankedReading {
 }
 
 impl ConventionCheck {
-    /// What to believe.
+    /// Returns the most credible reading.
     pub fn best(&self) -> &RankedReading {
         &self.readings[0]
     }
 
-    /// Whether any reading fits the matches.
+    /// Returns whether any reading fits the matches.
     pub fn fits(&self) -> bool {
         self.best().median <= self.limit
     }
 
-    /// The matrix as it was read, wherever it ranks.
+    /// Returns the matrix as it was read, wherever it ranks.
     pub fn as_read(&self) -> Option<&RankedReading> {
         self.readings.iter().find(|r| r.reading.changes() == 0)
     }
 
-    /// The readings that the matches cannot tell from the best.
+    /// Returns the readings that are indistinguishable from the best.
     pub fn alike(&self) -> impl Iterator<Item = &RankedReading> {
         self.readings.iter().skip(1).filter(|r| !r.told_apart)
     }
 
-    /// The first reading that the matches tell apart from the best.
+    /// Returns the first reading that differs clearly from the best.
     pub fn next(&self) -> Option<&RankedReading> {
         self.readings.iter().find(|r| r.told_apart)
     }
 
-    /// The verdict in words.
+    /// Returns the verdict in words.
     pub fn sentence(&self) -> String {
         let best = self.best();
         if !self.fits() {
             return format!(
-                "No reading fits: the best one ({}) leaves half of the {} matches more than {} px from their epipolar lines, at most {} px would do; the matrix may belong to other images, most of the matches may be wrong, or it is in a convention that is not tried: y pointing up, or only one of the images resized.",
+                "No reading fits. Under the best one ({}), half of the {} matches lie more than {} px from their epipolar lines; the limit is {} px. The matrix may belong to other images, most matches may be wrong, or the convention may be one that is not tried: y pointing up, or only one of the images resized.",
                 best.reading,
                 self.matches,
                 pixels(best.median),
@@ -248,10 +251,13 @@ impl ConventionCheck {
             let as_read = self.as_read();
             let median = as_read.map_or(String::new(), |r| format!(" ({} px)", pixels(r.median)));
             if as_read.is_some_and(|r| r.median <= self.limit) {
-                format!("The geometry fits worse as read{median} than if it is taken so: {}", best.reading)
+                format!(
+                    "The geometry fits worse as read{median} than under another reading: {}",
+                    best.reading
+                )
             } else {
                 format!(
-                    "The geometry does not fit as read{median}, but it does if it is taken so: {}",
+                    "The geometry does not fit as read{median}. It fits under another reading: {}",
                     best.reading
                 )
             }
@@ -265,7 +271,7 @@ impl ConventionCheck {
         if let Some(next) = self.next() {
             let _ = write!(
                 text,
-                "; the next different reading ({}) leaves {} px",
+                ". Under the next different reading ({}) they lie within {} px",
                 next.reading,
                 pixels(next.median)
             );
@@ -280,33 +286,30 @@ impl ConventionCheck {
                 alike.iter().map(|r| format!("({0}, {0})", r.origin)).collect::<Vec<_>>().join(" or ");
             let _ = write!(
                 text,
-                " Whether pixels are counted from ({0}, {0}) or {origins} these matches cannot tell; it makes little difference here.",
+                " These matches cannot tell whether pixels are counted from ({0}, {0}) or {origins}. The difference is small here.",
                 best.reading.origin
             );
         } else {
             let others = alike.iter().take(NAMED).map(ToString::to_string).collect::<Vec<_>>().join(" / ");
-            let _ = write!(text, " These matches cannot tell it from: {others}");
+            let _ = write!(text, " These readings fit equally well: {others}");
             if alike.len() > NAMED {
                 let _ = write!(text, " / and {} more", alike.len() - NAMED);
             }
             text.push('.');
             if alike.len() > BY_CHANCE {
-                text.push_str(
-                    " With so many alike the fit may be chance, and the matrix may belong to other images: check \
-                     with more matches.",
-                );
+                text.push_str(" With so many equal readings the fit may be chance. Check with more matches.");
             }
         }
         text
     }
 }
 
-/// Readings that cannot be told apart are named up to this many.
+/// Maximum number of equal readings named in the verdict.
 const NAMED: usize = 3;
-/// Number of alike readings beyond which some was bound to fit.
+/// Number of equal readings beyond which the fit may be chance.
 const BY_CHANCE: usize = 12;
 
-/// Pixels with as many digits as matter.
+/// Formats a distance with its significant digits.
 fn pixels(value: f64) -> String {
     if value < 10.0 { format!("{value:.2}") } else { format!("{value:.0}") }
 }
@@ -315,7 +318,7 @@ fn distances(f: &FundamentalMatrix, matches: &[PointPair]) -> Vec<f64> {
     matches.iter().map(|pair| symmetric_epipolar_distance(f, pair)).collect()
 }
 
-/// Diagonal of the rectangle around the points, of the image where it is larger, px.
+/// Returns the diagonal of the bounding rectangle of the points, of the larger of both images, px.
 fn extent(matches: &[PointPair]) -> f64 {
     let diagonal = |coordinates: [&dyn Fn(&PointPair) -> f64; 2]| {
         let side = |of: &dyn Fn(&PointPair) -> f64| {

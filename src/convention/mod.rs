@@ -1,20 +1,24 @@
-//! In which convention is a fundamental matrix from somewhere else? Matches know.
+//! Convention of a foreign fundamental matrix, determined from matches.
 //!
-//! A 3×3 matrix does not say whether `x2ᵀ F x1 = 0` or `x1ᵀ F x2 = 0`, whether x or y comes first, where pixel (0, 0)
-//! is, or for which size of the images it holds. With 8 or more matches the possible [`Reading`]s are tried out: each
-//! turns the matrix into an `F` in the convention of this program, and the matches measure how well that fits.
+//! A 3×3 matrix does not reveal its convention: `x2ᵀ F x1 = 0` or `x1ᵀ F x2 = 0`, the order of x
+//! and y, the position of pixel (0, 0), the size of the images. With 8 or more matches the possible
+//! [`Reading`]s are tested. Each reading converts the matrix to the convention of this program, and
+//! the matches measure the fit.
 //!
-//! Readings are ranked by the **median** symmetric epipolar distance of the matches, which fewer than half
-//! of them being wrong do not spoil. Readings that are the same thing for this matrix (a matrix of a pure translation is, up to
-//! sign, its own transpose) are listed once, under the simplest name. Two readings are *told apart* if the paired
-//! differences of their distances, capped so that wrong matches count little, are clearly not zero, or if one fits and the
-//! other neither fits nor comes near it; of those that are not, the one with the fewest changes is believed.
+//! Readings are ranked by the **median** symmetric epipolar distance, which is robust to fewer than
+//! half outliers. Readings that give the same matrix are listed once, under the simplest name. (For
+//! a pure translation, the matrix equals its own transpose up to sign.) Two readings are *told
+//! apart* if the mean of the paired differences of their distances is clearly not zero, with
+//! outliers capped. They are also told apart if one fits and the other is far from fitting. Of the
+//! readings that are not told apart, the one with the fewest changes is preferred.
 //!
 //! # Pitfalls
-//! - The origin often cannot be told: between cameras that look in about the same direction a shift of half a pixel
-//!   in both images moves points nearly along with their lines. It then hardly matters either, and the verdict says so.
-//! - Scale is not seen for epipoles at infinity and parallel lines, where every scale is the same matrix.
-//! - Matches of one plane fit many matrices. Take matches at different depths.
+//! - The origin often cannot be determined. Between cameras that look in similar directions, a
+//!   shift of half a pixel in both images moves points nearly along their lines. The origin then
+//!   hardly matters, and the verdict says so.
+//! - Scale cannot be determined for epipoles at infinity and parallel lines: every scale gives the
+//!   same matrix.
+//! - Matches on one plane fit many matrices. Use matches at different depths.
 
 mod check;
 mod reading;
@@ -24,5 +28,5 @@ mod tests;
 pub use check::{CheckError, ConventionCheck, RankedReading, check_convention};
 pub use reading::Reading;
 
-/// Fewest matches for a check. With fewer, one of the many readings may fit by chance.
+/// Minimum number of matches for a check. With fewer, one of the many readings may fit by chance.
 pub const FEWEST_MATCHES: usize = 8;

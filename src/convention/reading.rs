@@ -1,4 +1,4 @@
-//! One possible meaning of a matrix.
+//! Possible meaning of a matrix.
 
 use std::fmt;
 
@@ -6,26 +6,27 @@ use serde::Serialize;
 
 use crate::geometry::{FundamentalMatrix, rescaling};
 
-/// How the numbers of a matrix are to be taken. A point `x` of this program is in the file the point
-/// `u = A((x + ½) s − ½) + o` with the scale `s`, the origin `o`, and `A` the exchange of x and y.
+/// Convention under which the numbers of a matrix are read. A point `x` of this program is the
+/// point `u = A((x + ½) s − ½) + o` of the file, with the scale `s`, the origin `o` and the
+/// exchange `A` of x and y.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Reading {
-    /// `x1ᵀ F x2 = 0`; the same as images 1 and 2 exchanged.
+    /// True for `x1ᵀ F x2 = 0`, which equals images 1 and 2 exchanged.
     pub transposed: bool,
-    /// Points are (y, x), or (row, column).
+    /// True if points are (y, x), or (row, column).
     pub axes_exchanged: bool,
-    /// Both coordinates of the centre of the upper left pixel, px.
+    /// Coordinate of the centre of the upper left pixel in x and y, px.
     pub origin: f64,
-    /// Size of the images that the matrix is for, over the size of those in which the matches are.
+    /// Size of the images of the matrix over the size of the images of the matches.
     pub scale: f64,
 }
 
 impl Reading {
-    /// The matrix means what it was taken for.
+    /// Convention of the file as it was read.
     pub(super) const AS_READ: Self =
         Self { transposed: false, axes_exchanged: false, origin: 0.0, scale: 1.0 };
 
-    /// Number of things that differ from how the matrix was read.
+    /// Returns the number of differences from the matrix as read.
     pub fn changes(&self) -> usize {
         [self.transposed, self.axes_exchanged, self.origin > 0.0, self.scale.to_bits() != 1f64.to_bits()]
             .into_iter()
@@ -33,13 +34,12 @@ impl Reading {
             .count()
     }
 
-    /// Whether two readings differ in the origin at most.
+    /// Returns whether two readings differ at most in the origin.
     pub(super) fn differs_in_origin_only(&self, other: &Self) -> bool {
         Self { origin: other.origin, ..*self } == *other
     }
 
-    /// `F` in the convention of this program, if the given one, taken as it stands, is to be read like this. `None`
-    /// where numbers overflow.
+    /// Converts a matrix of this reading to the convention of this program. `None` on overflow.
     pub fn apply(&self, given: &FundamentalMatrix) -> Option<FundamentalMatrix> {
         let mut given_from_ours = rescaling(self.scale);
         given_from_ours[(0, 2)] += self.origin;
@@ -51,7 +51,7 @@ impl Reading {
         FundamentalMatrix::from_rank_two(given_from_ours.transpose() * matrix * given_from_ours)
     }
 
-    /// The reading in a few words, for lists in which its full name would be too long.
+    /// Returns the reading in a few words, for lists.
     pub fn brief(&self) -> String {
         self.in_words("transposed")
     }
@@ -72,7 +72,7 @@ impl Reading {
         }
         if self.scale.to_bits() != 1f64.to_bits() {
             let percent = 100.0 * self.scale;
-            // Three digits are what a few dozen matches can tell.
+            // A few dozen matches determine the scale to three digits.
             let digits = usize::from(percent < 100.0) + usize::from(percent < 10.0);
             words.push(format!("for images of {percent:.digits$} % of this size"));
         }

@@ -6,8 +6,9 @@ use nalgebra::{Matrix3, Point3, Vector3};
 use super::*;
 use crate::geometry::{Camera, FundamentalMatrix, Point, PointPair};
 
-/// Two cameras 0.9 apart, the second one turned about its axis by `roll`, and `count` matches of points 4 to 9 away,
-/// all over 768×576 px: 0.3 px of noise, and every fifth match is wrong.
+/// Returns F and `count` matches of two cameras 0.9 apart. The second camera is rotated about its
+/// axis by `roll`; the points are 4 to 9 away, over 768×576 px. Noise is 0.3 px and every fifth
+/// match is wrong.
 fn truth(roll: f64, count: usize, seed: u64) -> (FundamentalMatrix, Vec<PointPair>) {
     let mut random = Pcg64Mcg::seed_from_u64(seed);
     let principal = Point::new(383.5, 287.5);
@@ -34,7 +35,7 @@ fn truth(roll: f64, count: usize, seed: u64) -> (FundamentalMatrix, Vec<PointPai
     (Camera::fundamental(&camera1, &camera2).unwrap(), matches)
 }
 
-/// The matrix that somebody with this convention would write down.
+/// Returns the matrix that a program with this convention would write.
 fn written(f: &FundamentalMatrix, reading: &Reading) -> FundamentalMatrix {
     let (s, o) = (reading.scale, 0.5 * reading.scale - 0.5 + reading.origin);
     let swap = Matrix3::new(0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0);
@@ -57,7 +58,7 @@ fn readings() -> Vec<Reading> {
     readings
 }
 
-/// With the second camera upside down an offset of half a pixel is seen.
+/// With the second camera upside down, an offset of half a pixel is measurable.
 #[test]
 fn every_reading_is_found_where_it_matters() {
     for (seed, reading) in readings().into_iter().enumerate() {
@@ -72,8 +73,8 @@ fn every_reading_is_found_where_it_matters() {
             "{sentence}"
         );
         assert!((found.scale / reading.scale).ln().abs() < 0.01, "{reading:?}: {sentence}");
-        // An origin in pixels four times as small is a shift of an eighth of ours, and one in images of unknown
-        // scale is partly made up for by the scale.
+        // In images four times as large, half a pixel of origin shifts points by an eighth of a
+        // pixel here. In images of unknown scale, the scale partly compensates the origin.
         let is_credible = |r: &RankedReading| r.reading.origin.to_bits() == reading.origin.to_bits();
         if reading.scale > 1.0 || (reading.scale - 0.71).abs() < 0.01 {
             assert!(is_credible(best) || check.alike().any(is_credible), "{reading:?}: {sentence}");
@@ -82,7 +83,7 @@ fn every_reading_is_found_where_it_matters() {
         }
         assert!(check.fits() && best.median < 0.5 && (0.75..0.9).contains(&best.within), "{sentence}");
         assert!(check.next().unwrap().median > best.median);
-        // What is believed is the matrix itself.
+        // The best reading gives the true matrix.
         let exact = crate::geometry::epipolar_difference(
             &best.fundamental,
             &f,
@@ -93,7 +94,7 @@ fn every_reading_is_found_where_it_matters() {
     }
 }
 
-/// Between cameras that look the same way the origin hardly shows; everything else does.
+/// Between cameras that look the same way the origin hardly shows; all other changes do.
 #[test]
 fn origins_that_cannot_be_told_are_named() {
     let mut untold = 0;
@@ -110,7 +111,7 @@ fn origins_that_cannot_be_told_are_named() {
             "{reading:?}: {sentence}"
         );
         assert!(check.fits());
-        untold += usize::from(sentence.contains("these matches cannot tell"));
+        untold += usize::from(sentence.contains("matches cannot tell whether"));
     }
     assert!(untold > 20, "{untold}");
 }
@@ -129,7 +130,7 @@ fn as_read_is_said_plainly() {
     assert!(wrong.told_apart && wrong.reading.to_string().starts_with("transposed"));
 }
 
-/// Among nine matches one that is nearer to its line under a wrong reading must not make that reading credible.
+/// Among nine matches, one that happens to fit a wrong reading must not make that reading credible.
 #[test]
 fn few_matches_tell_what_fits_from_what_is_far_off() {
     for seed in 0..40 {
@@ -145,7 +146,7 @@ fn few_matches_tell_what_fits_from_what_is_far_off() {
     }
 }
 
-/// Half a pixel that the matches see, but that leaves them within the limit.
+/// The matches detect half a pixel of offset, but still fit within the limit.
 #[test]
 fn what_fits_worse_is_not_said_not_to_fit() {
     let (f, matches) = truth(2.8, 400, 3);
@@ -169,7 +170,7 @@ fn nothing_fits_matches_of_other_images() {
     assert!(sentence.contains("y pointing up, or only one of the images resized"), "{sentence}");
 }
 
-/// The transposed matrix, any origin and any scale are the same matrix for a pure sideways motion.
+/// A pure sideways motion gives the same matrix under transposition and for every origin and scale.
 #[test]
 fn the_same_thing_is_listed_once() {
     let rows = Matrix3::new(0.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 1.0, 0.0);
@@ -200,14 +201,14 @@ fn too_few_and_broken_matches_are_refused() {
     let mut broken = matches;
     broken[3].point2.x = f64::NAN;
     assert_eq!(check_convention(&f, &broken).unwrap_err(), CheckError::NotFinite);
-    // Far beyond any image: squares of such numbers are infinite, and so is a limit in proportion.
+    // Squares of such numbers are infinite, and so is a limit in proportion to them.
     let far = [PointPair::new(1e300, -1e300, 1e300, 1e300); 9];
     assert_eq!(check_convention(&f, &far).unwrap_err(), CheckError::TooFar);
-    // All at one place: an answer, whatever it says.
+    // Matches at one point must give a verdict too.
     let _ = check_convention(&f, &[PointPair::new(1.0, 2.0, 3.0, 4.0); 9]).unwrap().sentence();
 }
 
-/// Views of the VGG model house with their cameras, where they are there.
+/// Tests the views of the VGG model house with their cameras, if present.
 #[test]
 fn the_cameras_of_the_house_are_as_read() {
     let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data/house");

@@ -1,12 +1,12 @@
-//! How firm a median is: percentile bootstrap (Efron & Tibshirani, *An Introduction to the Bootstrap*, §13.3).
+//! Confidence interval of a median: percentile bootstrap (Efron & Tibshirani, *An Introduction to
+//! the Bootstrap*, §13.3).
 //!
-//! The trials of a pair are drawn again, as many as there are and with repetition, and the median of what was
-//! drawn is noted; the middle 95 % of the medians of 2000 such draws are the interval. For the median over pairs,
-//! the trials are drawn again within every pair and the pairs stay: they are the test set and not a sample of
-//! something larger.
+//! The trials of a pair are resampled with replacement 2000 times. The interval spans the middle 95
+//! % of the resampled medians. For the median over pairs, trials are resampled within each pair and
+//! the pairs stay fixed: they are the test set, not a sample.
 //!
-//! A failed trial is an infinite error here too, so an interval may end at infinity. The draws depend on the seed
-//! and on the pair alone, so contenders with the same trials are resampled alike.
+//! A failed trial is an infinite error here too, so an interval may end at infinity. The draws
+//! depend only on the seed and the pair, so contenders with the same trials are resampled alike.
 
 use rand::RngExt;
 use serde::Serialize;
@@ -14,41 +14,41 @@ use serde::Serialize;
 use super::random::{Purpose, generator};
 use super::statistics::median;
 
-/// Resampled medians.
+/// Number of resampled medians.
 const DRAWS: usize = 2000;
 
-/// Part of the resampled medians that lies inside the interval.
+/// Fraction of the resampled medians inside the interval.
 const INSIDE: f64 = 0.95;
 
-/// Even from the least to the greatest of fewer trials a true median is covered less than 95 % of the time
-/// (`1 − 2·2⁻ⁿ`).
+/// Minimum number of trials. With fewer, even the range of all trials covers the true median less
+/// than 95 % of the time (`1 − 2·2⁻ⁿ`).
 const FEWEST: usize = 6;
 
-/// A 95 % interval, px. Infinite numbers are written as `null`.
+/// 95 % confidence interval, px. Infinite numbers are serialised as `null`.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Interval {
     /// Lower end.
     pub low: f64,
-    /// Upper end, infinite where failures reach into it.
+    /// Upper end, infinite if failures reach it.
     pub high: f64,
 }
 
-/// The errors of one contender on one pair.
+/// Errors of one contender on one pair.
 #[derive(Debug, Clone)]
 pub(super) struct PairErrors<'a> {
     /// Name of the pair.
     pub(super) pair: &'a str,
-    /// One a trial, px; infinite where there is no F.
+    /// Error of each trial, px; infinite without an F.
     pub(super) errors: Vec<f64>,
 }
 
-/// Interval of the median over pairs of the medians of their trials; with one pair, of its median. `None` where a
-/// pair has fewer than six trials.
+/// Returns the interval of the median over pairs of the pair medians; for one pair, of its median.
+/// `None` if a pair has fewer than six trials.
 pub(super) fn interval(samples: &[PairErrors], seed: u64) -> Option<Interval> {
     if samples.is_empty() || samples.iter().any(|s| s.errors.len() < FEWEST) {
         return None;
     }
-    // One column of resampled medians a pair.
+    // One column of resampled medians per pair.
     let columns: Vec<Vec<f64>> = samples.iter().map(|s| resampled_medians(s, seed)).collect();
     let mut medians: Vec<f64> =
         (0..DRAWS).map(|k| median(&columns.iter().map(|c| c[k]).collect::<Vec<_>>())).collect();
@@ -77,7 +77,7 @@ mod tests {
         interval(&[PairErrors { pair: "a", errors: errors.to_vec() }], seed)
     }
 
-    /// Different numbers between 0 and 1 without order, median ½.
+    /// Returns unordered distinct numbers between 0 and 1, with median ½.
     fn numbers(count: usize, start: usize) -> Vec<f64> {
         (0..count).map(|k| ((start + k) as f64 * 0.618_033_988_75).fract()).collect()
     }
@@ -104,8 +104,8 @@ mod tests {
             assert!(low <= median(&errors) && median(&errors) <= high);
             covered += usize::from((low..=high).contains(&0.5));
         }
-        // 95 % of 300 is 285 with a standard deviation of 4; of 25 trials the percentile method takes order
-        // statistics, so a few per cent either way are its own.
+        // 95 % of 300 is 285, with a standard deviation of 4. The percentile method uses order
+        // statistics, so with 25 trials its coverage deviates by a few per cent.
         assert!((270..=298).contains(&covered), "{covered}");
     }
 

@@ -1,7 +1,8 @@
 //! Geometries of one image pair by different methods, measured on the same points.
 //!
-//! Seven pairs have up to three solutions, and seven pairs cannot tell which is right: [`fit_seven`] takes the one
-//! that fits further points best. On true matches that is a choice given the truth, as in the published experiment.
+//! Seven pairs have up to three solutions and cannot decide between them. [`fit_seven`] selects the
+//! solution that fits further points best. With true matches as these points, the selection uses
+//! the ground truth, as in the published experiment.
 
 use thiserror::Error;
 
@@ -11,36 +12,36 @@ use crate::geometry::{
     seven_point, symmetric_epipolar_distance,
 };
 
-/// An F fitted to point pairs.
+/// Fundamental matrix fitted to point pairs.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PointFit {
-    /// The matrix.
+    /// Fitted F.
     pub fundamental: FundamentalMatrix,
-    /// How many pairs it was fitted to.
+    /// Number of fitted pairs.
     pub pairs: usize,
-    /// How many solutions there were to choose from.
+    /// Number of solutions.
     pub solutions: usize,
 }
 
-/// Why there is none. Each message is a sentence without its end.
+/// Reason why there is no fit. Each message is a clause.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 pub enum FitError {
-    /// Too few pairs.
+    /// There are too few pairs.
     #[error("needs {missing} more pair{}", if *.missing == 1 { "" } else { "s" })]
     TooFew {
-        /// How many are missing.
+        /// Number of missing pairs.
         missing: usize,
     },
-    /// Seven pairs gave nothing.
+    /// The seven-point algorithm failed.
     #[error(transparent)]
     Seven(#[from] SevenPointError),
-    /// Eight or more gave nothing.
+    /// The eight-point algorithm failed.
     #[error(transparent)]
     Eight(#[from] EightPointError),
 }
 
-/// The seven-point algorithm on the first seven of the pairs; of its real solutions the one with the least mean
-/// symmetric epipolar distance of the points it is `judged` by.
+/// Runs the seven-point algorithm on the first seven pairs. Among the real solutions it selects the
+/// one with the smallest mean symmetric epipolar distance of the points in `judged`.
 pub fn fit_seven(pairs: &[PointPair], judged: &[PointPair]) -> Result<PointFit, FitError> {
     let Some(seven) = pairs.first_chunk::<7>() else {
         return Err(FitError::TooFew { missing: 7 - pairs.len() });
@@ -53,7 +54,7 @@ pub fn fit_seven(pairs: &[PointPair], judged: &[PointPair]) -> Result<PointFit, 
     Ok(PointFit { fundamental, pairs: 7, solutions: count })
 }
 
-/// The normalised eight-point algorithm on all of the pairs, eight or more.
+/// Runs the normalised eight-point algorithm on all pairs, at least eight.
 pub fn fit_eight(pairs: &[PointPair]) -> Result<PointFit, FitError> {
     if pairs.len() < 8 {
         return Err(FitError::TooFew { missing: 8 - pairs.len() });
@@ -61,19 +62,19 @@ pub fn fit_eight(pairs: &[PointPair]) -> Result<PointFit, FitError> {
     Ok(PointFit { fundamental: eight_point(pairs)?, pairs: pairs.len(), solutions: 1 })
 }
 
-/// How far points are from a geometry, in their order, px. Infinite where no distance is defined.
+/// Distances of points from a geometry, in their order, px. Undefined distances are infinite.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Distances {
-    /// Mean of the two distances from a point to the epipolar line of its partner.
+    /// Symmetric epipolar distances: means over both images.
     pub symmetric: Vec<f64>,
-    /// First-order distance of the pair from fitting exactly.
+    /// Sampson distances: first-order geometric errors.
     pub sampson: Vec<f64>,
 }
 
 impl Distances {
-    /// Distances of all the points.
+    /// Returns the distances of all points.
     pub fn of(f: &FundamentalMatrix, points: &[PointPair]) -> Self {
-        // At both epipoles 0/0 would vanish from means and maxima.
+        // At both epipoles the distance is 0/0. Means and maxima would ignore NaN.
         let defined = |distance: f64| if distance.is_nan() { f64::INFINITY } else { distance };
         Self {
             symmetric: points.iter().map(|pair| defined(symmetric_epipolar_distance(f, pair))).collect(),
@@ -82,23 +83,23 @@ impl Distances {
     }
 }
 
-/// Many distances in four figures.
+/// Summary of distances.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Spread {
-    /// How many there are.
+    /// Number of distances.
     pub count: usize,
-    /// The middle one, px.
+    /// Median distance, px.
     pub median: f64,
     /// Mean distance, px.
     pub mean: f64,
-    /// The largest, px.
+    /// Largest distance, px.
     pub max: f64,
-    /// Share below 1 px, 0 to 1.
+    /// Fraction below 1 px, 0 to 1.
     pub below_one: f64,
 }
 
 impl Spread {
-    /// The figures of some distances; `None` when there are none.
+    /// Summarises distances; `None` when there are none.
     pub fn of(distances: &[f64]) -> Option<Self> {
         let max = distances.iter().copied().max_by(f64::total_cmp)?;
         Some(Self {
@@ -131,7 +132,7 @@ mod tests {
 
     #[test]
     fn of_three_solutions_the_one_that_fits_the_other_points_counts() {
-        // Other seven points of the scene each time: some of them have three solutions.
+        // Different sets of seven points; some have three solutions.
         let scene = example_scene("scene", 60);
         let several = (0..50).filter(|k| {
             let fit = fit_seven(&scene.matches[*k..], &scene.matches);
@@ -155,7 +156,7 @@ mod tests {
 
     #[test]
     fn a_distance_that_is_not_defined_is_infinite_and_stays_in_the_figures() {
-        // Both epipoles at (64, 32), powers of two, so that scaling the matrix leaves them exact.
+        // Both epipoles are at (64, 32). Powers of two stay exact when the matrix is scaled.
         let epipole = nalgebra::Vector3::new(64.0, 32.0, 1.0);
         let f = FundamentalMatrix::from_rank_two(epipole.cross_matrix()).unwrap();
         let distances = Distances::of(&f, &[PointPair::new(64.0, 32.0, 64.0, 32.0)]);

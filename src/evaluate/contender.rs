@@ -1,6 +1,6 @@
-//! What is measured: methods by name, each turning clicks into an F.
+//! Contenders: named methods that turn clicks into an F.
 //!
-//! A new method is one [`Contender`] and one row of [`METHODS`].
+//! A new method needs one [`Contender`] and one row of [`METHODS`].
 
 use std::time::Instant;
 
@@ -13,73 +13,73 @@ use crate::estimate::{
 };
 use crate::geometry::{FundamentalMatrix, PointPair, eight_point};
 
-/// What a contender found in one trial.
+/// Result of a contender in one trial.
 #[derive(Debug, Clone)]
 pub struct Outcome {
-    /// The estimated F.
+    /// Estimated F.
     pub fundamental: FundamentalMatrix,
-    /// Seconds in all.
+    /// Total time, s.
     pub seconds: f64,
-    /// Seconds until the first F.
+    /// Time until the first F, s.
     pub first_seconds: f64,
-    /// Score of the contender's own, if it has one.
+    /// Score computed by the contender, if any.
     pub score: Option<f64>,
-    /// Distance to the contender's next best answer, if it knows.
+    /// Margin to the next best geometry, if known.
     pub margin: Option<f64>,
-    /// Verdict of the contender on its result, if it gives one.
+    /// Verdict of the contender on its result, if any.
     pub verdict: Option<Verdict>,
-    /// What a user would be told: warnings and what speaks against the result.
+    /// Warnings for the user, and reasons against the result.
     pub warnings: Vec<String>,
-    /// What it chose among, if it chooses.
+    /// Hypotheses of the search, if there was one.
     pub choice: Option<Choice>,
 }
 
 /// Hypotheses of one trial.
 #[derive(Debug, Clone)]
 pub struct Choice {
-    /// Hypotheses that were generated.
+    /// Generated hypotheses.
     pub generated: Vec<Estimate>,
-    /// The true geometry with the same figures; `None` where it has none.
+    /// True geometry with the same scores; `None` if it has none.
     pub truth: Option<Estimate>,
 }
 
-/// An estimate with the parameters it was made with.
+/// Estimate with its parameters.
 pub struct Detail {
-    /// What was found, and what the search saw.
+    /// Result, with the trace of the search.
     pub estimate: Estimate,
-    /// The parameters.
+    /// Parameters of the estimate.
     pub parameters: Parameters,
 }
 
-/// A method with its parameters.
+/// Method with its parameters.
 pub trait Contender: Sync {
-    /// The name of the method.
+    /// Returns the name of the method.
     fn method(&self) -> &'static str;
 
-    /// The preset, if the method has presets, and whether refinement is on where that is not the preset's own
-    /// choice.
+    /// Returns the preset, if the method has presets, with a suffix if refinement differs from the
+    /// preset.
     fn preset(&self) -> Option<&'static str> {
         None
     }
 
-    /// Point pairs it wants clicked.
+    /// Returns the number of point pairs to click.
     fn clicks_needed(&self) -> usize;
 
-    /// Parameters of the contender, for the record.
+    /// Returns the parameters, for the record.
     fn parameters(&self) -> Value {
         Value::Null
     }
 
-    /// The F of one trial, or in one sentence why there is none.
+    /// Estimates F in one trial. The error is one sentence.
     fn estimate(&self, scene: &KnownScene, clicks: &[PointPair]) -> Result<Outcome, String>;
 
-    /// The same once more with everything that led to it, for pictures; `None` for a method that finds nothing but
-    /// F, and where there is no F.
+    /// Repeats an estimate with all intermediate results, for pictures. `None` for a method without
+    /// any, or if there is no F.
     fn estimate_in_detail(&self, _: &KnownScene, _: &[PointPair]) -> Option<Detail> {
         None
     }
 
-    /// Method and preset for tables and progress.
+    /// Returns the method and preset, for tables and progress.
     fn label(&self) -> String {
         match self.preset() {
             Some(preset) => format!("{} {preset}", self.method()),
@@ -88,13 +88,13 @@ pub trait Contender: Sync {
     }
 }
 
-/// A method that can be asked for by name.
+/// Method that can be selected by name.
 pub struct MethodEntry {
     /// Name on the command line and in files.
     pub name: &'static str,
-    /// Whether it differs between presets; one that does not takes part once.
+    /// Whether the method depends on the preset. Otherwise it takes part once.
     pub has_presets: bool,
-    /// Makes it with the parameters of a preset.
+    /// Constructor from the parameters of a preset.
     build: fn(Parameters) -> Box<dyn Contender>,
 }
 
@@ -125,12 +125,12 @@ pub const METHODS: [MethodEntry; 8] = [
     MethodEntry { name: "eight-point", has_presets: false, build: |_| Box::new(EightPoint) },
 ];
 
-/// The names of all methods.
+/// Returns the names of all methods.
 pub fn method_names() -> Vec<&'static str> {
     METHODS.iter().map(|m| m.name).collect()
 }
 
-/// Every named method with the parameters of every preset given, methods outermost, each once.
+/// Creates every named method with every given preset, methods outermost, without repetition.
 pub fn contenders(
     names: &[String],
     presets: &[Parameters],
@@ -150,19 +150,19 @@ pub fn contenders(
     Ok(chosen)
 }
 
-/// The program's own estimator.
+/// Estimator of this program.
 struct Clicked {
     clicks: usize,
     parameters: Parameters,
 }
 
-/// The program's own estimator from more clicks than it needs.
+/// Creates this program's estimator with more clicks than necessary.
 fn more_clicks(clicks: usize, mut parameters: Parameters) -> Box<dyn Contender> {
     parameters.method = Method::TwoPoint;
     Box::new(Clicked { clicks, parameters })
 }
 
-/// The program's own estimator without a click: the published search compares all lines.
+/// Creates this program's estimator without clicks. The published search then compares all lines.
 fn without_clicks(mut parameters: Parameters) -> Box<dyn Contender> {
     parameters.method = match parameters.search {
         Search::Lines => Method::LinesAlone,
@@ -237,7 +237,7 @@ impl Contender for Clicked {
     }
 
     fn estimate_in_detail(&self, scene: &KnownScene, clicks: &[PointPair]) -> Option<Detail> {
-        // Pictures are of what lies between the clicks and F.
+        // The pictures show steps between the clicks and F.
         if clicks.len() < 2 {
             return None;
         }
@@ -247,8 +247,8 @@ impl Contender for Clicked {
     }
 }
 
-/// The seven-point algorithm on seven clicks. Of its solutions the one nearest to all true matches counts, as in
-/// the published experiment: a choice that only who knows the truth can make.
+/// Seven-point algorithm on seven clicks. The solution nearest to all true matches is selected, as
+/// in the published experiment. That selection uses the ground truth.
 struct SevenPoint;
 
 impl Contender for SevenPoint {
@@ -261,7 +261,7 @@ impl Contender for SevenPoint {
     }
 
     fn parameters(&self) -> Value {
-        json!({ "solution": "the one with the least mean distance of all true matches (given the truth)" })
+        json!({ "solution": "the one with the smallest mean distance of all true matches (uses the ground truth)" })
     }
 
     fn estimate(&self, scene: &KnownScene, clicks: &[PointPair]) -> Result<Outcome, String> {
@@ -271,7 +271,7 @@ impl Contender for SevenPoint {
     }
 }
 
-/// The normalised eight-point algorithm on eight clicks.
+/// Normalised eight-point algorithm on eight clicks.
 struct EightPoint;
 
 impl Contender for EightPoint {
@@ -290,7 +290,7 @@ impl Contender for EightPoint {
     }
 }
 
-/// The outcome of a method that looks at points alone and has no opinion of its result.
+/// Returns the outcome of a method that uses only points and does not assess its result.
 fn from_points(fundamental: FundamentalMatrix, seconds: f64) -> Outcome {
     Outcome {
         fundamental,
@@ -354,7 +354,7 @@ mod tests {
         };
         assert_eq!(
             error.to_string(),
-            "there is no method called magic; there are no-clicks, two-point, three-point, four-clicks, five-clicks, \
+            "there is no method magic. Choose one of no-clicks, two-point, three-point, four-clicks, five-clicks, \
              eight-clicks, seven-point, eight-point"
         );
     }

@@ -1,32 +1,33 @@
-//! Measuring estimators on image pairs whose geometry is known.
+//! Measurement of estimators on image pairs with ground truth.
 //!
-//! A [`KnownScene`] is an image pair with true matches and a true F. A [`Protocol`] says which of the true matches
-//! are clicked in a trial; a [`Contender`] turns the clicks into an F; [`run`] lets all contenders make all
-//! trials and [`Report`] holds what came out. [`table`] shows it as text, [`publication`] as a document with plots and
-//! pictures.
+//! A [`KnownScene`] is an image pair with true matches and a true F. A [`Protocol`] selects the
+//! true matches to click in a trial; a [`Contender`] turns the clicks into an F. [`run`] runs all
+//! trials of all contenders and returns a [`Report`]. [`table`] formats the report as text,
+//! [`publication`] as a document with plots and pictures.
 //!
-//! The error of a trial is the mean symmetric epipolar distance of **all** true matches of the pair to the
-//! estimated F, in pixels, clicked matches included, as the published experiment has it.
+//! The error of a trial is the mean symmetric epipolar distance of **all** true matches of the pair
+//! under the estimated F, in pixels. Clicked matches are included, as in the published experiment.
 //!
 //! # Paired trials
-//! The clicks of trial `t` of a pair depend on the seed, the pair's name and `t` alone: not on the number of
-//! trials, the order of the work, the threads, or the contenders. All contenders therefore see the same clicks
-//! and can be compared trial by trial.
+//! The clicks of trial `t` of a pair depend only on the seed, the pair's name and `t`. The number
+//! of trials, the order of work, the threads and the contenders have no influence. All contenders
+//! therefore receive the same clicks and can be compared trial by trial.
 //!
 //! # Baselines
-//! The seven-point and the eight-point method get the clicks of the others and the further ones they need. Seven
-//! pairs have up to three solutions; as in the published experiment the one nearest to **all** true matches
-//! counts. That choice is given the truth, so the figures of the seven-point method are better than anybody could
-//! reach with seven pairs alone.
+//! The seven-point and the eight-point method receive the clicks of the others, and further ones.
+//! Seven pairs have up to three solutions; as in the published experiment the solution nearest to
+//! **all** true matches is selected. That selection uses the ground truth, so seven pairs alone
+//! could not reach the accuracy given for the seven-point method.
 //!
 //! # Pitfalls
-//! - A trial without an F stays in the statistics with an infinite error; dropping it would flatter a
-//!   contender that gives up on hard trials.
-//! - An interval of a median (see [`Interval`]) says what other clicks on the same pairs might have given. It says
-//!   nothing about other image pairs.
-//! - The published experiment prints one number a pair without saying whether it is a mean or a median of its
-//!   ten trials.
-//! - Times are those of one trial on [`Plan::threads_per_trial`] threads while other trials run beside it.
+//! - A trial without an F counts as an infinite error. Dropping it would favour a contender that
+//!   gives up on hard trials.
+//! - An interval of a median (see [`Interval`]) covers other clicks on the same pairs. It does not
+//!   cover other image pairs.
+//! - The published experiment prints one number per pair, without saying whether it is a mean or a
+//!   median of its ten trials.
+//! - Times are of one trial on [`Plan::threads_per_trial`] threads while other trials run in
+//!   parallel.
 
 mod bootstrap;
 mod comparison;

@@ -1,22 +1,22 @@
-//! What the published experiment prints, to stand beside what is measured.
+//! Errors printed by the published experiment, for comparison.
 
 use serde::Serialize;
 
-/// Symmetric epipolar distances of one pair as printed in Fig. 8 of *Epipolar Geometry Based On Line Similarity*
-/// (Ben-Artzi, Halperin, Werman, Peleg), px. The figure does not say whether they are means or medians of its ten
-/// trials.
+/// Symmetric epipolar distances of one pair as printed in Fig. 8 of *Epipolar Geometry Based On
+/// Line Similarity* (Ben-Artzi, Halperin, Werman, Peleg), px. The figure does not say whether they
+/// are means or medians of its ten trials.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct PrintedErrors {
-    /// Seven-point method, the best of its solutions.
+    /// Error of the seven-point method, best solution.
     pub seven_point: f64,
-    /// Eight-point method.
+    /// Error of the eight-point method.
     pub eight_point: f64,
-    /// Two-point method.
+    /// Error of the two-point method.
     pub two_point: f64,
 }
 
 impl PrintedErrors {
-    /// The number for a method; `None` for one that is not in the figure.
+    /// Returns the number of a method; `None` for a method outside the figure.
     pub fn of_method(&self, name: &str) -> Option<f64> {
         match name {
             "two-point" => Some(self.two_point),
@@ -27,13 +27,13 @@ impl PrintedErrors {
     }
 }
 
-/// Views of the model house.
+/// Number of views of the model house.
 const HOUSE_VIEWS: usize = 10;
 
-/// Width and height of each, px.
+/// Width and height of each view, px.
 const HOUSE_SIZE: [usize; 2] = [768, 576];
 
-/// Seven-, eight- and two-point method on views 0-1 to 8-9 of the model house.
+/// Errors of the seven-, eight- and two-point method on views 0-1 to 8-9 of the model house.
 const HOUSE: [[f64; 3]; HOUSE_VIEWS - 1] = [
     [27.11, 3.27, 2.54],
     [25.80, 2.11, 2.91],
@@ -46,8 +46,8 @@ const HOUSE: [[f64; 3]; HOUSE_VIEWS - 1] = [
     [26.13, 5.89, 2.30],
 ];
 
-/// What is printed for two views of a VGG set called `prefix` with so many views, the first of the size given.
-/// `None` unless the set is the model house and the views are neighbours.
+/// Returns the printed errors for two views of a VGG set with the given prefix, number of views and
+/// size of the first view. `None` unless the set is the model house and the views are neighbours.
 pub(super) fn printed_errors(
     prefix: &str,
     views: usize,
@@ -75,7 +75,8 @@ mod tests {
             let values: Vec<_> = all.iter().map(|p| p.of_method(method).unwrap()).collect();
             assert!((median(&values) - stated).abs() < 1e-12, "{method}");
         }
-        // "In 66 % of the cases the symmetric epipolar distance is less than 3 pixels": six pairs of nine.
+        // "In 66 % of the cases the symmetric epipolar distance is less than 3 pixels": six pairs
+        // of nine.
         assert_eq!(all.iter().filter(|p| p.two_point < 3.0).count(), 6);
         assert_eq!(all[0].of_method("three-point"), None);
     }

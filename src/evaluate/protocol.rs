@@ -1,9 +1,9 @@
-//! Which true matches are clicked in a trial.
+//! Selection of the true matches that are clicked in a trial.
 //!
-//! All valid combinations of two matches are listed and shuffled with a seed made of the run's seed and the
-//! pair's name; trial `t` takes the `t`-th, so trials are all different and trial `t` does not depend on how
-//! many are asked for. Further clicks (a third pair and so on) and the click noise come from generators of
-//! their own per trial, so that contenders that need more clicks share the first ones with the others.
+//! All valid combinations of two matches are listed and shuffled, seeded by the run and the name of
+//! the pair. Trial `t` takes combination `t`. Trials are therefore distinct and independent of the
+//! number requested. Further clicks (a third pair and so on) and the click noise have separate
+//! generators per trial, so contenders with more clicks share the first ones with the others.
 
 use std::f64::consts::TAU;
 
@@ -13,20 +13,21 @@ use serde::{Deserialize, Serialize};
 use super::random::{Purpose, generator};
 use crate::geometry::{Frame, FundamentalMatrix, Point, PointPair};
 
-/// Clicked points are at least this far apart in both images, px, as in the published experiment.
+/// Minimum distance of clicked points in both images, px, as in the published experiment.
 const SPACING: f64 = 30.0;
 
-/// Well-posed clicks lie at least this fraction of the image's longer side off each other's epipolar line.
+/// Minimum distance of well-posed clicks from each other's epipolar line, as a fraction of the
+/// longer side.
 pub(super) const OFF_LINE: f64 = 0.12;
 
-/// What the choice of clicks depends on: all that is known about an image pair, but not its pixels.
+/// Ground truth that determines the clicks: everything about an image pair except its pixels.
 #[derive(Debug, Clone, Copy)]
 pub struct KnownPair<'a> {
     /// Name of the pair.
     pub name: &'a str,
-    /// The sizes of the images.
+    /// Sizes of the images.
     pub frames: [Frame; 2],
-    /// The true F.
+    /// True F.
     pub truth: &'a FundamentalMatrix,
     /// All true matches.
     pub matches: &'a [PointPair],
@@ -37,9 +38,9 @@ impl KnownPair<'_> {
         self.frames[0].contains(pair.point1) && self.frames[1].contains(pair.point2)
     }
 
-    /// Adds true matches to clicked ones until there are `count`, each drawn at random among those at least 30 px
-    /// from all before it in both images; the numbers of the matches added, or `None` when there are not enough.
-    /// A `seed` and a `trial` always give the same ones.
+    /// Adds random true matches to clicked pairs until there are `count`. Each is at least 30 px
+    /// from all earlier ones in both images. Returns the indices of the added matches, or `None` if
+    /// there are not enough. The result depends only on `seed` and `trial`.
     pub fn further(
         &self,
         clicked: &[PointPair],
@@ -66,22 +67,22 @@ impl KnownPair<'_> {
     }
 }
 
-/// How clicks are chosen among the true matches.
+/// Rule for choosing clicks among the true matches.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Protocol {
-    /// Any matches at least 30 px apart in both images.
+    /// Matches at least 30 px apart in both images.
     Paper,
-    /// Points of `Paper`, and each at least 12 % of the longer side away from the other's true epipolar line, in
-    /// both images: nearer ones leave the epipoles (nearly) undetermined.
+    /// Matches as in `Paper`, each also at least 12 % of the longer side from the other's true
+    /// epipolar line in both images. Closer matches leave the epipoles nearly undetermined.
     WellPosed,
-    /// Well-posed, but the second pair is a mistake: its point in image 2 is that of another match. No geometry
-    /// fits such clicks, so this measures what verdicts are worth.
+    /// Well-posed clicks with a wrong second pair: its point in image 2 belongs to another match.
+    /// No geometry fits such clicks, so this protocol tests the verdicts.
     WrongClick,
 }
 
 impl Protocol {
-    /// Name on the command line and in files.
+    /// Returns the name on the command line and in files.
     pub fn name(self) -> &'static str {
         match self {
             Self::Paper => "paper",
@@ -90,43 +91,43 @@ impl Protocol {
         }
     }
 
-    /// Whether two true matches may be clicked together.
+    /// Returns whether two true matches may be clicked together.
     pub fn allows(self, known: &KnownPair, p: &PointPair, q: &PointPair) -> bool {
         apart(p, q) && (self == Self::Paper || off_lines(known, p, q))
     }
 }
 
-/// How trials are drawn and run.
+/// Plan of the trials.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Plan {
-    /// How clicks are chosen.
+    /// Rule for choosing clicks.
     pub protocol: Protocol,
-    /// Trials a pair.
+    /// Number of trials per pair.
     pub trials: usize,
     /// Standard deviation of the click noise in each coordinate, px.
     pub noise: f64,
     /// Seed of the draws.
     pub seed: u64,
-    /// Trials that run at the same time.
+    /// Number of trials that run at the same time.
     pub trials_at_once: usize,
-    /// Threads of each. Separate pools keep the time of one trial free of work for another.
+    /// Number of threads per trial. Separate pools keep the times of trials independent.
     pub threads_per_trial: usize,
 }
 
-/// Whether two matches are at least the spacing apart in both images.
+/// Returns whether two matches are far enough apart in both images.
 fn apart(p: &PointPair, q: &PointPair) -> bool {
     (p.point1 - q.point1).norm() >= SPACING && (p.point2 - q.point2).norm() >= SPACING
 }
 
-/// Each point far enough from the other's true epipolar line, in both images.
+/// Returns whether each point is far enough from the other's true epipolar line, in both images.
 fn off_lines(known: &KnownPair, p: &PointPair, q: &PointPair) -> bool {
     let limits = known.frames.map(|frame| OFF_LINE * frame.longer_side());
     let far = |distance: Option<f64>, limit: f64| distance.is_some_and(|d| d >= limit);
     distances_off_lines(known.truth, p, q).chunks(2).all(|d| far(d[0], limits[0]) && far(d[1], limits[1]))
 }
 
-/// How far `q` is from the true epipolar line of `p` in image 1 and in image 2, and `p` from that of `q`, px;
-/// `None` where a point is at the epipole and has no line.
+/// Returns the distances of `q` from the true epipolar lines of `p` in image 1 and image 2, then of
+/// `p` from the lines of `q`, px. `None` for a point at the epipole, which has no line.
 pub(super) fn distances_off_lines(
     truth: &FundamentalMatrix,
     p: &PointPair,
@@ -139,7 +140,7 @@ pub(super) fn distances_off_lines(
     [line1(p, q), line2(p, q), line1(q, p), line2(q, p)]
 }
 
-/// The clicks of all trials on one image pair.
+/// Clicks of all trials on one image pair.
 #[derive(Debug)]
 pub struct Draws<'a> {
     known: KnownPair<'a>,
@@ -147,13 +148,13 @@ pub struct Draws<'a> {
     seed: u64,
     /// Standard deviation of the click noise, px.
     noise: f64,
-    /// Indices of the first two matches, one entry a trial.
+    /// Indices of the first two matches of each trial.
     firsts: Vec<[usize; 2]>,
 }
 
 impl<'a> Draws<'a> {
-    /// Chooses the matches of up to `trials` trials; fewer when there are not enough combinations. Takes time and memory
-    /// in the square of the number of matches.
+    /// Selects the matches of up to `trials` trials, or of all combinations if there are fewer.
+    /// Time and memory are quadratic in the number of matches.
     pub fn new(known: KnownPair<'a>, protocol: Protocol, trials: usize, noise: f64, seed: u64) -> Self {
         let matches = known.matches;
         let visible: Vec<_> = (0..matches.len()).filter(|k| known.shows(&matches[*k])).collect();
@@ -173,13 +174,13 @@ impl<'a> Draws<'a> {
         Self { known, protocol, seed, noise, firsts }
     }
 
-    /// How many trials there are.
+    /// Returns the number of trials.
     pub fn trials(&self) -> usize {
         self.firsts.len()
     }
 
-    /// The indices of the first `count` matches clicked in a trial; `None` when no further match is far enough
-    /// from those before it.
+    /// Returns the indices of the first `count` matches clicked in a trial. `None` if no further
+    /// match is far enough from the others.
     pub fn matches(&self, trial: usize, count: usize) -> Option<Vec<usize>> {
         let mut chosen = self.firsts.get(trial)?.to_vec();
         chosen.truncate(count);
@@ -188,7 +189,8 @@ impl<'a> Draws<'a> {
         Some(chosen)
     }
 
-    /// The clicks on the given matches: with noise, kept inside the images, and with the mistake of the protocol.
+    /// Returns the clicks on the given matches, with noise, clamped to the images, and with the
+    /// mistake of the protocol.
     pub fn clicks(&self, trial: usize, matches: &[usize]) -> Vec<PointPair> {
         let mut random = generator(self.seed, self.known.name, Purpose::Noise, trial);
         let [frame1, frame2] = self.known.frames;
@@ -210,7 +212,7 @@ impl<'a> Draws<'a> {
             .collect()
     }
 
-    /// A point of another match in image 2, not near the right one.
+    /// Returns a point of another match in image 2, away from the right one.
     fn mistake(&self, trial: usize, right: Point) -> Point {
         let mut random = generator(self.seed, self.known.name, Purpose::Mistake, trial);
         let others: Vec<Point> = self
@@ -220,12 +222,12 @@ impl<'a> Draws<'a> {
             .filter(|m| self.known.shows(m) && (m.point2 - right).norm() >= SPACING)
             .map(|m| m.point2)
             .collect();
-        // The other clicked match is among them.
+        // Never empty: the other clicked match qualifies.
         others[random.random_range(0..others.len())]
     }
 }
 
-/// The point with Gaussian noise in both coordinates (Box and Muller), kept on pixel centres.
+/// Adds Gaussian noise to both coordinates (Box and Muller) and clamps to pixel centres.
 fn disturbed(point: Point, sigma: f64, frame: Frame, random: &mut impl Rng) -> Point {
     // 1 − u is never 0, so the logarithm is finite.
     let radius = sigma * (-2.0 * (1.0 - random.random::<f64>()).ln()).sqrt();
@@ -341,7 +343,7 @@ mod tests {
             }
         }
         let sigma = super::super::statistics::mean(&squares).sqrt();
-        // 3,200 numbers give σ to about 1.3 %; clamping at the border takes a little away.
+        // 3,200 numbers determine σ to about 1.3 %. Clamping at the border lowers it slightly.
         assert!((sigma - 2.0).abs() < 0.15, "{sigma}");
 
         let wild = Draws::new(scene.known(), Protocol::Paper, 50, 5000.0, 11);

@@ -1,25 +1,25 @@
-//! Seeded sequences of random numbers, one for each purpose.
+//! Seeded random numbers, one sequence per purpose.
 
 use rand::SeedableRng;
 use rand_pcg::Pcg64Mcg;
 
-/// What random numbers are for: each purpose has its own sequence.
+/// Purpose of random numbers; each has its own sequence.
 #[derive(Clone, Copy)]
 pub(super) enum Purpose {
-    /// Choice of the two matches that are clicked.
+    /// Choice of the first two clicked matches.
     Combinations,
     /// Choice of further matches.
     Further,
-    /// How far off.
+    /// Noise of the clicks.
     Noise,
-    /// Choice of where a wrong click goes.
+    /// Position of a wrong click.
     Mistake,
-    /// Choice of the trials that make a resampled median.
+    /// Trials of a resampled median.
     Bootstrap,
 }
 
-/// A generator for one purpose of one trial on one pair. The hash (FNV-1a) is spelled out because the one of
-/// the standard library may change between releases.
+/// Creates the generator of one purpose of one trial on one pair. FNV-1a is written out because the
+/// hash of the standard library may change between releases.
 pub(super) fn generator(seed: u64, name: &str, purpose: Purpose, trial: usize) -> Pcg64Mcg {
     let trial = (trial as u64).to_le_bytes();
     let bytes = seed.to_le_bytes().into_iter().chain(name.bytes()).chain([purpose as u8]).chain(trial);

@@ -1,4 +1,5 @@
-//! How good the search was: is a hypothesis near the truth among those it chose from, and what ranked it where?
+//! Quality of a search: the error of its best hypothesis, and the ranks of this hypothesis and of
+//! the truth.
 
 use serde::Serialize;
 
@@ -6,25 +7,26 @@ use super::statistics::mean;
 use super::{Choice, KnownScene};
 use crate::estimate::Estimate;
 
-/// The search of one trial. Ranks count from 1.
+/// Search of one trial. Ranks count from 1.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct RankingRecord {
-    /// Hypotheses chosen from.
+    /// Number of hypotheses.
     pub hypotheses: usize,
-    /// Error of the best one, px.
+    /// Error of the best hypothesis, px.
     pub best_error: f64,
-    /// Rank of the best one by line validation.
+    /// Rank of the best hypothesis by line validation.
     pub best_rank_by_lines: usize,
-    /// Rank of the best one by patch support; `None` when patches were not looked at.
+    /// Rank of the best hypothesis by patch support; `None` without patches.
     pub best_rank_by_patches: Option<usize>,
-    /// Where the true geometry would rank by line validation; `None` when its lines degenerate at the clicks.
+    /// Rank of the true geometry by line validation; `None` if its lines are degenerate at the
+    /// clicks.
     pub true_rank_by_lines: Option<usize>,
-    /// The same by patch support.
+    /// Rank of the true geometry by patch support.
     pub true_rank_by_patches: Option<usize>,
 }
 
 impl RankingRecord {
-    /// `None` without hypotheses.
+    /// Ranks the hypotheses; `None` without hypotheses.
     pub(super) fn new(scene: &KnownScene, choice: &Choice) -> Option<Self> {
         let all = &choice.generated;
         let error = |h: &Estimate| mean(&scene.distances(h.fundamental()));
@@ -59,7 +61,7 @@ mod tests {
         let scene = example_scene("scene", 40);
         let clicks = [scene.matches[3], scene.matches[17]];
         let hypothesis = |shift: f64, score: f64, support: f64| {
-            // The truth with image 2 moved along its rows.
+            // True geometry with image 2 shifted.
             let moved = Matrix3::new(1.0, 0.0, -shift, 0.0, 1.0, 0.3 * shift, 0.0, 0.0, 1.0);
             let fundamental =
                 FundamentalMatrix::from_rank_two(moved.transpose() * scene.truth.matrix()).unwrap();

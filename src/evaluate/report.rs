@@ -1,4 +1,4 @@
-//! What came out of an evaluation, as written to files.
+//! Results of an evaluation, as written to files.
 
 use serde::Serialize;
 use serde_json::Value;
@@ -10,58 +10,59 @@ use super::{Contender, KnownScene, Plan};
 use crate::estimate::Verdict;
 use crate::geometry::FundamentalMatrix;
 
-/// One trial of one contender. Infinite numbers are written as `null`.
+/// Trial of one contender. Infinite numbers are serialised as `null`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct TrialRecord {
-    /// Number of the trial, from 0.
+    /// Index of the trial, from 0.
     pub trial: usize,
-    /// Numbers of the true matches that were clicked, from 0.
+    /// Indices of the clicked true matches, from 0.
     pub matches: Vec<usize>,
-    /// Where, as `x1 y1 x2 y2`, noise included, px.
+    /// Clicks as `x1 y1 x2 y2`, with noise, px.
     pub clicks: Vec<[f64; 4]>,
-    /// The F found.
+    /// Estimated F.
     pub fundamental: Option<FundamentalMatrix>,
     /// Mean symmetric epipolar distance of all true matches, px; infinite without an F.
     pub mean: f64,
-    /// Median of the same distances, px.
+    /// Median symmetric epipolar distance of all true matches, px.
     pub median: f64,
-    /// Mean distance of its lines to the true ones all over the pictures, px, see [`KnownScene::off_everywhere`]; none
-    /// where the true F was fitted to the matches.
+    /// Mean distance of the estimated to the true epipolar lines over the whole images, px, see
+    /// [`KnownScene::off_everywhere`]. `None` if the true F was fitted to the matches.
     pub off_everywhere: Option<f64>,
-    /// Seconds in all.
+    /// Total time, s.
     pub seconds: f64,
-    /// Seconds until the first F.
+    /// Time until the first F, s.
     pub first_seconds: Option<f64>,
-    /// The contender's own score.
+    /// Score computed by the contender.
     pub score: Option<f64>,
-    /// The contender's margin to the next best answer.
+    /// Margin to the next best geometry.
     pub margin: Option<f64>,
-    /// The contender's own verdict.
+    /// Verdict of the contender.
     pub verdict: Option<Verdict>,
-    /// What a user would have been told.
+    /// Warnings for the user.
     pub warnings: Vec<String>,
-    /// What it chose from, if it chooses.
+    /// Ranking of the hypotheses, if there was a search.
     pub search: Option<RankingRecord>,
-    /// Why there is no F.
+    /// Reason why there is no F.
     pub failure: Option<String>,
 }
 
-/// How often verdicts were true. A result is good when its error is below 1 % of the longer image side.
+/// Accuracy of verdicts. A result is good if its error is below 1 % of the longer image side.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
 pub struct Verdicts {
-    /// Results with a verdict.
+    /// Number of results with a verdict.
     pub results: usize,
-    /// Results called reliable.
+    /// Number of results called reliable.
     pub called_reliable: usize,
-    /// Number of good ones among these.
+    /// Number of good results among `called_reliable`.
     pub called_reliable_and_good: usize,
-    /// Results that are not good.
+    /// Number of results that are not good.
     pub bad: usize,
-    /// Number of these that were not called reliable.
+    /// Number of `bad` results that were not called reliable.
     pub bad_and_not_called_reliable: usize,
-    /// Good ones whose lines are as near to the true ones all over the pictures, where that is known.
+    /// Number of good results whose lines are also within the limit over the whole images, if
+    /// known.
     pub good_everywhere: usize,
-    /// Number of these that were called reliable.
+    /// Number of `good_everywhere` results that were called reliable.
     pub good_everywhere_and_called_reliable: usize,
 }
 
@@ -106,53 +107,53 @@ impl Verdicts {
     }
 }
 
-/// Share of the trials, 0 to 1, that is better than a limit; failures are not.
+/// Fractions of the trials below a limit, 0 to 1; failures count as above.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Shares {
-    /// Error below 1 px.
+    /// Fraction with an error below 1 px.
     pub below_1_px: f64,
-    /// Error below 3 px.
+    /// Fraction with an error below 3 px.
     pub below_3_px: f64,
-    /// Error below 1 % of the longer image side.
+    /// Fraction with an error below 1 % of the longer image side.
     pub below_1_percent: f64,
 }
 
 /// All trials of one contender on one pair.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Record {
-    /// The pair.
+    /// Name of the pair.
     pub pair: String,
-    /// The method.
+    /// Name of the method.
     pub method: String,
-    /// The preset, if the method has presets, and refinement where it is not that of the preset.
+    /// Preset, if the method has presets, with a suffix if refinement differs from the preset.
     pub preset: Option<String>,
     /// Width and height of both images, px.
     pub image_sizes: [[usize; 2]; 2],
-    /// How many true matches the error is measured on.
+    /// Number of true matches.
     pub matches: usize,
-    /// Mean distance of the true matches to the true F, px.
+    /// Mean symmetric epipolar distance of the true matches under the true F, px.
     pub truth_error: f64,
-    /// Trials asked for; fewer are made when the matches allow fewer.
+    /// Number of trials requested. The matches may allow fewer.
     pub trials_asked: usize,
-    /// Trials without an F.
+    /// Number of trials without an F.
     pub failures: usize,
     /// Median of the trials' mean distances, px.
     pub median: f64,
     /// 95 % interval of this median; `None` with fewer than six trials.
     pub median_interval: Option<Interval>,
-    /// What the published experiment prints for this pair and method, px.
+    /// Error printed by the published experiment for this pair and method, px.
     pub printed: Option<f64>,
     /// Mean of the trials' mean distances, px.
     pub mean: f64,
-    /// Trials within limits.
+    /// Fractions of trials below the limits.
     pub shares: Shares,
-    /// How often its verdicts were true.
+    /// Accuracy of the verdicts.
     pub verdicts: Verdicts,
-    /// Median seconds of a trial.
+    /// Median time of a trial, s.
     pub median_seconds: f64,
-    /// Median seconds until the first F, of the trials that found one.
+    /// Median time until the first F, over the trials with an F, s.
     pub median_first_seconds: f64,
-    /// The trials in their order.
+    /// Trials in their order.
     pub trials: Vec<TrialRecord>,
 }
 
@@ -194,45 +195,45 @@ impl Record {
     }
 }
 
-/// The error of each trial, px.
+/// Returns the error of each trial, px.
 fn errors(trials: &[TrialRecord]) -> Vec<f64> {
     trials.iter().map(|t| t.mean).collect()
 }
 
-/// One contender over all pairs.
+/// Summary of one contender over all pairs.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Overall {
-    /// The method.
+    /// Name of the method.
     pub method: String,
-    /// The preset, if the method has presets, and refinement where it is not that of the preset.
+    /// Preset, if the method has presets, with a suffix if refinement differs from the preset.
     pub preset: Option<String>,
-    /// Pairs with at least one trial.
+    /// Number of pairs with at least one trial.
     pub pairs: usize,
-    /// Trials made.
+    /// Number of trials.
     pub trials: usize,
-    /// Trials without an F.
+    /// Number of trials without an F.
     pub failures: usize,
     /// Median of the pairs' medians, px.
     pub median_of_medians: f64,
-    /// 95 % interval of it over the draws of clicks, the pairs being what they are; `None` where a pair has fewer
-    /// than six trials.
+    /// 95 % interval of this median over the draws of clicks, with the pairs fixed; `None` if a
+    /// pair has fewer than six trials.
     pub median_of_medians_interval: Option<Interval>,
-    /// Median of what the published experiment prints for the same pairs, px; `None` unless it prints all.
+    /// Median of the printed errors of the same pairs, px; `None` unless all are printed.
     pub printed: Option<f64>,
-    /// Mean of all trials' errors, px.
+    /// Mean error of all trials, px.
     pub mean: f64,
-    /// All trials within limits.
+    /// Fractions of all trials below the limits.
     pub shares: Shares,
-    /// How often its verdicts were true.
+    /// Accuracy of the verdicts.
     pub verdicts: Verdicts,
-    /// Median seconds of all trials.
+    /// Median time of all trials, s.
     pub median_seconds: f64,
-    /// Median seconds until the first F, of the trials that found one.
+    /// Median time until the first F, over the trials with an F, s.
     pub median_first_seconds: f64,
 }
 
 impl Overall {
-    /// Sums up the records of one contender.
+    /// Summarises the records of one contender.
     pub(super) fn new(records: &[&Record], seed: u64) -> Option<Self> {
         let first = records.first()?;
         let made: Vec<_> = records.iter().filter(|r| !r.trials.is_empty()).collect();
@@ -243,7 +244,8 @@ impl Overall {
         let errors: Vec<f64> = trials().map(|t| t.mean).collect();
         let medians: Vec<f64> = made.iter().map(|r| r.median).collect();
         let count = errors.len() as f64;
-        // The limit differs between pairs, so shares are summed weighted by the number of trials.
+        // The relative limit differs between pairs, so fractions are weighted by the number of
+        // trials.
         let share = |of: fn(&Shares) -> f64| {
             made.iter().map(|r| of(&r.shares) * r.trials.len() as f64).sum::<f64>() / count
         };
@@ -269,29 +271,29 @@ impl Overall {
     }
 }
 
-/// What was asked for.
+/// Settings of a run.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Settings {
-    /// How the trials were drawn and run.
+    /// Plan of the trials.
     #[serde(flatten)]
     pub plan: Plan,
-    /// The parameters of every contender, in the order of the records of one pair.
+    /// Parameters of every contender, in the order of the records of one pair.
     pub contenders: Vec<Value>,
 }
 
-/// Everything that came out.
+/// Report of a run.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Report {
-    /// What was asked for.
+    /// Settings of the run.
     pub parameters: Settings,
-    /// Trials that were to be made.
+    /// Number of planned trials.
     pub trials_planned: usize,
-    /// Trials that were made; fewer when the run was stopped.
+    /// Number of trials made; smaller if the run was stopped.
     pub trials_made: usize,
-    /// What the reader should know, one sentence each.
+    /// Notes for the reader, one sentence each.
     pub notes: Vec<String>,
-    /// One per contender, over all pairs.
+    /// Summaries over all pairs, one per contender.
     pub overall: Vec<Overall>,
-    /// One per pair and contender, pairs outermost.
+    /// Records, one per pair and contender, pairs outermost.
     pub records: Vec<Record>,
 }

@@ -1,4 +1,4 @@
-//! All contenders make all trials, several at a time.
+//! Execution of all trials of all contenders, several at a time.
 
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -12,22 +12,22 @@ use super::statistics::{mean, median};
 use super::{Contender, Draws, EvaluateError, KnownScene, Outcome, Plan};
 use crate::estimate::CancelFlag;
 
-/// News of a finished trial.
+/// Progress message after a trial.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TrialDone {
-    /// Trials finished, this one included.
+    /// Number of finished trials, including this one.
     pub done: usize,
-    /// Trials in all.
+    /// Total number of trials.
     pub total: usize,
-    /// The pair.
+    /// Name of the pair.
     pub pair: String,
-    /// Method and preset.
+    /// Method and preset of the contender.
     pub contender: String,
     /// Error of the trial, px; infinite without an F.
     pub error: f64,
 }
 
-/// One trial of one contender on one scene.
+/// Trial of one contender on one scene.
 #[derive(Debug, Clone)]
 struct TrialJob {
     scene: usize,
@@ -36,10 +36,11 @@ struct TrialJob {
     matches: Vec<usize>,
 }
 
-/// Runs everything; `progress` hears of every finished trial, from whichever thread made it.
+/// Runs all trials. Every finished trial calls `progress`, on any thread.
 ///
-/// The first trial of every pair and contender comes before the second of any. Once `stop` is raised no trial
-/// begins; those under way are finished, and the report holds about as many trials of each.
+/// The first trial of every pair and contender precedes the second of any. Setting `stop` prevents
+/// new trials; running ones finish. The report then holds about the same number of trials for each
+/// pair and contender.
 pub fn run(
     scenes: &[KnownScene],
     contenders: &[Box<dyn Contender>],
@@ -85,7 +86,7 @@ pub fn run(
     Ok(Report { parameters, trials_planned: jobs.len(), trials_made, notes, overall, records })
 }
 
-/// The trials to make, trial by trial, and what cannot be made as asked.
+/// Returns the trials to run, in order, and notes on trials that are impossible.
 fn plan_jobs(
     scenes: &[KnownScene],
     contenders: &[Box<dyn Contender>],
@@ -98,7 +99,7 @@ fn plan_jobs(
         let name = &scenes[scene].name;
         if draws.trials() < plan.trials {
             notes.push(format!(
-                "{name}: {} of {} trials, because the {} protocol allows no more combinations of its {} matches.",
+                "{name}: {} of {} trials. The {} protocol allows no more combinations of its {} matches.",
                 draws.trials(),
                 plan.trials,
                 plan.protocol.name(),
@@ -108,7 +109,7 @@ fn plan_jobs(
         for (contender, who) in contenders.iter().enumerate() {
             let before = jobs.len();
             if who.clicks_needed() == 0 {
-                // Nothing is drawn, so one trial says it all.
+                // Without clicks all trials are equal, so one is enough.
                 jobs.push(TrialJob { scene, contender, trial: 0, matches: Vec::new() });
                 continue;
             }
@@ -119,7 +120,7 @@ fn plan_jobs(
             let missing = draws.trials() - (jobs.len() - before);
             if missing > 0 {
                 notes.push(format!(
-                    "{name}: {missing} trials without {}, because no further match is far enough from the others.",
+                    "{name}: {missing} trials without {}. There no further match is far enough from the others.",
                     who.method()
                 ));
             }
@@ -129,7 +130,7 @@ fn plan_jobs(
     (jobs, notes)
 }
 
-/// The records of all jobs begun before the stop, with the number of the job and in that order.
+/// Runs jobs until the stop. Returns their records in order, with the index of the job.
 fn run_jobs(
     scenes: &[KnownScene],
     contenders: &[Box<dyn Contender>],
@@ -174,7 +175,7 @@ fn run_jobs(
     Ok(made)
 }
 
-/// One trial. A panic of the contender is a failed trial, not the end of an hour's work.
+/// Runs one trial. A panic counts as a failed trial, so that the other results survive.
 fn run_trial(scene: &KnownScene, contender: &dyn Contender, draws: &Draws, job: &TrialJob) -> TrialRecord {
     let clicks = draws.clicks(job.trial, &job.matches);
     let started = Instant::now();
@@ -227,7 +228,7 @@ mod tests {
     use crate::evaluate::scene::tests::example_scene;
     use crate::geometry::PointPair;
 
-    /// Knows the truth, except where it fails on purpose.
+    /// Contender that returns the truth, except where it fails deliberately.
     struct Oracle {
         clicks: usize,
         fails: fn(&[PointPair]) -> bool,

@@ -1,4 +1,4 @@
-//! Image pairs with known geometry.
+//! Image pairs with ground truth.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -19,91 +19,92 @@ use crate::io::{
 };
 use crate::motion::{BackgroundParameters, MotionError, Silhouettes};
 
-/// Why nothing could be evaluated. Each message is one sentence for the user.
+/// Reason why an evaluation is impossible. The message is shown to the user.
 #[derive(Debug, Error)]
 pub enum EvaluateError {
-    /// A file or folder could not be read.
+    /// A file or folder cannot be read.
     #[error(transparent)]
     Read(#[from] ReadError),
-    /// An image could not be read.
+    /// An image cannot be read.
     #[error(transparent)]
     Load(#[from] LoadError),
-    /// A sequence could not be read.
+    /// A sequence cannot be read.
     #[error(transparent)]
     Sequence(#[from] SequenceError),
-    /// A sequence cannot be compared.
+    /// A sequence has no usable motion.
     #[error(transparent)]
     Motion(#[from] MotionError),
     /// A pair has no ground truth.
     #[error(transparent)]
     Truth(#[from] TruthError),
-    /// No pair has the asked name.
-    #[error("there is no pair called {name}; there are {known}")]
+    /// There is no pair of the requested name.
+    #[error("there is no pair {name}. Choose one of {known}")]
     UnknownPair {
-        /// The name asked for.
+        /// Requested name.
         name: String,
-        /// All names.
+        /// All names, separated by commas.
         known: String,
     },
-    /// No two views are the step apart.
-    #[error("the folder has {views} views, so no two of them are {step} apart")]
+    /// No two views have the requested step.
+    #[error("the folder has only {views} views, too few for a step of {step}")]
     Step {
-        /// Views in the folder.
+        /// Number of views.
         views: usize,
-        /// The step asked for.
+        /// Requested step.
         step: usize,
     },
-    /// No such method.
-    #[error("there is no method called {name}; there are {known}")]
+    /// There is no such method.
+    #[error("there is no method {name}. Choose one of {known}")]
     UnknownMethod {
-        /// The name asked for.
+        /// Requested name.
         name: String,
-        /// All names.
+        /// All names, separated by commas.
         known: String,
     },
-    /// Threads could not be started.
+    /// Threads cannot be started.
     #[error("cannot start {threads} threads: {reason}")]
     Threads {
-        /// How many.
+        /// Number of threads.
         threads: usize,
-        /// The system's reason.
+        /// Reason given by the system.
         reason: String,
     },
 }
 
-/// How far lines can be off, relative to the longer side of the larger image: beyond it wrong is wrong.
+/// Cap on the distance between lines, as a fraction of the longer side of the larger image. Larger
+/// errors are equally wrong.
 const FAR: f64 = 0.1;
 
-/// An image pair with true matches and a true F.
+/// Image pair with true matches and a true F.
 #[derive(Debug, Clone)]
 pub struct KnownScene {
-    /// Name, unique within a run.
+    /// Name of the pair, unique within a run.
     pub name: String,
-    /// The images, of sequences their first frames.
+    /// Images, or the first frames of sequences.
     pub images: [Arc<GrayPlane>; 2],
-    /// What moves in the frames that both sequences have, where it is sequences.
+    /// Moving silhouettes in the common frames of two sequences.
     pub silhouettes: Option<[Arc<Silhouettes>; 2]>,
     /// All true matches.
     pub matches: Vec<PointPair>,
-    /// The true F.
+    /// True F.
     pub truth: FundamentalMatrix,
-    /// Where it comes from.
+    /// Origin of the true F.
     pub origin: TruthOrigin,
-    /// What the published experiment prints for it, if it is one of its pairs.
+    /// Errors printed by the published experiment, if it has this pair.
     pub printed: Option<PrintedErrors>,
 }
 
-/// The pairs of a folder that can be evaluated, and those that cannot.
+/// Pairs of a folder that can be evaluated, and notes on the others.
 #[derive(Debug, Default)]
 pub struct SceneSet {
-    /// The pairs, at least one.
+    /// Pairs with ground truth, at least one.
     pub scenes: Vec<KnownScene>,
-    /// A sentence about each pair that is left out.
+    /// Notes on the excluded pairs, one sentence each.
     pub left_out: Vec<String>,
 }
 
 impl SceneSet {
-    /// What can be had; an error when that is nothing.
+    /// Collects the readable pairs. Returns the first error if there are none.
     fn of(
         results: impl Iterator<Item = (String, Result<KnownScene, EvaluateError>)>,
     ) -> Result<Self, EvaluateError> {
@@ -128,7 +129,7 @@ impl KnownScene {
         Self { name, images, silhouettes: None, matches, truth, origin, printed }
     }
 
-    /// The images, with what moves in front of them, made ready for estimates.
+    /// Prepares the images and silhouettes for estimates.
     pub fn prepared(&self) -> PreparedPair {
         let [image1, image2] = &self.images;
         let prepared = PreparedPair::new(image1, image2);
@@ -138,39 +139,41 @@ impl KnownScene {
         }
     }
 
-    /// What the choice of clicks depends on.
+    /// Returns the ground truth that determines the clicks.
     pub fn known(&self) -> KnownPair<'_> {
         let frames = self.images.each_ref().map(|image| image.frame());
         KnownPair { name: &self.name, frames, truth: &self.truth, matches: &self.matches }
     }
 
-    /// The longer side of the larger image, px.
+    /// Returns the longer side of the larger image, px.
     pub fn longer_side(&self) -> f64 {
         self.images.iter().map(|i| i.frame().longer_side()).fold(0.0, f64::max)
     }
 
-    /// Error at the true matches, px, below which a geometry is good: 1 % of the longer side.
+    /// Returns the limit of a good error at the true matches: 1 % of the longer side, px.
     pub fn good_error(&self) -> f64 {
         0.01 * self.longer_side()
     }
 
-    /// Symmetric epipolar distance of every true match to an F, px.
+    /// Returns the symmetric epipolar distance of every true match under an F, px.
     pub fn distances(&self, fundamental: &FundamentalMatrix) -> Vec<f64> {
         self.matches.iter().map(|m| symmetric_epipolar_distance(fundamental, m)).collect()
     }
 
-    /// Mean distance between the epipolar lines of an F and the true ones all over the pictures
-    /// ([`epipolar_difference`], each at most a tenth of the longer side), px. Where the true matches lie on one plane, lines
-    /// may pass them all and be wrong elsewhere. Nothing is known of elsewhere where the true F was fitted to the matches.
+    /// Returns the mean distance between the estimated and the true epipolar lines over the whole
+    /// images ([`epipolar_difference`], capped at a tenth of the longer side), px. If the true
+    /// matches lie on one plane, lines may pass through all of them and be wrong elsewhere. Returns
+    /// `None` if the true F was fitted to the matches, as it is then unknown elsewhere.
     pub fn off_everywhere(&self, fundamental: &FundamentalMatrix) -> Option<f64> {
         let frames = self.images.each_ref().map(|image| image.frame());
         let off = || epipolar_difference(fundamental, &self.truth, frames, FAR * self.longer_side());
         (self.origin != TruthOrigin::Matches).then(off)
     }
 
-    /// Median angle, over the true matches and both images, between the epipolar lines of an F and the true ones,
-    /// radians. Where matches move little from image 1 to image 2, lines may be turned by any angle and still pass
-    /// within a few px of them: there it tells more than the distances.
+    /// Returns the median angle between the estimated and the true epipolar lines, over the true
+    /// matches and both images, radians. If matches move little between the images, lines at any
+    /// angle may pass within a few px of them. The angle is then more informative than the
+    /// distances.
     pub fn turned(&self, fundamental: &FundamentalMatrix) -> f64 {
         let both = [fundamental, &self.truth];
         let pairs = self.matches.iter().flat_map(|m| {
@@ -180,24 +183,25 @@ impl KnownScene {
         median(&angles)
     }
 
-    /// Mean distance of the true matches to the true F, px: no estimate can be expected to do much better.
+    /// Returns the mean distance of the true matches under the true F, px. No estimate can be much
+    /// better.
     pub fn truth_error(&self) -> f64 {
         mean(&self.distances(&self.truth))
     }
 }
 
-/// [`vgg_scene_set`] of which every pair must be there.
+/// Reads pairs like [`vgg_scene_set`]; an unreadable pair is an error.
 pub fn vgg_scenes(folder: &Path, step: usize, only: &[String]) -> Result<Vec<KnownScene>, EvaluateError> {
     vgg_results(folder, step, only)?.into_iter().map(|(_, scene)| scene).collect()
 }
 
-/// The pairs of views of a VGG folder that are `step` apart, called `0-1`, `1-2`, …; `only` those named when
-/// it is not empty. The true F comes from the two cameras.
+/// Reads the pairs of views of a VGG folder that are `step` apart, named `0-1`, `1-2`, …; only
+/// those named in `only`, unless it is empty. The true F comes from the two cameras.
 pub fn vgg_scene_set(folder: &Path, step: usize, only: &[String]) -> Result<SceneSet, EvaluateError> {
     SceneSet::of(vgg_results(folder, step, only)?.into_iter())
 }
 
-/// Pairs by name.
+/// Pairs or errors by name.
 type NamedScenes = Vec<(String, Result<KnownScene, EvaluateError>)>;
 
 fn vgg_results(folder: &Path, step: usize, only: &[String]) -> Result<NamedScenes, EvaluateError> {
@@ -229,8 +233,9 @@ fn vgg_results(folder: &Path, step: usize, only: &[String]) -> Result<NamedScene
     Ok(chosen.into_iter().map(|(name, view1, view2)| (name, scene(view1, view2))).collect())
 }
 
-/// All pairs of the cameras of a folder of sequences, called `cam1-cam2` and so on; `only` those named when it is not
-/// empty. The sequences have to begin together. The true F comes from the two cameras.
+/// Reads all pairs of cameras of a folder of sequences, named `cam1-cam2` and so on; only those
+/// named in `only`, unless it is empty. The sequences must start at the same time. The true F comes
+/// from the two cameras.
 pub fn sequence_scene_set(
     folder: &Path,
     only: &[String],
@@ -262,13 +267,13 @@ pub fn sequence_scene_set(
     SceneSet::of(chosen.into_iter().map(|(name, pair)| (name, scene(pair))))
 }
 
-/// [`pair_scene_set`] of which every pair must be there.
+/// Reads pairs like [`pair_scene_set`]; an unreadable pair is an error.
 pub fn pair_scenes(folder: &Path, only: &[String]) -> Result<Vec<KnownScene>, EvaluateError> {
     pair_results(folder, only)?.map(|(_, scene)| scene).collect()
 }
 
-/// The pairs of a folder of `NAMEA.*`, `NAMEB.*` and `NAME.txt`; `only` those named when it is not empty. The
-/// true F is that of `NAME_F.txt`, or fitted to all matches.
+/// Reads the pairs of a folder of `NAMEA.*`, `NAMEB.*` and `NAME.txt`; only those named in `only`,
+/// unless it is empty. The true F is read from `NAME_F.txt` or fitted to all matches.
 pub fn pair_scene_set(folder: &Path, only: &[String]) -> Result<SceneSet, EvaluateError> {
     SceneSet::of(pair_results(folder, only)?)
 }
@@ -290,7 +295,8 @@ fn pair_results(
     }))
 }
 
-/// The files of a folder that an evaluation may read: the images, the frames of sequences, and what is known about them.
+/// Returns the files of a folder that an evaluation may read: images, frames of sequences, and
+/// ground truth.
 pub fn files_read(folder: &Path) -> Vec<PathBuf> {
     const KNOWN: [&str; 4] = ["txt", "p", "corners", "nview-corners"];
     let entries =
@@ -304,7 +310,7 @@ pub fn files_read(folder: &Path) -> Vec<PathBuf> {
     files.into_iter().filter(is_read).chain(frames).collect()
 }
 
-/// Scenes whose name is among `only`, in their own order; all when `only` is empty.
+/// Selects the scenes named in `only`, keeping their order; all if `only` is empty.
 fn chosen<T>(all: Vec<T>, only: &[String], name: impl Fn(&T) -> &String) -> Result<Vec<T>, EvaluateError> {
     if let Some(unknown) = only.iter().find(|asked| all.iter().all(|t| name(t) != *asked)) {
         let known = all.iter().map(|t| name(t).as_str()).collect::<Vec<_>>().join(", ");
@@ -318,7 +324,7 @@ pub(super) mod tests {
     use super::*;
     use crate::geometry::{Camera, Frame};
 
-    /// A scene of exact matches under two general cameras, images grey.
+    /// Creates a scene of exact matches under two general cameras, with grey images.
     pub(in crate::evaluate) fn example_scene(name: &str, matches: usize) -> KnownScene {
         let (camera1, camera2) = Camera::example_pair();
         let frame = Frame::new(768, 576);
@@ -358,7 +364,7 @@ pub(super) mod tests {
         };
         assert_eq!(pick(&[]).unwrap(), all());
         assert_eq!(pick(&["c", "a"]).unwrap(), ["a", "c"]);
-        assert_eq!(pick(&["d"]).unwrap_err().to_string(), "there is no pair called d; there are a, b, c");
+        assert_eq!(pick(&["d"]).unwrap_err().to_string(), "there is no pair d. Choose one of a, b, c");
     }
 
     #[test]

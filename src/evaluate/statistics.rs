@@ -1,6 +1,6 @@
-//! Summaries in which a failed trial counts as an infinite error.
+//! Summary statistics in which a failed trial counts as an infinite error.
 
-/// The middle value, or the mean of the two middle ones; NaN when there are none.
+/// Returns the median, or NaN without values. For an even number it is the mean of the middle two.
 pub fn median(values: &[f64]) -> f64 {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
@@ -11,7 +11,7 @@ pub fn median(values: &[f64]) -> f64 {
     }
 }
 
-/// The least value that a share of the values, 0 to 1, does not exceed (nearest rank); NaN when there are none.
+/// Returns the quantile of a fraction from 0 to 1 (nearest rank), or NaN without values.
 pub fn quantile(values: &[f64], share: f64) -> f64 {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
@@ -19,12 +19,12 @@ pub fn quantile(values: &[f64], share: f64) -> f64 {
     sorted.get(rank.clamp(1, sorted.len().max(1)) - 1).copied().unwrap_or(f64::NAN)
 }
 
-/// The arithmetic mean, infinite when one value is; NaN when there are none.
+/// Returns the arithmetic mean, infinite if a value is, or NaN without values.
 pub fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
 }
 
-/// Share of the values below the limit, 0 to 1; NaN when there are none.
+/// Returns the fraction of the values below the limit, 0 to 1, or NaN without values.
 pub fn share_below(values: &[f64], limit: f64) -> f64 {
     values.iter().filter(|v| **v < limit).count() as f64 / values.len() as f64
 }

@@ -1,4 +1,4 @@
-//! The figures of a report in cells, and as a plain text table.
+//! Results of a report as table cells and as a plain text table.
 
 use std::fmt::Write;
 
@@ -6,25 +6,26 @@ use super::bootstrap::Interval;
 use super::report::{Overall, Record, Report, Shares, Verdicts};
 use super::statistics::median;
 
-/// The summary of a report in cells: one row a pair and contender, then one a contender over all pairs. Errors in
-/// px, times in seconds.
+/// Summary of a report: one row per pair and contender, then one per contender over all pairs.
+/// Errors in px, times in seconds.
 pub(super) struct Summary {
-    /// Names of the columns.
+    /// Column headings.
     pub(super) headings: Vec<String>,
-    /// The cells, row by row.
+    /// Cells, row by row.
     pub(super) rows: Vec<Vec<String>>,
-    /// Rows that begin a pair, the first one not among them, and the row that begins what is over all pairs.
+    /// Rows that begin a pair, except the first, and the row that begins the summary over all
+    /// pairs.
     pub(super) groups: Vec<usize>,
-    /// What to know about it, a sentence each.
+    /// Remarks, one sentence each.
     pub(super) remarks: Vec<String>,
 }
 
 impl Summary {
-    /// Columns from the left that hold words.
+    /// Number of text columns, from the left.
     pub(super) const WORDS: usize = 2;
 
-    /// Puts the figures of a report into cells. Where the published experiment prints an error for the same pair
-    /// and method, it stands beside the median.
+    /// Creates the cells of a report. Errors printed by the published experiment stand beside the
+    /// median of the same pair and method.
     pub(super) fn new(report: &Report) -> Self {
         let printed = has_printed(report);
         let (mut rows, mut groups) = (Vec::new(), Vec::new());
@@ -42,25 +43,23 @@ impl Summary {
         let mut remarks = Vec::new();
         if printed {
             remarks.push(
-                "Printed: Fig. 8 of the paper, best of three solutions for seven-point as here; its protocol is paper."
+                "Printed: Fig. 8 of the paper, which uses the protocol paper and, as here, the best of three solutions for seven-point."
                     .to_owned(),
             );
         }
         if report.records.iter().any(|r| r.method == "seven-point") {
-            remarks.push(
-                "Of the solutions of seven-point the one nearest to all true matches counts.".to_owned(),
-            );
+            remarks.push("For seven-point, the solution nearest to all true matches counts.".to_owned());
         }
         Self { headings: headings(printed), rows, groups, remarks }
     }
 }
 
-/// Whether the published experiment prints an error for any pair and method.
+/// Returns whether the published experiment prints an error for any pair and method.
 pub(super) fn has_printed(report: &Report) -> bool {
     report.records.iter().any(|r| r.printed.is_some())
 }
 
-/// The summary as plain text, with remarks and notes.
+/// Formats the summary as plain text, with remarks and notes.
 pub fn table(report: &Report) -> String {
     let summary = Summary::new(report);
     let body_end = 1 + summary.groups.last().copied().unwrap_or(0);
@@ -86,11 +85,11 @@ fn headings(printed: bool) -> Vec<String> {
     all.into_iter().map(str::to_owned).collect()
 }
 
-/// The column of what is printed, right of the median and its interval.
+/// Column of printed errors, right of the median and its interval.
 const AFTER_INTERVAL: usize = 6;
 
-/// Ranks of the search, one row a pair and contender that chooses: medians of the trials.
-/// Empty when none does.
+/// Formats the ranks of the search, one row per pair and contender with a search: medians of the
+/// trials. Empty without such a contender.
 pub fn search_table(report: &Report) -> String {
     let headings = [
         "pair",
@@ -127,7 +126,7 @@ pub fn search_table(report: &Report) -> String {
     if rows.len() == 1 { String::new() } else { layout(&rows, &[1]) }
 }
 
-/// How often the verdicts were true, one sentence a contender that gives any.
+/// Returns the accuracy of the verdicts, one sentence per contender with verdicts.
 pub fn verdict_sentences(report: &Report) -> Vec<String> {
     let judged = report.overall.iter().filter(|overall| overall.verdicts.results > 0);
     judged
@@ -141,13 +140,13 @@ pub fn verdict_sentences(report: &Report) -> Vec<String> {
         .collect()
 }
 
-/// The shares whose whole is not empty.
+/// Describes the accuracy of verdicts, omitting fractions of nothing.
 fn verdict_sentence(v: &Verdicts) -> String {
     let everywhere = if v.good_everywhere == 0 {
         String::new()
     } else {
         format!(
-            " Of the {} whose lines are also that near to the true ones all over the pictures, {} {} called reliable.",
+            " Of the {} whose lines are equally close to the true ones over the whole images, {} {} called reliable.",
             v.good_everywhere,
             v.good_everywhere_and_called_reliable,
             if v.good_everywhere_and_called_reliable == 1 { "was" } else { "were" }
@@ -156,7 +155,7 @@ fn verdict_sentence(v: &Verdicts) -> String {
     sentence_on_matches(v) + &everywhere
 }
 
-/// What the true matches tell.
+/// Describes the accuracy at the true matches.
 fn sentence_on_matches(v: &Verdicts) -> String {
     if v.called_reliable == 0 {
         return format!("no result of {} was called reliable.", v.results);
@@ -176,12 +175,12 @@ fn sentence_on_matches(v: &Verdicts) -> String {
     )
 }
 
-/// A number of things.
+/// Formats a number with its noun.
 pub(super) fn counted(number: usize, thing: &str) -> String {
     format!("{number} {thing}{}", if number == 1 { "" } else { "s" })
 }
 
-/// Columns side by side, with rules above the rows of the given numbers.
+/// Aligns the columns, with rules above the given rows.
 fn layout(rows: &[Vec<String>], ruled: &[usize]) -> String {
     let columns = rows.first().map_or(0, Vec::len);
     let widths: Vec<usize> =
@@ -192,7 +191,7 @@ fn layout(rows: &[Vec<String>], ruled: &[usize]) -> String {
             let _ = writeln!(text, "{}", "-".repeat(widths.iter().sum::<usize>() + 2 * (widths.len() - 1)));
         }
         let cells = row.iter().zip(&widths).enumerate().map(|(c, (cell, width))| {
-            // Words to the left, numbers to the right.
+            // Text is left-aligned, numbers are right-aligned.
             if c < Summary::WORDS { format!("{cell:<width$}") } else { format!("{cell:>width$}") }
         });
         let _ = writeln!(text, "{}", cells.collect::<Vec<_>>().join("  ").trim_end());
@@ -200,7 +199,7 @@ fn layout(rows: &[Vec<String>], ruled: &[usize]) -> String {
     text
 }
 
-/// What tables call a method with its preset.
+/// Returns the name of a method with its preset.
 pub(super) fn label(method: &str, preset: Option<&str>) -> String {
     preset.map_or_else(|| method.to_owned(), |preset| format!("{method} {preset}"))
 }
@@ -251,7 +250,7 @@ fn overall_row(index: usize, overall: &Overall, printed: bool) -> Vec<String> {
     row
 }
 
-/// The ends of an interval.
+/// Formats an interval.
 pub(super) fn range(interval: Option<Interval>) -> String {
     interval.map_or_else(|| "-".to_owned(), |i| format!("{}–{}", pixels(i.low), pixels(i.high)))
 }
@@ -260,12 +259,12 @@ fn shares(shares: &Shares) -> [String; 3] {
     [shares.below_1_px, shares.below_3_px, shares.below_1_percent].map(share)
 }
 
-/// Part of the trials, 0 to 1.
+/// Formats a fraction of the trials as per cent.
 pub(super) fn share(part: f64) -> String {
     if part.is_nan() { "-".to_owned() } else { format!("{:.0} %", 100.0 * part) }
 }
 
-/// Two decimals below 100 px, none above, where they would say nothing.
+/// Formats pixels: two decimals below 100 px, none above.
 pub(super) fn pixels(value: f64) -> String {
     match value {
         v if v.is_nan() => "-".to_owned(),
@@ -275,7 +274,7 @@ pub(super) fn pixels(value: f64) -> String {
     }
 }
 
-/// Two decimals, and five for methods that take less than a hundredth of a second.
+/// Formats seconds: two decimals, or five below a hundredth of a second.
 pub(super) fn seconds(value: f64) -> String {
     match value {
         v if v.is_nan() => "-".to_owned(),
@@ -331,7 +330,7 @@ mod tests {
         assert_eq!(
             verdict_sentence(&everywhere),
             "2 of 2 results called reliable had an error below 1 % of the longer side; no result had a larger one. Of the 2 \
-             whose lines are also that near to the true ones all over the pictures, 1 was called reliable."
+             whose lines are equally close to the true ones over the whole images, 1 was called reliable."
         );
     }
 

@@ -1,8 +1,8 @@
-//! A folder of sequences that known cameras recorded together.
+//! Folders of sequences recorded together by calibrated cameras.
 //!
-//! `NAME` is a folder of numbered frames, or `NAME.EXT` a video, and `NAME.P` its camera, 3×4 in
-//! three rows. True matches of two cameras are in `truth-A-B.txt`, rows `x1 y1 x2 y2`; A and B are the names, or the
-//! numbers at their ends.
+//! `NAME` is a folder of numbered frames, or `NAME.EXT` a video. `NAME.P` is its camera, 3×4 in
+//! three rows. The true matches of cameras A and B are in `truth-A-B.txt`, rows `x1 y1 x2 y2`. A and
+//! B are the names of the cameras or the numbers at the end of the names.
 
 use std::path::{Path, PathBuf};
 
@@ -12,20 +12,20 @@ use super::sequence_file::is_sequence;
 use super::vgg::read_camera;
 use crate::geometry::{Camera, PointPair};
 
-/// Cameras with their sequences, which are not read yet.
+/// Cameras with the paths of their sequences. The frames are not loaded.
 #[derive(Debug, Clone)]
 pub struct CameraRig {
     path: PathBuf,
-    /// One a camera.
+    /// Names, one per camera.
     pub names: Vec<String>,
-    /// One a camera: where its sequence is.
+    /// Paths of the sequences, one per camera.
     pub sequences: Vec<PathBuf>,
-    /// One a camera.
+    /// Cameras in the order of `names`.
     pub cameras: Vec<Camera>,
 }
 
 impl CameraRig {
-    /// The cameras of a folder that have a sequence; none, and no error, where there are fewer than two.
+    /// Reads the cameras of a folder that have a sequence. Returns `None` for fewer than two.
     pub fn find(folder: &Path) -> Result<Option<Self>, ReadError> {
         let entries = read_folder(folder)?;
         let cameras = entries.iter().filter(|file| file.extension().is_some_and(|e| e == "P"));
@@ -51,19 +51,19 @@ impl CameraRig {
         Ok(Some(Self { path: folder.to_owned(), names, sequences, cameras }))
     }
 
-    /// [`CameraRig::find`] in a folder that is to have two cameras or more.
+    /// Reads a folder like [`CameraRig::find`], with an error for fewer than two cameras.
     pub fn open(folder: &Path) -> Result<Self, ReadError> {
         let missing =
-            "no sequences with cameras found, expected folders of frames or videos NAME with NAME.P";
+            "no sequences with cameras found. Expected are folders of frames or videos NAME with NAME.P";
         Self::find(folder)?.ok_or_else(|| ReadError::content(folder, missing))
     }
 
-    /// What a pair of cameras is called.
+    /// Returns the name of a pair of cameras.
     pub fn pair_name(&self, [first, second]: [usize; 2]) -> String {
         format!("{}-{}", self.names[first], self.names[second])
     }
 
-    /// The true matches of two cameras, in whichever order they were written.
+    /// Reads the true matches of two cameras. The file may name the cameras in either order.
     pub fn matches(&self, [first, second]: [usize; 2]) -> Result<Vec<PointPair>, ReadError> {
         let file = |a: &str, b: &str| self.path.join(format!("truth-{a}-{b}.txt"));
         let (a, b) = (&self.names[first], &self.names[second]);
@@ -77,13 +77,13 @@ impl CameraRig {
             }
         }
         let problem = format!(
-            "the true matches of {a} and {b} are missing, expected truth-{a}-{b}.txt with rows x1 y1 x2 y2"
+            "the true matches of {a} and {b} are missing. Expected is a file truth-{a}-{b}.txt with rows x1 y1 x2 y2"
         );
         Err(ReadError::content(&self.path, problem))
     }
 }
 
-/// The digits at the end of a name.
+/// Returns the digits at the end of a name.
 fn number_of(name: &str) -> &str {
     let start = name.trim_end_matches(|c: char| c.is_ascii_digit()).len();
     &name[start..]
@@ -108,7 +108,7 @@ mod tests {
         assert_eq!(found.names, ["cam01", "cam02"]);
         assert!(found.sequences[0].ends_with("cam01.mp4") && found.sequences[1].ends_with("cam02"));
         let told = found.matches([0, 1]).unwrap_err().to_string();
-        assert!(told.contains("expected truth-cam01-cam02.txt"), "{told}");
+        assert!(told.contains("a file truth-cam01-cam02.txt"), "{told}");
         write("truth-02-01.txt", "1 2 3 4\n");
         assert_eq!(found.matches([0, 1]).unwrap(), [PointPair::new(3.0, 4.0, 1.0, 2.0)]);
         write("truth-cam01-cam02.txt", "5 6 7 8\n");

@@ -1,4 +1,4 @@
-//! What is known about an image pair beforehand: its true matches and the true F.
+//! Ground truth of image pairs: true matches and the true F.
 
 use thiserror::Error;
 
@@ -11,73 +11,73 @@ use crate::geometry::{
     Camera, EightPointError, FundamentalMatrix, PointPair, eight_point, median, symmetric_epipolar_distance,
 };
 
-/// Why a pair has no ground truth. Each message is one sentence for the user.
+/// Reason why a pair has no ground truth. The message is shown to the user.
 #[derive(Debug, Error)]
 pub enum TruthError {
-    /// The file of the matches could not be read.
+    /// The file of the matches cannot be read.
     #[error(transparent)]
     Read(#[from] ReadError),
-    /// The matches of a pair determine no true F.
-    #[error("{name}: no true geometry, because {source}")]
+    /// The matches of a pair determine no F.
+    #[error("{name} has no true geometry: {source}")]
     Matches {
-        /// The pair.
+        /// Name of the pair.
         name: String,
-        /// Why.
+        /// Cause of the failure.
         source: EightPointError,
     },
-    /// The F of a file is not that of the matches.
+    /// The F of a file does not fit the matches.
     #[error(
-        "{name}: {name}_F.txt and {name}.txt do not belong together, half of the matches are more than {off:.0} px off its \
-         epipolar lines; expected is F with x2ᵀ F x1 = 0, the centre of the top-left pixel at (0, 0)"
+        "{name}_F.txt does not fit the matches in {name}.txt. Half of them are more than {off:.0} px from their epipolar \
+         lines. Expected is F with x2ᵀ F x1 = 0 and the centre of the top-left pixel at (0, 0)"
     )]
     OtherGeometry {
-        /// The pair.
+        /// Name of the pair.
         name: String,
         /// Median distance of the matches, px.
         off: f64,
     },
-    /// Two cameras have no F.
-    #[error("{name}: the two cameras have the same centre, so there is no true geometry")]
+    /// Both cameras have the same centre.
+    #[error("{name} has no true geometry: the two cameras have the same centre")]
     SameCentre {
-        /// The pair.
+        /// Name of the pair.
         name: String,
     },
 }
 
-/// Where a true F comes from.
+/// Origin of a true F.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TruthOrigin {
     /// Two known cameras.
     Cameras,
-    /// A file beside the matches.
+    /// File beside the matches.
     File,
-    /// Fitted to all true matches with the normalised eight-point algorithm.
+    /// Normalised eight-point fit to all true matches.
     Matches,
 }
 
-/// Median distance of the matches, relative to how far they reach, above which an F is not theirs: transposed, of
-/// other pictures, or of another size of them.
+/// Largest median distance of the matches, relative to their extent, that an F from a file may
+/// have. Above it, F is transposed or belongs to other images or another size.
 const OTHER_GEOMETRY: f64 = 0.02;
 
-/// What is known about an image pair.
+/// Ground truth of an image pair.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GroundTruth {
-    /// A name of the pair, unique within its folder.
+    /// Name of the pair, unique within its folder.
     pub name: String,
-    /// The true F, from image 1 to image 2.
+    /// True F, from image 1 to image 2.
     pub fundamental: FundamentalMatrix,
     /// All true matches.
     pub matches: Vec<PointPair>,
-    /// Where the true F comes from.
+    /// Origin of the true F.
     pub origin: TruthOrigin,
 }
 
 impl GroundTruth {
-    /// Two views of a VGG folder, by their numbers, called `0-1` and so on: F from their cameras, the tracks
-    /// seen in both as matches.
+    /// Returns the ground truth of two views of a VGG folder, selected by number and named `0-1`
+    /// and so on. F comes from the cameras; the matches are the tracks visible in both views.
     ///
     /// # Panics
-    /// When there are no such views.
+    /// When a view does not exist.
     pub fn of_views(set: &VggFolder, [view1, view2]: [usize; 2]) -> Result<Self, TruthError> {
         let name = format!("{view1}-{view2}");
         let Some(fundamental) = Camera::fundamental(&set.cameras[view1], &set.cameras[view2]) else {
@@ -87,10 +87,11 @@ impl GroundTruth {
         Ok(Self { name, fundamental, matches, origin: TruthOrigin::Cameras })
     }
 
-    /// Two cameras of a rig, by their numbers: F from the cameras, and the true matches of their file.
+    /// Reads the ground truth of two cameras of a rig, selected by number. F comes from the
+    /// cameras, the matches from their file.
     ///
     /// # Panics
-    /// When there are no such cameras.
+    /// When a camera does not exist.
     pub fn of_cameras(rig: &CameraRig, pair: [usize; 2]) -> Result<Self, TruthError> {
         let name = rig.pair_name(pair);
         let Some(fundamental) = Camera::fundamental(&rig.cameras[pair[0]], &rig.cameras[pair[1]]) else {
@@ -99,7 +100,8 @@ impl GroundTruth {
         Ok(Self { name, fundamental, matches: rig.matches(pair)?, origin: TruthOrigin::Cameras })
     }
 
-    /// A pair of a folder of pairs: the matches of its file, and F of the file beside it or fitted to all of them.
+    /// Reads the ground truth of a pair in a folder of pairs. F comes from the file beside the
+    /// matches, or is fitted to all of them.
     pub fn of_pair(files: &PairFiles) -> Result<Self, TruthError> {
         let name = files.name.clone();
         let matches = read_point_pairs(&files.matches)?;

@@ -1,4 +1,4 @@
-//! What a file is told from others by.
+//! SHA-256 of files.
 
 use std::fmt::Write as _;
 use std::io::Read;
@@ -9,7 +9,7 @@ use sha2::{Digest, Sha256};
 use super::read::ReadError;
 use crate::foreign::{open_input, reason, shown_path};
 
-/// SHA-256 of a file's bytes, hexadecimal.
+/// Returns the SHA-256 of a file's bytes, hexadecimal.
 pub(super) fn sha256_of_file(path: &Path) -> Result<String, ReadError> {
     let failed = |e: std::io::Error| ReadError::Open { path: shown_path(path), reason: reason(&e) };
     let input = open_input(path).map_err(|reason| ReadError::Open { path: shown_path(path), reason })?;
@@ -28,7 +28,7 @@ pub(super) fn sha256_of_file(path: &Path) -> Result<String, ReadError> {
     Ok(hexadecimal(hash))
 }
 
-/// SHA-256 of some bytes, hexadecimal.
+/// Returns the SHA-256 of `bytes`, hexadecimal.
 pub(super) fn sha256_of_bytes(bytes: &[u8]) -> String {
     let mut hash = Sha256::new();
     hash.update(bytes);

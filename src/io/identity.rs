@@ -1,16 +1,16 @@
-//! Whether two paths are one file, whatever they are called: through links, hard links and folders with two names.
+//! Detection of two paths to one file: through links, hard links and folders with two names.
 
 use std::ffi::OsString;
 use std::path::Path;
 
 use super::output::WriteError;
 
-/// Which file a path is.
+/// Identity of the file at a path.
 #[derive(Debug, PartialEq, Eq)]
 enum Identity {
-    /// A file that is there.
+    /// File that exists.
     Old(Place),
-    /// One that is not there yet: its folder and its name.
+    /// File that does not exist yet, by its folder and name.
     New(Place, OsString),
 }
 
@@ -31,7 +31,8 @@ fn place(path: &Path, _found: &std::fs::Metadata) -> Option<Place> {
     path.canonicalize().ok()
 }
 
-/// `None` for what cannot be lost: devices, pipes, and what has no folder to be in.
+/// Returns the identity of a path. `None` for anything that cannot be overwritten: devices, pipes,
+/// and paths without a folder.
 fn identity(path: &Path) -> Option<Identity> {
     match path.metadata() {
         Ok(found) if found.is_file() => place(path, &found).map(Identity::Old),
@@ -45,18 +46,18 @@ fn identity(path: &Path) -> Option<Identity> {
     }
 }
 
-/// Refuses outputs that are one of the inputs, which would be lost, or one another, of which one would be.
+/// Refuses outputs that would overwrite an input or one another.
 pub fn refuse_clashes(outputs: &[&Path], inputs: &[&Path]) -> Result<(), WriteError> {
     let inputs: Vec<Identity> = inputs.iter().filter_map(|path| identity(path)).collect();
     let mut seen = Vec::new();
     for path in outputs {
         let Some(identity) = identity(path) else { continue };
         if inputs.contains(&identity) {
-            let reason = "it is one of the files that are read, which would be lost: choose another name";
+            let reason = "it is one of the files that are read, which would be lost. Choose another name";
             return Err(WriteError::new(path, reason));
         }
         if seen.contains(&identity) {
-            let reason = "another result goes to the same file: choose another name for one of them";
+            let reason = "another result goes to the same file. Choose another name for one of them";
             return Err(WriteError::new(path, reason));
         }
         seen.push(identity);

@@ -1,5 +1,5 @@
-//! Files: geometry in the formats of other programs, point pairs, folders of pairs, the VGG layout, and output that is
-//! never half written.
+//! Files: geometry in the formats of other programs, point pairs, folders of pairs, the VGG layout,
+//! and atomic output.
 
 mod camera_rig;
 mod geometry_file;

@@ -2,8 +2,8 @@
 
 use crate::foreign::excerpt;
 
-/// The finite numbers of a row whose cells are separated by spaces, tabs, commas or semicolons. The error
-/// names the first cell that is none.
+/// Parses the finite numbers of a row. Cells are separated by spaces, tabs, commas or semicolons.
+/// The error names the first invalid cell.
 pub(super) fn finite_numbers(row: &str) -> Result<Vec<f64>, String> {
     cells(row)
         .map(|cell| match cell.parse::<f64>() {
@@ -13,12 +13,12 @@ pub(super) fn finite_numbers(row: &str) -> Result<Vec<f64>, String> {
         .collect()
 }
 
-/// The cells of a row.
+/// Returns the cells of a row.
 pub(super) fn cells(row: &str) -> impl Iterator<Item = &str> {
     row.split(|c: char| c.is_whitespace() || c == ',' || c == ';').filter(|cell| !cell.is_empty())
 }
 
-/// The numbered lines (from 1) that hold something: neither blank nor a `#` comment.
+/// Returns the lines with content, numbered from 1. Blank lines and `#` comments are skipped.
 pub(super) fn rows(text: &str) -> impl Iterator<Item = (usize, &str)> {
     text.lines()
         .enumerate()

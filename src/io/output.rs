@@ -1,7 +1,7 @@
-//! Output files that are either complete or not there.
+//! Atomic output: files are written completely or not at all.
 //!
-//! The content goes to a temporary file in the same folder, which then takes the place of the target in one
-//! step. A reader never sees half a file, and a failure leaves an older file as it was.
+//! The content goes to a temporary file in the same folder, which then replaces the target in one
+//! step. A reader never sees a partial file, and a failure keeps the old file.
 
 use std::path::{Path, PathBuf};
 
@@ -10,13 +10,11 @@ use thiserror::Error;
 use super::part_file::{PartFile, remove_dead_parts};
 use crate::foreign::{reason, shown_path};
 
-/// Why a file could not be written, one sentence.
+/// Reason why a file cannot be written, one sentence.
 #[derive(Debug, Error)]
 #[error("cannot write {path}: {reason}")]
 pub struct WriteError {
-    /// The file.
     path: String,
-    /// Why.
     reason: String,
 }
 
@@ -26,29 +24,30 @@ impl WriteError {
     }
 }
 
-/// A place for output that was found writable.
+/// Destination that was found writable.
 #[derive(Debug, Clone)]
 pub struct OutputFile {
     path: PathBuf,
-    /// Whether only its owner may read it.
+    /// Whether only the owner may read the file.
     private: bool,
 }
 
-/// A whole file beside its target, which it replaces when asked to.
+/// Complete temporary file beside its target.
 #[derive(Debug)]
 pub(super) struct StagedFile {
     target: OutputFile,
+    /// Temporary file with the whole content.
     part: PartFile,
 }
 
 impl OutputFile {
-    /// Checks, before a long computation, that the file can be written. Nothing is left behind, and what programs that
-    /// were killed left half written in the folder is removed.
+    /// Checks that a file can be written, before a long computation. Leaves no file behind, and
+    /// removes temporary files of killed programs from the folder.
     pub fn prepare(path: &Path) -> Result<Self, WriteError> {
         Self::prepare_as(path, false)
     }
 
-    /// A file that only its owner may read, whatever the permissions of the one that it replaces.
+    /// Prepares a file that only its owner may read, even if it replaces a public file.
     pub fn prepare_private(path: &Path) -> Result<Self, WriteError> {
         Self::prepare_as(path, true)
     }
@@ -62,12 +61,12 @@ impl OutputFile {
         if found.is_err() && path.symlink_metadata().is_ok_and(|link| link.is_symlink()) {
             return Err(failed("it is a link that leads nowhere"));
         }
-        // Behind a symbolic link it is the file it points to that is replaced, not the link.
+        // The file behind a symbolic link is replaced, not the link.
         let path_behind = path.canonicalize().unwrap_or_else(|_| path.to_owned());
         match found {
             Ok(found) if found.is_dir() => return Err(failed("it is a folder")),
             Ok(found) if !found.is_file() => {
-                return Err(failed("it is a pipe or a device: name a file, or - for standard output"));
+                return Err(failed("it is a pipe or a device. Name a file, or - for standard output"));
             }
             Ok(found) if found.permissions().readonly() => return Err(failed("it is write-protected")),
             _ => {}
@@ -88,17 +87,18 @@ impl OutputFile {
         Ok(output)
     }
 
-    /// Where it will be, behind symbolic links.
+    /// Returns the path, with symbolic links resolved.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// Writes the whole content at once. A file keeps the permissions of the one that it replaces.
+    /// Writes the whole content. A replaced file keeps its permissions.
     pub fn write(&self, content: &[u8]) -> Result<(), WriteError> {
         self.stage(content)?.put()
     }
 
-    /// Writes the whole content beside the file, which is as it was until [`StagedFile::put`].
+    /// Writes the whole content to a temporary file. The target is unchanged until
+    /// [`StagedFile::put`].
     pub(super) fn stage(&self, content: &[u8]) -> Result<StagedFile, WriteError> {
         let part = PartFile::create(self.folder(), self.private).and_then(|mut part| {
             part.fill(content)?;
@@ -117,7 +117,7 @@ impl OutputFile {
 }
 
 impl StagedFile {
-    /// Takes the place of the target.
+    /// Replaces the target.
     pub(super) fn put(self) -> Result<(), WriteError> {
         let Self { target, part } = self;
         part.persist(&target.path, target.private).map_err(|e| WriteError::new(&target.path, reason(&e)))
@@ -233,7 +233,7 @@ mod tests {
         assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
         for odd in [&pipe, Path::new("/dev/null")] {
             let message = OutputFile::prepare(odd).unwrap_err().to_string();
-            assert!(message.ends_with("name a file, or - for standard output"), "{message}");
+            assert!(message.ends_with("Name a file, or - for standard output"), "{message}");
         }
     }
 }

@@ -1,34 +1,35 @@
-//! Folders of image pairs with true matches: `NAMEA.*`, `NAMEB.*` and `NAME.txt` with rows `x1 y1 x2 y2`; where the
-//! geometry is known by itself, in `NAME_F.txt`, too.
+//! Folders of image pairs with true matches: `NAMEA.*`, `NAMEB.*` and `NAME.txt` with rows
+//! `x1 y1 x2 y2`. A known F is in `NAME_F.txt`.
 
 use std::path::{Path, PathBuf};
 
 use super::read::{ReadError, has_image_extension, read_folder};
 
-/// The files of one pair.
+/// Files of one pair.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct PairFiles {
-    /// What the files have in common.
+    /// Common part of the file names.
     pub name: String,
-    /// The two images.
+    /// Paths of both images.
     pub images: [PathBuf; 2],
-    /// The true matches.
+    /// Path of the true matches.
     pub matches: PathBuf,
-    /// The true F, if it is known by itself.
+    /// Path of the true F, if there is one.
     pub fundamental: Option<PathBuf>,
 }
 
-/// All pairs of a folder by name; at least one. Text files without any image (notes) are passed over.
+/// Finds all pairs of a folder, sorted by name; at least one. Text files without an image are
+/// skipped.
 pub fn pair_folder(folder: &Path) -> Result<Vec<PairFiles>, ReadError> {
     let pairs = find_pairs(folder)?;
     if pairs.is_empty() {
-        let problem = "no pairs found, expected images NAMEA.*, NAMEB.* and matches NAME.txt";
+        let problem = "no pairs found. Expected are images NAMEA.*, NAMEB.* and matches NAME.txt";
         return Err(ReadError::content(folder, problem));
     }
     Ok(pairs)
 }
 
-/// [`pair_folder`], maybe none.
+/// Finds pairs like [`pair_folder`], possibly none.
 pub(super) fn find_pairs(folder: &Path) -> Result<Vec<PairFiles>, ReadError> {
     let entries = read_folder(folder)?;
     let mut pairs = Vec::new();
@@ -52,7 +53,7 @@ pub(super) fn find_pairs(folder: &Path) -> Result<Vec<PairFiles>, ReadError> {
             }
             (found, _) => {
                 let side = if found.is_empty() { "A" } else { "B" };
-                let problem = format!("{name}.txt is there, but the image {name}{side} is missing");
+                let problem = format!("the image {name}{side} is missing for {name}.txt");
                 return Err(ReadError::content(folder, problem));
             }
         }
@@ -60,7 +61,7 @@ pub(super) fn find_pairs(folder: &Path) -> Result<Vec<PairFiles>, ReadError> {
     Ok(pairs)
 }
 
-/// `NAME_F.txt`, unless it holds the matches of a pair that is itself called `NAME_F`.
+/// Returns `NAME_F.txt`, unless that file holds the matches of a pair named `NAME_F`.
 fn fundamental_of(entries: &[PathBuf], name: &str) -> Option<PathBuf> {
     let name = format!("{name}_F");
     if ["A", "B"].iter().any(|side| !images_named(entries, &format!("{name}{side}")).is_empty()) {

@@ -1,7 +1,7 @@
-//! Files in the making, `.epiline-….part` beside what they will become.
+//! Temporary files `.epiline-….part` beside their targets.
 //!
-//! Whoever writes one holds a lock on it, which the system releases however the program ends: one that can be locked by
-//! another belongs to a program that was killed, and is removed.
+//! The writer holds a lock, which the system releases when the program ends in any way. A temporary
+//! file that can be locked belongs to a killed program and is removed.
 
 use std::fs::{File, OpenOptions};
 use std::io::Write;
@@ -12,12 +12,12 @@ use tempfile::NamedTempFile;
 const PREFIX: &str = ".epiline-";
 const SUFFIX: &str = ".part";
 
-/// A new file that removes itself unless it takes the place of another one.
+/// Temporary file that removes itself unless it replaces its target.
 #[derive(Debug)]
 pub(super) struct PartFile(NamedTempFile);
 
 impl PartFile {
-    /// A file in that folder; `private` ones only its owner may read.
+    /// Creates a file in `folder`; only its owner may read a `private` file.
     pub(super) fn create(folder: &Path, private: bool) -> std::io::Result<Self> {
         const ATTEMPTS: usize = 20;
         let mut builder = tempfile::Builder::new();
@@ -25,28 +25,29 @@ impl PartFile {
         #[cfg(unix)]
         {
             use std::os::unix::fs::PermissionsExt;
-            // Like any new file (the user's mask still applies), not the private mode of temporary ones.
+            // The mode of any new file (subject to the umask), not the private mode of temporary
+            // files.
             builder.permissions(std::fs::Permissions::from_mode(if private { 0o600 } else { 0o666 }));
         }
         for _ in 0..ATTEMPTS {
             let file = builder.tempfile_in(folder)?;
-            // Where files cannot be locked nobody takes another's for dead either.
+            // On file systems without locks, no file is ever considered dead.
             let _ = file.as_file().lock();
-            // Before the lock was there another program may have taken it for dead.
+            // Another program may have removed the file before the lock was taken.
             if file.path().exists() {
                 return Ok(Self(file));
             }
         }
-        Err(std::io::Error::other("the folder is being cleaned by another program"))
+        Err(std::io::Error::other("another program is cleaning the folder"))
     }
 
-    /// Writes all of it, down to the disk.
+    /// Writes `content` and syncs it to the disk.
     pub(super) fn fill(&mut self, content: &[u8]) -> std::io::Result<()> {
         self.0.write_all(content)?;
         self.0.as_file().sync_all()
     }
 
-    /// Takes the place of `target`, and its permissions unless it is `private`.
+    /// Replaces `target` and adopts its permissions, unless the file is `private`.
     pub(super) fn persist(self, target: &Path, private: bool) -> std::io::Result<()> {
         if !private && let Ok(found) = target.metadata() {
             self.0.as_file().set_permissions(found.permissions())?;
@@ -56,7 +57,7 @@ impl PartFile {
     }
 }
 
-/// Removes what programs that were killed left in a folder. What cannot be removed stays.
+/// Removes temporary files of killed programs from a folder, as far as possible.
 pub(super) fn remove_dead_parts(folder: &Path) {
     let Ok(entries) = std::fs::read_dir(folder) else { return };
     for entry in entries.flatten() {

@@ -1,25 +1,25 @@
-//! Pictures as files.
+//! Encoding of picture files.
 
 use std::io::Cursor;
 
 use image::{ColorType, DynamicImage, ImageFormat};
 use thiserror::Error;
 
-/// A kind of picture file.
+/// Format of a picture file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum PictureFormat {
-    /// 8 and 16 bits, with alpha.
+    /// PNG: 8 and 16 bits, with alpha.
     #[default]
     Png,
-    /// 8 and 16 bits and floating point, with alpha.
+    /// TIFF: 8 and 16 bits and floating point, with alpha.
     Tiff,
 }
 
 impl PictureFormat {
-    /// Every format.
+    /// All formats.
     pub const ALL: [Self; 2] = [Self::Png, Self::Tiff];
 
-    /// The extension of its files, without a dot.
+    /// Returns the file extension, without a dot.
     pub fn extension(self) -> &'static str {
         match self {
             Self::Png => "png",
@@ -28,7 +28,7 @@ impl PictureFormat {
     }
 }
 
-/// A picture that cannot be encoded.
+/// Error in encoding a picture.
 #[derive(Debug, Error)]
 #[error("the picture cannot be written as {format}: {reason}")]
 pub struct PictureError {
@@ -36,8 +36,8 @@ pub struct PictureError {
     reason: String,
 }
 
-/// The bytes of a picture file. Depth and channels are kept where the format has them: PNG has no floating-point
-/// pixels (they become 16 bits), TIFF files with grey and alpha are written as colour and alpha.
+/// Encodes a picture. Bit depth and channels are kept if the format supports them. PNG has no
+/// floating-point pixels, which become 16 bits. TIFF turns grey with alpha into colour with alpha.
 pub fn encode_picture(picture: &DynamicImage, format: PictureFormat) -> Result<Vec<u8>, PictureError> {
     let converted = match (format, picture.color()) {
         (PictureFormat::Png, ColorType::Rgb32F) => Some(picture.to_rgb16().into()),
@@ -60,14 +60,14 @@ pub fn encode_picture(picture: &DynamicImage, format: PictureFormat) -> Result<V
     Ok(content.into_inner())
 }
 
-/// A PNG file with a sentence about it, which picture viewers show as its description.
+/// Adds a description to a PNG file, for picture viewers to show.
 pub fn described(png: Vec<u8>, words: &str) -> Vec<u8> {
-    /// The signature, and the first chunk, which has 13 bytes and 12 around them.
+    /// Length of the signature and the first chunk: 13 bytes of data and 12 around them.
     const HEAD: usize = 8 + 12 + 13;
     if png.len() < HEAD {
         return png;
     }
-    // Neither compressed nor in a language; without zero bytes, which separate the parts.
+    // Uncompressed, without a language. Zero bytes separate the fields, so the text must have none.
     let words = words.replace('\0', " ");
     let chunk = [b"iTXt", &b"Description\0\0\0\0\0"[..], words.as_bytes()].concat();
     let length = (chunk.len() - 4) as u32;
@@ -75,7 +75,7 @@ pub fn described(png: Vec<u8>, words: &str) -> Vec<u8> {
     [&png[..HEAD], &length.to_be_bytes(), &chunk, &check.to_be_bytes(), &png[HEAD..]].concat()
 }
 
-/// The cyclic redundancy check of a chunk of a PNG file, with its name.
+/// Returns the cyclic redundancy check of a PNG chunk, name included.
 fn chunk_check(bytes: &[u8]) -> u32 {
     let next = |check: u32, byte: &u8| {
         (0..8).fold(check ^ u32::from(*byte), |check, _| (check >> 1) ^ (0xedb8_8320 * (check & 1)))

@@ -1,28 +1,29 @@
-//! Point pairs as text: one pair a row, `x1 y1 x2 y2`, separated by spaces, tabs, commas or semicolons.
+//! Point pairs as text: one pair per row, `x1 y1 x2 y2`, separated by spaces, tabs, commas or
+//! semicolons.
 //!
-//! Blank lines and lines that start with `#` are skipped, and so is one heading of words in front, as
-//! spreadsheet programs write it. Pitfall: a decimal comma cannot be told from a separator.
+//! Blank lines and lines that start with `#` are skipped, as is a heading of words in the first
+//! row. Pitfall: a decimal comma is indistinguishable from a separator.
 
 use super::number::{cells, finite_numbers, rows};
 use crate::geometry::PointPair;
 
-/// What is wrong with a row of point pairs.
+/// Error in a row of point pairs.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct PairProblem {
-    /// Number of the line, from 1.
+    /// Line number, from 1.
     pub line: usize,
-    /// What was expected and what was found.
+    /// Expected and found content.
     pub problem: String,
 }
 
-/// All pairs of a text.
+/// Parses all pairs of a text.
 pub fn parse_point_pairs(text: &str) -> Result<Vec<PointPair>, PairProblem> {
     let (mut pairs, mut columns) = (Vec::new(), None);
     for (k, (line, row)) in rows(text).enumerate() {
         if k == 0 && is_heading(row) {
             let names = cells(row).map(|cell| cell.trim_matches('"').to_lowercase());
             let is_named = names.take(4).eq(["x1", "y1", "x2", "y2"]);
-            // What follows the four, such as names, is something else.
+            // Columns after the four coordinates, such as names, are ignored.
             columns = is_named.then_some(4);
             continue;
         }
@@ -40,7 +41,7 @@ pub fn parse_point_pairs(text: &str) -> Result<Vec<PointPair>, PairProblem> {
     Ok(pairs)
 }
 
-/// A first row without any number in it, NaN and infinity counted as numbers.
+/// Returns whether a row is a heading: it has no number, where NaN and infinity count as numbers.
 fn is_heading(row: &str) -> bool {
     cells(row).all(|cell| cell.trim_matches('"').parse::<f64>().is_err())
 }
@@ -75,7 +76,7 @@ mod tests {
         assert_eq!(problem("1 2 3 4\n1 2 inf 4").0, 2);
         assert_eq!(problem("1 2 3 4\nx1 y1 x2 y2").0, 2);
         assert_eq!(problem("1 2 3 4 5").0, 1);
-        // Only words make a heading.
+        // A heading consists of words only.
         assert_eq!(problem("nan nan nan nan").0, 1);
     }
 }

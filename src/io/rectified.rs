@@ -1,4 +1,4 @@
-//! A rectified pair as files in a folder.
+//! Files of a rectified pair in a folder.
 
 use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};
@@ -16,34 +16,34 @@ use crate::geometry::FundamentalMatrix;
 use crate::image::Picture;
 use crate::rectify::{Description, ImageMap, Rectification, stacked};
 
-/// What is written beside the two pictures.
+/// Options of the files written beside the two pictures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct RectifiedOptions {
-    /// The kind of the picture files.
+    /// Format of the pictures.
     pub format: PictureFormat,
     /// Rows between the guide lines of the stacked picture; 0 draws none.
     pub guide_spacing: usize,
-    /// Also write where each rectified pixel is in the original, as `npy` arrays.
+    /// Whether to write the original position of each rectified pixel, as `npy` arrays.
     pub maps: bool,
 }
 
-/// Why a rectified pair was not written. Each message is one sentence for the user.
+/// Reason why a rectified pair was not written. The message is shown to the user.
 #[derive(Debug, Error)]
 pub enum RectifiedError {
-    /// The folder cannot be made.
+    /// The folder cannot be created.
     #[error("cannot make the folder {path}: {reason}")]
     Folder {
-        /// The folder.
+        /// Path of the folder.
         path: String,
-        /// The system's reason.
+        /// Reason given by the system.
         reason: String,
     },
     /// Another run writes into the folder.
     #[error(
-        "another run of the program is writing into the folder {path}: wait for its end, or choose another folder"
+        "another run of the program is writing into the folder {path}. Wait for its end, or choose another folder"
     )]
     Busy {
-        /// The folder.
+        /// Path of the folder.
         path: String,
     },
     /// A file cannot be written.
@@ -52,7 +52,7 @@ pub enum RectifiedError {
     /// A picture cannot be encoded.
     #[error(transparent)]
     Picture(#[from] PictureError),
-    /// Writing was stopped.
+    /// Writing was cancelled.
     #[error("stopped; nothing was written")]
     Cancelled,
     /// The description cannot be encoded.
@@ -60,7 +60,7 @@ pub enum RectifiedError {
     Encode(String),
 }
 
-/// The files of a rectified pair, found writable.
+/// Files of a rectified pair, found writable.
 #[derive(Debug)]
 pub struct RectifiedFiles {
     pictures: [OutputFile; 2],
@@ -69,11 +69,12 @@ pub struct RectifiedFiles {
     maps: Option<[OutputFile; 2]>,
     options: RectifiedOptions,
     trust: Option<TrustNote>,
-    /// The folder, locked: two runs at once would leave pictures of one with the description of the other.
+    /// Locked folder. Two runs at once could leave the pictures of one run with the description of
+    /// the other.
     _folder: Option<File>,
 }
 
-/// The description, and how far its geometry is to be trusted.
+/// Description of the rectification with the verdict on its geometry.
 #[derive(Serialize)]
 struct Described<'a> {
     #[serde(flatten)]
@@ -83,13 +84,13 @@ struct Described<'a> {
 }
 
 impl RectifiedFiles {
-    /// Makes the folder if need be and checks, before the work, that all files can be written into it:
-    /// `left`, `right` and `stacked` with the extension of the format, `rectification.json`, and with
-    /// [`RectifiedOptions::maps`] `left-map.npy` and `right-map.npy`.
+    /// Creates the folder if necessary and checks, before the work, that all files can be written:
+    /// `left`, `right` and `stacked` with the extension of the format, `rectification.json`, and
+    /// with [`RectifiedOptions::maps`] `left-map.npy` and `right-map.npy`.
     ///
-    /// The folder is locked until the value is dropped: another run into it is refused.
+    /// The folder is locked until the value is dropped, so another run cannot write into it.
     ///
-    /// `inputs` are files that are needed still, the images above all: none of them is replaced.
+    /// `inputs` are files that are still needed, such as the images; none of them is replaced.
     pub fn prepare(
         folder: &Path,
         options: RectifiedOptions,
@@ -121,18 +122,18 @@ impl RectifiedFiles {
         Ok(files)
     }
 
-    /// Says how far the geometry is to be trusted.
+    /// Adds the verdict on the geometry to the description.
     #[must_use]
     pub fn with_trust(mut self, trust: Option<TrustNote>) -> Self {
         self.trust = trust;
         self
     }
 
-    /// Writes everything; `rectified` are the drawn pictures. `go_on` is asked before each file, by its place in
-    /// [`RectifiedFiles::paths`], and stops the writing with `false`.
+    /// Writes all files; `rectified` are the drawn pictures. `go_on` is called before each file
+    /// with its index in [`RectifiedFiles::paths`]; returning `false` stops the writing.
     ///
-    /// All of it is written beside an older pair before any of that is replaced. `rectification.json` goes first and
-    /// comes last: whatever happens, pictures beside one belong to it.
+    /// New files are complete before an older pair is replaced. `rectification.json` is removed
+    /// first and replaced last, so it always belongs to the pictures beside it.
     pub fn write(
         &self,
         rectification: &Rectification,
@@ -172,14 +173,14 @@ impl RectifiedFiles {
             }
             _ => {}
         }
-        // In this order, the description last.
+        // The description must come last.
         for file in staged {
             file.put()?;
         }
         Ok(())
     }
 
-    /// Paths of all files, in the order of writing.
+    /// Returns the paths of all files, in the order of writing.
     pub fn paths(&self) -> Vec<PathBuf> {
         let maps = self.maps.iter().flatten();
         self.pictures
@@ -192,8 +193,8 @@ impl RectifiedFiles {
     }
 }
 
-/// Encodes a map as a `NumPy` array of shape (rows, columns, 2), type `f32`, as `cv2.remap` takes it: the place (x, y) of each
-/// rectified pixel in the original, px; (−1, −1) for a rectified pixel outside the original.
+/// Returns an array for `cv2.remap`, in the `NumPy` format: rows × columns × (x, y) of `f32`. Entries
+/// are the original positions of the rectified pixels, px; (−1, −1) for a pixel outside the original.
 fn map_array(map: &ImageMap, rectification: &Rectification) -> Vec<u8> {
     let size = rectification.size;
     let mut content = npy_header(size.height, size.width);
@@ -208,8 +209,9 @@ fn map_array(map: &ImageMap, rectification: &Rectification) -> Vec<u8> {
     content
 }
 
-/// Returns the 128 bytes before the values of a `NumPy` array of shape (`rows`, `columns`, 2): magic, version 1.0, length of
-/// the text, and the text, which ends in a line feed. Numbers of rows and columns have at most 20 digits, so the text always fits.
+/// Returns the 128 bytes before the values of a `NumPy` array of shape (`rows`, `columns`, 2): magic,
+/// version 1.0, length of the text, and the text, which ends in a line feed. Numbers of rows and
+/// columns have at most 20 digits, so the text always fits.
 fn npy_header(rows: usize, columns: usize) -> Vec<u8> {
     const TEXT: usize = 128 - 10;
     let dictionary = format!("{{'descr': '<f4', 'fortran_order': False, 'shape': ({rows}, {columns}, 2), }}");

@@ -1,4 +1,4 @@
-//! A result of an estimate as a file: for scripts with everything about it, and in words for people.
+//! Result of an estimate as a file for scripts and as text for people.
 
 use std::fmt::Write;
 
@@ -14,12 +14,12 @@ use crate::geometry::{
     FundamentalMatrix, PointPair, place_in_words, sampson_distance, symmetric_epipolar_distance,
 };
 
-/// The content of a result file; as JSON also a geometry file ([`Format::Json`]).
+/// Content of a result file. As JSON it is also a geometry file ([`Format::Json`]).
 #[derive(Serialize)]
 pub struct ResultFile<'a> {
-    /// How the numbers are to be taken.
+    /// Convention of the numbers.
     convention: Vec<String>,
-    /// Nested rows, `x2ᵀ F x1 = 0`.
+    /// Fundamental matrix as nested rows, `x2ᵀ F x1 = 0`.
     fundamental: &'a FundamentalMatrix,
     epipole1: [f64; 3],
     epipole2: [f64; 3],
@@ -28,10 +28,11 @@ pub struct ResultFile<'a> {
     margin: Option<f64>,
     refined_margin: Option<f64>,
     support: Option<PatchSupport>,
-    /// What motion barcodes say, where sequences were compared.
+    /// Evidence of motion barcodes, if sequences were compared.
     #[serde(skip_serializing_if = "Option::is_none")]
     barcodes: Option<BarcodeFigures>,
-    /// Frame `k` of the first sequence was taken together with frame `k + frame_offset` of the second.
+    /// Frame offset: frame `k` of the first sequence and frame `k + frame_offset` of the second are
+    /// simultaneous.
     #[serde(skip_serializing_if = "Option::is_none")]
     frame_offset: Option<i32>,
     verdict: Option<Verdict>,
@@ -42,10 +43,10 @@ pub struct ResultFile<'a> {
     /// Half of the right matches have a smaller Sampson distance, px.
     #[serde(skip_serializing_if = "Option::is_none")]
     noise: Option<f64>,
-    /// Nested rows, `x2 ∝ H x1`, where the verdict says that one plane is all that is known.
+    /// Homography as nested rows, `x2 ∝ H x1`, if the verdict says that only a plane is known.
     #[serde(skip_serializing_if = "Option::is_none")]
     homography21: Option<[[f64; 3]; 3]>,
-    /// What that homography explains.
+    /// Fit of this homography.
     #[serde(skip_serializing_if = "Option::is_none")]
     plane: Option<PlaneFigures>,
     refined: bool,
@@ -59,38 +60,38 @@ pub struct ResultFile<'a> {
     counts: Option<&'a SearchCounts>,
     warnings: Vec<Told<'a>>,
     images: &'a [ImageNote; 2],
-    /// As given, `x1 y1 x2 y2`.
+    /// Given pairs, `x1 y1 x2 y2`.
     pairs: Vec<[f64; 4]>,
     /// Symmetric epipolar distance of every pair given, px.
     pair_distances: Vec<f64>,
-    /// Matches that stood in for clicks, `x1 y1 x2 y2`.
+    /// Matches used in place of clicks, `x1 y1 x2 y2`.
     chosen: Vec<[f64; 4]>,
-    /// What each is called, where that is known; empty for a pair without a name.
+    /// Names of the pairs, if known; empty for a pair without a name.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pair_names: Vec<String>,
-    /// Where each comes from, where that is known.
+    /// Origins of the pairs, if known.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pair_origins: Vec<&'static str>,
     parameters: &'a Parameters,
-    /// The version of the program.
+    /// Version of the program.
     version: &'static str,
 }
 
-/// What the homography of a plane explains.
+/// Fit of the homography of a plane.
 #[derive(Serialize)]
 struct PlaneFigures {
-    /// Matches that follow it.
+    /// Number of inliers.
     matches: usize,
-    /// Their share of all, 0 to 1.
+    /// Inliers as a fraction of all matches, 0 to 1.
     share: f64,
-    /// Median distance of these matches in image 2, px.
+    /// Median distance of the inliers in image 2, px.
     residual: f64,
 }
 
-/// A match that the refinement rests on.
+/// Match used by the refinement.
 #[derive(Serialize)]
 struct MatchFile {
-    /// `x1 y1 x2 y2`, px.
+    /// Coordinates `x1 y1 x2 y2`, px.
     pair: [f64; 4],
     /// Correlation of the two patches, −1 to 1.
     correlation: f32,
@@ -98,7 +99,7 @@ struct MatchFile {
     residual: f64,
 }
 
-/// A warning with its sentence.
+/// Warning with its message.
 #[derive(Serialize)]
 struct Told<'a> {
     message: String,
@@ -107,7 +108,7 @@ struct Told<'a> {
 }
 
 impl<'a> ResultFile<'a> {
-    /// The file of a result, of the pairs that it was computed from and perhaps more, and of how it was computed.
+    /// Creates the file of a result. `pairs` may contain more pairs than the estimate used.
     pub fn new(
         found: &'a Estimate,
         pairs: &[PointPair],
@@ -177,14 +178,14 @@ impl<'a> ResultFile<'a> {
         }
     }
 
-    /// Says how the sequences that it was computed from were shifted in time.
+    /// Adds the time offset between the sequences.
     #[must_use]
     pub fn at_offset(mut self, offset: Option<i32>) -> Self {
         self.frame_offset = offset;
         self
     }
 
-    /// Says what each pair is called and where it comes from, in their order.
+    /// Adds the names and origins of the pairs, in their order.
     #[must_use]
     pub fn labelled(mut self, labels: &[PairLabel]) -> Self {
         self.pair_names = labels.iter().map(|label| label.name.clone()).collect();
@@ -193,17 +194,17 @@ impl<'a> ResultFile<'a> {
     }
 }
 
-/// The rows of a matrix.
+/// Returns the rows of a matrix.
 fn nested(matrix: &Matrix3<f64>) -> [[f64; 3]; 3] {
     std::array::from_fn(|row| std::array::from_fn(|column| matrix[(row, column)]))
 }
 
-/// `x1 y1 x2 y2`.
+/// Returns `x1 y1 x2 y2`.
 fn numbers(pair: &PointPair) -> [f64; 4] {
     [pair.point1.x, pair.point1.y, pair.point2.x, pair.point2.y]
 }
 
-/// A result for people. F has all its digits, so that it can be copied.
+/// Describes a result in words. F has all its digits, so that it can be copied.
 pub fn result_in_words(found: &Estimate, images: &[ImageNote; 2]) -> String {
     let mut text = String::from("Fundamental matrix F (x2ᵀ F x1 = 0):\n");
     for row in found.fundamental().rows() {
@@ -235,7 +236,7 @@ pub fn result_in_words(found: &Estimate, images: &[ImageNote; 2]) -> String {
         }
     }
     if found.trace.as_ref().is_some_and(|trace| !trace.clicks.chosen().is_empty()) {
-        text.push_str("Found without two clicks: two of its own matches stood in for them\n");
+        text.push_str("Found without two clicks: two matches found by the program took their place\n");
     }
     if found.is_refined() {
         let matches = found.matches().len();
@@ -245,12 +246,12 @@ pub fn result_in_words(found: &Estimate, images: &[ImageNote; 2]) -> String {
         let BarcodeFigures { correlation, by_chance, lines, deviation, frames } = *barcodes;
         let _ = writeln!(
             text,
-            "Motion barcodes of {frames} frames: corresponding lines agree by {correlation:.3}, by chance up to {by_chance:.3}, {lines:.0} of them in ways of their own"
+            "Motion barcodes of {frames} frames: corresponding lines correlate by {correlation:.3} (by chance up to {by_chance:.3}), {lines:.0} of them independently"
         );
         if let Some(deviation) = deviation {
             let _ = writeln!(
                 text,
-                "Lines where things move are certain to {deviation:.2} px (one standard deviation)"
+                "Standard deviation of the epipolar lines where objects move: {deviation:.2} px"
             );
         }
     }
@@ -258,21 +259,21 @@ pub fn result_in_words(found: &Estimate, images: &[ImageNote; 2]) -> String {
         let _ = writeln!(text, "Score: {score:.4} (lower is better)");
     }
     if let Some(area) = assessment.lines.as_ref().and_then(|lines| lines.round_trip_area) {
-        let _ = writeln!(text, "Round trip: {area:.3} px between lines and their return");
+        let _ = writeln!(text, "Round trip: {area:.3} px between the lines and their return");
     }
     let _ = match assessment.margin {
         Some(margin) => writeln!(text, "Margin to the best clearly different geometry: {margin:.3}"),
         None => writeln!(text, "Margin: no clearly different geometry was found"),
     };
     if let Some(margin) = assessment.refined_margin {
-        let _ = writeln!(text, "Margin when the others are refined, too: {margin:.3}");
+        let _ = writeln!(text, "Margin with the other geometries refined too: {margin:.3}");
     }
     for warning in &assessment.warnings {
         let _ = writeln!(text, "Warning: {warning}");
     }
     let Some(trace) = &found.trace else { return text };
     let counts = &trace.counts;
-    // Where only features found something, no lines were compared.
+    // With features only, no lines are compared.
     if !counts.lines1.is_empty() {
         let _ = writeln!(
             text,
@@ -287,7 +288,7 @@ pub fn result_in_words(found: &Estimate, images: &[ImageNote; 2]) -> String {
     if counts.left_out > 0 {
         let _ = writeln!(
             text,
-            "Left out: {} corners at the very same place in both images, as of captions or a logo",
+            "Left out: {} corners at the same position in both images, such as captions or a logo",
             counts.left_out
         );
     }
@@ -303,7 +304,7 @@ pub fn result_in_words(found: &Estimate, images: &[ImageNote; 2]) -> String {
     text
 }
 
-/// Numbers of the clicks, one after another.
+/// Lists the counts of the clicks.
 fn list(numbers: &[usize]) -> String {
     if numbers.is_empty() {
         return "no".to_owned();

@@ -1,9 +1,9 @@
-//! Sessions: what a person set on an image pair, in one readable JSON file.
+//! Sessions: a person's work on an image pair, in one readable JSON file.
 //!
-//! The envelope is here: format, version, the two images by relative path and SHA-256, and F for other programs to
-//! read. What exactly a person set is the content `T`, which the window defines.
+//! This module defines the envelope: format, version, both images by relative path and SHA-256, and
+//! F for other programs. The window defines the content `T`.
 //!
-//! Pitfall: a path is only a hint. Whether the file found there is the image of the session is decided by its hash.
+//! Pitfall: a path is only a hint. The hash decides whether a file is the image of the session.
 
 use std::path::{Path, PathBuf};
 
@@ -20,80 +20,81 @@ use super::sequence_file::folder_sha256;
 use crate::foreign::shown_path;
 use crate::geometry::{Frame, FundamentalMatrix};
 
-/// The version that this program writes, and the newest that it reads.
+/// Version written by this program, and the newest it reads.
 pub const SESSION_VERSION: u64 = 1;
 
-/// What stands in the field `format`.
+/// Value of the field `format`.
 const FORMAT: &str = "epiline-session";
-/// A session has some kilobytes; more than this is something else.
+/// Largest session file, bytes. Sessions have some kilobytes.
 const LARGEST: u64 = 16 << 20;
-/// No file has a longer name or path, bytes.
+/// Longest name of a file, bytes.
+/// Longest path of a file, bytes.
 const LONGEST_NAME: usize = 1024;
 const LONGEST_PATH: usize = 8192;
-/// What stands in the field `convention`.
+/// Value of the field `convention`.
 const CONVENTION: &str = "Pixels are (x, y), x right, y down, the centre of the top-left pixel is (0, 0). F is nested \
     rows: x2' F x1 = 0. Paths are relative to the folder of this file.";
 
-/// Why a session could not be read. Each message is one sentence for the user.
+/// Reason why a session cannot be read. The message is shown to the user.
 #[derive(Debug, Error)]
 pub enum SessionError {
-    /// The file could not be read.
+    /// The file cannot be read.
     #[error(transparent)]
     Read(#[from] ReadError),
-    /// The file is something else.
+    /// The file is not a session.
     #[error("{path} is not a session of Epiline")]
     Foreign {
-        /// The file.
+        /// Path of the file.
         path: String,
     },
-    /// The file is larger than any session.
-    #[error("{path} is too large to be a session of Epiline ({megabytes} MB)")]
+    /// The file is too large for a session.
+    #[error("{path} is too large for a session of Epiline ({megabytes} MiB)")]
     TooLarge {
-        /// The file.
+        /// Path of the file.
         path: String,
         /// Size of the file, MiB.
         megabytes: u64,
     },
-    /// The file comes from a later program.
+    /// The file was saved by a newer version.
     #[error(
-        "{path} was saved by a newer Epiline (version {version} of the format, this program knows {SESSION_VERSION}): \
-         update Epiline to open it"
+        "{path} was saved by a newer Epiline (version {version} of the format, this program knows {SESSION_VERSION}). \
+         Update Epiline to open it"
     )]
     Newer {
-        /// The file.
+        /// Path of the file.
         path: String,
-        /// Version of its format.
+        /// Version of the format.
         version: u64,
     },
-    /// Something in it is missing or not as it should be.
+    /// A part of the session is missing or invalid.
     #[error("{path} is damaged: {problem}")]
     Damaged {
-        /// The file.
+        /// Path of the file.
         path: String,
-        /// What was expected and what was found.
+        /// Expected and found content.
         problem: String,
     },
 }
 
-/// Where an image of a session comes from.
+/// Origin of an image of a session.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum ImageSource {
-    /// A file.
+    /// Image file.
     File {
-        /// Relative to the folder of the session where there is such a path; with `/` between folders.
+        /// Path relative to the folder of the session if possible, with `/` between folders.
         path: String,
-        /// SHA-256 of its bytes, hexadecimal.
+        /// SHA-256 of the bytes, hexadecimal.
         sha256: String,
     },
-    /// One of the two pictures of a built-in sample.
+    /// Picture of a built-in sample.
     Sample {
-        /// The name of the sample.
+        /// Name of the sample.
         sample: String,
     },
 }
 
-/// An image of a session.
+/// Image of a session.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ImageReference {
     /// Origin of the image.
@@ -104,31 +105,31 @@ pub struct ImageReference {
     pub frame: Frame,
 }
 
-/// Where the file of an image is now.
+/// Current location of an image file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Located {
-    /// The very image.
+    /// The file is the image of the session.
     Same(PathBuf),
-    /// A file of that name with another content.
+    /// A file of that name has another content.
     Changed(PathBuf),
-    /// Not where the session says.
+    /// There is no file at the path of the session.
     Missing(PathBuf),
 }
 
-/// A session with its content.
+/// Session with its content.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SessionFile<T> {
-    /// The two images.
+    /// References to both images.
     pub images: [ImageReference; 2],
-    /// The result when it was saved.
+    /// Result at the time of saving.
     pub fundamental: Option<FundamentalMatrix>,
-    /// How far that is to be trusted; written only.
+    /// Verdict on the result; written only.
     pub trust: Option<TrustNote>,
-    /// What was set.
+    /// Content defined by the window.
     pub content: T,
 }
 
-/// The fields of the file.
+/// Fields of the written file.
 #[derive(Serialize)]
 struct WrittenSession<'a, T> {
     format: &'static str,
@@ -143,7 +144,7 @@ struct WrittenSession<'a, T> {
     content: &'a T,
 }
 
-/// A session file as read.
+/// Fields read from a file.
 #[derive(Deserialize)]
 struct ReadSession<T> {
     images: [ImageReference; 2],
@@ -153,7 +154,7 @@ struct ReadSession<T> {
 }
 
 impl<T: Serialize> SessionFile<T> {
-    /// The whole file.
+    /// Returns the content of the file.
     pub fn to_text(&self) -> Result<String, serde_json::Error> {
         let written = WrittenSession {
             format: FORMAT,
@@ -168,13 +169,14 @@ impl<T: Serialize> SessionFile<T> {
         serde_json::to_string_pretty(&written).map(|text| text + "\n")
     }
 
-    /// Writes it, whole or not at all: whatever happens, the file is the session before or the new one.
+    /// Writes the session completely or not at all. A failure keeps the previous session.
     pub fn write(&self, path: &Path) -> Result<(), WriteError> {
         let text = self.to_text().map_err(|e| WriteError::new(path, e.to_string()))?;
         OutputFile::prepare(path)?.write(text.as_bytes())
     }
 
-    /// [`SessionFile::write`] for nobody but its owner to read: a copy that nobody asked for.
+    /// Writes the session like [`SessionFile::write`], readable only by its owner, for automatic
+    /// copies.
     pub fn write_private(&self, path: &Path) -> Result<(), WriteError> {
         let text = self.to_text().map_err(|e| WriteError::new(path, e.to_string()))?;
         OutputFile::prepare_private(path)?.write(text.as_bytes())
@@ -207,14 +209,14 @@ impl<T: DeserializeOwned> SessionFile<T> {
             }
             Some(1..) => {}
             _ => {
-                let problem = "its version is not a number from 1".into();
+                let problem = "its version is not a number of at least 1".into();
                 return Err(SessionError::Damaged { path: shown(), problem });
             }
         }
         let ReadSession { images, fundamental, content } = serde_json::from_value(value).map_err(damaged)?;
         if images.iter().any(|image| image.name().len() > LONGEST_NAME || image.place().len() > LONGEST_PATH)
         {
-            let problem = "the path of an image is longer than any file's".into();
+            let problem = "the path of an image is longer than any valid path".into();
             return Err(SessionError::Damaged { path: shown(), problem });
         }
         Ok(Self { images, fundamental, trust: None, content })
@@ -222,7 +224,7 @@ impl<T: DeserializeOwned> SessionFile<T> {
 }
 
 impl ImageReference {
-    /// What to call it: the file name without folders, or the name of the sample.
+    /// Returns the file name without folders, or the name of the sample.
     pub fn name(&self) -> &str {
         match &self.source {
             ImageSource::File { path, .. } => path.rsplit('/').next().unwrap_or(path),
@@ -230,7 +232,7 @@ impl ImageReference {
         }
     }
 
-    /// The path as it is written, or the name of the sample.
+    /// Returns the path as written, or the name of the sample.
     fn place(&self) -> &str {
         match &self.source {
             ImageSource::File { path, .. } => path,
@@ -238,8 +240,8 @@ impl ImageReference {
         }
     }
 
-    /// Looks for the file of an image, from the folder of the session: where the session says, else under the same
-    /// name beside the session. `None` for the picture of a sample.
+    /// Locates the image file: at the path of the session, otherwise under the same name beside the
+    /// session. Returns `None` for a sample.
     pub fn locate(&self, session: &Path) -> Option<Located> {
         let ImageSource::File { path, sha256 } = &self.source else { return None };
         let said = resolve(path, session);
@@ -256,27 +258,28 @@ impl ImageReference {
     }
 }
 
-/// SHA-256 of a file's bytes, hexadecimal; of a folder of frames, of their names and bytes.
+/// Returns the SHA-256 of a file's bytes, hexadecimal. For a folder of frames it covers names and
+/// bytes.
 pub fn sha256_of(path: &Path) -> Result<String, ReadError> {
     if path.is_dir() { folder_sha256(path) } else { sha256_of_file(path) }
 }
 
-/// A path as it is written into a session: relative to the folder of the session where that is possible, with `/`
-/// between folders.
+/// Returns the path to write into a session: relative to the folder of the session if possible,
+/// with `/` between folders.
 pub fn relative(path: &Path, session: &Path) -> String {
     let whole = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
     let folder = folder_of(session);
     let folder = std::path::absolute(folder).unwrap_or_else(|_| folder.to_owned());
     let found = pathdiff::diff_paths(&whole, &folder).unwrap_or(whole);
     let parts: Vec<_> = found.components().map(|c| c.as_os_str().to_string_lossy()).collect();
-    // The root of an absolute path is a component of its own.
+    // The root of an absolute path is a separate component.
     parts.join("/").replacen("//", "/", usize::from(found.has_root()))
 }
 
-/// The path that [`relative`] wrote.
+/// Resolves a path written by [`relative`].
 pub fn resolve(written: &str, session: &Path) -> PathBuf {
     let joined = folder_of(session).join(written);
-    // Without the steps up and down again, for people to read.
+    // Removes `..` steps for readability.
     let mut plain = PathBuf::new();
     for part in joined.components() {
         match part {
@@ -353,7 +356,7 @@ mod tests {
         let located = session.images.clone().map(|i| i.locate(&path).unwrap());
         assert_eq!(located[0], Located::Missing(folder.path().join("a.png")));
         assert_eq!(located[1], Located::Changed(folder.path().join("b.png")));
-        // A session below the images finds them as well when it is taken beside them.
+        // An image beside the session is found even if its path is wrong.
         let below = folder.path().join("deep");
         std::fs::create_dir(&below).unwrap();
         let reference = ImageReference {
@@ -404,7 +407,7 @@ mod tests {
             (&deep, "is damaged"),
             (
                 &good.replace("\"path\": \"", &format!("\"path\": \"{}/", "x".repeat(10_000))),
-                "longer than any",
+                "longer than any valid path",
             ),
         ] {
             std::fs::write(&path, text).unwrap();

@@ -1,5 +1,5 @@
-//! A folder of images whose geometry is known, whichever its layout: which views it has, which of them make a
-//! pair, and what is known about each pair.
+//! Folder of images with ground truth, in any layout: its views, its pairs, and the ground truth of
+//! each pair.
 
 use std::path::{Path, PathBuf};
 
@@ -9,10 +9,10 @@ use super::pair_folder::{PairFiles, find_pairs};
 use super::read::{ReadError, read_folder};
 use super::vgg::VggFolder;
 
-/// A folder in the VGG layout, one of pairs, or one of sequences with their cameras; nothing of that is loaded.
+/// Folder in the VGG layout, of pairs, or of sequences with cameras. Images are not loaded.
 ///
-/// Views are counted from 0. In a VGG folder any two of them are a pair, as are any two sequences; in a folder of pairs
-/// 0 and 1, 2 and 3, and so on.
+/// Views are counted from 0. In a VGG folder any two views form a pair, as do any two sequences. In
+/// a folder of pairs, views 0 and 1, 2 and 3, and so on form pairs.
 #[derive(Debug, Clone)]
 pub struct TruthFolder {
     path: PathBuf,
@@ -28,7 +28,7 @@ enum FolderLayout {
 }
 
 impl TruthFolder {
-    /// Reads all there is to know but the images (and, in a folder of pairs, the matches).
+    /// Reads the folder without its images. Matches of a folder of pairs are not read either.
     pub fn open(path: &Path) -> Result<Self, ReadError> {
         let entries = read_folder(path)?;
         let is_vgg = entries.iter().any(|entry| entry.extension().is_some_and(|e| e == "nview-corners"));
@@ -45,49 +45,50 @@ impl TruthFolder {
             FolderLayout::Sequences(rig) => rig.sequences.iter().collect(),
         };
         if images.is_empty() {
-            let problem = "no image pairs with ground truth found, expected a VGG folder (PREFIX.NNN.P, \
+            let problem = "no image pairs with ground truth found. Expected is a VGG folder (PREFIX.NNN.P, \
                            PREFIX.NNN.corners and PREFIX.nview-corners beside the images), pairs (NAMEA.*, NAMEB.* \
                            and NAME.txt) or sequences (folders of frames NAME with NAME.P)";
             return Err(ReadError::content(path, problem));
         }
         let name = |image: &&PathBuf| image.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let names = match &layout {
-            // A folder has no ending to leave out.
+            // The name of a folder has no extension to remove.
             FolderLayout::Sequences(rig) => rig.names.clone(),
             _ => images.iter().map(name).collect(),
         };
         Ok(Self { path: path.to_owned(), names, layout })
     }
 
-    /// Path of the folder.
+    /// Returns the path of the folder.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// What the views are called: the names of their images without the ending.
+    /// Returns the names of the views: their image names without extension.
     pub fn names(&self) -> &[String] {
         &self.names
     }
 
-    /// Whether any two views are a pair.
+    /// Returns whether any two views form a pair.
     pub fn pairs_freely(&self) -> bool {
         !matches!(self.layout, FolderLayout::Pairs(_))
     }
 
-    /// Whether two views are a pair.
+    /// Returns whether two views form a pair.
     pub fn is_pair(&self, [view1, view2]: [usize; 2]) -> bool {
         let exist = view1.max(view2) < self.names.len();
         exist && if self.pairs_freely() { view1 != view2 } else { view1 % 2 == 0 && view2 == view1 + 1 }
     }
 
-    /// The pair behind another, or the one before it: of a sequence of views the next two as far apart.
+    /// Returns the next or the previous pair. In a sequence of views it has the same distance
+    /// between views.
     pub fn neighbour(&self, [view1, view2]: [usize; 2], forward: bool) -> Option<[usize; 2]> {
         let step = if self.pairs_freely() { 1 } else { 2 };
         let moved = |view: usize| if forward { view.checked_add(step) } else { view.checked_sub(step) };
         Some([moved(view1)?, moved(view2)?]).filter(|pair| self.is_pair(*pair))
     }
 
-    /// What a pair is called.
+    /// Returns the name of a pair.
     pub fn pair_name(&self, [view1, view2]: [usize; 2]) -> String {
         match &self.layout {
             FolderLayout::Views(_) | FolderLayout::Sequences(_) => {
@@ -97,10 +98,10 @@ impl TruthFolder {
         }
     }
 
-    /// Where the image of a view is, or its sequence.
+    /// Returns the path of the image or the sequence of a view.
     ///
     /// # Panics
-    /// When there is no such view.
+    /// When the view does not exist.
     pub fn image(&self, view: usize) -> &Path {
         match &self.layout {
             FolderLayout::Views(set) => &set.images[view],
@@ -109,10 +110,10 @@ impl TruthFolder {
         }
     }
 
-    /// What is known about a pair.
+    /// Reads the ground truth of a pair.
     ///
     /// # Panics
-    /// When the views do not exist.
+    /// When a view does not exist.
     pub fn truth(&self, pair: [usize; 2]) -> Result<GroundTruth, TruthError> {
         match &self.layout {
             FolderLayout::Views(set) => GroundTruth::of_views(set, pair),
@@ -134,7 +135,7 @@ mod tests {
         }
     }
 
-    /// Three views, each a step to the right of the one before.
+    /// Creates three views, each one step to the right of the previous one.
     fn views() -> tempfile::TempDir {
         let folder = tempfile::tempdir().unwrap();
         write(&folder, &[("set.nview-corners", "0 0 0\n1 * 1\n")]);
@@ -172,7 +173,7 @@ mod tests {
     #[test]
     fn in_a_folder_of_pairs_each_image_has_its_partner() {
         let folder = tempfile::tempdir().unwrap();
-        // Rows of a sideways motion, not of one plane.
+        // Rows of a sideways motion at several depths, not on a plane.
         let depth = |k: usize| 5 + (k * k) % 7;
         let row = |k: usize| format!("{} {} {} {}", 13 * k, (29 * k) % 50, 13 * k + depth(k), (29 * k) % 50);
         let rows = (0..9).map(row).collect::<Vec<_>>().join("\n");
@@ -187,24 +188,24 @@ mod tests {
         let truth = set.truth([0, 1]).unwrap();
         assert_eq!((truth.matches.len(), truth.origin), (9, TruthOrigin::Matches));
         let error = set.truth([2, 3]).unwrap_err().to_string();
-        assert!(error.contains("c: no true geometry, because the eight-point algorithm needs"), "{error}");
+        assert!(error.contains("c has no true geometry: the eight-point algorithm needs"), "{error}");
     }
 
     #[test]
     fn a_geometry_beside_the_matches_is_the_true_one_unless_it_is_another_pairs() {
         let folder = tempfile::tempdir().unwrap();
-        // Two matches are not enough for an F of their own; rows stay rows.
+        // Two matches are too few for an F of their own. This F maps rows to rows.
         write(&folder, &[("a.txt", "10 20 40 20\n300 200 310 200\n"), ("aA.png", ""), ("aB.png", "")]);
         write(&folder, &[("a_F.txt", "0 0 0\n0 0 -1\n0 1 0\n")]);
         let set = TruthFolder::open(folder.path()).unwrap();
         let truth = set.truth([0, 1]).unwrap();
         assert_eq!((truth.matches.len(), truth.origin), (2, TruthOrigin::File));
         assert!(symmetric_epipolar_distance(&truth.fundamental, &truth.matches[1]) < 1e-9);
-        // Columns stay columns: not what the matches say.
+        // This F maps columns to columns, which contradicts the matches.
         write(&folder, &[("a_F.txt", "0 0 -1\n0 0 0\n1 0 0\n")]);
         let error = set.truth([0, 1]).unwrap_err().to_string();
         assert!(
-            error.contains("a_F.txt and a.txt do not belong together") && error.contains("30 px"),
+            error.contains("a_F.txt does not fit the matches in a.txt") && error.contains("30 px"),
             "{error}"
         );
         write(&folder, &[("a_F.txt", "nothing\n")]);

@@ -1,9 +1,9 @@
-//! The layout of the Oxford VGG multi-view sets.
+//! Layout of the Oxford VGG multi-view sets.
 //!
-//! `PREFIX.NNN.EXT` are the views (an image, `.P` a 3×4 camera in three rows, `.corners` one point a row)
-//! and `PREFIX.nview-corners` the tracks: one row a track, one column a view, each cell an index from 0 into
-//! that view's corners or `*` where the point was not seen. Coordinates count from the centre of the top-left
-//! pixel.
+//! Each view has files `PREFIX.NNN.EXT`: an image, a 3×4 camera `.P` in three rows, and `.corners`
+//! with one point per row. The tracks are in `PREFIX.nview-corners`, one per row and with one
+//! column per view. A cell is an index from 0 into the corners of the view, or `*` if the point was
+//! not visible. Coordinates count from the centre of the top-left pixel.
 
 use std::path::{Path, PathBuf};
 
@@ -14,21 +14,21 @@ use super::read::{ReadError, has_image_extension, read_folder, read_text};
 use crate::foreign::excerpt;
 use crate::geometry::{Camera, Point, PointPair};
 
-/// A set of views with cameras and tracks, images not loaded.
+/// Views with cameras and tracks. Images are not loaded.
 #[derive(Debug, Clone)]
 pub struct VggFolder {
-    /// The common first part of the file names.
+    /// Common prefix of the file names.
     pub prefix: String,
-    /// One a view: where its image is.
+    /// Paths of the images, one per view.
     pub images: Vec<PathBuf>,
-    /// One a view.
+    /// Cameras, one per view.
     pub cameras: Vec<Camera>,
-    /// One list a track, one entry a view.
+    /// Tracks with one entry per view.
     tracks: Vec<Vec<Option<Point>>>,
 }
 
 impl VggFolder {
-    /// Reads cameras, corners and tracks of all views.
+    /// Reads the cameras, corners and tracks of all views.
     pub fn open(folder: &Path) -> Result<Self, ReadError> {
         let entries = read_folder(folder)?;
         let tracks_file = tracks_file(folder, &entries)?;
@@ -74,7 +74,7 @@ impl VggFolder {
         Ok(Self { prefix, images, cameras, tracks })
     }
 
-    /// The points seen in two views.
+    /// Returns the points visible in both views.
     pub fn matches(&self, view1: usize, view2: usize) -> Vec<PointPair> {
         self.tracks
             .iter()
@@ -86,23 +86,23 @@ impl VggFolder {
     }
 }
 
-/// The one `.nview-corners` file.
+/// Returns the only `.nview-corners` file.
 fn tracks_file(folder: &Path, entries: &[PathBuf]) -> Result<PathBuf, ReadError> {
     let mut found = entries.iter().filter(|p| p.extension().is_some_and(|e| e == "nview-corners"));
     match (found.next(), found.next()) {
         (Some(file), None) => Ok(file.clone()),
         (None, _) => Err(ReadError::content(
             folder,
-            "not a VGG folder, expected one file PREFIX.nview-corners with PREFIX.NNN.P and PREFIX.NNN.corners",
+            "not a VGG folder. Expected is one file PREFIX.nview-corners with PREFIX.NNN.P and PREFIX.NNN.corners",
         )),
         _ => Err(ReadError::content(folder, "there is more than one .nview-corners file")),
     }
 }
 
-/// A line number and, one a view, an index into its corners.
+/// Line number and one index into the corners per view.
 type TrackRow = (usize, Vec<Option<usize>>);
 
-/// The rows of the tracks, all of one length.
+/// Reads the rows of the tracks, all of equal length.
 fn read_tracks(path: &Path) -> Result<Vec<TrackRow>, ReadError> {
     let text = read_text(path)?;
     let mut tracks: Vec<TrackRow> = Vec::new();
@@ -121,7 +121,7 @@ fn read_tracks(path: &Path) -> Result<Vec<TrackRow>, ReadError> {
         if let Some((_, first)) = tracks.first()
             && first.len() != track.len()
         {
-            let problem = format!("expected {} columns, one a view, found {}", first.len(), track.len());
+            let problem = format!("expected {} columns, one per view, found {}", first.len(), track.len());
             return Err(ReadError::line(path, line, problem));
         }
         tracks.push((line, track));
@@ -149,7 +149,7 @@ pub fn read_camera(path: &Path) -> Result<Camera, ReadError> {
         .ok_or_else(|| ReadError::content(path, "this matrix is not a camera (its rank is below 3)"))
 }
 
-/// One point a row.
+/// Reads corners, one per row.
 fn read_corners(path: &Path) -> Result<Vec<Point>, ReadError> {
     let text = read_text(path)?;
     rows(&text)
@@ -168,7 +168,7 @@ fn read_corners(path: &Path) -> Result<Vec<Point>, ReadError> {
 mod tests {
     use super::*;
 
-    /// A folder with two views and three tracks, one of them seen once.
+    /// Creates a folder with two views and three tracks, one of them visible in one view only.
     fn example() -> tempfile::TempDir {
         let folder = tempfile::tempdir().unwrap();
         for (name, text) in [

@@ -1,77 +1,77 @@
-//! What a document consists of.
+//! Content of a document.
 
 use super::plot::SvgDrawing;
 
-/// A document of numbered tables and figures under headings. All texts are plain.
+/// Document of numbered tables and figures under headings. All texts are plain.
 #[derive(Debug, Clone)]
 pub struct Publication {
-    /// Title on top of it.
+    /// Title of the document.
     pub title: String,
-    /// One line below the title.
+    /// Line below the title.
     pub subtitle: String,
     /// Content in order.
     pub blocks: Vec<Block>,
 }
 
-/// A piece of a document.
+/// Element of a document.
 #[derive(Debug, Clone)]
 pub enum Block {
-    /// Begins a section.
+    /// Heading of a section.
     Section(String),
-    /// Begins a part of a section.
+    /// Heading of a subsection.
     Subsection(String),
-    /// A paragraph.
+    /// Paragraph of text.
     Paragraph(String),
-    /// What someone types, to be copied.
+    /// Command to copy into a shell.
     Command(String),
-    /// Short sentences, one below the other.
+    /// List of short sentences.
     List(Vec<String>),
     /// Names with their values, without number or caption.
     Facts(Vec<(String, String)>),
-    /// A table.
+    /// Numbered table.
     Table(TextTable),
-    /// A figure.
+    /// Numbered figure.
     Figure(Figure),
 }
 
-/// A table with a caption.
+/// Table with a caption.
 #[derive(Debug, Clone)]
 pub struct TextTable {
-    /// What it shows.
+    /// Caption of the table.
     pub caption: String,
-    /// Names of the columns.
+    /// Column headings.
     pub headings: Vec<String>,
-    /// The cells, row by row.
+    /// Cells, row by row.
     pub rows: Vec<Vec<String>>,
-    /// How many columns from the left hold words; the others hold numbers.
+    /// Number of text columns from the left; the others hold numbers.
     pub words: usize,
-    /// Rows that begin a group, the first one not among them.
+    /// Rows that begin a group, except the first.
     pub ruled: Vec<usize>,
 }
 
-/// A drawing with a caption.
+/// Drawing with a caption.
 #[derive(Debug, Clone)]
 pub struct Figure {
-    /// Name of its file where it has one: lower-case letters, digits and `-`.
+    /// File name without extension: lower-case letters, digits and `-`.
     pub name: String,
-    /// The drawing.
+    /// Drawing of the figure.
     pub drawing: SvgDrawing,
-    /// What it shows.
+    /// Caption of the figure.
     pub caption: String,
 }
 
 impl Publication {
-    /// A document without content.
+    /// Creates an empty document.
     pub fn new(title: impl Into<String>, subtitle: impl Into<String>) -> Self {
         Self { title: title.into(), subtitle: subtitle.into(), blocks: Vec::new() }
     }
 
-    /// Appends a section's heading.
+    /// Appends the heading of a section.
     pub fn section(&mut self, heading: impl Into<String>) {
         self.blocks.push(Block::Section(heading.into()));
     }
 
-    /// Appends the heading of a part of a section.
+    /// Appends the heading of a subsection.
     pub fn subsection(&mut self, heading: impl Into<String>) {
         self.blocks.push(Block::Subsection(heading.into()));
     }
@@ -81,7 +81,7 @@ impl Publication {
         self.blocks.push(Block::Paragraph(text.into()));
     }
 
-    /// Appends what someone types.
+    /// Appends a command.
     pub fn command(&mut self, text: impl Into<String>) {
         self.blocks.push(Block::Command(text.into()));
     }
@@ -108,7 +108,8 @@ impl Publication {
         self.blocks.push(Block::Figure(Figure { name: name.into(), drawing, caption: caption.into() }));
     }
 
-    /// The content, where tables and figures have their number, each kind counted from 1, and others 0.
+    /// Returns the blocks with the number of each table and figure, counted separately from 1;
+    /// others have 0.
     pub(super) fn numbered(&self) -> impl Iterator<Item = (usize, &Block)> {
         let (mut tables, mut figures) = (0, 0);
         self.blocks.iter().map(move |block| {
@@ -128,7 +129,7 @@ pub(super) mod tests {
     use super::*;
     use maud::html as markup;
 
-    /// A document with one block of each kind and two figures, which says `text` everywhere.
+    /// Returns a document with one block of each kind and two figures. Every text is `text`.
     pub(in crate::publish) fn example(text: &str) -> Publication {
         let drawing = SvgDrawing::new(20.0, 10.0, markup! { text x="1" y="9" { (text) } });
         let mut document = Publication::new(text, text);

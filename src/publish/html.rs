@@ -1,4 +1,4 @@
-//! A document as one HTML page that needs no other file.
+//! Output of a document as a single HTML file.
 
 use maud::{DOCTYPE, Markup, PreEscaped, html as markup};
 
@@ -6,10 +6,10 @@ use super::{Block, Figure, Publication, TextTable};
 
 const STYLE: &str = include_str!("style.css");
 
-/// Columns that fit on a page in the usual size.
+/// Maximum number of columns at the usual text size.
 const NARROW: usize = 9;
 
-/// The whole page.
+/// Returns the HTML page.
 pub fn html(document: &Publication) -> String {
     let page = markup! {
         (DOCTYPE)
@@ -63,7 +63,7 @@ fn table_markup(number: usize, table: &TextTable) -> Markup {
                 thead { tr {
                     @for (column, heading) in table.headings.iter().enumerate() {
                         th scope="col" class=(class(column)) {
-                            // Broken between words and not at hyphens.
+                            // Breaks between words, not at hyphens.
                             @for word in heading.split_whitespace() { span { (word) } " " }
                         }
                     }
@@ -101,7 +101,7 @@ mod tests {
         for reference in ["src=", "<link", "@import", "url(", "<script", "http-equiv"] {
             assert!(!page.contains(reference), "{reference}");
         }
-        // The namespace is a name and no address.
+        // The namespace is a name, not an address to load.
         let addresses = page.matches("http").count();
         assert_eq!(addresses, page.matches("http://www.w3.org/2000/svg").count());
     }

@@ -1,21 +1,21 @@
-//! A document as Markdown (GitHub's flavour, for its tables), with a file for each figure.
+//! Output of a document as Markdown (GitHub's flavour, for its tables), with a file per figure.
 
 use std::fmt::Write;
 
 use super::{Block, Publication, TextTable};
 
-/// The files of a Markdown document.
+/// Files of a Markdown document.
 #[derive(Debug, Clone)]
 pub struct MarkdownFiles {
-    /// The text.
+    /// Markdown text.
     pub text: String,
-    /// Name and content of each figure, as the text refers to them: `FOLDER/NAME.svg`.
+    /// File name and content of each figure. The text links to `FOLDER/NAME`.
     pub figures: Vec<(String, String)>,
 }
 
-/// The text, and the figures it shows from a folder beside it.
+/// Returns the Markdown text, and its figures for a folder beside it.
 ///
-/// `folder` is the name of that folder, of characters that mean nothing in an address.
+/// `folder` is the name of that folder, without characters that have a meaning in a URL.
 pub fn markdown(document: &Publication, folder: &str) -> MarkdownFiles {
     let mut text = format!("# {}\n\n{}\n", escaped(&document.title), escaped(&document.subtitle));
     let mut figures = Vec::new();
@@ -56,7 +56,7 @@ fn write_table(text: &mut String, number: usize, table: &TextTable) -> std::fmt:
     table.rows.iter().try_for_each(|row| writeln!(text, "{}", line(row)))
 }
 
-/// The text with a backslash before everything that may have a meaning, on one line.
+/// Escapes all characters with a meaning in Markdown and joins the lines.
 fn escaped(text: &str) -> String {
     let mut result = String::with_capacity(text.len());
     for c in text.chars() {
@@ -69,7 +69,7 @@ fn escaped(text: &str) -> String {
             c => result.push(c),
         }
     }
-    // At the beginning of a line these make a list or a rule.
+    // At the start of a line these characters begin a list or a rule.
     if result.starts_with(['-', '+', '=']) && result.len() > 1 {
         result.insert(0, '\\');
     }

@@ -1,10 +1,10 @@
-//! Documents of text, tables and figures, written as one HTML page or as Markdown with its figures beside it.
+//! Documents of text, tables and figures, as a single HTML page or as Markdown with figure files.
 //!
-//! A [`Publication`] says what is in it and in which order; [`html`] and [`markdown`] say how that looks and decide
-//! nothing else, so the two cannot differ. Figures are [`plot::SvgDrawing`]s in both. Every text that goes in is
-//! plain text: what has a meaning in HTML, SVG or Markdown is escaped by the writers.
+//! A [`Publication`] holds the content in order. [`html`] and [`markdown`] only decide its
+//! appearance, so both outputs have the same content. Figures are [`plot::SvgDrawing`]s in both.
+//! All texts are plain: the writers escape characters with a meaning in HTML, SVG or Markdown.
 //!
-//! Nothing here knows what is written about.
+//! The module is independent of the subject of a document.
 
 mod document;
 mod html;

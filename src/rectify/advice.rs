@@ -1,4 +1,4 @@
-//! What the measures mean, in words.
+//! Reasons and warnings of a rectification, in words.
 
 use std::fmt;
 
@@ -7,40 +7,40 @@ use serde::{Serialize, Serializer};
 use super::measures::{Distortion, Measures};
 use super::{Rectification, RectifyError, RectifyMethod};
 
-/// Rows that disagree by more than this on average are worth a word, px.
+/// Mean row error from which a warning is given, px.
 const BAD_ROWS: f64 = 1.0;
-/// Angle of the middle lines from which on the picture looks skewed, degrees off 90.
+/// Deviation of the middle lines from a right angle from which a picture counts as skewed, degrees.
 const SKEWED: f64 = 15.0;
-/// Ratio of the diagonals from which on the picture looks skewed.
+/// Ratio of the diagonals from which a picture counts as skewed.
 const UNEVEN: f64 = 1.35;
-/// Part of an image that may be shrunk, stretched or cut before it is worth a word.
+/// Fraction of an image that may be shrunk, stretched or cut without a warning.
 const MUCH: f64 = 0.25;
 
-/// Why polar is used where planar is impossible.
+/// Returns why polar is used where planar is impossible.
 pub(super) fn instead_of_planar(error: &RectifyError) -> String {
     match error {
         RectifyError::EpipoleInside { image } => {
-            format!("the epipole lies inside image {image}, where no plane can serve")
+            format!("the epipole lies inside image {image}, where planar rectification is impossible")
         }
-        _ => "every pair of corresponding epipolar lines crosses one of the images, so no plane can serve"
+        _ => "every pair of corresponding epipolar lines crosses one of the images, so planar rectification is impossible"
             .into(),
     }
 }
 
-/// Why a planar result is too bent to be used by choice.
+/// Returns why a planar result is too distorted for [`RectifyMethod::Auto`], `None` if it is fine.
 pub(super) fn against_planar(planar: &Rectification) -> Option<String> {
     planar.measures.distortion.iter().enumerate().find_map(|(k, distortion)| {
         let what = bent(distortion)?;
-        Some(format!("the planar method would leave image {} {what}", k + 1))
+        Some(format!("with the planar method image {} would be {what}", k + 1))
     })
 }
 
-/// What is wrong with a picture's shape.
+/// Describes the distortion of a picture, `None` if it is small.
 fn bent(d: &Distortion) -> Option<String> {
     let percent = |share: f64| 100.0 * share;
     if d.shrunk + d.stretched > MUCH {
         return Some(format!(
-            "with {:.0} % of its area shrunk or stretched",
+            "shrunk or stretched over {:.0} % of its area",
             percent(d.shrunk + d.stretched)
         ));
     }
@@ -49,48 +49,48 @@ fn bent(d: &Distortion) -> Option<String> {
     skewed.then(|| "skewed".into())
 }
 
-/// What to beware of in a rectification, and what to do about it, a sentence each.
+/// Warning about a rectification, with the advice to act on. `Display` gives a sentence.
 #[derive(Debug, Clone, PartialEq)]
 pub enum RectifyWarning {
-    /// The geometry does not fit the matches.
+    /// F does not fit the matches.
     Misfit {
-        /// Mean distance between the rows of matches, px.
+        /// Mean vertical distance of the matches, px.
         rows: f64,
     },
-    /// Rows lie apart where the picture is stretched, although the geometry fits.
+    /// Matches lie in different rows because the picture is stretched there, although F fits them.
     StretchedRows {
-        /// Mean distance between the rows of matches, px.
+        /// Mean vertical distance of the matches, px.
         rows: f64,
-        /// Mean distance of the matches from their lines in the images, px.
+        /// Mean epipolar distance of the matches in the images, px.
         misfit: f64,
     },
-    /// Matches are not in the pictures.
+    /// Matches lie outside the rectified pictures.
     Outside {
-        /// How many.
+        /// Number of these matches.
         matches: usize,
-        /// How many there are in all.
+        /// Number of all matches.
         all: usize,
     },
-    /// The planar method bends an image.
+    /// The planar method distorts an image.
     Bent {
-        /// Which image, 1 or 2.
+        /// Image number, 1 or 2.
         image: usize,
-        /// What is wrong with its shape.
+        /// Description of the distortion.
         how: String,
     },
-    /// Much of an image is not in its picture.
+    /// Much of an image is missing from its picture.
     Cut {
-        /// Which image, 1 or 2.
+        /// Image number, 1 or 2.
         image: usize,
-        /// Which part of it.
+        /// Fraction that is missing.
         share: f64,
     },
-    /// The limit of pixels was met.
+    /// The pixel limit made the pictures smaller.
     Reduced {
-        /// By what factor the pictures are smaller.
+        /// Factor by which the pictures are smaller.
         scale: f64,
     },
-    /// Nothing tells which halves of epipolar lines correspond.
+    /// No match determines which halves of the epipolar lines correspond.
     OrientationAssumed,
 }
 
@@ -99,34 +99,32 @@ impl fmt::Display for RectifyWarning {
         match self {
             Self::Misfit { rows } => write!(
                 f,
-                "Rows of matches differ by {rows:.1} px on average: F does not fit these matches, so add point pairs or \
-                 correct them."
+                "Matches lie {rows:.1} px apart vertically on average. F does not fit them: add or correct point pairs."
             ),
             Self::StretchedRows { rows, misfit } => write!(
                 f,
-                "Rows of matches differ by {rows:.1} px on average, because the pictures are stretched there; in \
-                 the images the matches are {misfit:.1} px from their lines."
+                "Matches lie {rows:.1} px apart vertically on average, because the pictures are stretched there. \
+                 F fits them: in the images they are {misfit:.1} px from their epipolar lines."
             ),
             Self::Outside { matches, all } => {
                 write!(f, "{matches} of {all} matches are outside the rectified pictures.")
             }
             Self::Bent { image, how } => {
-                write!(f, "Image {image} is left {how}, which the polar method does less.")
+                write!(f, "The picture of image {image} is {how}. The polar method distorts less.")
             }
             Self::Cut { image, share } => write!(
                 f,
-                "{:.0} % of image {image} is left out, because the other image does not see these epipolar lines.",
+                "{:.0} % of image {image} is cut off. The other image does not see these epipolar lines.",
                 100.0 * share
             ),
             Self::Reduced { scale } => write!(
                 f,
-                "The pictures are drawn at {:.0} % of their size to stay within the limit of pixels: raise the limit for \
-                 full size.",
+                "The pictures are drawn at {:.0} % of their size because of the pixel limit. Raise the limit for full size.",
                 100.0 * scale
             ),
             Self::OrientationAssumed => f.write_str(
-                "Which halves of the epipolar lines correspond is assumed from both cameras being held alike: give a \
-                 match to be sure.",
+                "The program assumes that both cameras were held the same way up. If a picture is turned by 180°, \
+                 add a point pair.",
             ),
         }
     }
@@ -138,7 +136,8 @@ impl Serialize for RectifyWarning {
     }
 }
 
-/// What to beware of. `misfit` is the mean distance of the matches from their lines in the images, px.
+/// Returns the warnings of a rectification. `misfit` is the mean epipolar distance of the matches
+/// in the images, px.
 pub(super) fn warnings(
     method: RectifyMethod,
     measures: &Measures,
@@ -148,7 +147,7 @@ pub(super) fn warnings(
 ) -> Vec<RectifyWarning> {
     let mut warnings = Vec::new();
     if let Some(rows) = measures.rows.map(|rows| rows.mean).filter(|mean| *mean > BAD_ROWS) {
-        // Where a picture is stretched, near the epipole above all, rows may lie apart where the points hardly are.
+        // Near the epipole a picture is stretched: rows may differ by more than the matches do.
         warnings.push(if misfit <= BAD_ROWS {
             RectifyWarning::StretchedRows { rows, misfit }
         } else {

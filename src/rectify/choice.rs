@@ -1,4 +1,4 @@
-//! Making a rectification, and choosing its method.
+//! Rectifies a pair of images and chooses the method.
 
 use super::extent::Extent;
 use super::map::{ImageMap, MapKind};
@@ -8,8 +8,8 @@ use crate::geometry::{Frame, FundamentalMatrix, PointPair, symmetric_epipolar_di
 
 /// Rectifies a pair of images of the given sizes.
 ///
-/// `matches` are used for measuring how well rows agree, and with an epipole in an image for telling which halves of
-/// epipolar lines correspond; they change nothing else and may be empty.
+/// `matches` measure how well rows agree. With an epipole inside an image they also determine which
+/// halves of epipolar lines correspond. They change nothing else and may be empty.
 pub fn rectify(
     fundamental: &FundamentalMatrix,
     frames: [Frame; 2],
@@ -20,7 +20,7 @@ pub fn rectify(
     if let Some(small) = frames.iter().position(|f| f.width < 2 || f.height < 2) {
         return Err(RectifyError::TooSmall { image: small + 1 });
     }
-    // Says whether there is room for anything, before the work.
+    // Reports a limit that is too small before the work starts.
     Extent { width: 1.0, height: 1.0 }.limited(limits.pixels)?;
     let task = RectifyTask { fundamental, frames, matches, limits };
     match method {
@@ -36,14 +36,15 @@ pub fn rectify(
             };
             match advice::against_planar(&planar) {
                 None => Ok(planar),
-                // Where polar fails too, a bent picture is better than none; its warnings say what is wrong.
+                // A distorted planar picture is better than none; its warnings describe the
+                // distortion.
                 Some(reason) => task.polar(reason).or(Ok(planar)),
             }
         }
     }
 }
 
-/// What is to be rectified.
+/// Input of a rectification.
 struct RectifyTask<'a> {
     fundamental: &'a FundamentalMatrix,
     frames: [Frame; 2],
@@ -52,7 +53,7 @@ struct RectifyTask<'a> {
 }
 
 impl RectifyTask<'_> {
-    /// Mean symmetric epipolar distance of the matches, px.
+    /// Returns the mean symmetric epipolar distance of the matches, px.
     fn misfit(&self) -> f64 {
         let distances = self.matches.iter().map(|m| symmetric_epipolar_distance(self.fundamental, m));
         distances.sum::<f64>() / self.matches.len().max(1) as f64

@@ -1,26 +1,25 @@
-//! A rectification as written to files: what was done, the maps, how good it is, in which convention.
+//! The description of a rectification that is written beside its pictures.
 
 use serde::Serialize;
 
 use super::{Measures, PolarTable, Rectification, RectifyMethod, RectifyWarning};
 use crate::geometry::{Frame, FundamentalMatrix};
 
-/// What stands in a description's `convention`.
 const PLANAR: &str = "Pixels are (x, y), x right, y down, the centre of the top-left pixel is (0, 0). homography1 and \
     homography2 are nested rows: rectified ~ H original, homogeneous. Corresponding points have the same rectified y.";
 const POLAR: &str = "Pixels are (x, y), x right, y down, the centre of the top-left pixel is (0, 0). Rectified pixel \
     (column, row) of an image is at epipole + (radius + column * radius_step) * (cos a, sin a) of the original, a = \
     angles[row] in radians. Corresponding points are in the same row.";
 
-/// The content of a description file. Lengths in px.
+/// Content of a description file. Lengths in px.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Description<'a> {
     method: RectifyMethod,
     reason: &'a str,
     convention: &'static str,
-    /// The rectified pictures' width and height.
+    /// Width and height of both rectified pictures.
     size: Frame,
-    /// Factor by which the pictures are smaller than they should be.
+    /// Factor by which the pixel limit reduced the pictures.
     scale: f64,
     original_sizes: [Frame; 2],
     fundamental: FundamentalMatrix,
@@ -38,7 +37,7 @@ pub struct Description<'a> {
 }
 
 impl Rectification {
-    /// Description of this rectification for a file.
+    /// Returns the description of this rectification. `originals` are the sizes of both images.
     pub fn description(&self, fundamental: &FundamentalMatrix, originals: [Frame; 2]) -> Description<'_> {
         let homography = |k: usize| {
             let h = self.maps[k].homography()?;

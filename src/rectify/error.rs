@@ -1,43 +1,43 @@
-//! Why a pair cannot be rectified.
+//! Errors of rectification.
 
 use thiserror::Error;
 
-/// Why there is no rectified pair. Each message is one sentence for the user.
+/// Reason why a pair cannot be rectified. The message is shown to the user.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 pub enum RectifyError {
-    /// An epipole lies in an image.
+    /// An epipole lies inside an image.
     #[error(
-        "planar rectification is impossible, because the epipole lies inside image {image}: use the polar method"
+        "the epipole lies inside image {image}. Planar rectification is impossible: use the polar method"
     )]
     EpipoleInside {
-        /// 1 or 2.
+        /// Image number, 1 or 2.
         image: usize,
     },
-    /// No plane serves both images.
+    /// Every pair of corresponding epipolar lines crosses one of the images.
     #[error(
-        "planar rectification is impossible, because every pair of corresponding epipolar lines crosses one of the \
-         images: use the polar method"
+        "every pair of corresponding epipolar lines crosses one of the images. Planar rectification is impossible: \
+         use the polar method"
     )]
     NoCommonPlane,
-    /// No epipolar line is seen by both images.
-    #[error("no epipolar line crosses both images, so F does not belong to these images or is wrong")]
+    /// No epipolar line crosses both images.
+    #[error("no epipolar line crosses both images. F is wrong or belongs to other images")]
     NoCommonLines,
     /// An image has fewer than two pixels across or down.
-    #[error("image {image} is too small to be rectified, it needs at least 2 x 2 pixels")]
+    #[error("image {image} is too small: rectification needs at least 2 x 2 pixels")]
     TooSmall {
-        /// 1 or 2.
+        /// Image number, 1 or 2.
         image: usize,
     },
-    /// The limit leaves nothing.
-    #[error("the limit of {limit} pixels for a rectified image is too small")]
+    /// The pixel limit leaves no room for a picture.
+    #[error("the limit of {limit} pixels for a rectified image is too small. Raise the limit")]
     Limit {
-        /// The limit.
+        /// Limit in pixels.
         limit: usize,
     },
 }
 
 impl RectifyError {
-    /// Whether the request cannot be met by any F.
+    /// Returns whether the request is invalid for every F.
     pub fn is_bad_input(&self) -> bool {
         matches!(self, Self::TooSmall { .. } | Self::Limit { .. })
     }

@@ -1,12 +1,12 @@
-//! Sizes of rectified pictures and their limit.
+//! Sizes of rectified pictures under the pixel limit.
 
 use super::RectifyError;
 use crate::geometry::Frame;
 
-/// No picture is wider or higher than this, px: more than most programs open.
+/// Longest side of a picture, px. Most programs do not open longer ones.
 const LONGEST_SIDE: f64 = 60_000.0;
 
-/// Range of numbers, from low to high.
+/// Interval of numbers from `low` to `high`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Range {
     pub(super) low: f64,
@@ -14,7 +14,7 @@ pub(super) struct Range {
 }
 
 impl Range {
-    /// The range of some numbers; empty when there are none.
+    /// Returns the range of `values`; its length is 0 when there are none.
     pub(super) fn of(values: impl Iterator<Item = f64>) -> Self {
         values.fold(Self { low: f64::INFINITY, high: f64::NEG_INFINITY }, |r, v| Self {
             low: r.low.min(v),
@@ -26,14 +26,14 @@ impl Range {
         (self.high - self.low).max(0.0)
     }
 
-    /// What two ranges share.
+    /// Returns the intersection of two ranges, `None` if it is empty.
     pub(super) fn common(&self, other: &Self) -> Option<Self> {
         let common = Self { low: self.low.max(other.low), high: self.high.min(other.high) };
         (common.low < common.high).then_some(common)
     }
 }
 
-/// Range from the first to the last pixel centre of a picture, px.
+/// Distance from the first to the last pixel centre of a picture, px.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Extent {
     pub(super) width: f64,
@@ -41,12 +41,14 @@ pub(super) struct Extent {
 }
 
 impl Extent {
-    /// The size of a picture of at most `limit` pixels, and by which factor it is smaller than wanted (1: as wanted).
+    /// Returns the largest size of at most `limit` pixels and the factor of reduction (1: full
+    /// size).
     pub(super) fn limited(self, limit: usize) -> Result<(Frame, f64), RectifyError> {
         if !(self.width.is_finite() && self.height.is_finite()) {
             return Err(RectifyError::NoCommonPlane);
         }
-        // One pixel more than steps; the factor found is kept on the safe side by counting that pixel in.
+        // A picture has one pixel more than steps. Counting this pixel keeps the factor on the safe
+        // side.
         let (width, height) = (self.width + 1.0, self.height + 1.0);
         let mut factor = (limit as f64 / (width * height)).sqrt().min(1.0);
         factor = factor.min(LONGEST_SIDE / width).min(LONGEST_SIDE / height);

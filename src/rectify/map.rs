@@ -1,4 +1,4 @@
-//! The map between an image and its rectified picture, whichever method made it.
+//! Map between an image and its rectified picture, planar or polar.
 
 use nalgebra::Matrix3;
 use serde::Serialize;
@@ -8,33 +8,33 @@ use super::polar::PolarMap;
 use super::row::RowTrace;
 use crate::geometry::{Frame, Point};
 
-/// Where the pixels of an image are in its rectified picture, and the other way round.
+/// Map between the pixels of an image and of its rectified picture, both ways.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ImageMap(pub(super) MapKind);
 
-/// The two kinds of maps.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum MapKind {
     Planar(PlanarMap),
     Polar(PolarMap),
 }
 
-/// A polar map as it is written to files: pixel `(column, row)` is at
-/// `epipole + (radius + column · radius_step) · (cos angles[row], sin angles[row])` of the original.
+/// Polar map as written to files. Pixel `(column, row)` is at
+/// `epipole + (radius + column · radius_step) · (cos angles[row], sin angles[row])` of the
+/// original.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct PolarTable<'a> {
-    /// The epipole, px of the original; one at infinity stands at 10⁹ px.
+    /// Epipole, px of the original. An epipole at infinity is placed at 10⁹ px.
     pub epipole: Point,
-    /// Distance from the epipole in column 0, px.
+    /// Distance of column 0 from the epipole, px.
     pub radius: f64,
-    /// What a column adds to it, px.
+    /// Increase of the distance per column, px.
     pub radius_step: f64,
     /// Direction of each row away from the epipole, radians from x towards y.
     pub angles: &'a [f64],
 }
 
 impl ImageMap {
-    /// Where the pixels of a rectified row are in the original. `y` counts rows and may lie between them.
+    /// Traces row `y` of the picture in the original. `y` may lie between two rows.
     pub fn row(&self, y: f64) -> RowTrace {
         match &self.0 {
             MapKind::Planar(map) => map.row(y),
@@ -42,12 +42,12 @@ impl ImageMap {
         }
     }
 
-    /// The original position of a rectified one, px; it may lie outside the image.
+    /// Returns the original position of a rectified point, px. It may lie outside the image.
     pub fn original_from_rectified(&self, p: Point) -> Option<Point> {
         self.row(p.y).at(p.x)
     }
 
-    /// The rectified position of an original one, px; `None` where the picture does not go.
+    /// Returns the rectified position of an original point, px; `None` outside the map.
     pub fn rectified_from_original(&self, p: Point) -> Option<Point> {
         match &self.0 {
             MapKind::Planar(map) => map.rectified_from_original(p),
@@ -55,7 +55,7 @@ impl ImageMap {
         }
     }
 
-    /// The homography (rectified from original pixels, last entry 1) of a planar map.
+    /// Returns the homography of a planar map: rectified from original pixels, last entry 1.
     pub fn homography(&self) -> Option<&Matrix3<f64>> {
         match &self.0 {
             MapKind::Planar(map) => Some(map.homography()),
@@ -63,7 +63,7 @@ impl ImageMap {
         }
     }
 
-    /// The table of a polar map.
+    /// Returns the table of a polar map.
     pub fn polar_table(&self) -> Option<PolarTable<'_>> {
         match &self.0 {
             MapKind::Planar(_) => None,
@@ -76,7 +76,7 @@ impl ImageMap {
         }
     }
 
-    /// Whether the rows meet inside the image.
+    /// Returns whether this is a polar map whose epipole lies inside the image.
     pub(super) fn has_epipole_in(&self, frame: Frame) -> bool {
         match &self.0 {
             MapKind::Planar(_) => false,

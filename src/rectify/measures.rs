@@ -1,4 +1,4 @@
-//! How good a rectified pair is: rows that agree, and how the pictures were bent.
+//! Quality of a rectified pair: row errors and distortion.
 
 use nalgebra::Matrix2;
 use serde::Serialize;
@@ -7,56 +7,57 @@ use super::map::ImageMap;
 use super::outline::{diagonals, middle_lines};
 use crate::geometry::{Frame, Point, PointPair, Vector};
 
-/// Points a side of the grid on which areas are compared.
+/// Points per side of the grid on which areas are compared.
 const GRID: usize = 48;
 
-/// The middle half of disparities is taken to be at least this wide, px, or a scene on one plane would allow none.
+/// Minimum interquartile range of disparities, px. Without it a planar scene would have no
+/// tolerance.
 const NARROW: f64 = 8.0;
 
-/// Everything measured on a rectified pair.
+/// Measurements of a rectified pair.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Measures {
-    /// Vertical distance of matches; `None` without a match in both pictures.
+    /// Vertical distances of the matches; `None` if no match is in both pictures.
     pub rows: Option<RowErrors>,
-    /// How each picture differs from its image.
+    /// Distortion of each picture relative to its image.
     pub distortion: [Distortion; 2],
 }
 
-/// How well matches come to lie in the same row. Pixels of the rectified pictures.
+/// Vertical distances of matches, in pixels of the rectified pictures.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct RowErrors {
-    /// Matches that are in both pictures.
+    /// Number of matches in both pictures.
     pub matches: usize,
-    /// Matches that are outside one of them.
+    /// Number of matches outside a picture.
     pub outside: usize,
     /// Mean of `|y1 − y2|`.
     pub mean: f64,
     /// Largest `|y1 − y2|`.
     pub max: f64,
-    /// Smallest and largest disparity `x1 − x2` of those that are not far off all others.
+    /// Smallest and largest disparity `x1 − x2`, without the outliers counted in `far_off`.
     pub disparity: [f64; 2],
-    /// Matches whose disparity is far off: mostly wrong matches, which rows cannot tell.
+    /// Number of disparity outliers. Most are wrong matches that happen to fit F.
     pub far_off: usize,
 }
 
-/// How a picture differs from its image.
+/// Distortion of a picture relative to its image.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Distortion {
-    /// Angle between the images of the two middle lines, degrees; 90 keeps right angles. `None` where the epipole is
-    /// in the image or the middle lines are not all in the picture.
+    /// Angle between the two middle lines in the picture, degrees; 90 is undistorted. `None` with
+    /// the epipole in the image or a middle line partly outside the picture.
     pub orthogonality: Option<f64>,
-    /// Ratio of the two diagonals (Mallon & Whelan 2005); 1 keeps proportions.
+    /// Ratio of the two diagonals (Mallon & Whelan 2005); 1 is undistorted. `None` as above.
     pub aspect_ratio: Option<f64>,
-    /// Part of the image, 0 to 1, that is outside the picture.
+    /// Fraction of the image outside the picture, 0 to 1.
     pub cut: f64,
-    /// Part of the image, 0 to 1, drawn on less than half its area (a limit of pixels apart).
+    /// Fraction of the image drawn on less than half its area, 0 to 1, the pixel limit aside.
     pub shrunk: f64,
-    /// Part of the image, 0 to 1, drawn on more than twice its area.
+    /// Fraction of the image drawn on more than twice its area, 0 to 1.
     pub stretched: f64,
 }
 
 impl Measures {
-    /// `scale` is by how much the limit makes both pictures smaller; that is no distortion.
+    /// Measures a pair. `scale` is the reduction by the pixel limit, which is no distortion.
     pub(super) fn of(
         maps: &[ImageMap; 2],
         frames: [Frame; 2],
@@ -101,8 +102,8 @@ impl RowErrors {
     }
 }
 
-/// Numbers, of some ascending ones, that lie within three times the width of the middle half beside it (Tukey's outer
-/// fences); the width counts as at least [`NARROW`]. Never empty.
+/// Returns the values within Tukey's outer fences: three interquartile ranges beyond the quartiles.
+/// The range counts as at least [`NARROW`]. Never empty; `ascending` is sorted.
 fn near(ascending: &[f64]) -> &[f64] {
     let last = ascending.len() - 1;
     let [low, high] = [last / 4, last - last / 4].map(|k| ascending[k]);
@@ -149,7 +150,7 @@ impl Distortion {
     }
 }
 
-/// Rectified area over original area at a rectified pixel.
+/// Returns the ratio of rectified to original area at a rectified pixel.
 fn area_factor(map: &ImageMap, q: Point) -> Option<f64> {
     let half = 0.25;
     let at = |x: f64, y: f64| map.row(y).at(x);

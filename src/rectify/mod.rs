@@ -1,13 +1,13 @@
-//! Rectification from the fundamental matrix alone: both images redrawn so that corresponding points are in the same
-//! row.
+//! Rectification from the fundamental matrix alone: both images are redrawn so that corresponding
+//! points are in the same row.
 //!
-//! [`rectify`] computes a [`Rectification`], which maps points both ways, tells how good it is, and draws the
-//! pictures ([`Rectification::warp`]). Two methods are behind it: *planar*, one homography an image, for epipoles
-//! outside both images, and *polar*, one row for each pair of half epipolar lines, for epipoles anywhere.
-//! [`RectifyMethod::Auto`] chooses and says why.
+//! [`rectify`] computes a [`Rectification`], which maps points both ways, measures its quality and
+//! draws the pictures ([`Rectification::warp`]). There are two methods. *Planar* applies one
+//! homography per image and needs epipoles outside both images. *Polar* draws one row per pair of
+//! half epipolar lines and handles epipoles anywhere. [`RectifyMethod::Auto`] chooses one and gives
+//! the reason.
 //!
-//! No camera is calibrated here: the pictures are as the pair allows, right for matching along rows, not for
-//! measuring angles.
+//! The cameras are not calibrated: the pictures suit matching along rows, not measuring angles.
 
 mod advice;
 mod choice;
@@ -38,24 +38,24 @@ use crate::cancel::CancelFlag;
 use crate::geometry::Frame;
 use image::DynamicImage;
 
-/// A way to rectify.
+/// Method of rectification.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum RectifyMethod {
-    /// Planar where it bends the images little, else polar.
+    /// Planar if the distortion is small, otherwise polar.
     #[default]
     Auto,
-    /// One homography an image (Loop & Zhang 1999).
+    /// One homography per image (Loop & Zhang 1999).
     Planar,
-    /// A row for each pair of half epipolar lines (Pollefeys et al. 1999).
+    /// One row per pair of half epipolar lines (Pollefeys et al. 1999).
     Polar,
 }
 
 impl RectifyMethod {
-    /// Every way, in the order in which they are offered.
+    /// All methods, in the order in which they are offered.
     pub const ALL: [Self; 3] = [Self::Auto, Self::Planar, Self::Polar];
 
-    /// Name on the command line and in files.
+    /// Returns the name used on the command line and in files.
     pub fn name(self) -> &'static str {
         match self {
             Self::Auto => "auto",
@@ -65,43 +65,44 @@ impl RectifyMethod {
     }
 }
 
-/// Limits of a rectification.
+/// Limits on the size of a rectification.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Limits {
-    /// Most pixels of one rectified picture; a larger one is drawn smaller, and that is reported.
+    /// Maximum number of pixels of one rectified picture. A larger picture is reduced, with a
+    /// warning.
     pub pixels: usize,
 }
 
 impl Default for Limits {
-    /// 64 million pixels: twice what a 12-megapixel pair with the epipole inside needs.
+    /// Returns 64 million pixels: twice the need of a 12-megapixel pair with the epipole inside.
     fn default() -> Self {
         Self { pixels: 64_000_000 }
     }
 }
 
-/// A rectified pair, ready to be drawn.
+/// Rectified pair, ready to be drawn.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rectification {
-    /// What was used: planar or polar.
+    /// Method that was used: planar or polar.
     pub method: RectifyMethod,
-    /// Why this method, one sentence.
+    /// Reason for the method, one clause.
     pub reason: String,
-    /// The map of each image.
+    /// Map of each image.
     pub maps: [ImageMap; 2],
-    /// Size of both pictures.
+    /// Size of both pictures, px.
     pub size: Frame,
-    /// Factor by which the pictures are smaller than they should be; 1 unless a limit was met.
+    /// Factor by which the pixel limit reduced the pictures; 1 without reduction.
     pub scale: f64,
-    /// How good it is.
+    /// Row errors and distortion.
     pub measures: Measures,
-    /// What to beware of.
+    /// Warnings for the user.
     pub warnings: Vec<RectifyWarning>,
 }
 
 impl Rectification {
-    /// Draws the rectified picture of image `which` (0 or 1): bilinear between pixels, with the depth and the colours
-    /// of the original and an alpha channel, transparent where the image does not reach. On all cores. `None` when
-    /// cancelled.
+    /// Draws the rectified picture of image `which` (0 or 1) with bilinear interpolation, on all
+    /// cores. The picture keeps the bit depth and the colours of the original. Its alpha channel is
+    /// transparent where the image does not reach. Returns `None` when cancelled.
     pub fn warp(&self, which: usize, original: &DynamicImage, cancel: &CancelFlag) -> Option<DynamicImage> {
         warp::warp(original, &self.maps[which], self.size, cancel)
     }

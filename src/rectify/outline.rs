@@ -1,9 +1,8 @@
-//! The outline of an image as a map leaves it.
+//! Outline of an image under a map.
 
 use crate::geometry::{Frame, Point, Vector};
 
-/// Lines from the middle of the left side to that of the right one, and from the middle of the upper side to that of the
-/// lower one, where a map takes them.
+/// Maps the two middle lines: from left to right and from top to bottom.
 pub(super) fn middle_lines(frame: Frame, map: impl Fn(Point) -> Option<Point>) -> Option<[Vector; 2]> {
     let c = frame.centre();
     let left = map(Point::new(0.0, c.y))?;
@@ -13,7 +12,7 @@ pub(super) fn middle_lines(frame: Frame, map: impl Fn(Point) -> Option<Point>) -
     Some([right - left, bottom - top])
 }
 
-/// The diagonals from the top left and from the top right corner, where a map takes them.
+/// Maps the two diagonals: from the top left and from the top right corner.
 pub(super) fn diagonals(frame: Frame, map: impl Fn(Point) -> Option<Point>) -> Option<[Vector; 2]> {
     let [a, b, c, d] = frame.corners().map(map);
     Some([c? - a?, d? - b?])

@@ -1,17 +1,18 @@
-//! Planar rectification: one homography an image (Loop & Zhang, *Computing rectifying homographies for stereo
-//! vision*, CVPR 1999).
+//! Planar rectification: one homography per image (Loop & Zhang, *Computing rectifying homographies
+//! for stereo vision*, CVPR 1999).
 //!
-//! `H = S · R · P`: a projective part `P` sends the epipole to infinity, a similarity `R` makes the epipolar lines
-//! horizontal and puts matching ones into the same row, a shear `S` keeps the middle lines of the image at right
-//! angles and its sides in proportion.
+//! `H = S · R · P`. The projective part `P` sends the epipole to infinity. The similarity `R` makes
+//! the epipolar lines horizontal and puts corresponding lines into the same row. The shear `S`
+//! restores right angles and proportions of the middle lines.
 //!
-//! `P1` sends a line `w1` through the epipole to infinity, `P2` the corresponding line `w2`. Loop & Zhang look for
-//! the pair with the least distortion among the points at infinity of image 1. That family shrinks to one line
-//! where the epipole is itself at infinity, so here the whole pencil is searched: by the points of the line through
-//! the image centre, across the direction of the epipole.
+//! `P1` sends a line `w1` through the epipole to infinity, `P2` the corresponding line `w2`. Loop &
+//! Zhang search the points at infinity of image 1 for the pair with the least distortion. With the
+//! epipole at infinity these points give a single line. The search here therefore covers the whole
+//! pencil. A point on the line through the image centre, across the direction of the epipole,
+//! selects each line.
 //!
-//! Pitfall: both lines must miss their images, so epipoles have to lie outside both. The nearer they are, the more
-//! is stretched.
+//! Pitfall: neither line may cross its image, so both epipoles must lie outside. The nearer the
+//! epipoles, the greater the distortion.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -20,13 +21,13 @@ use super::extent::{Extent, Range};
 use super::row::RowTrace;
 use crate::geometry::{Frame, FundamentalMatrix, Point};
 
-/// Lines of each pencil that are tried before the best is refined.
+/// Number of lines sampled per pencil before the refinement of the best one.
 const TRIED: usize = 720;
 
-/// A homography and its inverse.
+/// Homography and its inverse.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct PlanarMap {
-    /// `H`: rectified pixels from original ones.
+    /// Homography `H`: rectified from original pixels.
     rectified_from_original: Matrix3<f64>,
     original_from_rectified: Matrix3<f64>,
 }
@@ -35,7 +36,7 @@ impl PlanarMap {
     fn new(rectified_from_original: Matrix3<f64>) -> Option<Self> {
         let h = rectified_from_original / rectified_from_original[(2, 2)];
         let inverse = h.try_inverse()?;
-        // The third coordinate of an original point that is in the picture is to be positive both ways.
+        // The third coordinate of a visible point must be positive in both directions.
         let sign = (inverse * h * Vector3::z()).z.signum();
         h.iter()
             .chain(inverse.iter())
@@ -43,7 +44,7 @@ impl PlanarMap {
             .then(|| Self { rectified_from_original: h, original_from_rectified: inverse * sign })
     }
 
-    /// `H`, with its last entry 1.
+    /// Returns `H`, scaled to a last entry of 1.
     pub(super) fn homography(&self) -> &Matrix3<f64> {
         &self.rectified_from_original
     }
@@ -58,7 +59,7 @@ impl PlanarMap {
     }
 }
 
-/// Both maps, the common size, and by how much the picture had to be made smaller.
+/// Returns both maps, their common size and the factor of reduction by the pixel limit.
 pub(super) fn planar(
     fundamental: &FundamentalMatrix,
     frames: [Frame; 2],
@@ -72,7 +73,7 @@ pub(super) fn planar(
     let [w1, w2] = lines_to_infinity(&f, normalised)?;
     let projective = [projective(&w1), projective(&w2)];
     let undone = |k: usize| projective[k].try_inverse().ok_or(RectifyError::NoCommonPlane);
-    // Both epipoles are at infinity now: c x1 + d y1 + a x2 + b y2 + e = 0.
+    // Both epipoles are now at infinity: c x1 + d y1 + a x2 + b y2 + e = 0.
     let g = undone(1)?.transpose() * f.matrix() * undone(0)?;
     let normal1 = Vector3::new(g[(2, 0)], g[(2, 1)], 0.0);
     let normal2 = -Vector3::new(g[(0, 2)], g[(1, 2)], g[(2, 2)]);
@@ -87,7 +88,7 @@ pub(super) fn planar(
     fit(maps, frames, limit)
 }
 
-/// Scales both maps so that the area of the images is kept, and cuts out the rows that both images see.
+/// Scales both maps to preserve the area of the images, and crops to the rows visible in both.
 fn fit(
     maps: [Matrix3<f64>; 2],
     frames: [Frame; 2],
@@ -118,7 +119,7 @@ fn fit(
     Ok(([placed(0)?, placed(1)?], frame, smaller))
 }
 
-/// The columns that a convex outline covers between two rows.
+/// Returns the columns that a convex outline covers between two rows.
 fn columns_within(outline: &[Point], rows: Range) -> Range {
     let mut columns = Vec::new();
     for (k, a) in outline.iter().enumerate() {
@@ -135,25 +136,26 @@ fn columns_within(outline: &[Point], rows: Range) -> Range {
     Range::of(columns.into_iter())
 }
 
-/// Area of a polygon, by the shoelace formula.
+/// Returns the area of a polygon, by the shoelace formula.
 fn area(outline: &[Point]) -> f64 {
     let twice: f64 =
         outline.iter().zip(outline.iter().cycle().skip(1)).map(|(a, b)| a.x * b.y - b.x * a.y).sum();
     twice.abs() / 2.0
 }
 
-/// Where a homography takes a point; `None` on and behind the line sent to infinity.
+/// Maps a point; `None` on and behind the line sent to infinity.
 fn map(h: &Matrix3<f64>, p: Point) -> Option<Point> {
     let q = h * p.to_homogeneous();
     (q.z > 0.0).then(|| Point::new(q.x / q.z, q.y / q.z))
 }
 
-/// Coordinates about the image centre, in half longer sides, so that all entries of a matrix are of like size.
+/// Coordinates about the image centre in units of half the longer side. They keep the entries of a
+/// matrix at similar magnitudes.
 #[derive(Debug, Clone, Copy)]
 struct Normalised {
     centre: Point,
     unit: f64,
-    /// Half width and half height in these units.
+    /// Half the width and half the height, normalised.
     half: [f64; 2],
 }
 
@@ -177,8 +179,8 @@ impl Normalised {
         Matrix3::new(s, 0.0, c.x, 0.0, s, c.y, 0.0, 0.0, 1.0)
     }
 
-    /// Mean of `((w·x − w·c) / w·c)²` over the image (Loop & Zhang, eq. 8): how unevenly sending the line to
-    /// infinity stretches it. `None` when the line crosses the image.
+    /// Returns the mean of `((w·x − w·c) / w·c)²` over the image (Loop & Zhang, eq. 8): the
+    /// distortion caused by sending `w` to infinity. `None` when the line crosses the image.
     fn distortion(&self, w: &Vector3<f64>) -> Option<f64> {
         let [x, y] = [w.x * self.half[0], w.y * self.half[1]];
         (x.abs() + y.abs() < w.z.abs()).then(|| (x * x + y * y) / (3.0 * w.z * w.z))
@@ -189,11 +191,12 @@ impl Normalised {
     }
 }
 
-/// A pencil of epipolar lines, by the angle of a point on the line through the image centre across the direction of
-/// the epipole: 0 is the centre, ±π/2 is infinity.
+/// Pencil of epipolar lines. The angle of a point selects a line; the point lies on the line
+/// through the image centre across the direction of the epipole. Angle 0 is the centre, ±π/2 is
+/// infinity.
 struct Baseline {
     epipole: Vector3<f64>,
-    /// Unit vector across the direction of the epipole, a point at infinity.
+    /// Unit vector across the direction of the epipole: a point at infinity.
     across: Vector3<f64>,
 }
 
@@ -211,14 +214,15 @@ impl Baseline {
         self.epipole.cross(&self.point(angle))
     }
 
-    /// The angle of a line of the pencil.
+    /// Returns the angle of a line of the pencil.
     fn angle(&self, line: &Vector3<f64>) -> f64 {
         let point = line.cross(&Vector3::z().cross(&self.across));
         point.dot(&self.across).atan2(point.z).rem_euclid(std::f64::consts::PI)
     }
 }
 
-/// The corresponding lines whose sending to infinity distorts the two images least, normalised coordinates.
+/// Finds the corresponding lines that distort the two images least when sent to infinity, in
+/// normalised coordinates.
 fn lines_to_infinity(
     f: &FundamentalMatrix,
     images: [Normalised; 2],
@@ -237,7 +241,7 @@ fn lines_to_infinity(
             _ => f64::INFINITY,
         }
     };
-    // Evenly over both pencils: lines that are far apart in one may be close in the other.
+    // Samples both pencils evenly: lines far apart in one may be close in the other.
     let step = std::f64::consts::PI / TRIED as f64;
     let mut angles: Vec<f64> = (0..TRIED)
         .flat_map(|k| {
@@ -260,7 +264,7 @@ fn lines_to_infinity(
     Ok(pair(angle))
 }
 
-/// The lowest place of a function with one valley between two ends.
+/// Returns the minimiser of a unimodal function between two ends.
 fn golden_section(cost: impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
     const SHARE: f64 = 0.618_033_988_749_895;
     for _ in 0..80 {
@@ -274,13 +278,14 @@ fn golden_section(cost: impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64
     f64::midpoint(low, high)
 }
 
-/// Sends a line that misses the centre to infinity and leaves the neighbourhood of the centre as it is.
+/// Returns the homography that sends a line to infinity and keeps the neighbourhood of the centre.
+/// The line must miss the centre.
 fn projective(w: &Vector3<f64>) -> Matrix3<f64> {
     Matrix3::new(1.0, 0.0, 0.0, 0.0, 1.0, 0.0, w.x / w.z, w.y / w.z, 1.0)
 }
 
-/// The shear along the rows that makes the middle lines of an image perpendicular again and their lengths as those
-/// of the image (Loop & Zhang, section 7).
+/// Returns the horizontal shear that makes the middle lines of an image perpendicular again and
+/// restores their ratio of lengths (Loop & Zhang, section 7).
 fn shear(map_so_far: &Matrix3<f64>, frame: Frame) -> Option<Matrix3<f64>> {
     let [x, y] = super::outline::middle_lines(frame, |p| map(map_so_far, p))?;
     let (w, h) = (frame.right(), frame.bottom());

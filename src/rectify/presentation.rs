@@ -1,12 +1,12 @@
-//! Rectified pictures put together for people to look at.
+//! Displays of both rectified pictures together.
 
 use image::{DynamicImage, Rgba, RgbaImage};
 
-/// Colour of the guide lines: an orange that shows on grey, bright and dark alike.
+/// Colour of the guide lines: an orange that shows on grey, bright and dark.
 const GUIDE: Rgba<u8> = Rgba([230, 159, 0, 255]);
 
-/// Both pictures side by side with a horizontal guide line every `spacing` rows (none for 0): what lies on a line in
-/// one picture lies on it in the other.
+/// Puts both pictures side by side, with a horizontal guide line every `spacing` rows (0: none).
+/// Corresponding points touch the same guide line.
 pub fn stacked(pictures: [&DynamicImage; 2], spacing: usize) -> RgbaImage {
     let [left, right] = pictures.map(DynamicImage::to_rgba8);
     let (width, height) = (left.width() + right.width(), left.height().max(right.height()));
@@ -23,8 +23,8 @@ pub fn stacked(pictures: [&DynamicImage; 2], spacing: usize) -> RgbaImage {
     out
 }
 
-/// Both pictures in one, the first in red and the second in green and blue, for red-cyan glasses. Rows that do not
-/// agree show as coloured edges above and below things.
+/// Combines both pictures into a red-cyan anaglyph: red from the first, green and blue from the
+/// second. Row errors show as coloured edges above and below objects.
 pub fn anaglyph(pictures: [&DynamicImage; 2]) -> RgbaImage {
     let [left, right] = pictures.map(DynamicImage::to_luma_alpha8);
     let (width, height) = (left.width().max(right.width()), left.height().max(right.height()));

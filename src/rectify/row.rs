@@ -1,11 +1,11 @@
-//! One row of a rectified picture, traced in the original.
+//! Row of a rectified picture, traced in the original.
 
 use nalgebra::Vector3;
 
 use crate::geometry::Point;
 
-/// Where the pixels of one rectified row are in the original image: `start + x · step`, homogeneous, for the
-/// column `x`. Both methods have this form, because every row is a straight line.
+/// Positions of one rectified row in the original image: `start + x · step`, homogeneous, for
+/// column `x`. Planar and polar rows are straight lines, so both have this form.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RowTrace {
     pub(super) start: Vector3<f64>,
@@ -13,7 +13,8 @@ pub struct RowTrace {
 }
 
 impl RowTrace {
-    /// The original position of column `x`, px; `None` behind the line that the map sends to infinity.
+    /// Returns the original position of column `x`, px; `None` behind the line that is sent to
+    /// infinity.
     #[inline]
     pub fn at(&self, x: f64) -> Option<Point> {
         let h = self.start + self.step * x;

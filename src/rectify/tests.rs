@@ -6,7 +6,7 @@ use super::*;
 use crate::geometry::{Camera, FundamentalMatrix, Point, PointPair};
 use crate::synthetic::Motion;
 
-/// F and exact matches spread over the part of a scene that both cameras see.
+/// Returns F and exact matches in the part of a scene that both cameras see.
 fn exact_pair(motion: Motion, frame: Frame) -> (FundamentalMatrix, Vec<PointPair>) {
     let cameras = motion.cameras(frame).unwrap();
     let f = Camera::fundamental(&cameras[0], &cameras[1]).unwrap();
@@ -40,7 +40,7 @@ fn exact_matches_come_into_the_same_row() {
                 other => other.unwrap(),
             };
             let rows = r.measures.rows.unwrap();
-            // Planar rows are exact; polar ones are straight between rows a pixel apart.
+            // Planar rows are exact. Polar rows are straight between neighbours a pixel apart.
             let tolerance = if method == RectifyMethod::Planar { 1e-6 } else { 0.02 };
             assert!(rows.max < tolerance, "{motion:?} {method:?}: {rows:?}");
             assert!(rows.outside * 50 <= matches.len(), "{motion:?} {method:?}: {rows:?}");
@@ -70,7 +70,7 @@ fn nothing_is_mirrored_and_pictures_stand_upright() {
             for map in &r.maps {
                 let c = FRAME.centre();
                 let at = |x: f64, y: f64| map.rectified_from_original(Point::new(c.x + x, c.y + y)).unwrap();
-                // Half way between centre and corner, away from an epipole inside.
+                // Half way between the centre and a corner, away from an epipole inside.
                 let (o, x, y) = (at(150.0, 110.0), at(151.0, 110.0), at(150.0, 111.0));
                 let area = (x - o).perp(&(y - o));
                 assert!(area > 0.0, "{motion:?} {method:?}: mirrored");
@@ -94,7 +94,7 @@ fn a_sideways_pair_stays_as_it_is() {
         assert!((distortion.aspect_ratio.unwrap() - 1.0).abs() < 1e-9);
         assert!(distortion.cut + distortion.shrunk + distortion.stretched == 0.0, "{distortion:?}");
     }
-    // The polar picture of it is the same, too.
+    // The polar picture agrees with it.
     let (polar, _) = rectified(Motion::Sideways, RectifyMethod::Polar).unwrap();
 
     assert!(polar.size.width.abs_diff(FRAME.width) <= 1 && polar.size.height.abs_diff(FRAME.height) <= 1);
@@ -117,7 +117,7 @@ fn an_epipole_inside_takes_polar_and_is_named() {
     let (r, _) = rectified(Motion::Forward, RectifyMethod::Auto).unwrap();
     assert_eq!(r.method, RectifyMethod::Polar);
     assert!(r.reason.contains("epipole lies inside image 1"), "{}", r.reason);
-    // Every row of a full turn, and all of both images.
+    // Polar has rows for the full turn and keeps both images whole.
     assert!(r.size.height > 2 * FRAME.height);
     assert!(r.measures.distortion.iter().all(|d| d.orthogonality.is_none() && d.cut < 0.05));
     let error = rectified(Motion::Forward, RectifyMethod::Planar).unwrap_err();
@@ -128,7 +128,7 @@ fn an_epipole_inside_takes_polar_and_is_named() {
 #[test]
 fn half_lines_follow_the_matches() {
     let (f, matches) = exact_pair(Motion::Forward, FRAME);
-    // A camera turned upside down: the right half of image 1 is on the left of image 2.
+    // The camera is turned upside down: the right half of image 1 is on the left of image 2.
     let turned = |p: Point| Point::new(FRAME.right() - p.x, FRAME.bottom() - p.y);
     let half_turn =
         nalgebra::Matrix3::new(-1.0, 0.0, FRAME.right(), 0.0, -1.0, FRAME.bottom(), 0.0, 0.0, 1.0);
@@ -138,7 +138,7 @@ fn half_lines_follow_the_matches() {
     let told = rectify(&f, [FRAME; 2], &matches, RectifyMethod::Polar, &Limits::default()).unwrap();
     assert!(told.measures.rows.unwrap().max < 0.02);
     assert!(told.warnings.is_empty(), "{:?}", told.warnings);
-    // Without a match it is assumed that the camera was not turned, which is said.
+    // Without a match the camera is assumed to be upright, with a warning.
     let untold = rectify(&f, [FRAME; 2], &[], RectifyMethod::Polar, &Limits::default()).unwrap();
     assert!(untold.warnings.contains(&RectifyWarning::OrientationAssumed), "{:?}", untold.warnings);
     assert_eq!(untold.measures.rows, None);
@@ -158,7 +158,6 @@ fn the_limit_makes_pictures_smaller_and_says_so() {
             "{small:?}"
         );
         assert!(small.measures.rows.unwrap().max < 0.02);
-        // The same picture, smaller.
         let ratio = |r: &Rectification| r.size.width as f64 / r.size.height as f64;
         assert!(
             (ratio(&small) / ratio(&full) - 1.0).abs() < 0.02,
@@ -169,7 +168,7 @@ fn the_limit_makes_pictures_smaller_and_says_so() {
         let error = rectify(&f, [FRAME; 2], &[], RectifyMethod::Auto, &Limits { pixels: 3 }).unwrap_err();
         assert_eq!(error, RectifyError::Limit { limit: 3 });
     }
-    // An epipole a pixel off the border: the planar picture would be huge.
+    // An epipole a pixel outside the border would make the planar picture huge.
     let near =
         FundamentalMatrix::from_rank_two(nalgebra::Vector3::new(640.5, 240.0, 1.0).cross_matrix()).unwrap();
     if let Ok(r) = rectify(&near, [FRAME; 2], &[], RectifyMethod::Planar, &Limits::default()) {
@@ -184,7 +183,7 @@ fn tiny_images_and_foreign_geometry_are_refused() {
     let tiny = [FRAME, Frame::new(1, 480)];
     let refused = rectify(&f, tiny, &[], RectifyMethod::Auto, &Limits::default()).unwrap_err();
     assert_eq!(refused, RectifyError::TooSmall { image: 2 });
-    // Image 2 lies beyond everything that image 1 sees.
+    // Image 2 lies outside everything that image 1 sees.
     let shift = nalgebra::Matrix3::new(1.0, 0.0, 0.0, 0.0, 1.0, -5000.0, 0.0, 0.0, 1.0);
     let beyond = FundamentalMatrix::from_rank_two(shift.transpose() * f.matrix()).unwrap();
     for method in RectifyMethod::ALL {
@@ -193,7 +192,7 @@ fn tiny_images_and_foreign_geometry_are_refused() {
     }
 }
 
-/// A picture whose value tells the place: a ramp in x.
+/// Returns a picture whose grey level encodes x.
 fn ramp(frame: Frame) -> GrayImage {
     GrayImage::from_fn(frame.width as u32, frame.height as u32, |x, _| Luma([(x / 4) as u8]))
 }
@@ -215,7 +214,7 @@ fn every_kind_of_picture_keeps_its_depth_and_colours() {
     for (original, colour) in kinds {
         let picture = drawn(original.clone());
         assert_eq!((picture.color(), picture.dimensions()), (colour, original.dimensions()));
-        // The map is the identity here, up to rounding far below a grey level.
+        // The map is the identity, up to rounding far below a grey level.
         let (a, b) = (original.to_luma16(), picture.to_luma16());
         let worst = a.pixels().zip(b.pixels()).map(|(p, q)| p.0[0].abs_diff(q.0[0])).max().unwrap();
         assert!(worst <= 2, "{colour:?}: {worst}");
@@ -233,7 +232,7 @@ fn what_the_image_does_not_reach_is_transparent() {
         let q = r.maps[0].rectified_from_original(m.point1).unwrap();
         let LumaA([value, alpha]) = *picture.get_pixel(q.x.round() as u32, q.y.round() as u32);
         assert_eq!(alpha, 255);
-        // A pixel further is at most half a grey level, rounding another.
+        // Half a grey level for up to a pixel of displacement, and rounding.
         assert!((f64::from(value) - m.point1.x / 4.0).abs() < 1.6, "{q} {value} {}", m.point1);
     }
 }
@@ -241,7 +240,7 @@ fn what_the_image_does_not_reach_is_transparent() {
 #[test]
 fn invisible_colours_do_not_leak() {
     let (r, _) = rectified(Motion::Roll, RectifyMethod::Planar).unwrap();
-    // Green that nobody sees beside red that everybody sees.
+    // Invisible green pixels next to opaque red ones.
     let original = image::RgbaImage::from_fn(640, 480, |x, _| {
         if x % 2 == 0 { Rgba([200, 0, 0, 255]) } else { Rgba([0, 255, 0, 0]) }
     });
@@ -272,7 +271,7 @@ fn pictures_side_by_side_and_in_one() {
     assert_eq!(anaglyph([&left, &right]).get_pixel(1, 1).0, [200, 100, 100, 255]);
 }
 
-/// An epipole on the very border: half lines that leave the image at once still have their line in the other image.
+/// Half lines that leave the image immediately still have a line in the other image.
 #[test]
 fn an_epipole_on_the_border_keeps_its_lines() {
     let f = FundamentalMatrix::nearest_rank_two(nalgebra::Matrix3::new(
@@ -305,7 +304,7 @@ fn an_epipole_on_the_border_keeps_its_lines() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(200))]
 
-    /// Whatever the matrix, there is a picture within the limit or a sentence; never a panic.
+    /// Every matrix gives a picture within the limit or an error message, without a panic.
     #[test]
     fn any_matrix_is_answered(
         entries in proptest::array::uniform9(-1.0f64..1.0),
@@ -323,15 +322,16 @@ proptest! {
                 Ok(r) => {
                     prop_assert!(r.size.width * r.size.height <= limits.pixels);
                     prop_assert!(r.size.width >= 2 && r.size.height >= 2);
-                    // Both maps give the same row to points on corresponding lines; between rows they interpolate.
+                    // Both maps give the same row to points on corresponding lines, and interpolate
+                    // between rows.
                     let q = Point::new(r.size.width as f64 / 2.0, (r.size.height / 2) as f64);
                     let (Some(a), Some(b)) =
                         (r.maps[0].original_from_rectified(q), r.maps[1].original_from_rectified(q))
                     else { continue };
                     prop_assert!(a.x.is_finite() && b.y.is_finite());
                     if frames[0].contains(a) && frames[1].contains(b) {
-                        // A matrix may squeeze a whole pencil into a millionth of a pixel of one image; there the row is
-                        // right to what pixels of that image hold.
+                        // A matrix may squeeze a whole pencil into a millionth of a pixel of one
+                        // image. The row is then accurate in the pixels of the other image.
                         let (line2, line1) = (f.line2_from_point1(a), f.line1_from_point2(b));
                         let is_on = line2.is_none_or(|l| l.distance(b) < 0.5)
                             || line1.is_none_or(|l| l.distance(a) < 1e-4);

@@ -1,4 +1,4 @@
-//! Drawing a rectified picture.
+//! Drawing of rectified pictures.
 
 use image::{DynamicImage, ImageBuffer, Luma, LumaA, Pixel, Rgb, Rgba};
 use rayon::prelude::*;
@@ -7,7 +7,7 @@ use super::map::ImageMap;
 use crate::cancel::CancelFlag;
 use crate::geometry::{Frame, Point};
 
-/// The picture, with an alpha channel. `None` when cancelled.
+/// Draws the picture with an alpha channel. Returns `None` when cancelled.
 pub(super) fn warp(
     original: &DynamicImage,
     map: &ImageMap,
@@ -31,13 +31,12 @@ pub(super) fn warp(
     })
 }
 
-/// One value of a pixel. Positions are `f64`; values mix in `f32`, which holds 16 bits and more.
+/// Channel value of a pixel. Positions are `f64`; values are mixed in `f32`, which represents 16
+/// bits exactly.
 trait WarpSample: image::Primitive + Send + Sync {
-    /// What full opacity is.
+    /// Value of full opacity.
     const OPAQUE: Self;
-    /// The value as a number.
     fn number(self) -> f32;
-    /// The nearest value.
     fn nearest(number: f32) -> Self;
 }
 
@@ -50,7 +49,8 @@ macro_rules! whole_numbers {
         }
         #[inline]
         fn nearest(number: f32) -> Self {
-            // Never negative here: adding a half and cutting off is rounding, and far quicker.
+            // Values are never negative here, so adding a half and truncating rounds, and is much
+            // faster.
             (number + 0.5) as $t
         }
     })* };
@@ -100,8 +100,8 @@ impl WarpJob<'_> {
         .and_then(|raw| Buffer::from_raw(self.size.width as u32, self.size.height as u32, raw))
     }
 
-    /// `N` channels of which the last is alpha. Colours count by their opacity, so that what is invisible does not
-    /// show at the edges.
+    /// Draws `N` channels, the last being alpha. Colours are weighted by opacity: invisible colours
+    /// must not bleed into the edges.
     fn transparent<P, const N: usize>(&self, original: &Buffer<P>) -> Option<Buffer<P>>
     where
         P: Pixel,
@@ -128,7 +128,8 @@ impl WarpJob<'_> {
         .and_then(|raw| Buffer::from_raw(self.size.width as u32, self.size.height as u32, raw))
     }
 
-    /// All pixels of `M` channels; those without an original stay zero, which is transparent.
+    /// Draws all pixels of `M` channels. Pixels without an original stay zero, which is
+    /// transparent.
     fn draw<T: WarpSample, const M: usize>(&self, mix: impl Fn(&Cell) -> [T; M] + Sync) -> Option<Vec<T>> {
         let mut raw = vec![T::nearest(0.0); self.size.width * self.size.height * M];
         raw.par_chunks_exact_mut(self.size.width * M).enumerate().try_for_each(|(y, row)| {
@@ -149,16 +150,17 @@ impl WarpJob<'_> {
 
 /// Four neighbouring pixels and a position between them.
 struct Cell {
-    /// Number of the upper left one.
+    /// Index of the upper left pixel.
     first: usize,
-    /// Pixels from a row to the next.
+    /// Width of the image, px.
     width: usize,
-    /// Offset from the upper left one, 0 to 1.
+    /// Offset from the upper left pixel, 0 to 1.
     fraction: [f32; 2],
 }
 
 impl Cell {
-    /// Around a position; `None` outside the pixels of the image. The outer half pixel takes the border's values.
+    /// Returns the cell around a position; `None` outside the image. The outer half pixel takes the
+    /// border's values.
     #[inline]
     fn new(frame: Frame, p: Point) -> Option<Self> {
         if !frame.contains(p) {
@@ -170,7 +172,7 @@ impl Cell {
         Some(Self { first: j * frame.width + i, width: frame.width, fraction })
     }
 
-    /// The values of the four pixels: upper left and right, lower left and right.
+    /// Returns the values of the four pixels: upper left, upper right, lower left, lower right.
     #[inline]
     fn corners<'a, T, const N: usize>(&self, samples: &'a [T]) -> [&'a [T]; 4] {
         let upper = &samples[self.first * N..][..2 * N];
@@ -178,7 +180,7 @@ impl Cell {
         [&upper[..N], &upper[N..], &lower[..N], &lower[N..]]
     }
 
-    /// Bilinear weights of the four.
+    /// Returns the bilinear weights of the four pixels.
     #[inline]
     fn weights(&self) -> [f32; 4] {
         let [x, y] = self.fraction;

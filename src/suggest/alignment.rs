@@ -1,11 +1,11 @@
-//! How well a patch of the clicked image fits a place in the other one.
+//! Affine alignment of a patch of the clicked image to a place in the other image.
 //!
-//! Samples that fall outside either image do not count, so patches at borders work with what is there.
+//! Samples outside either image are ignored, so patches at borders use the visible part.
 
 use crate::geometry::Point;
 use crate::image::{Alignment, GrayPlane, LEAST_INSIDE, Placement, align, offsets};
 
-/// A patch in the clicked plane and a plane to find it in.
+/// Patch of the clicked plane around `at`, and the plane to align it in.
 #[derive(Clone, Copy)]
 pub(super) struct Aligner<'a> {
     pub from: &'a GrayPlane,
@@ -14,12 +14,14 @@ pub(super) struct Aligner<'a> {
 }
 
 impl Aligner<'_> {
-    /// The best placement near `start`; `None` when it runs away or too little of the patch is inside.
+    /// Returns the best placement near `start`; `None` when the alignment diverges or too little of
+    /// the patch is inside.
     pub fn align(&self, start: Placement) -> Option<Placement> {
         align([self.from, self.to], self.at, start, &Alignment::LENIENT)
     }
 
-    /// Correlation of the patch with what lies there, −1 to 1; 0 where it is flat or mostly outside.
+    /// Returns the normalised correlation of the patch at a placement, −1 to 1; 0 where it is flat
+    /// or mostly outside.
     pub fn correlation(&self, placed: &Placement) -> f64 {
         let (mut n, mut a, mut b, mut aa, mut bb, mut ab) = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
         for x in offsets() {

@@ -4,9 +4,9 @@
 //!     c(x, y) = Σ t·I / √(Σ (I − Ī)²),   Σ t = 0, Σ t² = 1
 //! ```
 //!
-//! The mean of a window drops out of the numerator because the template has none. Plain loops over blocks of
-//! positions, compiled once per instruction set by the `multiversion` crate; the order of every sum is fixed, so
-//! that all of them give the same bits.
+//! The template has no mean, so the mean of a window drops out of the numerator. The loops over
+//! blocks of positions are compiled once per instruction set by the `multiversion` crate. The order
+//! of every sum is fixed, so every instruction set gives the same bits.
 
 use std::ops::Range;
 
@@ -17,36 +17,36 @@ use super::template::{HALF, LEAST_CONTRAST, SIDE, Template};
 use crate::geometry::{Frame, Line};
 use crate::image::GrayPlane;
 
-/// Positions computed at once.
+/// Number of positions computed at once.
 const BLOCK: usize = 32;
 
-/// An image continued beyond its border by its last pixels, so that a window fits around every pixel.
+/// Image extended beyond its border by its last pixels, so that a window fits around every pixel.
 pub(super) struct Windows {
     frame: Frame,
     stride: usize,
-    /// Around grey level 128, which keeps sums of squares small.
+    /// Grey levels minus 128, which keeps the sums of squares small.
     values: Vec<f32>,
 }
 
-/// Where to look: the columns of each row.
+/// Search region: a range of columns per row.
 pub(super) struct Region {
     rows: Vec<Range<usize>>,
 }
 
-/// The best template at each position of a region.
+/// Best template at each position of a region.
 pub(super) struct Map {
     rows: Vec<Vec<Best>>,
     region: Region,
 }
 
-/// A correlation and the number of the template that has it.
+/// Correlation of a template, with the template's index.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Best {
     pub correlation: f32,
     pub template: u16,
 }
 
-/// A local maximum of a map.
+/// Local maximum of a map.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Peak {
     pub x: usize,
@@ -55,12 +55,12 @@ pub(super) struct Peak {
 }
 
 impl Region {
-    /// The whole image.
+    /// Returns the whole image.
     pub fn whole(frame: Frame) -> Self {
         Self { rows: vec![0..frame.width; frame.height] }
     }
 
-    /// The pixels within `band` px of a line.
+    /// Returns the pixels within `band` px of a line.
     pub fn band(frame: Frame, line: &Line, band: f64) -> Self {
         let (a, b, c) = (line.coefficients().x, line.coefficients().y, line.coefficients().z);
         let columns = |y: usize| {
@@ -92,7 +92,7 @@ impl Windows {
         Self { frame, stride, values }
     }
 
-    /// The best of the templates at each position.
+    /// Finds the best template at each position.
     pub fn best(&self, templates: &[Template], region: Region) -> Map {
         let rows = (0..self.frame.height)
             .into_par_iter()
@@ -132,7 +132,7 @@ fn best_of_block(templates: &[Template], values: &[f32], stride: usize, best: &m
         factors[k] = if energy > least { 1.0 / energy.sqrt() } else { 0.0 };
     }
     for (pair, two) in templates.chunks(2).enumerate() {
-        // Two at a time, which halves the loads; the last one may be its own companion.
+        // Two templates at a time halve the loads. An odd last template is paired with itself.
         let two = [&two[0].values, &two[two.len() - 1].values];
         let mut sums = [[0f32; BLOCK]; 2];
         for v in 0..SIDE {
@@ -162,7 +162,7 @@ impl Map {
         (columns.contains(&x)).then(|| self.rows[y][x - columns.start].correlation)
     }
 
-    /// The local maxima above `least`, best first, at most `count`.
+    /// Returns the local maxima above `least`, best first, at most `count`.
     pub fn peaks(&self, least: f32, count: usize) -> Vec<Peak> {
         let mut peaks = Vec::new();
         for (y, (row, columns)) in self.rows.iter().zip(&self.region.rows).enumerate() {

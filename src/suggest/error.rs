@@ -1,8 +1,8 @@
-//! Why there is no suggestion.
+//! Errors of a suggestion.
 
 use thiserror::Error;
 
-/// Why no match was suggested. Each message is one sentence: what happened, what to do.
+/// Reason why no match was suggested. The message is shown to the user.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum SuggestError {
     /// A coordinate is NaN or infinite.
@@ -11,57 +11,61 @@ pub enum SuggestError {
     /// The point lies outside its image.
     #[error("point ({x}, {y}) lies outside image {image}, which is {width}×{height} pixels")]
     Outside {
-        /// 1 or 2.
+        /// Image number, 1 or 2.
         image: usize,
-        /// x of the point, px.
+        /// Coordinate x of the point, px.
         x: f64,
-        /// y of the point, px.
+        /// Coordinate y of the point, px.
         y: f64,
         /// Width of the image, px.
         width: usize,
         /// Height of the image, px.
         height: usize,
     },
-    /// The image is smaller than the patches that are compared.
-    #[error("image {image} is {width}×{height} pixels, too small: at least {smallest}×{smallest} are needed")]
+    /// The image is smaller than the compared patches.
+    #[error("image {image} is too small: {width}×{height} pixels, at least {smallest}×{smallest} are needed")]
     TooSmall {
-        /// 1 or 2.
+        /// Image number, 1 or 2.
         image: usize,
         /// Width, px.
         width: usize,
         /// Height, px.
         height: usize,
-        /// What is needed, px.
+        /// Smallest permitted side, px.
         smallest: usize,
     },
-    /// Nothing around the point can be recognised.
-    #[error("the surroundings of the point are (nearly) uniform: choose a point with texture around it")]
+    /// The surroundings of the point have too little contrast.
+    #[error("the surroundings of the point are nearly uniform. Choose a point with texture around it")]
     Flat,
-    /// The point is the epipole, where every line through the other epipole may hold the match.
-    #[error("the point is the epipole of its image, so its match may lie on any epipolar line")]
+    /// The point is the epipole, so every epipolar line may hold the match.
+    #[error(
+        "the point is the epipole of its image, so its match may lie on any epipolar line. Choose a point away from the epipole"
+    )]
     AtEpipole,
     /// The epipolar line does not cross the other image.
-    #[error("the epipolar line of the point misses image {image}, so its match is not in the picture")]
+    #[error("the epipolar line of the point misses image {image}, so the match is not visible there")]
     LineOutside {
-        /// 1 or 2, the image the match would be in.
+        /// Number of the image that should hold the match, 1 or 2.
         image: usize,
     },
-    /// No place near the point resembles its surroundings in the other image.
-    #[error("nothing near the point in image {image} looks like its surroundings in the other image")]
+    /// No place near the given point resembles the surroundings of its match.
+    #[error(
+        "no place near the point in image {image} looks like the surroundings of its match in the other image"
+    )]
     NotAligned {
-        /// 1 or 2, the image that was searched.
+        /// Number of the searched image, 1 or 2.
         image: usize,
     },
     /// No place resembles the surroundings of the point.
-    #[error("nothing in image {image} looks like the surroundings of the point")]
+    #[error("no place in image {image} looks like the surroundings of the point")]
     NothingAlike {
-        /// 1 or 2, the image that was searched.
+        /// Number of the searched image, 1 or 2.
         image: usize,
     },
 }
 
 impl SuggestError {
-    /// Whether the input was refused, rather than a search that came back with nothing.
+    /// Returns whether the input was invalid; otherwise the search found nothing.
     pub fn is_bad_input(&self) -> bool {
         matches!(self, Self::NotFinite | Self::Outside { .. } | Self::TooSmall { .. })
     }

@@ -1,30 +1,33 @@
-//! Guided second click: where in the other image a clicked point may be; a better place for one that was clicked; and where
-//! one more click would tell most ([`next_click`]).
+//! Guided clicking: the match of a clicked point ([`suggest`]), the refinement of a clicked pair
+//! ([`refine`]) and the most informative next click ([`next_click`]).
 //!
-//! The surroundings of the click, turned and resized in steps, are correlated with every place of the other
-//! image at two small sizes, or with every place near the epipolar line at three sizes when `F` is known. The
-//! best places are followed to the full size by affine alignment; their score is the correlation
+//! The patch around the click is rotated and scaled in steps. Each version is correlated with every
+//! position of the other image at two reduced sizes. With a known `F`, only positions near the
+//! epipolar line are searched, at three sizes. Affine alignment follows the best positions to the
+//! full size. The score is the correlation
 //!
 //! ```text
 //!     c = mean over three sizes of  Σ (I1 − Ī1)(I2 − Ī2) / √(Σ (I1 − Ī1)² Σ (I2 − Ī2)²)
 //! ```
 //!
-//! of 11×11 patches at some 1/4, 1/2 and all of the resolution: the wide ones tell repeated things apart, the
-//! narrow ones give the place. The best candidate is then searched for in the clicked image, the way back.
+//! of 11×11 patches at about 1/4, 1/2 and all of the resolution. The wide patches distinguish
+//! repeated structure; the narrow patches localise. A reverse search then looks for the best
+//! candidate's match in the clicked image.
 //!
-//! It is called *clear* when it correlates well, when no competitor — the second place in the other image or the
-//! second place on the way back — comes near it, measured by the ratio of mismatches (after Lowe 2004), and
-//! when the way back ends at the click. The limits are those of [`SuggestParameters`]; they were set on real
-//! pairs so that nearly all clear suggestions are right. `cargo run --release --example measure-suggest` prints
-//! the shares.
+//! A suggestion is *clear* under three conditions. Its correlation is high. No competitor comes
+//! near, measured by the ratio of mismatches (after Lowe 2004); competitors are the second-best
+//! position in the other image and of the reverse search. And the reverse search ends at the click.
+//! [`SuggestParameters`] holds the limits, set on real pairs so that nearly all clear suggestions
+//! are right. `cargo run --release --example measure-suggest` prints the fractions.
 //!
 //! # Pitfalls
-//! - Rotation up to 30° and scales from 0.7 to 1.4 are searched around the view of the images that is known or that
-//!   their features suggest; what is turned or scaled against the rest of the picture is found only by luck.
-//! - At the silhouette of a thing the patches show different backgrounds: the right place may score low.
-//! - Matches within 10 px of the border of the other image (at 768 px; 5 px with `F`) are found only by luck:
-//!   half of the patch is not in the picture. Clicks at a border are no problem.
-//! - A point that is hidden in the other image has no match, but a twin of it may look clear.
+//! - Rotations up to 30° and scales from 0.7 to 1.4 are searched, relative to the known view or the
+//!   view estimated from features. Objects turned or scaled beyond that are found only by luck.
+//! - At an occluding contour the patches show different backgrounds: the correct match may score
+//!   low.
+//! - Matches within 10 px of the border of the other image (at 768 px; 5 px with `F`) are found
+//!   only by luck, because half of the patch is outside. Clicks at a border are no problem.
+//! - A point occluded in the other image has no match, but a similar place may look clear.
 
 mod alignment;
 mod correlation;
@@ -50,29 +53,31 @@ use crate::image::RelativeView;
 use search::{FoundPlace, Quest, SearchView};
 use template::Pose;
 
-/// Images smaller than this hold no patch at a reduced size, px.
+/// Smallest permitted image side, px. Smaller images hold no patch at the reduced sizes.
 const SMALLEST_SIDE: usize = 24;
-/// Mismatch that says nothing, as noise and interpolation cause it: two perfect places are equals.
+/// Mismatch `1 − c` caused by noise and interpolation. It keeps the ratio of two perfect matches at
+/// 1.
 const NOISE: f64 = 1e-3;
-/// Step between the rotations that are tried, radians.
+/// Step between searched rotations, radians.
 const ROTATION_STEP: f64 = std::f64::consts::PI / 12.0;
-/// Ratio between the scales that are tried.
+/// Ratio between searched scales.
 const SCALE_STEP: f64 = 1.19;
 
-/// What is known of how the two images belong together. Nothing, by default.
+/// Known relations between the two images; none by default.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Known {
-    /// The geometry, from image 1 to image 2 whichever was clicked: then only the epipolar line is searched.
+    /// Fundamental matrix from image 1 to image 2, whichever was clicked. With it, only the
+    /// epipolar line is searched.
     pub fundamental: Option<FundamentalMatrix>,
-    /// How the images are turned and scaled against each other. When that is not known they are taken to be upright, and
-    /// where that leaves doubts, as their features suggest.
+    /// Relative rotation and scale of the images. Without it the search starts upright, and tries
+    /// the view estimated from features if no match is clear.
     pub view: Option<RelativeView>,
 }
 
-/// Suggests the match of a point that was clicked in one image, full-size pixels.
+/// Suggests matches of a point clicked in one image, in full-size pixels.
 ///
-/// Takes some 20 to 40 ms at 768×576 on two cores, and the first time that features are asked for some tenths of a second
-/// more; gives the same result on any number of threads.
+/// Takes 20 to 40 ms at 768×576 on two cores; the first use of features adds some tenths of a
+/// second. The result does not depend on the number of threads.
 pub fn suggest(
     prepared: &PreparedPair,
     point: Point,
@@ -97,14 +102,14 @@ pub fn suggest(
     let Some(turned) = view.filter(|view| *view != RelativeView::UPRIGHT).map(search) else { return upright };
     let correlation = |found: &Result<Suggestions, SuggestError>| {
         found.as_ref().map_or(-1.0, |found| {
-            // What is clear is better than what is not.
+            // A clear suggestion beats every unclear one.
             found.candidates[0].correlation + f64::from(u8::from(found.clear().is_some()))
         })
     };
     if correlation(&turned) > correlation(&upright) { turned } else { upright }
 }
 
-/// [`suggest`] under one view.
+/// Runs [`suggest`] under one view.
 fn seen(
     prepared: &PreparedPair,
     point: Point,
@@ -157,12 +162,12 @@ fn seen(
     Ok(Suggestions { candidates, ambiguity, return_distance, verdict })
 }
 
-/// How far a refined point may lie from where it was, as a fraction of the longer side of its image.
+/// Maximum displacement by [`refine`], as a fraction of the longer side of the image.
 const REFINED_REACH: f64 = 0.01;
 
-/// Aligns the point in image 2 of a clicked pair to a fraction of a pixel around where it is: the place nearby that looks
-/// like the surroundings of the point in image 1. Without a view, the images are taken to be turned and scaled as the
-/// surroundings of both points suggest.
+/// Refines a clicked pair to subpixel accuracy. The point in image 2 moves to the nearby position
+/// that looks most like the surroundings of the point in image 1. Without a view, the relative
+/// rotation and scale are estimated from the surroundings of both points.
 pub fn refine(
     prepared: &PreparedPair,
     pair: &PointPair,
@@ -204,7 +209,7 @@ fn check(prepared: &PreparedPair, point: Point, clicked: ClickedImage) -> Result
     Ok(())
 }
 
-/// The epipolar line of a point of the given image, in the other one.
+/// Returns the epipolar line in the other image.
 fn epipolar_line(f: &FundamentalMatrix, image: ClickedImage, point: Point) -> Option<Line> {
     match image {
         ClickedImage::First => f.line2_from_point1(point),
@@ -212,7 +217,7 @@ fn epipolar_line(f: &FundamentalMatrix, image: ClickedImage, point: Point) -> Op
     }
 }
 
-/// A grid of poses around one, `steps` to either side.
+/// Returns a grid of poses around one, `steps` to either side.
 fn poses(around: Pose, steps: i32) -> Vec<Pose> {
     let offsets = || (-steps..=steps).map(f64::from);
     let rotations: Vec<f64> = offsets().map(|k| around.rotation + k * ROTATION_STEP).collect();

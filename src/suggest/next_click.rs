@@ -1,4 +1,4 @@
-//! Where one more clicked pair would tell most: the place where the geometries in question disagree.
+//! The most informative next click: where the competing geometries disagree.
 
 use rayon::prelude::*;
 use serde::Serialize;
@@ -6,49 +6,52 @@ use serde::Serialize;
 use crate::estimate::{Estimate, PreparedPair};
 use crate::geometry::{Frame, FundamentalMatrix, Line, Point, PointPair, rescaled};
 
-/// Longer side of the image in which textured places are looked for, px.
+/// Longer side of the image searched for textured points, px.
 const SIDE: f64 = 384.0;
-/// Textured places that are looked at, and how far they keep from the border at that size, px.
+/// Number of textured points considered.
 const PLACES: usize = 600;
+/// Distance of these points from the border at the reduced size, px.
 const BORDER: usize = 10;
-/// Rivals that are looked at.
+/// Maximum number of rivals.
 const RIVALS: usize = 12;
-/// The less support a rival has against the best one, the less it counts: the ratio to this power.
+/// Exponent that turns the ratio of a rival's support to the best support into a weight.
 const SHARPNESS: i32 = 4;
-/// Lines this share of the longer side apart are told apart by any click: more adds little.
+/// Distance between two lines, as a fraction of the longer side, beyond which the gain saturates:
+/// any click distinguishes them.
 const PLAIN: f64 = 0.05;
-/// Smaller disagreements, as a share of the longer side, are no reason to click.
+/// Minimum disagreement worth a click, as a fraction of the longer side.
 const LEAST: f64 = 0.0025;
-/// Places nearer to a placed point than this share of the longer side tell nothing new.
+/// Minimum distance from a placed point, as a fraction of the longer side. Nearer clicks add
+/// nothing.
 const APART: f64 = 0.03;
-/// Points of a line that its distance from another is the mean of.
+/// Number of samples per line for its mean distance from another line.
 const SAMPLES: usize = 9;
 
-/// A geometry that competes with a result.
+/// Geometry that competes with a result.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rival {
-    /// The geometry.
+    /// Fundamental matrix of the rival.
     pub fundamental: FundamentalMatrix,
-    /// How much it counts, 0 to 1.
+    /// Weight from 0 to 1.
     pub weight: f64,
 }
 
-/// A place for one more click.
+/// Proposed position of the next click.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct NextClick {
-    /// Where in image 1, full-size px.
+    /// Position in image 1, full-size px.
     pub point: Point,
-    /// How far the epipolar lines of this point under the result and under its rivals are apart in image 2, mean of the
-    /// rivals by their weight, px.
+    /// Distance in image 2 between the epipolar lines of this point under the result and under its
+    /// rivals, px. Mean over the rivals by weight.
     pub disagreement: f64,
 }
 
 impl Rival {
-    /// The best hypotheses of the search that found a result.
+    /// Returns the best hypotheses of the search behind a result.
     pub fn of(found: &Estimate) -> Vec<Self> {
         let hypotheses = found.hypotheses();
         let Some(best) = hypotheses.first() else { return Vec::new() };
-        // Support is better when it is more, the score of lines when it is less.
+        // Support is a score to maximise, the line score one to minimise.
         let ratio = |other: &Estimate| match (best.support_score(), best.line_score()) {
             (Some(best), _) => Some(other.support_score()? / best),
             (None, Some(best)) => Some(best / other.line_score()?),
@@ -62,8 +65,9 @@ impl Rival {
     }
 }
 
-/// The textured place of image 1 where the epipolar lines of the result and of its rivals are farthest apart in image 2,
-/// off the pairs that are placed already; `None` when they agree everywhere. Takes some milliseconds.
+/// Returns the textured point of image 1 whose epipolar lines under the result and its rivals are
+/// farthest apart in image 2. Points near placed pairs are skipped. Returns `None` when all
+/// geometries agree. Takes some milliseconds.
 pub fn next_click(
     prepared: &PreparedPair,
     fundamental: &FundamentalMatrix,
@@ -79,7 +83,7 @@ pub fn next_click(
     let seen = |point: Point| {
         let own = fundamental.line2_from_point1(point)?;
         frame2.clip(&own)?;
-        // What would be seen outside the image under a rival tells nothing: there is nothing to click.
+        // A rival whose line misses image 2 is skipped: there is nothing to click.
         let distances = rivals.iter().filter_map(|rival| {
             let line = rival.fundamental.line2_from_point1(point)?;
             Some((rival.weight / total, apart(&own, &line, frame2)?))
@@ -97,12 +101,13 @@ pub fn next_click(
         .filter(is_apart)
         .filter_map(seen)
         .collect();
-    // The first of equals: the one with most texture.
+    // Of equal points the first is kept, which is the most textured.
     let best = places.into_iter().reduce(|best, other| if other.0 > best.0 { other } else { best });
     best.map(|(_, place)| place).filter(|place| place.disagreement >= LEAST * side)
 }
 
-/// Mean distance of what is seen of each line from the other one, px; `None` when one of them is not seen.
+/// Returns the mean distance of the visible part of each line from the other, px; `None` when a
+/// line is not visible.
 fn apart(a: &Line, b: &Line, frame: Frame) -> Option<f64> {
     let one_way = |from: &Line, to: &Line| {
         let segment = frame.clip(from)?;
@@ -121,7 +126,7 @@ mod tests {
 
     const FRAME: Frame = Frame { width: 480, height: 360 };
 
-    /// Corners all over, but for the flat left half of an image.
+    /// Returns images with corners everywhere except in a flat left half.
     fn prepared() -> PreparedPair {
         let tiles =
             |x: usize, y: usize| if x >= 200 && (x / 24 + y / 24).is_multiple_of(2) { 200.0 } else { 60.0 };
@@ -129,7 +134,7 @@ mod tests {
         PreparedPair::new(&plane, &plane)
     }
 
-    /// Points are seen in the row `a y + b`.
+    /// Returns the geometry that maps every point to the row `a y + b`.
     fn rows(a: f64, b: f64) -> FundamentalMatrix {
         let f = Matrix3::new(0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, -a, -b);
         FundamentalMatrix::from_rank_two(f).unwrap()
@@ -137,12 +142,13 @@ mod tests {
 
     #[test]
     fn the_place_is_where_the_lines_are_farthest_apart_and_both_seen() {
-        // The rows differ by a fifth of the way from row 100, and below row 316 the rival leaves the image.
+        // The rows differ by a fifth of the distance from row 100. Below row 316 the rival leaves
+        // the image.
         let rival = Rival { fundamental: rows(1.2, -20.0), weight: 1.0 };
         let found = next_click(&prepared(), &rows(1.0, 0.0), &[rival], &[]).unwrap();
         assert!((280.0..316.5).contains(&found.point.y) && found.point.x > 190.0, "{found:?}");
         assert!((found.disagreement - 0.2 * (found.point.y - 100.0)).abs() < 1e-6);
-        // Where a pair was placed there is nothing to learn.
+        // A point near a placed pair is not proposed again.
         let placed = PointPair { point1: found.point, point2: found.point };
         let other = next_click(&prepared(), &rows(1.0, 0.0), &[rival], &[placed]).unwrap();
         assert!((other.point - found.point).norm() > 14.0);

@@ -1,23 +1,24 @@
-//! What to search and when to trust it.
+//! Extent of the search, and limits for a clear suggestion.
 
 use serde::{Deserialize, Serialize};
 
 use super::Clarity;
 
-/// Choices of [`suggest`](super::suggest()).
+/// Parameters of [`suggest`](super::suggest()).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SuggestParameters {
     /// Half width of the band searched around the epipolar line, full-size px.
     pub band: f64,
-    /// Most candidates returned.
+    /// Maximum number of candidates returned.
     pub candidates: usize,
-    /// A clear suggestion correlates at least this much, −1 to 1.
+    /// Minimum correlation of a clear suggestion, −1 to 1.
     pub least_correlation: f64,
-    /// The ambiguity of a clear suggestion is below this, 0 to 1.
+    /// Maximum ambiguity of a clear suggestion, 0 to 1.
     pub most_ambiguity: f64,
-    /// The way back of a clear suggestion ends this near the click, px or …
+    /// Maximum distance from the click at the end of the reverse search, px. The larger of this
+    /// limit and `return_share` applies.
     pub return_pixels: f64,
-    /// … share of the longer side of the image, whichever is more.
+    /// The same limit as a fraction of the longer side of the image.
     pub return_share: f64,
 }
 

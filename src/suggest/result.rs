@@ -1,4 +1,4 @@
-//! What a search found, and whether to trust it.
+//! Results of a search, with a verdict.
 
 use std::fmt;
 
@@ -17,7 +17,7 @@ pub enum ClickedImage {
 }
 
 impl ClickedImage {
-    /// 1 or 2.
+    /// Returns 1 or 2.
     pub fn number(self) -> usize {
         self.index() + 1
     }
@@ -31,52 +31,53 @@ impl ClickedImage {
     }
 }
 
-/// A place in the other image that looks like the surroundings of the click.
+/// Position in the other image that looks like the surroundings of the click.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Suggestion {
-    /// Where, to a fraction of a pixel; full-size pixels.
+    /// Position with subpixel accuracy, full-size px.
     pub position: Point,
-    /// Normalised correlation of the patches after alignment, mean of three sizes, −1 to 1.
+    /// Normalised correlation of the aligned patches, mean of three sizes, −1 to 1.
     pub correlation: f64,
-    /// How far the clicked image is turned there, radians, from the x axis to the y axis.
+    /// Rotation relative to the clicked image, radians from the x axis to the y axis.
     pub rotation: f64,
-    /// How much larger the same thing is there than in the clicked image.
+    /// Scale relative to the clicked image.
     pub scale: f64,
 }
 
-/// The candidates for a match and how sure the best one is.
+/// Candidates for a match, with a verdict on the best one.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Suggestions {
-    /// Best first, at least one.
+    /// Candidates, best first, at least one.
     pub candidates: Vec<Suggestion>,
-    /// Mismatch of the best candidate over that of the best competitor, 0 to 1: `(1 − c₁)/(1 − c₂)`, both
-    /// mismatches with a little added for noise.
-    /// Competitors are the next separate place in the other image and, on the way back, the next separate place
-    /// in the clicked one. Near 0 the best one stands alone; at 1 another is as good.
+    /// Ratio of the mismatches of the best candidate and its best competitor, 0 to 1:
+    /// `(1 − c₁)/(1 − c₂)`, with a constant for noise added to both mismatches. Competitors are the
+    /// next separate position in the other image and, in the reverse search, the next separate
+    /// position in the clicked image. Near 0 the best candidate is unrivalled; at 1 a competitor is
+    /// equally good.
     pub ambiguity: f64,
-    /// How far from the click the way back ends: the match of the best candidate, searched for in the clicked
-    /// image, px. `None` when the way back found nothing.
+    /// Distance from the click to the match of the best candidate in the clicked image, px. `None`
+    /// when the reverse search found nothing.
     pub return_distance: Option<f64>,
-    /// Whether to trust the best candidate.
+    /// Verdict on the best candidate.
     pub verdict: Clarity,
 }
 
-/// Whether the best candidate can be trusted.
+/// Verdict on the best candidate of a search.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Clarity {
-    /// One place stands out, and the way back leads to the click.
+    /// The best candidate is unrivalled, and the reverse search ends at the click.
     Clear,
-    /// The best place does not look much like the click.
+    /// The best candidate does not look much like the click.
     Weak,
-    /// Another place looks nearly as good.
+    /// A competitor looks nearly as good.
     Ambiguous,
-    /// The match of the best place is not the click.
+    /// The reverse search does not end at the click.
     NoReturn,
 }
 
 impl Suggestions {
-    /// The best candidate if it can be trusted.
+    /// Returns the best candidate if it is clear.
     pub fn clear(&self) -> Option<&Suggestion> {
         if self.verdict == Clarity::Clear { self.candidates.first() } else { None }
     }
@@ -85,10 +86,10 @@ impl Suggestions {
 impl fmt::Display for Clarity {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         f.write_str(match self {
-            Self::Clear => "Clear: one place stands out, and its own match is the point",
-            Self::Weak => "Unclear: the best place does not look much like the surroundings of the point",
+            Self::Clear => "Clear: one place fits far better than all others, and searching back from it ends at the point",
+            Self::Weak => "Unclear: the best place looks little like the surroundings of the point",
             Self::Ambiguous => "Unclear: other places look nearly as good",
-            Self::NoReturn => "Unclear: the match of the best place is not the point",
+            Self::NoReturn => "Unclear: searching back from the best place does not end at the point",
         })
     }
 }

@@ -1,4 +1,4 @@
-//! Candidates for the match of a click: found on small images, followed to the large ones.
+//! Coarse-to-fine search for the match of a click.
 
 use rayon::prelude::*;
 
@@ -9,36 +9,36 @@ use crate::estimate::PreparedPair;
 use crate::geometry::{Line, Point, rescaled};
 use crate::image::{GrayPlane, Placement, RelativeView};
 
-/// Longer sides of the levels candidates are compared at, px; with halved levels they are from 1/√2 to √2 times
-/// that. A patch of fixed size shows some 6 %, 3 % and 1.5 % of the image: the surroundings tell repeated things
-/// apart, the detail gives the place.
+/// Longer sides of the compared levels, px; halved levels have 1/√2 to √2 times these sizes. A
+/// patch of fixed size covers some 6 %, 3 % and 1.5 % of the image. The wide patches distinguish
+/// repeated structure; the narrow patch localises.
 const SIDES: [f64; LEVELS] = [145.0, 290.0, 580.0];
 const LEVELS: usize = 3;
-/// Candidates followed from each level.
+/// Maximum number of candidates followed from each level.
 const PER_LEVEL: usize = 16;
-/// Correlation below which a place on a small image is not followed.
+/// Minimum correlation of a candidate at a reduced size.
 const LEAST_CORRELATION: f32 = 0.5;
-/// Candidates nearer to each other than this share of the longer side are one.
+/// Distance below which two candidates are merged, as a fraction of the longer side.
 const SEPARATION: f64 = 0.005;
 
-/// The two images at one size, in the order of the search.
+/// Both images at one size, in the order of the search.
 #[derive(Clone, Copy)]
 struct SearchStage<'a> {
     from: &'a GrayPlane,
     to: &'a GrayPlane,
-    /// Size over full size.
+    /// Reduced size over full size.
     from_scale: f64,
     to_scale: f64,
 }
 
-/// The images seen from the one that was clicked.
+/// Levels of both images, in the order of the search.
 pub(super) struct SearchView<'a> {
     stages: Vec<SearchStage<'a>>,
     full: SearchStage<'a>,
     usual: Pose,
 }
 
-/// Where the match may lie, full-size pixels.
+/// Candidate position of the match, full-size px.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct FoundPlace {
     pub placement: Placement,
@@ -46,9 +46,9 @@ pub(super) struct FoundPlace {
     pub correlation: f64,
 }
 
-/// What is searched for, and where.
+/// Point to search for, with poses and region.
 pub(super) struct Quest<'a> {
-    /// The click, full-size px.
+    /// Clicked point, full-size px.
     pub at: Point,
     pub poses: &'a [Pose],
     /// Epipolar line and half width of the band around it, full-size px.
@@ -74,7 +74,7 @@ impl SearchStage<'_> {
         Aligner { from: self.from, to: self.to, at: rescaled(full_at, self.from_scale) }
     }
 
-    /// Peaks of the correlation on the small image, full size.
+    /// Returns the peaks of the correlation at this size, in full-size pixels.
     fn peaks(&self, quest: &Quest) -> Vec<Placement> {
         let at = rescaled(quest.at, self.from_scale);
         let templates: Vec<Template> =
@@ -86,7 +86,7 @@ impl SearchStage<'_> {
         let region = match &quest.band {
             None => Region::whole(frame),
             Some((line, band)) => match rescaled_line(line, self.to_scale) {
-                // At least the pixels on either side of the line.
+                // The band covers at least the pixels on either side of the line.
                 Some(line) => Region::band(frame, &line, (band * self.to_scale).max(1.0)),
                 None => return Vec::new(),
             },
@@ -106,7 +106,8 @@ impl SearchStage<'_> {
 }
 
 impl<'a> SearchView<'a> {
-    /// A search from image `from` (0 or 1) to the other, at sizes at which things are of like size under a view.
+    /// Creates a search from image `from` (0 or 1) to the other. The level sizes compensate the
+    /// scale of the view.
     pub fn new(prepared: &'a PreparedPair, from: usize, view: RelativeView) -> Self {
         let warp = prepared.pyramids().level_seen(SIDES[0], view).warp(view);
         let usual = if from == 0 { Pose::of(&warp) } else { Pose::of(&warp).inverse() };
@@ -122,7 +123,7 @@ impl<'a> SearchView<'a> {
         Self { stages: SIDES.map(stage).to_vec(), full: stage(f64::INFINITY), usual }
     }
 
-    /// How things look in the other image under the view, between the smallest images of the search.
+    /// Returns the pose of the view between the smallest levels.
     pub fn usual_pose(&self) -> Pose {
         self.usual
     }
@@ -131,22 +132,22 @@ impl<'a> SearchView<'a> {
         self.full.to.frame().longer_side()
     }
 
-    /// Whether the surroundings of a point are too uniform to be found anywhere.
+    /// Returns whether the surroundings of a point are too uniform for a search.
     pub fn is_flat(&self, at: Point) -> bool {
         let upright = Pose { rotation: 0.0, scale: 1.0 };
         self.stages.iter().all(|s| Template::new(s.from, rescaled(at, s.from_scale), upright).is_none())
     }
 
-    /// Places that look like the click, best first, each separate from the others.
+    /// Returns separate candidates, best first.
     pub fn candidates(&self, quest: &Quest) -> Vec<FoundPlace> {
-        // Along a line there is time for the large image too.
+        // A band is small enough to search the large level too.
         let searched = if quest.band.is_some() { LEVELS } else { 2 };
         let starts: Vec<(usize, Placement)> = (0..searched)
             .flat_map(|k| self.stages[k].peaks(quest).into_iter().map(move |p| (k, p)))
             .collect();
         let mut found: Vec<FoundPlace> =
             starts.par_iter().filter_map(|(k, start)| self.followed(quest, *k, *start)).collect();
-        // Stable: equals stay in the order they were found in, which does not depend on threads.
+        // A stable sort: equal candidates keep an order that does not depend on threads.
         found.sort_by(|a, b| b.correlation.total_cmp(&a.correlation));
         let apart = SEPARATION * self.longer_side();
         let mut separate: Vec<FoundPlace> = Vec::new();
@@ -159,26 +160,26 @@ impl<'a> SearchView<'a> {
         separate
     }
 
-    /// The place within reach of `near` that looks most like the surroundings of a point, wherever the alignment of one
-    /// of the poses ends.
+    /// Returns the best match of `at` within `reach` of `near`. Alignment starts from each of
+    /// `poses` on each level.
     pub fn nearby(&self, at: Point, near: Point, reach: f64, poses: &[Pose]) -> Option<FoundPlace> {
         let quest = Quest { at, poses, band: None };
         let starts: Vec<(usize, Placement)> = (0..LEVELS)
             .flat_map(|level| poses.iter().map(move |pose| (level, *pose)))
             .map(|(level, pose)| {
                 let SearchStage { from_scale, to_scale, .. } = self.stages[0];
-                // Poses are between the smallest images.
+                // Poses refer to the smallest levels.
                 (level, Placement { at: near, affine: pose.matrix() * (from_scale / to_scale) })
             })
             .collect();
         let found: Vec<FoundPlace> =
             starts.par_iter().filter_map(|(level, start)| self.followed(&quest, *level, *start)).collect();
         let near_enough = found.into_iter().filter(|found| (found.placement.at - near).norm() <= reach);
-        // The first of equals, in an order that does not depend on threads.
+        // The first of equal candidates, in an order that does not depend on threads.
         near_enough.reduce(|best, other| if other.correlation > best.correlation { other } else { best })
     }
 
-    /// A place aligned at its own level and all finer ones.
+    /// Aligns a candidate at its own level and at all finer levels.
     fn followed(&self, quest: &Quest, level: usize, start: Placement) -> Option<FoundPlace> {
         let mut full = start;
         for stage in &self.stages[level..] {
@@ -194,13 +195,14 @@ impl<'a> SearchView<'a> {
         Some(FoundPlace { placement: full, correlation })
     }
 
-    /// A pose between the full-size images as one between the small ones, which may be reduced unequally.
+    /// Converts a pose between the full-size images to the smallest levels, whose reductions may
+    /// differ.
     pub fn level_pose(&self, pose: Pose) -> Pose {
         let SearchStage { from_scale, to_scale, .. } = self.stages[0];
         Pose { scale: pose.scale * to_scale / from_scale, ..pose }
     }
 
-    /// The candidate at the full size of the images.
+    /// Aligns the candidate at the full size of the images.
     pub fn finished(&self, at: Point, candidate: &FoundPlace) -> Placement {
         let aligned = self.full.aligner(at).align(self.full.placement(&candidate.placement));
         aligned.map_or(candidate.placement, |placement| self.full.full(&placement))

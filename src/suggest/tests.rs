@@ -1,4 +1,4 @@
-//! The whole search on pictures whose matches are known.
+//! Searches on pictures with known matches.
 
 use std::path::Path;
 
@@ -10,7 +10,7 @@ use crate::synthetic::{Motion, test_pair};
 
 const BOTH: [ClickedImage; 2] = [ClickedImage::First, ClickedImage::Second];
 
-/// Click and truth of a match.
+/// Returns the clicked point and the true match.
 fn click(m: &PointPair, clicked: ClickedImage) -> (Point, Point) {
     match clicked {
         ClickedImage::First => (m.point1, m.point2),
@@ -18,7 +18,7 @@ fn click(m: &PointPair, clicked: ClickedImage) -> (Point, Point) {
     }
 }
 
-/// Irregular smooth blobs, defined everywhere.
+/// Returns the grey level of irregular smooth blobs, defined everywhere.
 fn blobs(x: f64, y: f64) -> f32 {
     let lattice = |i: f64, j: f64| {
         let cell = (i as i64 as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15)
@@ -35,7 +35,7 @@ fn blobs(x: f64, y: f64) -> f32 {
     (40.0 + 90.0 * octave(23.0) + 60.0 * octave(9.0) + 30.0 * octave(5.0)) as f32
 }
 
-/// The blobs, and the blobs turned and resized about the middle under another brightness.
+/// Returns the blobs, and the blobs rotated and scaled about the middle with other brightness.
 fn turned(degrees: f64, scale: f64) -> (PreparedPair, impl Fn(Point) -> Point) {
     let frame = Frame::new(480, 360);
     let middle = frame.centre();
@@ -65,7 +65,8 @@ fn turned_resized_and_darker_pictures_are_matched_to_a_fraction_of_a_pixel() {
             let found = free(&prepared, point, ClickedImage::First).unwrap();
             let best = found.clear().unwrap_or_else(|| panic!("{degrees}° {scale} {point}: {found:?}"));
             assert!((best.position - there(point)).norm() < 0.3, "{degrees}° {scale} {point}: {found:?}");
-            // A step of the search is 15° and 1.19: alignment must have come closer than half of it.
+            // Search steps are 15° and a factor of 1.19. Alignment must come closer than half a
+            // step.
             assert!((best.rotation.to_degrees() - degrees).abs() < 5.0, "{found:?}");
             assert!((best.scale / scale - 1.0).abs() < 0.06, "{found:?}");
         }
@@ -150,7 +151,7 @@ fn rendered_scenes_are_matched_and_clear_ones_are_right() {
         }
         let (clicks, clear, right) = (f64::from(clicks), f64::from(clear), right as f64);
         assert!(clear >= least_clear * clicks, "{motion:?}: {clear} of {clicks}");
-        // At most one or two wrong of a few dozen.
+        // At most one or two of a few dozen may be wrong.
         assert!(right >= 0.93 * clear, "{motion:?}: {right} of {clear}");
     }
 }
@@ -190,7 +191,7 @@ fn impossible_points_are_refused() {
     }
 }
 
-/// Shares over the true matches of real pairs: clicks, clear, clear and right.
+/// Returns counts over the true matches of real pairs: clicks, clear ones, clear and correct ones.
 fn tally(scenes: &[KnownScene], every: usize, with_f: bool) -> (usize, usize, usize) {
     let (mut clicks, mut clear, mut right) = (0, 0, 0);
     for scene in scenes {
@@ -223,8 +224,8 @@ fn clear_suggestions_on_real_pairs_are_right() {
     let house = vgg_scenes(&data.join("house"), 1, &[]).unwrap();
     let upright = ["Dresden", "castle", "corr", "dino2", "head", "kampa"].map(str::to_owned);
     let pairs = pair_scenes(&data.join("pairs"), &upright).unwrap();
-    // All clicks give 80 % (92 % with F) on the house and 56 % (66 %) on the upright pairs; a sample this size may
-    // lie some 8 % below.
+    // All clicks give 80 % clear (92 % with F) on the house and 56 % (66 %) on the upright pairs. A
+    // sample of this size may lie 8 % lower.
     for (scenes, every, with_f, least_clear) in [
         (&house, 60, false, 0.72),
         (&house, 60, true, 0.84),
@@ -234,7 +235,7 @@ fn clear_suggestions_on_real_pairs_are_right() {
         let (clicks, clear, right) = tally(scenes, every, with_f);
         println!("{clicks} clicks, F {with_f}: {clear} clear, {right} of them right");
         assert!(clear as f64 >= least_clear * clicks as f64, "{clear} of {clicks}");
-        // 98 % and more are right; 95 % is what a clear suggestion promises.
+        // At least 98 % are correct in measurements; a clear suggestion promises 95 %.
         assert!(right as f64 >= 0.95 * clear as f64, "{right} of {clear}");
     }
 }

@@ -1,4 +1,4 @@
-//! How two images are turned and scaled against each other, from what surrounds the two points of clicked pairs.
+//! Relative rotation and scale of two images, from the surroundings of clicked pairs.
 
 use std::f64::consts::TAU;
 
@@ -9,20 +9,21 @@ use crate::estimate::PreparedPair;
 use crate::geometry::{PointPair, rescaled};
 use crate::image::{Placement, RelativeView};
 
-/// Turns that are tried.
+/// Number of rotations tried.
 const TURNS: usize = 36;
-/// Scales that are tried, either way from like sizes, and the ratio between them: up to a quarter and four times.
+/// Number of scales tried on either side of equal sizes: up to a quarter and four times.
 const SCALES: i32 = 6;
 const SCALE_STEP: f64 = 1.26;
-/// Longer sides of the images that are compared, px.
+/// Longer sides of the compared images, px.
 const SIDES: [f64; 2] = [145.0, 290.0];
-/// What surrounds the points has to correlate this well under a view, mean of all pairs and sizes.
+/// Minimum correlation of the surroundings under a view, mean of all pairs and sizes.
 const LEAST_CORRELATION: f64 = 0.6;
-/// Advantage over the upright view that makes another one credible.
+/// Minimum advantage in correlation over the upright view.
 const ADVANTAGE: f64 = 0.15;
 
-/// The view under which the surroundings of the two points of each pair look most alike, if they do: upright unless
-/// another one is clearly better. Takes a few milliseconds.
+/// Returns the view under which the surroundings of the paired points correlate best; `None` if the
+/// correlation is low. The view is upright unless another view is clearly better. Takes a few
+/// milliseconds.
 pub fn view_at(prepared: &PreparedPair, pairs: &[PointPair]) -> Option<RelativeView> {
     let [frame1, frame2] = prepared.frames();
     let like_sizes = frame2.longer_side() / frame1.longer_side();
@@ -42,7 +43,7 @@ pub fn view_at(prepared: &PreparedPair, pairs: &[PointPair]) -> Option<RelativeV
     Some(if scored[best] > upright + ADVANTAGE { views[best] } else { RelativeView::UPRIGHT })
 }
 
-/// Correlation of what surrounds the points under a view, mean of all pairs and sizes.
+/// Returns the correlation of the surroundings under a view, mean of all pairs and sizes.
 fn likeness(prepared: &PreparedPair, pairs: &[PointPair], view: RelativeView) -> f64 {
     let correlations = SIDES.iter().flat_map(|side| {
         let level = prepared.pyramids().level_seen(*side, view);

@@ -1,4 +1,4 @@
-//! `epiline barcode`: folders of frames in, geometry or a sentence out.
+//! `epiline barcode`: folders of frames in, a geometry or an error message out.
 
 use std::path::Path;
 
@@ -18,7 +18,7 @@ const THROWN: ThrownBalls = ThrownBalls {
     seed: 2,
 };
 
-/// The frames of both cameras, each in a folder of its own.
+/// Writes the frames of both cameras, each to its own folder.
 fn recorded(folder: &Path) -> [String; 2] {
     recorded_as(folder, THROWN)
 }
@@ -52,7 +52,7 @@ fn two_folders_of_frames_give_the_geometry_and_their_offset() {
     let output = run(&["barcode", &left, &right, "--find-offset", "--json", "-"]);
     let told = text(&output.stderr);
     assert!(output.status.success(), "{told}");
-    assert!(told.contains("Offsets with the best agreement: 4 ("), "{told}");
+    assert!(told.contains("Best offsets (correlation): 4 ("), "{told}");
     let result: Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!(result["frame_offset"], 4);
     assert_eq!(result["barcodes"]["frames"], 156);
@@ -61,7 +61,7 @@ fn two_folders_of_frames_give_the_geometry_and_their_offset() {
     let again = run(&["barcode", &left, &right, "--offset", "4", "--threads", "1", "--json", "-"]);
     let again: Value = serde_json::from_slice(&again.stdout).unwrap();
     assert_eq!(again["fundamental"], result["fundamental"], "on any number of threads");
-    // Two places that both cameras see.
+    // Two points visible in both cameras.
     let clicks: Vec<String> = BallScene::new(THROWN)
         .unwrap()
         .matches(2)
@@ -75,12 +75,12 @@ fn two_folders_of_frames_give_the_geometry_and_their_offset() {
     let error = error_of(&clicked);
     assert!(error < 1.0, "{error} px");
     assert_eq!(clicked["pairs"].as_array().map(Vec::len), Some(2));
-    // The sequences go on being readable when one frame is lost, and that is told.
+    // A missing frame is reported, and the sequence remains readable.
     std::fs::remove_file(folder.path().join("left/frame017.png")).unwrap();
     let gap = run(&["barcode", &left, &right, "--offset", "4", "--json", "-"]);
     assert!(text(&gap.stderr).contains("frames are missing in"), "{}", text(&gap.stderr));
     assert!(gap.status.success());
-    // What is not possible is one sentence.
+    // Each impossible request gives one error line.
     fails(&["barcode", &left, &right, "--offset", "150"], 2, "at least 16 are needed");
     fails(&["barcode", &left, "nowhere"], 2, "there is no such file");
     fails(&["barcode", &left, &right, "--offset", "4", "--find-offset"], 2, "cannot be used with");
@@ -92,7 +92,7 @@ fn pictures_are_no_sequences_and_barcodes_need_some() {
     let file = folder.path().join("one.png");
     image::GrayImage::from_fn(64, 64, |x, y| image::Luma([(x * 3 + y) as u8])).save(&file).unwrap();
     let file = file.display().to_string();
-    fails(&["barcode", &file, &file], 2, "is a picture, and sequences");
+    fails(&["barcode", &file, &file], 2, "is a picture. Sequences");
     fails(&["barcode", &folder.path().display().to_string(), &file], 2, "no numbered pictures");
     fails(&["estimate", "--sample", "--set", "measure=barcodes"], 2, "need two sequences of frames");
 }

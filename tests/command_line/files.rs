@@ -4,14 +4,15 @@ use std::fmt::Write;
 
 use super::*;
 
-/// The formats that are read as well as written: names and extensions.
+/// Names and extensions of the formats that are read and written.
 const FORMATS: [(&str, &str); 3] = [("json", "json"), ("text", "txt"), ("opencv-yaml", "yml")];
 
-/// F of a motion with rotation, from two cameras, and exact matches, in the files `p1.P`, `p2.P`, `matches.txt`.
+/// Writes the cameras of a motion with rotation and exact matches to `p1.P`, `p2.P` and
+/// `matches.csv`.
 fn scene() -> Pictures {
     let pictures = Pictures::new();
     let first = [[700.0, 0.0, 320.0, 0.0], [0.0, 700.0, 240.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
-    // Turned by 0.4 about the viewing axis, moved by (−1, 0.2, 0.3).
+    // Rotation by 0.4 about the viewing axis, translation by (−1, 0.2, 0.3).
     let (sin, cos) = 0.4f64.sin_cos();
     let motion = [[cos, -sin, 0.0, -1.0], [sin, cos, 0.0, 0.2], [0.0, 0.0, 1.0, 0.3]];
     let second: [[f64; 4]; 3] =
@@ -47,7 +48,7 @@ fn json(path: &Path) -> Value {
     serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()
 }
 
-/// The largest difference between the numbers of two JSON values of one shape.
+/// Returns the largest difference between the numbers of two JSON values of equal structure.
 fn difference(a: &Value, b: &Value) -> f64 {
     match (a, b) {
         (Value::Array(a), Value::Array(b)) if a.len() == b.len() => {
@@ -92,7 +93,7 @@ fn every_format_leads_to_every_other_and_back() {
     assert!(difference(&start["fundamental"], &end["fundamental"]) < 1e-13, "{start} {end}");
     assert!(difference(&start["pairs"], &end["pairs"]) < 1e-10);
     assert_eq!(start["images"], end["images"]);
-    // Every reader of F reads every format.
+    // Every command that reads F reads every format.
     for (_, extension) in FORMATS {
         let f = scene.text(&format!("next.{extension}"));
         let output = run(&["suggest", &left, &right, "--at", "80,60", "--fundamental", &f]);
@@ -117,7 +118,7 @@ fn check_says_as_read_and_finds_a_transposed_matrix() {
     let said = succeeds(&["check", &p1, &p2, "--matches", &matches]);
     assert!(said.contains("The geometry fits as read.") && said.contains("told apart"), "{said}");
 
-    // The cameras the wrong way round, and what was wrong about them put right.
+    // The exchanged cameras are detected and corrected.
     let (fixed, found) = (scene.text("fixed.json"), scene.text("check.json"));
     let said = succeeds(&["check", &p2, &p1, "--matches", &matches, "--output", &fixed, "--json", &found]);
     assert!(said.contains("does not fit as read") && said.contains("images 1 and 2 exchanged"), "{said}");
@@ -129,7 +130,7 @@ fn check_says_as_read_and_finds_a_transposed_matrix() {
     let right = json(&scene.path("right.json"));
     assert!(difference(&json(&scene.path("fixed.json"))["fundamental"], &right["fundamental"]) < 1e-9);
     assert!(difference(&found["fundamental"], &right["fundamental"]) < 1e-9);
-    // The file carries its own matches now.
+    // The file now contains its matches.
     assert!(succeeds(&["check", &fixed]).contains("fits as read"));
 }
 
@@ -142,7 +143,7 @@ fn check_knows_the_origin_of_the_format() {
         succeeds(&["convert", &p1, &p2, "--matches", &matches, "-o", &file]);
         assert!(succeeds(&["check", &file]).contains("The geometry fits as read."), "{extension}");
     }
-    // Numbers that count from 1 in a file that counts from 0: exact matches show it.
+    // Exact matches reveal numbers that count from 1 in a file that counts from 0.
     succeeds(&["convert", &p1, &p2, "-o", &scene.text("f.m")]);
     fails(&["check", &scene.text("f.m")], 2, "this is a MATLAB script, which is written but not read");
     let script = std::fs::read_to_string(scene.path("f.m")).unwrap();
@@ -175,19 +176,15 @@ fn check_has_a_status_for_nothing_fits_and_sentences_for_bad_input() {
     let few = scene.text("few.txt");
     fails(&["check", &p1, &p2, "--matches", &few], 2, "at least 8 matches, 7 were given");
     fails(&["check", &p1, &p2], 2, "at least 8 matches, 0 were given");
-    fails(&["check", &few], 2, "no fundamental matrix in it and no two cameras");
+    fails(&["check", &few], 2, "no fundamental matrix in it, nor two cameras");
     fails(&["check", &p1, &p1, "--matches", &scene.text("wrong.txt")], 2, "same centre");
-    fails(
-        &["convert", &few, "-o", &scene.text("out.png")],
-        2,
-        "does not tell the format, add --format with one of json",
-    );
-    fails(&["convert", &few, "-o", "-"], 2, "add --format");
+    fails(&["convert", &few, "-o", &scene.text("out.png")], 2, "Add --format with one of json");
+    fails(&["convert", &few, "-o", "-"], 2, "Add --format");
     fails(&["convert", &few, "-o", &scene.text("no/such/out.json")], 2, "there is no folder");
     fails(
         &["convert", &scene.text("words.txt"), "-o", &scene.text("out.json")],
         2,
-        "words.txt: there is no fundamental matrix",
+        "words.txt: no fundamental matrix, cameras or point pairs found",
     );
     fails(&["convert", "no/such/file", "-o", &scene.text("out.json")], 2, "no such file");
     fails(&["convert", &few, "--images", &scene.text("left.png"), "-o", "x.json"], 2, "--images");
@@ -228,7 +225,7 @@ fn estimate_exports_what_it_found() {
     assert_eq!(back["pairs"][1], result["pairs"][1]);
     assert_eq!(result["images"], back["images"]);
     assert!(succeeds(&["check", export_name]).contains("fits as read"));
-    fails(&["estimate", "--sample", "--export", "f.unknown"], 2, "add --format");
+    fails(&["estimate", "--sample", "--export", "f.unknown"], 2, "Add --format");
     fails(&["estimate", "--sample", "--format", "matlab"], 2, "required arguments");
     let both = ["estimate", "--sample", "--json", "-", "--export", "-", "--format", "text"];
     fails(&both, 2, "--json and --export cannot both be -");

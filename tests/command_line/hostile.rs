@@ -1,16 +1,18 @@
-//! Files that mean harm or are no files at all: a sentence in little memory and time, and nothing lost.
+//! Malicious files and paths that are not files: one error line with little memory and time, and no
+//! data lost.
 
 use std::io::Write;
 use std::time::{Duration, Instant};
 
 use super::*;
 
-/// Address space of the program, KiB: the program with its threads, and a picture of ordinary size.
+/// Limit of the address space, KiB: enough for the program with its threads and a picture of
+/// ordinary size.
 const ADDRESSES: &str = "2000000";
-/// Longer than any answer to a hostile file takes, also on a busy machine.
+/// Time limit for any hostile file, even on a busy machine.
 const PATIENCE: Duration = Duration::from_mins(2);
 
-/// The program in a limited address space; killed when it does not end.
+/// Runs the program with limited address space, and kills it if it does not end.
 fn limited(arguments: &[&str], variables: &[(&str, &str)]) -> Output {
     let mut command = Command::new("sh");
     command.args(["-c", &format!("ulimit -v {ADDRESSES}; exec \"$@\""), "sh", env!("CARGO_BIN_EXE_epiline")]);
@@ -18,7 +20,7 @@ fn limited(arguments: &[&str], variables: &[(&str, &str)]) -> Output {
     patiently(command)
 }
 
-/// Runs to the end, which must come.
+/// Runs a command to its end, with a time limit.
 fn patiently(mut command: Command) -> Output {
     command.env_remove("RUST_BACKTRACE").stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
     let mut child = command.spawn().unwrap();
@@ -33,7 +35,7 @@ fn patiently(mut command: Command) -> Output {
     child.wait_with_output().unwrap()
 }
 
-/// Asserts one sentence for the user, without what a terminal obeys, and returns it.
+/// Asserts one error line without control characters, and returns it.
 #[track_caller]
 fn sentence(output: &Output, status: i32, what: &str) -> String {
     let said = String::from_utf8_lossy(&output.stderr).into_owned();
@@ -46,7 +48,7 @@ fn sentence(output: &Output, status: i32, what: &str) -> String {
     errors[0].to_owned()
 }
 
-/// Files whose headers claim billions of pixels, by format.
+/// Returns files whose headers claim billions of pixels, by format.
 fn bombs() -> Vec<(&'static str, Vec<u8>)> {
     let side = 60_000u32;
     let mut bmp = vec![0; 54];
@@ -62,7 +64,8 @@ fn bombs() -> Vec<(&'static str, Vec<u8>)> {
     png.extend(side.to_be_bytes());
     png.extend(b"\x08\x06\0\0\0\0\0\0\0");
     let mut tiff = b"II*\0\x08\0\0\0\x09\0".to_vec();
-    // Width, height, bits, no compression, black is zero, one strip at 8 of so many bytes, one sample, rows a strip.
+    // Width, height, bits, no compression, black is zero, one strip at offset 8, one sample, rows
+    // per strip.
     for (tag, value) in [
         (256u16, side),
         (257, side),
@@ -117,7 +120,7 @@ fn header_bombs_are_refused_before_anything_of_their_size_is_asked_for() {
             assert!(said.contains("60000 x 60000 pixels") && said.contains("at most 250 million"), "{said}");
             assert!(said.contains("EPILINE_MAX_MEGAPIXELS=3600"), "{said}");
         }
-        // Behind the limit there is the memory: still a sentence.
+        // With a higher limit, memory runs out: still one error line.
         let said = limited(&suggest(&path, &right), &[("EPILINE_MAX_MEGAPIXELS", "4000")]);
         sentence(&said, 2, name);
     }
@@ -157,7 +160,7 @@ fn grey_pictures_of_numbers_open() {
     let pictures = Pictures::new();
     let values: Vec<f32> = textured(160, 120, 1).pixels().map(|p| f32::from(p.0[0]) / 255.0).collect();
     let bytes: Vec<u8> = values.iter().flat_map(|v| v.to_ne_bytes()).collect();
-    // Grey floats are what the encoder of the library does not write: colours are, and tell the same of the reader.
+    // The library cannot encode grey floats. Colour floats test the reader equally.
     let rgb: Vec<u8> = values.iter().flat_map(|v| [*v * 700.0; 3]).flat_map(f32::to_ne_bytes).collect();
     assert_eq!(bytes.len() * 3, rgb.len());
     let file = std::fs::File::create(pictures.path("float.tif")).unwrap();
@@ -166,11 +169,11 @@ fn grey_pictures_of_numbers_open() {
     let [left, float] = ["left.png", "float.tif"].map(|name| pictures.text(name));
     let output = limited(&suggest(&left, &float), &[]);
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
-    // Brightness beyond 0 to 1 is not simply white.
+    // Brightness outside 0 to 1 is scaled, not clipped to white.
     assert!(text(&output.stdout).contains("40.0"), "{}", text(&output.stdout));
 }
 
-/// Every file that was once the undoing of this program or of another, where they are at hand.
+/// Tests all files that once broke this program or another, if present.
 #[test]
 fn hostile_pictures_end_in_a_picture_or_a_sentence() {
     let Some(folder) = hostile("pictures") else { return };
@@ -363,7 +366,7 @@ fn a_pair_that_cannot_be_evaluated_is_told_and_the_others_are_made() {
     for told in [text(&output.stdout), text(&output.stderr)] {
         assert!(told.contains("few was left out: ") && told.contains("none was left out: "), "{told}");
     }
-    // Of nothing there is nothing to report.
+    // Without any usable pair the evaluation fails.
     fails(&["evaluate", "pairs", folder, "--trials", "1", "--only", "few"], 2, "eight-point");
 }
 

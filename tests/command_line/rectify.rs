@@ -1,5 +1,3 @@
-//! `epiline rectify`.
-
 use super::*;
 use epiline::synthetic::Sample;
 
@@ -36,7 +34,7 @@ fn writes_pictures_with_their_homographies() {
     }
     let stacked = image::open(pictures.path("new/folder/stacked.png")).unwrap();
     assert_eq!([stacked.width(), stacked.height()], [2 * size[0], size[1]]);
-    // The homographies take true matches into the same row, read as any other program would.
+    // The homographies map true matches into the same row, under the convention stated in the file.
     let matrix = |name: &str| -> [[f64; 3]; 3] { serde_json::from_value(description[name].clone()).unwrap() };
     let (h1, h2) = (matrix("homography1"), matrix("homography2"));
     let row = |h: &[[f64; 3]; 3], x: f64, y: f64| {
@@ -67,7 +65,9 @@ fn an_epipole_inside_is_no_obstacle_to_auto_and_a_sentence_for_planar() {
     assert_eq!(u64::from(image::open(pictures.path("out/left.tiff")).unwrap().height()), height);
     let output = run(&[&arguments[..], &["--method", "planar"]].concat());
     assert_eq!(output.status.code(), Some(1));
-    assert!(text(&output.stderr).contains("the epipole lies inside image 1: use the polar method"));
+    assert!(text(&output.stderr).contains(
+        "the epipole lies inside image 1. Planar rectification is impossible: use the polar method"
+    ));
 }
 
 #[test]
@@ -124,7 +124,7 @@ fn the_images_themselves_are_never_replaced() {
 #[test]
 fn lines_that_reach_only_one_image_are_a_sentence() {
     let pictures = Pictures::new();
-    // Of rank 2, but the lines in image 2 all pass its corner.
+    // Rank 2, but all lines in image 2 pass through its corner.
     pictures.write("f.txt", "0 0 0\n0 1 0\n0 0 1\n");
     let (f, folder) = (pictures.text("f.txt"), pictures.text("out"));
     for method in ["auto", "polar"] {

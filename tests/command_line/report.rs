@@ -1,10 +1,11 @@
-//! The report of an evaluation, as files.
+//! Report files of an evaluation.
 
 use std::path::{Path, PathBuf};
 
 use super::{Pictures, epiline, run, small_pairs, text};
 
-/// Evaluates the pair of a folder into the folder `drawn` in it; returns the page and the Markdown text.
+/// Evaluates the pair of a folder into its subfolder `drawn`. Returns the HTML page and the
+/// Markdown text.
 #[track_caller]
 fn drawn(pictures: &Pictures, rest: &[&str]) -> (String, String) {
     let (folder, report) = (pictures.0.path().to_str().unwrap(), pictures.text("drawn"));
@@ -15,7 +16,7 @@ fn drawn(pictures: &Pictures, rest: &[&str]) -> (String, String) {
     (read("report.html"), read("report.md"))
 }
 
-/// What the Markdown text shows.
+/// Returns the figures linked from a Markdown text.
 fn figures(markdown: &str) -> Vec<PathBuf> {
     let links = markdown.split("](").skip(1).filter_map(|rest| rest.split(')').next());
     links.map(PathBuf::from).collect()
@@ -31,7 +32,7 @@ fn is_one_page_and_the_same_as_markdown() {
     {
         assert!(html.contains(words) && markdown.contains(words), "{words}");
     }
-    // Nothing is fetched from elsewhere, and nothing tells where it was made.
+    // The page loads no other file and contains no machine path.
     for reference in ["src=", "<link", "<script", "url(", "@import"] {
         assert!(!html.contains(reference), "{reference}");
     }
@@ -45,13 +46,13 @@ fn is_one_page_and_the_same_as_markdown() {
         let content = std::fs::read_to_string(pictures.path("drawn").join(figure)).unwrap();
         assert!(content.starts_with("<?xml") && !content.contains("NaN"), "{}", figure.display());
     }
-    // Both list every row of every table.
+    // Both outputs have every row of every table.
     let rows = markdown.lines().filter(|line| line.starts_with("| ")).count();
     let tables = html.matches("<thead>").count();
     assert_eq!(rows, html.matches("<tr").count() - facts(&html) + tables, "one line of dashes a table");
 }
 
-/// Rows of the lists of names and values, which are no tables in Markdown.
+/// Counts the rows of lists of names and values, which are not tables in Markdown.
 fn facts(html: &str) -> usize {
     html.matches("<th scope=\"row\">").count()
 }
@@ -62,7 +63,7 @@ fn is_the_same_again() {
     small_pairs(&pictures);
     let ask = ["--methods", "two-point,eight-point", "--seed", "3"];
     let seen = |page: &str| {
-        // Times are in the two tables that tell them and nowhere else.
+        // Times occur only in two tables, not in figures.
         let figures: Vec<_> =
             page.split("<figure>").skip(1).map(|f| f.split("</figure>").next().unwrap()).collect();
         figures.join("\n")

@@ -1,11 +1,9 @@
-//! `epiline suggest`.
-
 use super::*;
 
-/// Two views of one texture, the right one moved by (7, −4) px.
+/// Returns two views of one texture, the right one shifted by (7, −4) px.
 fn moved() -> Pictures {
     let pictures = Pictures::new();
-    // Cells of irregular brightness, softened: unlike waves, no place looks like another.
+    // Softened cells of irregular brightness. Unlike waves, they do not repeat.
     let brightness = |x: i64, y: i64| {
         let cell = (x.div_euclid(6) as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15)
             ^ (y.div_euclid(5) as u64).wrapping_mul(0xC2B2_AE3D_27D4_EB4F);
@@ -59,7 +57,9 @@ fn prints_the_candidates_and_writes_the_same_file_on_any_number_of_threads() {
         let output = ask(&pictures, &["--at", "100.5,80", "--threads", threads, "--json", &file]);
         assert!(output.status.success(), "{}", text(&output.stderr));
         let table = text(&output.stdout);
-        for words in ["Match of (100.5, 80) px of image 1 in image 2", "correlation", "Clear", "Way back"] {
+        for words in
+            ["Match of (100.5, 80) px of image 1 in image 2", "correlation", "Clear", "Reverse search"]
+        {
             assert!(table.contains(words), "{words} in {table}");
         }
         std::fs::read_to_string(file).unwrap()
@@ -81,7 +81,7 @@ fn finds_the_match_in_an_image_that_is_turned_by_a_right_angle() {
     image::open(assets.join("courtyard-1.png")).unwrap().save(pictures.path("left.png")).unwrap();
     image::open(assets.join("courtyard-2.png")).unwrap().rotate90().save(pictures.path("right.png")).unwrap();
     let upright = best(&run(&["suggest", "--sample", "--at", "384,153", "--json", "-"]));
-    // 576 px high: (x, y) becomes (575 − y, x).
+    // The image is 576 px high: (x, y) becomes (575 − y, x).
     let expected = [575.0 - upright[1], upright[0]];
     let there = best(&ask(&pictures, &["--at", "384,153", "--json", "-"]));
     assert!((there[0] - expected[0]).hypot(there[1] - expected[1]) < 0.5, "{there:?} for {expected:?}");
@@ -94,9 +94,9 @@ fn finds_the_match_in_an_image_that_is_turned_by_a_right_angle() {
 fn says_in_its_status_that_there_is_none() {
     let pictures = moved();
     let (left, flat) = (pictures.text("left.png"), pictures.text("flat.png"));
-    fails(&["suggest", &flat, &left, "--at", "80,60"], 1, "(nearly) uniform");
-    fails(&["suggest", &left, &flat, "--at", "80,60"], 1, "nothing in image 2 looks like");
-    // Lines along x that lie 500 px below those of image 1.
+    fails(&["suggest", &flat, &left, "--at", "80,60"], 1, "nearly uniform");
+    fails(&["suggest", &left, &flat, "--at", "80,60"], 1, "no place in image 2 looks like");
+    // Horizontal lines 500 px below those of image 1.
     pictures.write("f.txt", "0 0 0\n0 0 -1\n0 1 500\n");
     let f = pictures.text("f.txt");
     let right = pictures.text("right.png");
@@ -122,7 +122,7 @@ fn refuses_bad_input() {
     ] {
         fails(&[&["suggest", &left, &right][..], rest].concat(), 2, message);
     }
-    fails(&["suggest", &left, &dot, "--at", "80,60"], 2, "image 2 is 1×1 pixels, too small");
+    fails(&["suggest", &left, &dot, "--at", "80,60"], 2, "image 2 is too small: 1×1 pixels");
     fails(&["suggest", &left, "--at", "80,60"], 2, "required");
     fails(&["suggest", "--sample", "no-such-sample", "--at", "80,60"], 2, "no-such-sample");
 }

@@ -1,4 +1,4 @@
-//! An allocator that counts: the one way to know what a piece of work holds at most.
+//! Counting allocator, to measure the peak memory of an operation.
 
 #![allow(unsafe_code)]
 #![allow(dead_code, reason = "each test uses its part of it")]
@@ -6,7 +6,7 @@
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// What `work` holds at most beside what was held before, bytes, on all threads together.
+/// Runs `work` and returns its peak memory above the current use, bytes, over all threads.
 pub fn most_held<T>(work: impl FnOnce() -> T) -> (usize, T) {
     let before = HELD.load(Ordering::Relaxed);
     MOST_HELD.store(before, Ordering::Relaxed);
@@ -14,12 +14,12 @@ pub fn most_held<T>(work: impl FnOnce() -> T) -> (usize, T) {
     (MOST_HELD.load(Ordering::Relaxed).saturating_sub(before), done)
 }
 
-/// What is held now, bytes, on all threads together.
+/// Returns the memory in use, bytes, over all threads.
 pub fn held() -> usize {
     HELD.load(Ordering::Relaxed)
 }
 
-/// Counts what is held, and the most that was.
+/// Allocator that counts the current and the peak memory.
 struct Counting;
 
 static HELD: AtomicUsize = AtomicUsize::new(0);
@@ -31,29 +31,29 @@ fn note(more: usize, less: usize) {
     HELD.fetch_sub(less, Ordering::Relaxed);
 }
 
-// SAFETY: the system's allocator does the work; the counts touch nothing of it.
+// SAFETY: the system allocator does the work; counting does not touch the memory.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         note(layout.size(), 0);
-        // SAFETY: as promised to this function.
+        // SAFETY: the caller upholds the contract of this function.
         unsafe { System.alloc(layout) }
     }
 
     unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
         note(layout.size(), 0);
-        // SAFETY: as promised to this function.
+        // SAFETY: the caller upholds the contract of this function.
         unsafe { System.alloc_zeroed(layout) }
     }
 
     unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
         note(0, layout.size());
-        // SAFETY: as promised to this function.
+        // SAFETY: the caller upholds the contract of this function.
         unsafe { System.dealloc(pointer, layout) }
     }
 
     unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
         note(size, layout.size());
-        // SAFETY: as promised to this function.
+        // SAFETY: the caller upholds the contract of this function.
         unsafe { System.realloc(pointer, layout, size) }
     }
 }

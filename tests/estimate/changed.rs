@@ -1,4 +1,4 @@
-//! Images that differ by more than the place of the camera: rolled, at another scale, in other light.
+//! Images with other differences than the camera position: roll, scale, light.
 
 use epiline::estimate::{Monitor, Parameters, Verdict, estimate};
 use epiline::geometry::{Frame, PointPair};
@@ -7,7 +7,7 @@ use epiline::synthetic::{Motion, test_pair};
 
 use crate::support::{COURTYARD, mean_distance};
 
-/// Two matches near opposite corners of image 1.
+/// Returns two matches near opposite corners of image 1.
 fn far_apart(matches: &[PointPair]) -> [PointPair; 2] {
     let along = |m: &&PointPair| m.point1.x + m.point1.y;
     let first = matches.iter().min_by(|a, b| along(a).total_cmp(&along(b))).unwrap();

@@ -1,4 +1,4 @@
-//! Input from which no or little geometry follows: an error or a warning, never a panic.
+//! Degenerate input: an error or a warning, never a panic.
 
 use epiline::estimate::{
     Estimate, EstimateError, Method, Monitor, Parameters, Preset, Verdict, Warning, estimate,
@@ -21,7 +21,7 @@ fn run(images: [&GrayPlane; 2], clicks: &[PointPair], parameters: &Parameters) -
     estimate(images[0], images[1], clicks, parameters, &Monitor::silent())
 }
 
-/// A result or a refusal, but no panic and no NaN in the result.
+/// Asserts an error, or a result without NaN.
 #[track_caller]
 fn is_sound(outcome: &Outcome) {
     match outcome {
@@ -34,7 +34,7 @@ fn is_sound(outcome: &Outcome) {
     }
 }
 
-/// What the user reads: that there is no result, or that it is not to be trusted.
+/// Returns whether the outcome is an error, or a result that is not called reliable.
 fn is_doubted(outcome: &Outcome) -> bool {
     outcome.as_ref().map_or(true, |found| {
         let trust = found.assessment.trust.as_ref().expect("a final result has a verdict");
@@ -42,7 +42,7 @@ fn is_doubted(outcome: &Outcome) -> bool {
     })
 }
 
-/// For messages: what spoke for the result.
+/// Describes the evidence for a result, for messages.
 fn told(outcome: &Outcome) -> String {
     format!(
         "{:?}",
@@ -60,12 +60,12 @@ fn both_presets() -> [Parameters; 2] {
     Preset::ALL.map(Parameters::from)
 }
 
-/// A small pair of a scene with texture everywhere.
+/// Returns a small pair with texture everywhere.
 fn small(width: usize, height: usize) -> TestPair {
     test_pair(Frame::new(width, height), Motion::Converging, 4).unwrap()
 }
 
-/// Two matches far from each other.
+/// Returns two matches far from each other.
 fn spread(pair: &TestPair) -> [PointPair; 2] {
     let distance =
         |a: &PointPair, b: &PointPair| (a.point1 - b.point1).norm().min((a.point2 - b.point2).norm());
@@ -105,7 +105,8 @@ fn identical_images_are_refused() {
     }
 }
 
-/// The same picture with other noise is as good as identical; so it must at least not be sold as certain.
+/// The same picture with other noise is nearly identical, so its result must not be called
+/// reliable.
 #[test]
 fn the_same_view_with_other_noise_is_not_trusted() {
     let [image, _] = &COURTYARD.scene.images;
@@ -118,8 +119,8 @@ fn the_same_view_with_other_noise_is_not_trusted() {
     assert!(is_doubted(&outcome), "{}", told(&outcome));
 }
 
-/// The same view under other light: the patches fit every geometry whose lines stay where they are, so none of
-/// them may be called reliable.
+/// Under other light, patches of the same view fit every geometry whose lines stay in place, so no
+/// geometry may be called reliable.
 #[test]
 fn the_same_view_in_other_light_is_not_trusted() {
     let [image, _] = &COURTYARD.scene.images;
@@ -132,14 +133,14 @@ fn the_same_view_in_other_light_is_not_trusted() {
     }
 }
 
-/// A camera that only turned, or a scene that is one plane: the second image is a homography of the first, every
-/// epipole fits all matches, and so the geometry must not be called reliable.
+/// For a pure rotation or a planar scene, the second image is a homography of the first. Every
+/// epipole then fits all matches, so the geometry must not be called reliable.
 #[test]
 fn a_turned_camera_is_not_trusted() {
     let [image, _] = &COURTYARD.scene.images;
     let (sin, cos) = 5f64.to_radians().sin_cos();
     let centre = image.frame().centre();
-    // A turn in the plane about the centre of the image with a little perspective, and its inverse.
+    // In-plane rotation about the centre of the image with a little perspective, and its inverse.
     let there = Matrix3::new(cos, -sin, 4.0, sin, cos, -3.0, 2e-5, -3e-5, 1.0);
     let back = there.try_inverse().unwrap();
     let mapped = |map: &Matrix3<f64>, p: Point| {
@@ -152,7 +153,7 @@ fn a_turned_camera_is_not_trusted() {
     let outcome = run([image, &turned], &clicks, &Parameters::default());
     is_sound(&outcome);
     assert!(is_doubted(&outcome), "{}", told(&outcome));
-    // What is certain is offered in its place.
+    // The homography, which is certain, replaces F.
     let found = outcome.unwrap();
     let plane = found.assessment.plane.expect("the verdict says one plane");
     assert!(plane.share > 0.9 && plane.residual < 0.3, "{plane:?}");
@@ -163,7 +164,8 @@ fn a_turned_camera_is_not_trusted() {
         let p = Point::new(x, y);
         let q = h * p.to_homogeneous();
         let off = (Point::new(q.x / q.z, q.y / q.z) - mapped(&there, p)).norm();
-        // Near the corners there are few matches; nowhere more than what counts as explained.
+        // There are few matches near the corners; the error stays below the inlier limit
+        // everywhere.
         assert!(off < 1.0, "{off} px at {p}");
     }
     let images = ["left.png", "right.png"].map(|name| ImageNote { name: name.into(), frame: image.frame() });
@@ -182,7 +184,7 @@ fn a_scene_with_depth_has_no_homography_to_offer() {
     assert_eq!(found.assessment.plane, None);
 }
 
-/// Two matches on one true epipolar line, far from each other: the line is known, the epipole on it is not.
+/// Two distant matches on one true epipolar line determine the line but not the epipole on it.
 #[test]
 fn clicks_on_one_epipolar_line_are_told() {
     let known = &COURTYARD;
@@ -212,14 +214,14 @@ fn clicks_on_one_epipolar_line_are_told() {
         found.assessment.warnings.iter().any(|w| matches!(w, Warning::SameEpipolarLine { .. }))
     });
     assert!(warned, "{apart:.1} px off: {}", told(&outcome));
-    // The published method leaves out hypotheses whose lines nearly coincide, the right one among them, so it
-    // cannot say what is wrong; but it must not be sure of what it finds instead.
+    // The published method discards hypotheses with nearly coincident lines, including the right
+    // one, so it cannot name the problem. It must still not be certain of another geometry.
     let outcome = known.estimate(clicks, &paper());
     is_sound(&outcome);
     assert!(is_doubted(&outcome), "{apart:.1} px off: {}", told(&outcome));
 }
 
-/// One image at half size: pixels do not line up one to one, but the geometry is the same.
+/// With one image at half size pixels no longer correspond one to one; the geometry is the same.
 #[test]
 fn images_of_different_size_give_the_right_geometry() {
     let known = &COURTYARD;
@@ -233,12 +235,13 @@ fn images_of_different_size_give_the_right_geometry() {
         let found = run(images, &clicks, &Parameters::default()).unwrap();
         let error = mean_distance(found.fundamental(), &matches);
         println!("scales {scales:?}: {error:.3} px");
-        // As for images of equal size, where the bound is 0.7 px; a pixel of the small image is two of the other.
+        // The bound for images of equal size is 0.7 px. A pixel of the small image is two of the
+        // other.
         assert!(error < 1.0, "scales {scales:?}: {error}");
     }
 }
 
-/// The second image enlarged by two, as when one camera has twice the resolution.
+/// The second image is enlarged twice, as by a camera of twice the resolution.
 #[test]
 fn an_enlarged_image_gives_the_right_geometry() {
     let known = &COURTYARD;
@@ -260,7 +263,7 @@ fn an_enlarged_image_gives_the_right_geometry() {
     let found = run([a, &large], &clicks, &Parameters::default()).unwrap();
     let error = mean_distance(found.fundamental(), &matches);
     println!("enlarged: {error:.3} px");
-    // The distance is measured half in the enlarged image, so 0.7 px there becomes 0.7 · (1 + 2) / 2 px.
+    // Half of the distance is measured in the enlarged image: 0.7 px becomes 0.7 · (1 + 2) / 2 px.
     assert!(error < 1.05, "{error}");
 }
 
@@ -293,7 +296,7 @@ fn long_thin_images_do_not_panic() {
 fn clicks_on_the_border_do_not_panic() {
     let pair = small(160, 120);
     let [right, bottom] = [159.5, 119.5];
-    // The outer edge of the outer pixels is still the image.
+    // The outer edges of the outer pixels belong to the image.
     let edges = [
         [PointPair::new(-0.5, -0.5, -0.5, -0.5), PointPair::new(right, bottom, right, bottom)],
         [PointPair::new(-0.5, 60.0, -0.5, 60.0), PointPair::new(right, 60.0, right, 60.0)],
@@ -324,10 +327,11 @@ fn repeated_clicks_are_refused() {
     };
     let too_close = |clicks: &[PointPair], method| too_close_for(Preset::Robust, clicks, method);
     too_close(&[p, p], Method::TwoPoint);
-    // The same point in one image only.
+    // The points coincide in one image only.
     too_close(&[p, PointPair { point1: p.point1, ..q }], Method::TwoPoint);
     too_close(&[p, PointPair { point2: p.point2, ..q }], Method::TwoPoint);
-    // The published search takes the third for κ; to the one with patches it is one more observation.
+    // The published search uses the third pair for κ; the patch search treats it as one more
+    // observation.
     too_close_for(Preset::Paper, &[p, q, p], Method::ThreePoint);
     let once_more = known.estimate(&[p, p, q], &Parameters::default()).unwrap();
     assert_eq!(once_more.assessment.trust.map(|trust| trust.verdict), Some(Verdict::Reliable));
@@ -347,7 +351,7 @@ fn noise_gives_no_trusted_geometry() {
     }
 }
 
-/// Clicks that do not belong together: whatever comes out must not be called reliable.
+/// Contradictory clicks: no result may be called reliable.
 #[test]
 fn exchanged_clicks_are_not_trusted() {
     let known = &COURTYARD;
@@ -358,7 +362,7 @@ fn exchanged_clicks_are_not_trusted() {
     assert!(is_doubted(&outcome), "{}", told(&outcome));
 }
 
-/// Sixteen bits through the whole chain of encoder, decoder and grey plane.
+/// Tests 16 bits through the encoder, the decoder and the grey plane.
 #[test]
 fn sixteen_bit_images_give_the_right_geometry() {
     let known = &COURTYARD;
@@ -371,16 +375,16 @@ fn sixteen_bit_images_give_the_right_geometry() {
         DynamicImage::ImageLuma16(deep).write_to(&mut bytes, image::ImageFormat::Png).unwrap();
         Picture::from_bytes("deep.png", bytes.get_ref()).unwrap()
     });
-    // A sixteen-bit step is 1/257 grey level; rounding is half of it.
+    // A 16-bit step is 1/257 grey level; rounding is half of that.
     for (picture, plane) in pictures.iter().zip(&known.scene.images) {
         let pairs = picture.gray.values().iter().zip(plane.values());
         assert!(pairs.into_iter().all(|(a, b)| (a - b).abs() < 0.51 / 257.0 + 1e-4));
     }
     let found = run([&pictures[0].gray, &pictures[1].gray], &known.show_me, &Parameters::default()).unwrap();
     let error = mean_distance(found.fundamental(), &known.scene.matches);
-    // The same as from the eight-bit files.
+    // The bound for the 8-bit files.
     assert!(error < 0.7, "{error}");
-    // And eight bits of the same picture agree with sixteen.
+    // 8 bits of the same picture agree with 16 bits.
     let shallow = GrayImage::from_fn(40, 30, |x, y| Luma([(3 * x + 2 * y) as u8]));
     let picture = Picture::from_pixels("small".into(), None, DynamicImage::ImageLuma8(shallow)).unwrap();
     assert!((picture.gray.at(7, 5) - 31.0).abs() < 1e-6);

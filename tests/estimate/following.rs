@@ -1,4 +1,4 @@
-//! Geometries that follow moved clicks without a search.
+//! Geometries that follow moved clicks without a new search.
 
 use epiline::estimate::{Estimate, Parameters, follow};
 use epiline::geometry::{FundamentalMatrix, Vector, symmetric_epipolar_distance};
@@ -18,7 +18,8 @@ fn a_followed_geometry_stays_with_the_images_and_leaves_wrong_starts() {
             moved[0].point1 = known.show_me[0].point1 + step;
             let followed = follow(&known.prepared, [&found, &wrong], &moved, &parameters).unwrap();
             let error = mean_distance(followed.fundamental(), &known.scene.matches);
-            // Patches matched to a pixel at 768 px; the search's own refinement is finer.
+            // Patches are matched to a pixel at 768 px; the refinement of a search is more
+            // accurate.
             assert!(error < 1.5, "{}: {error} px after {step}", known.name);
             assert!(followed.assessment.trust.is_none() && !followed.is_refined(), "it claims nothing");
             let assessment = &followed.assessment;

@@ -1,4 +1,4 @@
-//! A session is never half written, whenever the program is killed.
+//! A session file is never partial, whenever the program is killed.
 
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -7,10 +7,10 @@ use std::time::Duration;
 use epiline::geometry::Frame;
 use epiline::io::{ImageReference, ImageSource, SessionFile};
 
-/// Where the child saves.
+/// Environment variable with the path for the child to save to.
 const TARGET: &str = "EPILINE_TEST_SAVE_TO";
 
-/// Sessions of some hundred kilobytes, each told from the others by every number in it.
+/// Returns a session of some hundred kilobytes, distinguished by every number in it.
 fn session(number: u32) -> SessionFile<Vec<u32>> {
     let image = || ImageReference {
         source: ImageSource::File { path: "a.png".into(), sha256: "0".repeat(64) },
@@ -19,7 +19,7 @@ fn session(number: u32) -> SessionFile<Vec<u32>> {
     SessionFile { images: [image(), image()], fundamental: None, trust: None, content: vec![number; 20_000] }
 }
 
-/// Not a test by itself: what the killed program does.
+/// Body of the child process; not a test by itself.
 #[test]
 #[ignore = "run by the test below, in a process of its own"]
 fn saves_until_it_is_killed() {
@@ -54,7 +54,7 @@ fn killing_the_program_while_it_saves_leaves_a_whole_session() {
         written += u32::from(found.content[0] > 0);
         let parts = std::fs::read_dir(folder.path()).unwrap().filter_map(Result::ok);
         for part in parts.filter(|entry| entry.path() != path) {
-            // What the killed program had begun, beside the session and not in its place.
+            // The temporary file of the killed program is beside the session, not in its place.
             interrupted += 1;
             std::fs::remove_file(part.path()).unwrap();
         }

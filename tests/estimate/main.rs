@@ -1,4 +1,5 @@
-//! The estimator as a caller uses it: accuracy where truth is known, repeatability, stopping, and bad input.
+//! The estimator as a caller uses it: accuracy on ground truth, repeatability, cancellation and
+//! invalid input.
 
 mod changed;
 mod degenerate;

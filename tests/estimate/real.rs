@@ -1,4 +1,4 @@
-//! Real image pairs with known geometry, where they are there.
+//! Real image pairs with ground truth, if present.
 
 use std::path::{Path, PathBuf};
 
@@ -14,8 +14,8 @@ pub(crate) fn real_data(folder: &str) -> Option<PathBuf> {
     None
 }
 
-/// Errors of a few trials on each scene, px: the clicks follow from the name of the pair and are the same at
-/// every run.
+/// Returns the errors of a few trials on each scene, px. The clicks depend only on the name of the
+/// pair.
 fn errors(scenes: &[KnownScene], trials: usize, noise: f64) -> Vec<f64> {
     let mut all = Vec::new();
     for scene in scenes {
@@ -34,7 +34,8 @@ fn errors(scenes: &[KnownScene], trials: usize, noise: f64) -> Vec<f64> {
     all
 }
 
-/// The published median on this set is 2.54 px, and the true matrices fit their own matches to 0.2–0.5 px.
+/// The published median on this set is 2.54 px. The true matrices fit their own matches to 0.2–0.5
+/// px.
 #[test]
 fn the_house_is_found() {
     let Some(folder) = real_data("house") else { return };
@@ -44,8 +45,8 @@ fn the_house_is_found() {
     assert!(errors.iter().all(|e| *e < 1.0), "{errors:.2?}");
 }
 
-/// A step forward, epipoles inside the images. Automatic matches by the hundred reach 0.2 px here; the bound is
-/// 1 % of the longer side for every trial and a pixel for their median.
+/// A forward motion with epipoles inside the images. Hundreds of automatic matches reach 0.2 px
+/// here. The bound is 1 % of the longer side for every trial and a pixel for the median.
 #[test]
 fn a_step_forward_is_found() {
     let Some(folder) = real_data("pairs") else { return };
@@ -55,8 +56,9 @@ fn a_step_forward_is_found() {
     assert!(errors.iter().all(|e| *e < 0.01 * scenes[0].longer_side()), "{errors:.2?}");
 }
 
-/// Strong changes of viewpoint, one dominant plane, repeated windows: geometries that fit the plane and some chance
-/// matches have nearly as much support as the right one. Measured with 1 px noise: 98 % of trials below 3 px.
+/// Strong changes of viewpoint, one dominant plane, repeated windows. Geometries that fit the plane
+/// and some chance matches have nearly as much support as the right one. With 1 px noise, 98 % of
+/// trials are below 3 px.
 #[test]
 fn dominant_planes_do_not_mislead() {
     let Some(folder) = real_data("pairs") else { return };

@@ -1,4 +1,4 @@
-//! Rectification with the true F of real pairs: matches must come into the same row.
+//! Rectification with the true F of real pairs: matches must be in the same row.
 
 use epiline::evaluate::{KnownScene, pair_scenes, vgg_scenes};
 use epiline::rectify::{Limits, RectifyMethod, rectify};
@@ -6,7 +6,7 @@ use epiline::synthetic::Sample;
 
 use super::real::real_data;
 
-/// Mean vertical distance of the true matches, px of the rectified picture.
+/// Returns the mean vertical distance of the true matches, px of the rectified picture.
 fn rows(scene: &KnownScene, method: RectifyMethod) -> f64 {
     let frames = [scene.images[0].frame(), scene.images[1].frame()];
     let found = rectify(&scene.truth, frames, &scene.matches, method, &Limits::default()).unwrap();

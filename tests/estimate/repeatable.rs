@@ -14,7 +14,7 @@ fn on_threads(
 ) -> Estimate {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
     let [a, b] = images;
-    // From the images on: preparing them is parallel too.
+    // The preparation of the images is parallel too.
     pool.install(|| estimate(a, b, clicks, parameters, &Monitor::silent())).unwrap()
 }
 
@@ -22,7 +22,7 @@ fn counts(found: &Estimate) -> &SearchCounts {
     &found.trace.as_ref().expect("a search leaves a trace").counts
 }
 
-/// Everything but the times, bit by bit.
+/// Asserts equal bits in everything except the times.
 #[track_caller]
 fn assert_same_bits(a: &Estimate, b: &Estimate) {
     let bits = |e: &Estimate| e.fundamental().rows().map(|row| row.map(f64::to_bits));
@@ -52,7 +52,7 @@ fn the_paper_preset_on_one_and_two_threads() {
     assert_same_bits(&run(1), &run(2));
 }
 
-/// If the seed were not used at all, the tests above would prove nothing about it.
+/// The tests above are meaningless if the seed has no effect.
 #[test]
 fn another_seed_draws_other_hypotheses() {
     let half = |k: usize| Pyramid::new(&COURTYARD.scene.images[k], 300.0).level(1).clone();
@@ -62,7 +62,7 @@ fn another_seed_draws_other_hypotheses() {
         PointPair::new(s(c.point1.x), s(c.point1.y), s(c.point2.x), s(c.point2.y))
     };
     let clicks: Vec<_> = COURTYARD.show_me.iter().map(scaled).collect();
-    // So few of all combinations that two draws cannot be the same.
+    // Few enough combinations that two draws must differ.
     let with = |seed| Parameters { seed, hypotheses: 300, ..paper() };
     let run = |seed| on_threads(2, [&planes[0], &planes[1]], &clicks, &with(seed));
     let (a, b) = (run(1), run(2));

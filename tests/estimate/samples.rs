@@ -1,18 +1,18 @@
-//! Accuracy on the built-in pairs, where the true matches are exact.
+//! Accuracy on the built-in pairs, whose true matches are exact.
 
 use epiline::estimate::{Parameters, Verdict};
 use epiline::geometry::PointPair;
 
 use crate::support::{Known, both, disturbed, mean_distance, paper, three_point};
 
-/// From exact clicks, px. The matched patches are good to some 0.3 px each and there are hundreds of them; what is
-/// left is mostly how their errors go together where the scene is one plane.
+/// Largest error from exact clicks, px. Hundreds of matched patches are accurate to about 0.3 px
+/// each. On planar parts of the scene their errors are correlated.
 const EXACT: f64 = 0.7;
-/// From clicks up to 0.5 px off, px: the clicks are four of hundreds of observations once `F` is refined, so
-/// their error must come through damped, not magnified.
+/// Largest error from clicks up to 0.5 px off, px. The refined `F` rests on hundreds of
+/// observations, so errors of the clicks must be damped.
 const NOISY: f64 = 1.5;
 
-/// Every error at once in the message, so that a failure shows whether one trial is off or all are.
+/// Asserts all errors at once, so that a failure shows whether one trial or all trials are off.
 #[track_caller]
 fn all_below(known: &Known, clicks: &[Vec<PointPair>], parameters: &Parameters, limit: f64) {
     let errors: Vec<f64> = clicks.iter().map(|c| known.error(c, parameters)).collect();
@@ -45,9 +45,9 @@ fn three_clicks_are_as_accurate() {
     }
 }
 
-/// The published method ends with lines alone and no refinement of all seven numbers. It is not held to a
-/// pixel: the bound says that the geometry is of the right kind. A random geometry through the two clicks is
-/// off by a hundred pixels and more.
+/// The published method uses lines only and does not refine all seven parameters of F. The bound
+/// only excludes wrong geometries: a random geometry through the two clicks is off by a hundred
+/// pixels or more.
 #[test]
 fn the_paper_preset_finds_the_geometry_roughly() {
     for known in both() {
@@ -55,7 +55,7 @@ fn the_paper_preset_finds_the_geometry_roughly() {
     }
 }
 
-/// The clicks alone do not hold the result: matches that were never clicked agree with it, and it says so itself.
+/// The result must agree with matches that were never clicked, and be called reliable.
 #[test]
 fn the_shown_clicks_are_accurate_and_the_result_is_sure_of_itself() {
     for known in both() {
@@ -63,8 +63,8 @@ fn the_shown_clicks_are_accurate_and_the_result_is_sure_of_itself() {
         let error = mean_distance(found.fundamental(), &known.scene.matches);
         println!("{}: {error:.3} px on {} patches", known.name, found.matches().len());
         assert!(error <= EXACT, "{}: {error} px", known.name);
-        // Of some 1,500 corners an image, a few hundred should find each other; 100 is far from chance, which
-        // gives a wrong geometry a few dozen.
+        // About 1,500 corners per image should give a few hundred matches. A wrong geometry has a
+        // few dozen by chance.
         assert!(
             found.is_refined() && found.matches().len() >= 100,
             "{}: {}",
@@ -74,7 +74,7 @@ fn the_shown_clicks_are_accurate_and_the_result_is_sure_of_itself() {
         let trust = found.assessment.trust.as_ref().expect("a final result has a verdict");
         assert_eq!(trust.verdict, Verdict::Reliable, "{}: {:?}", known.name, trust.reasons);
         assert!(found.assessment.warnings.is_empty(), "{}: {:?}", known.name, found.assessment.warnings);
-        // Null vectors of a matrix of norm 1, to rounding.
+        // Null vectors of a matrix of norm 1, up to rounding.
         assert!((found.fundamental().matrix() * found.geometry.epipole1()).norm() < 1e-12);
         assert!(found.fundamental().matrix().tr_mul(&found.geometry.epipole2()).norm() < 1e-12);
     }

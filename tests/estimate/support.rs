@@ -1,4 +1,4 @@
-//! Pairs with known geometry, and the error of an estimate on them.
+//! Pairs with ground truth, and the error of an estimate on them.
 
 use std::sync::{Arc, LazyLock};
 
@@ -12,7 +12,7 @@ use epiline::synthetic::Sample;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
-/// A built-in pair, its pyramids and corners computed once for all tests.
+/// Built-in pair with pyramids and corners, computed once for all tests.
 pub struct Known {
     pub name: &'static str,
     pub scene: KnownScene,
@@ -24,7 +24,7 @@ pub struct Known {
 pub static COURTYARD: LazyLock<Known> = LazyLock::new(|| Known::new(Sample::Courtyard));
 pub static ALLEY: LazyLock<Known> = LazyLock::new(|| Known::new(Sample::Alley));
 
-/// Both built-in pairs: epipoles far outside, epipoles inside.
+/// Returns both built-in pairs: epipoles far outside, and epipoles inside.
 pub fn both() -> [&'static Known; 2] {
     [&COURTYARD, &ALLEY]
 }
@@ -54,14 +54,14 @@ impl Known {
         estimate_prepared(&self.prepared, clicks, parameters, &Monitor::silent())
     }
 
-    /// Mean symmetric epipolar distance of the true matches to the estimate, px.
+    /// Returns the mean symmetric epipolar distance of the true matches under the estimate, px.
     pub fn error(&self, clicks: &[PointPair], parameters: &Parameters) -> f64 {
         let found = self.estimate(clicks, parameters).expect("true clicks give a geometry");
         mean_distance(found.fundamental(), &self.scene.matches)
     }
 
-    /// `trials` times two (or three) true matches that hold the geometry well apart: each of the first two at
-    /// least 12 % of the image off the other's epipolar line.
+    /// Returns two or three well-posed true matches for each trial: the first two are at least 12 %
+    /// of the image away from each other's epipolar lines.
     pub fn well_posed(&self, trials: usize, count: usize) -> Vec<Vec<PointPair>> {
         let draws = Draws::new(self.scene.known(), Protocol::WellPosed, trials, 0.0, 1);
         assert_eq!(draws.trials(), trials, "the sample has so many well-posed pairs");
@@ -73,7 +73,7 @@ pub fn mean_distance(f: &FundamentalMatrix, matches: &[PointPair]) -> f64 {
     mean(&matches.iter().map(|m| symmetric_epipolar_distance(f, m)).collect::<Vec<_>>())
 }
 
-/// The clicks with every coordinate up to 0.5 px off, as by a careful hand.
+/// Shifts every coordinate of the clicks by up to 0.5 px, as a careful hand would.
 pub fn disturbed(clicks: &[PointPair], seed: u64) -> Vec<PointPair> {
     let mut random = Pcg64Mcg::seed_from_u64(seed);
     let mut moved =

@@ -1,4 +1,4 @@
-//! Watching and stopping a running estimate.
+//! Progress and cancellation of a running estimate.
 
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
@@ -9,15 +9,16 @@ use epiline::estimate::{
 
 use crate::support::{COURTYARD, mean_distance, paper};
 
-/// A guard against a stop that is never heard, not a measure of speed: a stop takes effect at the end of a step,
-/// some hundredths of a second in a release build, and this test may run unoptimised on busy cores.
+/// Time limit against a hang, not a measure of speed. Cancellation takes effect at the end of a
+/// step, some hundredths of a second in a release build. This test may run unoptimised on busy
+/// cores.
 const QUICKLY: Duration = Duration::from_secs(10);
 
-/// Stages a caller hears of; the pyramids are there before the first news.
+/// Stages announced to a caller. The pyramids exist before the first message.
 const ANNOUNCED: [Stage; 4] = [Stage::Pencils, Stage::Hypotheses, Stage::Validation, Stage::Refinement];
 
-/// Cancels `delay` after a stage has begun; returns how long the estimate took to notice, or `None` when it
-/// was done before.
+/// Cancels `delay` after a stage has begun. Returns the time until the estimate stopped, or `None`
+/// if it had finished.
 fn time_to_stop(parameters: &Parameters, stage: Stage, delay: Duration) -> Option<Duration> {
     let cancel = CancelFlag::default();
     let asked = Mutex::new(None);
@@ -25,7 +26,7 @@ fn time_to_stop(parameters: &Parameters, stage: Stage, delay: Duration) -> Optio
         let (cancel_later, asked) = (cancel.clone(), &asked);
         let (begun, hear) = std::sync::mpsc::channel::<()>();
         scope.spawn(move || {
-            // The sender is dropped without a word when the stage never comes.
+            // If the stage never comes, the sender is dropped without a message.
             if hear.recv().is_ok() {
                 std::thread::sleep(delay);
                 *asked.lock().unwrap() = Some(Instant::now());
@@ -36,7 +37,7 @@ fn time_to_stop(parameters: &Parameters, stage: Stage, delay: Duration) -> Optio
             if matches!(news, Progress::Started(s) if s == stage) {
                 begun.send(()).unwrap();
                 if delay.is_zero() {
-                    // Stopped from within the news itself.
+                    // Cancelled from within the callback.
                     while asked.lock().unwrap().is_none() {
                         std::thread::yield_now();
                     }
@@ -76,7 +77,7 @@ fn stops_in_the_middle_of_every_stage() {
             stopped += usize::from(waited.is_some());
             assert!(waited.is_none_or(|w| w < QUICKLY), "{:?} {stage:?}: {waited:?}", parameters.preset);
         }
-        // A stage may be over sooner than that, but not all of them.
+        // A stage may finish earlier, but not all of them.
         assert!(stopped >= 2, "{:?}: only {stopped} stages were stopped", parameters.preset);
     }
 }
@@ -147,11 +148,11 @@ fn tells_stages_in_order_and_a_first_geometry_before_the_result() {
         let (first, _) = preliminary.first().expect("a preliminary geometry");
         let (last, error) = preliminary[preliminary.len() - 1];
         assert!(*first > at(Stage::Pencils) && last < at(Stage::Refinement), "{heard:?}");
-        // The one before refinement is already a picture of the scene, good to a few per cent of the image.
+        // The geometry before refinement is accurate to a few per cent of the image.
         assert!(error < 25.0, "{heard:?}");
         assert!(found.first_seconds > 0.0 && found.first_seconds < found.seconds);
         let sum: f64 = found.timings.iter().map(|t| t.seconds).sum();
-        // What lies between two readings of the clock is nothing that takes time.
+        // Nothing slow happens outside the timed stages.
         assert!((sum - found.seconds).abs() < 0.1 * found.seconds.max(0.1), "{sum} of {}", found.seconds);
     }
 }

@@ -1,5 +1,5 @@
-//! What two photographs of one thing may have between them: a turn, another scale, nothing but moving things; and clicks
-//! of which one is wrong.
+//! Wide changes between two photographs: rotation, scale, captions, moving objects; and a wrong
+//! click.
 
 use std::f64::consts::PI;
 
@@ -10,14 +10,14 @@ use nalgebra::Rotation2;
 
 use crate::support::{COURTYARD, mean_distance};
 
-/// Image 2 turned by an angle about its middle and resized by a factor, on a canvas that holds all of it, and where its
-/// points go.
+/// Rotates image 2 about its centre and scales it, on a canvas that holds all of it. Returns the
+/// image and the map of its points.
 fn transformed(image: &GrayPlane, angle: f64, scale: f64) -> (GrayPlane, impl Fn(Point) -> Point) {
     let from = image.frame();
     let (turn, side) = (Rotation2::new(angle), (scale * from.diagonal()).ceil() as usize);
     let frame = Frame::new(side, side);
     let forward = move |p: Point| frame.centre() + turn * (p - from.centre()) * scale;
-    // Averaged over the pixels that become one.
+    // Averages the pixels that become one.
     let steps = (1.0 / scale).round().max(1.0) as i32;
     let plane = GrayPlane::from_fn(frame, |x, y| {
         let mut sum = 0.0;
@@ -45,7 +45,7 @@ fn a_turned_and_resized_picture_is_as_good_as_the_untouched_one() {
         let matches: Vec<_> = known.scene.matches.iter().map(moved).collect();
         let error = mean_distance(found.fundamental(), &matches);
         println!("{:.0}°, {scale}: {error:.3} px, untouched {untouched:.3} px", angle.to_degrees());
-        // Resampled once more, and at half the size with half the detail.
+        // The picture was resampled again, and at half the size has half the detail.
         assert!(error < untouched + 0.3, "{:.0}°, {scale}: {error} px", angle.to_degrees());
     }
 }
@@ -53,7 +53,7 @@ fn a_turned_and_resized_picture_is_as_good_as_the_untouched_one() {
 #[test]
 fn a_caption_in_both_pictures_is_left_out_and_costs_nothing() {
     let known = &COURTYARD;
-    // Letters of a kind: cells of ink and paper along the lower edge, a logo in a corner.
+    // Letter-like cells of ink and paper along the lower edge, and a logo in a corner.
     let captioned = |image: &GrayPlane| {
         let frame = image.frame();
         GrayPlane::from_fn(frame, |x, y| {
@@ -93,12 +93,12 @@ fn of_three_clicks_a_wrong_one_is_outvoted_and_named() {
     }
 }
 
-/// A camera that stands still while things move: each has a line of its own through every epipole that fits it.
+/// With a stationary camera, each moving object has a line through every epipole that fits it.
 #[test]
 fn without_parallax_no_epipole_is_called_reliable() {
     let image = &COURTYARD.scene.images[0];
     let frame = image.frame();
-    // Pieces of the picture at other places, moved between the two.
+    // Pieces of the picture at other positions, shifted between the two images.
     let pieces: Vec<[Vector; 3]> = (0..14)
         .map(|k| {
             let angle = f64::from(k) * 2.4;

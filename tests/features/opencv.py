@@ -1,6 +1,6 @@
 """Matches of OpenCV's SIFT between two pictures, as JSON on standard output.
 
-Usage: opencv.py MOST PICTURE PICTURE. RootSIFT, mutual nearest neighbours, no ratio test; every pair of places once.
+Usage: opencv.py MOST PICTURE PICTURE. RootSIFT, mutual nearest neighbours, no ratio test, without duplicates.
 """
 
 import json

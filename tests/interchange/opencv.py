@@ -1,7 +1,7 @@
-"""What OpenCV makes of geometry files, for the test interchange.
+"""Reads and writes geometry files with OpenCV, for the test interchange.
 
-    opencv.py read FILE      reads a FileStorage and prints as JSON what is in it, and what OpenCV computes from it
-    opencv.py write FOLDER   writes one geometry as FileStorage in all its kinds, and prints it as JSON
+    opencv.py read FILE      reads a FileStorage and prints its content and OpenCV's epipolar distances as JSON
+    opencv.py write FOLDER   writes one geometry in every FileStorage format, and prints it as JSON
 """
 
 import json
@@ -18,7 +18,7 @@ def read(path):
     assert storage.isOpened(), path
     found = {name: storage.getNode(name).mat() for name in MATRICES}
     fundamental, points1, points2 = found["F"], found["points1"], found["points2"]
-    # Lines a x + b y + c = 0 with a² + b² = 1, so that a point put in gives its distance.
+    # Lines a x + b y + c = 0 with a² + b² = 1: inserting a point gives its distance.
     lines2 = cv2.computeCorrespondEpilines(points1.reshape(-1, 1, 2), 1, fundamental).reshape(-1, 3)
     lines1 = cv2.computeCorrespondEpilines(points2.reshape(-1, 1, 2), 2, fundamental).reshape(-1, 3)
     distance = lambda lines, points: abs((lines[:, :2] * points).sum(axis=1) + lines[:, 2])
@@ -42,7 +42,7 @@ def read(path):
 
 def write(folder):
     random = numpy.random.default_rng(7)
-    # Of rank 2 and Frobenius norm 1, so that reading changes nothing but the sign.
+    # Rank 2 and Frobenius norm 1, so that reading changes only the sign.
     a, b = random.normal(size=(3, 2)), random.normal(size=(2, 3))
     fundamental = (a @ b) * numpy.array([[1e-6, 1e-5, 1e-3], [1e-5, 1e-6, 1e-2], [1e-3, 1e-2, 1.0]])
     u, s, v = numpy.linalg.svd(fundamental)
@@ -57,7 +57,7 @@ def write(folder):
         storage.write("F", fundamental)
         storage.write("H1", homography)
         storage.write("H2", homography.T)
-        # As people keep points: N×1 with two channels, and single precision.
+        # Common representations of points: N×1 with two channels, and single precision.
         storage.write("points1", points1.reshape(-1, 1, 2))
         storage.write("points2", points2.astype(numpy.float32))
         storage.write("unknown", numpy.array([[numpy.nan, numpy.inf]]))

@@ -37,7 +37,7 @@ pub fn fake_estimate(pairs: &[PointPair], parameters: &Parameters) -> Result<Est
     let assessment = Assessment {
         lines: Some(line_figures(&fundamental, [*p, *q], 0.25)?),
         margin: Some(0.4),
-        refinement: Some(Refinement { matches: Vec::new(), uncertainty: None }),
+        refinement: Some(Refinement { matches: Vec::new(), uncertainty: None, noise: None }),
         ..Assessment::default()
     };
     let trace = SearchTrace {

@@ -1,4 +1,4 @@
-//! `epiline evaluate`: how good the estimators are on pairs whose geometry is known.
+//! `epiline evaluate`: accuracy of the estimators on pairs with ground truth.
 
 mod progress;
 mod report_folder;
@@ -25,7 +25,7 @@ use crate::evaluate::{
 use crate::io::refuse_clashes;
 use crate::similarity::LineMeasure;
 
-/// Measure estimators on image pairs with known geometry
+/// Measure estimators on image pairs with ground truth
 #[derive(Debug, Args)]
 pub(super) struct EvaluateArguments {
     #[command(subcommand)]
@@ -37,7 +37,7 @@ enum PairSource {
     /// Views with cameras and tracks: PREFIX.NNN.pgm, .P, .corners and PREFIX.nview-corners
     #[command(allow_negative_numbers = true)]
     Vgg {
-        /// The folder
+        /// Folder with the views
         folder: PathBuf,
         /// Compare view i with view i + STEP
         #[arg(long, default_value = "1", value_parser = count)]
@@ -45,11 +45,11 @@ enum PairSource {
         #[command(flatten)]
         options: Box<Options>,
     },
-    /// Sequences that known cameras recorded together: folders of frames or videos NAME, NAME.P, and truth-NAME1-NAME2.txt
-    /// with rows x1 y1 x2 y2
+    /// Sequences recorded together by calibrated cameras: folders of frames or videos NAME, NAME.P,
+    /// and truth-NAME1-NAME2.txt with rows x1 y1 x2 y2
     #[command(allow_negative_numbers = true)]
     Sequences {
-        /// The folder
+        /// Folder with the sequences
         folder: PathBuf,
         #[command(flatten)]
         options: Box<Options>,
@@ -57,10 +57,10 @@ enum PairSource {
     #[command(
         allow_negative_numbers = true,
         about = "Pairs with true matches: NAMEA.*, NAMEB.* and NAME.txt with rows x1 y1 x2 y2; NAME_F.txt for \
-                 the true F if it is known"
+                 the true F, if known"
     )]
     Pairs {
-        /// The folder
+        /// Folder with the pairs
         folder: PathBuf,
         #[command(flatten)]
         options: Box<Options>,
@@ -68,7 +68,7 @@ enum PairSource {
 }
 
 impl PairSource {
-    /// The name of the layout, the folder, the step between views, everything else.
+    /// Returns the name of the layout, the folder, the step between views, and the options.
     fn parts(&self) -> (&'static str, &Path, Option<usize>, &Options) {
         match self {
             Self::Vgg { folder, step, options } => ("vgg", folder, Some(*step), options),
@@ -80,65 +80,65 @@ impl PairSource {
 
 #[derive(Debug, Args)]
 struct Options {
-    /// Trials a pair
+    /// Number of trials per pair
     #[arg(long, default_value = "10", value_parser = count)]
     trials: usize,
-    /// How true matches are chosen to be clicked
+    /// Selection of the true matches to click
     #[arg(long, value_enum, default_value_t = Protocol::WellPosed)]
     protocol: Protocol,
-    /// Presets to compare; repeatable, or separated by commas
+    /// Presets to compare, separated by commas; repeatable
     #[arg(long = "preset", value_enum, value_delimiter = ',', default_value = "robust")]
     presets: Vec<Preset>,
-    /// Methods to compare; repeatable, or separated by commas
+    /// Methods to compare, separated by commas; repeatable
     #[arg(long = "methods", alias = "method", value_name = "METHOD", value_delimiter = ',',
         default_value = "two-point", value_parser = PossibleValuesParser::new(method_names()))]
     methods: Vec<String>,
     /// Standard deviation of Gaussian noise on every clicked coordinate, pixels
     #[arg(long, value_name = "SIGMA", default_value = "0", value_parser = pixels)]
     noise: f64,
-    /// Seed of the choice of clicks, of the noise and of the estimators
+    /// Random seed of the clicks, the noise and the estimators
     #[arg(long, default_value_t = 0)]
     seed: u64,
-    /// Threads in all, all cores by default
+    /// Total number of threads, by default one per core
     #[arg(long, value_parser = threads)]
     threads: Option<usize>,
-    /// Threads of one trial; for times as a user sees them give it the value of --threads
+    /// Number of threads per trial; for realistic times give it the value of --threads
     #[arg(long, default_value = "1", value_parser = threads, value_name = "N")]
     threads_per_trial: usize,
-    /// Only these pairs, separated by commas
+    /// Evaluate only these pairs, separated by commas
     #[arg(long, value_name = "NAME", value_delimiter = ',')]
     only: Vec<String>,
-    /// Take every preset with and without refinement
+    /// Run every preset with and without refinement
     #[arg(long, conflicts_with = "refine")]
     compare_refinement: bool,
-    /// Also show where the best hypothesis and the true geometry rank
+    /// Also show the ranks of the best hypothesis and of the true geometry
     #[arg(long)]
     ranks: bool,
-    /// Write every trial as JSON, to standard output when it is -
+    /// Write every trial as JSON; - is standard output
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
-    /// Write report.html, which needs no other file, and the same as report.md with its figures, into this folder;
-    /// it is made if it is not there
+    /// Write a report into this folder, which is created if missing: report.html is a single file,
+    /// report.md has its figures beside it
     #[arg(long, value_name = "DIR")]
     report: Option<PathBuf>,
     #[command(flatten)]
     overrides: Overrides,
 }
 
-/// The content of a report file.
+/// Content of the JSON file.
 #[derive(Serialize)]
 struct ReportFile<'a> {
-    /// `vgg`, `pairs` or `sequences`.
+    /// Layout: `vgg`, `pairs` or `sequences`.
     layout: &'static str,
     folder: String,
     step: Option<usize>,
-    /// The version of the program.
+    /// Version of the program.
     version: &'static str,
     #[serde(flatten)]
     report: &'a Report,
 }
 
-/// Evaluates, writes the JSON file, prints the table.
+/// Runs the evaluation, writes the JSON file and prints the table.
 pub(super) fn run(arguments: &EvaluateArguments) -> Result<(), CliError> {
     let (layout, folder, step, options) = arguments.source.parts();
     let output = Output::prepare(options.json.as_deref())?;
@@ -204,7 +204,7 @@ pub(super) fn run(arguments: &EvaluateArguments) -> Result<(), CliError> {
     if made < planned { Err(CliError::Stopped { made, planned }) } else { Ok(()) }
 }
 
-/// A flag that Ctrl-C raises. The second Ctrl-C ends the program at once.
+/// Returns a flag that Ctrl-C sets. A second Ctrl-C ends the program at once.
 fn stop_on_interrupt() -> CancelFlag {
     let stop = CancelFlag::default();
     let raised = stop.clone();
@@ -213,15 +213,15 @@ fn stop_on_interrupt() -> CancelFlag {
             std::process::exit(i32::from(INTERRUPTED));
         }
         raised.cancel();
-        tell("\nFinishing the trials under way, then the report; Ctrl-C again ends at once");
+        tell("\nFinishing the running trials, then the report. Press Ctrl-C again to quit at once");
     };
     if let Err(error) = ctrlc::set_handler(handler) {
-        tell(format_args!("Ctrl-C will end without a report: {error}"));
+        tell(format_args!("Ctrl-C will end the program without a report: {error}"));
     }
     stop
 }
 
-/// The parameters of every preset asked for, each once, or once unrefined and once refined.
+/// Returns the parameters of each preset once, or once with and once without refinement.
 fn parameters(options: &Options) -> Result<Vec<Parameters>, CliError> {
     let mut presets: Vec<Preset> = Vec::new();
     for preset in &options.presets {
@@ -244,8 +244,8 @@ fn parameters(options: &Options) -> Result<Vec<Parameters>, CliError> {
     Ok(all)
 }
 
-/// The command that makes the same run anywhere: every option that changes a figure, the folder without what is
-/// above it.
+/// Returns the command that repeats the run on another machine: every option that changes a result,
+/// and the folder without its parents.
 fn command(source: &PairSource) -> String {
     let (kind, folder, step, options) = source.parts();
     let mut words = vec!["epiline evaluate".to_owned(), kind.to_owned(), quoted(&last_name(folder))];
@@ -269,14 +269,14 @@ fn command(source: &PairSource) -> String {
     words.join(" ")
 }
 
-/// The last part of a path, behind `.` and links where there is none.
+/// Returns the last part of a path, resolved if the path ends in `.` or `..`.
 fn last_name(path: &Path) -> String {
     let named =
         if path.file_name().is_some() { path.to_owned() } else { path.canonicalize().unwrap_or_default() };
     named.file_name().map_or_else(|| "folder".to_owned(), |name| name.to_string_lossy().into_owned())
 }
 
-/// A word as a shell takes it for one.
+/// Quotes a word for a shell.
 fn quoted(word: &str) -> String {
     let plain = |c: char| c.is_alphanumeric() || "-_=.,/+".contains(c);
     if !word.is_empty() && word.chars().all(plain) {
@@ -286,22 +286,22 @@ fn quoted(word: &str) -> String {
     }
 }
 
-/// The tables with a sentence on what they show.
+/// Returns the tables with a sentence about their content.
 fn text(report: &Report, ranks: bool) -> String {
     let plan = &report.parameters.plan;
     let search = search_table(report);
     let search = match (ranks, search.is_empty()) {
         (false, _) => String::new(),
-        (true, true) => "\nNo method here chooses among hypotheses.\n".to_owned(),
+        (true, true) => "\nNone of these methods ranks hypotheses.\n".to_owned(),
         (true, false) => {
             format!(
-                "\nBest hypothesis generated, its rank, and that of the true geometry; medians.\n\n{search}"
+                "\nMedian error and rank of the best generated hypothesis, and rank of the true geometry.\n\n{search}"
             )
         }
     };
     format!(
-        "Mean symmetric epipolar distance of all true matches, px; protocol {}, click noise {} px, seed {}; \
-         seconds of a trial on {} thread(s), {} at once.\n\n{}{}{search}",
+        "Mean symmetric epipolar distance of all true matches, px. Protocol {}, click noise {} px, seed {}. \
+         Seconds per trial on {} thread(s), {} at a time.\n\n{}{}{search}",
         plan.protocol.name(),
         plan.noise,
         plan.seed,

@@ -1,4 +1,4 @@
-//! How far the trials are, on standard error.
+//! Progress of the trials on standard error.
 
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use crate::cli::console::{is_watched, tell, tell_in_place};
 use crate::evaluate::TrialDone;
 
-/// Progress on standard error: one changing line for a person, now and then a line for a log.
+/// Progress on standard error: one changing line on a terminal, occasional lines in a log.
 pub(super) struct ProgressLine {
     started: Instant,
     watched: bool,
@@ -20,7 +20,7 @@ impl ProgressLine {
 
     pub(super) fn hear(&self, news: &TrialDone) {
         let pause = Duration::from_millis(if self.watched { 100 } else { 10_000 });
-        // A poisoned clock still tells when it was last read.
+        // A poisoned lock still holds the last time.
         let mut last = self.last.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
         if news.done < news.total && last.is_some_and(|t| t.elapsed() < pause) {
             return;
@@ -41,7 +41,7 @@ impl ProgressLine {
         if self.watched { tell_in_place(line) } else { tell(line) }
     }
 
-    /// Progress of the pictures of the report, which come after the trials; a log is told once.
+    /// Shows the progress of drawing the report. A log gets one line.
     pub(super) fn hear_drawing(&self, done: usize, total: usize) {
         if self.watched {
             tell_in_place(format_args!("Drawing the report: {done} of {total} pairs"));
@@ -57,7 +57,7 @@ impl ProgressLine {
     }
 }
 
-/// Seconds, or minutes and seconds.
+/// Formats seconds, or minutes and seconds.
 fn duration(seconds: f64) -> String {
     let seconds = seconds.round() as u64;
     if seconds < 60 { format!("{seconds} s") } else { format!("{} min {:02} s", seconds / 60, seconds % 60) }

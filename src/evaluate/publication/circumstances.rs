@@ -1,4 +1,5 @@
-//! What may explain a trial's error: where the clicks are, what their lines cross, and what the search had.
+//! Possible causes of a trial's error: positions of the clicks, texture along their lines, and the
+//! search.
 
 use std::f64::consts::PI;
 
@@ -11,41 +12,46 @@ use crate::evaluate::statistics::median;
 use crate::geometry::{AnchoredLine, Line, PointPair, finite_point};
 use crate::image::Profile;
 
-/// Clicks nearer than this fraction of the longer side are close together.
+/// Distance below which clicks are close together, as a fraction of the longer side.
 const CLOSE: f64 = 0.1;
-/// A click nearer than this fraction of the longer side to the epipole sees its line turn with every pixel.
+/// Distance from the epipole below which the line of a click is unstable, as a fraction of the
+/// longer side.
 const NEAR_EPIPOLE: f64 = 0.15;
-/// Lines turned by more than this, radians, belong to another motion of the camera.
+/// Angle between estimated and true lines that suggests another motion of the camera, radians.
 const TURNED: f64 = 15.0 * PI / 180.0;
-/// A line with less than this part of the median contrast of the lines through the same click crosses little.
+/// Contrast along a line that counts as little, relative to the median over lines through the same
+/// click.
 const LITTLE_CONTRAST: f64 = 0.5;
-/// Candidates and hypotheses within this fraction of the longer side are near the truth.
+/// Distance at which candidates and hypotheses are near the truth, as a fraction of the longer
+/// side.
 const NEAR: f64 = 0.01;
-/// Directions in which contrast is measured, over half a turn.
+/// Number of directions for the median contrast, over half a turn.
 const DIRECTIONS: usize = 90;
-/// A click farther than this from its true match is no noise, px.
+/// Distance of a click from its true match that is a mistake and not noise, px.
 const MISTAKE: f64 = 10.0;
 
-/// Figures of a trial's clicks and of its search; lengths in px, full size.
+/// Measurements of a trial's clicks and search; lengths in px at full size.
 pub(super) struct Circumstances {
     /// Longer side of the larger image.
     side: f64,
-    /// Distance of the first two clicks in each image.
+    /// Distance between the first two clicks in each image.
     apart: [f64; 2],
-    /// Least distance of one of them from the true epipolar line of the other, over both images.
+    /// Smallest distance of either click from the true epipolar line of the other, over both
+    /// images.
     off_line: f64,
     /// Angle between their true epipolar lines in each image, radians.
     angle: [f64; 2],
-    /// The click nearest to a true epipole, in which image, and how far from it.
+    /// Click nearest to a true epipole, the image, and the distance.
     epipole: Option<(usize, usize, f64)>,
-    /// Contrast along the true line of each in the image where it is weaker, over the median contrast of the lines
-    /// through the same point.
+    /// Contrast along the true line of each click, relative to the median over lines through the
+    /// click, in the image where the ratio is lower.
     contrast: Vec<f64>,
-    /// How far the best candidate line pair of each is from the true one at the border of the image.
+    /// Distance of each click's best candidate line pair from the true pair, at the border of the
+    /// image.
     candidates: Vec<f64>,
-    /// How far each click is from its true match, in the image where that is more.
+    /// Distance of each click from its true match, in the image where it is larger.
     mistakes: Vec<f64>,
-    /// What the search had.
+    /// Ranking of the search's hypotheses.
     search: Option<RankingRecord>,
     error: f64,
     /// Median angle between estimated and true lines, radians.
@@ -101,7 +107,7 @@ impl Circumstances {
         }
     }
 
-    /// Every figure with its name.
+    /// Returns all measurements with their names.
     pub(super) fn facts(&self) -> Vec<(String, String)> {
         let percent = |length: f64| format!("{:.1} %", 100.0 * length / self.side);
         let mut facts = vec![
@@ -112,7 +118,7 @@ impl Circumstances {
             (
                 "Off one line".to_owned(),
                 format!(
-                    "a click is {:.1} px ({} of the longer side) from the true epipolar line of the other, at the least",
+                    "minimum distance of a click from the true epipolar line of the other: {:.1} px ({} of the longer side)",
                     self.off_line,
                     percent(self.off_line)
                 ),
@@ -128,14 +134,17 @@ impl Circumstances {
             (
                 "Contrast".to_owned(),
                 format!(
-                    "{} of that of the median line through the same click",
+                    "{} of the median over lines through the same click",
                     named(&self.contrast, |c| format!("{:.0} %", 100.0 * c))
                 ),
             ),
         ];
         if let Some((click, image, distance)) = self.epipole {
-            let text =
-                format!("{distance:.0} px from {} in image {}, the nearest", click_name(click), image + 1);
+            let text = format!(
+                "{distance:.0} px from the nearest click, {} in image {}",
+                click_name(click),
+                image + 1
+            );
             facts.push(("True epipole".to_owned(), text));
         }
         if !self.candidates.is_empty() {
@@ -151,19 +160,16 @@ impl Circumstances {
         facts
     }
 
-    /// What is out of the ordinary, a sentence each.
+    /// Returns the unusual measurements, one sentence each.
     pub(super) fn sentences(&self) -> Vec<String> {
         let mut told = Vec::new();
         for (k, distance) in self.mistakes.iter().enumerate().filter(|(_, d)| **d > MISTAKE) {
-            told.push(format!(
-                "Click {} is {distance:.0} px from the place that it was to mark.",
-                click_name(k)
-            ));
+            told.push(format!("Click {} is {distance:.0} px from its true position.", click_name(k)));
         }
         if self.off_line < OFF_LINE * self.side {
             told.push(format!(
                 "The clicks lie nearly on one epipolar line: one is only {:.1} px from the line of the other ({:.1} % of \
-                 the longer side, where {:.0} % are well-posed). Two lines that nearly coincide leave the epipoles open.",
+                 the longer side; well-posed clicks have {:.0} %). Nearly coincident lines leave the epipoles undetermined.",
                 self.off_line,
                 100.0 * self.off_line / self.side,
                 100.0 * OFF_LINE
@@ -175,14 +181,14 @@ impl Circumstances {
         }
         if let Some((click, image, distance)) = self.epipole.filter(|(.., d)| *d < NEAR_EPIPOLE * self.side) {
             told.push(format!(
-                "Click {} is {distance:.0} px from the epipole of image {}, where lines turn with every pixel.",
+                "Click {} is {distance:.0} px from the epipole of image {}. There every pixel turns its line.",
                 click_name(click),
                 image + 1
             ));
         }
         for (k, contrast) in self.contrast.iter().enumerate().filter(|(_, c)| **c < LITTLE_CONTRAST) {
             told.push(format!(
-                "The true line of {} crosses little texture: {:.0} % of the contrast of the median line through the click.",
+                "The true line of {} crosses little texture: {:.0} % of the median contrast of lines through the click.",
                 click_name(k),
                 100.0 * contrast
             ));
@@ -190,7 +196,7 @@ impl Circumstances {
         for (k, distance) in self.candidates.iter().enumerate().filter(|(_, d)| **d > 2.0 * NEAR * self.side)
         {
             told.push(format!(
-                "The true line pair of {} was not among the candidates; the nearest one is {distance:.0} px off at the \
+                "The true line pair of {} was not among the candidates. The nearest one is {distance:.0} px off at the \
                  border of the image.",
                 click_name(k)
             ));
@@ -198,8 +204,8 @@ impl Circumstances {
         told.extend(self.search.as_ref().and_then(|search| self.search_failure(search)));
         if self.turned > TURNED {
             told.push(format!(
-                "The estimated lines are turned by {:.0}° against the true ones (median), which a distance in px hides \
-                 where matches move little between the images.",
+                "The estimated lines are turned by {:.0}° against the true ones (median). Distances in px hide this \
+                 if matches move little between the images.",
                 self.turned.to_degrees()
             ));
         }
@@ -209,18 +215,19 @@ impl Circumstances {
         told
     }
 
-    /// Whether the search had nothing near the truth, or had it and chose something else.
+    /// Describes a failed search: no hypothesis near the truth, or a better one that was not
+    /// chosen.
     fn search_failure(&self, search: &RankingRecord) -> Option<String> {
         let near = NEAR * self.side;
         if search.best_error > near {
             return Some(format!(
-                "None of the {} hypotheses kept came near the truth: the best has an error of {:.1} px.",
+                "None of the {} hypotheses is near the truth. The best has an error of {:.1} px.",
                 search.hypotheses, search.best_error
             ));
         }
         (self.error > 2.0 * search.best_error.max(0.5)).then(|| {
             format!(
-                "The search held a hypothesis with an error of {:.1} px, but did not choose it: {}.",
+                "The search had a hypothesis with an error of {:.1} px, but did not choose it: {}.",
                 search.best_error,
                 ranks_in_words(search)
             )
@@ -228,7 +235,7 @@ impl Circumstances {
     }
 }
 
-/// The value of each click in words.
+/// Lists a value of each click in words.
 fn named(values: &[f64], text: impl Fn(f64) -> String) -> String {
     let all = values.iter().enumerate().map(|(k, v)| format!("{} {}", click_name(k), text(*v)));
     all.collect::<Vec<_>>().join(", ")
@@ -244,9 +251,9 @@ fn search_in_words(search: &RankingRecord) -> String {
 }
 
 fn ranks_in_words(search: &RankingRecord) -> String {
-    let rank = |rank: Option<usize>| rank.map_or_else(|| "nowhere".to_owned(), |r| r.to_string());
+    let rank = |rank: Option<usize>| rank.map_or_else(|| "unranked".to_owned(), |r| r.to_string());
     let by_lines = format!(
-        "by lines it ranks {} and the truth would rank {}",
+        "by lines it has rank {} and the truth rank {}",
         search.best_rank_by_lines,
         rank(search.true_rank_by_lines)
     );
@@ -256,13 +263,14 @@ fn ranks_in_words(search: &RankingRecord) -> String {
     }
 }
 
-/// The true epipolar lines at a click, in image 1 and in image 2.
+/// Returns the true epipolar lines of a click in image 1 and image 2.
 fn true_lines(sight: &Sight, click: &PointPair) -> [Option<Line>; 2] {
     let truth = &sight.scene.truth;
     [truth.line1_from_point2(click.point2), truth.line2_from_point1(click.point1)]
 }
 
-/// Contrast along the parallel to a line through a click, over the median of all directions; 1 where there is none.
+/// Returns the contrast through a click parallel to a line, relative to the median of all
+/// directions; 1 without contrast.
 fn relative_contrast(sight: &Sight, click: &PointPair, image: usize, line: &Line) -> f64 {
     let (plane, at) = (&sight.scene.images[image], side(click, image));
     let along = |angle: f64| Profile::sample(plane, &AnchoredLine::at_angle(at, angle), 1.0).texture();
@@ -272,8 +280,8 @@ fn relative_contrast(sight: &Sight, click: &PointPair, image: usize, line: &Line
     if middle > 0.0 { along(direction.y.atan2(direction.x)) / middle } else { 1.0 }
 }
 
-/// How far the nearest candidate pair is from the true lines at the farthest corner, in the image where that is
-/// more; `None` without candidates or true lines.
+/// Returns the distance of the nearest candidate pair from the true lines at the farthest corner,
+/// in the image where it is larger. `None` without candidates or true lines.
 fn candidate_distance(sight: &Sight, pencils: &ComparedPencils, lines: &[Option<Line>; 2]) -> Option<f64> {
     let [Some(line1), Some(line2)] = lines else { return None };
     let reach =
@@ -336,21 +344,24 @@ mod tests {
                 Circumstances { candidates: vec![44.0, 3.0], ..ORDINARY },
                 "line pair of p was not among the candidates",
             ),
-            (Circumstances { mistakes: vec![0.8, 80.0], ..ORDINARY }, "Click q is 80 px from the place"),
+            (
+                Circumstances { mistakes: vec![0.8, 80.0], ..ORDINARY },
+                "Click q is 80 px from its true position",
+            ),
             (
                 Circumstances { search: Some(search(35.0)), error: 40.0, ..ORDINARY },
                 "None of the 60 hypotheses",
             ),
             (
                 Circumstances { search: Some(search(2.0)), error: 40.0, ..ORDINARY },
-                "did not choose it: by lines it ranks 7 and the truth would rank 3",
+                "did not choose it: by lines it has rank 7 and the truth rank 3",
             ),
             (Circumstances { turned: 1.0, ..ORDINARY }, "turned by 57°"),
         ] {
             let told = unusual.sentences();
             assert!(told.len() == 1 && told[0].contains(words), "{words}: {told:?}");
         }
-        // The best that there was has been chosen.
+        // The best available hypothesis was chosen.
         let chosen = Circumstances { search: Some(search(2.0)), error: 2.2, ..ORDINARY };
         assert!(chosen.sentences()[0].starts_with("Nothing"));
     }

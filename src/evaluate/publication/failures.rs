@@ -1,11 +1,11 @@
-//! Trials without a result, with their reasons.
+//! Section of trials without a result, with their reasons.
 
 use super::ReportSubject;
 use crate::publish::{Publication, TextTable};
 
 pub(super) fn write(subject: &ReportSubject, document: &mut Publication) {
     document.section("Trials without a result");
-    // Method and reason with the trials, in the order in which they first occur.
+    // Method and reason with their trials, in the order of first occurrence.
     let mut groups: Vec<(String, &str, Vec<String>)> = Vec::new();
     for (c, label) in subject.labels().into_iter().enumerate() {
         for (s, scene) in subject.scenes.iter().enumerate() {
@@ -29,7 +29,7 @@ pub(super) fn write(subject: &ReportSubject, document: &mut Publication) {
         return;
     }
     document.table(TextTable {
-        caption: "Every trial that gave no fundamental matrix, and why.".to_owned(),
+        caption: "Every trial without a fundamental matrix, with the reason.".to_owned(),
         headings: ["method", "reason", "where", "trials"].map(str::to_owned).to_vec(),
         rows: groups
             .into_iter()

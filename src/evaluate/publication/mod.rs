@@ -1,8 +1,8 @@
-//! A report as a document with plots and pictures, fit for a paper's supplement.
+//! Report as a document with plots and pictures, suitable as a paper's supplement.
 //!
-//! The figures come from the [`Report`]; for the few trials that are shown as pictures the estimator runs once
-//! more, which gives the same result (same images, clicks, parameters and seed). Nothing in the document depends on
-//! when or where it was made but the times.
+//! The numbers come from the [`Report`]. For trials shown as pictures the estimator runs again with
+//! the same images, clicks, parameters and seed, which gives the same result. Apart from the times,
+//! the document does not depend on when or where it was made.
 
 mod circumstances;
 mod failures;
@@ -18,46 +18,47 @@ use super::table::{counted, verdict_sentences};
 use super::{Contender, KnownScene, Protocol, Record, Report};
 use crate::publish::Publication;
 
-/// What a document is made from.
+/// Content of a document.
 pub struct ReportSubject<'a> {
-    /// What came out.
+    /// Report of the run.
     pub report: &'a Report,
-    /// The scenes of the run.
+    /// Scenes of the run.
     pub scenes: &'a [KnownScene],
-    /// The contenders of the run.
+    /// Contenders of the run.
     pub contenders: &'a [Box<dyn Contender>],
-    /// What was measured on, for the title.
+    /// Name of the data set, for the title.
     pub name: &'a str,
-    /// The command that makes the same run.
+    /// Command that repeats the run.
     pub command: &'a str,
 }
 
 impl ReportSubject<'_> {
-    /// The record of a scene and a contender.
+    /// Returns the record of a scene and a contender.
     fn record(&self, scene: usize, contender: usize) -> &Record {
         &self.report.records[scene * self.contenders.len() + contender]
     }
 
-    /// Names of the contenders.
+    /// Returns the labels of the contenders.
     fn labels(&self) -> Vec<String> {
         self.contenders.iter().map(|c| c.label()).collect()
     }
 
-    /// The contenders of a method.
+    /// Returns the contenders of a method.
     fn of_method<'s>(&'s self, method: &'s str) -> impl Iterator<Item = usize> + 's {
         (0..self.contenders.len()).filter(move |c| self.contenders[*c].method() == method)
     }
 
-    /// The contender whose trials are shown as pictures: the first two-point one, or else the first.
+    /// Returns the contender whose trials are shown as pictures: the first two-point contender,
+    /// otherwise the first.
     fn shown(&self) -> Option<usize> {
         self.of_method(TWO_POINT).next().or_else(|| (!self.contenders.is_empty()).then_some(0))
     }
 }
 
-/// The method that this is about.
+/// Method of main interest: its trials are shown as pictures.
 const TWO_POINT: &str = "two-point";
 
-/// The document. `progress` hears how many of how many scenes have been drawn.
+/// Creates the document. `progress` receives the number of drawn scenes and their total.
 pub fn publication(subject: &ReportSubject, progress: &dyn Fn(usize, usize)) -> Publication {
     let plan = &subject.report.parameters.plan;
     let (made, planned) = (subject.report.trials_made, subject.report.trials_planned);
@@ -90,7 +91,7 @@ pub fn publication(subject: &ReportSubject, progress: &dyn Fn(usize, usize)) -> 
     document
 }
 
-/// What was run and what is measured.
+/// Writes the section on the run and its measurements.
 fn introduction(subject: &ReportSubject, document: &mut Publication) {
     let plan = &subject.report.parameters.plan;
     document.section("What was run");
@@ -102,7 +103,7 @@ fn introduction(subject: &ReportSubject, document: &mut Publication) {
              other's true epipolar line"
         }
         Protocol::WrongClick => {
-            "matches as in the protocol well-posed, where the second click of image 2 is moved to another match: no \
+            "matches as in the protocol well-posed, with the second click of image 2 moved to another match: no \
              geometry fits such clicks"
         }
     };
@@ -112,8 +113,8 @@ fn introduction(subject: &ReportSubject, document: &mut Publication) {
         "Clicks are exact.".to_owned()
     };
     document.paragraph(format!(
-        "In every trial, true matches play the part of a person's clicks: {clicks}. {noise} All methods get the same \
-         clicks, those that need more get further ones. The error of a trial is the mean symmetric epipolar distance of \
+        "In every trial, true matches take the place of a person's clicks: {clicks}. {noise} All methods get the same \
+         clicks, and further ones if they need more. The error of a trial is the mean symmetric epipolar distance of \
          all true matches of the pair to the estimated fundamental matrix, px. A trial without a result counts as an \
          infinite error and is never left out."
     ));
@@ -129,7 +130,7 @@ mod tests {
     use crate::geometry::PointPair;
     use crate::publish::{html, markdown};
 
-    /// Never finds anything.
+    /// Contender that always fails.
     struct Hopeless;
 
     impl Contender for Hopeless {
@@ -180,9 +181,9 @@ mod tests {
         let files = markdown(&document(&scenes, &all, &CancelFlag::default()), "figures");
         let names: Vec<_> = files.figures.iter().map(|(name, _)| name.as_str()).collect();
         assert_eq!(names, ["errors-cumulative.svg", "errors-by-pair.svg", "pair-01-lines.svg"]);
-        // Eight true lines and eight estimated ones in each image, each with its edge.
+        // Eight true and eight estimated lines in each image, each with an outline.
         assert_eq!(files.figures[2].1.matches("stroke-opacity=\"0.45\"").count(), 32);
-        assert!(!files.text.contains("Worst trials"), "they are those of two-point");
+        assert!(!files.text.contains("Worst trials"), "worst trials are of two-point only");
     }
 
     #[test]

@@ -7,7 +7,7 @@ use crate::evaluate::table::{Summary, has_printed, label, pixels, range, share};
 use crate::publish::plot::{Distribution, Strip, StripGroup, cumulative, strips};
 use crate::publish::{Publication, TextTable};
 
-/// Errors that matter, px.
+/// Error limits marked in the plots, px.
 const LIMITS: [f64; 2] = [1.0, 3.0];
 
 pub(super) fn write(subject: &ReportSubject, document: &mut Publication) {
@@ -17,7 +17,7 @@ pub(super) fn write(subject: &ReportSubject, document: &mut Publication) {
     document.figure(
         "errors-cumulative",
         cumulative(&distributions, "mean symmetric epipolar distance of a trial, px", "trials not above", &LIMITS),
-        "Share of all trials whose error is not above the value on the axis. A curve that ends below 100 % has trials \
+        "Fraction of all trials whose error is at most the value on the axis. A curve that ends below 100 % has trials \
          without a result; further to the left is better.",
     );
     let reference = has_printed(subject.report);
@@ -32,7 +32,7 @@ pub(super) fn write(subject: &ReportSubject, document: &mut Publication) {
     );
     let Summary { headings, rows, groups, remarks } = Summary::new(subject.report);
     document.table(TextTable {
-        caption: "All figures: errors in px, with a 95 % bootstrap interval of the median, times in seconds of a trial \
+        caption: "All figures: errors in px, with a 95 % bootstrap interval of the median, times in seconds per trial \
                   until the result and until the first geometry."
             .to_owned(),
         headings,
@@ -43,10 +43,10 @@ pub(super) fn write(subject: &ReportSubject, document: &mut Publication) {
     document.list(remarks);
 }
 
-/// Pairs against methods, as the published experiment has it.
+/// Returns the table of pairs against methods, arranged as in the published experiment.
 fn medians(subject: &ReportSubject) -> TextTable {
     let report = subject.report;
-    // The columns of a method, then what is printed of it.
+    // Columns of a method, followed by its printed errors.
     let mut headings = vec!["pair".to_owned()];
     let mut columns: Vec<MedianColumn> = Vec::new();
     for (c, contender) in subject.contenders.iter().enumerate() {
@@ -107,15 +107,15 @@ fn medians(subject: &ReportSubject) -> TextTable {
     }
 }
 
-/// A column of the table of medians.
+/// Column of the table of medians.
 enum MedianColumn {
-    /// Our figures of a contender.
+    /// Measured errors of a contender.
     Ours(usize),
-    /// What is printed of its method.
+    /// Printed errors of its method.
     Printed(usize),
 }
 
-/// All trials of a contender.
+/// Returns all trials of a contender.
 fn distribution(subject: &ReportSubject, contender: usize) -> Distribution {
     let records = (0..subject.scenes.len()).map(|s| subject.record(s, contender));
     Distribution {
@@ -125,7 +125,7 @@ fn distribution(subject: &ReportSubject, contender: usize) -> Distribution {
     }
 }
 
-/// One group a pair, one row a contender.
+/// Returns one group per pair with one row per contender.
 fn groups(subject: &ReportSubject) -> Vec<StripGroup> {
     let strip = |record: &Record, c: usize| Strip {
         name: label(&record.method, record.preset.as_deref()),

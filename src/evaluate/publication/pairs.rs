@@ -1,4 +1,4 @@
-//! A section for every pair, with a representative trial.
+//! Section of each pair, with a representative trial.
 
 use super::ReportSubject;
 use super::sight::Sight;
@@ -35,7 +35,7 @@ fn show(sight: &Sight, number: usize, label: &str, document: &mut Publication) {
         format!("pair-{:02}-lines", number + 1),
         sight.picture(),
         format!(
-            "Pair {name}, trial {trial} of {label}: estimated epipolar lines (green) upon the true ones (blue), error \
+            "Pair {name}, trial {trial} of {label}: estimated epipolar lines (green) on the true ones (blue), error \
              {:.2} px.",
             sight.trial.mean
         ),
@@ -47,7 +47,8 @@ fn show(sight: &Sight, number: usize, label: &str, document: &mut Publication) {
     }
 }
 
-/// The trial with the median error (the lower one of an even number), or if that has none, the worst that has an F.
+/// Returns the trial with the median error (the lower one of an even number). If that trial has no
+/// F, returns the worst one with an F.
 fn median_trial(trials: &[TrialRecord]) -> Option<&TrialRecord> {
     let mut sorted: Vec<_> = trials.iter().collect();
     sorted.sort_by(|a, b| a.mean.total_cmp(&b.mean).then(a.trial.cmp(&b.trial)));

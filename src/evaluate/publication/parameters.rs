@@ -1,4 +1,4 @@
-//! Every number the estimators were given.
+//! Table of all parameters of the estimators.
 
 use serde_json::Value;
 
@@ -6,7 +6,7 @@ use super::ReportSubject;
 use crate::publish::{Publication, TextTable};
 
 pub(super) fn write(subject: &ReportSubject, document: &mut Publication) {
-    // One column for each set of numbers; methods share those of a preset.
+    // One column per set of numbers; methods share the numbers of a preset.
     let mut columns: Vec<(String, Vec<(String, String)>)> = Vec::new();
     for contender in subject.contenders {
         let Some(preset) = contender.preset() else { continue };
@@ -26,7 +26,7 @@ pub(super) fn write(subject: &ReportSubject, document: &mut Publication) {
     });
     let table = TextTable {
         caption:
-            "Parameters of the estimator by preset, named as for the option --set. Angles are in radians."
+            "Parameters of the estimator by preset, with the names of the option --set. Angles are in radians."
                 .to_owned(),
         headings: std::iter::once("parameter".to_owned())
             .chain(columns.iter().map(|(preset, _)| preset.clone()))
@@ -39,7 +39,7 @@ pub(super) fn write(subject: &ReportSubject, document: &mut Publication) {
     document.table(table);
 }
 
-/// The leaves of a value, nested names joined by dots.
+/// Lists the leaves of a value, with nested names joined by dots.
 fn flatten(name: &str, value: &Value, leaves: &mut Vec<(String, String)>) {
     match value {
         Value::Object(inner) => {
@@ -53,7 +53,7 @@ fn flatten(name: &str, value: &Value, leaves: &mut Vec<(String, String)>) {
     }
 }
 
-/// A number without digits that only binary fractions have.
+/// Formats a number without the digits of its binary fraction.
 fn short(value: &Value) -> String {
     match value.as_f64() {
         Some(number) if value.is_f64() => {

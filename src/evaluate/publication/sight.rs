@@ -1,4 +1,4 @@
-//! One trial as a picture, as profiles and in figures.
+//! One trial as a picture, as profiles and as figures.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -12,22 +12,22 @@ use crate::geometry::{FundamentalMatrix, Point, PointPair, finite_point, place_i
 use crate::publish::plot::{Curve, Mark, MarkedPicture, Panel, Sign, Stroke, SvgDrawing, curves, pictures};
 use crate::similarity::{WarpedProfile, inspect_lines, inspection_scale};
 
-/// Lines of true matches that are drawn: more would hide the picture.
+/// Maximum number of lines of true matches in a picture.
 const LINES: usize = 8;
 
-/// A trial that is shown.
+/// Trial shown in the document.
 pub(super) struct Sight<'a> {
     pub(super) scene: &'a KnownScene,
     pub(super) record: &'a Record,
     pub(super) trial: &'a TrialRecord,
     pub(super) clicks: Vec<PointPair>,
     pub(super) fundamental: FundamentalMatrix,
-    /// How the estimate came about, for methods that tell.
+    /// Intermediate results of the estimate, for methods that have any.
     pub(super) detail: Option<Detail>,
 }
 
 impl<'a> Sight<'a> {
-    /// Runs the estimator once more; `None` for a trial without an F.
+    /// Repeats the estimate; `None` for a trial without an F.
     pub(super) fn new(
         subject: &ReportSubject<'a>,
         scene: usize,
@@ -39,7 +39,7 @@ impl<'a> Sight<'a> {
         let (scene, contender) = (&subject.scenes[scene], &subject.contenders[contender]);
         let clicks: Vec<_> =
             trial.clicks.iter().map(|[x1, y1, x2, y2]| PointPair::new(*x1, *y1, *x2, *y2)).collect();
-        // The trial is in the report whatever happens to its picture.
+        // A panic must not remove the trial from the report.
         let detail =
             catch_unwind(AssertUnwindSafe(|| contender.estimate_in_detail(scene, &clicks))).unwrap_or(None);
         Some(Self { scene, record, trial, clicks, fundamental, detail })
@@ -49,12 +49,13 @@ impl<'a> Sight<'a> {
         self.detail.as_ref().map(|d| &d.estimate)
     }
 
-    /// The lines of the result.
+    /// Returns the lines of the result.
     fn construction(&self) -> Option<&Construction> {
         Some(&self.estimate()?.assessment.lines.as_ref()?.construction)
     }
 
-    /// Both images with the epipolar lines of some true matches, the matches, the clicks, and epipoles inside.
+    /// Draws both images with epipolar lines of some true matches, the matches, the clicks, and
+    /// epipoles inside.
     pub(super) fn picture(&self) -> SvgDrawing {
         let matches = self.spread_matches();
         let mut epipole_inside = false;
@@ -104,7 +105,8 @@ impl<'a> Sight<'a> {
         pictures(&both, &legend)
     }
 
-    /// True matches that were not clicked and lie far from each other, the first one nearest to the centre of image 1.
+    /// Returns unclicked true matches far from each other. The first is nearest to the centre of
+    /// image 1.
     fn spread_matches(&self) -> Vec<PointPair> {
         let frames = [0, 1].map(|k| self.scene.images[k].frame());
         let visible = |m: &PointPair| frames[0].contains(m.point1) && frames[1].contains(m.point2);
@@ -130,8 +132,8 @@ impl<'a> Sight<'a> {
         chosen
     }
 
-    /// The intensities of the better matching of the line pairs through the first two clicks, before and after
-    /// warping, and what to say of them.
+    /// Draws the intensities of the better line pair of the first two clicks, before and after
+    /// warping, with a caption.
     pub(super) fn profiles(&self) -> Option<(SvgDrawing, String)> {
         let parameters = &self.detail.as_ref()?.parameters;
         let construction = self.construction()?;
@@ -147,7 +149,7 @@ impl<'a> Sight<'a> {
             });
         let (click, cost, warped) = inspected.min_by(|a, b| a.1.total_cmp(&b.1))?;
         let caption = format!(
-            "Grey levels along the estimated epipolar lines of click {}, the better matching of the two clicks' line \
+            "Grey levels along the estimated epipolar lines of click {}, the more similar of the two clicks' line \
              pairs (mean cost {cost:.0} grey² per sample): above, both lines at the same distance from the click; below, \
              the line of image 2 brought onto that of image 1 by the disparities found.",
             click_name(click)
@@ -155,7 +157,7 @@ impl<'a> Sight<'a> {
         Some((profile_plot(&warped, step), caption))
     }
 
-    /// Names and values: the trial, what was found, and what the method says of it.
+    /// Returns names and values: the trial, its result, and the assessment by the method.
     pub(super) fn facts(&self) -> Vec<(String, String)> {
         let trial = self.trial;
         let mut facts = vec![
@@ -224,7 +226,7 @@ impl<'a> Sight<'a> {
         let rows = self.fundamental.rows().map(|row| row.map(|v| format!("{v:.6e}")).join(", "));
         fact("F", rows.join("; "));
         if !trial.warnings.is_empty() {
-            fact("What it says", format!("{}.", trial.warnings.join("; ")));
+            fact("Warnings", format!("{}.", trial.warnings.join("; ")));
         }
         facts
     }
@@ -244,12 +246,12 @@ impl<'a> Sight<'a> {
     }
 }
 
-/// True matches upon a picture.
+/// Colour of true matches on a picture.
 const MATCH: &str = "#f0e442";
-/// Signs that stand for more than one colour.
+/// Colour of legend signs that stand for several colours.
 const INK: &str = style::PROFILES[0];
 
-/// The point of a pair in image 1 (0) or image 2 (1).
+/// Returns the point of a pair in image 1 (0) or image 2 (1).
 pub(super) fn side(pair: &PointPair, image: usize) -> Point {
     if image == 0 { pair.point1 } else { pair.point2 }
 }

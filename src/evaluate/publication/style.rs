@@ -1,21 +1,21 @@
-//! Colours and lines, the same in all figures.
+//! Colours and strokes shared by all figures.
 
 use super::ReportSubject;
 use crate::publish::plot::{COLORS, Stroke};
 
-/// True lines upon a picture.
+/// Colour of true lines on a picture.
 pub(super) const TRUE: &str = "#4d94ff";
-/// Estimated lines upon a picture.
+/// Colour of estimated lines on a picture.
 pub(super) const ESTIMATED: &str = "#1acc8c";
-/// The clicks p, q and r.
+/// Colours of the clicks p, q and r.
 pub(super) const CLICKS: [&str; 3] = ["#f0a000", "#f080be", "#56b4e9"];
-/// Further clicks.
+/// Colour of further clicks.
 pub(super) const FURTHER_CLICK: &str = "#e1e1e1";
-/// Profiles of image 1 and of image 2.
+/// Colours of the profiles of image 1 and image 2.
 pub(super) const PROFILES: [&str; 2] = ["#1a1a1a", "#d55e00"];
 
-/// How the curve of a contender is drawn: a colour for each method and preset, dashed where refinement is not that
-/// of the preset.
+/// Returns the stroke of a contender: a colour per method and preset, dashed if refinement differs
+/// from the preset.
 pub(super) fn stroke(subject: &ReportSubject, contender: usize) -> Stroke {
     let kind = |c: usize| {
         let contender = &subject.contenders[c];
@@ -32,7 +32,7 @@ pub(super) fn stroke(subject: &ReportSubject, contender: usize) -> Stroke {
     Stroke { color: COLORS[place % COLORS.len()], width: 1.8, dashed }
 }
 
-/// What a click is called: p, q and r, then numbers.
+/// Returns the name of a click: p, q and r, then numbers.
 pub(super) fn click_name(click: usize) -> String {
     ["p", "q", "r"].get(click).map_or_else(|| (click + 1).to_string(), |name| (*name).to_owned())
 }

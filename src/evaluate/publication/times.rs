@@ -1,4 +1,4 @@
-//! How long a trial takes.
+//! Table of the times of a trial.
 
 use super::{ReportSubject, counted};
 use crate::evaluate::table::seconds;
@@ -23,7 +23,7 @@ pub(super) fn write(subject: &ReportSubject, document: &mut Publication) {
     document.section("Time");
     document.table(TextTable {
         caption: format!(
-            "Seconds of a trial on {}, {} at once, preparation of the images included.",
+            "Seconds per trial on {}, {} at a time, preparation of the images included.",
             counted(plan.threads_per_trial, "thread"),
             counted(plan.trials_at_once, "trial"),
         ),

@@ -1,4 +1,4 @@
-//! The worst trials of the two-point method, and what explains them.
+//! Worst trials of the two-point method, with possible causes.
 
 use super::circumstances::Circumstances;
 use super::sight::Sight;
@@ -7,12 +7,12 @@ use crate::evaluate::report::TrialRecord;
 use crate::evaluate::table::pixels;
 use crate::publish::{Publication, TextTable};
 
-/// Trials that are shown at least, if there are so many.
+/// Minimum number of trials shown, if there are so many.
 const SHOWN: usize = 3;
-/// Pairs of which one is shown at most, where more are not good.
+/// Maximum number of pairs with a bad trial shown.
 const MOST_SHOWN: usize = 12;
 
-/// A trial and whose it is.
+/// Trial with its scene and contender.
 #[derive(Clone, Copy)]
 struct WorstTrial<'a> {
     scene: usize,
@@ -68,11 +68,11 @@ pub(super) fn write(subject: &ReportSubject, document: &mut Publication) {
     }
 }
 
-/// Number of a pair, of a draw of clicks on it, and whether what came out is good.
+/// Index of a pair, index of a draw of clicks on it, and whether the result is good.
 type Draw = (usize, usize, bool);
 
-/// Which are shown: of every pair with one that is not good the worst, then of other pairs, then of any; no clicks twice,
-/// which other presets had, too.
+/// Selects the trials to show from a list with the worst first: the worst trial of each pair, bad
+/// ones first, then other trials. No clicks appear twice, even if another preset had them too.
 fn chosen(worst_first: &[Draw]) -> Vec<usize> {
     let (mut of_pairs, mut others): (Vec<usize>, Vec<usize>) = (Vec::new(), Vec::new());
     for (k, (pair, draw, _)) in worst_first.iter().enumerate() {
@@ -83,7 +83,8 @@ fn chosen(worst_first: &[Draw]) -> Vec<usize> {
             others.push(k);
         }
     }
-    // What is good depends on the size of the images, so a bad one may come behind good ones of larger images.
+    // A good error depends on the image size, so a bad trial may follow good trials of larger
+    // images.
     let is_good = |k: &usize| worst_first[*k].2;
     of_pairs.sort_by_key(is_good);
     let bad = of_pairs.iter().filter(|k| !is_good(k)).count();
@@ -92,7 +93,7 @@ fn chosen(worst_first: &[Draw]) -> Vec<usize> {
     of_pairs
 }
 
-/// The worst trial of each contender in a row.
+/// Returns a table of the worst trial of each contender.
 fn comparison<'a>(subject: &ReportSubject, places: impl Iterator<Item = WorstTrial<'a>>) -> TextTable {
     let rows = places.map(|WorstTrial { scene, contender, trial }| {
         vec![
@@ -106,7 +107,7 @@ fn comparison<'a>(subject: &ReportSubject, places: impl Iterator<Item = WorstTri
     });
     TextTable {
         caption:
-            "The worst trial of each: its error, and that of the best hypothesis the search had kept, px."
+            "The worst trial of each contender: its error, and the error of the best hypothesis kept, px."
                 .to_owned(),
         headings: ["method", "pair", "verdict", "trial", "error", "best hypothesis"]
             .map(str::to_owned)
@@ -149,7 +150,8 @@ mod tests {
 
     #[test]
     fn the_worst_of_every_bad_pair_is_shown_and_no_clicks_twice() {
-        // Two presets on the clicks of pair 4, which are the worst; pairs 7 and 2 are bad, 1 is good.
+        // Two presets have the worst trials, on the same clicks of pair 4. Pairs 7 and 2 are bad, 1
+        // is good.
         let draws = [
             (4, 0, false),
             (4, 0, false),
@@ -160,13 +162,13 @@ mod tests {
             (7, 1, true),
         ];
         assert_eq!(chosen(&draws), [0, 3, 4]);
-        // One pair fills up with its other draws; many bad ones are cut.
+        // One pair fills up with its other draws. A long list of bad pairs is cut.
         assert_eq!(chosen(&draws[..3]), [0, 2]);
         let many: Vec<Draw> = (0..40).map(|pair| (pair, 0, pair > 30)).collect();
         assert_eq!(chosen(&many), (0..MOST_SHOWN).collect::<Vec<_>>());
         let four: Vec<Draw> = (0..9).map(|pair| (pair, 0, pair > 3)).collect();
         assert_eq!(chosen(&four), [0, 1, 2, 3]);
-        // Of larger images more px are good.
+        // Larger images tolerate larger errors in px.
         let mixed = [(1, 0, true), (3, 0, true), (2, 0, false), (5, 0, true), (2, 1, false)];
         assert_eq!(chosen(&mixed), [2, 0, 1]);
         assert_eq!(chosen(&[]), [0; 0]);

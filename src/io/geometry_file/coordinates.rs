@@ -1,7 +1,8 @@
-//! The content of a file in the coordinates of its format.
+//! Content of a file in the coordinates of its format.
 //!
-//! Where the centre of the upper left pixel is `(o, o)` a point is `x' = T x` with `T` a shift by `o`. Then
-//! `F' = T⁻ᵀ F T⁻¹`, `P' = T P` and, for a homography from pixels to pixels, `H' = T H T⁻¹`.
+//! With the centre of the upper left pixel at `(o, o)`, a point is `x' = T x` with the shift `T` by
+//! `o`. Then `F' = T⁻ᵀ F T⁻¹` and `P' = T P`. A homography from pixels to pixels becomes
+//! `H' = T H T⁻¹`.
 
 use nalgebra::Matrix3;
 
@@ -9,44 +10,44 @@ use super::quantity::Quantity;
 use super::{Format, GeometryFile, ImageNote, PairLabel, TrustNote};
 use crate::geometry::{FundamentalMatrix, Point, PointPair, symmetric_epipolar_distance};
 
-/// The shift from pixels of this program to those of a format.
+/// Returns the shift from the pixels of this program to the pixels of a format.
 fn shift(origin: f64) -> Matrix3<f64> {
     Matrix3::new(1.0, 0.0, origin, 0.0, 1.0, origin, 0.0, 0.0, 1.0)
 }
 
-/// A matrix with its name, row by row.
+/// Named matrix, row by row.
 pub(super) struct NamedRows {
     pub(super) quantity: Quantity,
     pub(super) rows: Vec<Vec<f64>>,
 }
 
-/// A matrix with its name in one list, with the number of its columns.
+/// Named matrix as one list.
 pub(super) struct NamedTable {
     pub(super) quantity: Quantity,
     pub(super) columns: usize,
-    /// Row by row.
+    /// Entries, row by row.
     pub(super) values: Vec<f64>,
 }
 
-/// How far the point pairs of a file are from their epipolar lines, from the numbers in the file.
+/// Fit of the point pairs to F, computed from the numbers in the file.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct SelfCheck {
-    /// Pairs measured.
+    /// Number of pairs.
     pub(super) pairs: usize,
     /// Mean symmetric epipolar distance, px.
     pub(super) mean: f64,
-    /// The largest one, px.
+    /// Maximum symmetric epipolar distance, px.
     pub(super) max: f64,
 }
 
-/// The content, converted and rounded as it will stand in the file.
+/// Content converted and rounded as in the file.
 pub(super) struct WrittenGeometry<'a> {
     pub(super) format: Format,
     pub(super) matrices: Vec<NamedRows>,
     pub(super) pairs: Vec<PointPair>,
     pub(super) images: Option<&'a [ImageNote; 2]>,
     pub(super) check: Option<SelfCheck>,
-    /// One a pair, or none at all.
+    /// Name and origin, one per pair; may be empty.
     pub(super) labels: &'a [PairLabel],
     pub(super) trust: Option<&'a TrustNote>,
 }
@@ -81,7 +82,7 @@ impl<'a> WrittenGeometry<'a> {
         Self { format, matrices, pairs, images: file.images.as_ref(), check, labels, trust }
     }
 
-    /// All matrices, vectors as columns, and the points of each image in a table of their own.
+    /// Returns all matrices, vectors as columns, and the points of each image as a separate table.
     pub(super) fn tables(&self) -> Vec<NamedTable> {
         let mut tables: Vec<_> = self
             .matrices
@@ -102,7 +103,7 @@ impl<'a> WrittenGeometry<'a> {
         tables
     }
 
-    /// What the file says in words besides its numbers, with the names of these fields.
+    /// Returns the text fields of the file with their names.
     pub(super) fn words(&self) -> Vec<(&'static str, Vec<String>)> {
         let reasons =
             self.trust.map(|trust| ("reasons", trust.reasons.iter().map(|r| one_line(r)).collect()));
@@ -114,7 +115,7 @@ impl<'a> WrittenGeometry<'a> {
         [reasons, names, origins].into_iter().flatten().collect()
     }
 
-    /// Sentences about who wrote the file, its convention and the self-check, one a line.
+    /// Returns the header lines: the program, the convention and the self-check.
     pub(super) fn preamble(&self) -> Vec<String> {
         let mut lines = vec![format!(
             "Epipolar geometry of two images, written by epiline {}.",
@@ -133,19 +134,19 @@ impl SelfCheck {
         let distances: Vec<f64> = pairs.iter().map(|p| symmetric_epipolar_distance(f, p)).collect();
         let max = distances.iter().copied().reduce(f64::max)?;
         let mean = distances.iter().sum::<f64>() / distances.len() as f64;
-        // A pair at an epipole has no line, and no format has a number for that.
+        // A pair at an epipole has an infinite distance, which no format can hold.
         max.is_finite().then_some(Self { pairs: pairs.len(), mean, max })
     }
 
     fn sentence(&self) -> String {
         format!(
-            "Self-check: under this F the {} point pairs of this file have a symmetric epipolar distance (mean of the distances in the two images) of {:.3e} px on average and {:.3e} px at most.",
+            "Self-check of the {} point pairs under this F: their symmetric epipolar distance (mean of both images) is {:.3e} px on average and {:.3e} px at most.",
             self.pairs, self.mean, self.max
         )
     }
 }
 
-/// `F` for pixels moved by `origin` along both axes.
+/// Returns `F` for pixels shifted by `origin` along both axes.
 fn moved_fundamental(f: &FundamentalMatrix, origin: f64) -> Option<FundamentalMatrix> {
     if origin == 0.0 {
         return Some(*f);
@@ -154,29 +155,29 @@ fn moved_fundamental(f: &FundamentalMatrix, origin: f64) -> Option<FundamentalMa
     FundamentalMatrix::from_rank_two(back.transpose() * f.matrix() * back)
 }
 
-/// A pair for pixels moved by `origin`.
+/// Returns a pair in pixels shifted by `origin`.
 fn moved_pair(pair: &PointPair, origin: f64) -> PointPair {
     let moved = |p: Point| Point::new(p.x + origin, p.y + origin);
     PointPair { point1: moved(pair.point1), point2: moved(pair.point2) }
 }
 
-/// Nested rows.
+/// Returns the rows of a matrix.
 fn rows<const C: usize>(matrix: &nalgebra::SMatrix<f64, 3, C>) -> Vec<Vec<f64>> {
     matrix.row_iter().map(|row| row.iter().copied().collect()).collect()
 }
 
-/// Numbers separated by something, each with the shortest digits that read back as the same number and always with a
-/// point or an exponent.
+/// Formats numbers with the fewest digits that read back exactly, always with a point or an
+/// exponent.
 pub(super) fn numbers(values: &[f64], separator: &str) -> String {
     values.iter().map(|v| format!("{v:?}")).collect::<Vec<_>>().join(separator)
 }
 
-/// `x1 y1 x2 y2`.
+/// Returns `x1 y1 x2 y2`.
 pub(super) fn pair_numbers(pair: &PointPair) -> [f64; 4] {
     [pair.point1.x, pair.point1.y, pair.point2.x, pair.point2.y]
 }
 
-/// A name on one line, without characters that end a line or cannot be seen.
+/// Replaces control characters, which would break the line, with spaces.
 pub(super) fn one_line(name: &str) -> String {
     name.chars().map(|c| if c.is_control() { ' ' } else { c }).collect()
 }

@@ -1,4 +1,4 @@
-//! Named tables of numbers as they were found in a file, and what they mean.
+//! Named tables of numbers found in a file, and their meaning.
 
 use nalgebra::{Matrix3, Matrix3x4};
 use serde_json::{Map, Value};
@@ -8,17 +8,17 @@ use super::quantity::Quantity;
 use crate::foreign::excerpt;
 use crate::geometry::{Camera, FundamentalMatrix, PointPair};
 
-/// Numbers in rows and columns. Every row is full, and every number finite.
+/// Rectangular table of finite numbers.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct NumberTable {
     rows: usize,
     columns: usize,
-    /// Row by row.
+    /// Entries, row by row.
     numbers: Vec<f64>,
 }
 
 impl NumberTable {
-    /// A table of `columns` columns; the error says what does not fit.
+    /// Creates a table of `columns` columns, or returns the error in words.
     pub(super) fn new(rows: usize, columns: usize, numbers: Vec<f64>) -> Result<Self, String> {
         match numbers.iter().find(|v| !v.is_finite()) {
             Some(other) => Err(format!("\"{other}\" is not a finite number")),
@@ -27,7 +27,7 @@ impl NumberTable {
         }
     }
 
-    /// Rows that should be equally long.
+    /// Creates a table from rows of equal length.
     pub(super) fn from_rows(rows: &[Vec<f64>]) -> Result<Self, String> {
         let columns = rows.first().map_or(0, Vec::len);
         match rows.iter().position(|r| r.len() != columns) {
@@ -40,7 +40,8 @@ impl NumberTable {
         format!("{}×{}", self.rows, self.columns)
     }
 
-    /// The numbers of a matrix of that shape; all of them in one row or one column will do.
+    /// Returns the numbers of a matrix of a given shape; one row or one column with all numbers is
+    /// accepted.
     fn matrix(&self, rows: usize, columns: usize) -> Result<&[f64], String> {
         let is_list = (self.rows == 1 || self.columns == 1) && self.numbers.len() == rows * columns;
         if is_list || (self.rows, self.columns) == (rows, columns) {
@@ -53,7 +54,7 @@ impl NumberTable {
         Ok(Matrix3::from_row_slice(self.matrix(3, 3)?))
     }
 
-    /// The rows, of `columns` numbers.
+    /// Returns the rows, of `columns` numbers each.
     fn rows_of(&self, columns: usize) -> Result<std::slice::ChunksExact<'_, f64>, String> {
         if self.columns != columns && !self.numbers.is_empty() {
             return Err(format!("expected rows of {columns} numbers, found {}", self.shape()));
@@ -62,7 +63,7 @@ impl NumberTable {
     }
 }
 
-/// What was found in a file, in its own coordinates.
+/// Tables found in a file, in the coordinates of the file.
 #[derive(Debug, Default)]
 pub(super) struct Fields {
     tables: Vec<(Quantity, NumberTable)>,
@@ -70,7 +71,7 @@ pub(super) struct Fields {
 }
 
 impl Fields {
-    /// Notes a table. Another one of the same quantity must have the same numbers.
+    /// Adds a table. A repeated quantity must have the same numbers.
     pub(super) fn add(&mut self, quantity: Quantity, table: NumberTable) -> Result<(), Problem> {
         match self.table(quantity) {
             Some(known) if known.numbers != table.numbers => {
@@ -82,14 +83,14 @@ impl Fields {
         Ok(())
     }
 
-    /// Notes image 1 (`index` 0) or 2.
+    /// Adds image 1 (`index` 0) or image 2 (`index` 1).
     pub(super) fn add_image(&mut self, index: usize, image: ImageNote) {
         if let Some(place) = self.images.get_mut(index) {
             *place = Some(image);
         }
     }
 
-    /// Numbers without a name: nine are `F`, rows of four point pairs.
+    /// Adds numbers without a name: nine are `F`, rows of four are point pairs.
     pub(super) fn add_bare(&mut self, table: NumberTable, wanted: BareNumbers) -> Result<(), Problem> {
         let quantity = match (table.numbers.len(), table.columns) {
             (9, _) => Quantity::Fundamental,
@@ -114,7 +115,7 @@ impl Fields {
         self.tables.iter().find(|(q, _)| *q == quantity).map(|(_, t)| t)
     }
 
-    /// The tables of an object whose fields are named as [`Quantity`] says; other fields are passed over.
+    /// Reads the fields of an object that name a [`Quantity`]; others are skipped.
     pub(super) fn from_value(value: &Value) -> Result<Self, Problem> {
         let mut fields = Self::default();
         let Some(object) = value.as_object() else {
@@ -124,7 +125,8 @@ impl Fields {
         for (name, value) in object {
             match (Quantity::named(name), &name[..]) {
                 (Some(_), _) if value.is_null() => {}
-                // In a result of `estimate` these are objects with more than the coordinates, or there are none.
+                // In a result of `estimate` the matches are objects with more than coordinates, or
+                // there are none.
                 (Some(Quantity::Pairs), "matches") if !is_rows(value) || object.contains_key("pairs") => {}
                 (Some(quantity), _) => {
                     let table = table(value).map_err(|e| Problem::whole(format!("{name}: {e}")))?;
@@ -144,7 +146,7 @@ impl Fields {
         Ok(fields)
     }
 
-    /// The quantities as what they are.
+    /// Converts the tables to geometry.
     pub(super) fn interpret(self) -> Result<GeometryFile, Problem> {
         let frames = match &self.images {
             [Some(image1), Some(image2)] => Some([image1.frame, image2.frame]),
@@ -173,31 +175,31 @@ impl Fields {
         let is_finite = |h: &Matrix3<f64>| h.iter().all(|v| v.is_finite());
         let mut homographies = file.homographies.iter().flatten().chain(&file.homography21);
         if !file.pairs.iter().all(PointPair::is_finite) || !homographies.all(is_finite) {
-            return Err(Problem::whole("its numbers are too large"));
+            return Err(Problem::whole("the numbers are too large"));
         }
         if file == GeometryFile::default() {
             return Err(Problem::whole(
-                "there is no fundamental matrix, no cameras and no point pairs in it; names that are known are F or fundamental, P1 and P2, points1 and points2, pairs",
+                "no fundamental matrix, cameras or point pairs found. Known names are F or fundamental, P1 and P2, points1 and points2, pairs",
             ));
         }
         Ok(file)
     }
 
-    /// A quantity, if it is there.
+    /// Reads a quantity, if present.
     fn get<T>(
         &self,
         quantity: Quantity,
         read: impl Fn(&NumberTable) -> Result<T, String>,
     ) -> Result<Option<T>, Problem> {
         let named = |e: String| {
-            // The old sentences about a file that is nothing but a matrix need no name.
+            // A file that holds only a matrix needs no name in the message.
             let is_alone = self.tables.len() == 1 && quantity == Quantity::Fundamental;
             Problem::whole(if is_alone { e } else { format!("{}: {e}", quantity.symbol()) })
         };
         self.table(quantity).map(|table| read(table).map_err(named)).transpose()
     }
 
-    /// Two quantities of which neither means anything alone.
+    /// Reads two quantities that must occur together.
     fn both<T>(
         &self,
         [first, second]: [Quantity; 2],
@@ -209,12 +211,12 @@ impl Fields {
             (found, _) => {
                 let (there, missing) = if found.is_some() { (first, second) } else { (second, first) };
                 let (there, missing) = (there.symbol(), missing.symbol());
-                Err(Problem::whole(format!("{there} is there, but {missing} is missing")))
+                Err(Problem::whole(format!("{there} is given, but {missing} is missing")))
             }
         }
     }
 
-    /// Point pairs, from rows of four or from a list an image.
+    /// Reads point pairs, from rows of four or from a list per image.
     fn pairs(&self) -> Result<Vec<PointPair>, Problem> {
         let four = |table: &NumberTable| {
             Ok(table.rows_of(4)?.map(|r| PointPair::new(r[0], r[1], r[2], r[3])).collect::<Vec<_>>())
@@ -228,7 +230,7 @@ impl Fields {
         };
         if points1.len() != points2.len() {
             return Err(Problem::whole(format!(
-                "there are {} points in image 1 and {} in image 2, as many are needed",
+                "there are {} points in image 1 and {} in image 2. The numbers must be equal",
                 points1.len(),
                 points2.len()
             )));
@@ -237,7 +239,7 @@ impl Fields {
     }
 }
 
-/// Notes a field of an object; a name that means something must not come twice with different values.
+/// Adds a field to an object. A known name must not occur twice with different values.
 pub(super) fn insert(object: &mut Map<String, Value>, name: String, value: Value) -> Result<(), String> {
     match object.get(&name) {
         Some(known) if Quantity::named(&name).is_some() && *known != value => return Err(there_twice(&name)),
@@ -247,15 +249,15 @@ pub(super) fn insert(object: &mut Map<String, Value>, name: String, value: Value
 }
 
 fn there_twice(name: &str) -> String {
-    format!("{name} is in it twice, with different values: take one of them out")
+    format!("{name} occurs twice with different values. Remove one of them")
 }
 
-/// Whether this is a list of lists.
+/// Returns whether the value is a list of lists.
 fn is_rows(value: &Value) -> bool {
     value.as_array().is_some_and(|rows| rows.iter().all(Value::is_array))
 }
 
-/// A table from nested rows, from a flat list, or from a matrix of OpenCV.
+/// Reads a table from nested rows, a flat list or an OpenCV matrix.
 fn table(value: &Value) -> Result<NumberTable, String> {
     match value {
         Value::Object(_) => opencv_matrix(value),
@@ -271,10 +273,11 @@ fn table(value: &Value) -> Result<NumberTable, String> {
     }
 }
 
-/// `{rows, cols, dt, data}`, or `sizes` in place of rows and columns. Channels count as columns.
+/// Reads `{rows, cols, dt, data}`, with `sizes` accepted in place of rows and columns. Channels
+/// count as columns.
 fn opencv_matrix(value: &Value) -> Result<NumberTable, String> {
     let size = |name: &str| value.get(name).and_then(whole);
-    let numbers = list(value.get("data").ok_or("this is no matrix, it has no data")?)?;
+    let numbers = list(value.get("data").ok_or("this is not a matrix: the field data is missing")?)?;
     let channels = match value.get("dt") {
         Some(Value::String(kind)) => {
             let digits: String = kind.chars().take_while(char::is_ascii_digit).collect();
@@ -286,18 +289,18 @@ fn opencv_matrix(value: &Value) -> Result<NumberTable, String> {
     let (rows, columns) = match sizes.as_deref() {
         Some([count]) => (Some(1), Some(*count as usize)),
         Some([rows, columns]) => (Some(*rows as usize), Some(*columns as usize)),
-        Some(_) => return Err("it has more than two dimensions".into()),
+        Some(_) => return Err("the matrix has more than two dimensions".into()),
         None => (size("rows"), size("cols")),
     };
     let (Some(rows), Some(columns), Some(channels)) = (rows, columns, channels) else {
-        return Err("this is no matrix, its rows or columns are missing".into());
+        return Err("this is not a matrix: the number of rows or columns is missing".into());
     };
-    // N×1 and 1×N points of two channels are the same to OpenCV.
+    // OpenCV treats N×1 and 1×N points of two channels alike.
     let (rows, columns) = if rows == 1 && channels > 1 { (columns, rows) } else { (rows, columns) };
-    NumberTable::new(rows, columns.checked_mul(channels).ok_or("it is too large")?, numbers)
+    NumberTable::new(rows, columns.checked_mul(channels).ok_or("the matrix is too large")?, numbers)
 }
 
-/// A count.
+/// Reads a count.
 fn whole(value: &Value) -> Option<usize> {
     match value {
         Value::String(text) => text.trim().parse().ok(),
@@ -305,7 +308,7 @@ fn whole(value: &Value) -> Option<usize> {
     }
 }
 
-/// A list of numbers, or a text of numbers between spaces.
+/// Reads a list of numbers, or a text of numbers separated by spaces.
 fn list(value: &Value) -> Result<Vec<f64>, String> {
     match value {
         Value::Array(cells) => cells.iter().map(cell).collect(),
@@ -314,7 +317,6 @@ fn list(value: &Value) -> Result<Vec<f64>, String> {
     }
 }
 
-/// A number.
 fn cell(value: &Value) -> Result<f64, String> {
     match value {
         Value::String(text) => parse_number(text.trim()),
@@ -325,7 +327,7 @@ fn cell(value: &Value) -> Result<f64, String> {
     }
 }
 
-/// A finite number.
+/// Parses a finite number.
 pub(super) fn parse_number(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(value) if value.is_finite() => Ok(value),
@@ -333,7 +335,7 @@ pub(super) fn parse_number(text: &str) -> Result<f64, String> {
     }
 }
 
-/// Name and size of an image.
+/// Reads the name and the size of an image.
 fn image(value: &Value) -> Option<ImageNote> {
     let name = value.get("name")?.as_str()?.to_owned();
     let side = |name: &str| value.get(name).and_then(whole);

@@ -1,4 +1,4 @@
-//! The formats: their names, file extensions, coordinates, and how to tell them from the content.
+//! File formats of geometry: names, extensions, coordinates, and their detection.
 
 use std::path::Path;
 
@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::quantity::Quantity;
 
-/// A kind of file.
+/// Format of a geometry file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Format {
@@ -16,11 +16,11 @@ pub enum Format {
     Text,
     /// OpenCV `FileStorage`, YAML.
     OpencvYaml,
-    /// A script for MATLAB and Octave, written only.
+    /// Script for MATLAB and Octave, written only.
     Matlab,
 }
 
-/// What a script assigns besides the names of quantities.
+/// Variables assigned by a script besides the quantities.
 const MATLAB_ALSO_ASSIGNED: [&str; 10] = [
     "F_vgg",
     "tform1",
@@ -35,10 +35,10 @@ const MATLAB_ALSO_ASSIGNED: [&str; 10] = [
 ];
 
 impl Format {
-    /// Every format.
+    /// All formats.
     pub const ALL: [Self; 4] = [Self::Json, Self::Text, Self::OpencvYaml, Self::Matlab];
 
-    /// The name on the command line.
+    /// Returns the name on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::Json => "json",
@@ -48,7 +48,7 @@ impl Format {
         }
     }
 
-    /// The name for people.
+    /// Returns the name for display.
     pub fn label(self) -> &'static str {
         match self {
             Self::Json => "JSON",
@@ -58,7 +58,7 @@ impl Format {
         }
     }
 
-    /// The extension a file of it should have, without a dot.
+    /// Returns the file extension, without a dot.
     pub fn extension(self) -> &'static str {
         match self {
             Self::Json => "json",
@@ -68,7 +68,7 @@ impl Format {
         }
     }
 
-    /// The format that the extension of a file name stands for, case apart.
+    /// Returns the format of a file extension, ignoring case.
     pub fn of_path(path: &Path) -> Option<Self> {
         let extension = path.extension()?.to_str()?.to_ascii_lowercase();
         Self::ALL.into_iter().find(|f| f.extension() == extension).or(match extension.as_str() {
@@ -77,7 +77,7 @@ impl Format {
         })
     }
 
-    /// The format of a text, whatever its name. What is none of the others is plain text.
+    /// Detects the format of a text. Plain text is the fallback.
     pub fn of_content(text: &str) -> Self {
         let start = text.trim_start();
         if start.starts_with(['{', '[']) {
@@ -95,8 +95,8 @@ impl Format {
         if lines.any(|line| is_word_before(line, '=')) { Self::Matlab } else { Self::Text }
     }
 
-    /// What to know about a file of that name, if anything: MATLAB runs a script by its name, which must be that of a
-    /// variable, and none of those that the script assigns.
+    /// Returns a warning about a file name. MATLAB runs a script by its name, which must be a valid
+    /// variable name and none of the variables that the script assigns.
     pub fn note_on_name(self, path: &Path) -> Option<String> {
         if self != Self::Matlab {
             return None;
@@ -106,16 +106,16 @@ impl Format {
             && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
         if !is_variable {
             return Some(format!(
-                "MATLAB cannot run a script called {name}: give it a name of letters, digits and _ that begins with a letter"
+                "MATLAB cannot run a script called {name}. Use letters, digits and _, beginning with a letter"
             ));
         }
         let is_assigned = Quantity::named(&name).is_some() || MATLAB_ALSO_ASSIGNED.contains(&&*name);
         is_assigned.then(|| {
-            format!("in MATLAB the script {name} hides the variable {name}, and the other way round: rename the file")
+            format!("in MATLAB the script {name} hides the variable {name}, and the variable hides the script. Rename the file")
         })
     }
 
-    /// Where the centre of the upper left pixel is, both coordinates, px.
+    /// Returns the coordinate of the centre of the upper left pixel, in x and y, px.
     pub fn origin(self) -> f64 {
         match self {
             Self::Json | Self::Text | Self::OpencvYaml => 0.0,
@@ -123,7 +123,7 @@ impl Format {
         }
     }
 
-    /// Sentences that say its convention, in ASCII.
+    /// Returns the convention as sentences in ASCII.
     pub fn convention(self) -> Vec<String> {
         let origin = self.origin();
         let mut sentences = vec![
@@ -138,7 +138,7 @@ impl Format {
         sentences
     }
 
-    /// What a reader of this format in particular has to know.
+    /// Returns sentences for readers of this format only.
     fn peculiarities(self) -> &'static [&'static str] {
         match self {
             Self::Json | Self::Text => &[],
@@ -154,7 +154,8 @@ impl Format {
     }
 }
 
-/// Whether a line begins with a word and that character, spaces apart.
+/// Returns whether a line begins with a word followed by the character, spaces allowed between
+/// them.
 fn is_word_before(line: &str, mark: char) -> bool {
     line.split_once(mark).is_some_and(|(word, _)| {
         let word = word.trim_end();

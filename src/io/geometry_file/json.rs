@@ -1,4 +1,4 @@
-//! JSON: the field names of a result of `epiline estimate`. What OpenCV writes as JSON is read too.
+//! JSON with the field names of a result of `epiline estimate`. JSON written by OpenCV is read too.
 
 use std::fmt::{self, Formatter};
 
@@ -66,7 +66,7 @@ pub(super) fn read(text: &str) -> Result<Fields, Problem> {
     Fields::from_value(&value)
 }
 
-/// The object that is the file. Of a name that comes twice [`Value`] keeps the last without a word.
+/// Object of the file. [`Value`] would silently keep the last of repeated names.
 struct Object(Map<String, Value>);
 
 impl<'de> Deserialize<'de> for Object {

@@ -1,34 +1,34 @@
-//! What is known of a geometry and its pairs besides their numbers: the verdict, and where each pair comes from.
+//! Verdict on a geometry, and names and origins of its pairs.
 
 use serde::{Deserialize, Serialize};
 
 use crate::estimate::Trust;
 
-/// Where the points of a pair come from.
+/// Origin of the points of a pair.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum PairOrigin {
-    /// A person placed both points.
+    /// A person clicked both points.
     #[default]
     Clicked,
-    /// A person placed one, and took the suggested match for the other.
+    /// A person clicked one point and accepted the suggested match.
     Suggested,
-    /// A person placed both, and one was aligned to a fraction of a pixel.
+    /// A person clicked both points, and one was refined to subpixel accuracy.
     Refined,
-    /// One point was moved to the best match on its line.
+    /// One point was moved to the best match on its epipolar line.
     MovedToMatch,
     /// Both points were read from a file.
     Imported,
     /// Both points were pasted from a table.
     Pasted,
-    /// True matches that come with the images.
+    /// A true match supplied with the images.
     TrueMatch,
-    /// The program found them.
+    /// The program found both points.
     Automatic,
 }
 
 impl PairOrigin {
-    /// What stands in files, and what the user reads.
+    /// Returns the name in files and for display.
     pub fn name(self) -> &'static str {
         match self {
             Self::Clicked => "clicked",
@@ -43,26 +43,26 @@ impl PairOrigin {
     }
 }
 
-/// What is known of a pair.
+/// Name and origin of a pair.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct PairLabel {
-    /// What it is called; empty where nobody has named it.
+    /// Name of the pair; may be empty.
     pub name: String,
-    /// Where its points come from.
+    /// Origin of the points.
     pub origin: PairOrigin,
 }
 
-/// How far a geometry is to be trusted.
+/// Verdict on a geometry.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct TrustNote {
-    /// The verdict in a word or two: `reliable`, `doubtful`, `unreliable`, `not judged`, `unfinished`.
+    /// Verdict: `reliable`, `doubtful`, `unreliable`, `not judged` or `unfinished`.
     pub verdict: String,
-    /// Why, a sentence each.
+    /// Reasons, one sentence each.
     pub reasons: Vec<String>,
 }
 
 impl TrustNote {
-    /// All of it in one line.
+    /// Returns the verdict and its reasons in one line.
     pub fn in_words(&self) -> String {
         let verdict = std::iter::once(format!("The geometry is {}.", self.verdict));
         verdict.chain(self.reasons.iter().cloned()).collect::<Vec<_>>().join(" ")
@@ -76,7 +76,7 @@ impl From<&Trust> for TrustNote {
     }
 }
 
-/// Pairs of the same origin that follow each other, in words: `clicked: p, q`.
+/// Describes runs of pairs with the same origin: `clicked: p, q`.
 pub(super) fn runs(labels: &[PairLabel]) -> impl Iterator<Item = (usize, String)> {
     labels.chunk_by(|a, b| a.origin == b.origin).map(|run| {
         let names: Vec<_> =

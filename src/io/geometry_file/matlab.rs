@@ -1,8 +1,9 @@
-//! A script for MATLAB and Octave, which also suits the VGG toolbox: assignments of matrices.
+//! Scripts for MATLAB, Octave and the VGG toolbox: assignments of matrices.
 //!
-//! MATLAB counts pixels from 1. Its `estimateFundamentalMatrix` documents `[P2 1] * F * [P1 1]' = 0` with points as
-//! rows, which is `x2ᵀ F x1 = 0`; so does `vgg_F_from_P` of the toolbox of Hartley & Zisserman's book, while
-//! `vgg_gui_F` and `vgg_F_from_7pts_2img` go the other way round, with the transpose.
+//! MATLAB counts pixels from 1. The documentation of `estimateFundamentalMatrix` gives
+//! `[P2 1] * F * [P1 1]' = 0` with points as rows, which is `x2ᵀ F x1 = 0`. `vgg_F_from_P` of the
+//! toolbox of Hartley & Zisserman's book agrees. `vgg_gui_F` and `vgg_F_from_7pts_2img` use the
+//! transpose.
 
 use std::fmt::Write;
 

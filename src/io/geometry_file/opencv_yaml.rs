@@ -1,7 +1,8 @@
 //! OpenCV `FileStorage` as YAML.
 //!
-//! The first line `%YAML:1.0` is what OpenCV writes up to version 4 and all versions read; it is not YAML, and
-//! is taken off before parsing. Other YAML with the same names (nested rows, say) is read as well.
+//! Up to version 4, OpenCV writes the first line `%YAML:1.0`, and all versions read it. The line is
+//! not YAML and is removed before parsing. Other YAML with the same names (nested rows, for
+//! example) is read as well.
 
 use std::fmt::Write;
 
@@ -12,7 +13,7 @@ use super::coordinates::{NamedTable, WrittenGeometry, numbers, one_line};
 use super::fields::{Fields, insert};
 use super::{Format, ImageNote, Problem};
 
-/// Levels of lists in lists. Matrices need three.
+/// Maximum depth of nested lists. Matrices need three.
 const DEEPEST: usize = 32;
 
 pub(super) fn write(written: &WrittenGeometry) -> String {
@@ -65,19 +66,19 @@ fn image_map(number: usize, image: &ImageNote) -> String {
 
 pub(super) fn read(text: &str) -> Result<Fields, Problem> {
     let text = text.trim_start();
-    // Everything up to the end of the first line, which stays so that lines keep their numbers.
+    // Keeps the line break of the first line, so that line numbers stay correct.
     let text = if text.starts_with("%YAML") { text.find('\n').map_or("", |end| &text[end..]) } else { text };
     Fields::from_value(&value(text)?)
 }
 
-/// A list or a mapping that is not closed yet.
+/// List or mapping that is not closed yet.
 enum Open {
     List(Vec<Value>),
     Mapping(Map<String, Value>, Option<String>),
 }
 
-/// The first document. Numbers become numbers, everything else text; aliases, which can grow without bounds,
-/// are refused.
+/// Parses the first document. Numbers stay numbers; everything else becomes text. Aliases are
+/// refused, because they can grow without bounds.
 fn value(text: &str) -> Result<Value, Problem> {
     let mut open: Vec<Open> = Vec::new();
     for event in Parser::new_from_str(text) {
@@ -99,13 +100,13 @@ fn value(text: &str) -> Result<Value, Problem> {
             }),
             Event::Scalar(text, style, ..) => Some(scalar(&text, style)),
             Event::Alias(_) => {
-                return Err(Problem::at(line, "aliases (*name) are not read, write the numbers out"));
+                return Err(Problem::at(line, "aliases (*name) are not supported. Write the numbers out"));
             }
             Event::DocumentEnd | Event::StreamEnd => break,
             Event::Nothing | Event::StreamStart | Event::DocumentStart(_) => None,
         };
         if open.len() > DEEPEST {
-            return Err(Problem::at(line, format!("lists are nested more than {DEEPEST} deep")));
+            return Err(Problem::at(line, format!("lists are nested more than {DEEPEST} levels deep")));
         }
         let Some(complete) = complete else { continue };
         match open.last_mut() {
@@ -125,7 +126,7 @@ fn value(text: &str) -> Result<Value, Problem> {
 
 fn scalar(text: &str, style: ScalarStyle) -> Value {
     let number = if style == ScalarStyle::Plain { text.parse::<f64>().ok() } else { None };
-    // Whole numbers are counts; anything not finite stays the text it was, for the message.
+    // Integers are counts. A number that is not finite stays text, for the error message.
     let whole = text.parse::<u64>().ok().map(Value::from);
     match number {
         Some(number) => whole

@@ -1,6 +1,6 @@
-//! What a file can hold, and how each thing is called.
+//! Quantities of a geometry file, with their names.
 
-/// A named table of numbers in a file.
+/// Named table of numbers in a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Quantity {
     Fundamental,
@@ -31,7 +31,7 @@ impl Quantity {
         Self::Pairs,
     ];
 
-    /// The names it goes by: the symbol first, then the word in JSON, then what others write.
+    /// Returns the accepted names: the symbol, the JSON name, then names used by other programs.
     fn names(self) -> &'static [&'static str] {
         match self {
             Self::Fundamental => &[
@@ -56,22 +56,22 @@ impl Quantity {
         }
     }
 
-    /// The symbol, `F`.
+    /// Returns the symbol, for example `F`.
     pub(super) fn symbol(self) -> &'static str {
         self.names()[0]
     }
 
-    /// The word in JSON, `fundamental`.
+    /// Returns the JSON name, for example `fundamental`.
     pub(super) fn word(self) -> &'static str {
         self.names().get(1).copied().unwrap_or(self.symbol())
     }
 
-    /// What goes by that name.
+    /// Returns the quantity of a name.
     pub(super) fn named(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|q| q.names().contains(&name))
     }
 
-    /// What it is, for a comment.
+    /// Returns the description for a comment in the file.
     pub(super) fn meaning(self) -> &'static str {
         match self {
             Self::Fundamental => "fundamental matrix, x2' F x1 = 0",
@@ -81,10 +81,10 @@ impl Quantity {
             Self::Camera2 => "camera of image 2, x2 ~ P2 X",
             Self::Homography1 => "rectifying homography of image 1, rectified ~ H1 x1",
             Self::Homography2 => "rectifying homography of image 2, rectified ~ H2 x2",
-            Self::PlaneHomography => "homography of the plane, or of the turn of the camera, x2 ~ H21 x1",
-            Self::Points1 => "points in image 1, one a row: x y",
-            Self::Points2 => "points in image 2, one a row: x y, in the order of points1",
-            Self::Pairs => "point pairs, one a row: x1 y1 x2 y2",
+            Self::PlaneHomography => "homography of the plane, or of the rotation of the camera, x2 ~ H21 x1",
+            Self::Points1 => "points in image 1, one per row: x y",
+            Self::Points2 => "points in image 2, one per row: x y, in the order of points1",
+            Self::Pairs => "point pairs, one per row: x1 y1 x2 y2",
         }
     }
 }

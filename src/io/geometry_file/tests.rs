@@ -9,7 +9,7 @@ fn example() -> GeometryFile {
     let pair = |k: f64| {
         let x = nalgebra::Point3::new((k * 0.7).sin() * 2.0, (k * 1.3).cos(), 4.0 + (k * 0.31).sin() * 2.0);
         let [a, b] = [camera1, camera2].map(|c| c.project(&x).unwrap());
-        // Tenths of pixels of noise, so that the self-check has something to say.
+        // Noise of tenths of a pixel gives the self-check a value.
         PointPair::new(a.x + 0.3 * (k * 5.1).sin(), a.y, b.x, b.y + 0.2 * (k * 3.7).cos())
     };
     GeometryFile {
@@ -59,7 +59,7 @@ fn every_format_says_how_far_to_trust_it_and_where_the_pairs_come_from() {
     assert!(file.to_text(Format::Matlab).contains("'it''s \"<the>\" -- door '"));
 }
 
-/// The formats that are read, too.
+/// Returns the formats that can be read.
 fn read_formats() -> impl Iterator<Item = Format> {
     Format::ALL.into_iter().filter(|format| *format != Format::Matlab)
 }
@@ -72,7 +72,7 @@ fn every_format_gives_everything_back() {
         let (found, told) = GeometryFile::parse(&text).unwrap_or_else(|e| panic!("{format:?}: {e}\n{text}"));
         assert_eq!(told, format);
         assert_eq!(found, expected, "{format:?}");
-        // A file with the line ends of Windows is the same file.
+        // Windows line ends must give the same file.
         let (found, told) = GeometryFile::parse(&text.replace('\n', "\r\n")).unwrap();
         assert_eq!(told, format);
         assert_eq!(found, expected, "{format:?}");
@@ -96,7 +96,7 @@ fn parts_can_be_missing() {
     for format in read_formats() {
         for part in &parts {
             let found = GeometryFile::parse(&part.to_text(format));
-            // Homographies alone are nothing a reader would call a geometry, but they come back.
+            // Homographies alone are not a geometry, but they are read back.
             let (found, _) = found.unwrap_or_else(|e| panic!("{format:?}: {e}"));
             assert_eq!(found.pairs.len(), part.pairs.len());
             assert_eq!(found.fundamental.is_some(), part.fundamental.is_some());
@@ -117,7 +117,7 @@ fn cameras_alone_are_written_with_their_f() {
     }
 }
 
-/// The numbers in a file, taken as they are with the origin it states, fit each other to the self-check it states.
+/// Checks that the numbers in a file, with the origin it states, have the stated self-check.
 #[test]
 fn every_file_fits_itself_and_says_how_well() {
     let file = example();
@@ -150,14 +150,14 @@ fn json_has_the_names_of_a_result() {
     }
     assert_eq!(value["pairs"][0].as_array().unwrap().len(), 4);
     assert_eq!(value["images"][0]["width"], 768);
-    // Null where a result has nothing is as good as no field; matches of a result are no rows of numbers.
+    // Null counts as a missing field. The matches of a result are not rows of numbers.
     let result =
         "{\"fundamental\": [[0,0,-4],[0,0,-7],[4,7,0]], \"matches\": [{\"pair\": [1,2,3,4]}], \"P1\": null}";
     let (file, _) = GeometryFile::parse(result).unwrap();
     assert!(file.fundamental.is_some() && file.pairs.is_empty());
 }
 
-/// As OpenCV 4.12 wrote them: floats of both sizes, points as N×1 with two channels.
+/// As written by OpenCV 4.12: floats of both sizes, points as N×1 with two channels.
 #[test]
 fn files_of_opencv_are_read() {
     let yaml = "%YAML:1.0\n---\nF: !!opencv-matrix\n   rows: 3\n   cols: 3\n   dt: d\n   data: [ 0., 0., -4., 0., 0.,\n       -7., 4., 7., 0. ]\npoints1: !!opencv-matrix\n   rows: 2\n   cols: 1\n   dt: \"2f\"\n   data: [ 1., 2.5, -3., 4.e+00 ]\npoints2: !!opencv-matrix\n   rows: 2\n   cols: 2\n   dt: i\n   data: [ 5, 6, 7, 8 ]\nname: \"a: b\"\n";
@@ -170,7 +170,7 @@ fn files_of_opencv_are_read() {
     }
 }
 
-/// MATLAB counts pixels from 1, and so does the file: its own numbers fit each other.
+/// MATLAB counts pixels from 1, and the numbers in the script must agree with that.
 #[test]
 fn matlab_scripts_count_from_one_and_are_not_read() {
     let file = example();
@@ -196,7 +196,7 @@ fn matlab_scripts_count_from_one_and_are_not_read() {
     assert!(refused.contains("MATLAB script") && refused.contains("writematrix"), "{refused}");
 }
 
-/// Nobody can tell which is meant.
+/// Conflicting values are ambiguous.
 #[test]
 fn what_comes_twice_is_refused() {
     let (f, g) = ("0 0 0 0 0 -1 0 1 0", "0 0 -4 0 0 -7 4 7 0");
@@ -209,7 +209,7 @@ fn what_comes_twice_is_refused() {
     ];
     for write in writers {
         let problem = GeometryFile::parse(&write(g)).unwrap_err().to_string();
-        assert!(problem.contains("is in it twice, with different values"), "{problem}");
+        assert!(problem.contains("occurs twice with different values"), "{problem}");
         assert!(GeometryFile::parse(&write(f)).unwrap().0.fundamental.is_some());
     }
 }
@@ -261,7 +261,7 @@ fn what_is_wrong_is_said() {
     for (content, words) in [
         ("1 2 3", "expected the nine numbers of a fundamental matrix, found 3"),
         ("1 2 3\n4 nan 6", "line 2: \"nan\" is not a finite number"),
-        ("{\"score\": 1}", "names that are known are F or fundamental"),
+        ("{\"score\": 1}", "Known names are F or fundamental"),
         ("{\"pairs\": [[1, 2, 3, 4]]}", "there is no fundamental matrix in it"),
         ("{\"fundamental\": 7}", "not a list of rows"),
         ("[[1, 2, \"x\"]]", "\"x\" is not a finite number"),
@@ -273,7 +273,7 @@ fn what_is_wrong_is_said() {
         ("F\n1 2 3\n4 5\n", "row 2 has 2 numbers"),
         ("F\n1 2 3\n4 5 6\n", "expected a 3×3 matrix, found 2×3"),
         ("F\n1 2 x\n", "line 2: \"x\" is not a finite number"),
-        ("P1\n1 0 0 0\n0 1 0 0\n0 0 1 0\n", "P1 is there, but P2 is missing"),
+        ("P1\n1 0 0 0\n0 1 0 0\n0 0 1 0\n", "P1 is given, but P2 is missing"),
         ("P1\n1 0 0 0\n0 1 0 0\n0 0 1 0\nP2\n1 0 0 0\n0 1 0 0\n0 0 1 0\n", "same centre"),
         ("F = [1 2 3; 4 5 x]", "this is a MATLAB script, which is written but not read"),
         (
@@ -291,7 +291,7 @@ fn what_is_wrong_is_said() {
         ("%YAML:1.0", "empty or ends too early"),
         ("F: [1, 2\npoints: 3", "not valid YAML"),
         ("a: &a [1]\nF: *a\n", "aliases"),
-        ("<opencv_storage><F>", "convert it to YAML with OpenCV"),
+        ("<opencv_storage><F>", "Convert it to YAML with OpenCV"),
         (
             "{\"F\": {\"rows\": 18446744073709551615, \"cols\": 2, \"dt\": \"99d\", \"data\": []}}",
             "numbers, found 0",

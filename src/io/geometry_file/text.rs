@@ -1,4 +1,4 @@
-//! Plain text: `#` comments, then a name alone on a line above the rows of numbers it names.
+//! Plain text: `#` comments, and names alone on a line above their rows of numbers.
 //!
 //! ```text
 //! image1 768 576 house.000.pgm
@@ -9,8 +9,8 @@
 //! 157.0 336.0 100.9 343.7
 //! ```
 //!
-//! Numbers without any name are read too: nine are an `F`, rows of four are point pairs (see
-//! [`parse_point_pairs`]), and where a geometry is asked for, six rows of four are two cameras.
+//! Numbers without a name are read too: nine are an `F`, rows of four are point pairs (see
+//! [`parse_point_pairs`]). Where a geometry is expected, six rows of four are two cameras.
 
 use std::fmt::Write;
 
@@ -87,7 +87,7 @@ pub(super) fn read(text: &str, wanted: BareNumbers) -> Result<Fields, Problem> {
                 Some((quantity, rows)) => rows
                     .push(&numbers)
                     .map_err(|e| Problem::at(line, format!("{}: {e}", quantity.symbol())))?,
-                None => return Err(Problem::at(line, "these numbers have no name above them")),
+                None => return Err(Problem::at(line, "there is no name above these numbers")),
             }
         }
     }
@@ -95,7 +95,7 @@ pub(super) fn read(text: &str, wanted: BareNumbers) -> Result<Fields, Problem> {
     Ok(fields)
 }
 
-/// The numbers under a name, whose rows are equally long.
+/// Numbers under a name, in rows of equal length.
 #[derive(Default)]
 struct NumberRows {
     count: usize,
@@ -120,12 +120,12 @@ impl NumberRows {
     }
 }
 
-/// A known name alone on a line.
+/// Returns the quantity named alone on a line.
 fn heading(row: &str) -> Option<Quantity> {
     Quantity::named(row)
 }
 
-/// 1 or 2 for a line about that image.
+/// Returns 1 or 2 for a line that describes this image.
 fn image_number(row: &str) -> Option<usize> {
     match row.split_whitespace().next() {
         Some("image1") => Some(1),
@@ -134,7 +134,7 @@ fn image_number(row: &str) -> Option<usize> {
     }
 }
 
-/// `image1 WIDTH HEIGHT NAME`; the name may have spaces.
+/// Parses `image1 WIDTH HEIGHT NAME`; the name may contain spaces.
 fn image(row: &str) -> Result<ImageNote, String> {
     let mut words = row.splitn(4, char::is_whitespace).skip(1);
     let mut side = || words.next().and_then(|w| w.parse().ok());
@@ -147,7 +147,7 @@ fn image(row: &str) -> Result<ImageNote, String> {
     }
 }
 
-/// Numbers without names.
+/// Reads numbers without names.
 fn bare(text: &str, wanted: BareNumbers) -> Result<Fields, Problem> {
     let mut fields = Fields::default();
     let count = rows(text).map(|(_, row)| cells(row).count()).sum::<usize>();
@@ -157,7 +157,7 @@ fn bare(text: &str, wanted: BareNumbers) -> Result<Fields, Problem> {
         fields.add(Quantity::Pairs, NumberTable::new(pairs.len(), 4, numbers).map_err(Problem::whole)?)?;
         return Ok(fields);
     }
-    // Nine numbers, or two cameras.
+    // Nine numbers or two cameras are left.
     if count > 24 {
         return Err(Problem::whole(format!(
             "expected the nine numbers of a fundamental matrix, found {count}"
@@ -166,7 +166,7 @@ fn bare(text: &str, wanted: BareNumbers) -> Result<Fields, Problem> {
     let lists = rows(text)
         .map(|(line, row)| finite_numbers(row).map_err(|e| Problem::at(line, e)))
         .collect::<Result<Vec<_>, _>>()?;
-    // Nine numbers may be spread over the lines in any way.
+    // The nine numbers may be split over lines arbitrarily.
     let table = NumberTable::from_rows(&lists).or_else(|_| {
         let numbers = lists.concat();
         NumberTable::new(1, numbers.len(), numbers)

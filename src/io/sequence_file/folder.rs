@@ -9,7 +9,7 @@ use crate::cancel::CancelFlag;
 use crate::foreign::shown_path;
 use crate::image::Picture;
 
-/// Missing frames named in a note, at most.
+/// Maximum number of missing frames named in a note.
 const NAMED: usize = 5;
 
 pub(super) fn read(
@@ -19,18 +19,18 @@ pub(super) fn read(
 ) -> Result<SequenceFile, SequenceError> {
     let frames = numbered(path)?;
     let Some((first, _)) = frames.first() else {
-        let problem = "there are no numbered pictures in it, expected frames such as frame0001.png";
+        let problem = "there are no numbered pictures in it. Expected are frames such as frame0001.png";
         return Err(ReadError::content(path, problem).into());
     };
     let last = frames.last().map_or(*first, |(number, _)| *number);
     if frames.len() > MOST_FRAMES {
         return Err(SequenceError::TooLong { path: shown_path(path) });
     }
-    // Numbers in steps of ten are no gaps.
+    // Frames may be numbered in steps of ten, for example.
     let step = frames.windows(2).map(|two| two[1].0 - two[0].0).min().unwrap_or(1).max(1);
     if (last - first) / step >= MOST_FRAMES as u64 {
         let problem =
-            "more than half of the numbered frames are missing, or they are of more than one sequence";
+            "more than half of the numbered frames are missing, or the frames belong to several sequences";
         return Err(ReadError::content(path, problem).into());
     }
     let mut gathered = Gathered::new(path, cancel, each);
@@ -53,7 +53,7 @@ pub(super) fn read(
             String::new()
         };
         gathered.notes.push(format!(
-            "frames are missing in {}: {}{more}; the frame before stands in for each",
+            "frames are missing in {}: {}{more}. The frame before replaces each of them",
             shown_path(path),
             named.join(", ")
         ));
@@ -61,7 +61,7 @@ pub(super) fn read(
     gathered.finish()
 }
 
-/// The numbered pictures of a folder, by number: those of the kind of name that most have.
+/// Returns the numbered pictures of a folder, sorted by number, of the most frequent name pattern.
 pub(super) fn numbered(path: &Path) -> Result<Vec<(u64, PathBuf)>, ReadError> {
     let mut kinds: Vec<(String, Vec<(u64, PathBuf)>)> = Vec::new();
     for file in read_folder(path)?.into_iter().filter(|file| has_image_extension(file)) {
@@ -86,7 +86,7 @@ pub(super) fn numbered(path: &Path) -> Result<Vec<(u64, PathBuf)>, ReadError> {
     Ok(frames)
 }
 
-/// The name without its last number, and that number.
+/// Splits a name into its pattern without the last number, and that number.
 fn number_of(name: &str) -> Option<(String, u64)> {
     let stem_end = name.rfind('.').unwrap_or(name.len());
     let end = name[..stem_end].rfind(|c: char| c.is_ascii_digit())? + 1;

@@ -1,4 +1,4 @@
-//! Sequences of frames: folders of numbered pictures, and videos through an `ffmpeg` found on the machine.
+//! Sequences of frames: folders of numbered pictures, and videos through an installed `ffmpeg`.
 
 mod folder;
 mod video;
@@ -16,22 +16,22 @@ use crate::geometry::Frame;
 use crate::image::{GrayPlane, LoadError, Picture};
 use crate::motion::{FrameSequence, MotionError};
 
-/// Most frames that are read: at 640×480 px they take 0.6 GB.
+/// Maximum number of frames. At 640×480 px they take 0.6 GB.
 pub const MOST_FRAMES: usize = 2000;
 
-/// A sequence that was read.
+/// Sequence read from files.
 #[derive(Debug, Clone)]
 pub struct SequenceFile {
-    /// The frames.
+    /// Grey levels of all frames.
     pub sequence: FrameSequence,
-    /// The first frame as it was recorded.
+    /// First frame as recorded.
     pub first: Picture,
-    /// What the user should know: frames that are missing, say. Sentences.
+    /// Notes for the user, about missing frames for example. Sentences.
     pub notes: Vec<String>,
 }
 
 impl SequenceFile {
-    /// A sequence that was made and not read; the grey levels of its first frame are the picture.
+    /// Wraps a synthetic sequence. The grey levels of its first frame become the picture.
     ///
     /// # Panics
     /// When the sequence has no frames: a programming error.
@@ -44,63 +44,61 @@ impl SequenceFile {
     }
 }
 
-/// Why a sequence could not be read. Each message is one sentence for the user.
+/// Reason why a sequence cannot be read. The message is shown to the user.
 #[derive(Debug, Error)]
 pub enum SequenceError {
-    /// A frame could not be read.
+    /// A frame cannot be read.
     #[error(transparent)]
     Frame(#[from] LoadError),
-    /// The folder could not be read, or holds no frames.
+    /// The folder cannot be read or has no frames.
     #[error(transparent)]
     Read(#[from] ReadError),
-    /// The frames do not go together.
+    /// The frames do not form a sequence.
     #[error(transparent)]
     Motion(#[from] MotionError),
-    /// More frames than are read.
-    #[error(
-        "{path} has more than {MOST_FRAMES} frames, more than are read: take a part of it, or every second one"
-    )]
+    /// There are too many frames.
+    #[error("{path} has more than {MOST_FRAMES} frames, the limit. Use a part of it, or every second frame")]
     TooLong {
-        /// The file or folder.
+        /// File or folder.
         path: String,
     },
-    /// A folder or video with one frame.
-    #[error("{path} has a single frame: a sequence is a folder of numbered frames or a video")]
+    /// The folder or the video has one frame.
+    #[error("{path} has a single frame. A sequence is a folder of numbered frames or a video")]
     OneFrame {
-        /// The file.
+        /// Path of the file or folder.
         path: String,
     },
-    /// A picture file, animated or not.
+    /// The file is a picture, animated or not.
     #[error(
-        "{path} is a picture, and sequences are not read from pictures, animated or not: give a video, or a folder with the frames as numbered pictures"
+        "{path} is a picture. Sequences are not read from pictures, animated or not. Give a video, or a folder with the frames as numbered pictures"
     )]
     Picture {
-        /// The file.
+        /// Path of the file.
         path: String,
     },
-    /// A video without a program that reads it.
+    /// The program ffmpeg, which reads videos, is not installed.
     #[error(
-        "cannot read {path}: the program ffmpeg, which reads videos, is not on this machine; install it, or give a folder of frames"
+        "cannot read {path}: the program ffmpeg, which reads videos, is not on this machine. Install ffmpeg, or give a folder of frames"
     )]
     NoFfmpeg {
-        /// The file.
+        /// Path of the file.
         path: String,
     },
-    /// The program that reads videos does not read this one.
+    /// The program ffmpeg cannot read the file.
     #[error("ffmpeg cannot read {path} as a video: {reason}")]
     Ffmpeg {
-        /// The file.
+        /// Path of the file.
         path: String,
-        /// The program's own words.
+        /// Last message of ffmpeg.
         reason: String,
     },
 }
 
-/// How the names of videos end; others are read as well, when they are given as sequences.
+/// Common extensions of videos. Any other extension is accepted if the file is given as a sequence.
 pub const VIDEO_EXTENSIONS: [&str; 10] =
     ["mp4", "m4v", "mov", "avi", "mkv", "webm", "mpg", "mpeg", "wmv", "ogv"];
 
-/// Returns whether the path is a sequence and not a picture: a folder, or by its name a video.
+/// Returns whether a path is a sequence: a folder, or a video by its extension.
 pub fn is_sequence(path: &Path) -> bool {
     let is_video = path
         .extension()
@@ -109,7 +107,7 @@ pub fn is_sequence(path: &Path) -> bool {
     is_video || path.is_dir()
 }
 
-/// SHA-256 of the numbered frames of a folder, with their names: other frames have another one.
+/// Returns a SHA-256 over the names and bytes of the numbered frames of a folder.
 pub(super) fn folder_sha256(path: &Path) -> Result<String, ReadError> {
     let mut listing = String::new();
     for (_, file) in folder::numbered(path)? {
@@ -119,7 +117,7 @@ pub(super) fn folder_sha256(path: &Path) -> Result<String, ReadError> {
     Ok(sha256_of_bytes(listing.as_bytes()))
 }
 
-/// The first frame of a folder of frames, as it was recorded.
+/// Reads the first frame of a folder of frames, as recorded.
 pub fn first_frame(folder: &Path) -> Result<Picture, SequenceError> {
     match folder::numbered(folder)?.first() {
         Some((_, file)) => Ok(Picture::open(file)?),
@@ -127,7 +125,7 @@ pub fn first_frame(folder: &Path) -> Result<Picture, SequenceError> {
     }
 }
 
-/// Reads a sequence. `each` hears of the frames read so far.
+/// Reads a sequence. `each` receives the number of frames read so far.
 pub fn read_sequence(
     path: &Path,
     cancel: &CancelFlag,
@@ -144,7 +142,7 @@ pub fn read_sequence(
     video::read(path, "ffmpeg", cancel, each)
 }
 
-/// Frames as they come in.
+/// Frames read so far.
 struct Gathered<'a> {
     path: &'a Path,
     sequence: FrameSequence,
@@ -188,7 +186,7 @@ impl<'a> Gathered<'a> {
     }
 }
 
-/// The last part of a path, fit to be shown.
+/// Returns the last part of a path, escaped for display.
 fn name_of(path: &Path) -> String {
     let name = path.canonicalize().ok().and_then(|full| full.file_name().map(ToOwned::to_owned));
     let name = name.or_else(|| path.file_name().map(ToOwned::to_owned));

@@ -28,7 +28,7 @@ fn a_folder_of_frames_is_read_by_number_and_gaps_are_filled_and_told() {
     let gap = read(folder.path()).unwrap();
     assert_eq!(gap.sequence.len(), 9, "the later ones keep their time");
     assert_eq!(gap.sequence.frame(3), gap.sequence.frame(2));
-    assert!(gap.notes[0].contains(": 11; the frame before"), "{}", gap.notes[0]);
+    assert!(gap.notes[0].contains(": 11. The frame before"), "{}", gap.notes[0]);
 }
 
 #[test]
@@ -40,7 +40,7 @@ fn what_is_no_sequence_is_a_sentence() {
     assert!(told(few.path()).contains("single frame"));
     for name in ["frame0001.png", "moving.gif", "moving.WEBP"] {
         let told = told(&few.path().join(name));
-        assert!(told.contains("animated or not: give a video, or a folder"), "{told}");
+        assert!(told.contains("animated or not. Give a video, or a folder"), "{told}");
     }
     assert!(told(&few.path().join("nothing.mp4")).contains("there is no such file"));
     let sizes = folder_of(&[1, 2, 3]);

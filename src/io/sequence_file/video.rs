@@ -1,5 +1,5 @@
-//! Videos, read by an `ffmpeg` found on the machine. It is asked for grey pictures one after the other, and for nothing
-//! from the network.
+//! Videos, decoded by an installed `ffmpeg` into a stream of grey pictures. Network protocols are
+//! disabled.
 
 use std::io::{BufRead, BufReader, ErrorKind, Read};
 use std::path::Path;
@@ -14,15 +14,15 @@ use crate::foreign::{excerpt, shown_path};
 use crate::geometry::Frame;
 use crate::image::{GrayPlane, LoadOptions, Picture};
 
-/// Bytes of what the program complains about that are kept.
+/// Maximum number of bytes kept of ffmpeg's error messages.
 const MOST_WORDS: u64 = 4096;
 
-/// A program that is stopped when nobody reads from it any more.
+/// Process that is killed when dropped.
 struct RunningDecoder(Child);
 
 impl Drop for RunningDecoder {
     fn drop(&mut self) {
-        // It may have ended by itself.
+        // The process may have ended already.
         let _ = self.0.kill();
         let _ = self.0.wait();
     }
@@ -36,7 +36,7 @@ pub(super) fn read(
 ) -> Result<SequenceFile, SequenceError> {
     let shown = shown_path(path);
     let failed = |reason: &str| SequenceError::Ffmpeg { path: shown.clone(), reason: excerpt(reason) };
-    // An absolute path cannot be taken for an option or an address.
+    // An absolute path cannot be mistaken for an option or an address.
     let absolute = std::path::absolute(path).map_err(|e| failed(&crate::foreign::reason(&e)))?;
     let started = Command::new(program)
         .args(["-nostdin", "-v", "error", "-protocol_whitelist", "file,pipe", "-i"])
@@ -57,7 +57,7 @@ pub(super) fn read(
     let complaints = running.0.stderr.take().map(|stderr| {
         std::thread::spawn(move || {
             let mut words = String::new();
-            // What is not text is left out; the rest must be read, or the program would wait for ever.
+            // Text only. The rest must be drained, or the process would block.
             let mut stderr = stderr;
             let _ = (&mut stderr).take(MOST_WORDS).read_to_string(&mut words);
             let _ = std::io::copy(&mut stderr, &mut std::io::sink());
@@ -102,7 +102,7 @@ pub(super) fn read(
     gathered.finish()
 }
 
-/// Reads the next picture of the stream, a PGM; `None` at its end.
+/// Reads the next picture of the stream, a PGM; `None` at the end.
 fn next_frame(stream: &mut BufReader<ChildStdout>, shown: &str) -> Result<Option<GrayPlane>, SequenceError> {
     let broken =
         || SequenceError::Ffmpeg { path: shown.to_owned(), reason: "its frames are not as expected".into() };
@@ -133,7 +133,7 @@ mod tests {
 
     use super::*;
 
-    /// A program that behaves as ffmpeg does where it is asked for grey pictures.
+    /// Writes a script that replaces ffmpeg.
     fn program(folder: &Path, script: &str) -> String {
         let path = folder.join("ffmpeg");
         std::fs::write(&path, format!("#!/bin/sh\n{script}\n")).unwrap();
@@ -167,6 +167,6 @@ mod tests {
         let cut = read_with(&format!("{FRAME}{FRAME} echo 'end of file' >&2; exit 1")).unwrap();
         assert_eq!(cut.notes.len(), 1);
         let missing = super::read(Path::new("film.mp4"), "no-such-program", &CancelFlag::default(), &|_| ());
-        assert!(missing.unwrap_err().to_string().contains("install it, or give a folder of frames"));
+        assert!(missing.unwrap_err().to_string().contains("Install ffmpeg, or give a folder of frames"));
     }
 }

@@ -1,10 +1,10 @@
-//! Scales with their ticks, and the frame around a plot.
+//! Axis scales with ticks, and the frame of a plot.
 
 use maud::{Markup, html as markup};
 
 use super::{FAINT, GRID, INK, TEXT, n};
 
-/// A range of values, linear or logarithmic.
+/// Range of values, linear or logarithmic.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AxisScale {
     low: f64,
@@ -13,13 +13,14 @@ pub struct AxisScale {
 }
 
 impl AxisScale {
-    /// A linear scale. An empty range becomes one of length 1.
+    /// Creates a linear scale. An empty range becomes one of length 1.
     pub fn linear(low: f64, high: f64) -> Self {
         let high = if high > low { high } else { low + 1.0 };
         Self { low, high, logarithmic: false }
     }
 
-    /// Whole decades around the finite positive values, between 0.001 and 100,000; others lie on its ends.
+    /// Creates a logarithmic scale of whole decades around the finite positive values, between
+    /// 0.001 and 100,000. Other values are placed at its ends.
     pub fn decades(values: impl Iterator<Item = f64>) -> Self {
         let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
         for value in values.filter(|v| v.is_finite() && *v > 0.0) {
@@ -34,23 +35,23 @@ impl AxisScale {
         Self { low: 10_f64.powf(low), high: 10_f64.powf(high.ceil().max(low + 1.0)), logarithmic: true }
     }
 
-    /// Where a value is, 0 to 1; values outside are put on the ends.
+    /// Returns the position of a value, 0 to 1, clamped to the scale.
     pub fn place(&self, value: f64) -> f64 {
         let share = if self.logarithmic {
             (value / self.low).log10() / (self.high / self.low).log10()
         } else {
             (value - self.low) / (self.high - self.low)
         };
-        // The logarithm of zero is −∞; NaN does not come here.
+        // The logarithm of zero is −∞. NaN does not occur.
         share.clamp(0.0, 1.0)
     }
 
-    /// Whether a value lies on it.
+    /// Returns whether a value lies on the scale.
     pub fn contains(&self, value: f64) -> bool {
         (self.low..=self.high).contains(&value)
     }
 
-    /// Values with a label.
+    /// Returns the values of labelled ticks.
     fn labelled(&self) -> Vec<f64> {
         if self.logarithmic {
             let decades = (self.high / self.low).log10().round() as i32;
@@ -64,7 +65,7 @@ impl AxisScale {
         (first..=last).map(|k| k as f64 * step).collect()
     }
 
-    /// Values with a tick but no label.
+    /// Returns the values of ticks without label.
     fn minor(&self) -> Vec<f64> {
         if !self.logarithmic {
             return Vec::new();
@@ -77,21 +78,21 @@ impl AxisScale {
     }
 }
 
-/// The least of 1, 2, 5, 10, … that is not below a step.
+/// Rounds a step up to 1, 2 or 5 times a power of ten.
 fn round_step(step: f64) -> f64 {
     let decade = 10_f64.powf(step.log10().floor());
     let factor = [1.0, 2.0, 5.0].into_iter().find(|f| f * decade >= step * 0.999).unwrap_or(10.0);
     factor * decade
 }
 
-/// The number as a label: without needless zeros, with a true minus sign.
+/// Formats a label without trailing zeros, with a minus sign (U+2212).
 fn label(value: f64) -> String {
-    // Thousandths are the finest that a scale begins with.
+    // The smallest scale begins at 0.001.
     let text = format!("{value:.4}");
     text.trim_end_matches('0').trim_end_matches('.').replace('-', "\u{2212}")
 }
 
-/// The rectangle of a plot with its two scales.
+/// Rectangle of a plot.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Area {
     pub(super) left: f64,
@@ -101,17 +102,17 @@ pub(super) struct Area {
 }
 
 impl Area {
-    /// Where a value of the horizontal scale is.
+    /// Returns the position of a value on the horizontal scale.
     pub(super) fn x(&self, scale: &AxisScale, value: f64) -> f64 {
         self.left + scale.place(value) * (self.right - self.left)
     }
 
-    /// Where a value of the vertical scale is.
+    /// Returns the position of a value on the vertical scale.
     pub(super) fn y(&self, scale: &AxisScale, value: f64) -> f64 {
         self.bottom - scale.place(value) * (self.bottom - self.top)
     }
 
-    /// Grid and ticks below.
+    /// Draws the vertical grid lines and the ticks below.
     pub(super) fn ticks(&self, scale: &AxisScale) -> Markup {
         let at = |value: f64| n(self.x(scale, value));
         markup! {
@@ -126,7 +127,7 @@ impl Area {
         }
     }
 
-    /// Grid, ticks and labels below, and the name of the quantity with its unit.
+    /// Draws grid, ticks and labels below, and the name of the quantity with its unit.
     pub(super) fn horizontal(&self, scale: &AxisScale, name: &str) -> Markup {
         markup! {
             (self.ticks(scale))
@@ -139,7 +140,7 @@ impl Area {
         }
     }
 
-    /// Grid, ticks, labels and name at the left; `unit` follows every label.
+    /// Draws grid, ticks, labels and name at the left; `unit` follows every label.
     pub(super) fn vertical(&self, scale: &AxisScale, name: &str, unit: &str) -> Markup {
         let at = |value: f64| self.y(scale, value);
         let middle = f64::midpoint(self.top, self.bottom);
@@ -157,7 +158,7 @@ impl Area {
         }
     }
 
-    /// Dotted lines at values that matter, where they lie on the scale.
+    /// Draws dotted lines at those `values` that lie on the scale.
     pub(super) fn limits(&self, scale: &AxisScale, values: &[f64]) -> Markup {
         markup! {
             @for value in values.iter().filter(|v| scale.contains(**v)) {

@@ -6,19 +6,19 @@ use super::axis::{Area, AxisScale};
 use super::legend::{ROW, Sign, column};
 use super::{Stroke, SvgDrawing, WIDTH, n, path, text_width};
 
-/// Values of one kind. What is not finite counts, and lies beyond the right end of the axis.
+/// Values of one curve. Values that are not finite count and lie beyond the right end of the axis.
 #[derive(Debug, Clone)]
 pub struct Distribution {
-    /// What the legend calls it.
+    /// Name in the legend.
     pub name: String,
-    /// How its curve is drawn.
+    /// Stroke of the curve.
     pub stroke: Stroke,
-    /// The values, in any order.
+    /// Values in any order.
     pub values: Vec<f64>,
 }
 
-/// One curve a distribution: the share of its values, in per cent, that are not above the value on the axis.
-/// Dotted lines stand at the `limits`, in px.
+/// Draws one curve per distribution: the fraction of its values, in per cent, that are at most the
+/// value on the axis. Dotted lines mark the `limits`, in px.
 pub fn cumulative(all: &[Distribution], quantity: &str, share_of: &str, limits: &[f64]) -> SvgDrawing {
     let scale = AxisScale::decades(all.iter().flat_map(|d| d.values.iter().copied()));
     let names = all.iter().map(|d| text_width(&d.name)).fold(0.0, f64::max);
@@ -41,7 +41,7 @@ pub fn cumulative(all: &[Distribution], quantity: &str, share_of: &str, limits: 
     SvgDrawing::new(WIDTH, height, content)
 }
 
-/// The corners of the curve, as value and share, from the left end of the axis to the right one.
+/// Returns the corners of a curve as value and fraction, from left to right.
 fn steps(values: &[f64]) -> Vec<[f64; 2]> {
     let mut finite: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();
     finite.sort_by(f64::total_cmp);

@@ -6,30 +6,30 @@ use super::axis::{Area, AxisScale};
 use super::legend::{Sign, row};
 use super::{FAINT, Stroke, SvgDrawing, TEXT, WIDTH, n, path};
 
-/// One panel.
+/// Panel of curves.
 #[derive(Debug, Clone)]
 pub struct Panel {
-    /// What stands above it.
+    /// Title above the panel.
     pub title: String,
-    /// Curves in it.
+    /// Curves of the panel.
     pub curves: Vec<Curve>,
 }
 
-/// A curve.
+/// Curve of a panel.
 #[derive(Debug, Clone)]
 pub struct Curve {
-    /// What the legend calls it.
+    /// Name in the legend.
     pub name: String,
-    /// How it is drawn.
+    /// Stroke of the curve.
     pub stroke: Stroke,
-    /// Points from left to right; without a second number it has a gap.
+    /// Points from left to right; `None` makes a gap.
     pub points: Vec<(f64, Option<f64>)>,
 }
 
 /// Height of a panel.
 const PANEL: f64 = 150.0;
 
-/// All panels with the same scales. Curves of the same name are one entry of the legend.
+/// Draws all panels with the same scales. Curves of the same name share an entry of the legend.
 pub fn curves(panels: &[Panel], across: &str, up: &str, range: [f64; 2]) -> SvgDrawing {
     let xs = || panels.iter().flat_map(|p| &p.curves).flat_map(|c| c.points.iter().map(|p| p.0));
     let (low, high) = xs().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
@@ -64,7 +64,7 @@ pub fn curves(panels: &[Panel], across: &str, up: &str, range: [f64; 2]) -> SvgD
     SvgDrawing::new(WIDTH, area(last).bottom + 22.0 + 2.0 * TEXT, content)
 }
 
-/// The stretches between gaps.
+/// Splits the points at the gaps.
 fn runs(points: &[(f64, Option<f64>)]) -> Vec<Vec<[f64; 2]>> {
     points
         .split(|(_, y)| y.is_none())

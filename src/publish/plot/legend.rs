@@ -1,39 +1,39 @@
-//! What the lines and signs of a drawing stand for.
+//! Legends of lines and signs.
 
 use maud::{Markup, html as markup};
 
 use super::{INK, Stroke, TEXT, n, text_width};
 
-/// A sign of the legend.
+/// Sign of a legend.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Sign {
-    /// A line.
+    /// Line with a stroke.
     Line(Stroke),
-    /// A filled dot of a colour.
+    /// Filled dot of a colour.
     Dot(&'static str),
-    /// An open one.
+    /// Open circle of a colour.
     Ring(&'static str),
-    /// An open square of a colour.
+    /// Open square of a colour.
     Square(&'static str),
-    /// An open diamond.
+    /// Open diamond.
     Diamond,
-    /// An upright stroke.
+    /// Vertical stroke.
     Upright,
 }
 
-/// Room for a sign.
+/// Width reserved for a sign.
 const SIGN: f64 = 26.0;
-/// Distance from one entry to the next in a column.
+/// Distance between the rows of a column.
 pub(super) const ROW: f64 = TEXT + 6.0;
 
-/// Entries one below the other, the first one's middle at `top`.
+/// Draws entries one below the other, the first centred at `top`.
 pub(super) fn column(entries: &[(Sign, String)], left: f64, top: f64) -> Markup {
     markup! {
         @for (k, entry) in entries.iter().enumerate() { (entry_at(entry, left, top + k as f64 * ROW)) }
     }
 }
 
-/// Entries beside each other.
+/// Draws entries side by side.
 pub(super) fn row(entries: &[(Sign, String)], left: f64, middle: f64) -> Markup {
     let widths = entries.iter().map(|(_, text)| SIGN + 26.0 + text_width(text));
     let places = widths.scan(left, |next, width| {
@@ -72,14 +72,13 @@ impl Sign {
     }
 }
 
-/// An open diamond.
 pub(super) fn diamond(x: f64, y: f64) -> Markup {
     const R: f64 = 4.0;
     let path = format!("M{} {}l{R} {R}l-{R} {R}l-{R} -{R}z", n(x), n(y - R));
     markup! { path d=(path) fill="#ffffff" stroke=(INK) stroke-width="1.2" {} }
 }
 
-/// An upright stroke of twice the height.
+/// Draws a vertical stroke of twice `height`.
 pub(super) fn upright(x: f64, y: f64, height: f64) -> Markup {
     markup! {
         line x1=(n(x)) x2=(n(x)) y1=(n(y - height)) y2=(n(y + height)) stroke=(INK) stroke-width="2" {}

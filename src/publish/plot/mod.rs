@@ -1,9 +1,9 @@
-//! Plots and marked pictures as SVG.
+//! Plots and annotated pictures as SVG.
 //!
-//! Lengths are user units, of which a drawing is [`WIDTH`] wide; lettering has the same size in all drawings, so
-//! that they look alike side by side. Colours are those of Okabe and Ito (*Color Universal Design*, 2008), which
-//! people with any common colour vision tell apart and which stay apart in grey. No element has an identifier:
-//! several drawings can stand in one page.
+//! Lengths are user units; a drawing is [`WIDTH`] units wide. Lettering has the same size in all
+//! drawings. Colours are from Okabe and Ito (*Color Universal Design*, 2008): they remain distinct
+//! with common colour-vision deficiencies and in grey. No element has an identifier, so a page can
+//! contain several drawings.
 
 mod axis;
 mod cumulative;
@@ -24,43 +24,43 @@ use maud::{Markup, PreEscaped, html as markup};
 /// Width of every drawing.
 pub const WIDTH: f64 = 940.0;
 
-/// Lettering of axes and legends.
+/// Size of the lettering of axes and legends.
 pub(super) const TEXT: f64 = 12.5;
 
 /// Colours of data on white, each legible as a thin line.
 pub const COLORS: [&str; 7] = ["#0072b2", "#d55e00", "#009e73", "#aa4499", "#e69f00", "#1a1a1a", "#56b4e9"];
 
-/// Axes and lettering.
+/// Colour of axes and lettering.
 pub(super) const INK: &str = "#1a1a1a";
-/// What is read second.
+/// Colour of secondary text.
 pub(super) const FAINT: &str = "#666666";
-/// The grid.
+/// Colour of the grid.
 pub(super) const GRID: &str = "#e2e2e2";
 
-/// How a line is drawn.
+/// Style of a line.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stroke {
     /// Colour of the line.
     pub color: &'static str,
     /// Width of the line.
     pub width: f64,
-    /// Whether it has gaps.
+    /// Whether the line is dashed.
     pub dashed: bool,
 }
 
 impl Stroke {
-    /// A line without gaps.
+    /// Creates a solid line.
     pub fn solid(color: &'static str, width: f64) -> Self {
         Self { color, width, dashed: false }
     }
 
-    /// The attribute that makes the gaps.
+    /// Returns the dash attribute.
     fn dashes(&self) -> Option<&'static str> {
         self.dashed.then_some("6 3")
     }
 }
 
-/// A drawing that a document can show.
+/// Drawing for a document.
 #[derive(Debug, Clone)]
 pub struct SvgDrawing {
     width: f64,
@@ -69,12 +69,12 @@ pub struct SvgDrawing {
 }
 
 impl SvgDrawing {
-    /// Elements in a rectangle from (0, 0) to the given size.
+    /// Creates a drawing of elements in a rectangle from (0, 0) to the given size.
     pub(super) fn new(width: f64, height: f64, content: Markup) -> Self {
         Self { width, height, content }
     }
 
-    /// An element of an HTML page; `label` is for those who cannot see it.
+    /// Returns an element of an HTML page; `label` is for screen readers.
     pub fn inline(&self, label: &str) -> Markup {
         markup! {
             svg xmlns="http://www.w3.org/2000/svg" viewBox={ "0 0 " (n(self.width)) " " (n(self.height)) }
@@ -87,26 +87,26 @@ impl SvgDrawing {
         }
     }
 
-    /// A file of its own.
+    /// Returns a separate SVG file.
     pub fn file(&self, label: &str) -> String {
         let declaration = PreEscaped("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n");
         markup! { (declaration) (self.inline(label)) "\n" }.into_string()
     }
 }
 
-/// A number with as many digits as can be seen.
+/// Formats a coordinate with visible precision.
 pub(super) fn n(value: f64) -> String {
     let text = format!("{value:.2}");
     let text = text.trim_end_matches('0').trim_end_matches('.');
     if text == "-0" { "0".to_owned() } else { text.to_owned() }
 }
 
-/// About how wide a text is.
+/// Estimates the width of a text.
 pub(super) fn text_width(text: &str) -> f64 {
     0.5 * TEXT * text.chars().count() as f64
 }
 
-/// The `points` of a polyline.
+/// Formats the `points` of a polyline.
 pub(super) fn path(points: impl Iterator<Item = [f64; 2]>) -> String {
     points.map(|[x, y]| format!("{},{}", n(x), n(y))).collect::<Vec<_>>().join(" ")
 }

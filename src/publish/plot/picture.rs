@@ -1,4 +1,4 @@
-//! Pictures beside each other with lines and points upon them.
+//! Pictures side by side with lines and points on them.
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -12,42 +12,42 @@ use super::{FAINT, Stroke, SvgDrawing, TEXT, WIDTH, n};
 use crate::geometry::{Frame, Point};
 use crate::image::GrayPlane;
 
-/// Largest width of the pixels of a picture: enough for print at the size it has in a column.
+/// Maximum width of an embedded picture, px: enough for print at its size in a column.
 const PIXELS: u32 = 640;
-/// Quality of its compression, 0 to 100.
+/// JPEG quality, 0 to 100.
 const QUALITY: u8 = 82;
 /// Gap between two pictures.
 const GAP: f64 = 12.0;
 
-/// Something upon a picture, in its pixels.
+/// Mark on a picture, in its pixels.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Mark {
-    /// A straight line.
+    /// Straight line.
     Line {
         /// Both ends.
         ends: [Point; 2],
-        /// How it is drawn, upon a dark edge.
+        /// Stroke of the line, drawn over a dark outline.
         stroke: Stroke,
     },
-    /// A small circle with a label.
+    /// Small disc with a label.
     Dot {
         /// Centre of the mark.
         at: Point,
-        /// What stands beside it.
+        /// Text beside the mark.
         label: String,
         /// Colour of the mark.
         color: &'static str,
     },
-    /// A cross in a circle with a label.
+    /// Cross in a circle, with a label.
     Cross {
         /// Centre of the mark.
         at: Point,
-        /// What stands beside it.
+        /// Text beside the mark.
         label: String,
         /// Colour of the mark.
         color: &'static str,
     },
-    /// A square.
+    /// Open square.
     Square {
         /// Centre of the mark.
         at: Point,
@@ -56,10 +56,10 @@ pub enum Mark {
     },
 }
 
-/// A picture with what is upon it.
+/// Picture with marks.
 #[derive(Debug, Clone)]
 pub struct MarkedPicture {
-    /// What stands above it.
+    /// Title above the picture.
     pub title: String,
     frame: Frame,
     /// Grey JPEG as a data URI.
@@ -69,19 +69,19 @@ pub struct MarkedPicture {
 }
 
 impl MarkedPicture {
-    /// A picture without marks, reduced for a page.
+    /// Creates a picture without marks, reduced for a page.
     pub fn new(title: impl Into<String>, plane: &GrayPlane) -> Self {
         let frame = plane.frame();
         Self { title: title.into(), frame, pixels: data_uri(plane), marks: Vec::new() }
     }
 
-    /// The marked picture, `width` wide, at a place.
+    /// Draws the picture with its marks, `width` wide.
     fn markup(&self, left: f64, top: f64, width: f64) -> Markup {
         let scale = width / self.frame.width as f64;
         let height = scale * self.frame.height as f64;
         markup! {
             text x=(n(left)) y=(n(top - 6.0)) fill=(FAINT) { (self.title) }
-            // An inner drawing cuts off what is outside of it.
+            // An inner drawing clips its content.
             svg x=(n(left)) y=(n(top)) width=(n(width)) height=(n(height)) {
                 image width=(n(width)) height=(n(height)) preserveAspectRatio="none" href=(self.pixels) {}
                 @for mark in &self.marks { (mark.markup(scale)) }
@@ -92,7 +92,7 @@ impl MarkedPicture {
 
 impl Mark {
     fn markup(&self, scale: f64) -> Markup {
-        // Pixel centres have whole numbers; the corner of the drawing is the corner of a pixel.
+        // Pixel centres have integer coordinates; the origin of the drawing is a pixel corner.
         let at = |p: &Point| [scale * (p.x + 0.5), scale * (p.y + 0.5)];
         match self {
             Self::Line { ends, stroke } => {
@@ -140,7 +140,7 @@ impl Mark {
     }
 }
 
-/// Text that is legible on any ground.
+/// Draws text with an outline, legible on any background.
 fn label_at(x: f64, y: f64, text: &str, color: &str) -> Markup {
     markup! {
         text x=(n(x)) y=(n(y)) font-size="13" font-weight="bold" fill=(color) stroke="#000000" stroke-width="3"
@@ -148,7 +148,7 @@ fn label_at(x: f64, y: f64, text: &str, color: &str) -> Markup {
     }
 }
 
-/// The pictures from left to right, equally wide, with a legend below.
+/// Draws the pictures from left to right with equal widths, above a legend.
 pub fn pictures(all: &[MarkedPicture], legend: &[(Sign, String)]) -> SvgDrawing {
     let count = all.len().max(1) as f64;
     let width = (WIDTH - GAP * (count - 1.0)) / count;
@@ -161,7 +161,7 @@ pub fn pictures(all: &[MarkedPicture], legend: &[(Sign, String)]) -> SvgDrawing 
     SvgDrawing::new(WIDTH, top + height + 16.0 + TEXT, content)
 }
 
-/// The picture at most [`PIXELS`] wide.
+/// Encodes the picture, at most [`PIXELS`] wide.
 fn data_uri(plane: &GrayPlane) -> String {
     let Frame { width, height } = plane.frame();
     let mut pixels = GrayImage::from_fn(width as u32, height as u32, |x, y| {
@@ -178,7 +178,7 @@ fn data_uri(plane: &GrayPlane) -> String {
         pixels.height(),
         ExtendedColorType::L8,
     );
-    // What has no place in a JPEG (a side above 65,535 px) is shown as a page without the picture.
+    // A picture too large for JPEG (a side above 65,535 px) is omitted.
     if encoded.is_err() {
         return "data:,".to_owned();
     }

@@ -1,4 +1,4 @@
-//! Every single value as a dot, in rows that are grouped, on a logarithmic axis.
+//! Single values as dots, in grouped rows, on a logarithmic axis.
 
 use maud::{Markup, html as markup};
 
@@ -6,41 +6,43 @@ use super::axis::{Area, AxisScale};
 use super::legend::{ROW, Sign, column, diamond, upright};
 use super::{FAINT, GRID, Stroke, SvgDrawing, TEXT, WIDTH, n, text_width};
 
-/// Rows that belong together.
+/// Group of rows.
 #[derive(Debug, Clone)]
 pub struct StripGroup {
-    /// What stands beside them.
+    /// Name beside the group.
     pub name: String,
-    /// The rows, in the same order in every group.
+    /// Rows, in the same order in every group.
     pub strips: Vec<Strip>,
 }
 
-/// One row.
+/// Row of values.
 #[derive(Debug, Clone)]
 pub struct Strip {
-    /// What the legend calls it.
+    /// Name in the legend.
     pub name: String,
-    /// The colour of its dots, which are open where the line would be dashed.
+    /// Stroke that gives the dots their colour. Dashed means open dots.
     pub stroke: Stroke,
-    /// The values; those that are not finite are counted at the right end.
+    /// Values; those that are not finite are counted at the right end.
     pub values: Vec<f64>,
-    /// Middle of the values, drawn upright.
+    /// Median of the values, drawn as a vertical stroke.
     pub middle: f64,
-    /// Range in which the middle may lie, drawn as a bar.
+    /// Confidence interval of the median, drawn as a bar.
     pub interval: Option<[f64; 2]>,
-    /// A value from elsewhere, drawn as a diamond.
+    /// Reference value, drawn as a diamond.
     pub reference: Option<f64>,
 }
 
-/// Height of a row, where there are few and where there are many.
+/// Height of a row if there are few.
 const ROOMY: f64 = 15.0;
+/// Height of a row if there are many.
 const NARROW: f64 = 9.5;
-/// Rows that fill a page when they are narrow.
+/// Number of rows from which they are narrow.
 const MANY: usize = 45;
 /// Gap between two groups.
 const GAP: f64 = 9.0;
 
-/// All groups from top to bottom; `middle` and `reference` are what the legend says of these signs.
+/// Draws all groups from top to bottom. `middle` and `reference` are the names of these signs in
+/// the legend.
 pub fn strips(
     groups: &[StripGroup],
     quantity: &str,

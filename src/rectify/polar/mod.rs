@@ -1,15 +1,16 @@
-//! Polar rectification (Pollefeys, Koch & Van Gool, *A simple and efficient rectification method for general
-//! motion*, ICCV 1999): a row for each pair of corresponding half epipolar lines, columns by the distance from the
-//! epipole.
+//! Polar rectification (Pollefeys, Koch & Van Gool, *A simple and efficient rectification method
+//! for general motion*, ICCV 1999): one row per pair of corresponding half epipolar lines, columns
+//! by the distance from the epipole.
 //!
-//! It works wherever the epipoles are. Neighbouring rows are at most one pixel apart at the far end of either image,
-//! so nothing is shrunk; near the epipole the picture is stretched, and it can have up to as many rows as the image
-//! has pixels along its border. Epipoles at infinity are moved to 10⁹ px, which bends a row of a 4000 px image by
-//! less than 0.01 px; there the result is that of the planar method, up to a shift along each row.
+//! The epipoles may lie anywhere. Neighbouring rows are at most one pixel apart at the far end of
+//! either image, so nothing shrinks. Near the epipole the picture is stretched. It can have as many
+//! rows as the image has border pixels. Epipoles at infinity are moved to 10⁹ px, which bends a row
+//! of a 4000 px image by less than 0.01 px. The result is then that of the planar method, up to a
+//! shift along each row.
 //!
-//! Pitfall: a pencil maps *lines*; which half of a line corresponds to which is decided by where matches are
-//! (oriented epipolar geometry). Without matches and with an epipole inside an image it has to be assumed that both
-//! cameras are held alike.
+//! Pitfall: `F` maps *lines*, not half lines. The matches determine which halves correspond
+//! (oriented epipolar geometry). Without matches, and with an epipole inside an image, both cameras
+//! are assumed to be held the same way up.
 
 mod half_pencil;
 mod orientation;
@@ -23,23 +24,25 @@ use super::extent::{Extent, Range};
 use super::row::RowTrace;
 use crate::geometry::{Frame, FundamentalMatrix, Point, PointPair};
 
-/// One image's rows: half lines from its epipole.
+/// Rows of one image: half lines from its epipole.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct PolarMap {
-    /// The epipole, px; one at infinity stands at 10⁹ px.
+    /// Epipole, px. An epipole at infinity is placed at 10⁹ px.
     pub(super) epipole: Point,
-    /// Direction of each row away from the epipole, radians from x towards y, rising or falling all the way.
+    /// Direction of each row away from the epipole, radians from x towards y, strictly monotonic.
     pub(super) angles: Vec<f64>,
-    /// Distance from the epipole in column 0, px.
+    /// Distance of column 0 from the epipole, px.
     pub(super) radius: f64,
-    /// How the distance changes from a column to the next, px; negative where the picture lies to the left.
+    /// Increase of the distance per column, px; negative if the picture lies to the left of the
+    /// epipole.
     pub(super) radius_step: f64,
     columns: usize,
 }
 
 impl PolarMap {
     pub(super) fn row(&self, y: f64) -> RowTrace {
-        // Beyond the first and the last row by the step beside it: half a pixel is still part of the picture.
+        // Extrapolates beyond the first and the last row: half a pixel still belongs to the
+        // picture.
         let k = (y.max(0.0) as usize).min(self.angles.len() - 2);
         let angle = self.angles[k] + (self.angles[k + 1] - self.angles[k]) * (y - k as f64);
         let (sin, cos) = angle.sin_cos();
@@ -53,7 +56,7 @@ impl PolarMap {
         let (first, last) = (self.angles[0], self.angles[self.angles.len() - 1]);
         let (low, high) = (first.min(last), first.max(last));
         let turn = std::f64::consts::TAU;
-        // Half a row of tolerance at either end, where rounding may leave a point.
+        // Tolerates half a row at either end, for points that rounding puts outside.
         let slack = (high - low) / self.angles.len() as f64;
         let angle = low - slack + (from.y.atan2(from.x) - (low - slack)).rem_euclid(turn);
         if angle > high + slack {
@@ -68,17 +71,17 @@ impl PolarMap {
     }
 }
 
-/// Both maps with their common size, and what the caller has to know.
+/// Both maps, their common size and the facts for the warnings.
 pub(super) struct Polar {
     pub(super) maps: [PolarMap; 2],
     pub(super) frame: Frame,
-    /// Factor by which the picture is smaller than it should be.
+    /// Factor by which the pixel limit reduced the picture.
     pub(super) scale: f64,
-    /// Nothing told which halves of the lines correspond.
+    /// True if the orientation was assumed: without matches, and with an epipole inside an image.
     pub(super) orientation_assumed: bool,
 }
 
-/// Rectifies by half lines.
+/// Computes a polar rectification.
 pub(super) fn polar(
     fundamental: &FundamentalMatrix,
     frames: [Frame; 2],
@@ -96,7 +99,7 @@ pub(super) fn polar(
         Range::of(rows.iter().filter_map(|r| pencil.reach(r[k])).flatten())
     };
     let radii = [columns(&full_size, 0), columns(&full_size, 1)];
-    // A line may stop short of what it should reach: where F is wrong, of a whole image.
+    // With a wrong F the half lines may miss an image, which leaves no columns.
     if radii.iter().any(|range| range.low >= range.high) {
         return Err(RectifyError::NoCommonLines);
     }
@@ -113,7 +116,7 @@ pub(super) fn polar(
     let frame = Frame::new(frame.width, rows.len().min(frame.height.max(2)));
     let map = |k: usize| {
         let angles: Vec<f64> = rows.iter().take(frame.height).map(|r| r[k]).collect();
-        // The map keeps its sense of rotation: where angles fall, distances do too.
+        // Keeps the handedness of the map: distances decrease where angles decrease.
         let rising = angles[angles.len() - 1] > angles[0];
         PolarMap {
             epipole: [&pencil1, &pencil2][k].epipole(),
@@ -126,7 +129,7 @@ pub(super) fn polar(
     Ok(Polar { maps: [map(0), map(1)], frame, scale, orientation_assumed: orientation.is_assumed() })
 }
 
-/// Turns the picture by 180° where that puts more of it upright.
+/// Turns the picture by 180° if that puts more of it upright.
 fn upright(mut rows: Vec<[f64; 2]>, pencils: [&HalfPencil; 2]) -> Vec<[f64; 2]> {
     let rightwards: f64 = (0..2)
         .filter(|k| !pencils[*k].is_inside())

@@ -1,16 +1,16 @@
-//! Which half lines correspond, and the rows that follow.
+//! Corresponding half lines, and the rows made of them.
 //!
-//! For points in front of both cameras `e2 × x2 ∼ s · F x1` with one sign `s` for the whole pair (oriented epipolar
-//! geometry: Laveau & Faugeras 1996; Chum, Werner & Matas 2004). `Line::direction` of `s · F x1` then points from
-//! the epipole to the match.
+//! For points in front of both cameras, `e2 × x2 ∼ s · F x1` with one sign `s` for the whole pair
+//! (oriented epipolar geometry: Laveau & Faugeras 1996; Chum, Werner & Matas 2004).
+//! `Line::direction` of `s · F x1` then points from the epipole to the match.
 
 use super::half_pencil::{HalfPencil, direction, near};
 use crate::geometry::{FundamentalMatrix, Line, PointPair};
 
-/// Samples of a pencil where a decision needs an overview.
+/// Number of samples of a pencil for the orientation.
 const SAMPLES: usize = 64;
 
-/// The sign of `F` as a map of half lines.
+/// Sign of `F` as a map of half lines.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Orientation {
     reversed: bool,
@@ -18,8 +18,8 @@ pub(super) struct Orientation {
 }
 
 impl Orientation {
-    /// Orientation from the matches where there are any, else from where the images lie, else by assuming that half lines do not
-    /// turn by more than 90°.
+    /// Finds the orientation: from the matches if there are any, otherwise from the position of the
+    /// images. With an epipole inside an image, half lines are assumed to turn by less than 90°.
     pub(super) fn find(f: &FundamentalMatrix, pencils: [&HalfPencil; 2], matches: &[PointPair]) -> Self {
         let [pencil1, pencil2] = pencils;
         let votes: i64 = matches
@@ -39,8 +39,8 @@ impl Orientation {
             .map(|k| low + (high - low) * (k as f64 + 0.5) / SAMPLES as f64)
             .filter_map(|angle| {
                 let along = f.line2_from_point1(pencil1.point(angle))?.direction();
-                // An image that is seen from outside is faced by the half lines; from inside, both halves of a
-                // line are in the image.
+                // From outside, the half lines face the image. From inside, both halves of a line
+                // are in the image.
                 let expected = if assumed { angle } else { pencil2.middle() };
                 Some(along.dot(&direction(expected)))
             })
@@ -62,7 +62,7 @@ impl Orientation {
     }
 }
 
-/// Corresponding half lines.
+/// Corresponding half lines of both images.
 pub(super) struct HalfLines<'a> {
     f: &'a FundamentalMatrix,
     pencils: [&'a HalfPencil; 2],
@@ -70,14 +70,14 @@ pub(super) struct HalfLines<'a> {
 }
 
 impl HalfLines<'_> {
-    /// The half line in image 2 that corresponds to one in image 1; `None` when `F` does not tell.
+    /// Returns the half line in image 2 corresponding to `angle1`; `None` where `F` gives no line.
     fn angle2_from_angle1(&self, angle1: f64) -> Option<f64> {
         let line = self.f.line2_from_point1(self.pencils[0].point(angle1))?;
         let line = if self.reversed { line.reversed() } else { line };
         Some(self.pencils[1].angle_of_line(&line))
     }
 
-    /// The half line in image 1 that corresponds to one in image 2.
+    /// Returns the half line in image 1 corresponding to `angle2`.
     fn angle1_from_angle2(&self, angle2: f64) -> Option<f64> {
         let line: Line = self.f.line1_from_point2(self.pencils[1].point(angle2))?;
         let candidates = [line, line.reversed()].map(|l| self.pencils[0].angle_of_line(&l));
@@ -88,7 +88,7 @@ impl HalfLines<'_> {
             .map(|(angle1, _)| angle1)
     }
 
-    /// The angles in image 1 whose half lines cross both images.
+    /// Returns the range of angles in image 1 whose half lines cross both images.
     pub(super) fn common_range(&self) -> Option<[f64; 2]> {
         let range1 = self.pencils[0].range();
         if self.pencils[1].is_inside() {
@@ -96,8 +96,8 @@ impl HalfLines<'_> {
         }
         let range2 = self.pencils[1].range();
         let at = |share: f64| self.angle1_from_angle2(range2[0] + (range2[1] - range2[0]) * share);
-        // Seen from outside an image spans less than half a turn, in the other image too; the middle tells which
-        // way round the ends are joined.
+        // From outside, an image spans less than half a turn, and so does its range in the other
+        // image. The middle decides which way round the ends are joined.
         let middle = at(0.5)?;
         let ends = [near(at(0.0)?, middle), near(at(1.0)?, middle)];
         let seen = [ends[0].min(ends[1]), ends[0].max(ends[1])];
@@ -108,14 +108,14 @@ impl HalfLines<'_> {
         (common[0] < common[1]).then_some(common)
     }
 
-    /// Pairs of angles from one end of a range in image 1 to the other, neighbours at most `step` px apart at the far
-    /// ends of both half lines.
+    /// Returns pairs of corresponding angles over `range`. Neighbouring half lines are at most
+    /// `step` px apart at their far ends.
     pub(super) fn rows(&self, range: [f64; 2], step: f64) -> Vec<[f64; 2]> {
         let Some(first) = self.angle2_from_angle1(range[0]) else { return Vec::new() };
         let mut rows = vec![[range[0], first]];
         let mut angle1 = range[0];
         let mut angle2 = first;
-        // How fast image 2 turns, from the step before: it changes slowly.
+        // Turn of image 2 per turn of image 1, from the last step. It changes slowly.
         let mut rate = 0.0;
         while angle1 < range[1] {
             let longest2 = step / self.pencils[1].far_end(angle2);
@@ -132,7 +132,7 @@ impl HalfLines<'_> {
                 }
                 ahead *= longest2 / taken;
             }
-            // Where no step is small enough F jumps; that ends the picture.
+            // If no step is small enough, F jumps here and the picture ends.
             let Some((candidate, there)) = next else { break };
             if candidate <= angle1 || candidate > range[1] {
                 break;
