@@ -19,7 +19,7 @@ use super::refinement::{MATCH_SIGMA, Refined, RefinementLevel};
 use crate::cancel::CancelFlag;
 use crate::estimate::fit::{Evidence, Fitted, Match};
 use crate::geometry::{FundamentalMatrix, Observation, PointPair, sampson_distance};
-use crate::image::{PairLevel, RelativeView};
+use crate::image::{GrayPlane, PairLevel, RelativeView};
 
 /// Widest band in which matches are looked for, px of the level: that of the first refinement.
 const WIDEST: f64 = 4.0;
@@ -112,7 +112,7 @@ impl GuidedMatcher<'_> {
     }
 
     fn evidence<'e>(&self, matches: &'e [Match], clicks: &'e [Observation], band: f64) -> Evidence<'e> {
-        let frames = self.level.planes.map(|plane| plane.frame());
+        let frames = self.level.planes.map(GrayPlane::frame);
         Evidence { matches, clicks, frames, spread: 2.0 * band }
     }
 
@@ -146,7 +146,7 @@ impl GuidedMatcher<'_> {
         if matches.len() < LEAST_MATCHES {
             return None;
         }
-        Refined::new(self.level, &f, &matches, Some(noise.scale), covariance)
+        Refined::new(self.level, &f, &matches, Some(noise.scale), covariance.as_ref())
     }
 }
 

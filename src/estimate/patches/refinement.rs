@@ -89,7 +89,7 @@ impl Refined {
         f: &FundamentalMatrix,
         matches: &[LevelMatch],
         noise: Option<f64>,
-        covariance: Option<Matrix9>,
+        covariance: Option<&Matrix9>,
     ) -> Option<Self> {
         let [s1, s2] = level.scales;
         let weight = |m: &LevelMatch| {
@@ -104,7 +104,7 @@ impl Refined {
             fundamental: f.rescaled(1.0 / s1, 1.0 / s2)?,
             refinement: Refinement {
                 matches: matches.iter().map(at_full_size).collect(),
-                uncertainty: covariance.map(|c| Uncertainty::new(f, &c, level.scales)),
+                uncertainty: covariance.map(|c| Uncertainty::new(f, c, level.scales)),
                 noise: noise.map(|noise| noise / s1),
             },
             weight: weights.iter().sum(),
@@ -192,7 +192,7 @@ impl RefinementLevel {
             (current, covariance) = (fitted.fundamental, fitted.covariance);
         }
         matches.retain(|m| sampson_distance(&current, &m.found.pair) < BANDS[BANDS.len() - 1]);
-        Refined::new(level, &current, &matches, None, covariance)
+        Refined::new(level, &current, &matches, None, covariance.as_ref())
     }
 
     /// Matches of corners and features within `band` px of the epipolar lines of `f`, all in the level's pixels.
