@@ -211,7 +211,7 @@ fn hostile_files_change_nothing_and_are_told_in_a_sentence() {
         (file(&files, "nan.csv", "1,2,3,nan\n"), "not a finite number"),
         (file(&files, "far.csv", "1e300,2,3,4\n"), "none of its point pairs"),
         (file(&files, "one.P", "1 2 3 4"), "the camera of one image"),
-        (huge, "too large"),
+        (huge, "larger than 64 MiB"),
         (binary, "not a text file"),
         (files.0.path().join("missing.csv"), "no such file"),
     ] {
