@@ -158,7 +158,7 @@ fn round(window: &mut Window, material: &Material, number: usize, drags: usize) 
         (&["Geometry"], "geometry.json"),
         (&["Report"], "report.json"),
         (&["Figure", "SVG"], "figure.svg"),
-        (&["Figure", "PNG"], "figure.png"),
+        (&["Figure", "PDF"], "figure.pdf"),
     ];
     let (choices, name) = choices[number % choices.len()];
     export(window, choices, &material.output(name));

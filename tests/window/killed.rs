@@ -24,7 +24,7 @@ const PROMISE: Duration = Duration::from_secs(2);
 /// Children at work at the same time.
 const AT_ONCE: usize = 4;
 /// What the child exports, by turns.
-const EXPORTS: [(&[&str], &str); 2] = [(&["Geometry"], "geometry.json"), (&["Figure", "PNG"], "figure.png")];
+const EXPORTS: [(&[&str], &str); 2] = [(&["Geometry"], "geometry.json"), (&["Figure", "SVG"], "figure.svg")];
 
 fn kills() -> usize {
     std::env::var("EPILINE_KILLS").ok().and_then(|value| value.parse().ok()).unwrap_or(AT_ONCE)
@@ -130,7 +130,8 @@ impl Worker {
                 let (read, _) = GeometryFile::read(&path).unwrap_or_else(|e| panic!("kill {kill}: {e}"));
                 assert!(read.fundamental.is_some() && read.pairs.len() == 2, "kill {kill}");
             } else if path.exists() {
-                image::open(&path).unwrap_or_else(|e| panic!("kill {kill}: {name}: {e}"));
+                let text = std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("kill {kill}: {name}: {e}"));
+                assert!(text.trim_end().ends_with("</svg>"), "kill {kill}: {name} is cut");
             }
         }
         if kill.is_multiple_of(AT_ONCE) {
