@@ -130,7 +130,8 @@ impl Worker {
                 let (read, _) = GeometryFile::read(&path).unwrap_or_else(|e| panic!("kill {kill}: {e}"));
                 assert!(read.fundamental.is_some() && read.pairs.len() == 2, "kill {kill}");
             } else if path.exists() {
-                let text = std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("kill {kill}: {name}: {e}"));
+                let text =
+                    std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("kill {kill}: {name}: {e}"));
                 assert!(text.trim_end().ends_with("</svg>"), "kill {kill}: {name} is cut");
             }
         }

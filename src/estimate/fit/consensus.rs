@@ -34,6 +34,8 @@ const ROUNDS: usize = 6;
 const LEAST_GAIN: f64 = 0.1;
 /// Samples are drawn from at least this many matches.
 const LEAST_DRAWN_FROM: usize = 40;
+/// One match in so many may be moved by geometries that are the same: about as many are wrong.
+const SAME_SHARE: usize = 10;
 /// Cells along each side of an image whose matches are taken as off alike.
 const CELLS: usize = 8;
 /// Scales at which rivals of a geometry are looked for, in units of the noise about it.
@@ -147,6 +149,16 @@ impl Evidence<'_> {
             scored.max_by(|a, b| a.0.total_cmp(&b.0))
         };
         scorers.iter().zip(&samples).filter_map(best).collect()
+    }
+
+    /// Returns whether another geometry moves more than a tenth of the matches against their lines by more than the noise. One
+    /// that does not leads to the same fit.
+    pub fn tells_apart(&self, f: &FundamentalMatrix, from: &Fitted) -> bool {
+        let is_moved = |m: &&Match| {
+            let distance = |f: &FundamentalMatrix| sampson_distance(f, &m.pair);
+            (distance(f) - distance(&from.fundamental)).abs() > from.noise.scale * m.sigma
+        };
+        SAME_SHARE * self.matches.iter().filter(is_moved).count() > self.matches.len()
     }
 
     fn scorer(&self, units: Units, scale: f64) -> Consensus {
