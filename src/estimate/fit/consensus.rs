@@ -68,6 +68,16 @@ impl Fitted {
     }
 }
 
+/// The geometry on which most matches agree at one scale.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::estimate) struct Agreed {
+    pub fundamental: FundamentalMatrix,
+    /// Scale of the noise, px.
+    pub scale: f64,
+    /// Truncated score at that scale.
+    pub score: f64,
+}
+
 /// A sample: score, number and geometry.
 type Sample = (f64, u64, FundamentalMatrix);
 
@@ -126,14 +136,14 @@ impl Evidence<'_> {
             .or_else(|| grouped_covariance(&fitted.fundamental, &observations, &each))
     }
 
-    /// Geometries on which many matches agree, one for each scale (px), by minimal samples and from starts; with their scores.
+    /// Finds geometries on which many matches agree, at most one for each scale (px), by minimal samples and from starts.
     pub fn consensus(
         &self,
         starts: &[FundamentalMatrix],
         scales: &[f64],
         seed: u64,
         cancel: &CancelFlag,
-    ) -> Vec<(f64, FundamentalMatrix)> {
+    ) -> Vec<Agreed> {
         if self.matches.len() < 2 * 7 || cancel.is_cancelled() {
             return Vec::new();
         }
@@ -146,7 +156,8 @@ impl Evidence<'_> {
             let optimised: Vec<FundamentalMatrix> =
                 all.par_iter().filter_map(|f| self.optimised(f, *scale)).collect();
             let scored = optimised.into_iter().map(|f| (scorer.score(f.matrix()), f));
-            scored.max_by(|a, b| a.0.total_cmp(&b.0))
+            let best = scored.max_by(|a, b| a.0.total_cmp(&b.0));
+            best.map(|(score, fundamental)| Agreed { fundamental, scale: *scale, score })
         };
         scorers.iter().zip(&samples).filter_map(best).collect()
     }

@@ -3,7 +3,7 @@
 use thiserror::Error;
 
 use super::Match;
-use super::consensus::{Evidence, Fitted};
+use super::consensus::{Agreed, Evidence, Fitted};
 use super::noise::{Noise, residuals};
 use super::uncertainty::Uncertainty;
 use crate::cancel::CancelFlag;
@@ -18,8 +18,8 @@ pub struct MatchFit {
     pub noise: Noise,
     /// Probability that each match is right, 0 to 1, in the order of the matches.
     pub inlier_probabilities: Vec<f64>,
-    /// Covariance of the matrix, with bands of lines and ellipses of epipoles. `None` where fewer than 14 of 64 regions of
-    /// image 1 have inliers.
+    /// Covariance of the matrix, with bands of lines and ellipses of epipoles. `None` where the matches
+    /// do not determine all seven numbers.
     pub uncertainty: Option<Uncertainty>,
 }
 
@@ -31,6 +31,12 @@ pub enum MatchFitError {
     TooFew {
         /// Number of matches given.
         found: usize,
+    },
+    /// A match is no pair of points with a scale and a prior.
+    #[error("match {number} needs finite coordinates, a sigma above 0 and a prior above 0 and up to 1")]
+    Invalid {
+        /// Number of the match, from 1.
+        number: usize,
     },
     /// No geometry explains enough matches.
     #[error(
@@ -56,7 +62,7 @@ const ROUNDS: u64 = 3;
 /// `frames` are the sizes of the images. The same matches and seed give the same matrix on any number of threads.
 ///
 /// # Errors
-/// [`MatchFitError`] for fewer than 14 matches, or when no geometry explains as many.
+/// [`MatchFitError`] for fewer than 14 matches, for one that is invalid, or when no geometry explains 14.
 pub fn estimate_fundamental(
     matches: &[Match],
     frames: [Frame; 2],
@@ -64,6 +70,13 @@ pub fn estimate_fundamental(
 ) -> Result<MatchFit, MatchFitError> {
     if matches.len() < LEAST_MATCHES {
         return Err(MatchFitError::TooFew { found: matches.len() });
+    }
+    let is_valid = |m: &Match| {
+        let is_positive = m.sigma > 0.0 && m.sigma.is_finite() && m.prior > 0.0 && m.prior <= 1.0;
+        is_positive && m.pair.is_finite()
+    };
+    if let Some(wrong) = matches.iter().position(|m| !is_valid(m)) {
+        return Err(MatchFitError::Invalid { number: wrong + 1 });
     }
     let cancel = CancelFlag::default();
     let side = frames[0].longer_side().max(frames[1].longer_side());
@@ -73,18 +86,18 @@ pub fn estimate_fundamental(
         .collect();
     let agreed = all.consensus(&[], &scales, seed, &cancel);
     // A match within some scales says the more, the smaller the scale is beside the picture.
-    let worth = |((score, _), scale): &(&(f64, FundamentalMatrix), &f64)| score * (side / **scale).ln();
-    let first = agreed.iter().zip(&scales).max_by(|a, b| worth(a).total_cmp(&worth(b)));
-    let ((_, f), scale) = first.ok_or(MatchFitError::NoAgreement)?;
+    let worth = |agreed: &Agreed| agreed.score * (side / agreed.scale).ln();
+    let first = agreed.iter().max_by(|a, b| worth(a).total_cmp(&worth(b)));
+    let Agreed { fundamental, scale, .. } = first.ok_or(MatchFitError::NoAgreement)?;
     let coarse = Noise { scale: *scale, inliers: 0.5, spread: side };
-    let start = within(&all, f, coarse.reach()).ok_or(MatchFitError::NoAgreement)?;
+    let start = within(&all, fundamental, coarse.reach()).ok_or(MatchFitError::NoAgreement)?;
     // One band for all, as likelihoods are compared.
     let band = start.noise.reach();
     let mut best = within(&all, &start.fundamental, band).ok_or(MatchFitError::NoAgreement)?;
     for round in 0..ROUNDS {
         let seed = seed.wrapping_add(1 + round);
         let agreed = all.consensus(&[best.fundamental], &best.rival_scales(), seed, &cancel);
-        let rivals = agreed.iter().filter_map(|(_, f)| within(&all, f, band));
+        let rivals = agreed.iter().filter_map(|agreed| within(&all, &agreed.fundamental, band));
         let Some(rival) = rivals.max_by(|a, b| a.log_likelihood.total_cmp(&b.log_likelihood)) else { break };
         if rival.log_likelihood <= best.log_likelihood {
             break;
@@ -93,16 +106,14 @@ pub fn estimate_fundamental(
     }
     let near = near(matches, &best.fundamental, band);
     let covariance = Evidence { matches: &near, ..all }.covariance(&best);
-    let noise = Noise { spread: side, ..best.noise };
+    let noise = best.noise;
     Ok(MatchFit {
         fundamental: best.fundamental,
         inlier_probabilities: residuals(&best.fundamental, matches)
             .iter()
-            .map(
-                |r| if r.distance < noise.reach() * r.sigma { best.noise.inlier_probability(r) } else { 0.0 },
-            )
+            .map(|r| if r.distance < noise.reach() * r.sigma { noise.inlier_probability(r) } else { 0.0 })
             .collect(),
-        noise: best.noise,
+        noise,
         uncertainty: covariance.map(|c| Uncertainty::new(&best.fundamental, &c, [1.0; 2])),
     })
 }
@@ -218,6 +229,10 @@ mod tests {
         let few = matches(&scene, 13, 0, 0.1, 1);
         let found = estimate_fundamental(&few, [FRAME; 2], 1).unwrap_err();
         assert_eq!(found, MatchFitError::TooFew { found: 13 });
+        let mut broken = matches(&scene, 20, 0, 0.1, 1);
+        broken[4].pair.point2.x = f64::NAN;
+        let found = estimate_fundamental(&broken, [FRAME; 2], 1).unwrap_err();
+        assert_eq!(found, MatchFitError::Invalid { number: 5 });
         let same: Vec<Match> = vec![PointPair::new(5.0, 6.0, 7.0, 8.0).into(); 40];
         assert_eq!(estimate_fundamental(&same, [FRAME; 2], 1).unwrap_err(), MatchFitError::NoAgreement);
     }

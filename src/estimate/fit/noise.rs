@@ -38,7 +38,7 @@ pub struct Noise {
     pub spread: f64,
 }
 
-/// Sampson distance of a match, px, and its relative scale.
+/// Sampson distance of a match, px, its relative scale, and its prior probability.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Residual {
     pub distance: f64,

@@ -89,7 +89,7 @@ impl GuidedMatcher<'_> {
             let agreed = evidence.consensus(&[best.fitted.fundamental], &scales, seed, cancel);
             let rivals: Vec<Followed> = agreed
                 .par_iter()
-                .map(|(_, f)| f)
+                .map(|agreed| &agreed.fundamental)
                 .filter(|f| evidence.tells_apart(f, &best.fitted))
                 .filter(|f| f.rescaled(1.0 / s1, 1.0 / s2).is_some_and(|f| (settling.allows)(&f)))
                 .filter_map(|f| self.followed(f, &clicks, band))
