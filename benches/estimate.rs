@@ -14,9 +14,9 @@ use std::time::Instant;
 use epiline::estimate::{
     Estimate, Monitor, Parameters, PreparedPair, Preset, Stage, estimate, estimate_prepared,
 };
-use epiline::evaluate::{mean, median};
 use epiline::geometry::{Frame, Point, PointPair, Vector, symmetric_epipolar_distance};
 use epiline::image::{GrayPlane, Picture};
+use epiline::internals::comparison::{mean, median};
 use epiline::synthetic::{Sample, SamplePair};
 use image::imageops::{FilterType, resize};
 use image::{ImageBuffer, Luma};

@@ -4,10 +4,10 @@
 use std::hint::black_box;
 use std::time::Instant;
 
-use epiline::evaluate::median;
 use epiline::features::{FeatureParameters, find_features, match_features};
 use epiline::geometry::{Frame, Point};
 use epiline::image::GrayPlane;
+use epiline::internals::comparison::median;
 use epiline::synthetic::Sample;
 
 /// Resizes the picture by bilinear interpolation. Aliasing does not affect the time.

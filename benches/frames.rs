@@ -14,10 +14,10 @@ use std::time::{Duration, Instant};
 use egui::{Key, Modifiers, PointerButton, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
-use epiline::app::model::document::Side;
-use epiline::app::model::ids::TabId;
-use epiline::app::model::look::Look;
-use epiline::app::{Inspector, Opening, Services, Start, install_theme};
+use epiline::internals::app::model::document::Side;
+use epiline::internals::app::model::ids::TabId;
+use epiline::internals::app::model::look::Look;
+use epiline::internals::app::{Inspector, Opening, Services, Start, install_theme};
 use epiline::synthetic::Sample;
 use support::{Files, P_LEFT, Window, at, button, click, pane, press, screen, settle, wheel};
 

@@ -6,9 +6,9 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use epiline::estimate::{Parameters, Preset};
-use epiline::evaluate::median;
 use epiline::geometry::{AnchoredLine, Frame, Point, pencil_angles};
 use epiline::image::{GrayPlane, Pyramid};
+use epiline::internals::comparison::median;
 use epiline::similarity::{DisparityRange, LineSimilarity, StereoSimilarity};
 use epiline::synthetic::Sample;
 

@@ -26,7 +26,6 @@
 //!
 //! ```
 //! use epiline::estimate::{Monitor, Parameters, estimate};
-//! use epiline::evaluate::mean;
 //! use epiline::geometry::symmetric_epipolar_distance;
 //! use epiline::synthetic::Sample;
 //!
@@ -44,7 +43,7 @@
 //! // Distances of all true matches from their epipolar lines, px:
 //! let f = found.fundamental();
 //! let distances: Vec<f64> = pair.matches.iter().map(|m| symmetric_epipolar_distance(f, m)).collect();
-//! assert!(mean(&distances) < 0.7);
+//! assert!(distances.iter().sum::<f64>() / (distances.len() as f64) < 0.7);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
@@ -71,25 +70,28 @@
 //! `ARCHITECTURE.md` shows the layout of the code and how to add to it.
 
 #[cfg(feature = "inspector")]
-pub mod app;
+mod app;
 mod cancel;
 #[cfg(feature = "cli")]
-pub mod cli;
+mod cli;
+mod comparison;
 pub mod convention;
 pub mod estimate;
-#[cfg(feature = "evaluate")]
-pub mod evaluate;
 pub mod features;
 mod foreign;
 pub mod geometry;
 pub mod image;
+#[doc(hidden)]
+pub mod internals;
 #[cfg(feature = "files")]
 pub mod io;
 mod lanes;
 pub mod motion;
-#[cfg(feature = "evaluate")]
-pub mod publish;
 pub mod rectify;
 pub mod similarity;
 pub mod suggest;
 pub mod synthetic;
+
+#[cfg(feature = "cli")]
+#[doc(hidden)]
+pub use cli::main;

@@ -22,8 +22,8 @@ use std::time::Instant;
 use counting::held;
 use egui::{Key, Modifiers, PointerButton, vec2};
 use egui_kittest::kittest::Queryable;
-use epiline::app::{Services, Start};
 use epiline::geometry::{Frame, PointPair};
+use epiline::internals::app::{Services, Start};
 use epiline::synthetic::{Motion, test_pair};
 use support::{Files, P_LEFT, Window, button, drop_files, fake_estimate, screen, settle, window};
 

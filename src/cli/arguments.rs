@@ -7,7 +7,6 @@ use clap::{Args, ValueEnum};
 
 use super::CliError;
 use crate::estimate::{Method, Preset};
-use crate::evaluate::Protocol;
 use crate::geometry::{Point, PointPair};
 use crate::image::Picture;
 use crate::io::{Format, PictureFormat};
@@ -90,19 +89,15 @@ fn built_in(name: &str) -> Result<Sample, CliError> {
 }
 
 /// Parses a length in pixels, at least zero.
-pub(super) fn pixels(text: &str) -> Result<f64, String> {
+pub fn pixels(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(value) if value.is_finite() && value >= 0.0 => Ok(value),
         _ => Err("expected a number of pixels, zero or more".into()),
     }
 }
 
-/// Parses a count, at least one.
-pub(super) fn count(text: &str) -> Result<usize, String> {
-    whole(text, 1_000_000)
-}
-
-fn whole(text: &str, most: usize) -> Result<usize, String> {
+/// Parses a whole number, at least one.
+pub fn whole(text: &str, most: usize) -> Result<usize, String> {
     let value = text.parse().ok().filter(|value| (1..=most).contains(value));
     value.ok_or_else(|| format!("expected a whole number from 1 to {most}"))
 }
@@ -116,7 +111,7 @@ pub(super) fn megapixels(text: &str) -> Result<usize, String> {
 }
 
 /// Parses a number of threads.
-pub(super) fn threads(text: &str) -> Result<usize, String> {
+pub fn threads(text: &str) -> Result<usize, String> {
     // Too many threads on a few cores hinder each other: with a thousand, one second of work takes
     // half a minute.
     whole(text, 256)
@@ -171,11 +166,6 @@ value_enum!(RectifyMethod, Self::ALL, value => PossibleValue::new(value.name()).
     Self::Polar => "one row per pair of half epipolar lines; epipoles anywhere",
 }));
 value_enum!(PictureFormat, Self::ALL, value => PossibleValue::new(value.extension()));
-value_enum!(Protocol, [Self::Paper, Self::WellPosed, Self::WrongClick], value => PossibleValue::new(value.name()).help(match value {
-    Self::Paper => "points at least 30 px apart in both images",
-    Self::WellPosed => "also at least 12 % of the image from each other's true epipolar line",
-    Self::WrongClick => "well-posed, but the second pair joins points of different matches",
-}));
 
 #[cfg(test)]
 mod tests {
@@ -193,8 +183,8 @@ mod tests {
 
     #[test]
     fn counts_and_lengths_have_a_range() {
-        assert_eq!((count("10"), threads("2"), pixels("0.5")), (Ok(10), Ok(2), Ok(0.5)));
-        assert!(count("0").is_err() && count("-1").is_err() && threads("257").is_err());
+        assert_eq!((whole("10", 10), threads("2"), pixels("0.5")), (Ok(10), Ok(2), Ok(0.5)));
+        assert!(whole("0", 10).is_err() && whole("-1", 10).is_err() && threads("257").is_err());
         assert!(pixels("-1").is_err() && pixels("nan").is_err() && pixels("inf").is_err());
     }
 }

@@ -2,8 +2,12 @@
 
 use std::fmt::Display;
 use std::io::{ErrorKind, IsTerminal, Write};
+use std::panic::AssertUnwindSafe;
+use std::process::ExitCode;
 
-use super::CliError;
+use clap::Parser;
+
+use super::error::{CliError, INTERNAL_ERROR};
 use crate::foreign::{escaped, escaped_lines, reason};
 
 /// Writes to standard output, with control characters escaped. A reader that closes early
@@ -17,29 +21,50 @@ pub(super) fn print(text: &str) -> Result<(), CliError> {
 }
 
 /// Writes a line to standard error. Errors are ignored: there is no other channel.
-pub(super) fn tell(line: impl Display) {
+pub fn tell(line: impl Display) {
     let _ = writeln!(std::io::stderr(), "{}", escaped_lines(&line.to_string()));
 }
 
 /// Overwrites the current line of the terminal.
-pub(super) fn tell_in_place(line: impl Display) {
+pub fn tell_in_place(line: impl Display) {
     let mut err = std::io::stderr();
     let _ = write!(err, "\r\x1b[2K{}", escaped(&line.to_string())).and_then(|()| err.flush());
 }
 
 /// Returns whether standard error is a terminal.
-pub(super) fn is_watched() -> bool {
+pub fn is_watched() -> bool {
     std::io::stderr().is_terminal()
 }
 
+/// Runs a program: parses its command line, runs the command, and prints an error in one line.
+/// Returns the exit status.
+pub fn run_program<C: Parser, E: Display>(
+    run: fn(C) -> Result<(), E>,
+    exit_status: fn(&E) -> u8,
+) -> ExitCode {
+    report_panics_in_one_sentence();
+    let command_line = match C::try_parse() {
+        Ok(command_line) => command_line,
+        Err(answer) => return ExitCode::from(print_answer(&answer)),
+    };
+    match std::panic::catch_unwind(AssertUnwindSafe(|| run(command_line))) {
+        Ok(Ok(())) => ExitCode::SUCCESS,
+        Ok(Err(error)) => {
+            complain(&error);
+            ExitCode::from(exit_status(&error))
+        }
+        Err(_) => ExitCode::from(INTERNAL_ERROR),
+    }
+}
+
 /// Prints an error in one line.
-pub fn complain(error: &CliError) {
+fn complain(error: &impl Display) {
     tell(format_args!("error: {}", one_line(&error.to_string())));
 }
 
 /// Prints the answer of the argument parser and returns the exit status. The answer is the help, the
 /// version, or an error in the arguments. Help that cannot be written is an error.
-pub fn print_answer(answer: &clap::Error) -> u8 {
+fn print_answer(answer: &clap::Error) -> u8 {
     let printed = answer.print().and_then(|()| std::io::stdout().flush());
     match printed {
         Err(e) if e.kind() != ErrorKind::BrokenPipe && !answer.use_stderr() => {
@@ -52,7 +77,7 @@ pub fn print_answer(answer: &clap::Error) -> u8 {
 }
 
 /// Makes a panic print one line to standard error, unless `RUST_BACKTRACE` is set.
-pub fn report_panics_in_one_sentence() {
+fn report_panics_in_one_sentence() {
     if std::env::var_os("RUST_BACKTRACE").is_some_and(|v| v != "0") {
         return;
     }

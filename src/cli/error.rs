@@ -4,7 +4,6 @@ use thiserror::Error;
 
 use crate::convention::CheckError;
 use crate::estimate::EstimateError;
-use crate::evaluate::EvaluateError;
 use crate::image::LoadError;
 use crate::io::{ReadError, RectifiedError, SequenceError, WriteError};
 use crate::motion::MotionError;
@@ -12,10 +11,7 @@ use crate::rectify::RectifyError;
 use crate::suggest::SuggestError;
 
 /// Exit status of an error in the program itself (`EX_SOFTWARE` of `sysexits.h`).
-pub const INTERNAL_ERROR: u8 = 70;
-
-/// Exit status after Ctrl-C: 128 plus the signal number, the convention of shells.
-pub(super) const INTERRUPTED: u8 = 130;
+pub(super) const INTERNAL_ERROR: u8 = 70;
 
 /// Reason why a command failed. The message is shown to the user.
 #[derive(Debug, Error)]
@@ -32,9 +28,6 @@ pub enum CliError {
     /// A sequence has no usable motion.
     #[error(transparent)]
     Motion(#[from] MotionError),
-    /// The evaluation failed.
-    #[error(transparent)]
-    Evaluate(#[from] EvaluateError),
     /// No match was suggested.
     #[error(transparent)]
     Suggest(#[from] SuggestError),
@@ -56,28 +49,12 @@ pub enum CliError {
     /// A result cannot be written.
     #[error(transparent)]
     Write(#[from] WriteError),
-    /// A folder for results cannot be created.
-    #[error("cannot make the folder {path}: {reason}")]
-    Folder {
-        /// Path of the folder.
-        path: String,
-        /// Cause of the failure.
-        reason: String,
-    },
     /// Standard output is full or broken. A closed pipe is not an error.
     #[error("cannot write to standard output: {0}")]
     StandardOutput(String),
     /// The arguments are invalid together.
     #[error("{0}")]
     Arguments(String),
-    /// The user stopped the work. The finished trials have been written.
-    #[error("stopped after {made} of {planned} trials. The report covers the finished trials")]
-    Stopped {
-        /// Number of finished trials.
-        made: usize,
-        /// Number of planned trials.
-        planned: usize,
-    },
     /// The window cannot be opened.
     #[error("{0}")]
     Window(String),
@@ -91,7 +68,6 @@ impl CliError {
             Self::Suggest(error) if !error.is_bad_input() => 1,
             Self::NothingFits(_) => 1,
             Self::Rectify(error) if !error.is_bad_input() => 1,
-            Self::Stopped { .. } => INTERRUPTED,
             _ => 2,
         }
     }

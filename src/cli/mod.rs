@@ -1,8 +1,7 @@
-//! Command line: the library of the window, for tests, benchmarks and scripts.
+//! Command line: the computations of the window, for scripts.
 //!
 //! Text for people goes to standard output, progress and errors to standard error. Exit statuses: 0
-//! success, 1 a computation without a result, 2 invalid input, 130 stopped by Ctrl-C, 70 an error
-//! in the program itself.
+//! success, 1 a computation without a result, 2 invalid input, 70 an error in the program itself.
 
 mod arguments;
 mod barcode;
@@ -11,19 +10,25 @@ mod console;
 mod convert;
 mod error;
 mod estimate;
-mod evaluate;
 mod geometry_file;
 mod output;
 mod overrides;
 mod rectify;
+#[cfg(test)]
+mod reference;
 mod result_output;
 mod suggest;
 mod window;
 
+use std::process::ExitCode;
+
 use clap::{Parser, Subcommand};
 
-pub use console::{complain, print_answer, report_panics_in_one_sentence};
-pub use error::{CliError, INTERNAL_ERROR};
+pub use arguments::{pixels, threads, whole};
+pub use console::{is_watched, run_program, tell, tell_in_place};
+pub use error::CliError;
+pub use output::Output;
+pub use overrides::Overrides;
 
 /// See and trust the epipolar geometry of two images, from two clicked point pairs.
 ///
@@ -31,7 +36,7 @@ pub use error::{CliError, INTERNAL_ERROR};
 /// are pixels, x to the right and y down; the centre of the top-left pixel is (0, 0).
 #[derive(Debug, Parser)]
 #[command(name = "epiline", version, args_conflicts_with_subcommands = true)]
-pub struct CommandLine {
+struct CommandLine {
     #[command(subcommand)]
     command: Option<CliCommand>,
     #[command(flatten)]
@@ -44,21 +49,24 @@ enum CliCommand {
     Check(check::CheckArguments),
     Convert(convert::ConvertArguments),
     Estimate(Box<estimate::EstimateArguments>),
-    Evaluate(evaluate::EvaluateArguments),
     Rectify(rectify::RectifyArguments),
     Suggest(suggest::SuggestArguments),
 }
 
+/// Runs the program `epiline`.
+pub fn main() -> ExitCode {
+    run_program(CommandLine::run, CliError::exit_status)
+}
+
 impl CommandLine {
     /// Runs the command.
-    pub fn run(self) -> Result<(), CliError> {
+    fn run(self) -> Result<(), CliError> {
         match self.command {
             None => window::run(self.window),
             Some(CliCommand::Barcode(arguments)) => barcode::run(&arguments),
             Some(CliCommand::Check(arguments)) => check::run(&arguments),
             Some(CliCommand::Convert(arguments)) => convert::run(&arguments),
             Some(CliCommand::Estimate(arguments)) => estimate::run(&arguments),
-            Some(CliCommand::Evaluate(arguments)) => evaluate::run(&arguments),
             Some(CliCommand::Rectify(arguments)) => rectify::run(&arguments),
             Some(CliCommand::Suggest(arguments)) => suggest::run(&arguments),
         }

@@ -10,7 +10,7 @@ use crate::io::OutputFile;
 
 /// Destination of a command's JSON and of its text for people.
 #[derive(Debug)]
-pub(super) enum Output {
+pub enum Output {
     /// Text to standard output, no JSON.
     Text,
     /// Text to standard output, JSON to a file.
@@ -21,7 +21,7 @@ pub(super) enum Output {
 
 impl Output {
     /// Prepares the output for the value of `--json`. Fails if the file cannot be written.
-    pub(super) fn prepare(json: Option<&Path>) -> Result<Self, CliError> {
+    pub fn prepare(json: Option<&Path>) -> Result<Self, CliError> {
         Ok(match json {
             None => Self::Text,
             Some(path) if path == Path::new("-") => Self::Piped,
@@ -30,7 +30,7 @@ impl Output {
     }
 
     /// Returns the JSON file, if there is one.
-    pub(super) fn file(&self) -> Option<&Path> {
+    pub fn file(&self) -> Option<&Path> {
         match self {
             Self::File(file) => Some(file.path()),
             Self::Text | Self::Piped => None,
@@ -39,7 +39,7 @@ impl Output {
 
     /// Writes JSON and text. The file comes first, because the reader of standard output may close
     /// early.
-    pub(super) fn write(&self, json: &impl Serialize, text: &str) -> Result<(), CliError> {
+    pub fn write(&self, json: &impl Serialize, text: &str) -> Result<(), CliError> {
         let mut content =
             serde_json::to_string_pretty(json).map_err(|e| CliError::StandardOutput(e.to_string()))?;
         content.push('\n');

@@ -8,7 +8,7 @@ use crate::estimate::{Parameters, Preset};
 
 /// Options that change parameters of a preset.
 #[derive(Debug, Clone, Default, Args)]
-pub(super) struct Overrides {
+pub struct Overrides {
     /// Refine F at full resolution on patches matched along the epipolar lines; on in the preset
     /// robust, off in paper
     #[arg(long, value_name = "true|false", num_args = 0..=1, default_missing_value = "true",
@@ -25,7 +25,7 @@ impl Overrides {
     ///
     /// The overrides act on the serialised parameters. Every parameter can be changed by its name,
     /// nested ones as `outer.inner`, without code for each.
-    pub(super) fn parameters(&self, preset: Preset) -> Result<Parameters, CliError> {
+    pub fn parameters(&self, preset: Preset) -> Result<Parameters, CliError> {
         let mut parameters = Parameters::from(preset);
         if let Some(refine) = self.refine {
             parameters.refinement.refine = refine;
@@ -35,13 +35,6 @@ impl Overrides {
                 .map_err(|problem| CliError::Arguments(format!("--set {assignment}: {problem}")))?;
         }
         Ok(parameters)
-    }
-
-    /// Returns the overrides as words of a command.
-    pub(super) fn words(&self) -> Vec<String> {
-        let refine = self.refine.map(|refine| format!("--refine={refine}"));
-        let set = self.set.iter().flat_map(|assignment| ["--set".to_owned(), assignment.clone()]);
-        refine.into_iter().chain(set).collect()
     }
 }
 

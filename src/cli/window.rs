@@ -73,7 +73,6 @@ fn open(what: WindowContent, pairs: Vec<PointPair>, imports: Vec<PathBuf>) -> Re
 #[cfg(not(feature = "inspector"))]
 fn open(_what: WindowContent, _pairs: Vec<PointPair>, _imports: Vec<PathBuf>) -> Result<(), CliError> {
     Err(CliError::Window(
-        "this build has no window. Use the commands estimate and evaluate, or build with the feature inspector"
-            .into(),
+        "this build has no window. Use the command estimate, or build with the feature inspector".into(),
     ))
 }

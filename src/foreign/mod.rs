@@ -11,4 +11,5 @@ mod text;
 pub(crate) use input::{open_input, reason};
 #[cfg(feature = "cli")]
 pub(crate) use text::escaped_lines;
-pub(crate) use text::{escaped, excerpt, shown_path};
+pub use text::excerpt;
+pub(crate) use text::{escaped, shown_path};

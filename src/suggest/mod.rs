@@ -37,7 +37,7 @@ mod parameters;
 mod result;
 mod search;
 mod template;
-#[cfg(all(test, feature = "evaluate"))]
+#[cfg(all(test, feature = "files"))]
 mod tests;
 mod view;
 

@@ -2,10 +2,11 @@
 
 use std::path::Path;
 
-use epiline::geometry::{Frame, FundamentalMatrix, PointPair, symmetric_epipolar_distance};
+use epiline::geometry::{Frame, FundamentalMatrix, symmetric_epipolar_distance};
 use epiline::synthetic::{BallScene, ThrownBalls};
 use serde_json::Value;
 
+use super::support::recorded_as;
 use super::{fails, run, text};
 
 const THROWN: ThrownBalls = ThrownBalls {
@@ -21,21 +22,6 @@ const THROWN: ThrownBalls = ThrownBalls {
 /// Writes the frames of both cameras, each to its own folder.
 fn recorded(folder: &Path) -> [String; 2] {
     recorded_as(folder, THROWN)
-}
-
-fn recorded_as(folder: &Path, thrown: ThrownBalls) -> [String; 2] {
-    let sequences = BallScene::new(thrown).unwrap().sequences().unwrap();
-    let mut names = sequences.iter().zip(["left", "right"]).map(|(sequence, name)| {
-        let own = folder.join(name);
-        std::fs::create_dir(&own).unwrap();
-        let (width, height) = (sequence.size().width as u32, sequence.size().height as u32);
-        for number in 0..sequence.len() {
-            let pixels = image::GrayImage::from_raw(width, height, sequence.frame(number).to_vec()).unwrap();
-            pixels.save(own.join(format!("frame{number:03}.png"))).unwrap();
-        }
-        own.display().to_string()
-    });
-    [names.next().unwrap(), names.next().unwrap()]
 }
 
 fn error_of(result: &Value) -> f64 {
@@ -95,35 +81,4 @@ fn pictures_are_no_sequences_and_barcodes_need_some() {
     fails(&["barcode", &file, &file], 2, "is a picture. Sequences");
     fails(&["barcode", &folder.path().display().to_string(), &file], 2, "no numbered pictures");
     fails(&["estimate", "--sample", "--set", "measure=barcodes"], 2, "need two sequences of frames");
-}
-
-#[test]
-fn sequences_with_known_cameras_are_evaluated() {
-    let folder = tempfile::tempdir().unwrap();
-    let thrown = ThrownBalls { offset: 0, ..THROWN };
-    recorded_as(folder.path(), thrown);
-    let scene = BallScene::new(thrown).unwrap();
-    let given = folder.path().display().to_string();
-    let ask =
-        ["evaluate", "sequences", &given, "--methods", "no-clicks,two-point", "--trials", "1", "--json", "-"];
-    fails(&ask, 2, "no sequences with cameras found");
-    for (name, camera) in ["left.P", "right.P"].iter().zip(scene.cameras()) {
-        let row =
-            |r: usize| (0..4).map(|c| camera.matrix()[(r, c)].to_string()).collect::<Vec<_>>().join(" ");
-        std::fs::write(folder.path().join(name), [row(0), row(1), row(2)].join("\n")).unwrap();
-    }
-    fails(&ask, 2, "the true matches of left and right are missing");
-    let row = |m: &PointPair| format!("{} {} {} {}", m.point1.x, m.point1.y, m.point2.x, m.point2.y);
-    let matches: Vec<String> = scene.matches(100).iter().map(row).collect();
-    std::fs::write(folder.path().join("truth-left-right.txt"), matches.join("\n")).unwrap();
-    let output = run(&ask);
-    assert!(output.status.success(), "{}", text(&output.stderr));
-    let report: Value = serde_json::from_slice(&output.stdout).unwrap();
-    let records = report["records"].as_array().unwrap();
-    assert_eq!(records.len(), 2);
-    for record in records {
-        assert_eq!(record["pair"], "left-right");
-        let error = record["trials"][0]["mean"].as_f64().unwrap();
-        assert!(error < 3.0, "{error} px: {}", record["method"]);
-    }
 }

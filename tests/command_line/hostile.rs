@@ -293,7 +293,7 @@ mod what_is_no_file {
         let pictures = Pictures::new();
         let right = pictures.text("right.png");
         let piped = |arguments: &[&str], content: &[u8]| {
-            let mut child = epiline(arguments)
+            let mut child = program(arguments)
                 .stdin(Stdio::piped())
                 .stdout(Stdio::piped())
                 .stderr(Stdio::piped())
@@ -323,7 +323,6 @@ fn nothing_that_is_read_is_written_over() {
     let named = |name: &str| pictures.text(name);
     let [left, right, f, hard, p] = ["left.png", "right.png", "f.txt", "hard.json", "p.txt"].map(named);
     let new = named("new.json");
-    let folder = pictures.0.path().to_str().unwrap();
     let lost = "it is one of the files that are read";
     let twice = "another result goes to the same file";
     let estimate = [&["estimate", &left, &right][..], &GOOD].concat();
@@ -338,7 +337,6 @@ fn nothing_that_is_read_is_written_over() {
         (vec!["check", &f, "--matches", &p, "--json", &p], lost),
         (vec!["check", &f, "--matches", &p, "--output", &f], lost),
         (vec!["check", &f, "--matches", &p, "--output", &new, "--json", &new], twice),
-        (vec!["evaluate", "pairs", folder, "--trials", "1", "--json", &p], lost),
     ];
     let before: Vec<_> = [&left, &right, &f, &p].map(|path| std::fs::read(path).unwrap()).into();
     for (arguments, words) in cases {
@@ -348,26 +346,6 @@ fn nothing_that_is_read_is_written_over() {
     let after: Vec<_> = [&left, &right, &f, &p].map(|path| std::fs::read(path).unwrap()).into();
     assert_eq!(before, after);
     assert!(!Path::new(&new).exists());
-}
-
-#[test]
-fn a_pair_that_cannot_be_evaluated_is_told_and_the_others_are_made() {
-    let pictures = Pictures::new();
-    small_pairs(&pictures);
-    for (name, matches) in [("few", "1 2 3 4\n"), ("none", "no numbers\n")] {
-        for side in ["A", "B"] {
-            std::fs::copy(pictures.path("left.png"), pictures.path(&format!("{name}{side}.png"))).unwrap();
-        }
-        pictures.write(&format!("{name}.txt"), matches);
-    }
-    let folder = pictures.0.path().to_str().unwrap();
-    let output = run(&["evaluate", "pairs", folder, "--trials", "1", "--protocol", "paper"]);
-    assert!(output.status.success(), "{}", text(&output.stderr));
-    for told in [text(&output.stdout), text(&output.stderr)] {
-        assert!(told.contains("few was left out: ") && told.contains("none was left out: "), "{told}");
-    }
-    // Without any usable pair the evaluation fails.
-    fails(&["evaluate", "pairs", folder, "--trials", "1", "--only", "few"], 2, "eight-point");
 }
 
 #[test]

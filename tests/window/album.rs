@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable;
-use epiline::app::model::document::{Document, Side};
-use epiline::app::{Opening, Services, Start};
+use epiline::internals::app::model::document::{Document, Side};
+use epiline::internals::app::{Opening, Services, Start};
 
 fn folder(count: usize) -> Files {
     let files = Files::new();

@@ -7,9 +7,9 @@ use std::time::Duration;
 
 use egui::{Key, PointerButton, vec2};
 use egui_kittest::kittest::Queryable;
-use epiline::app::Start;
 use epiline::estimate::EstimateError;
 use epiline::geometry::symmetric_epipolar_distance;
+use epiline::internals::app::Start;
 
 #[test]
 fn a_failing_and_a_panicking_computation_are_told_and_the_points_stay() {

@@ -4,10 +4,10 @@ use crate::support::*;
 
 use egui::{Key, Modifiers, PointerButton, Pos2, Rect, vec2};
 use egui_kittest::kittest::{NodeT, Queryable};
-use epiline::app::Start;
-use epiline::app::model::document::Side;
 use epiline::estimate::{Method, Trust, Verdict};
 use epiline::geometry::{Point, symmetric_epipolar_distance};
+use epiline::internals::app::Start;
+use epiline::internals::app::model::document::Side;
 
 #[test]
 fn the_sample_opens_and_the_window_says_what_to_do() {

@@ -7,10 +7,10 @@ use std::sync::Arc;
 
 use egui::{ColorImage, Key, Modifiers, ViewportCommand};
 use egui_kittest::kittest::Queryable;
-use epiline::app::model::comparison::Contestant;
-use epiline::app::model::document::Side;
-use epiline::app::{Opening, Start};
 use epiline::geometry::{FundamentalMatrix, PointPair};
+use epiline::internals::app::model::comparison::Contestant;
+use epiline::internals::app::model::document::Side;
+use epiline::internals::app::{Opening, Start};
 use epiline::io::{Format, GeometryFile};
 use epiline::synthetic::{Sample, SamplePair};
 

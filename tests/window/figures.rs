@@ -5,10 +5,10 @@ use crate::support::*;
 
 use egui::Key;
 use egui_kittest::kittest::Queryable;
-use epiline::app::Start;
-use epiline::app::model::document::Side;
 use epiline::estimate::Estimate;
 use epiline::geometry::FundamentalMatrix;
+use epiline::internals::app::Start;
+use epiline::internals::app::model::document::Side;
 use nalgebra::Matrix3;
 
 #[test]

@@ -12,9 +12,9 @@ use std::time::{Duration, Instant};
 
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable;
-use epiline::app::model::session::Work;
-use epiline::app::{Opening, Services, Start};
 use epiline::geometry::PointPair;
+use epiline::internals::app::model::session::Work;
+use epiline::internals::app::{Opening, Services, Start};
 use epiline::io::{GeometryFile, SessionFile};
 
 /// Set for the child that works until it is killed: the folder that it works in.

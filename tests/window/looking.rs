@@ -7,11 +7,11 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use egui::{Color32, Key, Modifiers, PointerButton, Pos2, Shape, vec2};
 use egui_kittest::kittest::Queryable;
-use epiline::app::model::document::Side;
-use epiline::app::model::focus::LineSource;
-use epiline::app::model::look::Look;
-use epiline::app::{Services, Start};
 use epiline::geometry::{Point, symmetric_epipolar_distance};
+use epiline::internals::app::model::document::Side;
+use epiline::internals::app::model::focus::LineSource;
+use epiline::internals::app::model::look::Look;
+use epiline::internals::app::{Services, Start};
 use epiline::suggest::{Clarity, Suggestion, Suggestions};
 
 const CURSOR_LINE: Color32 = Color32::from_rgb(240, 228, 66);

@@ -6,9 +6,9 @@ use std::path::PathBuf;
 
 use egui::{Key, Modifiers, vec2};
 use egui_kittest::kittest::Queryable;
-use epiline::app::model::document::Side;
-use epiline::app::{Opening, Start};
 use epiline::geometry::PointPair;
+use epiline::internals::app::model::document::Side;
+use epiline::internals::app::{Opening, Start};
 
 #[test]
 fn files_of_the_command_line_open_with_their_pairs() {
@@ -206,7 +206,7 @@ fn a_folder_of_images_opens_its_first_two_and_any_others_on_request() {
     window.get_by_label("shot1").click();
     settle(&mut window);
     assert_eq!(names(&window), ["shot1.png", "shot10.png"]);
-    assert!(window.query_by_label("Random trial").is_none(), "there is nothing known about them");
+    assert!(window.query_by_label("Ground truth").is_none(), "there is nothing known about them");
 }
 
 #[test]

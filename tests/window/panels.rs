@@ -5,11 +5,11 @@ use crate::support::*;
 use egui::accesskit::Role;
 use egui::{Color32, Key, Modifiers, Shape, vec2};
 use egui_kittest::kittest::{NodeT, Queryable};
-use epiline::app::Start;
-use epiline::app::model::document::Side;
-use epiline::app::model::focus::{LineSource, Target};
 use epiline::estimate::{Apart, Parameters, Search, Trust, Verdict};
 use epiline::geometry::FundamentalMatrix;
+use epiline::internals::app::Start;
+use epiline::internals::app::model::document::Side;
+use epiline::internals::app::model::focus::{LineSource, Target};
 
 /// The sample with two pairs and a result with hypotheses and pencils.
 fn with_result() -> Window {

@@ -4,7 +4,7 @@ use crate::support::*;
 
 use egui::{Key, PointerButton, Rect};
 use egui_kittest::kittest::Queryable;
-use epiline::app::model::document::Side;
+use epiline::internals::app::model::document::Side;
 
 /// A result with so many pinned line pairs, a few points of the screen from each other, and the place of the last one.
 fn with_pins(count: usize) -> (Window, egui::Pos2) {

@@ -4,8 +4,8 @@ use crate::support::*;
 
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable;
-use epiline::app::{Services, Start};
 use epiline::estimate::{Assessment, Estimate, PlaneHomography};
+use epiline::internals::app::{Services, Start};
 use epiline::io::GeometryFile;
 use nalgebra::Matrix3;
 

@@ -7,9 +7,9 @@ use std::path::Path;
 
 use egui::{Event, Key, Modifiers, OutputCommand, PointerButton, vec2};
 use egui_kittest::kittest::Queryable;
-use epiline::app::Start;
-use epiline::app::model::document::{Role, Side};
 use epiline::estimate::{Trust, Verdict};
+use epiline::internals::app::Start;
+use epiline::internals::app::model::document::{Role, Side};
 use epiline::io::PairOrigin;
 
 const TABLE: &str =

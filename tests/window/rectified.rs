@@ -9,13 +9,13 @@ use std::time::{Duration, Instant};
 use egui::accesskit::Role;
 use egui::{Color32, Key, Modifiers, PointerButton, Pos2, Rect, Shape, vec2};
 use egui_kittest::kittest::Queryable;
-use epiline::app::Services;
-use epiline::app::Start;
-use epiline::app::model::document::Side;
-use epiline::app::model::focus::Target;
-use epiline::app::model::rectified::RectifiedLayout;
 use epiline::estimate::{CancelFlag, Estimate, Trust, Verdict};
 use epiline::geometry::{Frame, FundamentalMatrix, Point, PointPair, Vector};
+use epiline::internals::app::Services;
+use epiline::internals::app::Start;
+use epiline::internals::app::model::document::Side;
+use epiline::internals::app::model::focus::Target;
+use epiline::internals::app::model::rectified::RectifiedLayout;
 use epiline::rectify::{Limits, Rectification, RectifyMethod, rectify};
 use epiline::synthetic::Sample;
 use nalgebra::Vector3;
@@ -215,7 +215,7 @@ fn pictures_take_turns_by_key_or_are_both_in_one_and_the_choice_is_kept() {
     let look = window.state().look().clone();
     assert_eq!(look.rectified.layout, RectifiedLayout::Anaglyph);
     let text = serde_json::to_string(&look).unwrap();
-    assert_eq!(serde_json::from_str::<epiline::app::model::look::Look>(&text).unwrap(), look);
+    assert_eq!(serde_json::from_str::<epiline::internals::app::model::look::Look>(&text).unwrap(), look);
     press(&mut window, Key::X);
     window.get_by_label(LEFT);
     assert!(window.query_by_label(RIGHT).is_none());
@@ -407,7 +407,8 @@ fn ring(window: &Window, name: &str) -> egui::Pos2 {
 fn a_click_on_a_ring_brings_its_depth_into_register_and_a_wipe_shows_it() {
     let (mut window, _) = rectified();
     // Farther to the right than what is seen at its place.
-    let from = screen(&window, epiline::app::model::document::PointRef { pair: 1, side: Side::Right });
+    let from =
+        screen(&window, epiline::internals::app::model::document::PointRef { pair: 1, side: Side::Right });
     drag(&mut window, from, from + vec2(25.0, 0.0), PointerButton::Primary);
     let apart = |window: &Window| {
         let place = |name| ring(window, name).x - picture(window, name).min.x;

@@ -7,11 +7,11 @@ use std::path::Path;
 
 use egui::{Key, Modifiers, PointerButton, Pos2};
 use egui_kittest::kittest::{NodeT, Queryable};
-use epiline::app::model::document::{PointRef, Role, Side};
-use epiline::app::model::suggesting::Repair;
-use epiline::app::{Opening, Services, Start};
 use epiline::estimate::{Trust, Verdict};
 use epiline::geometry::{Point, Vector, symmetric_epipolar_distance};
+use epiline::internals::app::model::document::{PointRef, Role, Side};
+use epiline::internals::app::model::suggesting::Repair;
+use epiline::internals::app::{Opening, Services, Start};
 
 const Q_RIGHT: PointRef = PointRef { pair: 1, side: Side::Right };
 

@@ -7,9 +7,9 @@ use std::sync::{Arc, Mutex};
 
 use egui::Key;
 use egui_kittest::kittest::Queryable;
-use epiline::app::model::document::Side;
-use epiline::app::{Opening, Services, Start};
 use epiline::geometry::{Frame, PointPair};
+use epiline::internals::app::model::document::Side;
+use epiline::internals::app::{Opening, Services, Start};
 use epiline::motion::FrameSequence;
 use epiline::similarity::LineMeasure;
 use epiline::synthetic::{BallScene, ThrownBalls};

@@ -6,9 +6,9 @@ use std::path::{Path, PathBuf};
 
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable;
-use epiline::app::model::document::{Document, Side};
-use epiline::app::{Opening, Services, Start};
 use epiline::geometry::{Point, PointPair};
+use epiline::internals::app::model::document::{Document, Side};
+use epiline::internals::app::{Opening, Services, Start};
 
 /// What a person made: everything but which pictures and which point is selected.
 fn made(window: &Window) -> Document {

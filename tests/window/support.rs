@@ -8,13 +8,13 @@ use std::time::{Duration, Instant};
 use egui::{Color32, Key, Modifiers, PointerButton, Pos2, Rect, Shape, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
-use epiline::app::model::document::{PointRef, Side};
-use epiline::app::{Inspector, Opening, Services, Start, install_theme};
 use epiline::estimate::{
     Assessment, Candidate, Clicks, ComparedPencils, Construction, Estimate, EstimateError, LineFigures,
     Parameters, PatchSupport, Reason, Refinement, SearchPlan, SearchTrace, Suspect,
 };
 use epiline::geometry::{FundamentalMatrix, Point, PointPair};
+use epiline::internals::app::model::document::{PointRef, Side};
+use epiline::internals::app::{Inspector, Opening, Services, Start, install_theme};
 use epiline::similarity::CostMatrix;
 use epiline::suggest::SuggestError;
 use nalgebra::{Matrix3, Vector3};

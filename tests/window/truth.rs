@@ -1,16 +1,15 @@
-//! Ground truth in the window: folders of pairs, true lines and matches, random trials, the residuals.
+//! Ground truth in the window: folders of pairs, true lines and matches, the residuals.
 
 use crate::support::*;
 
 use std::path::Path;
 
-use egui::{Color32, Key, Modifiers, Shape, vec2};
+use egui::{Color32, Key, Modifiers, Shape};
 use egui_kittest::kittest::{NodeT, Queryable};
-use epiline::app::model::document::{Document, Side, Trial, TruthSource};
-use epiline::app::model::focus::{LineSource, Target};
-use epiline::app::{Opening, Services, Start};
-use epiline::evaluate::Protocol;
 use epiline::geometry::{Camera, FundamentalMatrix, PointPair};
+use epiline::internals::app::model::document::{Document, Side, TruthSource};
+use epiline::internals::app::model::focus::{LineSource, Target};
+use epiline::internals::app::{Opening, Services, Start};
 use epiline::io::TruthFolder;
 use nalgebra::{Matrix3, Matrix3x4, Point3, Rotation3, Vector3};
 
@@ -80,6 +79,14 @@ fn pairs() -> Files {
 
 fn open_folder(path: &Path) -> Window {
     window(Start { opening: Opening::Folder(path.to_owned()), ..Start::default() }, services())
+}
+
+/// Opens a VGG folder with two true matches as clicks.
+fn open_with_clicks(files: &Files) -> Window {
+    let matches = truth(files, [0, 1]).matches;
+    let pairs = vec![matches[1], matches[4]];
+    let opening = Opening::Folder(files.0.path().to_owned());
+    window(Start { opening, pairs, ..Start::default() }, services())
 }
 
 fn names(window: &Window) -> [String; 2] {
@@ -263,7 +270,7 @@ fn hostile_folders_are_answered_by_a_sentence_and_change_nothing() {
             .any(|text| text.contains("The right image") && text.contains("set.002.png"))
     );
     assert_eq!(names(&window), ["set.000.png", "set.001.png"]);
-    press(&mut window, Key::N);
+    click_two_pairs(&mut window);
     assert_eq!(document(&window).pairs.len(), 2);
     let mut window = open_folder(Path::new("no/such/folder"));
     assert!(window.state().messages().any(|text| text.contains("there is no such file or folder")));
@@ -284,47 +291,14 @@ fn a_thousand_views_can_be_stepped_through() {
 }
 
 #[test]
-fn a_random_trial_clicks_two_true_matches_and_is_one_step() {
-    let files = vgg(2);
-    let mut window = open_folder(files.0.path());
-    let known = truth(&files, [0, 1]);
-    press(&mut window, Key::N);
-    let first = document(&window);
-    assert_eq!(first.trial, Some(Trial { protocol: Protocol::WellPosed, seed: 0 }));
-    assert_eq!(first.pairs.len(), 2);
-    assert!(first.pairs.iter().all(|pair| known.matches.contains(pair)));
-    window.get_by_label("Random trial, well-posed, seed 0");
-    assert!(window.state().estimate().is_some());
-    window.get_by_label("Random trial").click();
-    settle(&mut window);
-    assert_ne!(document(&window).pairs, first.pairs);
-    window.get_by_label("Random trial, well-posed, seed 1");
-    window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
-    settle(&mut window);
-    assert_eq!(document(&window).pairs, first.pairs);
-    window.get_by_label("Random trial, well-posed, seed 0");
-    window.key_press_modifiers(Modifiers::SHIFT, Key::N);
-    settle(&mut window);
-    window.get_by_label("Random trial, as in the paper, seed 2");
-    // A point that was moved is no true match any more.
-    let from = screen(&window, P_LEFT);
-    drag(&mut window, from, from + vec2(15.0, 0.0), egui::PointerButton::Primary);
-    assert!(window.query_by_label_contains("Random trial, as in").is_none());
-}
-
-#[test]
-fn without_ground_truth_a_trial_is_greyed_and_says_why() {
+fn without_ground_truth_its_button_is_greyed_and_says_why() {
     let files = Files::new();
     let mut window = open([files.image("a.png", 64, 48), files.image("b.png", 64, 48)]);
     press(&mut window, Key::Num5);
     window.get_by_label_contains("How far your pairs are from the epipolar lines appears here");
-    for name in ["Random trial", "Ground truth"] {
-        assert!(window.get_by_label(name).accesskit_node().is_disabled(), "{name}");
-    }
-    press(&mut window, Key::N);
-    assert!(window.state().messages().any(|text| text.contains("open a VGG folder")));
-    assert!(document(&window).pairs.is_empty());
+    assert!(window.get_by_label("Ground truth").accesskit_node().is_disabled());
     press(&mut window, Key::G);
+    assert!(window.state().messages().any(|text| text.contains("open a VGG folder")));
     assert_eq!(document(&window).truth, None);
 }
 
@@ -334,18 +308,12 @@ fn the_sample_offers_its_truth_and_undo_takes_it_out_of_use() {
     click_two_pairs(&mut window);
     assert!(lines(&window, Side::Right, TRUE).is_empty());
     assert!(window.query_by_label("Show True lines").is_none());
-    press(&mut window, Key::N);
-    assert!(window.state().messages().any(|text| text.contains("switch the ground truth on first")));
     press(&mut window, Key::G);
     assert_eq!(document(&window).truth, Some(TruthSource::Sample("courtyard".into())));
     window.get_by_label("Show True lines");
     assert!(!lines(&window, Side::Right, TRUE).is_empty());
-    press(&mut window, Key::N);
-    assert!(document(&window).trial.is_some());
-    for _ in 0..2 {
-        window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
-        settle(&mut window);
-    }
+    window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    settle(&mut window);
     assert_eq!(document(&window).truth, None);
     assert!(lines(&window, Side::Right, TRUE).is_empty());
 }
@@ -353,11 +321,11 @@ fn the_sample_offers_its_truth_and_undo_takes_it_out_of_use() {
 #[test]
 fn true_lines_and_matches_are_blue_and_can_be_hidden() {
     let files = vgg(2);
-    let mut window = open_folder(files.0.path());
+    let window = open_folder(files.0.path());
     let known = truth(&files, [0, 1]);
     // Two arms a mark.
     assert_eq!(lines(&window, Side::Left, TRUE).len(), 2 * POINTS);
-    press(&mut window, Key::N);
+    let mut window = open_with_clicks(&files);
     assert!(drawn(&window, TRUE, &known.fundamental));
     for name in ["Show True lines", "Show True matches"] {
         window.get_by_label(name).click();
@@ -385,8 +353,7 @@ fn a_true_match_under_the_cursor_lights_up_in_both_images() {
 #[test]
 fn the_side_panel_states_the_real_error() {
     let files = vgg(2);
-    let mut window = open_folder(files.0.path());
-    press(&mut window, Key::N);
+    let mut window = open_with_clicks(&files);
     let known = truth(&files, [0, 1]);
     let f = window.state().estimate().unwrap().fundamental();
     let distances = known.matches.iter().map(|pair| epiline::geometry::symmetric_epipolar_distance(f, pair));
@@ -400,8 +367,7 @@ fn the_side_panel_states_the_real_error() {
 #[test]
 fn choosing_another_geometry_shows_it_in_the_whole_window() {
     let files = vgg(2);
-    let mut window = open_folder(files.0.path());
-    press(&mut window, Key::N);
+    let mut window = open_with_clicks(&files);
     press(&mut window, Key::Num5);
     let known = truth(&files, [0, 1]);
     let result = *window.state().estimate().unwrap().fundamental();
@@ -464,9 +430,8 @@ fn the_residuals_say_how_many_pairs_are_missing_and_count_those_included() {
 #[test]
 fn a_small_window_has_room_for_rows_of_residuals() {
     let files = vgg(2);
-    let mut window = open_folder(files.0.path());
+    let mut window = open_with_clicks(&files);
     window.set_size(egui::vec2(1024.0, 640.0));
-    press(&mut window, Key::N);
     press(&mut window, Key::Num5);
     // Rows below the edge of the panel are not in sight.
     let bottom = window.get_by_label("Geometry: Ground truth").rect().max.y;
@@ -479,8 +444,7 @@ fn a_small_window_has_room_for_rows_of_residuals() {
 #[test]
 fn rows_of_true_matches_are_linked_with_the_images() {
     let files = vgg(2);
-    let mut window = open_folder(files.0.path());
-    press(&mut window, Key::N);
+    let mut window = open_with_clicks(&files);
     press(&mut window, Key::Num5);
     window.hover_at(window.get_by_label("True match 2").rect().center());
     settle(&mut window);

@@ -5,11 +5,11 @@ use crate::support::*;
 use std::sync::Arc;
 
 use egui_kittest::kittest::Queryable;
-use epiline::app::Services;
-use epiline::app::Start;
-use epiline::app::model::document::{Role, Side};
 use epiline::estimate::{Clicks, EstimateError, SearchPlan};
 use epiline::geometry::PointPair;
+use epiline::internals::app::Services;
+use epiline::internals::app::Start;
+use epiline::internals::app::model::document::{Role, Side};
 use epiline::io::PairOrigin;
 
 /// Found where there is no click, and held by what is clicked where there is.

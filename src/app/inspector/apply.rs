@@ -31,7 +31,6 @@ impl Inspector {
             Command::Browse(side) => self.pick(PickPurpose::Image(side)),
             Command::BrowseFolder => self.pick(PickPurpose::Folder),
             Command::ToggleTruth => self.toggle_truth(),
-            Command::RandomTrial(protocol) => self.random_trial(protocol),
             Command::Session(command) => self.apply_to_session(command),
             Command::Exchange(command) => self.apply_to_exchange(command),
             Command::Rectified(command) => self.apply_to_rectified(ctx, command),

@@ -6,14 +6,13 @@ use std::sync::Arc;
 use super::Inspector;
 use crate::app::model::album::Album;
 use crate::app::model::command::{Command, ExchangeCommand};
-use crate::app::model::document::{Side, Trial};
+use crate::app::model::document::Side;
 use crate::app::model::exchange::is_importable;
 use crate::app::model::history::Step;
 use crate::app::model::session::{OpenSession, has_session_extension};
 use crate::app::model::truth::NO_TRUTH;
 use crate::app::tasks::{LoadedPair, OpeningFailure};
 use crate::app::view::{OpenDialog, RelocateDialog};
-use crate::evaluate::Protocol;
 use crate::io::{PairOrigin, is_sequence};
 
 impl Inspector {
@@ -225,31 +224,6 @@ impl Inspector {
         self.model.edit(Step::Single, |document| {
             document.truth = if document.truth.is_some() { None } else { Some(source) };
         });
-    }
-
-    /// Puts true matches in place of the pairs that the geometry is estimated from.
-    pub(super) fn random_trial(&mut self, protocol: Protocol) {
-        if let Some(reason) = self.model.no_trial() {
-            self.model.messages.tell(reason);
-            return;
-        }
-        let (Some(known), Some(pictures)) = (&self.model.open.known, &self.model.document.pictures) else {
-            return;
-        };
-        let count = self.model.document.pairs_needed();
-        let frames = pictures.each_ref().map(|picture| picture.frame);
-        let trial = Trial { protocol, seed: self.model.next_seed };
-        let Some(drawn) = known.draw(frames, protocol, trial.seed, count) else {
-            let why = match protocol {
-                Protocol::Paper => "30 px apart",
-                _ => "30 px apart and off each other's epipolar lines",
-            };
-            let text = format!("There is no random trial here: no {count} true matches are {why}.");
-            self.model.messages.tell(text);
-            return;
-        };
-        self.model.next_seed += 1;
-        self.model.edit(Step::Single, |document| document.set_trial(trial, drawn));
     }
 
     /// Files dropped on the window since the last frame.

@@ -15,7 +15,6 @@ use super::session::OpenSession;
 use super::suggesting::Repair;
 use super::tones::TonesCommand;
 use crate::estimate::{Method, Parameters, Preset};
-use crate::evaluate::Protocol;
 use crate::geometry::{Point, Vector};
 
 /// Something to do.
@@ -50,8 +49,6 @@ pub enum Command {
     },
     /// Compare with the ground truth, or not.
     ToggleTruth,
-    /// Put true matches drawn at random in place of the pairs that the geometry is estimated from.
-    RandomTrial(Protocol),
     /// Place two point pairs on the built-in pair.
     ShowMe,
     /// Look for a geometry without clicks.

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::revision;
 use super::shared::Shared;
-use crate::evaluate::{Distances, FitError, KnownPair, PointFit, Spread, fit_eight, fit_seven};
+use crate::comparison::{Distances, FitError, KnownPair, PointFit, Spread, fit_eight, fit_seven};
 use crate::geometry::{Frame, FundamentalMatrix, PointPair};
 use crate::io::GroundTruth;
 
@@ -93,8 +93,6 @@ pub struct ComparisonQuestion {
     pub frames: [Frame; 2],
     /// What is known.
     pub truth: Option<Shared<GroundTruth>>,
-    /// Seed of the further true matches that 7-point and 8-point are fitted to.
-    pub seed: u64,
     /// What is compared.
     pub subject: Subject,
 }
@@ -206,7 +204,7 @@ impl ComparisonQuestion {
         };
         let GroundTruth { name, fundamental, matches, .. } = truth;
         let known = KnownPair { name, frames: self.frames, truth: fundamental, matches };
-        let further = known.further(&self.used, 8, self.seed, 0);
+        let further = known.further(&self.used, 8, 0, 0);
         let further = further.ok_or("there are no eight true matches 30 px apart")?;
         Ok(self.used.iter().copied().chain(further.into_iter().map(|k| matches[k])).collect())
     }
@@ -238,7 +236,6 @@ mod tests {
             used: sample.show_me.to_vec(),
             frames: sample.pictures.each_ref().map(crate::image::Picture::frame),
             truth: Some(Shared::new(sample.truth)),
-            seed: 0,
             subject: Subject::default(),
         }
     }
@@ -293,19 +290,5 @@ mod tests {
         let without = comparison.of(Contestant::Result);
         assert!(with.max > 10.0 && without.spread.unwrap().max < 1e-6);
         assert!(without.distances[2] > 10.0);
-    }
-
-    #[test]
-    fn the_further_matches_are_those_of_an_evaluation() {
-        let mut question = question();
-        let truth = question.truth.clone().unwrap();
-        let known = super::super::truth::KnownTruth {
-            source: super::super::document::TruthSource::Sample(truth.name.clone()),
-            truth,
-        };
-        let draw =
-            |count| known.draw(question.frames, crate::evaluate::Protocol::WellPosed, 5, count).unwrap();
-        (question.used, question.seed) = (draw(2), 5);
-        assert_eq!(question.fitted().unwrap(), draw(8));
     }
 }

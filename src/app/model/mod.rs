@@ -134,8 +134,6 @@ pub struct Model {
     pub imports: std::collections::VecDeque<PendingImport>,
     /// The views of the folder that are being opened.
     pub wanted: Option<[usize; 2]>,
-    /// The seed of the next random trial.
-    pub next_seed: u64,
     /// The small pictures of the folder that is open.
     pub thumbnails: Thumbnails,
     /// What was opened last.

@@ -57,7 +57,6 @@ impl Model {
             used: document.used().map(|pair| document.pairs[pair]).collect(),
             frames: pictures.each_ref().map(|picture| picture.frame),
             truth: self.truth().and(self.open.known.as_ref()).map(|known| known.truth.clone()),
-            seed: document.trial.map_or(0, |trial| trial.seed),
             subject: self.look.compared,
         })
     }

@@ -14,6 +14,8 @@ pub const SAMPLE_SEQUENCES: &str = "balls";
 
 /// True matches of the built-in sequences.
 const MATCHES: usize = 200;
+/// The matches among them that "Show me" places: far apart, and off each other's epipolar lines.
+const SHOW_ME: [usize; 2] = [0, 1];
 
 /// Two pictures and two point pairs that "Show me" places.
 pub struct OpenedSample {
@@ -38,6 +40,8 @@ pub fn sample_pair() -> OpenedSample {
 pub struct SampleRecordings {
     /// What is seen first, and the sequences.
     pub pictures: [Opened; 2],
+    /// Pairs known to give a good result.
+    pub show_me: [PointPair; 2],
     /// The geometry.
     pub truth: GroundTruth,
 }
@@ -50,6 +54,7 @@ pub fn sample_recordings(cancel: &CancelFlag) -> Result<SampleRecordings, Motion
     let scene = BallScene::new(ThrownBalls::default()).expect("its frames have pixels");
     let fundamental = scene.fundamental().expect("its cameras have different centres");
     let matches = scene.matches(MATCHES);
+    let show_me = SHOW_ME.map(|k| matches[k]);
     let [left, right] = scene.sequences().expect("its cameras see the yard");
     let opened = |sequence: FrameSequence| -> Result<Opened, MotionError> {
         let made = SequenceFile::made(sequence).expect("its frames have pixels");
@@ -57,5 +62,5 @@ pub fn sample_recordings(cancel: &CancelFlag) -> Result<SampleRecordings, Motion
     };
     let truth =
         GroundTruth { name: SAMPLE_SEQUENCES.to_owned(), fundamental, matches, origin: TruthOrigin::Cameras };
-    Ok(SampleRecordings { pictures: [opened(left)?, opened(right)?], truth })
+    Ok(SampleRecordings { pictures: [opened(left)?, opened(right)?], show_me, truth })
 }

@@ -201,7 +201,6 @@ impl Document {
             rectification,
             truth,
             imported,
-            trial,
             selection: _,
             chosen: _,
         } = self;
@@ -216,13 +215,11 @@ impl Document {
             && *rectification == other.rectification
             && *truth == other.truth
             && *imported == other.imported
-            && *trial == other.trial
     }
 
-    /// Whether there is anything on the images that would be a loss. A random trial can be drawn again.
+    /// Whether there is anything on the images that would be a loss.
     pub fn is_worth_keeping(&self) -> bool {
-        let drawn = if self.trial.is_some() { self.pairs_needed() } else { 0 };
-        self.pairs.len() > drawn || self.half.is_some() || self.imported.is_some()
+        !self.pairs.is_empty() || self.half.is_some() || self.imported.is_some()
     }
 
     /// Keeps points on images of these sizes, and forgets what refers to points that are not there.

@@ -6,7 +6,6 @@ use super::computation::Freshness;
 use super::document::Side;
 use super::focus::{LineSource, Pin};
 use super::pair_folder::PairFolder;
-use super::truth::NO_TRUTH;
 use crate::estimate::{Construction, Estimate, Reason, lines_at};
 use crate::geometry::{AnchoredLine, FundamentalMatrix, Line, Point, PointPair, symmetric_epipolar_distance};
 use crate::io::GroundTruth;
@@ -61,17 +60,6 @@ impl Model {
     /// The folder whose pairs are offered, and which of them is open.
     pub fn folder(&self) -> Option<(&PairFolder, [usize; 2])> {
         self.open.folder.as_ref().map(|(folder, pair)| (folder.as_ref(), *pair))
-    }
-
-    /// Why no random trial can be drawn, if that is so.
-    pub fn no_trial(&self) -> Option<&'static str> {
-        match (&self.open.known, &self.document.truth) {
-            (None, _) => Some(NO_TRUTH),
-            (Some(_), None) => {
-                Some("A random trial clicks true matches: switch the ground truth on first (G).")
-            }
-            (Some(_), Some(_)) => None,
-        }
     }
 
     /// The symmetric distance of a pair from the result, px, if that names it for being off its epipolar line.

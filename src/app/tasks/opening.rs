@@ -13,7 +13,6 @@ use crate::app::model::session::{Relocation, Restored};
 use crate::app::model::shared::Shared;
 use crate::app::model::truth::KnownTruth;
 use crate::cancel::CancelFlag;
-use crate::evaluate::Protocol;
 use crate::geometry::PointPair;
 use crate::image::Picture;
 use crate::io::{is_sequence, read_sequence};
@@ -181,12 +180,10 @@ pub fn sample_sequences(reading: &PairReading) -> Result<LoadedPair, OpeningFail
             "The built-in sequences could not be drawn: {error}. Nothing was changed."
         ))
     })?;
-    let SampleRecordings { pictures, truth } = drawn;
+    let SampleRecordings { pictures, show_me, truth } = drawn;
     let source = TruthSource::Sample(truth.name.clone());
     let known = KnownTruth { truth: Shared::new(truth), source };
-    let frames = pictures.each_ref().map(|opened| opened.picture.frame());
-    let show_me = known.draw(frames, Protocol::WellPosed, 0, 2).and_then(|pairs| pairs.try_into().ok());
-    Ok(LoadedPair { show_me, known: Some(known), ..LoadedPair::of(pictures) })
+    Ok(LoadedPair { show_me: Some(show_me), known: Some(known), ..LoadedPair::of(pictures) })
 }
 
 /// The first pair of a folder.

@@ -18,8 +18,8 @@ use crate::io::PairOrigin;
 use crate::rectify::RectifyMethod;
 
 pub use parts::{
-    Checked, HalfPair, Imported, PairNote, PictureIdentity, PointRef, Role, Side, Trial, TruthSource,
-    counted, pair_name,
+    Checked, HalfPair, Imported, PairNote, PictureIdentity, PointRef, Role, Side, TruthSource, counted,
+    pair_name,
 };
 
 /// Everything a person can change and undo.
@@ -58,9 +58,6 @@ pub struct Document {
     /// A geometry from a file, to be shown beside the result.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub imported: Option<Imported>,
-    /// Which random trial the first pairs are, as long as they are as they were drawn.
-    #[serde(default)]
-    pub trial: Option<Trial>,
     /// The point that keys act on.
     pub selection: Option<PointRef>,
     /// The pairs that are chosen together in the table, for what is done with all of them.
@@ -112,7 +109,6 @@ impl Document {
                 };
                 self.pairs.push(PointPair { point1, point2 });
                 self.half = None;
-                self.follow_trial();
             }
             _ => self.half = Some(HalfPair { side, point }),
         }
@@ -129,13 +125,12 @@ impl Document {
 
     /// Moves a point, keeping it on its image. A point that is not there (any more) is left alone.
     pub fn move_to(&mut self, at: PointRef, point: Point) {
-        let (point, needed) = (self.inside(at.side, point), self.pairs_needed());
+        let point = self.inside(at.side, point);
         if at.pair == self.pairs.len() {
             if let Some(half) = self.half.as_mut().filter(|half| half.side == at.side) {
                 half.point = point;
             }
         } else if let Some(pair) = self.pairs.get_mut(at.pair) {
-            self.trial = self.trial.filter(|_| at.pair >= needed);
             let before = at.side.point(pair);
             match at.side {
                 Side::Left => pair.point1 = point,
@@ -153,7 +148,6 @@ impl Document {
             self.half = None;
         } else if pair < self.pairs.len() {
             self.pairs.remove(pair);
-            self.trial = self.trial.filter(|_| pair >= self.pairs_needed());
             // The pairs behind it move up.
             let moved = |number: &usize| if *number > pair { number - 1 } else { *number };
             for numbers in [&mut self.excluded, &mut self.checks, &mut self.chosen] {
@@ -175,30 +169,11 @@ impl Document {
         for pair in 0..self.pairs.len() {
             self.set_origin(pair, origin);
         }
-        self.trial = None;
         self.excluded.clear();
         self.checks.clear();
         self.half = None;
         self.selection = None;
         self.unclicked = false;
-    }
-
-    /// Puts the pairs of a random trial in place of the first ones; those behind them stay, to check the result.
-    pub fn set_trial(&mut self, trial: Trial, drawn: Vec<PointPair>) {
-        let count = drawn.len();
-        self.excluded.retain(|pair| *pair >= count);
-        self.notes.retain(|pair, _| *pair >= count);
-        self.chosen.clear();
-        let behind = self.pairs.split_off(count.min(self.pairs.len()));
-        self.pairs = drawn;
-        self.pairs.extend(behind);
-        self.checks = (count..self.pairs.len()).collect();
-        for pair in 0..count {
-            self.set_origin(pair, PairOrigin::TrueMatch);
-        }
-        self.trial = Some(trial);
-        self.half = None;
-        self.selection = None;
     }
 
     /// Leaves a pair out, or takes it in again.
@@ -208,7 +183,6 @@ impl Document {
         } else if pair < self.pairs.len() {
             self.excluded.insert(pair);
         }
-        self.follow_trial();
     }
 
     /// Lets a pair only check the geometry, or take part in it again. Either way it is not left out any more.
@@ -220,14 +194,6 @@ impl Document {
             } else {
                 self.checks.remove(&pair);
             }
-            self.follow_trial();
-        }
-    }
-
-    /// A random trial is one no more when others than its pairs are used.
-    pub(super) fn follow_trial(&mut self) {
-        if !self.used().eq(0..self.pairs_needed()) {
-            self.trial = None;
         }
     }
 

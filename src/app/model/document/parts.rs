@@ -4,7 +4,6 @@ use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 
-use crate::evaluate::Protocol;
 use crate::geometry::{Frame, FundamentalMatrix, HomogeneousPoint, Point, PointPair};
 use crate::image::Picture;
 use crate::io::PairOrigin;
@@ -121,15 +120,6 @@ pub struct Checked {
     pub median: f64,
     /// Whether that is small enough.
     pub fits: bool,
-}
-
-/// How the pairs that the geometry is estimated from were drawn among the true matches.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Trial {
-    /// Which matches may be drawn together.
-    pub protocol: Protocol,
-    /// The seed of the draw.
-    pub seed: u64,
 }
 
 /// The first click of a pair whose second click is due.

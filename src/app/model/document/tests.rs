@@ -1,6 +1,5 @@
 use super::*;
 use crate::estimate::Preset;
-use crate::evaluate::Protocol;
 
 fn document() -> Document {
     let picture = |name: &str| PictureIdentity { name: name.into(), path: None, frame: Frame::new(100, 80) };
@@ -81,28 +80,6 @@ fn a_document_from_before_there_were_roles_uses_its_pairs() {
     let mut old = serde_json::to_value(&document).unwrap();
     assert!(old.as_object_mut().unwrap().remove("checks").is_none());
     assert_eq!(serde_json::from_value::<Document>(old).unwrap(), document);
-}
-
-#[test]
-fn a_trial_replaces_the_first_pairs_until_one_of_them_is_touched() {
-    let mut document = document();
-    let pair = |x: f64| PointPair::new(x, 1.0, x, 1.0);
-    let trial = Trial { protocol: Protocol::WellPosed, seed: 3 };
-    document.set_trial(trial, vec![pair(1.0), pair(2.0)]);
-    assert_eq!((document.pairs.len(), document.trial), (2, Some(trial)));
-    document.place(Side::Left, pair(9.0).point1);
-    document.place(Side::Right, pair(9.0).point2);
-    assert_eq!(document.trial, None, "another pair takes part");
-    document.include(0, false);
-    document.include(2, false);
-    document.set_trial(trial, vec![pair(3.0), pair(4.0)]);
-    assert_eq!(document.pairs, [pair(3.0), pair(4.0), pair(9.0)]);
-    assert_eq!(document.used().collect::<Vec<_>>(), [0, 1]);
-    assert_eq!(document.excluded, BTreeSet::from([2]), "what was left out further behind stays so");
-    document.move_to(PointRef { pair: 2, side: Side::Left }, Point::new(5.0, 5.0));
-    assert_eq!(document.trial, Some(trial));
-    document.move_to(PointRef { pair: 1, side: Side::Left }, Point::new(5.0, 5.0));
-    assert_eq!(document.trial, None);
 }
 
 #[test]

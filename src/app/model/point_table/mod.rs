@@ -176,7 +176,6 @@ impl Model {
                 }
             }
             document.chosen = (first..document.pairs.len()).collect();
-            document.follow_trial();
         });
         let plural = if count == 1 { "" } else { "s" };
         self.open.done.tell(format!("Pasted {count} point pair{plural}"));

@@ -9,7 +9,6 @@ use crate::app::model::command::{Command, ExchangeCommand, SessionCommand};
 use crate::app::model::ids::TabId;
 use crate::app::model::recording::PlayerCommand;
 use crate::app::model::rectified::RectifiedCommand;
-use crate::evaluate::Protocol;
 
 const NONE: Modifiers = Modifiers::NONE;
 const COMMAND: Modifiers = Modifiers::COMMAND;
@@ -126,24 +125,6 @@ pub fn with_keys() -> Vec<Action> {
             if model.truth().is_some() { "Hide the ground truth" } else { "Compare with the ground truth" }
         })
         .when(|model| model.open.known.is_some()),
-        action(
-            Command::RandomTrial(Protocol::Paper),
-            "Random trial of the paper",
-            "Estimate from true matches drawn as the paper does: at least 30 px apart, even if that leaves the \
-             epipoles open.",
-        )
-        .key(SHIFT, Key::N)
-        .listed(|_| "Random trial: two true matches, as in the paper")
-        .when(|model| model.no_trial().is_none()),
-        action(
-            Command::RandomTrial(Protocol::WellPosed),
-            "Random trial",
-            "Estimate from true matches drawn at random, far apart and off each other's epipolar lines; others each \
-             time. With Shift as the paper draws them.",
-        )
-        .key(NONE, Key::N)
-        .listed(|_| "Random trial: two true matches, well-posed")
-        .when(|model| model.no_trial().is_none()),
         action(Command::Redo, "Redo", "Make the step again that was taken back.")
             .key(COMMAND_SHIFT, Key::Z)
             .key(COMMAND, Key::Y)

@@ -44,7 +44,7 @@ pub use save_dialog::SaveDialog;
 pub use guide_bar::show as guide_bar;
 pub use legend::show as legend;
 pub use messages::show as messages;
-pub use pair_chooser::truth_buttons;
+pub use pair_chooser::truth_button;
 pub use player::show as player;
 pub use shortcuts::show as shortcuts;
 pub use status::show as status;

@@ -2,17 +2,16 @@
 
 use egui::{Button, ComboBox, ScrollArea, Ui};
 
-use super::{command_button, finish_button};
+use super::finish_button;
 use crate::app::model::Model;
 use crate::app::model::command::Command;
 use crate::app::model::document::{Side, counted};
 use crate::app::model::pair_folder::PairFolder;
-use crate::evaluate::Protocol;
 
 /// Shows them from the right.
 pub fn show(ui: &mut Ui, model: &Model, folder: &PairFolder, pair: [usize; 2], commands: &mut Vec<Command>) {
     if folder.known().is_some() {
-        truth_buttons(ui, model, commands);
+        truth_button(ui, model, commands);
         ui.separator();
     }
     ui.spacing_mut().item_spacing.x = 4.0;
@@ -49,15 +48,8 @@ fn kept_pairs(ui: &mut Ui, model: &Model, folder: &PairFolder, commands: &mut Ve
     );
 }
 
-/// The switch of the ground truth and the random trial, from the right.
-pub fn truth_buttons(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
-    let trial = Command::RandomTrial(Protocol::WellPosed);
-    match model.no_trial() {
-        None => drop(command_button(ui, trial, true, commands)),
-        Some(reason) => {
-            ui.add_enabled(false, Button::new(trial.name())).on_disabled_hover_text(reason);
-        }
-    }
+/// The switch of the ground truth.
+pub fn truth_button(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let button = Button::selectable(model.truth().is_some(), Command::ToggleTruth.name());
     let button = ui.add_enabled(model.open.known.is_some(), button.frame_when_inactive(true));
     finish_button(ui, button, Command::ToggleTruth, commands);

@@ -45,7 +45,6 @@ fn group(command: &Command) -> &'static str {
         | Command::FoldStrip
         | Command::EnlargeTabs => "Panels",
         Command::ToggleTruth
-        | Command::RandomTrial(_)
         | Command::Recompute
         | Command::ChooseHypothesis(_)
         | Command::ChooseContestant(_) => "Result",

@@ -6,7 +6,6 @@ use super::{busy, command_button};
 use crate::app::model::Model;
 use crate::app::model::command::Command;
 use crate::app::model::rectified::RectifiedCommand;
-use crate::evaluate::Protocol;
 
 /// The mouse actions take about as much, screen points.
 const ROOM_FOR_HINTS: f32 = 360.0;
@@ -14,7 +13,8 @@ const ROOM_FOR_HINTS: f32 = 360.0;
 /// Shows the bar.
 pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     ui.horizontal(|ui| {
-        let under = model.open.hover.and_then(|hover| Some((hover, model.intensity_at(hover.side, hover.point)?)));
+        let under =
+            model.open.hover.and_then(|hover| Some((hover, model.intensity_at(hover.side, hover.point)?)));
         let text = match under {
             Some((hover, intensity)) => format!(
                 "{:<5}  x {:8.2}   y {:8.2}   intensity {intensity:5.1}",
@@ -29,16 +29,6 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         if let Some(done) = model.open.done.text() {
             ui.separator();
             ui.add(egui::Label::new(done).truncate());
-        }
-        if let Some(trial) = model.document.trial {
-            let protocol = match trial.protocol {
-                Protocol::Paper => "as in the paper",
-                _ => "well-posed",
-            };
-            ui.separator();
-            ui.label(format!("Random trial, {protocol}, seed {}", trial.seed)).on_hover_text(
-                "The pairs of the estimate are true matches: those of the first trial of epiline evaluate with this seed.",
-            );
         }
         if let Some(progress) = model.activity.writing {
             ui.separator();

@@ -11,8 +11,8 @@ use crate::app::model::document::{PointRef, Role, Side, pair_name};
 use crate::app::model::focus::{LineSource, Target};
 use crate::app::model::ids::TabId;
 use crate::app::model::verdict::Gauge;
-use crate::app::view::panels::truth_buttons;
-use crate::evaluate::Spread;
+use crate::app::view::panels::truth_button;
+use crate::comparison::Spread;
 use crate::io::TruthOrigin;
 
 /// Registered in [`super::TABS`].
@@ -21,7 +21,7 @@ pub const TAB: Tab = Tab { id: TabId::Residuals, tools, show };
 /// Where no folder with ground truth is open, whose pairs have these buttons beside them.
 fn tools(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     if model.folder().is_none_or(|(folder, _)| folder.known().is_none()) {
-        truth_buttons(ui, model, commands);
+        truth_button(ui, model, commands);
     }
 }
 

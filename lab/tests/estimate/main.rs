@@ -1,0 +1,15 @@
+//! The estimator as a caller uses it: accuracy on ground truth, repeatability, cancellation and
+//! invalid input.
+
+mod changed;
+mod degenerate;
+mod following;
+mod killed;
+mod real;
+mod rectified;
+mod repeatable;
+mod samples;
+mod suggested;
+mod support;
+mod watched;
+mod wide;
