@@ -78,6 +78,7 @@ mod comparison;
 pub mod convention;
 pub mod estimate;
 pub mod features;
+#[cfg(feature = "pictures")]
 mod foreign;
 pub mod geometry;
 pub mod image;
@@ -90,6 +91,7 @@ pub mod motion;
 pub mod rectify;
 pub mod similarity;
 pub mod suggest;
+#[cfg(feature = "pictures")]
 pub mod synthetic;
 
 #[cfg(feature = "cli")]

@@ -42,12 +42,7 @@ pub struct Start {
 
 /// Opens the window and returns when it is closed.
 pub fn run(start: Start) -> Result<(), AppError> {
-    run_with(start, Services::default())
-}
-
-/// [`run`] with other services in place of the estimator and the system's file dialog.
-pub fn run_with(start: Start, services: Services) -> Result<(), AppError> {
-    shell::run(start, services)
+    shell::run(start, Services::default())
 }
 
 /// Fonts, sizes and colours of the window, for tests that show an [`Inspector`] in a context of their own.

@@ -2,13 +2,20 @@
 
 mod alignment;
 mod corners;
+#[cfg(feature = "pictures")]
 mod decode;
+#[cfg(feature = "pictures")]
 mod deep_tiff;
 mod fixed;
+#[cfg(feature = "pictures")]
 mod limit;
+#[cfg(feature = "pictures")]
 mod load;
+#[cfg(feature = "pictures")]
 mod load_error;
+#[cfg(feature = "pictures")]
 mod luma;
+#[cfg(feature = "pictures")]
 mod options;
 mod pair;
 mod patch;
@@ -16,15 +23,22 @@ mod patch_block;
 mod plane;
 mod pyramid;
 mod sampling;
+#[cfg(feature = "pictures")]
 mod tiff_header;
+#[cfg(feature = "pictures")]
 mod webp;
+#[cfg(feature = "pictures")]
 mod whole;
 
 pub(crate) use alignment::{Alignment, LEAST_INSIDE, Placement, align};
 pub use corners::find_corners;
+#[cfg(feature = "pictures")]
 pub use limit::MEGAPIXELS_VARIABLE;
+#[cfg(feature = "pictures")]
 pub use load::Picture;
+#[cfg(feature = "pictures")]
 pub use load_error::LoadError;
+#[cfg(feature = "pictures")]
 pub use options::LoadOptions;
 pub use pair::{PairLevel, PyramidPair, RelativeView};
 pub(crate) use patch::{HALF, Patch, PatchSampler, Warp, correlation, offsets, warps_around};

@@ -64,7 +64,7 @@ pub fn find_offset(
     Ok(found)
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "pictures"))]
 mod tests {
     use super::*;
     use crate::geometry::Frame;

@@ -19,8 +19,10 @@ mod measures;
 mod outline;
 mod planar;
 mod polar;
+#[cfg(feature = "pictures")]
 mod presentation;
 mod row;
+#[cfg(feature = "pictures")]
 mod warp;
 
 use serde::{Deserialize, Serialize};
@@ -31,11 +33,14 @@ pub use description::Description;
 pub use error::RectifyError;
 pub use map::{ImageMap, PolarTable};
 pub use measures::{Distortion, Measures, RowErrors};
+#[cfg(feature = "pictures")]
 pub use presentation::{anaglyph, stacked};
 pub use row::RowTrace;
 
+#[cfg(feature = "pictures")]
 use crate::cancel::CancelFlag;
 use crate::geometry::Frame;
+#[cfg(feature = "pictures")]
 use image::DynamicImage;
 
 /// Method of rectification.
@@ -99,6 +104,7 @@ pub struct Rectification {
     pub warnings: Vec<RectifyWarning>,
 }
 
+#[cfg(feature = "pictures")]
 impl Rectification {
     /// Draws the rectified picture of image `which` (0 or 1) with bilinear interpolation, on all
     /// cores. The picture keeps the bit depth and the colours of the original. Its alpha channel is
@@ -108,5 +114,5 @@ impl Rectification {
     }
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "pictures"))]
 mod tests;

@@ -37,7 +37,7 @@ mod parameters;
 mod result;
 mod search;
 mod template;
-#[cfg(all(test, feature = "files"))]
+#[cfg(all(test, feature = "pictures"))]
 mod tests;
 mod view;
 

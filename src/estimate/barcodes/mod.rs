@@ -201,7 +201,7 @@ fn assessed(
     }
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "pictures"))]
 mod tests {
     use super::*;
     use crate::estimate::{CancelFlag, Monitor, PreparedPair, Verdict, estimate_prepared};
