@@ -5,7 +5,7 @@ use crate::geometry::AnchoredLine;
 use crate::image::Picture;
 use crate::motion::OffsetAgreement;
 
-/// Two sequences that are open, of 40 and 37 frames.
+/// Returns a model with two open sequences of 40 and 37 frames.
 fn model() -> Model {
     let opened = |frames: usize| {
         let recording = example(frames);
@@ -19,9 +19,9 @@ fn model() -> Model {
 }
 
 #[test]
-fn frames_go_together_as_the_offset_says() {
+fn the_offset_says_which_frames_belong_together() {
     let mut model = model();
-    assert!(model.compares_barcodes(), "that is what sequences are opened for");
+    assert!(model.compares_barcodes(), "sequences are compared by barcodes");
     assert_eq!((model.playable(), model.shown_frames()), (Some(0..=36), Some([0, 0])));
     model.apply_to_player(PlayerCommand::Seek(30));
     model.apply_to_player(PlayerCommand::SetOffset(5));
