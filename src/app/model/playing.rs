@@ -151,7 +151,7 @@ impl Model {
                     format!("; the next best is {:+} ({:.2})", next.offset, next.correlation)
                 });
                 self.open.done.tell(format!(
-                    "Best time offset: {:+} frames (agreement {:.2}){next}.",
+                    "Best time offset in frames: {:+} (agreement {:.2}){next}.",
                     best.offset, best.correlation
                 ));
                 let offset = best.offset;
