@@ -52,7 +52,7 @@ pub enum AppError {
     },
 }
 
-/// Storage key of the [`Look`](super::model::look::Look). The toolkit itself stores theme, window
+/// Storage key of the visible overlays, tabs and panels. The toolkit itself stores theme, window
 /// size and panel sizes.
 const LOOK: &str = "look";
 /// Storage key of the recently opened files.

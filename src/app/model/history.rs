@@ -144,7 +144,7 @@ mod tests {
     }
 
     #[test]
-    fn a_new_edit_forgets_what_was_undone_and_no_edit_leaves_no_step() {
+    fn a_new_edit_clears_redo_and_an_empty_edit_is_no_step() {
         let (mut history, mut state) = (History::default(), 0);
         edit(&mut history, &mut state, 1, Step::Single);
         edit(&mut history, &mut state, 1, Step::Single);

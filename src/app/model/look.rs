@@ -117,7 +117,7 @@ fn overlays_from_names<'de, D: Deserializer<'de>>(
 }
 
 /// Serialises the tab by its title. Unknown titles become the first tab.
-#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde calls it so")]
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]
 fn tab_by_title<S: Serializer>(tab: &TabId, serializer: S) -> Result<S::Ok, S::Error> {
     serializer.serialize_str(tab.title())
 }
@@ -132,7 +132,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_look_survives_saving_and_unknown_or_missing_things_do_no_harm() {
+    fn a_look_is_restored_whatever_is_missing_or_unknown() {
         let mut look =
             Look { linked: true, map: false, tab: TabId::Pencils, side_folded: true, ..Look::default() };
         look.overlays[OverlayId::Points as usize] = false;

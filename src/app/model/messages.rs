@@ -157,7 +157,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_settled_goes_and_everything_else_stays() {
+    fn settling_removes_messages_of_one_kind() {
         let mut messages = Messages::default();
         let restore = MessageAction { label: "Restore", command: Command::Undo };
         messages.say(MessageKind::LeftBehind, "Restore that work?".into(), vec![restore.clone()]);
@@ -171,7 +171,7 @@ mod tests {
     }
 
     #[test]
-    fn the_newest_are_on_top_and_nothing_is_told_twice() {
+    fn the_newest_messages_are_on_top_and_none_is_repeated() {
         let mut messages = Messages::default();
         for number in [0, 1, 2, 2, 3, 4] {
             messages.tell(format!("Problem {number}."));
@@ -184,7 +184,7 @@ mod tests {
     }
 
     #[test]
-    fn news_of_success_goes_by_itself_and_problems_stay() {
+    fn messages_of_success_expire_and_problems_stay() {
         let mut messages = Messages::default();
         messages.tell("It went wrong.");
         assert_eq!(messages.retire(1.0), None);
@@ -196,7 +196,7 @@ mod tests {
     }
 
     #[test]
-    fn what_was_done_last_goes_after_a_while() {
+    fn the_last_action_expires() {
         let mut done = LastDone::default();
         assert_eq!(done.retire(5.0), None);
         done.tell("Saved.");

@@ -288,7 +288,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_found_on_one_pair_is_there_beside_another() {
+    fn findings_on_one_pair_are_not_shown_beside_another() {
         let mut model = Model::default();
         model.open([opened("a"), opened("b")], None, false, None);
         let request = fake::request(1.0);

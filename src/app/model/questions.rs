@@ -98,7 +98,7 @@ impl Model {
         Some(NextClickQuestion { pictures: self.open.pictures()?, found, placed: document.pairs.clone() })
     }
 
-    /// Returns knowledge about the images from the final result, unless it is unreliable.
+    /// Returns geometry and relative view from the final result, unless it is unreliable.
     pub fn known(&self) -> Known {
         let is_trusted = |estimate: &&Estimate| {
             let trust = estimate.assessment.trust.as_ref();

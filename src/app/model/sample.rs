@@ -47,12 +47,12 @@ pub struct SampleRecordings {
 /// # Panics
 /// Never: the frames have pixels, and the cameras have different centres. A test opens the scene.
 pub fn sample_recordings(cancel: &CancelFlag) -> Result<SampleRecordings, MotionError> {
-    let scene = BallScene::new(ThrownBalls::default()).expect("its frames have pixels");
-    let fundamental = scene.fundamental().expect("its cameras have different centres");
+    let scene = BallScene::new(ThrownBalls::default()).expect("the frames have pixels");
+    let fundamental = scene.fundamental().expect("the cameras have different centres");
     let matches = scene.matches(MATCHES);
-    let [left, right] = scene.sequences().expect("its cameras see the yard");
+    let [left, right] = scene.sequences().expect("the cameras see the yard");
     let opened = |sequence: FrameSequence| -> Result<Opened, MotionError> {
-        let made = SequenceFile::made(sequence).expect("its frames have pixels");
+        let made = SequenceFile::made(sequence).expect("the frames have pixels");
         Ok(Opened::recorded(made.first, Recording::new(made.sequence, cancel)?))
     };
     let truth =

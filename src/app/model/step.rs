@@ -104,7 +104,7 @@ pub fn result_text(stage: Stage, document: &Document, computation: &Computation)
             let turned = || format!("image 2 turned by {:.0}°{scale}", trace.view.rotation.to_degrees());
             Some(match trace.features {
                 Some(FeatureViews::Frontal) => turned(),
-                Some(FeatureViews::Slanted) => format!("{}, also at a slant", turned()),
+                Some(FeatureViews::Slanted) => format!("{}, with slanted features", turned()),
                 None => "the upright view remains the best".to_owned(),
             })
         }

@@ -15,7 +15,7 @@ pub struct SuggestQuestion {
     pub pictures: Pictures,
     /// The first click.
     pub half: HalfPair,
-    /// Knowledge about the images from the result, unless the result is unreliable.
+    /// Geometry and relative view from the result, unless the result is unreliable.
     pub known: Known,
     /// Pairs that tell rotation and scale between the images while there is no such result.
     pub placed: Vec<PointPair>,
@@ -55,7 +55,7 @@ pub struct RepairQuestion {
     pub points: PointPair,
     /// Method of the repair.
     pub how: Repair,
-    /// Knowledge about the images from the result.
+    /// Geometry and relative view from the result, unless the result is unreliable.
     pub known: Known,
 }
 

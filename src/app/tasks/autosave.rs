@@ -107,7 +107,7 @@ fn free_slot(folder: &Path) -> std::io::Result<(PathBuf, File)> {
     Err(std::io::Error::other(format!("all {SLOTS} places for copies are taken")))
 }
 
-/// Locks a slot and returns its path; `None` if another window holds it.
+/// Locks a slot and returns its path and lock; `None` if another window holds it.
 fn take(folder: &Path, slot: usize) -> std::io::Result<Option<(PathBuf, File)>> {
     let lock = folder.join(format!("unsaved-{slot}.lock"));
     let file = OpenOptions::new().create(true).truncate(false).write(true).open(lock)?;

@@ -130,7 +130,8 @@ fn apart(path: &Path, inputs: &[PathBuf]) -> Result<(), WriteError> {
 /// Writes a file whole or not at all. An unusable path fails before the content is composed.
 fn export(path: &Path, content: ExportContent) -> Result<(), String> {
     let output = OutputFile::prepare(path).map_err(|error| error.to_string())?;
-    let content = catch_unwind(AssertUnwindSafe(content))
-        .unwrap_or_else(|payload| Err(format!("composing it failed ({})", panic_text(payload.as_ref()))))?;
+    let content = catch_unwind(AssertUnwindSafe(content)).unwrap_or_else(|payload| {
+        Err(format!("composing the file failed ({})", panic_text(payload.as_ref())))
+    })?;
     output.write(&content).map_err(|error| error.to_string())
 }

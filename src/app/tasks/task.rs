@@ -2,8 +2,8 @@
 //!
 //! Either only the newest waiting question is answered ([`Waiting::Newest`]), or all in order
 //! ([`Waiting::All`]). During a drag, a question comes every frame. If each question cancelled the
-//! previous one, none would ever be answered. So the running question goes on until it allows to
-//! [give way](Turn::give_way). News carries the number of its question and never arrives after news
+//! previous one, none would ever be answered. So the running question goes on until it
+//! [gives way](Turn::give_way). News carries the number of its question and never arrives after news
 //! of a later question. Panics are reported, too.
 
 use std::any::Any;

@@ -69,7 +69,7 @@ pub struct Document {
     pub chosen: BTreeSet<usize>,
 }
 
-#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde asks so")]
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]
 fn is_zero(offset: &i32) -> bool {
     *offset == 0
 }

@@ -18,7 +18,7 @@ const MOST_NAMED: usize = 5;
 pub struct PendingImport {
     /// The files.
     pub source: ImportSource,
-    /// Reason why the file is not what it was first taken for, as the start of a message.
+    /// Message that the file is not a session, if it was first opened as one.
     pub prelude: Option<String>,
 }
 

@@ -130,10 +130,10 @@ fn barcodes(estimate: &Estimate) -> Vec<Fact> {
     let lines = Fact {
         tone: tone(|reason| matches!(reason, Reason::FewBarcodes { .. }), Tone::Caution),
         ..Fact::new(
-            "Telling lines",
+            "Distinct lines",
             format!("{:.0}, in {} frames", figures.lines, figures.frames),
             "Number of epipolar lines with a barcode of their own. Neighbouring lines are crossed \
-             by the same objects and count less. The geometry has seven unknowns.",
+             by the same objects and count less. The geometry has seven unknowns, so it needs more lines than that.",
         )
     };
     let precision = figures.deviation.map(|deviation| Fact {
@@ -231,9 +231,10 @@ fn line_figures(
         Fact::new(
             "Round trip",
             format!("{area:.2} px"),
-            "Distance between a line and its image after a round trip through the other image, by \
-             the lines matched through the clicks. The published search compares its hypotheses by \
-             it. The verdict rests on the matches, so a good result may have a large value.",
+            "Distance between a line and the result of mapping it to the other image and back, \
+             with the maps built from the clicks. The published search compares its hypotheses by \
+             this distance. The verdict rests on the matches, so a good result may have a large \
+             value.",
         )
         .on(gauge(HypothesisFigure::RoundTrip))
     });

@@ -77,7 +77,7 @@ pub enum HypothesisFigure {
     LineScore,
     /// Distance between a line and its image after a round trip.
     RoundTrip,
-    /// Ratio of the stretches (κ) of the two maps between the pencils.
+    /// Ratio of κ in the two maps between the pencils.
     ThereBack,
 }
 

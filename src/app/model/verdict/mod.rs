@@ -60,8 +60,8 @@ pub fn verdict(document: &Document, computation: &Computation) -> VerdictInWords
             Some(EstimateFailure::Panic(text)) => bare(
                 Tone::Bad,
                 format!(
-                    "The computation stopped unexpectedly ({text}). This is a fault of the program; \
-                     the points are kept. Move a point or press F5 to try again."
+                    "The computation stopped unexpectedly ({text}), by a fault of the program. \
+                     Your points are kept. Move a point or press F5 to try again."
                 ),
             ),
             None if computation.was_stopped() => bare(Tone::Idle, "Stopped. F5 computes again.".into()),
