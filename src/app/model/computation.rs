@@ -53,7 +53,7 @@ pub enum RequestChange {
     None,
     /// Only the points moved. The running search may still give a geometry that can follow them.
     Moved,
-    /// Everything else changed, or there is no request any more.
+    /// Parameters or sequences changed, or there is no request any more.
     Other,
 }
 

@@ -18,7 +18,7 @@ impl Importing {
         Self { task, name: String::new() }
     }
 
-    /// Reads files. A running import is cancelled.
+    /// Reads files in the thread.
     pub fn begin(&mut self, question: ImportQuestion) {
         self.name = question.pending.source.name();
         self.task.ask(question);

@@ -115,9 +115,7 @@ pub fn content(
                 Box::new(move || Ok(profile::csv(&inspection, trust.as_ref()).into_bytes()));
             (content, "the profile of the inspected line pair".to_owned())
         }
-        ExportKind::Figure | ExportKind::View => {
-            return Err("Figures and pictures are drawn, not composed.".to_owned());
-        }
+        ExportKind::Figure | ExportKind::View => return Err("This is drawn, not composed.".to_owned()),
     })
 }
 
