@@ -256,13 +256,15 @@ fn the_rival_that_makes_the_margin_is_marked() {
     for (row, says) in [
         (
             "Hypothesis 2",
-            "Not clearly different from the result: of the 221 matches before refinement, half lie up to 3.1 px from its lines \
-             (symmetric distance), and up to 3.8 px count as near. So it is no rival, and the margin passes over it.",
+            "Not clearly different from the result: half of the 221 matches before refinement lie \
+             within 3.1 px of its lines (symmetric distance; up to 3.8 px count as near). So it is \
+             not a rival, and the margin ignores it.",
         ),
         (
             "Hypothesis 3, the rival",
-            "The best clearly different geometry: of the 221 matches before refinement, half lie up to 25.0 px from its lines \
-             (symmetric distance), and up to 3.8 px count as near. Its support 80.0 beside 100.0 of hypothesis 1 makes the margin of 20 %.",
+            "The best clearly different geometry: half of the 221 matches before refinement lie \
+             within 25.0 px of its lines (symmetric distance; up to 3.8 px count as near). Its \
+             support 80.0 against 100.0 for hypothesis 1 gives a margin of 20 %.",
         ),
     ] {
         let row = window.get_by_label(row).rect();

@@ -70,7 +70,7 @@ fn a_pair_without_a_match_stays_and_the_window_says_why() {
     window.get_by_label("Refine: pair q").click();
     settle(&mut window);
     assert_eq!(point(&window, Q_RIGHT), before);
-    window.get_by_label_contains("Pair q stays where it is. Nothing is alike. Drag its right point");
+    window.get_by_label_contains("Pair q was not changed. Nothing is alike. Drag its right point");
 }
 
 #[test]

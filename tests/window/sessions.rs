@@ -124,7 +124,7 @@ fn a_changed_image_is_taken_only_when_a_person_says_so() {
     settle(&mut again);
     assert_eq!(again.state().document().pairs.len(), 3);
     assert_eq!(again.state().document().pairs[1].point2, Point::new(29.5, 30.0625));
-    assert!(again.state().messages().any(|text| text.contains("another size")));
+    assert!(again.state().messages().any(|text| text.contains("The size of an image has changed")));
 }
 
 #[test]

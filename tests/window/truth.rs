@@ -335,7 +335,7 @@ fn the_sample_offers_its_truth_and_undo_takes_it_out_of_use() {
     assert!(lines(&window, Side::Right, TRUE).is_empty());
     assert!(window.query_by_label("Show True lines").is_none());
     press(&mut window, Key::N);
-    assert!(window.state().messages().any(|text| text.contains("switch the ground truth on first")));
+    assert!(window.state().messages().any(|text| text.contains("Switch the ground truth on first")));
     press(&mut window, Key::G);
     assert_eq!(document(&window).truth, Some(TruthSource::Sample("courtyard".into())));
     window.get_by_label("Show True lines");
