@@ -130,12 +130,12 @@ impl Face {
     fn embed(&self, pdf: &mut Pdf, at: i32) -> Result<(), String> {
         let [font_at, numbered_at, about_at, file_at, letters_at, glyphs_at] =
             [0, 1, 2, 3, 4, 5].map(|k| Ref::new(at + k));
-        let font = self.font().ok_or("A font of the program cannot be read.")?;
+        let font = self.font().ok_or("A font of Epiline cannot be read.")?;
         let mut kept = GlyphRemapper::new();
         let glyphs: Vec<u16> =
             self.letters.iter().map(|letter| kept.remap(letter.glyph.to_u32() as u16)).collect();
         let file = subsetter::subset(self.bytes(), self.data.index, &kept)
-            .map_err(|e| format!("The letters of a font could not be taken out of it: {e}."))?;
+            .map_err(|e| format!("The font could not be embedded: {e}."))?;
         let postscript = font.localized_strings(StringId::POSTSCRIPT_NAME).english_or_first();
         let postscript = postscript.map_or_else(|| "Font".to_owned(), |name| name.chars().collect());
         let base = format!("{}+{postscript}", tag(&self.letters));

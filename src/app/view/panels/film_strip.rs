@@ -127,13 +127,13 @@ impl FilmStrip {
         let beside = if !free {
             "Click to open its pair.".to_owned()
         } else if pair.contains(&view) {
-            "It is open.".to_owned()
+            "This image is open.".to_owned()
         } else {
             format!("Click to open it beside {}.", folder.names()[pair[0]])
         };
         let placed = match points {
             0 => String::new(),
-            _ => format!("\n{} there.", counted(points)),
+            _ => format!("\n{} placed.", counted(points)),
         };
         let response = response.on_hover_text(format!("{name}\n{beside}{placed}"));
         if response.on_hover_cursor(CursorIcon::PointingHand).clicked()
@@ -256,7 +256,8 @@ fn side_button(
     if pair[side.other().index()] == view {
         views = [pair[1], pair[0]];
     }
-    let tooltip = if is_open { format!("It is open on the {}.", side.name()) } else { format!("{label}.") };
+    let tooltip =
+        if is_open { format!("This image is open on the {}.", side.name()) } else { format!("{label}.") };
     if response.on_hover_text(tooltip).clicked() && folder.is_pair(views) && views != pair {
         commands.push(Command::OpenViews(views));
     }

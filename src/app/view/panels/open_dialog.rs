@@ -110,7 +110,10 @@ impl OpenDialog {
             return;
         }
         let open = dialog(ctx, "Open images", 520.0, |ui| {
-            ui.weak("Type or paste the paths of two images, of two sequences (folders of frames, videos) or of a session, browse for the files, or drop them on the window.");
+            ui.weak(
+                "Enter the paths of two images, two sequences (folders of frames or videos) or a session. \
+                 You can also browse for the files or drop them on the window.",
+            );
             ui.add_space(6.0);
             let rows = [
                 ("Left image", "Browse for the left image", Side::Left),
@@ -130,8 +133,8 @@ impl OpenDialog {
             }
             ui.add_space(6.0);
             ui.weak(
-                "Or a folder of images, any two of which make a pair. Where its geometry is known (VGG layout, or pairs \
-                 NAMEA.*, NAMEB.* with NAME.txt), results can be compared with it.",
+                "Or open a folder of images and choose any two. If the folder has ground truth (VGG layout, \
+                 or pairs NAMEA.*, NAMEB.* with NAME.txt), results can be compared with it.",
             );
             ui.add_space(2.0);
             let row = field("Folder", "path of the folder", "Browse for the folder", Command::BrowseFolder);
@@ -139,10 +142,11 @@ impl OpenDialog {
             elsewhere |= row.show_browse(ui, place, commands).has_focus();
             ui.add_space(6.0);
             ui.weak(
-                    "For the images, if you have them: point pairs, a fundamental matrix or two cameras, in any of the known formats.",
-                );
+                "Optional: point pairs, a fundamental matrix or two cameras for the images, in any known \
+                 format.",
+            );
             ui.add_space(2.0);
-            let hint = "path of the file, for the images above or those that are open";
+            let hint = "path of the file, for the images above or the open ones";
             let browse = ExchangeCommand::BrowseImport.into();
             let row = field("Import", hint, "Browse for a file to import", browse);
             let (_, place) = row.show_field(ui, &mut self.import);
@@ -191,7 +195,7 @@ impl OpenDialog {
 fn recents(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) -> bool {
     let mut focused = false;
     if model.recents.list().next().is_some() {
-        ui.weak("Opened last");
+        ui.weak("Recent");
     }
     for paths in model.recents.list() {
         let entry =

@@ -34,7 +34,7 @@ fn kept_pairs(ui: &mut Ui, model: &Model, folder: &PairFolder, commands: &mut Ve
     if kept.is_empty() {
         return;
     }
-    let menu = ui.menu_button(format!("Kept: {}", kept.len()), |ui| {
+    let menu = ui.menu_button(format!("Edited pairs ({})", kept.len()), |ui| {
         ScrollArea::vertical().show(ui, |ui| {
             for pair in kept {
                 let name = format!("{}: {}", folder.pair_name(pair), counted(model.points_on(pair)));
@@ -45,7 +45,7 @@ fn kept_pairs(ui: &mut Ui, model: &Model, folder: &PairFolder, commands: &mut Ve
         });
     });
     menu.response.on_hover_text(
-        "The other pairs on which you placed points or pinned lines. They are kept in this session and saved with it.",
+        "Other pairs on which you placed points or pinned lines. They are saved with the session.",
     );
 }
 
@@ -89,7 +89,7 @@ fn view_chooser(ui: &mut Ui, folder: &PairFolder, pair: [usize; 2], side: Side, 
             }
         });
     response.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, &label));
-    response.response.on_hover_text(format!("{label} of the folder: any two of its views are a pair."));
+    response.response.on_hover_text(format!("{label} of the folder. Any two views can form a pair."));
     if chosen != pair[side.index()] {
         let mut views = pair;
         views[side.index()] = chosen;
@@ -109,5 +109,5 @@ fn pair_chooser(ui: &mut Ui, folder: &PairFolder, pair: [usize; 2], commands: &m
             }
         });
     response.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, "The pair"));
-    response.response.on_hover_text("Which pair of the folder is open.");
+    response.response.on_hover_text("Choose which pair of the folder is open.");
 }

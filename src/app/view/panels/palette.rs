@@ -76,7 +76,7 @@ impl CommandPalette {
 
     fn list(&mut self, ui: &mut Ui, found: &[PaletteEntry], moved: bool, commands: &mut Vec<Command>) {
         if found.is_empty() {
-            ui.weak("No command has these letters.");
+            ui.weak("No command matches.");
         }
         let room = (ui.ctx().content_rect().height() - 240.0).clamp(80.0, 380.0);
         ScrollArea::vertical().max_height(room).auto_shrink([false, true]).show(ui, |ui| {

@@ -17,7 +17,7 @@ pub fn show(ui: &mut Ui, model: &Model, number: usize, commands: &mut Vec<Comman
     };
     ui.weak(format!("Line pair {}", number + 1));
     ui.label(RichText::new(describe_lines(pins[place].source)).weak().small());
-    let look = ui.button("Look at its profiles");
+    let look = ui.button("Show its profiles");
     if look.on_hover_text("Compare the intensities along its two lines.").clicked() {
         commands.extend([Command::Inspect(place), Command::ShowTab(TabId::Profiles)]);
         ui.close();

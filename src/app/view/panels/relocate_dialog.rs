@@ -56,21 +56,21 @@ impl RelocateDialog {
         dialog(ctx, "Find the images", 560.0, |ui| {
             let session = &self.relocation.session;
             let what = if session.recovers {
-                "The work that was not saved".to_owned()
+                "The unsaved work".to_owned()
             } else {
                 format!("The session {}", session.path.display())
             };
-            ui.add(Label::new(format!("{what} needs your help with its images.")).wrap());
+            ui.add(Label::new(format!("{what} needs images that are missing or have changed.")).wrap());
             let mut all_there = true;
             for side in Side::BOTH {
                 let Some(lost) = &self.relocation.lost[side.index()] else { continue };
                 ui.add_space(8.0);
                 let text = match lost {
                     Lost::Missing(path) => {
-                        format!("The {} image is not there: {}", side.name(), path.display())
+                        format!("The {} image was not found: {}", side.name(), path.display())
                     }
                     Lost::Changed(path) => format!(
-                        "The {} image has changed since the session was saved, or is another one: {}",
+                        "The {} image has changed since the session was saved, or is a different image: {}",
                         side.name(),
                         path.display()
                     ),
@@ -80,7 +80,8 @@ impl RelocateDialog {
                 let missing = matches!(lost, Lost::Missing(_));
                 ui.horizontal(|ui| {
                     let label = ui.label(format!("New {} image", side.name()));
-                    let hint = if missing { "where it is now" } else { "where the original is, if anywhere" };
+                    let hint =
+                        if missing { "its present path" } else { "path of the original, if there is one" };
                     let edit = TextEdit::singleline(typed).hint_text(hint).desired_width(340.0);
                     ui.add(edit).labelled_by(label.id);
                     let label = format!("Browse for the {} image", side.name());
@@ -96,7 +97,7 @@ impl RelocateDialog {
                 finish_button(ui, open, self.again(false), commands);
                 if changed {
                     let anyway = ui.add_enabled(all_there, Button::new("Use changed images as they are"));
-                    let hint = "The points of the session are kept; check that they still fit.";
+                    let hint = "The points of the session are kept. Check that they still fit.";
                     if anyway.on_hover_text(hint).clicked() {
                         commands.push(self.again(true));
                     }

@@ -32,8 +32,9 @@ impl SaveDialog {
     pub fn show(&mut self, ctx: &egui::Context, commands: &mut Vec<Command>) -> bool {
         let open = dialog(ctx, "Save session", 520.0, |ui| {
             ui.weak(
-                    "Points, parameters, pinned lines and views, as one readable JSON file. The images stay where they are.",
-                );
+                "Saves points, parameters, pinned lines and views in one JSON file. The images stay where \
+                 they are.",
+            );
             ui.add_space(6.0);
             ui.horizontal(|ui| {
                 let label = ui.label("File");
@@ -47,7 +48,7 @@ impl SaveDialog {
             });
             let path = path_of(&self.path).map(with_extension);
             let replaces = path.as_ref().is_some_and(|path| path.exists());
-            ui.label(if replaces { "There is a file of that name; it will be replaced." } else { "" });
+            ui.label(if replaces { "A file of that name exists and will be replaced." } else { "" });
             ui.add_space(6.0);
             let command = path.map(|path| SessionCommand::SaveTo(path).into());
             ui.horizontal(|ui| {

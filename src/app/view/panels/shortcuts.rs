@@ -9,17 +9,17 @@ use crate::app::view::keyboard::key_text;
 
 /// What the mouse does in an image.
 const MOUSE: [(&str, &str); 7] = [
-    ("Click", "Place a point, first in one image, then its match in the other"),
-    ("Drag a point", "Move it; the geometry follows"),
+    ("Click", "Place a point in one image, then its match in the other"),
+    ("Drag a point", "Move the point; the geometry follows"),
     ("Scroll, pinch", "Zoom about the cursor"),
-    ("Drag beside the points", "Move the image; so do the middle button and Space"),
+    ("Drag elsewhere", "Move the image; the middle button and Space do the same"),
     ("Double click", "Show the whole image"),
     ("Arrow keys", "Move the selected point by 0.1 px"),
     ("Shift and arrow keys", "Move the selected point by 1 px"),
 ];
 
 /// What the actions are about, in the order of the list.
-const GROUPS: [&str; 6] = ["Points", "Result", "Files", "Looking", "Panels", "Program"];
+const GROUPS: [&str; 6] = ["Points", "Result", "Files", "Display", "Panels", "Program"];
 
 /// Which of the groups an action belongs to.
 fn group(command: &Command) -> &'static str {
@@ -37,7 +37,7 @@ fn group(command: &Command) -> &'static str {
         | Command::ToggleLoupe
         | Command::Tones(_)
         | Command::Player(_)
-        | Command::Rectified(_) => "Looking",
+        | Command::Rectified(_) => "Display",
         Command::ShowTab(_)
         | Command::FoldTabs
         | Command::FoldSide

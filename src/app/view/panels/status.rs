@@ -14,7 +14,8 @@ const ROOM_FOR_HINTS: f32 = 360.0;
 /// Shows the bar.
 pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     ui.horizontal(|ui| {
-        let under = model.open.hover.and_then(|hover| Some((hover, model.intensity_at(hover.side, hover.point)?)));
+        let under =
+            model.open.hover.and_then(|hover| Some((hover, model.intensity_at(hover.side, hover.point)?)));
         let text = match under {
             Some((hover, intensity)) => format!(
                 "{:<5}  x {:8.2}   y {:8.2}   intensity {intensity:5.1}",
@@ -22,7 +23,7 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
                 hover.point.x,
                 hover.point.y,
             ),
-            None => "Position and intensity under the cursor".into(),
+            None => String::new(),
         };
         let text = RichText::new(text);
         ui.label(if model.open.hover.is_some() { text.monospace() } else { text.weak() });
@@ -37,7 +38,8 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
             };
             ui.separator();
             ui.label(format!("Random trial, {protocol}, seed {}", trial.seed)).on_hover_text(
-                "The pairs of the estimate are true matches: those of the first trial of epiline evaluate with this seed.",
+                "The estimate uses true matches as point pairs. The first trial of epiline evaluate with \
+                 this seed uses the same ones.",
             );
         }
         if let Some(progress) = model.activity.writing {

@@ -55,7 +55,7 @@ fn tools(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     }
     let stays_open = MenuConfig::new().close_behavior(PopupCloseBehavior::CloseOnClickOutside);
     let (menu, _) = MenuButton::new("View").config(stays_open).ui(ui, |ui| view_menu(ui, model, commands));
-    menu.on_hover_text("Choose how the images are shown, and which panels.");
+    menu.on_hover_text("Choose how the images are shown, and which panels are visible.");
     if any {
         tones::show(ui, model, commands);
     }
@@ -82,7 +82,7 @@ fn view_menu(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     switch(ui, Command::ToggleStacked, Command::ToggleStacked.name(), look.stacked);
     switch(ui, Command::ToggleMap, Command::ToggleMap.name(), look.map);
     switch(ui, Command::ToggleLoupe, Command::ToggleLoupe.name(), look.loupe);
-    switch(ui, PointsCommand::ToggleNames.into(), "Names of pairs", look.names);
+    switch(ui, PointsCommand::ToggleNames.into(), "Pair names", look.names);
     ui.separator();
     switch(ui, Command::FoldSide, "Side panel", !look.side_folded);
     switch(ui, Command::FoldTabs, "Bottom panel", !look.tabs_folded);

@@ -157,8 +157,9 @@ pub fn show(ui: &mut Ui, transform: &Transform, side: Side, model: &Model, comma
         }
     }
     response.on_hover_text(
-        "The whole plane of this image: the image in the middle, infinity at the rim. Green ring: the epipole of the \
-         geometry shown; blue: the true one, where it is known; dots: those of the hypotheses. Click a dot to show that hypothesis.",
+        "The whole plane of this image: the image in the middle, infinity at the rim. Green ring: epipole \
+         of the geometry shown. Blue ring: true epipole, where known. Dots: epipoles of the hypotheses; \
+         click a dot to show its hypothesis.",
     );
 }
 

@@ -266,7 +266,8 @@ impl ImagePane {
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
                 ui.weak(format!("{width} × {height} px"));
                 if !model.open.tones.of[self.side.index()].is_plain() {
-                    ui.weak("tones changed").on_hover_text("Not as in the file: see the menu Tones.");
+                    ui.weak("brightness changed")
+                        .on_hover_text("Not shown as in the file. Reset it in the menu Brightness.");
                 }
                 if let Some(image) = self.image.as_ref().filter(|image| !image.view.fits()) {
                     let rect = ui.available_rect_before_wrap();
@@ -357,7 +358,7 @@ impl ImagePane {
         if let Some(at) = under.filter(|at| self.drag.is_none() && model.document.selection != Some(*at)) {
             let name = pair_name(at.pair);
             response.clone().on_hover_text_at_pointer(format!(
-                "Point {name}: drag it, or use the arrow keys; a right click has more."
+                "Point {name}: drag it, or use the arrow keys. Right-click for more."
             ));
         }
     }

@@ -131,7 +131,7 @@ impl FileExport {
             let missing = self.order.what.missing(model);
             ui.label(match (missing, replaces) {
                 (Some(missing), _) => missing,
-                (None, true) => "There is a file of that name; it will be replaced.",
+                (None, true) => "A file of that name exists and will be replaced.",
                 (None, false) => "",
             });
             ui.add_space(6.0);
@@ -167,16 +167,16 @@ impl FileExport {
                     row(ui, "", |ui| {
                         ui.checkbox(
                             &mut self.order.with_matches,
-                            format!("Also the {count} matches that the result rests on"),
+                            format!("Include the {count} matches that support the result"),
                         )
                     });
                 }
             }
             ExportKind::Report => row(ui, "Format", |ui| {
                 ui.radio_value(&mut self.order.reported, ReportFormat::Text, "Plain text")
-                    .on_hover_text("In words and figures, for people.");
+                    .on_hover_text("Words and figures, for reading.");
                 ui.radio_value(&mut self.order.reported, ReportFormat::Json, "JSON")
-                    .on_hover_text("As epiline estimate writes it; other programs and this one read it.");
+                    .on_hover_text("The format of epiline estimate, for Epiline and other programs.");
             }),
             ExportKind::Table | ExportKind::Profile => {}
             ExportKind::Figure => {
@@ -185,7 +185,7 @@ impl FileExport {
             }
             ExportKind::View => row(ui, "Part", |ui| {
                 ui.radio_value(&mut self.order.part, ViewPart::Images, "Both images")
-                    .on_hover_text("The two images with everything drawn over them.");
+                    .on_hover_text("The two images with all overlays.");
                 ui.radio_value(&mut self.order.part, ViewPart::Window, "The whole window");
             }),
         }
@@ -211,19 +211,19 @@ impl FileExport {
         let figure = &mut self.order.figure;
         row(ui, "Format", |ui| {
             ui.radio_value(&mut figure.format, FigureFormat::Svg, "SVG")
-                .on_hover_text("Lines and letters, sharp at any size, to be edited and for the web.");
+                .on_hover_text("Vector lines and text, for editing and for the web.");
             ui.radio_value(&mut figure.format, FigureFormat::Pdf, "PDF")
-                .on_hover_text("Lines and letters, sharp at any size, for LaTeX and printing.");
+                .on_hover_text("Vector lines and text, for LaTeX and printing.");
         });
         row(ui, "Images", |ui| {
             ui.radio_value(&mut figure.seen, false, "Whole");
-            ui.radio_value(&mut figure.seen, true, "What is seen")
-                .on_hover_text("The part that each pane shows.");
+            ui.radio_value(&mut figure.seen, true, "Current view")
+                .on_hover_text("The part of the image that each pane shows.");
         });
         row(ui, "Style", |ui| {
             ui.checkbox(&mut figure.labels, "Labels").on_hover_text("The names of points and lines.");
-            ui.checkbox(&mut figure.dark, "Dark paper")
-                .on_hover_text("Dark between the images and around them.");
+            ui.checkbox(&mut figure.dark, "Dark background")
+                .on_hover_text("A dark colour between and around the images.");
         });
     }
 
@@ -257,14 +257,15 @@ impl FileExport {
             ExportKind::Profile => PROFILE_CONVENTION.map(str::to_owned).to_vec(),
             ExportKind::Figure => vec![match self.order.figure.format {
                 FigureFormat::Svg => {
-                    "The images are in it with all their pixels; lines and letters can be edited.".to_owned()
+                    "Contains the images at full resolution. Lines and text can be edited.".to_owned()
                 }
                 FigureFormat::Pdf => {
-                    "One page with the images in all their pixels; lines and letters stay sharp, and the font is in the file."
+                    "One page with the images at full resolution. Lines and text are vectors, and the font \
+                     is embedded."
                         .to_owned()
                 }
             }],
-            ExportKind::View => vec!["A PNG file of as many pixels as are on the screen.".to_owned()],
+            ExportKind::View => vec!["A PNG file at the resolution of the screen.".to_owned()],
         };
         for sentence in sentences {
             ui.add(Label::new(RichText::new(sentence).weak().small()).wrap());
@@ -280,7 +281,7 @@ impl FileExport {
     ) {
         let command = order.map(|order| ExchangeCommand::Export(order).into());
         ui.horizontal(|ui| {
-            let export = ui.add_enabled(command.is_some(), Button::new("Export this"));
+            let export = ui.add_enabled(command.is_some(), Button::new("Export file"));
             let described =
                 command.clone().unwrap_or_else(|| ExchangeCommand::Export(self.order.clone()).into());
             finish_button(ui, export, described, commands);

@@ -47,17 +47,16 @@ impl ReadingDialog {
 
     /// Shows the window; returns whether it stays open.
     pub fn show(&mut self, ctx: &egui::Context, commands: &mut Vec<Command>) -> bool {
-        dialog(ctx, "How is this matrix meant?", 680.0, |ui| {
+        dialog(ctx, "Which convention does this matrix use?", 680.0, |ui| {
             let ImportFound { name, format, .. } = &self.found;
             ui.weak(format!("A fundamental matrix from {name}, read as {}.", format.label()));
             ui.add_space(6.0);
             self.verdict(ui);
             ui.add_space(6.0);
             if !self.found.pairs.is_empty() {
-                let text = format!("Also place its {} point pairs", self.found.pairs.len());
-                ui.checkbox(&mut self.with_pairs, text).on_hover_text(
-                    "They take the place of the pairs that are there. Undo brings those back.",
-                );
+                let text = format!("Also import its {} point pairs", self.found.pairs.len());
+                ui.checkbox(&mut self.with_pairs, text)
+                    .on_hover_text("They replace the present pairs. Undo restores those.");
                 ui.add_space(6.0);
             }
             ui.horizontal(|ui| self.buttons(ui, commands));
@@ -77,11 +76,12 @@ impl ReadingDialog {
             let missing = FEWEST_MATCHES.saturating_sub(*count);
             let text = if missing > 0 {
                 format!(
-                    "Nobody has checked it yet: that takes {FEWEST_MATCHES} matches, {count} are at hand. Click or \
-                     import {missing} more point pairs and import the matrix again, or take it as it is."
+                    "The matrix was not checked: that takes {FEWEST_MATCHES} matches, and there are \
+                     {count}. Click or import {missing} more point pairs and import the matrix again, or \
+                     import it as it is."
                 )
             } else {
-                "It could not be checked: its numbers are too large to be told from other readings."
+                "The matrix could not be checked: its numbers are too large to tell the readings apart."
                     .to_owned()
             };
             ui.add(Label::new(text).wrap());
@@ -119,9 +119,9 @@ fn readings(ui: &mut Ui, check: &ConventionCheck, chosen: &mut usize) {
     let listed = check.readings.len().min(LISTED);
     let behind = as_read(check).filter(|place| *place >= listed);
     let headings = [
-        ("Reading", "How the numbers of the matrix are taken."),
-        ("Median, px", "Half of the matches are nearer to their epipolar lines than this."),
-        ("Fitting", "Which part of the matches is near enough to its epipolar lines."),
+        ("Reading", "How the numbers of the matrix are interpreted."),
+        ("Median, px", "Half of the matches are closer to their epipolar lines than this."),
+        ("Fitting", "Share of the matches that are close enough to their epipolar lines."),
         ("", ""),
     ];
     Grid::new("readings").num_columns(4).striped(true).spacing([18.0, 4.0]).show(ui, |ui| {

@@ -155,7 +155,7 @@ fn reset(ui: &mut Ui, setting: &ParameterEntry, parameters: &Parameters, command
     response.widget_info(|| {
         egui::WidgetInfo::labeled(egui::Role::Button, true, format!("Reset {}", setting.name))
     });
-    let tooltip = format!("Back to {}.", setting.default_text(parameters.preset));
+    let tooltip = format!("Reset to {}.", setting.default_text(parameters.preset));
     if response.on_hover_text(tooltip).clicked() {
         let mut changed = parameters.clone();
         setting.copy(&defaults, &mut changed);

@@ -48,8 +48,9 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
             if model.has_result() {
                 another_shown(ui, &name, commands);
             } else {
-                let text =
-                    format!("The images show {name}. Click two point pairs to estimate one beside it.");
+                let text = format!(
+                    "The images show {name}. Mark two point pairs to estimate a geometry for comparison."
+                );
                 ui.add(Label::new(RichText::new(text).strong()).wrap());
             }
             let imported = model.document.imported.as_ref().filter(|_| contestant == Contestant::Imported);
@@ -86,8 +87,8 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     }
     if let Some(Some(next)) = model.open.next_click {
         let text = format!(
-            "One more pair would help most at the marked place of the left image: geometries that the matches allow as well differ \
-             by up to {:.0} px there.",
+            "Add a pair at the mark in the left image: equally plausible geometries differ by up to {:.0} \
+             px there.",
             next.disagreement
         );
         ui.add(Label::new(text).wrap());
@@ -115,9 +116,9 @@ fn true_error(model: &Model) -> impl Iterator<Item = Fact> + use<> {
         let (error, least) = (comparison.true_error?, comparison.truth_error?);
         Some(Fact::new(
             "True error",
-            format!("{error:.2} px (the truth: {least:.2} px)"),
-            "Mean symmetric distance of all true matches from the geometry shown. That of the true geometry says how exact \
-             the matches are: nothing can be expected to do much better.",
+            format!("{error:.2} px (ground truth itself: {least:.2} px)"),
+            "Mean symmetric epipolar distance of all true matches under the geometry shown. The value of \
+             the ground truth itself shows how exact the matches are. No estimate can be much better.",
         ))
     });
     fact.into_iter()

@@ -41,7 +41,7 @@ pub fn show(ui: &mut Ui, model: &Model, inspected: &InspectedBarcodes, commands:
     let rows: [BarcodeRow; 3] = [
         ("Left line", ink, &|frame| left.is_set(frame)),
         ("Right line", ink, &|frame| right.is_set(frame)),
-        ("Not alike", theme::palette(ui.visuals()).bad, &|frame| left.is_set(frame) != right.is_set(frame)),
+        ("Mismatch", theme::palette(ui.visuals()).bad, &|frame| left.is_set(frame) != right.is_set(frame)),
     ];
     let mut bottom = area.min.y;
     for (k, (name, color, is_set)) in rows.into_iter().enumerate() {
@@ -79,7 +79,7 @@ fn in_words(model: &Model, inspected: &InspectedBarcodes) -> String {
     let crossed = format!("crossed in {} and {} of {} frames", left.ones(), right.ones(), left.len());
     match inspected.correlation() {
         Some(correlation) => format!("{lines}: correlation {correlation:.2}, {crossed}."),
-        None => format!("{lines}: {crossed}, too few changes to be compared."),
+        None => format!("{lines}: {crossed}, too few changes to compare."),
     }
 }
 

@@ -78,7 +78,7 @@ fn menu(ui: &mut Ui, focus: &Focus, commands: &mut Vec<Command>) {
             }
         });
     });
-    button.on_hover_text("Choose which of the pinned line pairs is looked at closely.");
+    button.on_hover_text("Choose which pinned line pair to inspect.");
 }
 
 /// Whether what this is asked in was out of sight until just now.
@@ -107,18 +107,21 @@ pub fn read_out(model: &Model) -> Option<(String, &'static str)> {
     let inspected = model.inspected()?;
     if let Some((inspection, sample)) = model.open.inspection.as_ref().zip(marked(model)) {
         let text = describe_sample(inspection, sample);
-        return Some((text, "The sample of the left line under the cursor, and what it was matched with."));
+        return Some((text, "The sample of the left line under the cursor, and its match."));
     }
     let lines = describe(inspected.source);
     let text = match model.open.inspection.as_ref() {
         Some(inspection) => {
             let matching = &inspection.warped.matching;
             let cost = matching.cost as f64 / matching.sample_costs.len().max(1) as f64;
-            format!("{lines}, {cost:.0} grey² a sample")
+            format!("{lines}, {cost:.0} grey² per sample")
         }
         None => lines,
     };
-    Some((text, "The inspected lines, and the mean cost of their best matching: lower is more alike."))
+    Some((
+        text,
+        "The inspected lines, and the mean cost of their best matching. Similar lines have a low cost.",
+    ))
 }
 
 /// Which lines they are.
@@ -161,5 +164,5 @@ fn describe_sample(inspection: &Inspection, sample: i32) -> String {
     let right = warped.warped2.get(number).copied().flatten();
     let right = right.map_or("outside".to_owned(), |value| value.to_string());
     let shift = f64::from(*disparity) * inspection.step;
-    format!("At {place:.0} px: left {left}, right {right}, shift {shift:+.0} px, cost {cost}")
+    format!("At {place:.0} px: left {left}, right {right}, disparity {shift:+.0} px, cost {cost}")
 }

@@ -96,7 +96,7 @@ impl<'a> PencilMatrix<'a> {
         let rank = candidates.map(|candidate| self.pencils.cell(candidate)).position(|at| at == Some(cell));
         let rank = rank.map_or(String::new(), |rank| format!("\nMutual best, rank {}", rank + 1));
         format!(
-            "Left {:.1}°, right {:.1}°, turn {:+.1}°\nCost {:.3}{rank}\nClick to inspect the two lines.",
+            "Left {:.1}°, right {:.1}°, rotation {:+.1}°\nCost {:.3}{rank}\nClick to inspect the two lines.",
             angles[0].to_degrees(),
             angles[1].to_degrees(),
             turn(angles).to_degrees(),

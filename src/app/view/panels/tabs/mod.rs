@@ -107,7 +107,7 @@ pub fn chosen(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
 /// Says that what a tab shows is of the points before a move; the search for the new ones goes on.
 fn say_earlier(ui: &mut Ui, is_earlier: bool) {
     if is_earlier {
-        ui.weak("of the points before the move");
+        ui.weak("from before the move");
     }
 }
 

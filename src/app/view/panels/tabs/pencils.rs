@@ -36,7 +36,7 @@ fn legend(ui: &mut Ui) {
     ui.add_space(theme::GAP);
     ui.weak("shown");
     mark(ui, theme::ESTIMATED);
-    ui.weak("mutual best").on_hover_text("Each of the two lines is among the best for the other.");
+    ui.weak("mutual best").on_hover_text("Each of the two lines is among the best matches of the other.");
     let color = ui.visuals().text_color();
     mark(ui, color);
     ui.weak("alike");
@@ -49,8 +49,8 @@ fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let Some(pencils) = model.open.computation.pencils() else {
         empty(
             ui,
-            "All lines through p and q in one image against all lines through them in the other appear here, once \
-             there are enough point pairs. Point at a place to see its two lines; click it to inspect them.",
+            "The costs of matching all lines through p and q appear here once there are enough point pairs. \
+             Point at a cell to see its two lines, and click it to inspect them.",
         );
         return;
     };
@@ -94,7 +94,7 @@ fn one(ui: &mut Ui, model: &Model, number: usize, pencils: &ComparedPencils, com
         let lines = if number == 0 { construction.p() } else { construction.q() };
         (lines.line1, lines.line2)
     });
-    let title = format!("{name}: turn of the right line over direction of the left one");
+    let title = format!("{name}. x: direction in left image; y: relative rotation, right image");
     let heading = RichText::new(title).size(12.0);
     let top = Rect::from_min_max(area.min, pos2(area.max.x, plot.min.y));
     ui.put(top, egui::Label::new(heading.weak()).truncate().halign(egui::Align::Min));

@@ -75,8 +75,8 @@ fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     if document.pairs.is_empty() && document.half.is_none() {
         empty(
             ui,
-            "The pairs you click appear here with their distances from the epipolar lines. Click a point in the left \
-             image, then the same scene point in the right one.",
+            "The pairs you click appear here with their distances from the epipolar lines. Click a point in \
+             the left image, then the same scene point in the right one.",
         );
         ui.horizontal(|ui| editing(ui, model, commands));
         return;
@@ -211,7 +211,7 @@ fn row(ui: &mut Ui, model: &Model, pair: usize, widths: RowWidths, commands: &mu
         if document.point(at).is_some() {
             position(ui, model, at, wide, commands);
         } else {
-            ui.weak("click it");
+            ui.weak("click in image");
         }
     }
     role(ui, model, pair, commands);
@@ -242,7 +242,7 @@ fn row(ui: &mut Ui, model: &Model, pair: usize, widths: RowWidths, commands: &mu
         } else {
             let more = MenuButton::from_button(low(Button::new("More")));
             let (more, _) = more.ui(ui, |ui| pair_menu(ui, model, pair, commands));
-            named(more, &format!("More: pair {name}")).on_hover_text("What else can be done with this pair.");
+            named(more, &format!("More: pair {name}")).on_hover_text("More actions for this pair.");
         }
     });
     ui.end_row();
@@ -271,7 +271,7 @@ fn name_field(ui: &mut Ui, model: &Model, pair: usize, width: f32, commands: &mu
 fn role(ui: &mut Ui, model: &Model, pair: usize, commands: &mut Vec<Command>) {
     let document = &model.document;
     if pair >= document.pairs.len() {
-        ui.weak("half done");
+        ui.weak("incomplete");
         return;
     }
     let name = pair_name(pair);
@@ -290,23 +290,25 @@ fn role(ui: &mut Ui, model: &Model, pair: usize, commands: &mut Vec<Command>) {
         for (only, is_chosen) in [(false, role == Role::Used), (true, role == Role::Check)] {
             let command = Command::CheckOnly(pair, only);
             let button = low(Button::selectable(is_chosen, command.name()));
-            let response = ui.add_enabled(role != Role::Excluded && (only || document.can_be_used(pair)), button);
+            let response =
+                ui.add_enabled(role != Role::Excluded && (only || document.can_be_used(pair)), button);
             let label = format!("{} pair {name}", command.name());
             response.widget_info(|| {
                 egui::WidgetInfo::selected(egui::Role::Button, response.enabled(), is_chosen, &label)
             });
             let response = response.on_disabled_hover_text(if role == Role::Excluded {
-                "The pair is left out: switch it on first."
+                "The pair is left out. Include it first."
             } else {
-                "The published method takes no more pairs: let another one check only, or choose the preset Robust."
+                "The published method takes no more pairs. Set another pair to check only, or choose the \
+                 preset Robust."
             });
             finish_button(ui, response, command, commands);
         }
         if let Some(distance) = model.outvoted(pair) {
             let text = RichText::new("outvoted").color(theme::palette(ui.visuals()).caution);
             ui.label(text).on_hover_text(format!(
-                "{distance:.1} px off its epipolar line (symmetric distance): the images speak against this pair. Check that it shows the same \
-                 scene point in both images.",
+                "The pair misses its epipolar line by {distance:.1} px (symmetric distance), although the \
+                 images support the geometry. Check that both points are the same scene point.",
             ));
         }
     });
@@ -330,7 +332,10 @@ fn position(ui: &mut Ui, model: &Model, at: PointRef, wide: bool, commands: &mut
                 .update_while_editing(false);
             let field = ui.add(field);
             let name = format!("{} {axis} of pair {}", capitalised(at.side.name()), pair_name(at.pair));
-            field.widget_info(|| WidgetInfo { label: Some(name.clone()), ..WidgetInfo::drag_value(true, before) });
+            field.widget_info(|| WidgetInfo {
+                label: Some(name.clone()),
+                ..WidgetInfo::drag_value(true, before)
+            });
             if field.gained_focus() || field.drag_started() {
                 commands.push(Command::Select(Some(at)));
             }
@@ -346,7 +351,8 @@ fn position(ui: &mut Ui, model: &Model, at: PointRef, wide: bool, commands: &mut
                 commands.push(Command::EndDrag);
             }
             field.on_hover_text(format!(
-                "Click to type, drag to change; px, from -0.5 to {:.1}. The arrow keys move the point by 0.1 px.",
+                "Click to type, or drag to change, in px from -0.5 to {:.1}. The arrow keys move the point \
+                 by 0.1 px.",
                 size as f64 - 0.5
             ));
         }

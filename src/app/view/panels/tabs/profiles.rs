@@ -39,8 +39,8 @@ fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         } else if model.inspected().is_some() {
             "The two lines are being compared."
         } else {
-            "Intensities along the epipolar lines of p (of sequences, their motion barcodes) appear here, once there are enough point pairs. Pin a line \
-             pair in the matrix of the pencils to compare others."
+            "Intensities along the epipolar lines of p (for sequences, their motion barcodes) appear here \
+             once there are enough point pairs. Pin a line pair in the tab Pencils to compare other lines."
         };
         empty(ui, text);
         return;
@@ -99,14 +99,18 @@ const PLOTS: [(&str, &str, Content); 4] = [
     ("Before warping", "Intensities of both lines at the same distance from the click.", before),
     (
         "Cost of each sample",
-        "What each sample costs, grey²: its difference and the change of disparity.",
+        "Cost of each sample, grey²: its intensity difference and the change of disparity.",
         costs,
     ),
-    ("After warping", "The right line brought onto the left one by the disparities that were found.", after),
+    (
+        "After warping",
+        "Intensities of the right line, warped onto the left line by the disparities found.",
+        after,
+    ),
     (
         "Disparities",
-        "Cost of matching each sample of the left line (across) at each shift along the right one (up): bright \
-         is alike. The line is the matching that was found.",
+        "Cost of matching each sample of the left line (horizontal) at each disparity (vertical). Bright \
+         means similar. The curve is the matching found.",
         band,
     ),
 ];

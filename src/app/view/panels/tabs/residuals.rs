@@ -49,15 +49,17 @@ impl Part {
             Self::Name => Column::words(
                 "Geometry",
                 92.0,
-                "Whose it is. Click a row, and the whole window shows that geometry.",
+                "Source of the geometry. Click a row to show that geometry in the whole window.",
             ),
-            Self::From => Column::words("From", 176.0, "What it was made from, or what is missing for it."),
-            Self::Median => Column::figures("Median, px", 76.0, "Half of the points are nearer than this."),
+            Self::From => Column::words(
+                "From",
+                176.0,
+                "Data from which the geometry was computed, or the data that are missing.",
+            ),
+            Self::Median => Column::figures("Median, px", 76.0, "Half of the points are closer than this."),
             Self::Mean => Column::figures("Mean, px", 70.0, "Mean distance over all points."),
             Self::Largest => Column::figures("Max, px", 70.0, "Distance of the worst point."),
-            Self::BelowOne => {
-                Column::figures("< 1 px", 56.0, "Which part of the points is nearer than 1 px.")
-            }
+            Self::BelowOne => Column::figures("< 1 px", 56.0, "Share of the points closer than 1 px."),
         }
     }
 
@@ -84,8 +86,8 @@ fn point_columns(contestants: &[Contestant]) -> Vec<Column> {
     let point = Column::figures(
         "Point",
         84.0,
-        "The pair, or the number of the true match. Point at a row to find it in both images; click a pair to \
-                  select it, a true match to inspect its lines.",
+        "The pair, or the number of the true match. Point at a row to find it in both images. Click a pair \
+         to select it, or a true match to inspect its lines.",
     );
     let distance = |contestant: &Contestant| {
         let (title, tooltip) = match contestant {
@@ -115,16 +117,16 @@ fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     if model.document.pairs.is_empty() && model.truth().is_none() {
         empty(
             ui,
-            "How far your pairs are from the epipolar lines appears here, beside what the 7-point and 8-point \
-             algorithms make of them. Click point pairs; or open a VGG folder, or one of pairs with true matches, to \
-             measure at all true matches. The sample has ground truth, too: press Ground truth (G).",
+            "Distances of your pairs from the epipolar lines appear here, beside those of the 7-point and \
+             8-point algorithms. Click point pairs, or open a folder with ground truth (VGG, or pairs with \
+             true matches). The sample has ground truth, too: press Ground truth (G).",
         );
         return;
     }
     choices(ui, model, commands);
     let Some(comparison) = model.open.comparison.as_ref() else { return };
     if comparison.points == 0 {
-        empty(ui, "There are no points to measure at: click a point pair, or choose the true matches above.");
+        empty(ui, "There are no points to measure on. Click a point pair, or choose True matches above.");
         return;
     }
     let room = ui.available_size();
@@ -163,35 +165,43 @@ fn choices(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         if is_narrow {
             (spacing.button_padding, spacing.interact_size.y) = (vec2(5.0, 1.0), 20.0);
         }
-        ui.weak("At");
+        ui.weak("Measure on");
         for (set, name) in sets {
             let then = Subject { measured: set, ..now };
             let enabled = has_truth || set == PointSet::Pairs;
             let chosen = in_use(now.measured) == set;
-            choice(ui, name, "Measure at these points.", chosen, enabled, then);
+            choice(ui, name, "Measure on these points.", chosen, enabled, then);
         }
         between(ui, is_narrow);
         ui.weak("Distance");
         for (measure, name, tooltip) in [
-            (Measure::Symmetric, "Symmetric", "Mean distance of two points from each other's epipolar lines."),
-            (Measure::Sampson, "Sampson", "How far the two points would have to move to fit exactly, to first order."),
+            (
+                Measure::Symmetric,
+                "Symmetric",
+                "Mean distance of the two points from each other's epipolar lines.",
+            ),
+            (
+                Measure::Sampson,
+                "Sampson",
+                "Distance that the two points would have to move to fit exactly, to first order.",
+            ),
         ] {
             choice(ui, name, tooltip, now.measure == measure, true, Subject { measure, ..now });
         }
         between(ui, is_narrow);
-        ui.weak("7 and 8 from").on_hover_text("What the 7-point and 8-point algorithms are given.");
+        ui.weak("7/8-point input").on_hover_text("Point pairs given to the 7-point and 8-point algorithms.");
         for set in [PointSet::Pairs, PointSet::TrueMatches] {
             let name = match set {
                 PointSet::Pairs => "Point pairs",
-                PointSet::TrueMatches => "Clicks and truth",
+                PointSet::TrueMatches => "My pairs + true matches",
             };
             let tooltip = match set {
                 PointSet::Pairs => {
-                    "All pairs that are not left out; the 7-point algorithm takes the first seven of them."
+                    "All pairs that are not left out. The 7-point algorithm takes the first seven."
                 }
                 PointSet::TrueMatches => {
-                    "Your own pairs of the estimate, with their errors, and as many true matches as it takes, drawn as \
-                     `epiline evaluate` does."
+                    "Your pairs of the estimate, with their errors, plus as many true matches as needed, \
+                     drawn as by `epiline evaluate`."
                 }
             };
             let then = Subject { fitted: set, ..now };

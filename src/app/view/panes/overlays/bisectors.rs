@@ -8,8 +8,8 @@ use crate::app::view::theme;
 /// Registered in [`super::OVERLAYS`].
 pub const OVERLAY: Overlay = Overlay {
     id: OverlayId::Bisectors,
-    tooltip: "H: the bisector of the left lines with the right line most like it. G: the other way round. Both \
-              maps follow from them.",
+    tooltip: "H: the bisector of the left lines and its most similar right line. G: the same from right to \
+              left. They determine the line maps H and G.",
     color: theme::FORWARD,
     magnified: false,
     draw,

@@ -10,8 +10,8 @@ use crate::geometry::AnchoredLine;
 /// Registered in [`super::OVERLAYS`].
 pub const OVERLAY: Overlay = Overlay {
     id: OverlayId::Candidates,
-    tooltip: "Candidate epipolar lines through p and q: pairs that look most alike, the best ones yellow, the \
-              last ones violet, as in the tab Pencils.",
+    tooltip: "Candidate epipolar lines through p and q: the most similar line pairs, from yellow (best) to \
+              violet, as in the tab Pencils.",
     color: Color32::from_rgb(92, 200, 99),
     magnified: false,
     draw,

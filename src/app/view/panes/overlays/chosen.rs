@@ -8,8 +8,8 @@ use crate::app::view::theme;
 /// Registered in [`super::OVERLAYS`].
 pub const OVERLAY: Overlay = Overlay {
     id: OverlayId::ChosenLines,
-    tooltip: "The two candidate line pairs, one through each click, that the hypothesis shown was built from; \
-              they meet in its epipoles.",
+    tooltip: "The two candidate line pairs, one through each click, from which the hypothesis shown was \
+              built. They meet in its epipoles.",
     color: theme::PAIRS[0],
     magnified: false,
     draw,

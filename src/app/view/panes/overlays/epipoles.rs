@@ -10,7 +10,8 @@ use crate::geometry::{FundamentalMatrix, finite_point};
 /// Registered in [`super::OVERLAYS`].
 pub const OVERLAY: Overlay = Overlay {
     id: OverlayId::Epipoles,
-    tooltip: "Where this image sees the other camera; all epipolar lines meet there. Blue: that of the ground truth.",
+    tooltip: "Position of the other camera in this image, where all epipolar lines meet. Blue: epipole of \
+              the ground truth.",
     color: theme::ESTIMATED,
     magnified: false,
     draw,

@@ -12,8 +12,8 @@ use crate::geometry::{HomogeneousPoint, Vector, finite_point};
 /// Registered in [`super::OVERLAYS`].
 pub const OVERLAY: Overlay = Overlay {
     id: OverlayId::Hypotheses,
-    tooltip: "Where the hypotheses have their epipoles, the best ones brightest; an arrow at the edge points to one \
-              outside.",
+    tooltip: "Epipoles of the hypotheses, the best ones brightest. An arrow at the edge points to an \
+              epipole outside.",
     color: theme::HYPOTHESIS,
     magnified: false,
     draw,

@@ -9,7 +9,7 @@ use crate::geometry::PointPair;
 /// Registered in [`super::OVERLAYS`].
 pub const OVERLAY: Overlay = Overlay {
     id: OverlayId::Lines,
-    tooltip: "Each clicked point's line in the other image. Its match must lie on it.",
+    tooltip: "The line of each clicked point in the other image, on which its match must lie.",
     color: theme::ESTIMATED,
     magnified: true,
     draw,

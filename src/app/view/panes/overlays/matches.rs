@@ -12,7 +12,7 @@ use crate::geometry::Point;
 /// Registered in [`super::OVERLAYS`].
 pub const OVERLAY: Overlay = Overlay {
     id: OverlayId::Matches,
-    tooltip: "Patches that the refinement matched along the epipolar lines; the geometry rests on them.",
+    tooltip: "Patches that the refinement matched along the epipolar lines. The geometry is fitted to them.",
     color: theme::MATCH,
     magnified: true,
     draw,

@@ -9,8 +9,8 @@ use crate::app::view::theme;
 /// Registered in [`super::OVERLAYS`].
 pub const OVERLAY: Overlay = Overlay {
     id: OverlayId::Pinned,
-    tooltip: "Line pairs pinned with the pin tool, each with a colour in both images, and with a number at the left where \
-              there is room. A right click on a line tells its number, too.",
+    tooltip: "Line pairs pinned with the pin tool, each in its own colour, with a number at the left where \
+              there is room. Right-click a line to see its number.",
     color: theme::PINNED[0],
     magnified: true,
     draw,

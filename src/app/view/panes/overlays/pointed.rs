@@ -12,7 +12,7 @@ use crate::geometry::Point;
 /// Registered in [`super::OVERLAYS`].
 pub const OVERLAY: Overlay = Overlay {
     id: OverlayId::PointedAt,
-    tooltip: "What the cursor points at in a table, a matrix or a plot, here in the images.",
+    tooltip: "The item under the cursor in a table, a matrix or a plot, highlighted in the images.",
     color: theme::SELECTED,
     magnified: false,
     draw,

@@ -11,8 +11,8 @@ use crate::app::view::theme;
 /// Registered in [`super::OVERLAYS`].
 pub const OVERLAY: Overlay = Overlay {
     id: OverlayId::Points,
-    tooltip: "The clicked points: p orange, q pink, r blue, others light; squares only check, and ! marks a pair that the images \
-              speak against.",
+    tooltip: "The clicked points: p orange, q pink, r blue, others light. Squares only check, and ! marks a \
+              pair that the images contradict.",
     color: theme::PAIRS[0],
     magnified: false,
     draw,

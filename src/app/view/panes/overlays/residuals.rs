@@ -7,8 +7,8 @@ use crate::app::view::theme;
 /// Registered in [`super::OVERLAYS`].
 pub const OVERLAY: Overlay = Overlay {
     id: OverlayId::MagnifiedResiduals,
-    tooltip: "From each refined match to its epipolar line, 50 times as long as in the image: one pixel off is a \
-              stroke of 50 pixels.",
+    tooltip: "Distance from each refined match to its epipolar line, magnified 50 times: 1 pixel is drawn \
+              as 50 pixels.",
     color: theme::RESIDUAL,
     magnified: false,
     draw,

@@ -11,8 +11,8 @@ use crate::geometry::{Point, regions_between_lines};
 /// Registered in [`super::OVERLAYS`].
 pub const OVERLAY: Overlay = Overlay {
     id: OverlayId::RoundTrip,
-    tooltip: "Left: lines l and what comes back of them, GH l (dashed), with the area between filled. Right: H l. \
-              The smaller the area, the better both directions agree.",
+    tooltip: "Left: lines l, and GH l (dashed) after mapping them to the right image and back. Right: H l. \
+              The smaller the filled area, the better both directions agree.",
     color: theme::BACKWARD,
     magnified: false,
     draw,

@@ -14,8 +14,7 @@ use crate::geometry::Point;
 /// Registered in [`super::OVERLAYS`].
 pub const OVERLAY: Overlay = Overlay {
     id: OverlayId::Samples,
-    tooltip: "Places along the pinned line pair that stereo matching puts together: dots of one colour belong \
-              together.",
+    tooltip: "Matched samples along the pinned line pair. Dots of the same colour match.",
     color: theme::INSPECTED,
     magnified: false,
     draw,

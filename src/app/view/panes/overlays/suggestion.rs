@@ -9,8 +9,8 @@ use crate::app::view::theme;
 /// Registered in [`super::OVERLAYS`].
 pub const OVERLAY: Overlay = Overlay {
     id: OverlayId::Suggestion,
-    tooltip: "After the first click of a pair: where the other image looks most alike, with the correlation of the \
-              patches. Enter accepts a clear one.",
+    tooltip: "After the first click of a pair: the most similar places in the other image, with their patch \
+              correlations. Enter accepts a clear match.",
     color: theme::SUGGESTED,
     magnified: true,
     draw,
@@ -42,8 +42,8 @@ fn draw(canvas: &Canvas) {
         }
         if rank == 0 {
             canvas.painter.circle_filled(*at, 2.0, color);
-            let text = if clear { "match? Enter accepts" } else { "not clear" };
-            canvas.label(*at, &format!("{correlation:.2}, {text}"), color);
+            let text = if clear { "Enter to accept" } else { "unclear" };
+            canvas.label(*at, &format!("{text} ({correlation:.2})"), color);
         } else if places[..rank].iter().all(|(_, better)| better.distance(*at) > LABEL_ROOM) {
             canvas.label(*at, &format!("{correlation:.2}"), theme::SUGGESTED.gamma_multiply(0.8));
         }

@@ -12,8 +12,8 @@ use crate::geometry::PointPair;
 /// Registered in [`super::OVERLAYS`].
 pub const OVERLAY: Overlay = Overlay {
     id: OverlayId::TrueMatches,
-    tooltip: "Points whose match in the other image is known. Point at one to see the other; of more than 300 only \
-              some are drawn.",
+    tooltip: "Points whose match in the other image is known. Point at one to see its match. At most 300 \
+              are drawn.",
     color: theme::TRUE,
     magnified: false,
     draw,

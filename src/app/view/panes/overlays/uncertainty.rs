@@ -12,8 +12,8 @@ use crate::geometry::{Line, Point, Vector};
 /// Registered in [`super::OVERLAYS`].
 pub const OVERLAY: Overlay = Overlay {
     id: OverlayId::Uncertainty,
-    tooltip: "Two standard deviations around each epipolar line and epipole, as far as the matches leave it open; \
-              often narrower than the line until you zoom in.",
+    tooltip: "Uncertainty of each epipolar line and epipole: two standard deviations, from the matches. \
+              Often narrower than the line until you zoom in.",
     color: theme::BAND,
     magnified: true,
     draw,

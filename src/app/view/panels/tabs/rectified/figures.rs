@@ -87,16 +87,16 @@ fn measures(ui: &mut Ui, rectified: &Rectified, drawn: &DrawnPair) {
     if let Some((map, _)) = &drawn.disparity {
         let [least, most] = map.range;
         let [least, most] = [least, most].map(|v| format!("{v:.0}").replace('-', "−"));
-        ui.label(format!("Disparity preview: {least} to {most} px, {:.0} % of the pixels", map.matched() * 100.0))
+        ui.label(format!("Disparity preview: {least} to {most} px, {:.0} % matched", map.matched() * 100.0))
             .on_hover_text(
-                "What a coarse matching of the rows finds: the columns by which nearly everything is farther left in the \
-                 right picture, and how much of the left picture has a match. Above 70 % is good; below 40 % the \
-                 rows hardly correspond, or little overlaps.",
+                "Result of a coarse matching of the rows: the range of nearly all disparities, and the \
+                 share of the left picture that has a match. Above 70 % is good. Below 40 %, the rows \
+                 hardly correspond, or the pictures overlap little.",
             );
     }
     let size = full.size;
     ui.weak(format!("{} × {} px", size.width, size.height))
-        .on_hover_text("Size of each picture as it is written; on the screen it may be drawn smaller.");
+        .on_hover_text("Size of each exported picture. On the screen, it may be smaller.");
 }
 
 /// Auto, planar or polar.
@@ -128,8 +128,8 @@ fn shift_chooser(ui: &mut Ui, model: &Model, drawn: &DrawnPair, commands: &mut V
     ui.spacing_mut().slider_width = 84.0;
     let slider = ui.add(Slider::new(&mut shift, -reach..=reach).suffix(" px").fixed_decimals(0));
     let slider = slider.on_hover_text(
-        "How far to the right the right picture is shown, px as it is written. A click on the ring of a pair, or on the \
-         disparities, brings that depth into register: there blink, wipe and anaglyph agree.",
+        "Shift of the right picture to the right, in exported pixels. A click on the ring of a pair, or on \
+         the disparities, aligns both pictures at that depth in blink, wipe and anaglyph.",
     );
     if slider.changed() {
         commands.push(RectifiedCommand::Shift(shift).into());
@@ -171,7 +171,10 @@ fn name(ui: &mut Ui, text: &str) {
 /// How well rows agree and, where they do, what that means for matching programs.
 fn rows(ui: &mut Ui, measures: &Measures, measured: &str, fits: bool) {
     let Some(rows) = measures.rows else {
-        ui.weak("No match is in both pictures, so nothing tells how well rows agree: click check pairs.");
+        ui.weak(
+            "No match is inside both pictures, so the rows cannot be checked. Click some pairs to check \
+             them.",
+        );
         return;
     };
     ui.label(format!(
@@ -184,7 +187,7 @@ fn rows(ui: &mut Ui, measures: &Measures, measured: &str, fits: bool) {
     }
     let (mut text, tooltip) = disparity_hint(rows.disparity);
     if rows.far_off > 0 {
-        let _ = write!(text, " Without {} that are far off all others.", rows.far_off);
+        let _ = write!(text, " Outliers ignored: {}.", rows.far_off);
     }
     ui.label(text).on_hover_text(tooltip);
 }
@@ -194,16 +197,16 @@ fn disparity_hint([low, high]: [f64; 2]) -> (String, &'static str) {
     let from = ((low - RANGE_MARGIN) / RANGE_STEP).floor() * RANGE_STEP;
     let to = ((high + RANGE_MARGIN) / RANGE_STEP).ceil() * RANGE_STEP;
     let sign = if high <= 0.0 {
-        "matching programs that expect positive disparities need the two pictures swapped"
+        "Swap the pictures for programs that expect positive disparities. "
     } else if low + high >= 0.0 {
-        "matching programs that expect positive disparities can use this order"
+        ""
     } else {
-        "mostly negative, so matching programs that expect positive disparities do better with the two pictures swapped"
+        "Most are negative: swap the pictures for programs that expect positive disparities. "
     };
     // A minus sign as wide as the plus sign, and none before nought.
     let number = |v: f64| format!("{:.0}", v.round() + 0.0).replace('-', "−");
     let text = format!(
-        "Left x − right x is {} to {} px: {sign}. Search {} to {}.",
+        "Disparities {} to {} px. {sign}Suggested search range: {} to {}.",
         number(low),
         number(high),
         number(from),
@@ -211,22 +214,26 @@ fn disparity_hint([low, high]: [f64; 2]) -> (String, &'static str) {
     );
     (
         text,
-        "The smallest and the largest disparity of these matches. Other points may lie beyond, so the range to search \
-         is somewhat wider, in multiples of 16. With the pictures swapped, the signs change.",
+        "Smallest and largest disparity (left x − right x) of these matches. Other points may lie beyond, \
+         so the search range is wider, in multiples of 16. Swapping the pictures changes the signs.",
     )
 }
 
 /// How each picture was bent.
 fn shapes(ui: &mut Ui, distortion: &[Distortion; 2]) {
     const COLUMNS: [(&str, &str); 5] = [
-        ("Angle", "Between the middle lines of the image, once rectified; 90° keeps right angles."),
+        (
+            "Angle",
+            "Angle between the centre lines of the image after rectification. 90° preserves right angles.",
+        ),
         (
             "Proportions",
-            "Ratio of the image's diagonals, once rectified; 1 keeps them, far from 1 squeezes the image.",
+            "Ratio of the image's diagonals after rectification. 1 preserves proportions; far from 1, the \
+             image is squeezed.",
         ),
-        ("Cut", "Part of the image that is outside the picture."),
-        ("Shrunk", "Part of the image that is drawn on less than half its area: detail is lost there."),
-        ("Stretched", "Part of the image that is drawn on more than twice its area."),
+        ("Cut", "Share of the image outside the rectified picture."),
+        ("Shrunk", "Share of the image reduced to less than half its area, where detail is lost."),
+        ("Stretched", "Share of the image enlarged to more than twice its area."),
     ];
     Grid::new("shapes").num_columns(6).spacing([9.0, 2.0]).min_col_width(0.0).min_row_height(18.0).show(
         ui,
@@ -256,12 +263,8 @@ mod tests {
     #[test]
     fn the_hint_names_the_sign_and_a_range_that_holds_all() {
         let (text, _) = disparity_hint([-12.0, 87.0]);
-        assert_eq!(
-            text,
-            "Left x − right x is −12 to 87 px: matching programs that expect positive disparities can use this order. \
-             Search −16 to 96."
-        );
+        assert_eq!(text, "Disparities −12 to 87 px. Suggested search range: −16 to 96.");
         let (text, _) = disparity_hint([-90.4, -14.2]);
-        assert!(text.contains("pictures swapped") && text.ends_with("Search −96 to 0."), "{text}");
+        assert!(text.contains("Swap the pictures") && text.ends_with("range: −96 to 0."), "{text}");
     }
 }

@@ -43,11 +43,11 @@ fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         let text = if model.activity.rectifying {
             "The images are being rectified."
         } else if model.shown().is_some() {
-            "These images could not be rectified. Another method, or other point pairs, may help."
+            "These images could not be rectified. Try another method or other point pairs."
         } else if model.document.pictures.is_some() {
-            "Both images, redrawn so that corresponding points are in the same row, appear here once there are enough \
-             point pairs. Stereo matching needs them like this, and a wrong geometry shows at once: things in the two \
-             pictures are not at the same height then."
+            "Both images, redrawn with corresponding points in the same row, appear here once there are \
+             enough point pairs. Stereo matching needs such pictures. A wrong geometry shows at once: the \
+             same things are at different heights."
         } else {
             "The rectified pair appears here. Open two images and click point pairs."
         };

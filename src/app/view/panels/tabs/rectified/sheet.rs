@@ -183,7 +183,7 @@ impl SheetCanvas<'_> {
             (RectifiedLayout::Blink, RectifiedSheet::Left) => "Left",
             (RectifiedLayout::Blink, _) => "Right",
             (RectifiedLayout::Anaglyph, _) => "Left red, right cyan",
-            (RectifiedLayout::Wipe, _) => "Left, then right of the line",
+            (RectifiedLayout::Wipe, _) => "Left image | right image",
             (RectifiedLayout::Disparity, _) if self.drawn.disparity.is_none() => "No rows match yet",
             (RectifiedLayout::Disparity, _) => "Disparities of the left picture",
             (RectifiedLayout::SideBySide, _) => return,
