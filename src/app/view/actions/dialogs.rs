@@ -1,4 +1,4 @@
-//! The actions that stand on buttons of dialogs and tables alone.
+//! Actions offered only on buttons of dialogs and tables.
 
 use std::path::PathBuf;
 
@@ -15,7 +15,7 @@ use crate::app::model::suggesting::Repair;
 use crate::app::model::tones::{Rendition, TonesCommand};
 use crate::io::{PictureFormat, RectifiedOptions};
 
-/// What stands on buttons of dialogs and tables alone.
+/// Returns the actions offered only on buttons of dialogs and tables.
 #[expect(clippy::too_many_lines, reason = "it is a table")]
 pub fn in_dialogs() -> Vec<Action> {
     let browse = |command: Command, tooltip| action(command, "Browse", tooltip);

@@ -1,4 +1,4 @@
-//! The actions with keys.
+//! Actions with keyboard shortcuts.
 
 use egui::{Key, Modifiers};
 
@@ -16,8 +16,8 @@ const COMMAND: Modifiers = Modifiers::COMMAND;
 const SHIFT: Modifiers = Modifiers::SHIFT;
 const COMMAND_SHIFT: Modifiers = Modifiers::COMMAND.plus(Modifiers::SHIFT);
 
-/// Actions with keys, in the order of the list of keys. Where one key is another one's with Shift, the one with Shift comes
-/// first, or it would never be seen.
+/// Returns the actions with shortcuts, in the order of the list of keys. A shortcut with Shift
+/// comes before the same key without Shift, which would consume both.
 #[expect(clippy::too_many_lines, reason = "it is a table")]
 pub fn with_keys() -> Vec<Action> {
     vec![
@@ -25,7 +25,7 @@ pub fn with_keys() -> Vec<Action> {
             .key(COMMAND, Key::K)
             .key(COMMAND, Key::P)
             .while_typing()
-            // It closes this very list.
+            // The action closes this list.
             .when(|_| false),
         action(
             Command::AcceptSuggestion,
@@ -167,7 +167,7 @@ pub fn with_keys() -> Vec<Action> {
         )
         .key(NONE, Key::Escape)
         .while_typing()
-        // So does this.
+        // This action closes the list, too.
         .when(|_| false),
         action(Command::FitAll, "Fit", "Show both images completely. A double click fits one image.")
             .key(NONE, Key::F)

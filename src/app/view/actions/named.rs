@@ -1,4 +1,4 @@
-//! The actions that are in the list of all commands, without keys.
+//! Actions listed among all commands, without keyboard shortcuts.
 
 use super::action::{Action, action};
 use super::conditions::{has_rectified, has_sequences, is_published_search};
@@ -12,7 +12,7 @@ use crate::app::model::tones::TonesCommand;
 use crate::estimate::{Method, Preset};
 use crate::rectify::RectifyMethod;
 
-/// Actions that are in the list of all commands, without keys.
+/// Returns the actions that are listed among all commands and have no shortcuts.
 #[expect(clippy::too_many_lines, reason = "it is a table")]
 pub fn by_name() -> Vec<Action> {
     let methods = "Choose how many point pairs the published search uses. Three pairs are faster and more \

@@ -1,4 +1,4 @@
-//! The window for writing the rectified pair: where to, and what.
+//! The dialog for exporting the rectified pair.
 
 use std::path::{Path, PathBuf};
 
@@ -10,10 +10,10 @@ use crate::app::model::command::Command;
 use crate::app::model::rectified::RectifiedCommand;
 use crate::io::{PictureFormat, RectifiedOptions};
 
-/// What has been chosen; it stays for the next time.
+/// Choices of the dialog, kept for the next time.
 #[derive(Debug, Clone)]
 pub struct ExportDialog {
-    /// Whether it is shown.
+    /// Whether the dialog is shown.
     pub open: bool,
     folder: String,
     options: RectifiedOptions,
@@ -28,7 +28,7 @@ impl Default for ExportDialog {
 }
 
 impl ExportDialog {
-    /// Shows it, with a folder to begin with where none was typed before.
+    /// Opens the dialog. `folder` is the default where none was typed.
     pub fn show_with(&mut self, folder: Option<PathBuf>) {
         (self.open, self.just_opened) = (true, true);
         if let Some(folder) = folder.filter(|_| self.folder.trim().is_empty()) {
@@ -36,12 +36,12 @@ impl ExportDialog {
         }
     }
 
-    /// Fills in a folder that was chosen.
+    /// Fills in a chosen folder.
     pub fn offer(&mut self, folder: &Path) {
         self.folder = folder.display().to_string();
     }
 
-    /// Shows the window.
+    /// Shows the dialog if open.
     pub fn show(&mut self, ctx: &egui::Context, commands: &mut Vec<Command>) {
         if !self.open {
             return;

@@ -1,4 +1,4 @@
-//! The bar under two sequences: playing them, the frame that is shown, what moves, and how they lie in time.
+//! The bar under two sequences: playback, frame, motion and time offset.
 
 use egui::{Align, Button, DragValue, Layout, Slider, Ui};
 
@@ -7,7 +7,7 @@ use crate::app::model::Model;
 use crate::app::model::command::Command;
 use crate::app::model::recording::PlayerCommand;
 
-/// Room for what stands beside the slider, screen points.
+/// Width kept free beside the slider, screen points.
 const BESIDE: f32 = 40.0;
 
 /// Shows the bar.
@@ -51,7 +51,7 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     });
 }
 
-/// How the sequences lie in time; from right to left.
+/// Shows the time offset, from right to left.
 fn offset(ui: &mut Ui, model: &Model, offset: i32, commands: &mut Vec<Command>) {
     if model.activity.aligning {
         busy::show(ui);

@@ -1,4 +1,4 @@
-//! The bar at the bottom: position and intensity under the cursor, and how far an export is.
+//! The status bar: position and intensity under the cursor, and the progress of an export.
 
 use egui::{Align, Layout, RichText, Ui};
 
@@ -8,7 +8,7 @@ use crate::app::model::command::Command;
 use crate::app::model::rectified::RectifiedCommand;
 use crate::evaluate::Protocol;
 
-/// The mouse actions take about as much, screen points.
+/// Approximate width of the mouse hints, screen points.
 const ROOM_FOR_HINTS: f32 = 360.0;
 
 /// Shows the bar.

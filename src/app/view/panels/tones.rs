@@ -1,4 +1,4 @@
-//! The menu for seeing dark and flat places: exposure, contrast, gamma, single channels.
+//! The brightness menu: exposure, contrast, gamma, single channels.
 
 use egui::containers::menu::{MenuButton, MenuConfig};
 use egui::{Button, PopupCloseBehavior, Slider, Ui};

@@ -1,4 +1,4 @@
-//! The window for exporting: what, in which format, and where to.
+//! The export dialog: content, format and file.
 
 use std::path::{Path, PathBuf};
 
@@ -18,22 +18,22 @@ use crate::app::model::rectified::RectifiedCommand;
 use crate::app::view::theme;
 use crate::io::Format;
 
-/// What has been chosen; it stays for the next time.
+/// Choices of the dialog, kept for the next time.
 #[derive(Debug, Clone, Default)]
 pub struct FileExport {
     /// Whether it is shown.
     pub open: bool,
     order: ExportOrder,
     path: String,
-    /// Where files of these images go unless something else is typed: the folder and the beginning of the name.
+    /// Folder and stem of suggested file names.
     begin: PathBuf,
-    /// What was suggested last.
+    /// Latest suggested path.
     suggested: String,
     just_opened: bool,
 }
 
 impl FileExport {
-    /// Shows it. `begin` is the path of an export of these images without its ending.
+    /// Opens the dialog. `begin` is the folder and stem of exports of these images.
     pub fn show_with(&mut self, begin: PathBuf) {
         (self.open, self.just_opened) = (true, true);
         if begin != self.begin {
@@ -42,12 +42,12 @@ impl FileExport {
         self.suggest();
     }
 
-    /// Fills in a path that was chosen.
+    /// Fills in a chosen path.
     pub fn offer(&mut self, path: &Path) {
         self.path = path.display().to_string();
     }
 
-    /// The ending of files of the kind that is chosen.
+    /// Returns the file extension for the present choices.
     fn extension(&self) -> &'static str {
         match self.order.what {
             ExportKind::Geometry | ExportKind::Plane | ExportKind::Pairs => self.order.format.extension(),
@@ -59,7 +59,8 @@ impl FileExport {
         }
     }
 
-    /// Follows a choice: a path that nobody has typed becomes another one, of a typed one only the ending.
+    /// Updates the path after a choice: replaces a suggested path, but only the extension of a
+    /// typed one.
     fn suggest(&mut self) {
         let kind = match self.order.what {
             ExportKind::Geometry => "geometry",
@@ -72,7 +73,7 @@ impl FileExport {
             ExportKind::View => "view",
         };
         let untouched = self.path.trim().is_empty() || self.path == self.suggested;
-        // A script is run by its name, which must be one of a variable there.
+        // MATLAB runs a script by its name, so the name must be a valid identifier.
         let separator = if self.extension() == Format::Matlab.extension() { '_' } else { '-' };
         let stem =
             self.begin.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
@@ -92,7 +93,7 @@ impl FileExport {
         }
     }
 
-    /// Shows the window.
+    /// Shows the dialog if open.
     pub fn show(&mut self, ctx: &egui::Context, model: &Model, commands: &mut Vec<Command>) {
         if !self.open {
             return;
@@ -155,7 +156,7 @@ impl FileExport {
         }
     }
 
-    /// What there is to choose for the kind of file.
+    /// Shows the options of the chosen kind of file.
     fn choices(&mut self, ui: &mut Ui, model: &Model) {
         match self.order.what {
             ExportKind::Plane => self.formats(ui),
@@ -206,7 +207,7 @@ impl FileExport {
         });
     }
 
-    /// What is on a figure.
+    /// Shows the options of a figure.
     fn figure(&mut self, ui: &mut Ui) {
         let figure = &mut self.order.figure;
         row(ui, "Format", |ui| {
@@ -227,7 +228,7 @@ impl FileExport {
         });
     }
 
-    /// Which of the layers that the window shows are on a figure.
+    /// Shows which visible layers the figure contains.
     fn layers(&mut self, ui: &mut Ui, model: &Model) {
         let figure = &mut self.order.figure;
         row(ui, "Layers", |ui| {
@@ -245,11 +246,11 @@ impl FileExport {
         });
     }
 
-    /// How the numbers of the file are to be taken; every file says so itself.
+    /// Shows the conventions of the numbers in the file. Every file states them, too.
     fn conventions(&self, ui: &mut Ui) {
         let sentences: Vec<String> = match self.order.what {
             ExportKind::Geometry => self.order.format.convention(),
-            // What is said about F does not belong to points alone.
+            // Sentences about F do not apply to points.
             ExportKind::Plane | ExportKind::Pairs | ExportKind::Table => {
                 self.order.format.convention().into_iter().skip(1).take(2).collect()
             }
@@ -300,7 +301,7 @@ impl FileExport {
     }
 }
 
-/// How far what is written is to be trusted, where it is not beyond doubt: the file says so, too.
+/// Shows a warning if the geometry is not reliable. The file contains the same warning.
 fn trust(ui: &mut Ui, what: ExportKind, model: &Model) {
     let note = match what {
         ExportKind::Plane | ExportKind::Report => result_note(model),
@@ -321,7 +322,7 @@ fn trust(ui: &mut Ui, what: ExportKind, model: &Model) {
     }
 }
 
-/// A choice with its name, in line with the others.
+/// Shows a labelled option, aligned with the others.
 fn row<R>(ui: &mut Ui, name: &str, content: impl FnOnce(&mut Ui) -> R) {
     ui.horizontal(|ui| {
         row_label(ui, name);

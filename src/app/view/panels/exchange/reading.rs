@@ -1,4 +1,4 @@
-//! How is this matrix meant? The question before an imported geometry is drawn.
+//! The dialog for the convention of an imported matrix, shown before its geometry is drawn.
 
 use egui::{Button, Grid, Key, Label, RichText, Ui};
 
@@ -10,42 +10,42 @@ use crate::app::model::exchange::{ImportFound, ImportedMatrix};
 use crate::app::view::theme;
 use crate::convention::{ConventionCheck, FEWEST_MATCHES};
 
-/// Readings that are listed; the one as the file has it comes in addition.
+/// Number of readings listed, besides the reading as in the file.
 const LISTED: usize = 5;
 
-/// What was found in a file and what has been chosen.
+/// The imported content and the present choice.
 #[derive(Debug, Clone)]
 pub struct ReadingDialog {
     found: ImportFound,
     matrix: ImportedMatrix,
-    /// Place in the list of the check.
+    /// Index into the readings of the check.
     chosen: usize,
     with_pairs: bool,
 }
 
 impl ReadingDialog {
-    /// Asks about a matrix. Its file's pairs go along unless there are others that they would replace.
+    /// Creates the dialog. The pairs of the file are preselected unless they would replace others.
     pub fn new(found: ImportFound, matrix: ImportedMatrix, has_pairs: bool) -> Self {
         let with_pairs = !found.pairs.is_empty() && !has_pairs;
         let chosen = match &matrix.check {
-            // What does not fit is at least what the file says.
+            // If no reading fits, the one as in the file is preselected.
             Some(check) if !check.fits() => as_read(check).unwrap_or(0),
             _ => 0,
         };
         Self { found, matrix, chosen, with_pairs }
     }
 
-    /// What was found.
+    /// Returns the imported content.
     pub fn found(&self) -> &ImportFound {
         &self.found
     }
 
-    /// The matrix.
+    /// Returns the matrix.
     pub fn matrix(&self) -> &ImportedMatrix {
         &self.matrix
     }
 
-    /// Shows the window; returns whether it stays open.
+    /// Shows the dialog. Returns whether it stays open.
     pub fn show(&mut self, ctx: &egui::Context, commands: &mut Vec<Command>) -> bool {
         dialog(ctx, "Which convention does this matrix use?", 680.0, |ui| {
             let ImportFound { name, format, .. } = &self.found;
@@ -109,12 +109,12 @@ impl ReadingDialog {
     }
 }
 
-/// The place of the matrix as it is in the file.
+/// Returns the index of the reading as in the file.
 fn as_read(check: &ConventionCheck) -> Option<usize> {
     check.readings.iter().position(|ranked| ranked.reading.changes() == 0)
 }
 
-/// The list to choose from.
+/// Shows the readings to choose from.
 fn readings(ui: &mut Ui, check: &ConventionCheck, chosen: &mut usize) {
     let listed = check.readings.len().min(LISTED);
     let behind = as_read(check).filter(|place| *place >= listed);
@@ -145,7 +145,7 @@ fn readings(ui: &mut Ui, check: &ConventionCheck, chosen: &mut usize) {
     });
 }
 
-/// A distance with as many digits as it deserves.
+/// Formats a distance: two decimals below 100 px, none from there on.
 fn pixels(distance: f64) -> String {
     match distance {
         d if !d.is_finite() => "infinite".to_owned(),

@@ -1,4 +1,4 @@
-//! The verdict: what was found, how far to trust it, and why.
+//! The verdict: the result, its reliability, and the reasons.
 
 use egui::{Grid, Label, RichText, Ui, vec2};
 
@@ -14,7 +14,7 @@ use crate::app::model::verdict::{
 };
 use crate::app::view::theme;
 
-/// Shows it.
+/// Shows the verdict.
 pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     ui.horizontal(|ui| {
         ui.strong("Result");
@@ -96,7 +96,7 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     list(ui, true_error(model).chain(facts));
 }
 
-/// The verdict as a light alone, with its sentence for a tooltip.
+/// Shows the verdict as a coloured light, with its headline as the tooltip.
 pub fn light(ui: &mut Ui, model: &Model) {
     let VerdictInWords { tone, headline, .. } = verdict(&model.document, &model.open.computation);
     if tone == Tone::Busy {
@@ -109,7 +109,7 @@ pub fn light(ui: &mut Ui, model: &Model) {
     }
 }
 
-/// How far the geometry that is shown really is from the truth, where that is known and in use.
+/// Returns the true error of the geometry shown, if ground truth is in use.
 fn true_error(model: &Model) -> impl Iterator<Item = Fact> + use<> {
     let known = model.truth().zip(model.open.comparison.as_ref()).filter(|_| model.shown().is_some());
     let fact = known.and_then(|(_, comparison)| {
@@ -124,14 +124,14 @@ fn true_error(model: &Model) -> impl Iterator<Item = Fact> + use<> {
     fact.into_iter()
 }
 
-/// Figures with their names.
+/// Shows named figures.
 fn list(ui: &mut Ui, facts: impl Iterator<Item = Fact>) {
     Grid::new("facts").num_columns(2).min_row_height(18.0).spacing([10.0, 3.0]).show(ui, |ui| {
         for fact in facts {
             let tooltip = fact.explained();
             ui.weak(fact.name).on_hover_text(&tooltip);
             ui.vertical(|ui| {
-                // As high as its text.
+                // The row is as high as its text.
                 ui.spacing_mut().interact_size.y = 0.0;
                 ui.spacing_mut().item_spacing = vec2(6.0, 1.0);
                 ui.horizontal_top(|ui| {
@@ -150,7 +150,7 @@ fn list(ui: &mut Ui, facts: impl Iterator<Item = Fact>) {
     });
 }
 
-/// Says that the window does not show the result, and leads back to it.
+/// Shows that the window displays another geometry, with a button back to the result.
 fn another_shown(ui: &mut Ui, name: &str, commands: &mut Vec<Command>) {
     let palette = theme::palette(ui.visuals());
     egui::Frame::new()

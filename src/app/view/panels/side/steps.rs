@@ -1,4 +1,4 @@
-//! The steps of the algorithm: what each does, where it stands, what it found, and its parameters.
+//! The steps of the algorithm, each with its progress, findings and parameters.
 
 use egui::collapsing_header::CollapsingState;
 use egui::{Label, RichText, Ui};
@@ -43,7 +43,7 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     }
 }
 
-/// One sentence about a step.
+/// Returns a short description of a step.
 fn tooltip(stage: Stage) -> &'static str {
     match stage {
         Stage::Pyramid => "Makes smaller versions of the images, since most of the search needs no detail.",
@@ -64,7 +64,7 @@ fn tooltip(stage: Stage) -> &'static str {
     }
 }
 
-/// Where a step stands, in a word.
+/// Shows the progress of a step in a word.
 fn state_of(ui: &mut Ui, progress: StepProgress) {
     let palette = theme::palette(ui.visuals());
     match progress {

@@ -1,4 +1,4 @@
-//! The hypotheses of the estimate with their figures; choosing one makes the whole window show it.
+//! The tab of the hypotheses with their figures. Choosing one shows it in the whole window.
 
 use egui::Ui;
 
@@ -135,7 +135,7 @@ fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     }
 }
 
-/// The rows: the result, once it is final, then the hypotheses by rank.
+/// Rows of the table: the final result, then the hypotheses by rank.
 struct Listed<'a> {
     result: Option<&'a Estimate>,
     hypotheses: &'a [Estimate],
@@ -154,7 +154,7 @@ impl<'a> Listed<'a> {
         self.hypotheses.len() + usize::from(self.result.is_some())
     }
 
-    /// The number of the hypothesis of a row; `None` for the result.
+    /// Returns the number of the hypothesis in a row; `None` for the result.
     fn number(&self, row: usize) -> Option<usize> {
         row.checked_sub(usize::from(self.result.is_some()))
     }
@@ -182,7 +182,7 @@ fn key(hypothesis: &Estimate, row: usize, column: usize, frames: Option<[Frame; 
     }
 }
 
-/// What a column shows.
+/// Returns the figure of a column.
 fn figure(column: usize) -> Option<HypothesisFigure> {
     match column {
         1 => Some(HypothesisFigure::Support),

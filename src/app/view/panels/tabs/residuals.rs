@@ -1,4 +1,5 @@
-//! How far points are from the result, from what other methods make of points, and from the truth.
+//! The tab of the distances of points from the result, from other methods, and from the ground
+//! truth.
 
 use egui::{Rect, ScrollArea, Sense, Ui, UiBuilder, vec2};
 
@@ -18,14 +19,14 @@ use crate::io::TruthOrigin;
 /// Registered in [`super::TABS`].
 pub const TAB: Tab = Tab { id: TabId::Residuals, tools, show };
 
-/// Where no folder with ground truth is open, whose pairs have these buttons beside them.
+/// Shows the truth buttons, unless the chooser of a folder with ground truth has them.
 fn tools(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     if model.folder().is_none_or(|(folder, _)| folder.known().is_none()) {
         truth_buttons(ui, model, commands);
     }
 }
 
-/// What there is to know about a method: whose it is, what it was made from, the spread of its distances.
+/// Properties of a geometry, each a column of the summary.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Part {
     Name,
@@ -39,7 +40,7 @@ enum Part {
 impl Part {
     const ALL: [Self; 6] = [Self::Name, Self::From, Self::Median, Self::Mean, Self::Largest, Self::BelowOne];
 
-    /// The columns of the summary; where it is narrow, a tooltip has what geometries were made from.
+    /// Returns the columns of the summary. A narrow summary shows `From` as a tooltip.
     fn columns(is_narrow: bool) -> Vec<Self> {
         Self::ALL.into_iter().filter(|part| !(is_narrow && *part == Self::From)).collect()
     }
@@ -63,7 +64,7 @@ impl Part {
         }
     }
 
-    /// The figure of a spread, if it is one.
+    /// Returns the value in a spread, for columns of figures.
     fn of(self, spread: &Spread) -> Option<f64> {
         match self {
             Self::Name | Self::From => None,
@@ -75,13 +76,13 @@ impl Part {
     }
 }
 
-/// The geometries that have a row: an imported one only where there is one.
+/// Returns the geometries with a row. An imported geometry has a row only if there is one.
 fn contestants(model: &Model) -> Vec<Contestant> {
     let has_imported = model.document.imported.is_some();
     Contestant::ALL.into_iter().filter(|c| has_imported || *c != Contestant::Imported).collect()
 }
 
-/// A point and its distance to each of some geometries.
+/// Returns the columns of the points table: the point, and its distance to each geometry.
 fn point_columns(contestants: &[Contestant]) -> Vec<Column> {
     let point = Column::figures(
         "Point",
@@ -97,20 +98,20 @@ fn point_columns(contestants: &[Contestant]) -> Vec<Column> {
             Contestant::Imported => ("Imported", "Distance from the imported geometry, px."),
             Contestant::Truth => ("Truth", "Distance from the true geometry, px."),
         };
-        // A longer name than the others have.
+        // This title is longer than the others.
         let width = if *contestant == Contestant::Imported { 86.0 } else { 68.0 };
         Column { title, tooltip, width, is_text: false }
     };
     std::iter::once(point).chain(contestants.iter().map(distance)).collect()
 }
 
-/// Share of the width that the summary takes, and where both tables are narrow.
+/// Share of the width for the summary, normally and in narrow tables.
 const SUMMARY_SHARE: [f32; 2] = [0.575, 0.53];
-/// With less room than this the summary does without its widest column, screen points.
+/// Width below which the summary leaves out its widest column, screen points.
 const ROOM_FOR_ALL: f32 = 900.0;
-/// Narrower than this, both tables are scrolled sideways, screen points.
+/// Width below which both tables scroll sideways, screen points.
 const LEAST_WIDTH: f32 = 660.0;
-/// Between the tables, screen points.
+/// Space between the tables, screen points.
 const BETWEEN: f32 = 18.0;
 
 fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
@@ -144,7 +145,7 @@ fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     });
 }
 
-/// What is compared.
+/// Shows the choices of points, measure and input.
 fn choices(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let now = model.look.compared;
     let has_truth = model.truth().is_some();
@@ -157,7 +158,7 @@ fn choices(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     };
     let sets = [(PointSet::Pairs, "Point pairs"), (PointSet::TrueMatches, "True matches")];
     let in_use = |set| if has_truth { set } else { PointSet::Pairs };
-    // Every row that this takes is one less of the tables.
+    // Every row of choices costs a row of the tables.
     let is_narrow = ui.available_width() < ROOM_FOR_ALL;
     ui.horizontal_wrapped(|ui| {
         let spacing = ui.spacing_mut();
@@ -212,7 +213,7 @@ fn choices(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     });
 }
 
-/// Parts one choice from the next.
+/// Separates two groups of choices.
 fn between(ui: &mut Ui, is_narrow: bool) {
     if is_narrow {
         ui.add_space(5.0);
@@ -257,7 +258,7 @@ fn summary(
             let (contestant, part) = (contestants[row], parts[column]);
             let compared = comparison.of(contestant);
             match (part, compared.spread.as_ref().and_then(|spread| part.of(spread))) {
-                // Over the columns of the figures that there are not.
+                // The text continues over the empty columns of figures.
                 (Part::Name, _) if is_narrow && compared.fit.is_err() => {
                     format!("{}: {}", contestant.name(), from(model, comparison, contestant))
                 }
@@ -280,14 +281,14 @@ fn summary(
     .show(ui);
     if let Some(row) = touched.clicked {
         let contestant = contestants[row];
-        // Without a result there is nothing that the window shows another geometry in place of.
+        // Without a geometry shown, there is nothing to replace.
         if shown.is_some() && comparison.fundamental(contestant).is_some() {
             commands.push(Command::ChooseContestant(contestant));
         }
     }
 }
 
-/// What a geometry was made from, or what is missing for it.
+/// Describes the data a geometry was computed from, or the data missing.
 fn from(model: &Model, comparison: &Comparison, contestant: Contestant) -> String {
     let fit = match &comparison.of(contestant).fit {
         Ok(fit) => fit,
@@ -367,7 +368,7 @@ fn points(ui: &mut Ui, model: &Model, comparison: &Comparison, commands: &mut Ve
     }
 }
 
-/// A distance with as many digits as it deserves.
+/// Formats a distance: two decimals below 100 px, none from there on.
 fn px(distance: f64) -> String {
     match distance {
         d if !d.is_finite() => "infinite".to_owned(),

@@ -1,4 +1,4 @@
-//! The candidate line pairs through the clicks: pairs of lines that find each other most similar.
+//! Overlay of the candidate line pairs through the clicks: mutually most similar lines.
 
 use egui::Color32;
 
@@ -17,11 +17,11 @@ pub const OVERLAY: Overlay = Overlay {
     draw,
 };
 
-/// Candidates drawn through each click, by rank.
+/// Number of candidates drawn through each click, by rank.
 const DRAWN: usize = 80;
 
 fn draw(canvas: &Canvas) {
-    // Those of earlier points would miss the points as they are.
+    // Candidates of earlier points would miss the present ones.
     let Some(pencils) =
         canvas.model.open.computation.pencils().filter(|_| canvas.model.has_current_pencils())
     else {
@@ -30,7 +30,7 @@ fn draw(canvas: &Canvas) {
     for pencil in pencils {
         let click = canvas.side.point(&pencil.click);
         let drawn = pencil.candidates.len().min(DRAWN);
-        // The best one last, on top.
+        // The best candidate comes last, on top.
         for (rank, candidate) in pencil.candidates.iter().take(drawn).enumerate().rev() {
             let likeness = 1.0 - rank as f32 / drawn.max(1) as f32;
             let line = AnchoredLine::at_angle(click, candidate.angles[canvas.side.index()]).line();

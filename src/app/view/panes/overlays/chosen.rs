@@ -1,4 +1,4 @@
-//! The line pairs through the clicks that the geometry shown was built from.
+//! Overlay of the line pairs through the clicks from which the geometry shown was built.
 
 use super::{Canvas, Overlay};
 use crate::app::model::computation::Freshness;
@@ -16,7 +16,7 @@ pub const OVERLAY: Overlay = Overlay {
 };
 
 fn draw(canvas: &Canvas) {
-    // Lines of earlier points would miss the points as they are.
+    // Lines of earlier points would miss the present ones.
     let current = |freshness| !matches!(freshness, Freshness::Stale | Freshness::Followed);
     if !canvas.model.shown().is_some_and(|shown| current(shown.freshness)) {
         return;

@@ -1,4 +1,4 @@
-//! The epipole of an image, where it is in sight: all epipolar lines pass through it.
+//! Overlay of the epipole of an image, if visible. All epipolar lines pass through it.
 
 use egui::{Color32, Stroke, vec2};
 

@@ -1,4 +1,4 @@
-//! The matches that the refinement found along the epipolar lines.
+//! Overlay of the matches found by the refinement along the epipolar lines.
 
 use egui::Pos2;
 
@@ -33,7 +33,7 @@ fn draw(canvas: &Canvas) {
     }
 }
 
-/// The match at a place of the screen.
+/// Returns the match at a screen position.
 pub fn at(canvas: &Canvas, position: Pos2) -> Option<Pointing> {
     let (shown, _) = canvas.shown()?;
     let distances = shown.estimate.matches().iter().enumerate().map(|(number, matched)| {

@@ -1,4 +1,4 @@
-//! Where one more pair would help most while the result is in doubt.
+//! Overlay of the place where one more pair would help most, while the result is doubtful.
 
 use egui::{Shape, Stroke, vec2};
 
@@ -17,7 +17,7 @@ pub const OVERLAY: Overlay = Overlay {
 };
 
 const RADIUS: f32 = 11.0;
-/// Corners of the dashed ring.
+/// Number of vertices of the dashed ring.
 const CORNERS: usize = 36;
 
 fn draw(canvas: &Canvas) {

@@ -1,4 +1,5 @@
-//! The clicked points: rings, so that the pixel they mark stays in sight; squares for those that only check.
+//! Overlay of the clicked points: rings, which leave the marked pixel visible, and squares for
+//! pairs that only check.
 
 use egui::{Pos2, Rect, Stroke, StrokeKind, Vec2};
 
@@ -48,7 +49,7 @@ fn draw(canvas: &Canvas) {
     }
 }
 
-/// The pair whose handle is at a place of the screen.
+/// Returns the pair with a point at a screen position.
 pub fn at(canvas: &Canvas, position: Pos2) -> Option<Pointing> {
     let distances = canvas
         .model

@@ -1,4 +1,5 @@
-//! Lines carried to the other image and back: where `l` and `GH l` differ, the two maps contradict each other.
+//! Overlay of lines mapped to the other image and back. Where `l` and `GH l` differ, the maps
+//! contradict each other.
 
 use egui::{Mesh, Shape};
 
@@ -18,7 +19,7 @@ pub const OVERLAY: Overlay = Overlay {
     draw,
 };
 
-/// Lines carried over and back.
+/// Number of lines mapped.
 const LINES: usize = 14;
 
 fn draw(canvas: &Canvas) {
@@ -40,7 +41,7 @@ fn draw(canvas: &Canvas) {
     }
 }
 
-/// A convex region as a fan of triangles: a filled path would blur its long thin ends.
+/// Fills a convex region with a fan of triangles. A filled path would blur its long thin ends.
 fn fill(canvas: &Canvas, region: &[Point]) {
     let color = theme::BACKWARD.gamma_multiply(0.3);
     let mut mesh = Mesh::default();

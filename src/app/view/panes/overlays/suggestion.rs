@@ -1,4 +1,4 @@
-//! Where the match of a first click may be.
+//! Overlay of suggested matches of a first click.
 
 use egui::Stroke;
 
@@ -16,9 +16,9 @@ pub const OVERLAY: Overlay = Overlay {
     draw,
 };
 
-/// Rivals drawn beside the best place.
+/// Number of rivals drawn beside the best match.
 const RIVALS: usize = 4;
-/// Nearer to a better place than this a rival has no label: it would cover the other one. Screen points.
+/// Distance from a better match within which a rival has no label, screen points.
 const LABEL_ROOM: f32 = 70.0;
 
 fn draw(canvas: &Canvas) {

@@ -1,4 +1,4 @@
-//! The true epipolar lines of the same points that the estimated ones belong to.
+//! Overlay of the true epipolar lines of the same points.
 
 use super::{Canvas, Overlay};
 use crate::app::model::document::Role;

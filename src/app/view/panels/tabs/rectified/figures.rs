@@ -1,4 +1,4 @@
-//! What stands beside the rectified pictures: the choices, the method and its reason, warnings, measures.
+//! The column beside the rectified pictures: choices, method, warnings and quality measures.
 
 use std::fmt::Write;
 
@@ -12,13 +12,14 @@ use crate::app::model::rectified::{Blink, DrawnPair, Guides, Rectified, Rectifie
 use crate::app::view::theme;
 use crate::rectify::{Distortion, Measures, RectifyMethod, RectifyWarning};
 
-/// Disparity ranges are given in multiples of this, px: block matchers want it.
+/// Step of disparity ranges, px, as block matchers require.
 const RANGE_STEP: f64 = 16.0;
-/// What is added to the disparities of the matches on either side, px: other points may lie a little beyond.
+/// Margin added to the disparities of the matches on either side, px, as other points may lie
+/// beyond.
 const RANGE_MARGIN: f64 = 4.0;
 
-/// Shows it in a column beside the pictures or, where `wide`, in a strip below them; with a scroll bar where there is
-/// little room.
+/// Shows the column beside the pictures or, if `wide`, the strip below them. It scrolls where there
+/// is little room.
 pub fn show(
     ui: &mut Ui,
     wide: bool,
@@ -31,7 +32,7 @@ pub fn show(
         ui.spacing_mut().item_spacing.y = 4.0;
         ui.spacing_mut().button_padding.x = 7.0;
         if wide {
-            // Not in columns of egui, which spread the words of a text over their whole width.
+            // Columns of egui would justify the words of a text.
             let area = ui.available_rect_before_wrap();
             let (left, right) = area.split_left_right_at_fraction(0.44);
             ui.scope_builder(UiBuilder::new().max_rect(left.with_max_x(left.max.x - theme::GAP)), |ui| {
@@ -43,7 +44,7 @@ pub fn show(
                 measures(ui, rectified, drawn);
             });
         } else {
-            // Below what is clicked, which stays in its place.
+            // The choices stay in place, so the warnings come below them.
             choosers(ui, model, drawn, commands);
             warnings(ui, model, rectified, drawn);
             method(ui, drawn);
@@ -59,9 +60,9 @@ fn choosers(ui: &mut Ui, model: &Model, drawn: &DrawnPair, commands: &mut Vec<Co
     ui.horizontal(|ui| guide_chooser(ui, model, commands));
 }
 
-/// What to beware of.
+/// Shows the warnings.
 fn warnings(ui: &mut Ui, model: &Model, rectified: &Rectified, drawn: &DrawnPair) {
-    // The pair may still be of the geometry that was shown before.
+    // The pair may still belong to the previous geometry.
     let is_of_shown = model.shown().is_some_and(|shown| *shown.fundamental == rectified.fundamental);
     for warning in &drawn.full.warnings {
         let of_shown = match warning {
@@ -73,7 +74,7 @@ fn warnings(ui: &mut Ui, model: &Model, rectified: &Rectified, drawn: &DrawnPair
     }
 }
 
-/// Which method it is, and why.
+/// Shows the method and the reason for it.
 fn method(ui: &mut Ui, drawn: &DrawnPair) {
     let full = &drawn.full;
     ui.weak(format!("{}, because {}.", sentence(full.method.name()), full.reason));
@@ -99,7 +100,7 @@ fn measures(ui: &mut Ui, rectified: &Rectified, drawn: &DrawnPair) {
         .on_hover_text("Size of each exported picture. On the screen, it may be smaller.");
 }
 
-/// Auto, planar or polar.
+/// Shows the choice of the method.
 pub fn method_chooser(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     name(ui, "Method");
     for (method, title) in
@@ -120,7 +121,7 @@ fn layout_chooser(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     }
 }
 
-/// How far the right picture is shifted.
+/// Shows the shift of the right picture.
 fn shift_chooser(ui: &mut Ui, model: &Model, drawn: &DrawnPair, commands: &mut Vec<Command>) {
     name(ui, "Shift");
     let mut shift = model.open.viewing.shift;
@@ -138,7 +139,7 @@ fn shift_chooser(ui: &mut Ui, model: &Model, drawn: &DrawnPair, commands: &mut V
     finish_button(ui, none, RectifiedCommand::Shift(0.0).into(), commands);
 }
 
-/// The guide lines; and while pictures take turns, whose it is.
+/// Shows the choice of guide lines and, in blink layout, the controls of the alternation.
 fn guide_chooser(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     name(ui, "Guides");
     let now = model.look.rectified.guides;
@@ -160,7 +161,7 @@ fn guide_chooser(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     }
 }
 
-/// All names as wide, so that what they name lines up.
+/// Shows a label. Equal widths align the choices.
 fn name(ui: &mut Ui, text: &str) {
     ui.scope(|ui| {
         ui.set_min_width(52.0);
@@ -168,7 +169,7 @@ fn name(ui: &mut Ui, text: &str) {
     });
 }
 
-/// How well rows agree and, where they do, what that means for matching programs.
+/// Shows how well rows agree and, if they do, the disparities.
 fn rows(ui: &mut Ui, measures: &Measures, measured: &str, fits: bool) {
     let Some(rows) = measures.rows else {
         ui.weak(
@@ -192,7 +193,7 @@ fn rows(ui: &mut Ui, measures: &Measures, measured: &str, fits: bool) {
     ui.label(text).on_hover_text(tooltip);
 }
 
-/// The range of disparities, and what to search.
+/// Describes the range of disparities and the range to search.
 fn disparity_hint([low, high]: [f64; 2]) -> (String, &'static str) {
     let from = ((low - RANGE_MARGIN) / RANGE_STEP).floor() * RANGE_STEP;
     let to = ((high + RANGE_MARGIN) / RANGE_STEP).ceil() * RANGE_STEP;
@@ -203,7 +204,7 @@ fn disparity_hint([low, high]: [f64; 2]) -> (String, &'static str) {
     } else {
         "Most are negative: swap the pictures for programs that expect positive disparities. "
     };
-    // A minus sign as wide as the plus sign, and none before nought.
+    // A minus sign as wide as the plus sign, and no negative zero.
     let number = |v: f64| format!("{:.0}", v.round() + 0.0).replace('-', "−");
     let text = format!(
         "Disparities {} to {} px. {sign}Suggested search range: {} to {}.",
@@ -219,7 +220,7 @@ fn disparity_hint([low, high]: [f64; 2]) -> (String, &'static str) {
     )
 }
 
-/// How each picture was bent.
+/// Shows the distortion of each picture.
 fn shapes(ui: &mut Ui, distortion: &[Distortion; 2]) {
     const COLUMNS: [(&str, &str); 5] = [
         (
