@@ -211,7 +211,7 @@ mod tests {
     }
 
     #[test]
-    fn text_has_the_contrast_that_the_web_asks_for() {
+    fn text_has_the_contrast_required_by_wcag() {
         for theme in [Theme::Dark, Theme::Light] {
             let visuals = visuals(theme);
             let palette = palette(&visuals);

@@ -126,7 +126,7 @@ mod tests {
     }
 
     #[test]
-    fn a_command_with_something_in_it_has_the_entry_of_its_kind() {
+    fn a_command_with_data_has_the_entry_of_its_kind() {
         assert_eq!(Command::Unpin(7).name(), "Unpin");
         assert_eq!(Command::from(SessionCommand::SaveTo("a.json".into())).name(), "Save session");
         assert_eq!(Command::StepPair { forward: false }.name(), "Previous pair");

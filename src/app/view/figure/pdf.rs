@@ -261,7 +261,7 @@ mod tests {
     }
 
     #[test]
-    fn paper_is_seen_through_what_is_transparent() {
+    fn transparent_pixels_show_the_paper() {
         let pixels = image::RgbaImage::from_raw(2, 1, vec![0, 0, 0, 0, 100, 50, 0, 127]).unwrap();
         let seen = on_paper(&pixels.into(), Color32::WHITE);
         assert_eq!(seen.as_raw(), &[255, 255, 255, 228, 178, 128]);

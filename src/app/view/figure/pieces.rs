@@ -152,7 +152,7 @@ mod tests {
     }
 
     #[test]
-    fn a_band_and_a_fan_are_one_area_each_and_other_triangles_stay_what_they_are() {
+    fn strips_and_fans_become_one_area_and_other_triangles_stay_separate() {
         let corners = [(0.0, 0.0), (0.0, 5.0), (10.0, 0.0), (10.0, 6.0), (20.0, 0.0)].map(Pos2::from);
         let mesh = |triangles: &[[u32; 3]]| {
             let mut mesh = Mesh::default();

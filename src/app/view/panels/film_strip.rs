@@ -268,7 +268,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn names_that_begin_alike_stay_apart_when_they_are_cut() {
+    fn names_with_a_common_beginning_stay_distinct_when_shortened() {
         assert_eq!(cut_in_the_middle("left.png", 1.4), "left.png");
         let [a, b] =
             ["brighton-01-10-bigA.jpg", "brighton-01-10-bigB.jpg"].map(|name| cut_in_the_middle(name, 0.6));
@@ -279,7 +279,7 @@ mod tests {
     }
 
     #[test]
-    fn what_names_have_in_common_ends_at_a_mark() {
+    fn the_common_prefix_of_names_ends_at_a_separator() {
         let common =
             |names: &[&str]| common_prefix(&names.iter().map(|&name| name.to_owned()).collect::<Vec<_>>());
         assert_eq!(common(&["brighton-00-01A", "brighton-00-02A", "brighton-03B"]), Some(9));

@@ -153,7 +153,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn words_come_before_letters_and_beginnings_before_ends() {
+    fn whole_words_rank_before_scattered_letters() {
         let titles = ["Fit both images", "Open the sample images", "Light or dark", "Link views"];
         let entries = || {
             titles

@@ -303,7 +303,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn rows_are_sorted_both_ways_with_what_is_missing_at_the_end() {
+    fn rows_sort_both_ways_with_missing_values_last() {
         let figures = [3.0, f64::NAN, 1.0, 2.0];
         let table = Table {
             name: "test",

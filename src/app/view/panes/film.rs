@@ -70,7 +70,7 @@ mod tests {
     use crate::app::model::recording::example;
 
     #[test]
-    fn a_frame_is_shown_as_it_is_and_what_moves_is_marked() {
+    fn a_frame_is_unchanged_except_for_highlighted_motion() {
         let ctx = egui::Context::default();
         let recording = Shared::new(example(20));
         let size = recording.sequence.size();

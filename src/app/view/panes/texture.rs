@@ -190,7 +190,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn while_tones_are_changing_a_large_picture_is_a_draft() {
+    fn a_large_picture_is_a_draft_while_brightness_changes() {
         let ctx = egui::Context::default();
         for (width, draft) in [(3000, [512, 171]), (1200, [512, 341]), (300, [300, 200])] {
             let height = if width == 3000 { 1000 } else { width * 2 / 3 };

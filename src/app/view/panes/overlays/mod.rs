@@ -278,7 +278,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_stretch_is_cut_at_the_edges_of_a_rectangle() {
+    fn a_segment_is_clipped_to_a_rectangle() {
         let area = Rect::from_min_max(Pos2::new(10.0, 10.0), Pos2::new(110.0, 60.0));
         let at = |x: f32, y: f32| Pos2::new(x, y);
         assert_eq!(within([at(0.0, 20.0), at(200.0, 20.0)], area), Some([at(10.0, 20.0), at(110.0, 20.0)]));

@@ -262,7 +262,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_hint_names_the_sign_and_a_range_that_holds_all() {
+    fn the_hint_gives_a_search_range_and_asks_for_a_swap_if_negative() {
         let (text, _) = disparity_hint([-12.0, 87.0]);
         assert_eq!(text, "Disparities −12 to 87 px. Suggested search range: −16 to 96.");
         let (text, _) = disparity_hint([-90.4, -14.2]);
