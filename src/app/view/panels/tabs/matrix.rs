@@ -134,8 +134,8 @@ impl<'a> PencilMatrix<'a> {
         }
     }
 
-    /// Returns the directions of two undirected lines as the matrix has them: the first in `[0,
-    /// π)`, the second in the sense that was compared, with the smaller rotation if both were.
+    /// Returns the directions of two undirected lines as the matrix has them. The first is in `[0, π)`.
+    /// The second is the sense that was compared, with the smaller rotation if both were.
     fn directions(&self, line1: &Line, line2: &Line) -> [f64; 2] {
         let angle = |line: &Line| {
             let d = line.direction();

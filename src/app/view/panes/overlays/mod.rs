@@ -121,8 +121,8 @@ impl Labels {
         self.0.borrow_mut().push(area);
     }
 
-    /// Occupies and returns an area for a text of this size near `at`: the first one that is in the
-    /// pane and free, or else the first one in the pane.
+    /// Occupies and returns an area for a text of this size near `at`. It is the first area in the pane
+    /// that is free, or else the first one in the pane.
     fn place(&self, pane: Rect, at: Pos2, size: Vec2) -> Rect {
         let places = [1.0, 2.2, 3.4].into_iter().flat_map(|steps| {
             let away = 9.0 + (steps - 1.0) * size.y;
