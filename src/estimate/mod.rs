@@ -30,6 +30,7 @@ mod result;
 mod scale;
 mod search;
 mod stage;
+mod stream;
 mod trust;
 mod unclicked;
 mod views;

@@ -6,8 +6,7 @@
 //!
 //! The pairs that stand in are no observations: no fit rests on them, and no verdict counts them.
 
-use rand::{RngExt, SeedableRng};
-use rand_pcg::Pcg64Mcg;
+use rand::RngExt;
 
 use super::choice::{self, ClickedPairs};
 use super::matched_features::MatchedFeatures;
@@ -16,6 +15,7 @@ use super::record::SearchRecord;
 use super::search::{Judged, SearchInput, by_patches, compared};
 use super::wider::{FeatureProposals, by_features};
 use super::{EstimateError, PreparedPair, Stage};
+use crate::estimate::stream::{Purpose, stream};
 use crate::features::FeatureViews;
 use crate::geometry::{FundamentalMatrix, PointPair, apart_across_lines, sampson_distance};
 use crate::image::RelativeView;
@@ -162,7 +162,7 @@ pub(super) fn chosen(
 
 /// Two putative matches each time, far from each other in both images. The seed decides.
 fn drawn(prepared: &PreparedPair, putative: &[PointPair], seed: u64) -> Vec<[PointPair; 2]> {
-    let mut random = Pcg64Mcg::seed_from_u64(seed ^ 0x7061_6972);
+    let mut random = stream(seed, Purpose::PutativePairs, 0);
     let least = prepared.frames().map(|frame| APART * frame.longer_side());
     let mut drawn = Vec::new();
     if putative.len() < 2 {

@@ -96,11 +96,11 @@ pub(super) fn by_barcodes(input: &SearchInput, record: &mut SearchRecord) -> Res
     let half = silhouettes.map(Silhouettes::halved);
     let coarse = objective.with([&half[0], &half[1]]);
     for start in &proposed {
-        refined.extend(refine(&coarse, start, refinement::FROM_AFAR, parameters.seed, cancel)?);
+        refined.extend(refine(&coarse, start, refinement::FROM_AFAR, parameters.seed, 0, cancel)?);
     }
     refined.sort_by(|a: &RefinedByBarcodes, b| a.value.total_cmp(&b.value));
     let best = refined.first().ok_or(EstimateError::NothingFromBarcodes)?;
-    let best = refine(&objective, &best.fundamental, refinement::NEARBY, parameters.seed, cancel)?
+    let best = refine(&objective, &best.fundamental, refinement::NEARBY, parameters.seed, 0, cancel)?
         .unwrap_or_else(|| best.clone());
 
     record.enter(Stage::Validation)?;

@@ -34,7 +34,7 @@ pub(super) fn deviation(
         let times: Vec<usize> = (0..count).filter(|t| t * GROUPS * RUNS / count % GROUPS != group).collect();
         let [first, second] = objective.silhouettes.map(|silhouettes| silhouettes.at_times(&times));
         let fewer = objective.with([&first, &second]);
-        let Some(refined) = refine(&fewer, f, NEARBY, seed ^ (group as u64 + 1), cancel)? else {
+        let Some(refined) = refine(&fewer, f, NEARBY, seed, group as u64 + 1, cancel)? else {
             return Ok(None);
         };
         left.push(refined.fundamental);

@@ -4,13 +4,14 @@
 //! best of them give the next one (the cross-entropy method: Rubinstein 1999). They are drawn from the seed; the order
 //! of threads changes nothing.
 
-use rand::{RngExt, SeedableRng};
+use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
 use rayon::prelude::*;
 
 use super::agreement::Pencils;
 use crate::cancel::CancelFlag;
 use crate::estimate::EstimateError;
+use crate::estimate::stream::{Purpose, stream};
 use crate::geometry::{Frame, FundamentalMatrix, PointPair, Vector7, sampson_distance};
 use crate::motion::Silhouettes;
 
@@ -89,10 +90,11 @@ pub(super) fn refine(
     start: &FundamentalMatrix,
     search: Steps,
     seed: u64,
+    task: u64,
     cancel: &CancelFlag,
 ) -> Result<Option<RefinedByBarcodes>, EstimateError> {
     let frames = objective.frames();
-    let mut random = Pcg64Mcg::seed_from_u64(seed);
+    let mut random = stream(seed, Purpose::BarcodeRefinement, task);
     let mut best = RefinedByBarcodes { fundamental: *start, value: objective.value(start) };
     let (mut mean, mut deviation) = (Vector7::zeros(), Vector7::repeat(search.first));
     for _ in 0..search.rounds {
@@ -128,6 +130,8 @@ fn gaussian(random: &mut Pcg64Mcg) -> Vector7 {
 #[cfg(test)]
 mod tests {
     use super::super::exact::{FRAME, bands, by_itself};
+    use rand::SeedableRng;
+
     use super::*;
     use crate::estimate::exact::rows;
 
@@ -152,7 +156,7 @@ mod tests {
         let objective = Objective::new([&seen, &seen], &[], 1.0, 50.0);
         let search = |seed: u64| {
             let far = Steps { first: 0.05, ..FROM_AFAR };
-            refine(&objective, &rows(2.0), far, seed, &CancelFlag::default()).unwrap().unwrap()
+            refine(&objective, &rows(2.0), far, seed, 0, &CancelFlag::default()).unwrap().unwrap()
         };
         let found = search(1);
         assert!(found.value < objective.value(&rows(2.0)) - 50.0, "{}", found.value);

@@ -4,12 +4,13 @@
 //! all. Both lines of a candidate move until their barcodes agree: there is a pencil of pairs that do, and the candidate
 //! ends on one of them.
 
-use rand::{RngExt, SeedableRng};
+use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
 
 use crate::cancel::CancelFlag;
 use crate::estimate::EstimateError;
 use crate::estimate::lines::LineCandidate;
+use crate::estimate::stream::{Purpose, stream};
 use crate::geometry::{AnchoredLine, Frame, Point, Vector};
 use crate::similarity::ScaledSimilarity;
 
@@ -32,7 +33,7 @@ pub(super) fn sharpen(
     seed: u64,
     cancel: &CancelFlag,
 ) -> Result<Vec<LineCandidate>, EstimateError> {
-    let mut random = Pcg64Mcg::seed_from_u64(seed);
+    let mut random = stream(seed, Purpose::BarcodeLines, 0);
     let mut best: Vec<LineCandidate> = Vec::with_capacity(MOVED);
     for candidate in candidates {
         // A barcode is the same from either end, so each pair is there twice.
@@ -90,6 +91,8 @@ fn moved(line: &AnchoredLine, frame: Frame, step: f64, random: &mut Pcg64Mcg) ->
 
 #[cfg(test)]
 mod tests {
+    use rand::SeedableRng;
+
     use super::*;
     use crate::estimate::exact::{FRAME, exact_lines, rows};
 

@@ -12,11 +12,12 @@ mod rematching;
 use std::f64::consts::TAU;
 
 use nalgebra::Matrix3;
-use rand::{RngExt, SeedableRng};
+use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
 use rayon::prelude::*;
 
 use super::fit::{BAND, Consensus, Units, Witness, residual};
+use crate::estimate::stream::{Purpose, stream};
 use crate::features::{Feature, FeatureMatch, FeatureSet, SIGMA_PER_SCALE};
 use crate::geometry::{
     Equation, Frame, FundamentalMatrix, Observation, PointPair, eight_point, fit_fundamental, frame_equation,
@@ -88,8 +89,6 @@ const LEADERS: usize = 20;
 const LOCAL_ROUNDS: u64 = 4;
 const LOCAL_DRAWS: usize = 200;
 const LOCAL_REFITTED: usize = 3;
-/// Streams of random numbers from here on are those of local optimisation.
-const LOCAL_STREAMS: u64 = 1 << 32;
 /// Matches that a refit takes, and the last one.
 const FITTED: usize = 300;
 const FITTED_LAST: usize = 1500;
@@ -200,7 +199,7 @@ pub fn hypotheses_from_features(
     let mut improved: Vec<(FundamentalMatrix, f64)> = distinct
         .into_par_iter()
         .enumerate()
-        .map(|(k, start)| search.locally_optimised(start, LOCAL_STREAMS + k as u64))
+        .map(|(k, start)| search.locally_optimised(start, k as u64))
         .collect();
     improved.sort_by(|a, b| b.1.total_cmp(&a.1));
     let distinct = search.distinct(improved, FundamentalMatrix::matrix, SAME_REFITTED, parameters.rematched);
@@ -252,7 +251,9 @@ impl<'a> FeatureSearch<'a> {
         let clicks = self.evidence.clicks;
         let mut all: Vec<(f64, Matrix3<f64>)> = (0..self.parameters.draws.div_ceil(TASK))
             .into_par_iter()
-            .flat_map_iter(|task| self.scored_samples(&self.cumulative, TASK, task as u64 + 1))
+            .flat_map_iter(|task| {
+                self.scored_samples(&self.cumulative, TASK, Purpose::FeatureSamples, task as u64)
+            })
             .collect();
         all.sort_by(|a, b| b.0.total_cmp(&a.0));
         let leaders = all.into_iter().take(LEADERS * self.parameters.refitted);
@@ -269,9 +270,14 @@ impl<'a> FeatureSearch<'a> {
     }
 
     /// The matrices of some samples, for conditioned coordinates, each with its score.
-    fn scored_samples(&self, cumulative: &[f64], count: usize, stream: u64) -> Vec<(f64, Matrix3<f64>)> {
-        let seed = self.parameters.seed ^ stream.wrapping_mul(0x9e37_79b9_7f4a_7c15);
-        let mut random = Pcg64Mcg::seed_from_u64(seed);
+    fn scored_samples(
+        &self,
+        cumulative: &[f64],
+        count: usize,
+        purpose: Purpose,
+        index: u64,
+    ) -> Vec<(f64, Matrix3<f64>)> {
+        let mut random = stream(self.parameters.seed, purpose, index);
         (0..count)
             .filter_map(|_| self.sample(cumulative, &mut random))
             .flat_map(|equations| solve_seven(&equations))
@@ -336,7 +342,7 @@ impl<'a> FeatureSearch<'a> {
     }
 
     /// The best that can be reached from a matrix by samples of what it explains, refitted (Chum, Matas & Kittler 2003).
-    fn locally_optimised(&self, start: (FundamentalMatrix, f64), stream: u64) -> (FundamentalMatrix, f64) {
+    fn locally_optimised(&self, start: (FundamentalMatrix, f64), number: u64) -> (FundamentalMatrix, f64) {
         let mut best = start;
         for round in 0..LOCAL_ROUNDS {
             let mut sum = 0.0;
@@ -347,7 +353,10 @@ impl<'a> FeatureSearch<'a> {
                     sum
                 })
                 .collect();
-            let mut drawn = self.scored_samples(&cumulative, LOCAL_DRAWS, stream * 64 + round);
+            let mut drawn = {
+                let index = number * LOCAL_ROUNDS + round;
+                self.scored_samples(&cumulative, LOCAL_DRAWS, Purpose::FeatureOptimisation, index)
+            };
             drawn.sort_by(|a, b| b.0.total_cmp(&a.0));
             let reached = drawn
                 .iter()

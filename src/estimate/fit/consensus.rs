@@ -6,7 +6,7 @@
 
 use std::f64::consts::SQRT_2;
 
-use rand::{RngExt, SeedableRng};
+use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
 use rayon::prelude::*;
 
@@ -14,6 +14,7 @@ use super::Match;
 use super::noise::{LEAST_SCALE, Noise, residuals};
 use super::scoring::{BAND, Consensus, Units, Witness};
 use crate::cancel::CancelFlag;
+use crate::estimate::stream::{Purpose, stream};
 use crate::geometry::{
     Equation, Frame, FundamentalMatrix, Matrix9, Observation, fit_fundamental, grouped_covariance,
     point_equation, sampson_distance, solve_seven,
@@ -137,11 +138,13 @@ impl Evidence<'_> {
     }
 
     /// Finds geometries on which many matches agree, at most one for each scale (px), by minimal samples and from starts.
+    /// Each round of one seed draws other samples.
     pub fn consensus(
         &self,
         starts: &[FundamentalMatrix],
         scales: &[f64],
         seed: u64,
+        round: u64,
         cancel: &CancelFlag,
     ) -> Vec<Agreed> {
         if self.matches.len() < 2 * 7 || cancel.is_cancelled() {
@@ -150,7 +153,7 @@ impl Evidence<'_> {
         let units = Units::new(self.frames);
         let scorers: Vec<(f64, Consensus)> =
             scales.iter().map(|scale| (*scale, self.scorer(units, *scale))).collect();
-        let samples = self.sampled(units, &scorers, seed);
+        let samples = self.sampled(units, &scorers, seed, round);
         let best = |((scale, scorer), samples): (&(f64, Consensus), &Vec<FundamentalMatrix>)| {
             let all: Vec<&FundamentalMatrix> = samples.iter().chain(starts).collect();
             let optimised: Vec<FundamentalMatrix> =
@@ -196,7 +199,13 @@ impl Evidence<'_> {
     }
 
     /// The best minimal samples at each scale, drawn from the half of the matches that are least ambiguous.
-    fn sampled(&self, units: Units, scorers: &[(f64, Consensus)], seed: u64) -> Vec<Vec<FundamentalMatrix>> {
+    fn sampled(
+        &self,
+        units: Units,
+        scorers: &[(f64, Consensus)],
+        seed: u64,
+        round: u64,
+    ) -> Vec<Vec<FundamentalMatrix>> {
         let mut order: Vec<&Match> = self.matches.iter().collect();
         order.sort_by(|a, b| b.prior.total_cmp(&a.prior));
         order.truncate((order.len() / 2).max(LEAST_DRAWN_FROM));
@@ -207,7 +216,7 @@ impl Evidence<'_> {
             scored
         };
         let drawn = |task: u64| {
-            let mut rng = Pcg64Mcg::seed_from_u64(seed ^ STREAM ^ task);
+            let mut rng = stream(seed, Purpose::MatchSamples, (round << 32) | task);
             let mut samples: Vec<Vec<Sample>> = vec![Vec::new(); scorers.len()];
             for k in 0..TASK {
                 for f in solve_seven(&seven(&equations, &mut rng)) {
@@ -229,9 +238,6 @@ impl Evidence<'_> {
         (0..scorers.len()).map(of_scale).collect()
     }
 }
-
-/// Begins the streams of random numbers of this stage.
-const STREAM: u64 = 0x6669_7400_0000_0000;
 
 /// Seven different equations.
 fn seven(equations: &[Equation], rng: &mut Pcg64Mcg) -> [Equation; 7] {

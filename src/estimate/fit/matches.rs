@@ -84,7 +84,7 @@ pub fn estimate_fundamental(
     let scales: Vec<f64> = std::iter::successors(Some(FINEST), |scale| Some(STEP * scale))
         .take_while(|scale| *scale <= (COARSEST * side).max(FINEST))
         .collect();
-    let agreed = all.consensus(&[], &scales, seed, &cancel);
+    let agreed = all.consensus(&[], &scales, seed, 0, &cancel);
     // A match within some scales says the more, the smaller the scale is beside the picture.
     let worth = |agreed: &Agreed| agreed.score * (side / agreed.scale).ln();
     let first = agreed.iter().max_by(|a, b| worth(a).total_cmp(&worth(b)));
@@ -94,9 +94,8 @@ pub fn estimate_fundamental(
     // One band for all, as likelihoods are compared.
     let band = start.noise.reach();
     let mut best = within(&all, &start.fundamental, band).ok_or(MatchFitError::NoAgreement)?;
-    for round in 0..ROUNDS {
-        let seed = seed.wrapping_add(1 + round);
-        let agreed = all.consensus(&[best.fundamental], &best.rival_scales(), seed, &cancel);
+    for round in 1..=ROUNDS {
+        let agreed = all.consensus(&[best.fundamental], &best.rival_scales(), seed, round, &cancel);
         let rivals = agreed.iter().filter_map(|agreed| within(&all, &agreed.fundamental, band));
         let Some(rival) = rivals.max_by(|a, b| a.log_likelihood.total_cmp(&b.log_likelihood)) else { break };
         if rival.log_likelihood <= best.log_likelihood {

@@ -1,9 +1,9 @@
 //! Combinations of one candidate per click, drawn with a preference for cheap ones.
 
-use rand::{RngExt, SeedableRng};
-use rand_pcg::Pcg64Mcg;
+use rand::RngExt;
 
 use super::Candidate;
+use crate::estimate::stream::{Purpose, stream};
 
 /// Draws `count` different pairs of candidates, cheap ones more often; all of them when there are fewer.
 pub(in crate::estimate) fn draw_pairs(
@@ -34,7 +34,7 @@ pub(in crate::estimate) fn draw_pairs(
 
 /// The keys below a limit, with the numbers of their pairs.
 fn keys_below(limit: f64, weights: &[Vec<f64>; 2], seed: u64) -> Vec<(f64, usize)> {
-    let mut rng = Pcg64Mcg::seed_from_u64(seed);
+    let mut rng = stream(seed, Purpose::CandidatePairs, 0);
     let mut keys = Vec::new();
     for (row, own) in weights[0].iter().enumerate() {
         for (column, other) in weights[1].iter().enumerate() {

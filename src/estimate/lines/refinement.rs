@@ -5,12 +5,13 @@
 //! derivatives: a few random steps around the best point so far, the step size shrinking when none of them is
 //! better. Steps are drawn from the seed; the order of threads changes nothing.
 
-use rand::{RngExt, SeedableRng};
+use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
 
 use super::score::line_scores;
 use super::{PencilAngles, PencilPair};
 use crate::cancel::CancelFlag;
+use crate::estimate::stream::{Purpose, stream};
 use crate::estimate::{EstimateError, LineScore, Parameters};
 use crate::geometry::PointPair;
 use crate::similarity::{ScaledSimilarity, SimilaritySource};
@@ -37,8 +38,7 @@ pub(super) fn refine_on_lines(
     cancel: &CancelFlag,
 ) -> Result<PencilAngles, EstimateError> {
     let mut best = *start;
-    // Other numbers than those that drew the hypotheses.
-    let mut rng = Pcg64Mcg::seed_from_u64(parameters.seed ^ 0x5eed);
+    let mut rng = stream(parameters.seed, Purpose::LineRefinement, 0);
     let mut side = parameters.pencils.coarse_side;
     let mut done = None;
     loop {

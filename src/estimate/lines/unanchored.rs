@@ -16,13 +16,14 @@
 use std::cmp::Reverse;
 use std::f64::consts::TAU;
 
-use rand::{RngExt, SeedableRng};
+use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
 use rayon::prelude::*;
 
 use super::SHORTEST_LINE;
 use super::pencils::{have_texture, mutual_best};
 use crate::cancel::CancelFlag;
+use crate::estimate::stream::{Purpose, stream};
 use crate::estimate::{EstimateError, PencilParameters};
 use crate::geometry::{
     AnchoredLine, Frame, FundamentalMatrix, HomogeneousPoint, Line, Observation, Point, PointPair, Segment,
@@ -221,8 +222,7 @@ impl<'a> Counting<'a> {
 
     /// The best hypothesis of each draw of one task, with the number of candidates that agree with it.
     fn draw(&self, task: u64) -> Vec<(usize, FundamentalMatrix)> {
-        let seed = self.how.seed ^ (task + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-        let mut random = Pcg64Mcg::seed_from_u64(seed);
+        let mut random = stream(self.how.seed, Purpose::LineConsensus, task);
         (0..TASK).filter_map(|_| self.hypothesis(&mut random)).collect()
     }
 

@@ -85,8 +85,8 @@ impl GuidedMatcher<'_> {
             pool.add(self.matches(&best.fitted.fundamental, WIDEST));
             let matches = pool.observed();
             let evidence = self.evidence(&matches, &clicks, WIDEST);
-            let (seed, scales) = (settling.seed.wrapping_add(round), best.fitted.rival_scales());
-            let agreed = evidence.consensus(&[best.fitted.fundamental], &scales, seed, cancel);
+            let (start, scales) = ([best.fitted.fundamental], best.fitted.rival_scales());
+            let agreed = evidence.consensus(&start, &scales, settling.seed, round, cancel);
             let rivals: Vec<Followed> = agreed
                 .par_iter()
                 .map(|agreed| &agreed.fundamental)

@@ -2,10 +2,10 @@
 //! every epipole fits (Hartley & Zisserman, §11.9.2).
 
 use nalgebra::Matrix3;
-use rand::{RngExt, SeedableRng};
-use rand_pcg::Pcg64Mcg;
+use rand::RngExt;
 use rayon::prelude::*;
 
+use crate::estimate::stream::{Purpose, stream};
 use crate::geometry::{PointPair, homography};
 
 /// Samples drawn: four matches of a plane that holds a third of them are among 300 with a probability of 97 %.
@@ -36,7 +36,7 @@ pub(in crate::estimate) fn largest_plane(
         matches.to_vec()
     };
     let from_sample = |k: u64| -> Option<(Matrix3<f64>, usize)> {
-        let mut rng = Pcg64Mcg::seed_from_u64(seed.wrapping_mul(SAMPLES).wrapping_add(k));
+        let mut rng = stream(seed, Purpose::PlaneSamples, k);
         let sample: [PointPair; 4] = std::array::from_fn(|_| few[rng.random_range(0..few.len())]);
         refitted(homography(&sample)?, &few, tolerance)
     };

@@ -12,7 +12,7 @@
 use std::collections::HashSet;
 
 use nalgebra::{Matrix3, Vector3};
-use rand::{Rng, RngExt, SeedableRng};
+use rand::{Rng, RngExt};
 use rand_pcg::Pcg64Mcg;
 use rayon::prelude::*;
 
@@ -21,6 +21,7 @@ use super::plane::largest_plane;
 use super::support::{BAND, PatchSupport, Support};
 use crate::cancel::CancelFlag;
 use crate::estimate::EstimateError;
+use crate::estimate::stream::{Purpose, stream};
 use crate::geometry::{FundamentalMatrix, PointPair, eight_point, transfer_error};
 
 /// Hypotheses whose matches are pooled.
@@ -73,8 +74,7 @@ pub(in crate::estimate) fn resample(
             .into_par_iter()
             .filter(|_| !cancel.is_cancelled())
             .filter_map(|k| {
-                let number = kind.wrapping_mul(samples).wrapping_add(k);
-                let mut rng = Pcg64Mcg::seed_from_u64(seed.wrapping_mul(samples * 16).wrapping_add(number));
+                let mut rng = stream(seed, Purpose::PatchSamples, kind * samples + k);
                 promising(make(&mut rng)?)
             })
             .collect();
@@ -211,6 +211,8 @@ impl Parallax {
 
 #[cfg(test)]
 mod tests {
+    use rand::SeedableRng;
+
     use super::*;
     use crate::estimate::exact::ExactScene;
     use crate::geometry::homography;

@@ -1,4 +1,4 @@
-//! The bar at the bottom: position and intensity under the cursor, and how far an export is.
+//! The status bar: position and intensity under the cursor, and the progress of an export.
 
 use egui::{Align, Layout, RichText, Ui};
 
@@ -7,7 +7,7 @@ use crate::app::model::Model;
 use crate::app::model::command::Command;
 use crate::app::model::rectified::RectifiedCommand;
 
-/// The mouse actions take about as much, screen points.
+/// Approximate width of the mouse hints, screen points.
 const ROOM_FOR_HINTS: f32 = 360.0;
 
 /// Shows the bar.
@@ -22,7 +22,7 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
                 hover.point.x,
                 hover.point.y,
             ),
-            None => "Position and intensity under the cursor".into(),
+            None => String::new(),
         };
         let text = RichText::new(text);
         ui.label(if model.open.hover.is_some() { text.monospace() } else { text.weak() });
