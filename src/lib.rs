@@ -56,16 +56,17 @@
 //!
 //! # Features
 //!
-//! With `default-features = false` the crate has the modules that an estimate needs ([`geometry`],
-//! [`image`], [`similarity`], [`mod@estimate`]), and [`suggest`], [`rectify`] and [`convention`].
-//! Further features, all on by default:
+//! With `default-features = false` the crate is the estimator for callers who have pixels already:
+//! [`geometry`], [`image`] (without files), [`features`], [`similarity`], [`motion`],
+//! [`mod@estimate`], [`suggest`], [`rectify`] and [`convention`]. Further features, all on by
+//! default:
 //!
-//! | feature | modules | contents |
-//! |---|---|---|
-//! | `files` | `io`, `synthetic::Sample` | readers and writers of JSON, YAML and `.npy` arrays, sequences of frames |
-//! | `evaluate` (with `files`) | `evaluate`, `publish` | measuring estimators, reports in HTML and Markdown |
-//! | `cli` (with `evaluate`) | `cli` | the command line and the program `epiline` |
-//! | `inspector` (with `evaluate`) | `app` | the window |
+//! | feature | contents |
+//! |---|---|
+//! | `pictures` | [`image::Picture`]: reading of picture files, warping of rectified pictures; [`synthetic`] |
+//! | `files` (with `pictures`) | [`io`], `synthetic::Sample`: JSON, YAML and `.npy` arrays, sequences of frames |
+//! | `cli` (with `files`) | the program `epiline` |
+//! | `inspector` (with `cli`) | the window of the program |
 //!
 //! `ARCHITECTURE.md` shows the layout of the code and how to add to it.
 

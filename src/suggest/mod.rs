@@ -18,7 +18,7 @@
 //! near, measured by the ratio of mismatches (after Lowe 2004); competitors are the second-best
 //! position in the other image and of the reverse search. And the reverse search ends at the click.
 //! [`SuggestParameters`] holds the limits, set on real pairs so that nearly all clear suggestions
-//! are right. `cargo run --release --example measure-suggest` prints the fractions.
+//! are right. `cargo run --release -p epiline-lab --example measure-suggest` prints the fractions.
 //!
 //! # Pitfalls
 //! - Rotations up to 30° and scales from 0.7 to 1.4 are searched, relative to the known view or the

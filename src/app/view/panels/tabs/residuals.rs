@@ -202,7 +202,7 @@ fn choices(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
                 }
                 PointSet::TrueMatches => {
                     "Your pairs of the estimate, with their errors, plus as many true matches as needed, \
-                     drawn as by `epiline evaluate`."
+                     drawn at random."
                 }
             };
             let then = Subject { fitted: set, ..now };
