@@ -10,6 +10,7 @@ mod assess;
 mod barcodes;
 mod choice;
 mod clicks;
+#[doc(hidden)]
 pub mod covariant;
 mod driver;
 mod error;
@@ -46,10 +47,11 @@ pub use follow::follow;
 pub use lines::{Candidate, ComparedPencils, Construction, LineFigures, RoundTrip, lines_at};
 pub use monitor::{Monitor, Progress};
 pub use parameters::{
-    LineScore, LinesAloneParameters, Method, PARAMETERS, ParameterEntry, ParameterValue, Parameters,
-    PatchParameters, PencilParameters, Preset, RefinementParameters, Search, SearchPlan,
-    ValidationParameters, parameters_as_markdown,
+    LineScore, LinesAloneParameters, Method, Parameters, PatchParameters, PencilParameters, Preset,
+    RefinementParameters, Search, SearchPlan, ValidationParameters,
 };
+#[doc(hidden)]
+pub use parameters::{PARAMETERS, ParameterEntry, ParameterValue, parameters_as_markdown};
 pub use patches::{PatchSupport, RefinedMatch, Refinement};
 pub use prepared::PreparedPair;
 pub use result::{

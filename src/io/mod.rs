@@ -20,16 +20,24 @@ mod session;
 mod truth_folder;
 mod vgg;
 
+#[doc(hidden)]
 pub use camera_rig::CameraRig;
 pub use geometry_file::{
     Format, GeometryFile, ImageNote, PairLabel, PairOrigin, Problem, TrustNote, read_fundamental,
     read_point_pairs,
 };
+#[doc(hidden)]
 pub use ground_truth::{GroundTruth, TruthError, TruthOrigin};
+#[doc(hidden)]
 pub use identity::refuse_clashes;
-pub use output::{OutputFile, WriteError};
+#[doc(hidden)]
+pub use output::OutputFile;
+pub use output::WriteError;
+#[doc(hidden)]
 pub use pair_folder::{PairFiles, pair_folder};
-pub use picture_file::{PictureError, PictureFormat, described, encode_picture};
+pub use picture_file::{PictureError, PictureFormat};
+#[doc(hidden)]
+pub use picture_file::{described, encode_picture};
 pub use point_pairs::{PairProblem, parse_point_pairs};
 pub use read::{IMAGE_EXTENSIONS, ReadError, has_image_extension};
 pub use rectified::{RectifiedError, RectifiedFiles, RectifiedOptions};
@@ -37,9 +45,13 @@ pub use result_file::{ResultFile, result_in_words};
 pub use sequence_file::{
     MOST_FRAMES, SequenceError, SequenceFile, VIDEO_EXTENSIONS, first_frame, is_sequence, read_sequence,
 };
+#[doc(hidden)]
 pub use session::{
     ImageReference, ImageSource, Located, SESSION_VERSION, SessionError, SessionFile, relative, resolve,
     sha256_of,
 };
+#[doc(hidden)]
 pub use truth_folder::TruthFolder;
-pub use vgg::{VggFolder, read_camera};
+#[doc(hidden)]
+pub use vgg::VggFolder;
+pub use vgg::read_camera;

@@ -15,9 +15,11 @@ mod source;
 mod stereo;
 
 pub use barcode::{BarcodeSimilarity, BarcodeSource};
+#[doc(hidden)]
 pub use kernel::{Kernel, LANES, LaneBlock};
 pub use measure::{CostMatrix, LineSimilarity, StereoSimilarity};
 pub use parameters::{DisparityRange, LineMeasure, Ordering, SimilarityParameters, StereoParameters};
+#[doc(hidden)]
 pub use profile::{WarpedProfile, inspect_lines, inspection_scale};
 pub use source::{PictureSource, ScaledSimilarity, SimilaritySource};
 pub use stereo::{StereoMatch, match_cost, match_profiles};

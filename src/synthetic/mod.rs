@@ -16,6 +16,9 @@ pub use balls::{BallScene, ThrownBalls};
 #[doc(hidden)]
 pub use motion::Motion;
 #[cfg(feature = "files")]
-pub use sample::{SAMPLE_FRAME, Sample, SampleFile, SamplePair};
+#[doc(hidden)]
+pub use sample::{SAMPLE_FRAME, SampleFile};
+#[cfg(feature = "files")]
+pub use sample::{Sample, SamplePair};
 #[doc(hidden)]
 pub use yard::{TestPair, test_pair};
