@@ -169,7 +169,7 @@ mod tests {
         assert_eq!(found.fundamental, search(1).fundamental, "the seed decides");
         let stopped = CancelFlag::default();
         stopped.cancel();
-        let stopped = refine(&objective, &rows(2.0), NEARBY, 1, &stopped);
+        let stopped = refine(&objective, &rows(2.0), NEARBY, 1, 0, &stopped);
         assert_eq!(stopped.unwrap_err(), EstimateError::Cancelled);
     }
 

@@ -1,6 +1,7 @@
 //! Exact cameras, features made up of what they see, and as many false matches as a test likes.
 
 use nalgebra::Point3;
+use rand::SeedableRng;
 
 use super::*;
 use crate::features::{Feature, FeatureSet};
