@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Compares the time of this program with that of OpenCV's SIFT and MAGSAC++ on the same pair.
 
-    cargo build --release
+    cargo build --release -p epiline
     python3 lab/compare-speed.py LEFT RIGHT --pair X1,Y1,X2,Y2 --pair X1,Y1,X2,Y2 [--runs 9]
 
 Both are whole processes, from two files to F, and run in turns, so that whatever else the machine does meets both alike.

@@ -6,7 +6,7 @@
     cargo run --release -p epiline-lab --example measure-barcodes > table.md
     python3 lab/plot.py table.md lab
 
-Writes one SVG for each figure into the folder and prints the worst trials. Needs matplotlib.
+Writes one SVG for each figure into the folder and prints the worst trials. Needs matplotlib 3.10 or later.
 """
 
 import json

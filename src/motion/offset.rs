@@ -64,7 +64,8 @@ pub fn find_offset(
     Ok(found)
 }
 
-#[cfg(all(test, feature = "pictures"))]
+#[cfg(test)]
+#[cfg(feature = "pictures")]
 mod tests {
     use super::*;
     use crate::geometry::Frame;

@@ -201,7 +201,8 @@ fn assessed(
     }
 }
 
-#[cfg(all(test, feature = "pictures"))]
+#[cfg(test)]
+#[cfg(feature = "pictures")]
 mod tests {
     use super::*;
     use crate::estimate::{CancelFlag, Monitor, PreparedPair, Verdict, estimate_prepared};
