@@ -81,7 +81,7 @@ def pairs(report, folder):
     for m, name in enumerate(methods):
         axes.plot([], [], "o", color=f"C{m}", label=name)
     axes.plot([], [], "x", color="black", label="printed in the paper")
-    axes.set(xscale="log", yticks=range(len(names)), yticklabels=names)
+    axes.set(xscale="log", yticks=range(len(names)), yticklabels=names, ylim=(-0.5, len(names) - 0.5))
     axes.set_xlabel("error, px: every trial, and the median of each pair")
     axes.invert_yaxis()
     axes.grid(axis="x", alpha=0.3)
@@ -115,7 +115,8 @@ def verdicts(report, folder):
         good = sum(ratio < 1 for ratio in own)
         axes.annotate(f"{good} of {len(own)} good", (1.01, y), xycoords=("axes fraction", "data"), va="center")
     axes.axvline(1, color="black", linewidth=0.8)
-    axes.set(xscale="log", yticks=range(len(kinds)), yticklabels=[f"{name}: {verdict}" for name, verdict in kinds])
+    axes.set(xscale="log", yticks=range(len(kinds)), ylim=(-0.5, len(kinds) - 0.5))
+    axes.set_yticklabels([f"{name}: {verdict}" for name, verdict in kinds])
     axes.set_xlabel("error / 1 % of the longer side")
     axes.invert_yaxis()
     save(figure, folder, "verdicts")
