@@ -7,13 +7,14 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use super::assess::{check_images, check_points};
-use super::barcodes::by_barcodes;
-use super::lines_alone::by_lines_alone;
-use super::record::SearchRecord;
-use super::search::{SearchInput, by_lines};
-use super::unclicked::without_clicks;
-use super::wider::wider;
+use super::searches::barcodes::by_barcodes;
+use super::searches::features::wider;
+use super::searches::lines::by_lines_alone;
+use super::searches::published::by_lines;
+use super::searches::record::SearchRecord;
+use super::searches::search::SearchInput;
+use super::searches::unclicked::without_clicks;
+use super::verdict::assessment::{check_images, check_points};
 use super::{Clicks, Estimate, EstimateError, Monitor, Parameters, PreparedPair, SearchPlan};
 use crate::geometry::PointPair;
 use crate::image::{GrayPlane, RelativeView};

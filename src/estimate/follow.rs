@@ -9,8 +9,8 @@
 //! - It cannot leave a wrong geometry; only the search can. Hence several starts, of which the one with most
 //!   patch support is followed, and no verdict.
 
-use super::lines::Construction;
-use super::patches::{BAND, LEAST_CLICK_SIGMA};
+use super::evidence::lines::Construction;
+use super::evidence::patches::{BAND, LEAST_CLICK_SIGMA};
 use super::{Assessment, Clicks, Estimate, Parameters, PatchSupport, PreparedPair, Search, SearchPlan};
 use crate::geometry::{FundamentalMatrix, Observation, PointPair, fit_fundamental};
 

@@ -1,0 +1,19 @@
+//! Searches, one a file or folder: each from prepared images and clicks to a judged geometry.
+//!
+//! | search | candidates from | ranked by |
+//! |---|---|---|
+//! | `published` | lines through two or three clicks (paper, section 5.1) | lines |
+//! | `patches` | lines through two clicks | patches |
+//! | `features` | `patches`, then covariant features if doubts remain | patches and features |
+//! | `unclicked` | covariant features, then lines through two of their matches | patches and features |
+//! | `lines` | all lines of both images (paper, section 4) | agreement of lines, or patches |
+//! | `barcodes` | lines through clicks and all lines, by motion barcodes (paper, section 2.3) | motion barcodes |
+
+pub(super) mod barcodes;
+pub(super) mod features;
+pub(super) mod lines;
+mod patches;
+pub(super) mod published;
+pub(super) mod record;
+pub(super) mod search;
+pub(super) mod unclicked;
