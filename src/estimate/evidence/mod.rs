@@ -5,3 +5,4 @@ mod lazy;
 pub(super) mod lines;
 pub(super) mod patches;
 pub(super) mod prepared;
+pub(super) mod viewed;

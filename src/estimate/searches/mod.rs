@@ -10,10 +10,14 @@
 //! | `barcodes` | lines through clicks and all lines, by motion barcodes (paper, section 2.3) | motion barcodes |
 
 pub(super) mod barcodes;
+mod clicks_alone;
 pub(super) mod features;
+mod judged;
 pub(super) mod lines;
 mod patches;
+mod pencils;
 pub(super) mod published;
 pub(super) mod record;
-pub(super) mod search;
+mod refinement;
+mod stand_ins;
 pub(super) mod unclicked;

@@ -1,22 +1,26 @@
-//! Search with patches: votes for κ propose, patch support ranks, matches along the epipolar lines refine.
+//! Search with patches: votes for κ propose, patch support ranks, matches along the epipolar lines
+//! refine.
 
+use super::judged::{Judged, distinct_hypotheses, report_preliminary};
+use super::pencils::compare_pencils;
+use super::record::SearchRecord;
+use super::refinement::refine_ranked;
 use crate::estimate::evidence::lines::draw_pairs;
 use crate::estimate::evidence::patches;
-use crate::estimate::searches::record::SearchRecord;
-use crate::estimate::searches::search::{Found, SearchInput, compared};
+use crate::estimate::evidence::viewed::ViewedPair;
 use crate::estimate::verdict::result::REPORTED;
-use crate::estimate::{Estimate, EstimateError, Stage};
+use crate::estimate::{Clicks, Estimate, EstimateError, Parameters, Stage};
 
-/// The search with patches: they vote for the κ of combinations of candidate lines, their support ranks, and matches
-/// along the epipolar lines refine.
-pub(in crate::estimate) fn by_patches(
-    input: &SearchInput,
+/// Searches through two clicks, or two matches in their place, under one view.
+pub(super) fn search(
+    viewed: &ViewedPair,
+    clicks: &Clicks,
+    parameters: &Parameters,
     record: &mut SearchRecord,
-) -> Result<Found, EstimateError> {
-    let SearchInput { prepared, patches: levels, clicks, parameters, cancel, .. } = *input;
-    let pyramids = prepared.pyramids();
-    let (coarse, voting) = (levels.coarse(pyramids), levels.voting(pyramids));
-    let (anchors, pencils) = compared(input, record)?;
+) -> Result<Judged, EstimateError> {
+    let cancel = record.cancel();
+    let (coarse, voting) = (viewed.coarse(), viewed.voting());
+    let (anchors, pencils) = compare_pencils(viewed, clicks, parameters, record)?;
 
     record.enter(Stage::Hypotheses)?;
     let candidates = pencils.each_ref().map(|compared| compared.candidates.as_slice());
@@ -28,17 +32,20 @@ pub(in crate::estimate) fn by_patches(
         let to_draw = proposals.iter().take(REPORTED);
         let hypotheses: Vec<Estimate> =
             to_draw.filter_map(|p| Some(p.unvalidated(coarse.scales, anchors)?.into())).collect();
-        input.report(record, fundamental, &hypotheses, Some(first.support));
+        let support = Some(first.support);
+        report_preliminary(fundamental, &hypotheses, support, viewed, clicks, parameters, record);
     }
     record.counts.hypotheses = drawn.len();
     record.counts.validated = proposals.len();
 
     record.enter(Stage::Validation)?;
-    let fine = levels.fine(pyramids);
+    let fine = viewed.fine();
     let ranked = patches::rank(coarse, fine, &proposals, &clicks.observed(), parameters, cancel)?;
-    let (hypotheses, leader) = input.hypotheses(Some(&anchors), &ranked)?;
-    input.report(record, *hypotheses[0].fundamental(), &hypotheses, Some(leader.support));
+    let (hypotheses, leader) = distinct_hypotheses(&ranked, viewed, Some(&anchors), parameters, cancel)?;
+    let (best, support) = (*hypotheses[0].fundamental(), Some(leader.support));
+    report_preliminary(best, &hypotheses, support, viewed, clicks, parameters, record);
 
     record.enter(Stage::Refinement)?;
-    input.refine_ranked(&ranked, hypotheses)
+    let found = refine_ranked(&ranked, hypotheses, viewed, clicks, parameters, cancel)?;
+    Ok(Judged::of(found, viewed, clicks, parameters, record))
 }

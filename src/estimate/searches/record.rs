@@ -3,6 +3,7 @@
 use std::sync::Arc;
 use std::time::Instant;
 
+use crate::cancel::CancelFlag;
 use crate::estimate::evidence::lines::ComparedPencils;
 use crate::estimate::evidence::patches::PatchLevels;
 use crate::estimate::{
@@ -40,6 +41,11 @@ impl<'a> SearchRecord<'a> {
             lines_alone: None,
             counts: SearchCounts::default(),
         }
+    }
+
+    /// Flag that stops the search.
+    pub fn cancel(&self) -> &'a CancelFlag {
+        self.monitor.cancel()
     }
 
     /// Ends the stage before and begins this one, unless a stop was asked for.

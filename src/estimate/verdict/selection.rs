@@ -6,6 +6,7 @@
 //! be a mistake, two do not agree by mistake. A geometry that most of the clicks are far from is none of this scene, whatever
 //! chance matches it has.
 
+use crate::estimate::evidence::patches::Refined;
 use crate::estimate::verdict::trust::{
     CHANCE_DEVIATIONS, CLEAR_MARGIN, CLICK_DEVIATIONS, CLICK_DEVIATIONS_WRONG,
 };
@@ -17,6 +18,20 @@ pub(in crate::estimate) trait Weighed {
     fn weight(&self) -> f64;
     /// Standard deviation of the weight: by how much that of as many matches of this kind scatters by chance.
     fn weight_deviation(&self) -> f64;
+}
+
+impl Weighed for Refined {
+    fn fundamental(&self) -> &FundamentalMatrix {
+        &self.fundamental
+    }
+
+    fn weight(&self) -> f64 {
+        self.weight
+    }
+
+    fn weight_deviation(&self) -> f64 {
+        self.weight_deviation
+    }
 }
 
 /// What clicks say of geometries.

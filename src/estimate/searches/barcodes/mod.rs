@@ -13,15 +13,19 @@ mod refinement;
 mod sharpening;
 
 use crate::estimate::evidence::lines::{LineConsensus, compare_lines, geometries_from_lines};
-use crate::estimate::searches::published::by_lines;
+use crate::estimate::evidence::viewed::ViewedPair;
+use crate::estimate::searches::judged::{Judged, report_preliminary};
+use crate::estimate::searches::published;
 use crate::estimate::searches::record::SearchRecord;
-use crate::estimate::searches::search::{Judged, SearchInput};
 use crate::estimate::verdict::assessment::little_texture;
 use crate::estimate::verdict::result::{BarcodeFigures, REPORTED};
 use crate::estimate::verdict::trust::{BarcodeEvidence, Evidence, RefinedOn, Together};
-use crate::estimate::{Assessment, Estimate, EstimateError, Parameters, Preset, Search, Stage, Trust};
+use crate::estimate::{
+    Assessment, Clicks, Estimate, EstimateError, Parameters, PreparedPair, Preset, Search, Stage, Trust,
+};
 use crate::geometry::{FundamentalMatrix, PointPair, epipolar_difference, line_spacing, sampson_distance};
 use crate::motion::Silhouettes;
+use crate::similarity::SimilaritySource;
 
 use agreement::Pencils;
 use precision::deviation;
@@ -58,37 +62,39 @@ fn as_published(parameters: &Parameters) -> Parameters {
 }
 
 /// Proposals from the pencils of the clicks, where there are two, and from all lines; the best one refined and judged.
-pub(in crate::estimate) fn by_barcodes(
-    input: &SearchInput,
+pub(in crate::estimate) fn search(
+    prepared: &PreparedPair,
+    clicks: &Clicks,
+    parameters: &Parameters,
     record: &mut SearchRecord,
 ) -> Result<Judged, EstimateError> {
-    let silhouettes = input.prepared.silhouettes().ok_or(EstimateError::NoSequences)?;
-    let adapted = adapted(input.parameters);
-    let input = &SearchInput { parameters: &adapted, ..*input };
-    let SearchInput { clicks, parameters, cancel, patches, .. } = *input;
+    let silhouettes = prepared.silhouettes().ok_or(EstimateError::NoSequences)?;
+    let parameters = &adapted(parameters);
+    let viewed = &ViewedPair::upright(prepared, parameters);
+    let cancel = record.cancel();
     let mut proposed: Vec<FundamentalMatrix> = Vec::new();
     let mut hypotheses: Vec<Estimate> = Vec::new();
     if clicks.anchors().len() >= 2 {
         let few = as_published(parameters);
-        match by_lines(&SearchInput { parameters: &few, ..*input }, record) {
+        match published::find(viewed, clicks, &few, record) {
             Ok(found) => {
                 proposed.push(found.fundamental);
                 proposed.extend(found.hypotheses.iter().take(REFINED).map(Estimate::fundamental));
                 hypotheses = found.hypotheses;
                 // Something to look at while all lines are compared.
-                input.report(record, proposed[0], &hypotheses, None);
+                report_preliminary(proposed[0], &hypotheses, None, viewed, clicks, parameters, record);
             }
             // Lines through the clicks that nothing crosses leave all other lines.
             Err(EstimateError::NoCandidates { .. } | EstimateError::NoGeometry) => {}
             Err(error) => return Err(error),
         }
     }
-    let alone = from_all_lines(input, record)?;
+    let alone = from_all_lines(&*viewed.source, parameters, record)?;
     proposed.extend(alone.iter().take(REFINED));
     hypotheses.extend(alone.into_iter().map(Estimate::from));
     hypotheses.truncate(REPORTED);
     if let Some(first) = proposed.first() {
-        input.report(record, *first, &hypotheses, None);
+        report_preliminary(*first, &hypotheses, None, viewed, clicks, parameters, record);
     }
 
     record.enter(Stage::Refinement)?;
@@ -123,7 +129,7 @@ pub(in crate::estimate) fn by_barcodes(
         deviation: deviation(&coarse, &best.fundamental, parameters.seed, cancel)?,
         frames: silhouettes[0].len(),
     };
-    let assessment = assessed(input, record, &best.fundamental, figures, margin);
+    let assessment = assessed(&best.fundamental, figures, margin, prepared, clicks, parameters, record);
     Ok(Judged {
         clicks: clicks.clone(),
         fundamental: best.fundamental,
@@ -131,18 +137,19 @@ pub(in crate::estimate) fn by_barcodes(
         assessment,
         weight: 0.0,
         weight_deviation: 0.0,
-        patches: std::sync::Arc::clone(patches),
+        patches: std::sync::Arc::clone(&viewed.patches),
         pencils: record.present_pencils().to_vec(),
     })
 }
 
 /// Geometries that pairs of all lines agree on (paper, section 4), full-size pixels.
 fn from_all_lines(
-    input: &SearchInput,
+    source: &dyn SimilaritySource,
+    parameters: &Parameters,
     record: &mut SearchRecord,
 ) -> Result<Vec<FundamentalMatrix>, EstimateError> {
-    let SearchInput { source, parameters, cancel, .. } = *input;
     record.enter(Stage::Pencils)?;
+    let cancel = record.cancel();
     let alone = &parameters.lines_alone;
     let level = source.at(alone.side);
     let compared = compare_lines(&level, alone.lines, source.rotation(), &parameters.pencils, cancel)?;
@@ -170,13 +177,14 @@ fn apart(a: &FundamentalMatrix, b: &FundamentalMatrix, silhouettes: [&Silhouette
 }
 
 fn assessed(
-    input: &SearchInput,
-    record: &SearchRecord,
     f: &FundamentalMatrix,
     figures: BarcodeFigures,
     margin: Option<f64>,
+    prepared: &PreparedPair,
+    clicks: &Clicks,
+    parameters: &Parameters,
+    record: &SearchRecord,
 ) -> Assessment {
-    let SearchInput { clicks, parameters, prepared, .. } = *input;
     let distances: Vec<f64> =
         clicks.observed().iter().map(|pair: &PointPair| sampson_distance(f, pair)).collect();
     let trust = Trust::judge(&Evidence {
@@ -208,7 +216,7 @@ fn assessed(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::estimate::{CancelFlag, Monitor, PreparedPair, Verdict, estimate_prepared};
+    use crate::estimate::{CancelFlag, Monitor, Verdict, estimate_prepared};
     use crate::geometry::{Frame, symmetric_epipolar_distance};
     use crate::image::GrayPlane;
     use crate::similarity::LineMeasure;

@@ -2,16 +2,14 @@
 
 use crate::cancel::CancelFlag;
 use crate::estimate::evidence::lines::{LineExaminer, LineFigures, PencilAngles};
-use crate::estimate::evidence::patches::{BAND, PatchLevels, SupportLevel};
+use crate::estimate::evidence::patches::{BAND, SupportLevel};
+use crate::estimate::evidence::viewed::ViewedPair;
 use crate::estimate::{Assessment, Estimate, Parameters, PatchSupport, PreparedPair, Search};
 use crate::geometry::{FundamentalMatrix, PointPair};
-use crate::similarity::SimilaritySource;
 
 /// What figures are computed from.
 pub(super) struct Examiner<'a> {
-    pub prepared: &'a PreparedPair,
-    pub source: &'a dyn SimilaritySource,
-    pub patches: &'a PatchLevels,
+    pub viewed: &'a ViewedPair<'a>,
     pub parameters: &'a Parameters,
 }
 
@@ -19,7 +17,7 @@ impl Examiner<'_> {
     /// The patches that agree with `f` (full size), where the search looks at patches.
     pub fn patch_support(&self, f: &FundamentalMatrix) -> Option<PatchSupport> {
         match self.parameters.search {
-            Search::Patches => self.patches.measure(self.prepared.pyramids(), f),
+            Search::Patches => self.viewed.patches.measure(self.viewed.pyramids(), f),
             Search::Lines => None,
         }
     }
@@ -42,13 +40,13 @@ impl Examiner<'_> {
             angles = PencilAngles::nearest(&at_fine, &own, &angles, pairs).unwrap_or(angles);
         }
         let cancel = CancelFlag::default();
-        let examiner = LineExaminer::new(self.source, clicks, self.parameters, &cancel);
+        let examiner = LineExaminer::new(&*self.viewed.source, clicks, self.parameters, &cancel);
         examiner.figures(&[angles]).pop().flatten()
     }
 
     fn fine(&self) -> Option<&SupportLevel> {
         match self.parameters.search {
-            Search::Patches => Some(self.patches.fine(self.prepared.pyramids())),
+            Search::Patches => Some(self.viewed.fine()),
             Search::Lines => None,
         }
     }
@@ -65,10 +63,9 @@ pub fn examine(
     beside: &Estimate,
     parameters: &Parameters,
 ) -> Option<Estimate> {
-    let view = beside.view();
-    let (source, patches) = (prepared.similarity_source(view, parameters), prepared.patches_of(beside));
-    let examiner = Examiner { prepared, source: &*source, patches: &patches, parameters };
-    let turn = beside.hypotheses().first().map_or(view.rotation, Estimate::turn);
+    let viewed = ViewedPair::new(prepared, prepared.patches_of(beside), parameters);
+    let examiner = Examiner { viewed: &viewed, parameters };
+    let turn = beside.hypotheses().first().map_or(beside.view().rotation, Estimate::turn);
     let assessment = Assessment {
         lines: Some(examiner.line_figures(clicks, f, turn)?),
         support: examiner.patch_support(f),
@@ -88,13 +85,15 @@ mod tests {
     fn figures_tell_the_truth_from_what_is_near_it() {
         let scene = ExactScene::aside();
         let prepared = scene.prepared();
-        let source = ExactSource(scene.fundamental());
-        let patches = prepared.upright_patches();
+        let viewed = ViewedPair {
+            prepared: &prepared,
+            source: Box::new(ExactSource(scene.fundamental())),
+            patches: prepared.upright_patches(),
+        };
         let (truth, wrong) = (scene.fundamental(), scene.disturbed(12.0));
         for (preset, by_patches) in [(Preset::Paper, false), (Preset::Robust, true)] {
             let parameters = Parameters::from(preset);
-            let examiner =
-                Examiner { prepared: &prepared, source: &source, patches: &patches, parameters: &parameters };
+            let examiner = Examiner { viewed: &viewed, parameters: &parameters };
             let score = |f: &FundamentalMatrix| {
                 examiner.line_figures(scene.clicks(), f, 0.0).and_then(|figures| figures.score).unwrap()
             };

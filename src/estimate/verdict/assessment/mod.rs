@@ -18,14 +18,14 @@ use nalgebra::Matrix3;
 
 use crate::cancel::CancelFlag;
 use crate::estimate::evidence::lines::ComparedPencils;
-use crate::estimate::evidence::patches::{PatchLevels, Refined, largest_plane, resized};
+use crate::estimate::evidence::patches::{Refined, largest_plane, resized};
+use crate::estimate::evidence::viewed::ViewedPair;
 use crate::estimate::verdict::trust::{Evidence, PlaneEvidence, RefinedOn, Together, USUAL_SIDE};
 use crate::estimate::{
-    Assessment, Clicks, Estimate, Parameters, PatchSupport, PlaneHomography, PreparedPair, Refinement,
-    Search, Trust, Warning,
+    Assessment, Clicks, Estimate, Parameters, PatchSupport, PlaneHomography, Refinement, Search, Trust,
+    Warning,
 };
 use crate::geometry::{FundamentalMatrix, PointPair, sampson_distance, transfer_error};
-use crate::similarity::SimilaritySource;
 use examination::Examiner;
 use margin::{all_apart, differs, least_clear, margin, rival};
 use parallax::{CORNER_SIGMA, OffPlane, precision};
@@ -42,9 +42,7 @@ const RIVALS: usize = 3;
 
 /// What a geometry is judged by, besides itself.
 pub(in crate::estimate) struct Judge<'a> {
-    pub prepared: &'a PreparedPair,
-    pub source: &'a dyn SimilaritySource,
-    pub patches: &'a PatchLevels,
+    pub viewed: &'a ViewedPair<'a>,
     pub clicks: &'a Clicks,
     pub parameters: &'a Parameters,
     /// The geometries that were found, best first.
@@ -64,7 +62,7 @@ impl Judge<'_> {
             support,
             margin: margin(
                 self.hypotheses,
-                rival(f, self.hypotheses, &[], self.prepared.frames()),
+                rival(f, self.hypotheses, &[], self.viewed.prepared.frames()),
                 self.parameters.search,
             ),
             refined_margin: None,
@@ -85,14 +83,14 @@ impl Judge<'_> {
         supporting: &[PointPair],
         refined: Option<Refined>,
     ) -> Assessment {
-        let Self { prepared, source, patches, parameters, .. } = *self;
-        let examiner = Examiner { prepared, source, patches, parameters };
+        let Self { viewed, parameters, .. } = *self;
+        let examiner = Examiner { viewed, parameters };
         // The figures of the result itself, not of the hypothesis it was refined from.
         let turn = self.hypotheses.first().map_or(0.0, Estimate::turn);
         let anchors = self.clicks.anchors();
         let lines = anchors.first_chunk::<2>().and_then(|anchors| examiner.line_figures(*anchors, f, turn));
         let support = examiner.patch_support(f);
-        let apart = all_apart(f, self.hypotheses, supporting, prepared.frames());
+        let apart = all_apart(f, self.hypotheses, supporting, viewed.prepared.frames());
         let margin = margin(self.hypotheses, apart.rival(), parameters.search);
         let least = |refined: &Refined| least_clear(refined.weight, refined.weight_deviation);
         let has_rival = apart.rival().is_some();
@@ -120,9 +118,9 @@ impl Judge<'_> {
     /// Advantage of a refined geometry, whose matches weigh `weight`, over the rivals when these are refined, too: those
     /// that stay different have to find matches of their own at full resolution.
     fn refined_margin(&self, f: &FundamentalMatrix, weight: f64, supporting: &[PointPair]) -> f64 {
-        let Self { prepared, patches, parameters, .. } = *self;
+        let Self { viewed, parameters, .. } = *self;
         let observed = self.clicks.observed();
-        let is_rival = |other: &FundamentalMatrix| differs(f, other, supporting, prepared.frames());
+        let is_rival = |other: &FundamentalMatrix| differs(f, other, supporting, viewed.prepared.frames());
         let heaviest = self
             .hypotheses
             .iter()
@@ -130,7 +128,13 @@ impl Judge<'_> {
             .filter(|other| is_rival(other))
             .take(RIVALS)
             .filter_map(|rival| {
-                patches.refine(prepared.pyramids(), rival, &observed, parameters.click_sigma, self.cancel)
+                viewed.patches.refine(
+                    viewed.pyramids(),
+                    rival,
+                    &observed,
+                    parameters.click_sigma,
+                    self.cancel,
+                )
             })
             .filter(|refined| is_rival(&refined.fundamental))
             .map(|refined| refined.weight)
@@ -139,7 +143,7 @@ impl Judge<'_> {
     }
 
     fn warnings(&self, f: &FundamentalMatrix) -> Vec<Warning> {
-        let of_clicks = degeneracy::click_warnings(f, self.prepared.frames(), self.clicks);
+        let of_clicks = degeneracy::click_warnings(f, self.viewed.prepared.frames(), self.clicks);
         let mut warnings = little_texture(self.clicks, self.pencils);
         warnings.extend(of_clicks);
         warnings
@@ -152,17 +156,17 @@ impl Judge<'_> {
         matches: &[PointPair],
         tolerance: f64,
     ) -> Option<(PlaneHomography, PlaneEvidence, Together)> {
-        let frames = self.prepared.frames();
+        let frames = self.viewed.prepared.frames();
         let (h, most) = largest_plane(matches, tolerance, self.parameters.seed)?;
         let share = most as f64 / matches.len() as f64;
         let bent_share = lens::share_through_a_lens(matches, &h, frames, tolerance);
-        let fine = self.patches.fine(self.prepared.pyramids());
+        let fine = self.viewed.fine();
         let [s1, s2] = fine.scales;
         let (h_fine, f_fine) = (resized(&h, fine.scales)?, f.rescaled(s1, s2)?);
         let (side, side_fine) = (frames[0].longer_side(), s1 * frames[0].longer_side());
         let distinctive = fine.support.distinctive();
         let afar = OffPlane::new(&distinctive, &f_fine, &h_fine, side_fine, CORNER_SIGMA);
-        let near = self.patches.matches_near_plane(self.prepared.pyramids(), &h, NEAR_PLANE);
+        let near = self.viewed.patches.matches_near_plane(self.viewed.pyramids(), &h, NEAR_PLANE);
         let closely = OffPlane::new(&near, f, &h, side, precision(&near, f));
         // What somebody says is one point of the scene in both images.
         let clicked = OffPlane::new(&self.clicks.observed(), f, &h, side, self.parameters.click_sigma);
@@ -190,7 +194,7 @@ impl Judge<'_> {
             refinement.iter().flat_map(|r| r.matches.iter().map(|m| m.pair)).collect();
         let uncertainty = refinement.and_then(|r| r.uncertainty.as_ref());
         let deviation = uncertainty.and_then(|uncertainty| uncertainty.median_line2_deviation(&matches));
-        let side = self.prepared.frames()[0].longer_side();
+        let side = self.viewed.prepared.frames()[0].longer_side();
         let tolerance = PLANE_TOLERANCE * (side / USUAL_SIDE).max(1.0);
         let found = self.plane(f, &matches, tolerance);
         let trust = Trust::judge(&Evidence {

@@ -1,0 +1,118 @@
+//! Matches that stand in for clicks: two that a geometry explains, or two drawn at random.
+
+use rand::RngExt;
+
+use crate::estimate::PreparedPair;
+use crate::estimate::evidence::features::MatchedFeatures;
+use crate::estimate::evidence::patches::PatchLevels;
+use crate::estimate::stream::{Purpose, stream};
+use crate::geometry::{FundamentalMatrix, PointPair, apart_across_lines, sampson_distance};
+
+/// Searches with lines through drawn matches, at most.
+const DRAWN: usize = 4;
+/// Matches among which two are chosen that stand in for clicks.
+const CHOSEN_FROM: usize = 120;
+/// A match that stands in is this near to its line, as a fraction of the longer side.
+const EXPLAINED: f64 = 0.002;
+/// Drawn matches are at least this far from each other, as a fraction of the longer side: lines through nearer ones turn
+/// far when one of them is a pixel off.
+const APART: f64 = 0.2;
+/// Draws after which a search for two that are far enough apart is given up.
+const TRIES: usize = 200;
+/// Features that are this much nearer to their match than to the next best stand out.
+const DISTINCTIVE: f64 = 0.8;
+
+/// Matches that stand out whatever the geometry, those of features first.
+pub(super) fn putative_matches(
+    prepared: &PreparedPair,
+    features: &MatchedFeatures,
+    patches: &PatchLevels,
+) -> Vec<PointPair> {
+    let features = features.matches.iter().filter(|m| m.ratio < DISTINCTIVE).map(|m| m.pair);
+    let fine = patches.fine(prepared.pyramids());
+    let full_size = fine.scales.map(f64::recip);
+    let corners = fine.support.distinctive().into_iter().map(|m| m.rescaled(full_size));
+    let frames = prepared.frames();
+    let inside = |m: &PointPair| frames[0].contains(m.point1) && frames[1].contains(m.point2);
+    features.chain(corners).filter(inside).collect()
+}
+
+/// Two of the putative matches that a geometry explains, or of its own ones where few are explained: those whose epipolar
+/// lines are farthest apart in either image.
+pub(super) fn farthest_apart(
+    prepared: &PreparedPair,
+    f: &FundamentalMatrix,
+    own: &[PointPair],
+    putative: &[PointPair],
+) -> Option<[PointPair; 2]> {
+    let frames = prepared.frames();
+    let sides = frames.map(|frame| frame.longer_side());
+    let near = EXPLAINED * sides[0].max(sides[1]);
+    let mut explained: Vec<PointPair> =
+        putative.iter().copied().filter(|m| sampson_distance(f, m) < near).collect();
+    if explained.len() < own.len().min(CHOSEN_FROM / 2) {
+        explained = own.to_vec();
+    }
+    let step = explained.len().div_ceil(CHOSEN_FROM).max(1);
+    let few: Vec<PointPair> = explained.into_iter().step_by(step).collect();
+    let apart = |p: &PointPair, q: &PointPair| {
+        let [in1, in2] = apart_across_lines(f, p, q);
+        (in1 / sides[0]).min(in2 / sides[1])
+    };
+    let mut best: Option<(f64, [PointPair; 2])> = None;
+    for (k, p) in few.iter().enumerate() {
+        for q in &few[..k] {
+            let distance = apart(p, q);
+            if best.is_none_or(|(most, _)| distance > most) {
+                best = Some((distance, [*q, *p]));
+            }
+        }
+    }
+    best.map(|(_, pairs)| pairs)
+}
+
+/// Two putative matches each time, far from each other in both images. The seed decides.
+pub(super) fn drawn_stand_ins(
+    prepared: &PreparedPair,
+    putative: &[PointPair],
+    seed: u64,
+) -> Vec<[PointPair; 2]> {
+    let mut random = stream(seed, Purpose::PutativePairs, 0);
+    let least = prepared.frames().map(|frame| APART * frame.longer_side());
+    let mut drawn = Vec::new();
+    if putative.len() < 2 {
+        return drawn;
+    }
+    for _ in 0..TRIES {
+        let [p, q] = [(); 2].map(|()| putative[random.random_range(0..putative.len())]);
+        let apart = [(p.point1 - q.point1).norm(), (p.point2 - q.point2).norm()];
+        if apart[0] > least[0] && apart[1] > least[1] {
+            drawn.push([p, q]);
+            if drawn.len() == DRAWN {
+                break;
+            }
+        }
+    }
+    drawn
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::estimate::exact::ExactScene;
+
+    #[test]
+    fn drawn_matches_are_far_apart() {
+        let scene = ExactScene::aside();
+        let prepared = scene.prepared();
+        let putative = scene.pairs(60);
+        let least = prepared.frames().map(|frame| APART * frame.longer_side());
+        let pairs = drawn_stand_ins(&prepared, &putative, 5);
+        assert_eq!(pairs.len(), DRAWN);
+        for [p, q] in &pairs {
+            assert!((p.point1 - q.point1).norm() > least[0] && (p.point2 - q.point2).norm() > least[1]);
+        }
+        assert_eq!(pairs, drawn_stand_ins(&prepared, &putative, 5), "the seed decides");
+        assert!(drawn_stand_ins(&prepared, &putative[..1], 5).is_empty());
+    }
+}
