@@ -5,7 +5,7 @@ mod entry;
 mod plan;
 mod table;
 
-use serde::{Deserialize, Deserializer, Serialize};
+use serde::{Deserialize, Serialize};
 
 use crate::similarity::{LineMeasure, SimilarityParameters, StereoParameters};
 
@@ -198,7 +198,6 @@ pub struct Parameters {
     #[serde(flatten)]
     pub validation: ValidationParameters,
     /// What chooses among the combinations of candidates.
-    #[serde(alias = "patch_support", deserialize_with = "search_or_flag")]
     pub search: Search,
     /// How the search with patches goes on.
     #[serde(flatten)]
@@ -208,21 +207,6 @@ pub struct Parameters {
     pub refinement: RefinementParameters,
     /// Standard deviation of a click, px.
     pub click_sigma: f64,
-}
-
-/// Earlier versions wrote whether patches choose, under the name `patch_support`.
-fn search_or_flag<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Search, D::Error> {
-    #[derive(Deserialize)]
-    #[serde(untagged, expecting = "expected lines or patches")]
-    enum SearchOrFlag {
-        Name(Search),
-        Flag(bool),
-    }
-    Ok(match SearchOrFlag::deserialize(deserializer)? {
-        SearchOrFlag::Name(search) => search,
-        SearchOrFlag::Flag(true) => Search::Patches,
-        SearchOrFlag::Flag(false) => Search::Lines,
-    })
 }
 
 impl Parameters {
@@ -307,20 +291,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn parameters_lie_flat_in_files_and_those_of_earlier_versions_are_read() {
+    fn parameters_lie_flat_in_files() {
         let parameters = Parameters { seed: u64::MAX - 5, ..Parameters::default() };
         let mut data = serde_json::to_value(&parameters).unwrap();
         assert_eq!(data["stereo"]["lambda"], 400);
         assert_eq!((&data["line_spacing"], &data["validation_lines"]), (&2.0.into(), &24.into()));
         assert_eq!(data["search"], "patches");
         assert_eq!(serde_json::from_value::<Parameters>(data.clone()).unwrap(), parameters);
-        let object = data.as_object_mut().unwrap();
-        object.remove("search");
-        for (flag, search) in [(true, Search::Patches), (false, Search::Lines)] {
-            data["patch_support"] = flag.into();
-            assert_eq!(serde_json::from_value::<Parameters>(data.clone()).unwrap().search, search);
-        }
-        data["patch_support"] = "maybe".into();
+        data["search"] = "maybe".into();
         assert!(serde_json::from_value::<Parameters>(data).is_err());
     }
 

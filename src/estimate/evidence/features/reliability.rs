@@ -7,13 +7,11 @@
 //!   many of the matches around are there, turned and scaled alike (as in `AdaLAM`, Cavalli et al. 2020);
 //! - **the clicks**, which say the same as neighbours and are certain.
 
-use std::f64::consts::TAU;
-
 use nalgebra::Matrix2;
 use rayon::prelude::*;
 
 use crate::features::{Feature, FeatureMatch, FeatureSet};
-use crate::geometry::{Frame, PointPair};
+use crate::geometry::{Frame, PointPair, angle_between};
 
 /// Neighbours are within this share of the longer side, in one image or the other.
 const REACH: f64 = 0.1;
@@ -83,8 +81,7 @@ impl LocalMap {
     }
 
     fn alike(&self, other: &Self) -> bool {
-        let turn = (self.turn - other.turn).rem_euclid(TAU);
-        turn.min(TAU - turn) < TURN && (self.zoom - other.zoom).abs() < ZOOM
+        angle_between(self.turn, other.turn) < TURN && (self.zoom - other.zoom).abs() < ZOOM
     }
 }
 

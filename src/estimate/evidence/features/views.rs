@@ -3,7 +3,7 @@
 use crate::estimate::PreparedPair;
 use crate::estimate::evidence::features::MatchedFeatures;
 use crate::features::{FeatureMatch, FeatureViews};
-use crate::geometry::{Frame, FundamentalMatrix, sampson_distance};
+use crate::geometry::{Frame, FundamentalMatrix, sampson_distance, wrapped};
 use crate::image::RelativeView;
 
 /// A feature within this distance of its line is explained, as a fraction of the longer side: what a geometry that is
@@ -46,7 +46,7 @@ fn view_shared(relations: &[(f64, f64)], agreeing: f64, frames: [Frame; 2]) -> O
         return None;
     }
     // The turn that most others are near, then the median of those near it: angles have no order.
-    let apart = |a: f64, b: f64| (a - b).sin().atan2((a - b).cos());
+    let apart = |a: f64, b: f64| wrapped(a - b);
     let near_to =
         |turn: f64| relations.iter().filter(move |(other, _)| apart(*other, turn).abs() < SAME_TURN);
     let (mode, _) = relations.iter().max_by_key(|(turn, _)| near_to(*turn).count())?;
@@ -85,7 +85,7 @@ impl PreparedPair {
 
 /// Whether patches compared under one view are compared well under the other.
 pub(in crate::estimate) fn is_same(a: &RelativeView, b: &RelativeView) -> bool {
-    let turn = (a.rotation - b.rotation).sin().atan2((a.rotation - b.rotation).cos()).abs();
+    let turn = wrapped(a.rotation - b.rotation).abs();
     let scale = match (a.scale, b.scale) {
         (Some(a), Some(b)) => (a / b).max(b / a),
         (None, None) => 1.0,

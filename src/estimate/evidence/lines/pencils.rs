@@ -1,11 +1,11 @@
 //! Candidate line pairs through one clicked point pair (paper, section 5.1, step 1).
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::PI;
 
 use super::SHORTEST_LINE;
 use crate::cancel::CancelFlag;
 use crate::estimate::{EstimateError, PencilParameters};
-use crate::geometry::{AnchoredLine, Frame, Point, PointPair, pencil_angles};
+use crate::geometry::{AnchoredLine, Frame, Point, PointPair, angle_between, pencil_angles};
 use crate::similarity::{CostMatrix, LineSimilarity, SimilaritySource};
 
 /// A pair of lines through a click that may be corresponding epipolar lines.
@@ -57,9 +57,9 @@ impl ComparedPencils {
             angles.iter().map(|a| AnchoredLine::at_angle(point, *a)).collect()
         };
         let allowed = |i: usize, j: usize| {
-            let turn = (angles2[j] - angles1[i] - source.rotation()).rem_euclid(TAU);
+            let turn = angle_between(angles2[j] - angles1[i], source.rotation());
             // The lines are evenly spread, so that a turn may equal the limit but for rounding.
-            turn.min(TAU - turn) <= parameters.rotation + 1e-9
+            turn <= parameters.rotation + 1e-9
         };
         let (lines1, lines2) = (lines(at.point1, &angles1), lines(at.point2, &angles2));
         let costs = similarity.cost_matrix(&lines1, &lines2, &allowed, &|| cancel.is_cancelled());

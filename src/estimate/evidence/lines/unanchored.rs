@@ -14,7 +14,6 @@
 //!   line of the pencil through its middle, if the area between these two is below the threshold, too.
 
 use std::cmp::Reverse;
-use std::f64::consts::TAU;
 
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
@@ -27,7 +26,7 @@ use crate::estimate::stream::{Purpose, stream};
 use crate::estimate::{EstimateError, PencilParameters};
 use crate::geometry::{
     AnchoredLine, Frame, FundamentalMatrix, HomogeneousPoint, Line, Observation, Point, PointPair, Segment,
-    area_between_lines, fit_fundamental, line_grid,
+    angle_between, area_between_lines, fit_fundamental, line_grid,
 };
 use crate::similarity::{CostMatrix, ScaledSimilarity};
 
@@ -98,8 +97,8 @@ pub(in crate::estimate) fn compare_lines(
     let mut costs: Vec<f32> = Vec::with_capacity(lines1.len() * lines2.len());
     for (batch, few) in lines1.chunks(BATCH).enumerate() {
         let allowed = |i: usize, j: usize| {
-            let turn = (angles2[j] - angles1[batch * BATCH + i] - rotation).rem_euclid(TAU);
-            turn.min(TAU - turn) <= parameters.rotation + 1e-9
+            let turn = angle_between(angles2[j] - angles1[batch * BATCH + i], rotation);
+            turn <= parameters.rotation + 1e-9
         };
         let part = similarity.cost_matrix(few, &lines2, &allowed, &|| cancel.is_cancelled());
         cancel.check()?;

@@ -8,8 +8,8 @@ use std::sync::{Arc, OnceLock};
 use rayon::prelude::*;
 
 use super::feature_support::FeatureSupport;
+use super::matches::{LevelMatch, MATCH_SIGMA, RefinedMatch};
 use super::near_lines::is_within;
-use super::refinement::{MATCH_SIGMA, RefinedMatch};
 use crate::geometry::{FundamentalMatrix, PointPair};
 use crate::image::{Alignment, PairLevel, PatchSampler, Placement, Warp, align, correlation};
 
@@ -18,16 +18,6 @@ use crate::image::{Alignment, PairLevel, PatchSampler, Placement, Warp, align, c
 pub(super) struct AlignedFeatures {
     features: Arc<[FeatureSupport]>,
     aligned: Vec<OnceLock<LevelMatch>>,
-}
-
-/// A match in pixels of a level.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct LevelMatch {
-    pub found: RefinedMatch,
-    /// Standard deviation, px.
-    pub sigma: f64,
-    /// Probability that it is the right one of the places that look alike.
-    pub prior: f32,
 }
 
 /// Correlation from which on a patch is where it was moved to.

@@ -14,8 +14,9 @@ use std::collections::HashSet;
 
 use rayon::prelude::*;
 
-use super::aligned_features::{AlignedFeatures, LevelMatch};
-use super::refinement::{MATCH_SIGMA, Refined, RefinementLevel};
+use super::aligned_features::AlignedFeatures;
+use super::matches::{LevelMatch, MATCH_SIGMA};
+use super::refinement::{Refined, RefinementLevel};
 use crate::cancel::CancelFlag;
 use crate::estimate::fit::{Evidence, Fitted, Match};
 use crate::geometry::{FundamentalMatrix, Observation, PointPair, sampson_distance};

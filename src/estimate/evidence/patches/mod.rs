@@ -10,6 +10,7 @@ mod guided_fit;
 mod level_corners;
 mod levels;
 mod look_alikes;
+mod matches;
 mod near_lines;
 mod plane;
 mod polish;
@@ -21,7 +22,8 @@ mod resampling;
 mod support;
 mod voting;
 
-pub use refinement::{RefinedMatch, Refinement};
+pub use matches::RefinedMatch;
+pub use refinement::Refinement;
 pub use support::PatchSupport;
 
 pub(in crate::estimate) use feature_support::FeatureSupport;

@@ -9,12 +9,12 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use nalgebra::Matrix3;
 use rayon::prelude::*;
-use serde::Serialize;
 
-use super::aligned_features::{AlignedFeatures, LevelMatch};
+use super::aligned_features::AlignedFeatures;
 use super::corner_patches::CornerPatches;
 use super::feature_support::FLOOR;
 use super::level_corners::{Alike, LevelCorners, MutualMatch};
+use super::matches::{LevelMatch, MATCH_SIGMA, RefinedMatch};
 use crate::cancel::CancelFlag;
 use crate::estimate::evidence::lazy::MadeOnce;
 use crate::estimate::fit::Uncertainty;
@@ -23,16 +23,6 @@ use crate::geometry::{
     sampson_distance,
 };
 use crate::image::{Alignment, PairLevel, Placement, RelativeView, align, warps_around};
-
-/// A match found along the epipolar lines, full-size pixels.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct RefinedMatch {
-    /// Where it is, image 2 to a fraction of a pixel.
-    pub pair: PointPair,
-    /// Correlation of its patches, −1 to 1; of features what their being alike, and like nothing else, is worth on that
-    /// scale.
-    pub correlation: f32,
-}
 
 /// What a geometry was refined on.
 #[derive(Debug, Clone)]
@@ -60,8 +50,6 @@ pub(in crate::estimate) struct RefinementLevel {
 const CORNERS: usize = 1500;
 /// Widths of the band, px of the level, one round each.
 const BANDS: [f64; 3] = [4.0, 2.0, 1.2];
-/// Standard deviation of a refined match, px of the level.
-pub(super) const MATCH_SIGMA: f64 = 0.3;
 /// Standard deviations of a match that its band is wide: a match beyond one of them loses influence in the fit.
 const BAND_DEVIATIONS: f64 = 3.0;
 /// Least width of the band, in standard deviations of a match: nearer ones are as good as any.

@@ -36,6 +36,7 @@
 use nalgebra::Matrix3;
 
 use crate::estimate::evidence::patches::BAND;
+use crate::estimate::verdict::poisson::fewer_than;
 use crate::estimate::verdict::trust::{Together, WRONG_TOGETHER};
 use crate::geometry::{FundamentalMatrix, PointPair, Vector, finite_point};
 
@@ -255,14 +256,7 @@ fn number_by_chance(mut surprises: Vec<f64>) -> f64 {
 
 /// Probability that a sum of `n` numbers, each exponentially distributed with mean 1, is at least `sum`.
 fn gamma_tail(n: usize, sum: f64) -> f64 {
-    // That fewer than n events of a Poisson process happen.
-    let mut term = (-sum).exp();
-    let mut tail = 0.0;
-    for k in 0..n {
-        tail += term;
-        term *= sum / (k + 1) as f64;
-    }
-    tail.min(1.0)
+    fewer_than(n, sum).min(1.0)
 }
 
 #[cfg(test)]

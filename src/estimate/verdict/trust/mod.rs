@@ -16,12 +16,10 @@ pub use rules::{CLEAR_MARGIN, CLICK_DEVIATIONS, ENOUGH_MATCHES, FAR_TOO_FEW};
 #[serde(rename_all = "kebab-case")]
 pub enum Verdict {
     /// Everything that was looked at speaks for the result.
-    #[serde(alias = "right")]
     Reliable,
     /// Something speaks against the result.
     Doubtful,
     /// The result contradicts the images or the clicks.
-    #[serde(alias = "wrong")]
     Unreliable,
 }
 

@@ -8,6 +8,7 @@
 //! (`docs/measurements.md` has the figures); those of chance are probabilities.
 
 use super::{Reason, Suspect, Trust, Verdict};
+use crate::estimate::verdict::poisson::fewer_than;
 
 /// Fewer matches than this do not call a result reliable.
 pub const ENOUGH_MATCHES: usize = 60;
@@ -107,13 +108,7 @@ impl Together {
     /// Whether more contradict F than are wrong by chance: a tail of the Poisson distribution.
     fn contradict(self) -> bool {
         let expected = WRONG_TOGETHER * self.matches as f64;
-        let mut term = (-expected).exp();
-        let mut fewer = 0.0;
-        for k in 0..self.contradicting {
-            fewer += term;
-            term *= expected / (k + 1) as f64;
-        }
-        1.0 - fewer < WRONG_BY_CHANCE
+        1.0 - fewer_than(self.contradicting, expected) < WRONG_BY_CHANCE
     }
 }
 
