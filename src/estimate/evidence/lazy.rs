@@ -9,18 +9,18 @@ use std::sync::{Mutex, OnceLock, PoisonError};
 /// its own lock. So a thread of the pool never waits here: it makes the value itself, and whichever is ready first is kept.
 /// Other threads wait for the one that makes it. Every making must give the same.
 #[derive(Debug)]
-pub(in crate::estimate) struct MadeOnce<T> {
+pub(in crate::estimate) struct Lazy<T> {
     value: OnceLock<T>,
     making: Mutex<()>,
 }
 
-impl<T> Default for MadeOnce<T> {
+impl<T> Default for Lazy<T> {
     fn default() -> Self {
         Self { value: OnceLock::new(), making: Mutex::default() }
     }
 }
 
-impl<T> MadeOnce<T> {
+impl<T> Lazy<T> {
     pub fn get_or_make(&self, make: impl FnOnce() -> T) -> &T {
         if let Some(made) = self.value.get() {
             return made;
@@ -48,7 +48,7 @@ mod tests {
 
     #[test]
     fn threads_outside_the_pool_wait_instead_of_making_it_again() {
-        let (once, makings) = (MadeOnce::default(), AtomicUsize::new(0));
+        let (once, makings) = (Lazy::default(), AtomicUsize::new(0));
         let make = || {
             thread::sleep(Duration::from_millis(20));
             makings.fetch_add(1, Ordering::Relaxed)
@@ -63,7 +63,7 @@ mod tests {
     #[test]
     fn threads_of_the_pool_never_wait_for_it() {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().unwrap();
-        let once = MadeOnce::default();
+        let once = Lazy::default();
         // Every making is asked for by a thread of the pool and needs both.
         let make = || (0..64_u64).into_par_iter().map(|k| thread::sleep(Duration::from_micros(k))).count();
         let found: Vec<usize> =
@@ -73,7 +73,7 @@ mod tests {
 
     #[test]
     fn all_are_given_the_one_that_was_ready_first() {
-        let once = MadeOnce::default();
+        let once = Lazy::default();
         let addresses: Vec<usize> = (0..64)
             .into_par_iter()
             .map(|_| std::ptr::from_ref(once.get_or_make(|| [0_u8; 8])).addr())
@@ -83,7 +83,7 @@ mod tests {
 
     #[test]
     fn after_a_panic_it_is_made_by_the_next() {
-        let once = MadeOnce::<u8>::default();
+        let once = Lazy::<u8>::default();
         let panics = thread::scope(|scope| scope.spawn(|| *once.get_or_make(|| panic!("on purpose"))).join());
         assert!(panics.is_err());
         assert_eq!(*once.get_or_make(|| 7), 7);

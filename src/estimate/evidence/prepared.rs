@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::estimate::evidence::features::MatchedFeatures;
-use crate::estimate::evidence::lazy::MadeOnce;
+use crate::estimate::evidence::lazy::Lazy;
 use crate::estimate::evidence::lines::ComparedPencils;
 use crate::estimate::evidence::patches::PatchLevels;
 use crate::estimate::{CancelFlag, EstimateError, Parameters, PencilParameters};
@@ -20,8 +20,8 @@ use crate::similarity::{BarcodeSource, LineMeasure, PictureSource, SimilarityPar
 pub struct PreparedPair {
     pyramids: PyramidPair,
     upright: Arc<PatchLevels>,
-    features: MadeOnce<MatchedFeatures>,
-    slanted: MadeOnce<MatchedFeatures>,
+    features: Lazy<MatchedFeatures>,
+    slanted: Lazy<MatchedFeatures>,
     /// The latest views with features, newest first.
     views: Mutex<VecDeque<Arc<PatchLevels>>>,
     pencils: PencilCache,
@@ -39,8 +39,8 @@ impl PreparedPair {
         Self {
             pyramids: PyramidPair::new(image1, image2, SMALLEST_LEVEL),
             upright: Arc::new(PatchLevels::new(RelativeView::UPRIGHT)),
-            features: MadeOnce::default(),
-            slanted: MadeOnce::default(),
+            features: Lazy::default(),
+            slanted: Lazy::default(),
             views: Mutex::default(),
             pencils: PencilCache::default(),
             silhouettes: None,

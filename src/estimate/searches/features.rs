@@ -7,11 +7,12 @@ use super::pencils::compare_pencils;
 use super::record::SearchRecord;
 use super::refinement::refine_ranked;
 use crate::estimate::evidence::features::{
-    FeatureEvidence, FeatureHypothesis, FeatureSearchParameters, hypotheses_from_features, is_same, view_of,
+    FeatureEvidence, FeatureHypothesis, FeatureSearchParameters, hypotheses_from_features, is_same_view,
+    view_of,
 };
 use crate::estimate::evidence::patches::{Proposal, rank_fine};
 use crate::estimate::evidence::viewed::ViewedPair;
-use crate::estimate::verdict::selection::{ClickedPairs, chosen};
+use crate::estimate::verdict::selection::{ClickedPairs, select};
 use crate::estimate::{Clicks, Estimate, EstimateError, Parameters, PreparedPair, Stage};
 use crate::features::FeatureViews;
 use crate::geometry::FundamentalMatrix;
@@ -53,7 +54,7 @@ impl FeatureProposals {
         record.cancel().check()?;
         let mut views: Vec<RelativeView> = Vec::new();
         for view in hypotheses.iter().filter_map(|h| view_of(&h.fundamental, features, prepared.frames())) {
-            if views.len() < VIEWS && !views.iter().any(|known| is_same(known, &view)) {
+            if views.len() < VIEWS && !views.iter().any(|known| is_same_view(known, &view)) {
                 views.push(view);
             }
         }
@@ -121,7 +122,7 @@ pub(in crate::estimate) fn search(
     }
     let observed = clicks.observed();
     let clicked = ClickedPairs { pairs: &observed, sigma: parameters.click_sigma };
-    let best = chosen(&all, &clicked).map(|k| all.swap_remove(k)).ok_or(failure)?;
+    let best = select(&all, &clicked).map(|k| all.swap_remove(k)).ok_or(failure)?;
     let Some(f) = of_clicks_alone(&observed, &best.fundamental, parameters.click_sigma) else {
         return Ok(best);
     };

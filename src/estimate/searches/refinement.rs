@@ -6,7 +6,7 @@ use super::judged::Found;
 use crate::cancel::CancelFlag;
 use crate::estimate::evidence::patches::{self, Proposal, Refined, Settling};
 use crate::estimate::evidence::viewed::ViewedPair;
-use crate::estimate::verdict::selection::{ClickedPairs, chosen};
+use crate::estimate::verdict::selection::{ClickedPairs, select};
 use crate::estimate::verdict::trust::FAR_TOO_FEW;
 use crate::estimate::{Clicks, Estimate, EstimateError, Parameters};
 use crate::geometry::{FundamentalMatrix, Observation};
@@ -71,7 +71,7 @@ pub(super) fn refine_best(
     cancel.check()?;
     let mut all: Vec<Refined> =
         std::iter::once(first).chain(others).flatten().filter(is_of_this_scene).collect();
-    let best = chosen(&all, &clicked).map(|k| all[k].fundamental);
+    let best = select(&all, &clicked).map(|k| all[k].fundamental);
     // Where clicks speak against what came out, what they prefer gets its chance, however little supports it.
     if !observed.is_empty() && best.is_none_or(|best| clicked.speak_against(&best)) {
         let mut preferred = clicked.preferred(rest, best.as_ref());
@@ -80,7 +80,7 @@ pub(super) fn refine_best(
         cancel.check()?;
         all.extend(more.into_iter().flatten().filter(is_of_this_scene));
     }
-    let Some(best) = chosen(&all, &clicked).map(|k| all.swap_remove(k)) else { return Ok(None) };
+    let Some(best) = select(&all, &clicked).map(|k| all.swap_remove(k)) else { return Ok(None) };
     let settling = Settling {
         clicks: &observed
             .iter()

@@ -12,7 +12,7 @@ use super::patches;
 use super::record::SearchRecord;
 use super::stand_ins::{drawn_stand_ins, farthest_apart, putative_matches};
 use crate::estimate::evidence::viewed::ViewedPair;
-use crate::estimate::verdict::selection::{ClickedPairs, chosen};
+use crate::estimate::verdict::selection::{ClickedPairs, select};
 use crate::estimate::{Clicks, EstimateError, Parameters, PreparedPair};
 use crate::features::FeatureViews;
 use crate::image::RelativeView;
@@ -51,7 +51,7 @@ pub(in crate::estimate) fn search(
         }
     }
     let clicked = ClickedPairs { pairs: &clicks.observed(), sigma: parameters.click_sigma };
-    let best = chosen(&all, &clicked).map(|k| all.swap_remove(k));
+    let best = select(&all, &clicked).map(|k| all.swap_remove(k));
     best.ok_or(EstimateError::NothingWithoutClicks)
 }
 

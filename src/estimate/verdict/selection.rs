@@ -87,7 +87,7 @@ impl ClickedPairs<'_> {
 const SPEAK: usize = 2;
 
 /// The number of the result among several geometries, the first of equals; `None` without any.
-pub(in crate::estimate) fn chosen<T: Weighed>(all: &[T], clicks: &ClickedPairs) -> Option<usize> {
+pub(in crate::estimate) fn select<T: Weighed>(all: &[T], clicks: &ClickedPairs) -> Option<usize> {
     let weight = |k: &usize| all[*k].weight();
     let lighter = |a: &usize, b: &usize| weight(a).total_cmp(&weight(b)).then(b.cmp(a));
     let heaviest = (0..all.len()).max_by(lighter)?;
@@ -135,7 +135,7 @@ mod tests {
         let rival =
             |(weight, shift): &(f64, f64)| Rival { weight: *weight, deviation, fundamental: rows(*shift) };
         let all_rivals: Vec<Rival> = all.iter().map(rival).collect();
-        chosen(&all_rivals, &ClickedPairs { pairs, sigma: 1.0 }).map(|k| all[k].1)
+        select(&all_rivals, &ClickedPairs { pairs, sigma: 1.0 }).map(|k| all[k].1)
     }
 
     /// The same for clicks that agree with no shift, and weights that scatter little.

@@ -61,7 +61,7 @@ fn view_shared(relations: &[(f64, f64)], agreeing: f64, frames: [Frame; 2]) -> O
     let like_sizes = frames[1].longer_side() / frames[0].longer_side();
     let view = RelativeView { scale: Some(scale), rotation: apart(turn, 0.0) };
     let upright = RelativeView { scale: Some(like_sizes), rotation: 0.0 };
-    Some(if is_same(&view, &upright) { RelativeView::UPRIGHT } else { view })
+    Some(if is_same_view(&view, &upright) { RelativeView::UPRIGHT } else { view })
 }
 
 /// Features that are this much nearer to their match than to the next best are counted where there is no geometry.
@@ -84,7 +84,7 @@ impl PreparedPair {
 }
 
 /// Whether patches compared under one view are compared well under the other.
-pub(in crate::estimate) fn is_same(a: &RelativeView, b: &RelativeView) -> bool {
+pub(in crate::estimate) fn is_same_view(a: &RelativeView, b: &RelativeView) -> bool {
     let turn = wrapped(a.rotation - b.rotation).abs();
     let scale = match (a.scale, b.scale) {
         (Some(a), Some(b)) => (a / b).max(b / a),
@@ -137,11 +137,14 @@ mod tests {
     #[test]
     fn views_are_the_same_within_what_patches_are_compared_under() {
         let view = |scale: f64, rotation: f64| RelativeView { scale: Some(scale), rotation };
-        assert!(is_same(&view(1.0, PI - 0.1), &view(1.24, 0.1 - PI)));
-        assert!(is_same(&view(1.24, 0.0), &view(1.0, 0.25)));
-        assert!(!is_same(&view(1.0, 0.0), &view(1.26, 0.0)) && !is_same(&view(1.26, 0.0), &view(1.0, 0.0)));
-        assert!(!is_same(&view(1.0, 0.0), &view(1.0, 0.27)));
-        assert!(is_same(&RelativeView::UPRIGHT, &RelativeView::UPRIGHT));
-        assert!(!is_same(&RelativeView::UPRIGHT, &view(1.0, 0.0)), "in proportion is no number");
+        assert!(is_same_view(&view(1.0, PI - 0.1), &view(1.24, 0.1 - PI)));
+        assert!(is_same_view(&view(1.24, 0.0), &view(1.0, 0.25)));
+        assert!(
+            !is_same_view(&view(1.0, 0.0), &view(1.26, 0.0))
+                && !is_same_view(&view(1.26, 0.0), &view(1.0, 0.0))
+        );
+        assert!(!is_same_view(&view(1.0, 0.0), &view(1.0, 0.27)));
+        assert!(is_same_view(&RelativeView::UPRIGHT, &RelativeView::UPRIGHT));
+        assert!(!is_same_view(&RelativeView::UPRIGHT, &view(1.0, 0.0)), "in proportion is no number");
     }
 }

@@ -12,7 +12,7 @@ use super::refinement::{Refined, RefinementLevel, SharedPatches};
 use super::support::{PatchSupport, Support, SupportLevel};
 use super::voting::KappaVoting;
 use crate::cancel::CancelFlag;
-use crate::estimate::evidence::lazy::MadeOnce;
+use crate::estimate::evidence::lazy::Lazy;
 use crate::features::FeatureViews;
 use crate::geometry::{FundamentalMatrix, Observation, PointPair, rescaling};
 use crate::image::{PairLevel, PyramidPair, RelativeView, warps_around};
@@ -38,18 +38,18 @@ pub(in crate::estimate) struct PatchLevels {
     /// The same at the levels of the refinement.
     aligned: [AlignedFeatures; REFINEMENT_SIDES.len()],
     /// Support where proposals are ranked, with the features.
-    with_features: MadeOnce<SupportLevel>,
+    with_features: Lazy<SupportLevel>,
 }
 
 /// What corners say under a view, whether or not features stand beside them.
 #[derive(Debug)]
 struct CornerLevels {
     view: RelativeView,
-    coarse: MadeOnce<SupportLevel>,
-    voting: MadeOnce<KappaVoting>,
+    coarse: Lazy<SupportLevel>,
+    voting: Lazy<KappaVoting>,
     /// Corners of the finer levels, which of a small picture are the same.
     patches: SharedPatches,
-    fine: MadeOnce<SupportLevel>,
+    fine: Lazy<SupportLevel>,
     refinement: [RefinementLevel; REFINEMENT_SIDES.len()],
 }
 
@@ -59,9 +59,9 @@ impl PatchLevels {
         let patches = SharedPatches::default();
         let corners = CornerLevels {
             view,
-            coarse: MadeOnce::default(),
-            voting: MadeOnce::default(),
-            fine: MadeOnce::default(),
+            coarse: Lazy::default(),
+            voting: Lazy::default(),
+            fine: Lazy::default(),
             refinement: REFINEMENT_SIDES.map(|_| RefinementLevel::on(&patches)),
             patches,
         };
@@ -70,7 +70,7 @@ impl PatchLevels {
             features: Arc::default(),
             of: None,
             aligned: Default::default(),
-            with_features: MadeOnce::default(),
+            with_features: Lazy::default(),
         }
     }
 
@@ -81,7 +81,7 @@ impl PatchLevels {
             corners: Arc::clone(&self.corners),
             of: Some(of),
             aligned: REFINEMENT_SIDES.map(|_| AlignedFeatures::new(Arc::clone(&features))),
-            with_features: MadeOnce::default(),
+            with_features: Lazy::default(),
             features,
         }
     }

@@ -16,7 +16,7 @@ use super::feature_support::FLOOR;
 use super::level_corners::{Alike, LevelCorners, MutualMatch};
 use super::matches::{LevelMatch, MATCH_SIGMA, RefinedMatch};
 use crate::cancel::CancelFlag;
-use crate::estimate::evidence::lazy::MadeOnce;
+use crate::estimate::evidence::lazy::Lazy;
 use crate::estimate::fit::Uncertainty;
 use crate::geometry::{
     FundamentalMatrix, Line, Matrix9, Observation, Point, PointPair, finite_point, fit_fundamental,
@@ -40,7 +40,7 @@ pub struct Refinement {
 pub(in crate::estimate) struct RefinementLevel {
     /// What others use, too, where they look at the same size.
     patches: SharedPatches,
-    corners: MadeOnce<LevelCorners>,
+    corners: Lazy<LevelCorners>,
     /// Where in image 2 the surroundings of a corner of image 1 fit best, starting at a corner of image 2 under a
     /// warp: the same whatever `F`, and most matches of one refinement are those of the next.
     aligned: Mutex<HashMap<Alike, Option<Point>>>,
@@ -106,7 +106,7 @@ impl Refined {
 pub(super) struct SharedPatches(Arc<Mutex<Vec<PatchesOfScales>>>);
 
 type PatchesOfScales = ([f64; 2], PatchesOfSize);
-type PatchesOfSize = Arc<MadeOnce<Arc<CornerPatches>>>;
+type PatchesOfSize = Arc<Lazy<Arc<CornerPatches>>>;
 
 impl SharedPatches {
     pub fn get(&self, level: &PairLevel, view: RelativeView) -> Arc<CornerPatches> {
