@@ -3,7 +3,7 @@
 //!
 //! ```sh
 //! cargo run --release --example measure-barcodes > table.md
-//! cargo run --release --example plot-barcodes -- table.md docs
+//! cargo run --release --example plot-barcodes -- table.md lab
 //! ```
 
 use std::collections::BTreeMap;

@@ -1,28 +1,33 @@
-//! Tests of the code against the import diagrams of ARCHITECTURE.md.
+//! Tests of the code against `tests/arrows.txt`, the allowed imports, and of the recipes in
+//! `ARCHITECTURE.md`.
 //!
-//! A block of the document whose first line is `arrows FOLDER` draws a folder: each line is a file
-//! or subfolder with its imports. The test reads every `crate::` and `super::` path outside tests.
-//! It fails for an import missing from the diagram and for an arrow missing from the code. Arrows
-//! point downwards, which excludes cycles.
+//! A section of `arrows.txt` is a folder: each line is a file or subfolder with its imports. The
+//! test reads every `crate::` and `super::` path outside tests. It fails for an import missing from
+//! the file and for an arrow missing from the code. Arrows point downwards, which excludes cycles.
 //!
 //! Further tests: re-exports count as imports of the defining file, and no files import each
-//! other. Doc comments must begin with a noun or a verb. The recipes of the
-//! document name few files, and all of them exist.
+//! other. The recipes name few files, and all of them exist.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 use std::path::{Path, PathBuf};
 
+/// Allowed imports.
+const ARROWS: &str = "tests/arrows.txt";
+/// Document with the recipes.
 const DOCUMENT: &str = "ARCHITECTURE.md";
 
 #[test]
-fn the_picture_has_the_arrows_of_the_code_and_no_others() {
+fn the_code_has_the_declared_arrows_and_no_others() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let document = std::fs::read_to_string(root.join(DOCUMENT)).expect("the document is beside Cargo.toml");
-    let pictures = Picture::all(&document);
-    assert!(pictures.iter().any(|picture| picture.folder.is_empty()), "{DOCUMENT} has a picture of src");
+    let text = std::fs::read_to_string(root.join(ARROWS)).expect("the file is in the repository");
+    let sections = Section::all(&text);
+    let declared: Vec<String> = sections.iter().map(|section| section.folder.join("/")).collect();
+    for folder in ["", "app", "estimate"] {
+        assert!(declared.iter().any(|name| name == folder), "{ARROWS} has no section src/{folder}");
+    }
     let sources = Source::all(&root.join("src"));
     let complaints: Vec<String> =
-        pictures.iter().flat_map(|picture| picture.complaints(&picture.arrows_of(&sources))).collect();
+        sections.iter().flat_map(|section| section.complaints(&section.arrows_of(&sources))).collect();
     assert!(complaints.is_empty(), "{}", complaints.join("\n"));
 }
 
@@ -78,31 +83,29 @@ fn imports_are_read_as_rust_reads_them() {
 
 #[test]
 fn complaints_name_the_place() {
-    let document = "\n```arrows src\na -> b, c\nb\nc -> b\n```\n";
-    let picture = Picture::all(document).remove(0);
+    let section = Section::all("# Comment: ignored\n[src]\na: b, c\nb:\nc: b\n").remove(0);
     let sources = [
         Source::new(PathBuf::from("src/a/mod.rs"), "use crate::b::X;\nuse crate::d::Y;"),
         Source::new(PathBuf::from("src/b.rs"), ""),
         Source::new(PathBuf::from("src/d.rs"), ""),
     ];
     assert_eq!(
-        picture.complaints(&picture.arrows_of(&sources)),
+        section.complaints(&section.arrows_of(&sources)),
         [
-            "src/a/mod.rs:2: `a -> d` is not in ARCHITECTURE.md",
-            "ARCHITECTURE.md:3: `a -> c` is not in the code",
-            "ARCHITECTURE.md:5: `c -> b` is not in the code",
-            "ARCHITECTURE.md:5: `c -> b` goes upwards",
-            "ARCHITECTURE.md: `d` is missing from the picture of src",
+            "src/a/mod.rs:2: `a -> d` is not in tests/arrows.txt",
+            "tests/arrows.txt:3: `a -> c` is not in the code",
+            "tests/arrows.txt:5: `c -> b` is not in the code",
+            "tests/arrows.txt:5: `c -> b` goes upwards",
+            "tests/arrows.txt: `d` is missing from the section src",
         ]
     );
-    let within = "```arrows src/e\na -> b\nb\n```\n";
-    let picture = Picture::all(within).remove(0);
+    let section = Section::all("[src/e]\na: b\nb:\n").remove(0);
     let sources = [
         Source::new(PathBuf::from("src/e/mod.rs"), "pub use a::A;\npub use b::B;\npub struct Own;"),
         Source::new(PathBuf::from("src/e/a.rs"), "use super::{B, Own};"),
         Source::new(PathBuf::from("src/e/b.rs"), "use super::Own;"),
     ];
-    assert_eq!(picture.complaints(&picture.arrows_of(&sources)), [""; 0]);
+    assert_eq!(section.complaints(&section.arrows_of(&sources)), [""; 0]);
 }
 
 /// Maximum number of files in a recipe.
@@ -174,53 +177,6 @@ fn recipes(document: &str) -> Vec<Recipe> {
     paragraphs.filter_map(recipe).collect()
 }
 
-/// Words that refer to something outside the sentence. A list of fields or a search result shows
-/// the sentence alone.
-const NO_NOUNS: [&str; 9] = ["Its", "It", "Those", "They", "Whose", "Of", "For", "In", "From"];
-
-#[test]
-fn documentation_begins_with_what_is_documented() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let mut complaints = Vec::new();
-    for file in files_below(&root.join("src")) {
-        let file = file.strip_prefix(root).expect("it was found there");
-        // Doc comments of arguments are the help of the command line.
-        if file.starts_with("src/cli") {
-            continue;
-        }
-        let code = std::fs::read_to_string(root.join(file)).expect("the code can be read");
-        let complaint = |line: usize| format!("{}:{line}", file.display());
-        complaints.extend(without_noun(&code).into_iter().map(complaint));
-    }
-    assert!(
-        complaints.is_empty(),
-        "these begin with one of {NO_NOUNS:?} in place of a noun:\n{}",
-        complaints.join("\n")
-    );
-}
-
-#[test]
-fn only_the_first_word_of_documentation_is_looked_at() {
-    let code = "/// Its size.\nsize: u8,\n    /// Size of\n    /// It.\n//! In words.\n/// Items.\n/// ```\n\n/// In px.";
-    assert_eq!(without_noun(code), [1, 9]);
-}
-
-/// Returns the lines on which a doc comment begins with one of the words.
-fn without_noun(code: &str) -> Vec<usize> {
-    let documentation = |line: &str| line.trim_start().strip_prefix("/// ").map(str::to_owned);
-    let mut found = Vec::new();
-    let mut is_inside = false;
-    for (number, line) in code.lines().enumerate() {
-        let words = documentation(line);
-        let first = words.as_deref().and_then(|words| words.split([' ', ',', '\'']).next());
-        if !is_inside && first.is_some_and(|first| NO_NOUNS.contains(&first)) {
-            found.push(number + 1);
-        }
-        is_inside = line.trim_start().starts_with("///");
-    }
-    found
-}
-
 /// Returns all source files below a folder, sorted.
 fn files_below(src: &Path) -> Vec<PathBuf> {
     let mut files = Vec::new();
@@ -239,11 +195,11 @@ fn files_below(src: &Path) -> Vec<PathBuf> {
     files
 }
 
-/// Diagram of one folder in the document.
-struct Picture {
+/// Allowed imports within one folder.
+struct Section {
     /// Module path of the folder, empty for `src`.
     folder: Vec<String>,
-    /// Members of the folder from top to bottom, with their imports and the line of the document.
+    /// Members of the folder from top to bottom, with their imports and the line of the file.
     rows: Vec<(String, Vec<String>, usize)>,
 }
 
@@ -253,25 +209,26 @@ struct Arrows {
     members: Vec<String>,
 }
 
-impl Picture {
-    /// Returns all diagrams of the document.
-    fn all(document: &str) -> Vec<Self> {
-        let mut pictures: Vec<Self> = Vec::new();
-        let mut inside = false;
-        for (number, line) in document.lines().enumerate() {
-            if let Some(folder) = line.strip_prefix("```arrows ") {
-                let folder = folder.trim().split('/').skip(1).map(str::to_owned).collect();
-                pictures.push(Self { folder, rows: Vec::new() });
-                inside = true;
-            } else if line.starts_with("```") {
-                inside = false;
-            } else if inside && let Some(picture) = pictures.last_mut() {
-                let (from, to) = line.split_once("->").unwrap_or((line, ""));
-                let to = to.split(',').map(|name| name.trim().to_owned()).filter(|name| !name.is_empty());
-                picture.rows.push((from.trim().to_owned(), to.collect(), number + 1));
+impl Section {
+    /// Returns all sections of the file.
+    fn all(text: &str) -> Vec<Self> {
+        let mut sections: Vec<Self> = Vec::new();
+        for (number, line) in text.lines().enumerate() {
+            let line = line.trim();
+            if line.is_empty() || line.starts_with('#') {
+                continue;
             }
+            if let Some(folder) = line.strip_prefix('[').and_then(|line| line.strip_suffix(']')) {
+                let folder = folder.split('/').skip(1).map(str::to_owned).collect();
+                sections.push(Self { folder, rows: Vec::new() });
+                continue;
+            }
+            let (from, to) = line.split_once(':').expect("a line is `folder: allowed, allowed`");
+            let to = to.split(',').map(|name| name.trim().to_owned()).filter(|name| !name.is_empty());
+            let section = sections.last_mut().expect("a section begins with its folder in brackets");
+            section.rows.push((from.trim().to_owned(), to.collect(), number + 1));
         }
-        pictures
+        sections
     }
 
     /// Returns the imports in this folder.
@@ -309,18 +266,18 @@ impl Picture {
         Arrows { places, members }
     }
 
-    /// Returns all differences between the diagram and the code.
+    /// Returns all differences between the section and the code.
     fn complaints(&self, arrows: &Arrows) -> Vec<String> {
         let row = |name: &str| self.rows.iter().position(|(from, _, _)| from == name);
         let mut complaints = Vec::new();
         for ((from, to), place) in &arrows.places {
             if !self.rows.iter().any(|(name, drawn, _)| name == from && drawn.contains(to)) {
-                complaints.push(format!("{place}: `{from} -> {to}` is not in {DOCUMENT}"));
+                complaints.push(format!("{place}: `{from} -> {to}` is not in {ARROWS}"));
             }
         }
         for (k, (from, drawn, line)) in self.rows.iter().enumerate() {
             for to in drawn {
-                let complain = |what: &str| format!("{DOCUMENT}:{line}: `{from} -> {to}` {what}");
+                let complain = |what: &str| format!("{ARROWS}:{line}: `{from} -> {to}` {what}");
                 if !arrows.places.contains_key(&(from.clone(), to.clone())) {
                     complaints.push(complain("is not in the code"));
                 }
@@ -331,7 +288,7 @@ impl Picture {
         }
         let folder = [&["src".to_owned()], self.folder.as_slice()].concat().join("/");
         for name in arrows.members.iter().filter(|name| row(name).is_none()) {
-            complaints.push(format!("{DOCUMENT}: `{name}` is missing from the picture of {folder}"));
+            complaints.push(format!("{ARROWS}: `{name}` is missing from the section {folder}"));
         }
         complaints
     }

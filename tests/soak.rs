@@ -111,7 +111,7 @@ fn export(window: &mut Window, choices: &[&str], path: &Path) {
         settle(window);
     }
     type_path(window, path);
-    window.get_by_label("Export this").click();
+    window.get_by_label("Export file").click();
     settle(window);
     assert!(path.exists(), "{choices:?}: {:?}", window.state().messages().collect::<Vec<_>>());
     std::fs::remove_file(path).unwrap();

@@ -1,4 +1,4 @@
-//! A stand-in for the estimator in tests: instant, and right for the two pairs it is given.
+//! Stand-in for the estimator in tests: immediate, and exact for the first two pairs.
 
 use std::sync::{Arc, LazyLock};
 
@@ -13,7 +13,7 @@ use crate::estimate::{
 use crate::geometry::{FundamentalMatrix, PointPair};
 use crate::image::Picture;
 
-/// The estimate of a computation that reports one preliminary result.
+/// Returns the estimate, after reporting it as a preliminary result.
 pub fn estimate(request: &EstimateRequest, monitor: &Monitor) -> Result<Estimate, EstimateError> {
     let result = result(&request.pairs, &request.parameters).ok_or(EstimateError::NoGeometry)?;
     monitor.report(Progress::Started(Stage::Pencils));
@@ -22,8 +22,8 @@ pub fn estimate(request: &EstimateRequest, monitor: &Monitor) -> Result<Estimate
     Ok(result)
 }
 
-/// `F = [e2]× T` with the translation `T` that maps `p1` to `p2`, and `e2` on the line of `q2` and `T q1`:
-/// both pairs fit exactly.
+/// Returns `F = [e2]× T`, which both pairs fit exactly. `T` is the translation from `p1` to `p2`;
+/// `e2` lies on the line through `q2` and `T q1`.
 pub fn result(pairs: &[PointPair], parameters: &Parameters) -> Option<Estimate> {
     let [p, q, ..] = pairs else { return None };
     let t = p.point2 - p.point1;
@@ -52,9 +52,9 @@ pub fn result(pairs: &[PointPair], parameters: &Parameters) -> Option<Estimate> 
     Some(Estimate { geometry: fundamental.into(), assessment, trace: Some(Arc::new(trace)) })
 }
 
-/// A request whose first point has the given x.
+/// Returns a request whose first point has the given x.
 pub fn request(x: f64) -> EstimateRequest {
-    // The same picture for all of them.
+    // All requests share one picture, as pictures are compared by identity.
     static PICTURE: LazyLock<Shared<Picture>> = LazyLock::new(|| {
         let pixels = image::DynamicImage::new_luma8(32, 24);
         Shared::new(Picture::from_pixels("test".into(), None, pixels).expect("has pixels"))

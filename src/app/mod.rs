@@ -1,19 +1,20 @@
-//! The window: two images, point pairs on them, and the geometry that follows.
+//! The window: two images, point pairs on them, and their epipolar geometry.
 //!
-//! | module | what it holds |
+//! | module | contents |
 //! |---|---|
-//! | [`model`] | the state: plain data, testable without a window |
-//! | `tasks` | what is done off the window's thread |
-//! | `view` | how everything looks, and what a person may do with it |
-//! | `inspector` | the three together, and the one place where commands are applied |
-//! | `shell` | the program's window around it |
+//! | [`model`] | state: plain data, testable without a window |
+//! | `tasks` | work outside the thread of the window |
+//! | `view` | appearance, and the commands a person can give |
+//! | `inspector` | holds the three above and applies the commands |
+//! | `shell` | the native window of the program |
 //!
 //! # From a click to a line
-//! `view::panes::ImagePane` turns a click into [`model::command::Command::Place`]; the inspector applies it to the
-//! [`model::document::Document`] and notes it in the [`model::history::History`]; at the end of the frame
-//! `tasks::Estimating::follow` sees that the used pairs have changed and has the geometry searched for, and the
-//! latest one refitted to the moved points within a frame or two. Their news wake the window, and the next frame's
-//! overlays draw the new lines.
+//! `view::panes::ImagePane` turns a click into [`model::command::Command::Place`]. The inspector
+//! applies the command to the [`model::document::Document`] and records the step in the
+//! [`model::history::History`]. At the end of the frame, `tasks::Estimating::follow` notices that
+//! the used pairs changed. It starts a search, and refits the latest geometry to the moved points
+//! within a frame or two. Results wake the window, and the overlays of the next frame draw the new
+//! lines.
 
 #[cfg(test)]
 mod fake;
@@ -29,28 +30,28 @@ pub use tasks::{Opening, Services};
 
 use crate::geometry::PointPair;
 
-/// What the window opens with.
+/// Contents of the window at the start.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Start {
-    /// The pictures.
+    /// Pictures to open.
     pub opening: Opening,
-    /// Point pairs placed on them.
+    /// Point pairs to place on the pictures.
     pub pairs: Vec<PointPair>,
     /// Files with point pairs or geometries to import once the pictures are open.
     pub imports: Vec<std::path::PathBuf>,
 }
 
-/// Opens the window and returns when it is closed.
+/// Opens the window and returns when the user closes the window.
 pub fn run(start: Start) -> Result<(), AppError> {
     run_with(start, Services::default())
 }
 
-/// [`run`] with other services in place of the estimator and the system's file dialog.
+/// [`run`] with replacements for the estimator and the file dialog of the system.
 pub fn run_with(start: Start, services: Services) -> Result<(), AppError> {
     shell::run(start, services)
 }
 
-/// Fonts, sizes and colours of the window, for tests that show an [`Inspector`] in a context of their own.
+/// Installs fonts, sizes and colours, for tests that show an [`Inspector`] in their own context.
 pub fn install_theme(ctx: &egui::Context) {
     view::theme::install(ctx);
 }

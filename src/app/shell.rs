@@ -1,4 +1,4 @@
-//! The program's window: a thin shell around [`Inspector`].
+//! The native window of the program around an [`Inspector`].
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -11,53 +11,51 @@ use super::inspector::Inspector;
 use super::tasks::{Services, panic_text};
 use super::view::theme;
 
-/// Names the program to the desktop, and the folder where it keeps its window size and theme.
+/// Name of the program for the desktop, and of the folder with the window size and theme.
 const APP_ID: &str = "epiline";
 
-/// Why the window could not be opened, or closed unexpectedly. Each message is one sentence.
+/// Reason why the window did not open, or closed unexpectedly. The messages have no final full
+/// stop.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 pub enum AppError {
     /// There is no display.
     #[error(
-        "cannot open a window, since there is no display (neither DISPLAY nor WAYLAND_DISPLAY is set); \
-         `epiline estimate` works without one"
+        "cannot open a window: there is no display (neither DISPLAY nor WAYLAND_DISPLAY is set). \
+         `epiline estimate` works without a display"
     )]
     NoDisplay,
-    /// The display does not answer.
+    /// The display does not respond.
     #[error(
-        "cannot open a window on the display {display}: check that it is running and may be used; \
-         `epiline estimate` works without one"
+        "cannot open a window on the display {display}. Check that the display is running and that \
+         you may use it. `epiline estimate` works without a display"
     )]
     Display {
-        /// Which one.
+        /// Name of the display.
         display: String,
     },
     /// A library of the system is missing.
-    #[error(
-        "cannot open a window, since the library {library} is missing: install it (on Debian, {package})"
-    )]
+    #[error("cannot open a window: the library {library} is missing. Install it (on Debian: {package})")]
     Library {
         /// The library.
         library: &'static str,
-        /// The package that has it.
+        /// The package that contains the library.
         package: &'static str,
     },
     /// OpenGL does not work.
-    #[error(
-        "cannot open a window, since OpenGL does not work here: check the graphics driver (on Debian, libgl1)"
-    )]
+    #[error("cannot open a window: OpenGL does not work. Check the graphics driver (on Debian: libgl1)")]
     Graphics,
-    /// The toolkit stopped.
+    /// The window toolkit failed.
     #[error("the window closed unexpectedly: {reason}")]
     Crashed {
-        /// What it said.
+        /// Message of the toolkit.
         reason: String,
     },
 }
 
-/// Under which name it is remembered what is drawn; the toolkit itself remembers theme, window and panel sizes.
+/// Storage key of the visible overlays, tabs and panels. The toolkit itself stores theme, window
+/// size and panel sizes.
 const LOOK: &str = "look";
-/// Under which name the list of what was opened is remembered.
+/// Storage key of the recently opened files.
 const RECENTS: &str = "recents";
 
 struct Shell(Inspector);
@@ -81,7 +79,7 @@ impl eframe::App for Shell {
     }
 }
 
-/// Opens the window and returns when it is closed.
+/// Opens the window and returns when the user closes the window.
 pub fn run(start: Start, mut services: Services) -> Result<(), AppError> {
     let display = display()?;
     services.copies = eframe::storage_dir(APP_ID).map(|folder| folder.join("unsaved"));
@@ -126,7 +124,7 @@ pub fn run(start: Start, mut services: Services) -> Result<(), AppError> {
     }
 }
 
-/// The display to use.
+/// Returns the display to use.
 #[cfg(all(unix, not(target_os = "macos")))]
 fn display() -> Result<String, AppError> {
     ["WAYLAND_DISPLAY", "DISPLAY"]
@@ -135,13 +133,13 @@ fn display() -> Result<String, AppError> {
         .ok_or(AppError::NoDisplay)
 }
 
-/// The display to use: there is only one.
+/// Returns a name for the only display of these systems.
 #[cfg(not(all(unix, not(target_os = "macos"))))]
 fn display() -> Result<String, AppError> {
     Ok("of this computer".into())
 }
 
-/// The toolkit panics when some libraries are missing; its words become ours.
+/// Converts a panic of the toolkit. The toolkit panics when some libraries are missing.
 fn from_panic(text: String) -> AppError {
     let libraries = [
         ("libxkbcommon-x11", "libxkbcommon-x11-0"),
@@ -156,8 +154,9 @@ fn from_panic(text: String) -> AppError {
     }
 }
 
-/// Runs `f` with panics turned into their messages. The usual report on standard error, with its paths of
-/// the build, is held back meanwhile, also for panics in other threads, which are told in the window.
+/// Runs `f` and returns a panic as its message. The default report on standard error contains paths
+/// of the build, so it is suppressed meanwhile, also for other threads. The window shows their
+/// panics.
 fn quietly<T>(f: impl FnOnce() -> T) -> Result<T, String> {
     let first = Arc::new(Mutex::new(None));
     let usual = std::panic::take_hook();
@@ -172,7 +171,7 @@ fn quietly<T>(f: impl FnOnce() -> T) -> Result<T, String> {
     });
     let outcome = catch_unwind(AssertUnwindSafe(f));
     std::panic::set_hook(usual);
-    // The first panic says what went wrong; others may follow while the window is taken down.
+    // The first panic names the cause. Others may follow while the window is taken down.
     outcome.map_err(|payload| {
         let first = first.lock().unwrap_or_else(PoisonError::into_inner).take();
         first.unwrap_or_else(|| panic_text(payload.as_ref()))

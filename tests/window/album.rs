@@ -104,7 +104,7 @@ fn points_stay_with_their_pair_while_others_are_looked_at() {
     press(&mut window, Key::PageUp);
     assert_eq!(made(&window), first);
     // The other one is offered, with what is on it.
-    window.get_by_label("Kept: 1").click();
+    window.get_by_label("Edited pairs (1)").click();
     settle(&mut window);
     window.get_by_label("shot2 and shot3: 2 point pairs").click();
     settle(&mut window);

@@ -85,7 +85,7 @@ fn a_transposed_matrix_is_recognised_before_it_is_drawn() {
     let mut window = sample();
     let true_f = truth().fundamental;
     drop_files(&mut window, &[file(&files, "F.txt", &rows(&transposed(&true_f)))]);
-    window.get_by_label("How is this matrix meant?");
+    window.get_by_label("Which convention does this matrix use?");
     window.get_by_label_contains("The geometry does not fit as read");
     window.get_by_label("recommended");
     assert_eq!(imported(&window), None);
@@ -143,7 +143,10 @@ fn without_matches_a_matrix_is_marked_as_unchecked() {
     assert!(window.query_by_label("Use this reading").is_none());
     window.key_press(Key::Escape);
     settle(&mut window);
-    assert!(window.query_by_label("How is this matrix meant?").is_none() && imported(&window).is_none());
+    assert!(
+        window.query_by_label("Which convention does this matrix use?").is_none()
+            && imported(&window).is_none()
+    );
     drop_files(&mut window, &[path]);
     press_click(&mut window, "As it is");
     assert_eq!(window.state().document().imported.as_ref().unwrap().check, None);
@@ -218,7 +221,7 @@ fn hostile_files_change_nothing_and_are_told_in_a_sentence() {
         drop_files(&mut window, std::slice::from_ref(&path));
         assert!(told(&window, words), "{words}: {:?}", window.state().messages().collect::<Vec<_>>());
         assert_eq!(window.state().document(), &before, "{}", path.display());
-        assert!(window.query_by_label("How is this matrix meant?").is_none());
+        assert!(window.query_by_label("Which convention does this matrix use?").is_none());
     }
 }
 
@@ -295,7 +298,7 @@ pub fn export(window: &mut Window, choices: &[&str], path: &Path) {
         press_click(window, choice);
     }
     type_into(window, "File", path);
-    press_click(window, "Export this");
+    press_click(window, "Export file");
 }
 
 #[test]
@@ -337,7 +340,7 @@ fn exports_can_be_read_again() {
     settle(&mut window);
     export(&mut window, &["Profile"], &path);
     let text = std::fs::read_to_string(&path).unwrap();
-    assert!(text.contains("# The geometry shown, which the lines may come from, is "), "{text}");
+    assert!(text.contains("# The shown geometry, from which the lines may come, is "), "{text}");
     let mut rows = text.lines().filter(|line| !line.starts_with('#'));
     assert_eq!(rows.next(), Some("distance,x1,y1,left,right_unmatched,shift,x2,y2,right_matched,cost"));
     assert!(rows.clone().count() > 100 && rows.all(|row| row.split(',').count() == 10));
@@ -353,7 +356,7 @@ fn an_export_that_fails_says_so_and_one_that_replaces_as_well() {
     window.key_press_modifiers(Modifiers::COMMAND, Key::E);
     settle(&mut window);
     type_into(&mut window, "File", &file(&files, "there.json", "old"));
-    window.get_by_label_contains("it will be replaced");
+    window.get_by_label_contains("exists and will be replaced");
     press_click(&mut window, "Browse for the export file");
     assert!(told(&window, "file dialog could not be opened here"));
 }
@@ -367,7 +370,7 @@ fn the_view_is_what_is_on_the_screen() {
     settle(&mut window);
     press_click(&mut window, "Picture");
     type_into(&mut window, "File", &path);
-    window.get_by_label("Export this").click();
+    window.get_by_label("Export file").click();
     let mut asked = None;
     for _ in 0..6 {
         window.step();
@@ -375,7 +378,7 @@ fn the_view_is_what_is_on_the_screen() {
         for command in commands {
             if let ViewportCommand::Screenshot(callback) = command {
                 asked = Some(callback.clone());
-                assert!(window.query_by_label("Export this").is_none(), "the dialog is not in the picture");
+                assert!(window.query_by_label("Export file").is_none(), "the dialog is not in the picture");
             }
         }
         if asked.is_some() {
@@ -444,9 +447,9 @@ fn nothing_measured_on_one_pair_shows_beside_another() {
     window.get_by_label_contains("median of");
     // Asked about once more, and not answered.
     drop_files(&mut window, std::slice::from_ref(&path));
-    window.get_by_label("How is this matrix meant?");
+    window.get_by_label("Which convention does this matrix use?");
     drop_files(&mut window, &[files.image("a.png", 640, 480), files.image("b.png", 640, 480)]);
-    assert!(window.query_by_label("How is this matrix meant?").is_none());
+    assert!(window.query_by_label("Which convention does this matrix use?").is_none());
     assert_eq!(imported(&window), None);
     for words in ["Imported a geometry", "median of", "The images show the imported geometry"] {
         assert!(window.query_by_label_contains(words).is_none(), "{words}");

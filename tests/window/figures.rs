@@ -143,7 +143,7 @@ fn the_number_of_a_pin_is_in_the_part_that_is_seen() {
         assert!(in_pane.into_iter().any(|clipped| is_inside(&clipped.shape)), "{}", side.name());
     }
     let path = files.0.path().join("figure.svg");
-    export(&mut window, &["Figure", "What is seen"], &path);
+    export(&mut window, &["Figure", "Current view"], &path);
     let text = std::fs::read_to_string(&path).unwrap();
     let size = |name: &str, text: &str| -> f32 {
         text.split(&format!("{name}=\""))

@@ -61,7 +61,7 @@ fn child_that_works() {
         window.key_press_modifiers(Modifiers::COMMAND, Key::A);
         window.get_by_label("File").type_text(folder.join(name).to_str().unwrap());
         settle(&mut window);
-        window.get_by_label("Export this").click();
+        window.get_by_label("Export file").click();
         settle(&mut window);
         println!("exported {name}");
     }

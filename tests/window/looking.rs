@@ -370,7 +370,7 @@ fn tones_change_what_is_shown_of_one_image_or_both_and_nothing_else() {
     let mut window = sample();
     click_two_pairs(&mut window);
     let before = window.state().estimate().map(|estimate| *estimate.fundamental());
-    window.get_by_label("Tones").click();
+    window.get_by_label("Brightness").click();
     settle(&mut window);
     for label in ["Exposure, stops", "Contrast", "Gamma"] {
         assert!(window.query_all_by_label(label).count() > 0, "{label}");
@@ -380,16 +380,16 @@ fn tones_change_what_is_shown_of_one_image_or_both_and_nothing_else() {
     window.get_by_label("Stretch").click();
     window.step();
     settle(&mut window);
-    assert_eq!(window.query_all_by_label("tones changed").count(), 1, "the right one alone");
+    assert_eq!(window.query_all_by_label("brightness changed").count(), 1, "the right one alone");
     window.get_by_label("Both").click();
     settle(&mut window);
     window.get_by_label("Blue").click();
     settle(&mut window);
-    assert_eq!(window.query_all_by_label("tones changed").count(), 2);
+    assert_eq!(window.query_all_by_label("brightness changed").count(), 2);
     assert_eq!(window.state().estimate().map(|estimate| *estimate.fundamental()), before);
-    window.get_by_label("As they are").click();
+    window.get_by_label("Reset").click();
     settle(&mut window);
-    assert_eq!(window.query_all_by_label("tones changed").count(), 0);
+    assert_eq!(window.query_all_by_label("brightness changed").count(), 0);
 }
 
 #[test]

@@ -218,10 +218,10 @@ fn every_tab_says_what_will_appear_and_folds_away() {
         (Key::Num1, "The pairs you click appear here"),
         (
             Key::Num2,
-            "Intensities along the epipolar lines of p (of sequences, their motion barcodes) appear here",
+            "Intensities along the epipolar lines of p (for sequences, their motion barcodes) appear here",
         ),
-        (Key::Num3, "All lines through p and q"),
-        (Key::Num4, "The geometries that the estimate considered appear here"),
+        (Key::Num3, "The costs of matching all lines through p and q"),
+        (Key::Num4, "Candidate geometries appear here"),
     ] {
         press(&mut window, key);
         window.get_by_label_contains(says);
@@ -256,13 +256,15 @@ fn the_rival_that_makes_the_margin_is_marked() {
     for (row, says) in [
         (
             "Hypothesis 2",
-            "Not clearly different from the result: of the 221 matches before refinement, half lie up to 3.1 px from its lines \
-             (symmetric distance), and up to 3.8 px count as near. So it is no rival, and the margin passes over it.",
+            "Not clearly different from the result: half of the 221 matches before refinement lie \
+             within 3.1 px of its lines (symmetric distance; up to 3.8 px count as near). So it is \
+             not a rival, and the margin ignores it.",
         ),
         (
             "Hypothesis 3, the rival",
-            "The best clearly different geometry: of the 221 matches before refinement, half lie up to 25.0 px from its lines \
-             (symmetric distance), and up to 3.8 px count as near. Its support 80.0 beside 100.0 of hypothesis 1 makes the margin of 20 %.",
+            "The best clearly different geometry: half of the 221 matches before refinement lie \
+             within 25.0 px of its lines (symmetric distance; up to 3.8 px count as near). Its \
+             support 80.0 against 100.0 for hypothesis 1 gives a margin of 20 %.",
         ),
     ] {
         let row = window.get_by_label(row).rect();
@@ -376,7 +378,7 @@ fn a_window_at_twice_the_scale_has_all_its_tools() {
 fn the_key_sheet_is_grouped() {
     let mut window = sample();
     press(&mut window, Key::F1);
-    for group in ["Mouse", "Points", "Files", "Looking", "Panels", "Result", "Program"] {
+    for group in ["Mouse", "Points", "Files", "Display", "Panels", "Result", "Program"] {
         assert!(window.query_all_by_label(group).count() >= 1, "{group}");
     }
 }
@@ -389,7 +391,7 @@ fn the_key_sheet_fits_a_laptop() {
     let bottom = window.get_by_label("Keys and mouse").rect().max.y + 760.0;
     for last in [
         "Write the geometry, the point pairs, the result, a profile or the view as a file for other programs",
-        "Both images redrawn so that corresponding points are in the same row",
+        "Both images, redrawn with corresponding points in the same row",
         "Close the window",
     ] {
         let rect = window.get_by_label(last).rect();

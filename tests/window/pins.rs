@@ -66,7 +66,7 @@ fn a_right_click_on_a_pinned_line_tells_which_it_is_and_unpins_it() {
     assert_eq!(window.query_all_by_label_contains("Line pair ").count(), 0, "no line, no menu");
     right_click(&mut window, place);
     window.get_by_label("Line pair 3");
-    window.get_by_label("Look at its profiles").click();
+    window.get_by_label("Show its profiles").click();
     settle(&mut window);
     window.get_by_label("Before warping");
     let first = at(&window, Side::Left, 0.1, -0.4);

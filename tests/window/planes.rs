@@ -43,7 +43,7 @@ fn the_homography_of_a_plane_is_exported_where_there_is_one() {
     window.key_press_modifiers(Modifiers::COMMAND, Key::A);
     window.get_by_label("File").type_text(path.to_str().unwrap());
     settle(&mut window);
-    window.get_by_label("Export this").click();
+    window.get_by_label("Export file").click();
     settle(&mut window);
     window.get_by_label_contains("Exported the homography of the plane to");
     let (read, _) = GeometryFile::read(&path).unwrap();

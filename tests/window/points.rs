@@ -136,7 +136,7 @@ fn export(window: &mut Window, choice: &str, path: &Path) -> String {
     window.key_press_modifiers(Modifiers::COMMAND, Key::A);
     window.get_by_label("File").type_text(path.to_str().unwrap());
     settle(window);
-    window.get_by_label("Export this").click();
+    window.get_by_label("Export file").click();
     settle(window);
     std::fs::read_to_string(path).unwrap()
 }
@@ -177,7 +177,7 @@ fn a_name_stands_beside_its_points_until_names_are_off() {
     assert!(written(&window, "roof"));
     window.get_by_label("View").click();
     settle(&mut window);
-    window.get_by_label("Names of pairs").click();
+    window.get_by_label("Pair names").click();
     settle(&mut window);
     window.key_press(Key::Escape);
     settle(&mut window);

@@ -96,7 +96,7 @@ fn the_pair_is_made_once_there_is_a_geometry_and_measured() {
     press(&mut window, Key::G);
     let matches = found.measures.rows.unwrap();
     window.get_by_label_contains(&format!("over {} true matches", matches.matches));
-    window.get_by_label_contains("Left x − right x is ");
+    window.get_by_label_contains("Suggested search range: ");
 }
 
 #[test]
@@ -301,13 +301,13 @@ fn the_pair_is_exported_at_full_size_with_what_was_chosen() {
     settle(&mut window);
     window.get_by_role_and_label(Role::RadioButton, "TIFF").click();
     window
-        .get_by_role_and_label(Role::CheckBox, "Where each pixel comes from, as .npy arrays for cv2.remap")
+        .get_by_role_and_label(Role::CheckBox, "Source position of each pixel, as .npy arrays for cv2.remap")
         .click();
     settle(&mut window);
-    window.get_by_label("Export this pair").click();
+    window.get_by_label("Export pair").click();
     settle(&mut window);
     window.get_by_label_contains("The rectified pair is in ");
-    assert!(window.query_by_label("Export this pair").is_none(), "the window for it is closed");
+    assert!(window.query_by_label("Export pair").is_none(), "the window for it is closed");
     for name in
         ["left.tiff", "right.tiff", "stacked.tiff", "left-map.npy", "right-map.npy", "rectification.json"]
     {
@@ -338,7 +338,7 @@ fn the_rectified_pair_follows_the_geometry_that_is_shown() {
     click_two_pairs(&mut window);
     press(&mut window, Key::Num6);
     let line = |window: &Window| {
-        let node = window.get_by_label_contains("Left x − right x is");
+        let node = window.get_by_label_contains("Suggested search range: ");
         format!("{node:?}")
     };
     let result = line(&window);
@@ -366,7 +366,8 @@ fn the_rectified_pair_follows_a_dragged_point_while_the_search_is_held_up() {
     let mut window = window(Start::default(), services);
     click_two_pairs(&mut window);
     press(&mut window, Key::Num6);
-    let disparities = |window: &Window| format!("{:?}", window.get_by_label_contains("Left x − right x is"));
+    let disparities =
+        |window: &Window| format!("{:?}", window.get_by_label_contains("Suggested search range: "));
     let before = disparities(&window);
     held_up.store(true, Ordering::Relaxed);
     let from = screen(&window, P_LEFT);
@@ -435,7 +436,7 @@ fn a_click_on_a_ring_brings_its_depth_into_register_and_a_wipe_shows_it() {
 #[test]
 fn what_rows_that_lie_apart_mean_depends_on_whose_geometry_is_shown() {
     for (verdict, says) in [
-        (Verdict::Reliable, "hypothesis 3 is shown, and they speak against it. Press R for the result."),
+        (Verdict::Reliable, "hypothesis 3 is shown, and these points contradict it. Press R for the result."),
         (Verdict::Doubtful, "hypothesis 3 is shown, and the result is another geometry. Neither is certain"),
     ] {
         let mut services = rich_services();

@@ -70,7 +70,7 @@ fn a_pair_without_a_match_stays_and_the_window_says_why() {
     window.get_by_label("Refine: pair q").click();
     settle(&mut window);
     assert_eq!(point(&window, Q_RIGHT), before);
-    window.get_by_label_contains("Pair q stays where it is. Nothing is alike. Drag its right point");
+    window.get_by_label_contains("Pair q was not changed. Nothing is alike. Drag its right point");
 }
 
 #[test]
@@ -168,7 +168,7 @@ fn while_the_result_is_in_doubt_the_most_useful_next_click_is_marked() {
     services.next_click = Services::default().next_click;
     let mut window = window(Start::default(), services);
     click_two_pairs(&mut window);
-    window.get_by_label_contains("One more pair would help most at the marked place of the left image");
+    window.get_by_label_contains("Add a pair at the mark in the left image");
     assert!(is_marked(&window));
     // The first click of that pair, and giving it up.
     let elsewhere = at(&window, Side::Left, 0.35, -0.35);
@@ -182,7 +182,7 @@ fn while_the_result_is_in_doubt_the_most_useful_next_click_is_marked() {
     let elsewhere = at(&window, Side::Right, 0.35, -0.35);
     click(&mut window, elsewhere);
     assert!(!is_marked(&window));
-    assert!(window.query_by_label_contains("would help most").is_none());
+    assert!(window.query_by_label_contains("Add a pair at the mark").is_none());
     // The published search would not use it.
     window.get_by_label("As published").click();
     settle(&mut window);
@@ -191,7 +191,7 @@ fn while_the_result_is_in_doubt_the_most_useful_next_click_is_marked() {
 
 /// Whether the left image has a label that asks for a pair.
 fn is_marked(window: &Window) -> bool {
-    let is_label = |shape: &egui::Shape| matches!(shape, egui::Shape::Text(text) if text.galley.text() == "A pair here would help most");
+    let is_label = |shape: &egui::Shape| matches!(shape, egui::Shape::Text(text) if text.galley.text() == "Add a pair here");
     let pane = pane(window, Side::Left);
     window
         .output()

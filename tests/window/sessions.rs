@@ -98,7 +98,7 @@ fn a_moved_image_is_asked_for_and_found() {
     let there = files.0.path().join("renamed.png");
     std::fs::rename(files.0.path().join("a.png"), &there).unwrap();
     let mut again = reopened(path);
-    again.get_by_label_contains("The left image is not there");
+    again.get_by_label_contains("The left image was not found");
     assert!(again.query_by_label_contains("The right image").is_none());
     drop_files(&mut again, &[there]);
     again.get_by_label("Open with these").click();
@@ -124,7 +124,7 @@ fn a_changed_image_is_taken_only_when_a_person_says_so() {
     settle(&mut again);
     assert_eq!(again.state().document().pairs.len(), 3);
     assert_eq!(again.state().document().pairs[1].point2, Point::new(29.5, 30.0625));
-    assert!(again.state().messages().any(|text| text.contains("another size")));
+    assert!(again.state().messages().any(|text| text.contains("The size of an image has changed")));
 }
 
 #[test]

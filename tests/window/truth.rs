@@ -317,7 +317,7 @@ fn without_ground_truth_a_trial_is_greyed_and_says_why() {
     let files = Files::new();
     let mut window = open([files.image("a.png", 64, 48), files.image("b.png", 64, 48)]);
     press(&mut window, Key::Num5);
-    window.get_by_label_contains("How far your pairs are from the epipolar lines appears here");
+    window.get_by_label_contains("Distances of your pairs from the epipolar lines appear here");
     for name in ["Random trial", "Ground truth"] {
         assert!(window.get_by_label(name).accesskit_node().is_disabled(), "{name}");
     }
@@ -335,7 +335,7 @@ fn the_sample_offers_its_truth_and_undo_takes_it_out_of_use() {
     assert!(lines(&window, Side::Right, TRUE).is_empty());
     assert!(window.query_by_label("Show True lines").is_none());
     press(&mut window, Key::N);
-    assert!(window.state().messages().any(|text| text.contains("switch the ground truth on first")));
+    assert!(window.state().messages().any(|text| text.contains("Switch the ground truth on first")));
     press(&mut window, Key::G);
     assert_eq!(document(&window).truth, Some(TruthSource::Sample("courtyard".into())));
     window.get_by_label("Show True lines");
@@ -392,7 +392,7 @@ fn the_side_panel_states_the_real_error() {
     let distances = known.matches.iter().map(|pair| epiline::geometry::symmetric_epipolar_distance(f, pair));
     let error = distances.sum::<f64>() / POINTS as f64;
     window.get_by_label("True error");
-    window.get_by_label(&format!("{error:.2} px (the truth: 0.00 px)"));
+    window.get_by_label(&format!("{error:.2} px (ground truth itself: 0.00 px)"));
     press(&mut window, Key::G);
     assert!(window.query_by_label("True error").is_none());
 }
@@ -411,7 +411,7 @@ fn choosing_another_geometry_shows_it_in_the_whole_window() {
     // Fitted to exact matches it is the true one.
     assert!(drawn(&window, ESTIMATED, &known.fundamental));
     window.get_by_label_contains("The images show the 8-point geometry, not the result");
-    window.get_by_label("0.00 px (the truth: 0.00 px)");
+    window.get_by_label("0.00 px (ground truth itself: 0.00 px)");
     window.get_by_label("Geometry: Result").click();
     settle(&mut window);
     assert!(drawn(&window, ESTIMATED, &result));

@@ -49,11 +49,11 @@ fn a_geometry_is_found_without_a_click_and_its_matches_become_pairs() {
     window.get_by_label_contains("the images alone, without clicks");
     assert!(window.query_by_label("Find without clicks").is_none(), "found already");
 
-    press(&mut window, "Make point pairs of its matches");
+    press(&mut window, "Turn matches into point pairs");
     let document = window.state().document();
     let about = |pair| (document.role(pair), document.origin(pair));
     assert_eq!([about(0), about(1)], [(Role::Check, PairOrigin::Automatic); 2]);
-    assert!(window.query_by_label("Make point pairs of its matches").is_none(), "they are");
+    assert!(window.query_by_label("Turn matches into point pairs").is_none(), "they are");
 
     // Enough clicks, and the images alone are not asked any more; undo goes back to them.
     click_two_pairs(&mut window);

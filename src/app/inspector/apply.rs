@@ -1,4 +1,4 @@
-//! The one place where commands are applied.
+//! Applies commands.
 
 use egui::{Theme, ThemePreference};
 
@@ -13,7 +13,7 @@ use crate::app::model::suggesting::Repair;
 use crate::io::PairOrigin;
 
 impl Inspector {
-    /// Does what a command says.
+    /// Applies a command.
     #[expect(clippy::too_many_lines, reason = "it is a table")]
     pub(super) fn apply(&mut self, ctx: &egui::Context, command: Command) {
         let (model, dialogs) = (&mut self.model, &mut self.view.dialogs);
@@ -95,7 +95,7 @@ impl Inspector {
                 model.edit(Step::Merged(EditKey::Parameter(setting)), |document| document.parameters = *to);
             }
             Command::ResetParameters => model.set_preset(model.document.parameters.preset),
-            // Collected by `Inspector::show`, since only what is pointed at in this frame counts.
+            // `Inspector::show` collects these, as only the targets of this frame count.
             Command::PointAt(_) => {}
             Command::ChooseHypothesis(number) => model.open.focus.choose_hypothesis(number),
             Command::ChooseContestant(contestant) => model.open.focus.choose_contestant(contestant),
@@ -147,7 +147,7 @@ impl Inspector {
         }
     }
 
-    /// Shows the images whole, and the rectified ones.
+    /// Fits the images and the rectified pair into their panes.
     fn fit_all(&mut self) {
         for pane in &mut self.view.panes {
             pane.fit();
@@ -155,7 +155,7 @@ impl Inspector {
         self.model.open.viewing.view = None;
     }
 
-    /// Asks for a better place for a pair.
+    /// Requests the repair of a pair.
     fn repair(&mut self, pair: usize, how: Repair) {
         if let Some(question) = self.model.repair_question(pair, how) {
             self.tasks.repairing.ask(question);
@@ -167,18 +167,18 @@ impl Inspector {
         self.view.let_go();
     }
 
-    /// Gives up what is half done, the most recent thing first.
+    /// Cancels the most recent unfinished action.
     fn cancel(&mut self) {
         let model = &mut self.model;
         if self.view.let_go() {
-            // A point that was pressed but not moved has nothing to take back.
+            // A point that was pressed but not moved leaves nothing to revert.
             if let Some(before) = model.history.revert_run(|key| matches!(key, EditKey::Drag(_))) {
                 model.document = before;
             }
         } else if self.view.dialogs.close_top() {
-            // Closing it is all there is to do.
+            // The dialog is closed.
         } else if model.messages.dismiss_top() {
-            // So it is here.
+            // The message is dismissed.
         } else if model.document.half.is_some() {
             model.edit(Step::Single, |document| document.remove(document.pairs.len()));
         } else if model.tool == Tool::Inspect {
@@ -188,7 +188,8 @@ impl Inspector {
         }
     }
 
-    /// The first of the two clicks has placed a point that nobody wanted.
+    /// Fits an image, and removes the unwanted point that the first click of the double click
+    /// placed.
     fn fit_after_double_click(&mut self, side: Side) {
         let model = &mut self.model;
         if model.open.placed.take().is_some_and(|placed| placed == model.document)

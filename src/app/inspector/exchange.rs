@@ -1,4 +1,4 @@
-//! Files from and for other programs, and the rectified pair: what is exported, and what becomes of imports.
+//! Exports, imports and commands about the rectified pair.
 
 use std::path::{Path, PathBuf};
 
@@ -20,11 +20,11 @@ use crate::app::view::{ImagePane, ReadingDialog, figure, picture};
 use crate::io::{PairOrigin, RectifiedOptions};
 use crate::rectify::RectifyMethod;
 
-/// Said where there is no geometry.
+/// Message without a geometry.
 const NOTHING_TO_RECTIFY: &str = "There is nothing to rectify yet: click two point pairs first.";
 
 impl Inspector {
-    /// Does what a command about files of other programs says.
+    /// Applies a command about files of other programs.
     pub(super) fn apply_to_exchange(&mut self, command: ExchangeCommand) {
         match command {
             ExchangeCommand::ShowExport => self.show_file_export(),
@@ -41,7 +41,7 @@ impl Inspector {
         }
     }
 
-    /// Asks what to write and where: beside the left image, called after both.
+    /// Shows the export dialog. It suggests a path beside the left image, named after both images.
     fn show_file_export(&mut self) {
         let Some(pictures) = &self.model.open.pictures else {
             self.model.messages.tell("There is nothing to export yet: open two images first.");
@@ -78,12 +78,12 @@ impl Inspector {
         self.tasks.saver.ask(SaveJob::Export { path, what, content, inputs });
     }
 
-    /// Asks for the picture of a view, in the frame that is about to be drawn, and has it written once it is there.
+    /// Requests the picture of a view in the next frame, and writes the picture once it is there.
     pub(super) fn capture(&mut self, ctx: &Context) {
         self.view.capture.ask(ctx);
         let Some(captured) = self.view.capture.poll(ctx) else { return };
         let Some((screen, part)) = captured.picture else {
-            let text = "The view could not be exported: the screen gave no picture. Try again.";
+            let text = "The picture could not be exported, because the screen could not be read. Try again.";
             self.model.messages.tell(text);
             return;
         };
@@ -92,15 +92,15 @@ impl Inspector {
         self.write(captured.path, "the view".to_owned(), content);
     }
 
-    /// Imports files, once images are open and nothing is asked.
+    /// Queues files for import. They wait until images are open and no dialog is open.
     pub(super) fn import(&mut self, paths: Vec<PathBuf>) {
         self.model.imports.extend(sources(paths).into_iter().map(PendingImport::from));
     }
 
-    /// A file that was opened as a session and is none.
+    /// Imports a file that was opened as a session but is none.
     pub(super) fn import_instead(&mut self, path: &Path, problem: String) {
         if self.model.open.pictures.is_none() {
-            let text = format!("{problem}. To import it as a geometry, open its two images first.");
+            let text = format!("{problem}. To import the file as a geometry, open its two images first.");
             self.refuse(text);
             return;
         }
@@ -108,7 +108,7 @@ impl Inspector {
         self.model.imports.push_back(PendingImport { source, prelude: Some(problem) });
     }
 
-    /// Begins the next import, once nothing else is to be done before, and takes in what was read.
+    /// Handles a finished import, and begins the next one once nothing else comes first.
     pub(super) fn take_imports(&mut self) {
         match self.tasks.importing.poll() {
             Some(Ok(found)) => self.take_found(found),
@@ -122,7 +122,7 @@ impl Inspector {
         let Some(pending) = self.model.imports.pop_front() else { return };
         let Some(pictures) = &self.model.document.pictures else {
             let name = pending.source.name();
-            let text = format!("To import {name}, open the two images that it is about first.");
+            let text = format!("To import {name}, open its two images first.");
             self.refuse(text);
             return;
         };
@@ -131,7 +131,7 @@ impl Inspector {
         self.tasks.importing.begin(ImportQuestion { pending, frames, matches });
     }
 
-    /// Does what a command about the rectified pair says.
+    /// Applies a command about the rectified pair.
     pub(super) fn apply_to_rectified(&mut self, ctx: &Context, command: RectifiedCommand) {
         let model = &mut self.model;
         let shown = model.open.viewing.blink.shown(ctx.input(|input| input.time)).0;
@@ -145,7 +145,8 @@ impl Inspector {
             RectifiedCommand::Shift(shift) => model.open.viewing.shift = shift,
             RectifiedCommand::Wipe(at) => model.open.viewing.wipe = at.clamp(0.0, 1.0),
             RectifiedCommand::Swap if model.wants_rectified() => {
-                // From the other layouts the first press shows the left picture, the next one the right one.
+                // From other layouts, the first press shows the left picture and the next the right
+                // one.
                 let blinks = model.look.rectified.layout == RectifiedLayout::Blink;
                 model.open.viewing.blink = Blink::Still(if blinks { shown.other() } else { Side::Left });
                 model.look.rectified.layout = RectifiedLayout::Blink;
@@ -164,7 +165,8 @@ impl Inspector {
         }
     }
 
-    /// Asks where to write, beside the left image unless something else was typed before.
+    /// Shows the dialog for the rectified pair. It suggests a folder beside the left image, or the
+    /// folder typed before.
     fn show_rectified_export(&mut self) {
         if self.model.shown().is_none() {
             self.model.messages.tell(NOTHING_TO_RECTIFY);
@@ -185,12 +187,12 @@ impl Inspector {
             self.model.activity.writing = Some(progress);
             self.view.dialogs.rectified.open = false;
         } else {
-            let text = "A rectified pair is being written already: wait for it, or stop it.";
+            let text = "A rectified pair is already being written. Wait for it, or stop it.";
             self.model.messages.tell(text);
         }
     }
 
-    /// Point pairs are placed at once; a matrix is asked about.
+    /// Places imported point pairs at once, and shows the dialog for a matrix.
     fn take_found(&mut self, mut found: ImportFound) {
         self.view.dialogs.open.open = false;
         for note in std::mem::take(&mut found.notes) {
@@ -207,7 +209,7 @@ impl Inspector {
         self.model.open.done.tell(format!("Imported {count} point pair{plural} from {}", found.name));
     }
 
-    /// Takes the matrix that is asked about.
+    /// Accepts the matrix of the dialog.
     fn accept(&mut self, reading: Option<usize>, with_pairs: bool) {
         let Some(dialog) = self.view.dialogs.reading.take() else { return };
         let ImportedMatrix { fundamental, check, matches, .. } = dialog.matrix();
@@ -219,7 +221,7 @@ impl Inspector {
         let checked = check.as_ref().zip(ranked).map(|(check, ranked)| Checked {
             matches: check.matches,
             of: (*matches).to_owned(),
-            // Infinity is no number of a session file.
+            // Session files cannot store infinity.
             median: ranked.median.min(1e9),
             fits: ranked.median <= check.limit,
         });

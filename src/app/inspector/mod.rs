@@ -1,7 +1,7 @@
-//! The window: its state, its threads and how it looks, and the one place where commands are applied.
+//! The window: its state, threads and view, and the application of commands.
 //!
-//! One frame runs in this order: take in news from the threads, apply the commands of the keys, draw (panes
-//! and panels return commands), apply these, ask the threads about the state as it is then.
+//! The order of one frame: store results of the threads, apply commands from keys, draw (panes and
+//! panels return commands), apply these, send new requests to the threads.
 
 mod apply;
 mod exchange;
@@ -33,12 +33,12 @@ pub struct Inspector {
     model: Model,
     tasks: Tasks,
     view: View,
-    /// Point pairs to place once the pictures of the start are there.
+    /// Point pairs to place once the first pictures are open.
     start_pairs: Vec<PointPair>,
 }
 
 impl Inspector {
-    /// A window that opens what `start` says.
+    /// Creates a window that opens the contents of `start`.
     pub fn new(start: Start, services: Services) -> Self {
         let mut tasks = Tasks::new(services);
         match start.opening {
@@ -56,63 +56,63 @@ impl Inspector {
         inspector
     }
 
-    /// All of the state.
+    /// Returns the whole state.
     pub fn model(&self) -> &Model {
         &self.model
     }
 
-    /// What is edited.
+    /// Returns the edited state.
     pub fn document(&self) -> &Document {
         &self.model.document
     }
 
-    /// What is pointed at and what is chosen.
+    /// Returns hovered and selected things.
     pub fn focus(&self) -> &Focus {
         &self.model.open.focus
     }
 
-    /// The latest estimate, also while a newer one is being computed.
+    /// Returns the latest estimate, even while a newer one is being computed.
     pub fn estimate(&self) -> Option<&Estimate> {
         self.model.open.computation.result().map(|(estimate, _)| estimate)
     }
 
-    /// What is drawn.
+    /// Returns visible overlays, tabs and panels, for keeping between runs.
     pub fn look(&self) -> &Look {
         &self.model.look
     }
 
-    /// Draws as it was done in an earlier run.
+    /// Restores visible overlays, tabs and panels of an earlier run.
     pub fn set_look(&mut self, look: Look) {
         self.model.look = look;
     }
 
-    /// What was opened last.
+    /// Returns the recently opened files, for keeping between runs.
     pub fn recents(&self) -> &Recents {
         &self.model.recents
     }
 
-    /// Offers what was opened in an earlier run.
+    /// Restores the recently opened files of an earlier run.
     pub fn set_recents(&mut self, recents: Recents) {
         self.model.recents = recents;
     }
 
-    /// Whether pictures are being opened, an estimate computed or compared, a match searched for, or something
-    /// written.
+    /// Returns whether any work is in progress: opening, estimating, comparing, searching or
+    /// writing.
     pub fn is_busy(&self) -> bool {
         self.model.open.computation.is_running() || self.tasks.is_busy()
     }
 
-    /// What the user was told and has not dismissed.
+    /// Returns the messages that the user has not dismissed.
     pub fn messages(&self) -> impl Iterator<Item = &str> {
         self.model.messages.list().iter().map(|message| message.text.as_str())
     }
 
-    /// One frame: takes in news, draws everything, and does what was asked for.
+    /// Runs one frame: stores results, draws everything and applies commands.
     pub fn show(&mut self, ui: &mut Ui) {
         let ctx = ui.ctx().clone();
         self.tasks.waker.attach(&ctx);
         self.take_news(&ctx);
-        // Keys first: Escape ends a drag before the panes can carry it on.
+        // Keys come first, as Escape must end a drag before the panes continue it.
         let keyboard = KeyboardState {
             dialog_open: self.view.dialogs.is_open(),
             suggestion: self.model.accepted_suggestion().is_some(),
@@ -131,7 +131,7 @@ impl Inspector {
         let mut commands = Vec::new();
         let hover = self.view.draw(ui, &self.model, &mut commands);
         if hover != self.model.open.hover {
-            // Written in this frame, drawn in the next.
+            // The position is written in this frame and drawn in the next.
             self.model.open.hover = hover;
             ctx.request_repaint();
         }
@@ -144,7 +144,7 @@ impl Inspector {
         self.point_at(&ctx, &commands);
         for command in commands {
             if !matches!(command, Command::PointAt(_)) {
-                // The inspected lines follow when they are drawn.
+                // The inspected lines change after they are drawn.
                 ctx.request_repaint();
             }
             self.apply(&ctx, command);
@@ -156,7 +156,7 @@ impl Inspector {
         self.view.name_window(&ctx, self.model.title());
     }
 
-    /// Takes in what the threads have done.
+    /// Stores results of the threads.
     fn take_news(&mut self, ctx: &egui::Context) {
         self.tasks.take(&mut self.model);
         if let Some(repaired) = self.tasks.repairing.latest() {
@@ -182,29 +182,29 @@ impl Inspector {
         }
     }
 
-    /// Notes what is under way, for the panels to tell of it.
+    /// Updates the work in progress shown by the panels.
     fn note_activity(&mut self) {
         self.model.activity.loading = self.tasks.loader.is_busy();
         self.model.activity.rectifying = self.tasks.is_rectifying();
         self.model.activity.aligning = self.tasks.aligning.is_busy();
     }
 
-    /// Notes what is pointed at in this frame, for the next one to draw.
+    /// Stores the thing under the cursor for the next frame.
     fn point_at(&mut self, ctx: &egui::Context, commands: &[Command]) {
         let mut targets = commands.iter().filter_map(|command| match command {
             Command::PointAt(target) => Some(*target),
             _ => None,
         });
-        // The panels are drawn before what lies over them: the last one is the topmost.
+        // Panels are drawn before the things over them, so the last target is the topmost.
         if self.model.open.focus.point_at(targets.next_back()) {
             ctx.request_repaint();
         }
     }
 
-    /// Shows the system's dialog.
+    /// Shows a file dialog of the system.
     fn pick(&mut self, purpose: PickPurpose) {
         if !self.tasks.picking.begin(purpose) {
-            self.model.messages.tell("A file dialog is open already. Finish it first, or type a path.");
+            self.model.messages.tell("A file dialog is already open. Close it first, or type a path.");
         }
     }
 }

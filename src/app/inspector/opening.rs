@@ -1,4 +1,4 @@
-//! Opening: pictures, folders of pairs with what is known about them, and whatever else is dropped on the window.
+//! Opening of pictures, folders and other files, named or dropped on the window.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -17,7 +17,7 @@ use crate::evaluate::Protocol;
 use crate::io::{PairOrigin, is_sequence};
 
 impl Inspector {
-    /// Takes in pictures that were opened, or why none were.
+    /// Shows newly opened pictures, or a message.
     pub(super) fn take_pictures(&mut self, ctx: &egui::Context) {
         let Some(result) = self.tasks.loader.poll() else { return };
         match result {
@@ -45,7 +45,7 @@ impl Inspector {
         }
     }
 
-    /// Tells why something cannot be opened: in the dialog it was asked for in, which keeps what was typed.
+    /// Shows why something cannot be opened. An open dialog shows the message and keeps its text.
     pub(super) fn refuse(&mut self, text: String) {
         let dialog = &mut self.view.dialogs.open;
         if dialog.open {
@@ -57,7 +57,7 @@ impl Inspector {
 
     /// Starts over with other pictures.
     fn show_pictures(&mut self, ctx: &egui::Context, pair: LoadedPair) {
-        // Another pair of the same folder is of the same session.
+        // Another pair of the same folder belongs to the same session.
         let turns = pair.restored.is_none() && self.model.is_of_open_folder(pair.folder.as_ref());
         let set_aside = !turns && self.set_aside();
         self.note_recent(&pair);
@@ -93,7 +93,8 @@ impl Inspector {
         document.set_pairs(inside, PairOrigin::Imported);
         if !outside.is_empty() {
             self.model.messages.tell(format!(
-                "{} of the point pairs given lie outside the images and were left out. Click them instead.",
+                "{} of the point pairs given lie outside the images and were left out. Click these \
+                 points instead.",
                 outside.len()
             ));
         }
@@ -105,7 +106,8 @@ impl Inspector {
         }
     }
 
-    /// Notes what was opened, to be offered again; the built-in pair and copies of unsaved work have their own places.
+    /// Adds the opened files to the recent ones. The built-in pair and copies of unsaved work are
+    /// offered elsewhere.
     fn note_recent(&mut self, pair: &LoadedPair) {
         let recents = &mut self.model.recents;
         if let Some(restored) = &pair.restored {
@@ -133,8 +135,8 @@ impl Inspector {
         self.model.wanted = None;
     }
 
-    /// A dropped or chosen file: two of them open, the first one waits in the dialog. A folder opens at once,
-    /// unless a sequence waits for another one.
+    /// Handles a dropped or chosen file. A first image waits in the dialog for a second one. A
+    /// folder opens at once, unless the dialog has a sequence that waits for another.
     pub(super) fn offer(&mut self, path: &Path) {
         let waits =
             |dialog: &OpenDialog| dialog.open && dialog.waiting().is_some_and(|path| is_sequence(&path));
@@ -151,7 +153,7 @@ impl Inspector {
         }
     }
 
-    /// Opens what was named: images, or else a folder, a session, files to import.
+    /// Opens files: images, a folder, a session, or files to import.
     pub(super) fn open_files(&mut self, paths: Vec<PathBuf>) {
         if let [folder] = &paths[..]
             && folder.is_dir()
@@ -171,7 +173,7 @@ impl Inspector {
                 self.model.wanted = None;
             } else {
                 let missing = self.view.dialogs.open.missing().unwrap_or(Side::Right).name();
-                self.refuse(format!("The {missing} image is missing: name it, too. Nothing was opened."));
+                self.refuse(format!("The {missing} image is missing. Nothing was opened. Name both images."));
             }
         } else {
             self.import(imports);
@@ -194,7 +196,7 @@ impl Inspector {
         self.view.dialogs.relocate = None;
     }
 
-    /// Opens two views of the folder that is open.
+    /// Opens two views of the open folder.
     pub(super) fn open_views(&mut self, views: [usize; 2]) {
         let Some((folder, _)) = &self.model.open.folder else { return };
         if folder.is_pair(views) {
@@ -203,7 +205,7 @@ impl Inspector {
         }
     }
 
-    /// Opens the pair behind the one that is open, or being opened, or the one before it.
+    /// Opens the pair next to the one that is open or being opened.
     pub(super) fn step_pair(&mut self, forward: bool) {
         let Some((folder, shown)) = self.model.folder() else { return };
         if let Some(views) = folder.neighbour(self.model.wanted.unwrap_or(shown), forward) {
@@ -211,7 +213,7 @@ impl Inspector {
         }
     }
 
-    /// Takes the ground truth into use, or out of it.
+    /// Turns the use of the ground truth on or off.
     pub(super) fn toggle_truth(&mut self) {
         let Some(known) = &self.model.open.known else {
             self.model.messages.tell(NO_TRUTH);
@@ -219,7 +221,7 @@ impl Inspector {
         };
         let source = known.source.clone();
         if self.model.open.focus.contestant().is_some() {
-            // What was compared changes; a choice among it must not come back later by itself.
+            // The comparison changes, and an old selection must not come back later.
             self.model.open.focus.choose_hypothesis(None);
         }
         self.model.edit(Step::Single, |document| {
@@ -227,7 +229,7 @@ impl Inspector {
         });
     }
 
-    /// Puts true matches in place of the pairs that the geometry is estimated from.
+    /// Replaces the used pairs by randomly drawn true matches.
     pub(super) fn random_trial(&mut self, protocol: Protocol) {
         if let Some(reason) = self.model.no_trial() {
             self.model.messages.tell(reason);
@@ -244,7 +246,7 @@ impl Inspector {
                 Protocol::Paper => "30 px apart",
                 _ => "30 px apart and off each other's epipolar lines",
             };
-            let text = format!("There is no random trial here: no {count} true matches are {why}.");
+            let text = format!("No random trial is possible: no {count} true matches are {why}.");
             self.model.messages.tell(text);
             return;
         };
@@ -252,12 +254,13 @@ impl Inspector {
         self.model.edit(Step::Single, |document| document.set_trial(trial, drawn));
     }
 
-    /// Files dropped on the window since the last frame.
+    /// Returns commands for the files dropped since the last frame.
     pub(super) fn dropped_files(ctx: &egui::Context) -> Vec<Command> {
         let files = ctx.input(|input| {
             input.raw.dropped_files.iter().map(|file| file.path().to_owned()).collect::<Vec<_>>()
         });
-        // A session brings its own images: beside images such a file can only be a geometry.
+        // A session names its own images. So a JSON file dropped with images can only be a
+        // geometry.
         let has_images = files.iter().any(|path| !is_importable(path));
         let (imports, files): (Vec<_>, Vec<_>) = files
             .into_iter()

@@ -1,4 +1,4 @@
-//! What is done with the list of point pairs.
+//! Commands about the list of point pairs.
 
 use egui::{Context, ViewportCommand};
 
@@ -6,7 +6,7 @@ use super::Inspector;
 use crate::app::model::point_table::PointsCommand;
 
 impl Inspector {
-    /// Does what a command about the list of point pairs says.
+    /// Applies a command about the list of point pairs.
     pub(super) fn apply_to_points(&mut self, ctx: &Context, command: PointsCommand) {
         let model = &mut self.model;
         match command {

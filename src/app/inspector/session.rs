@@ -1,4 +1,4 @@
-//! Sessions in the window: saving, opening, the program's own copy, and what a crash left behind.
+//! Sessions: saving, opening, copies of unsaved work, and copies left behind by a crash.
 
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -15,7 +15,8 @@ use crate::app::tasks::{Autosave, SaveJob, Written};
 use crate::app::view::SaveDialog;
 use crate::io::{ImageReference, SessionFile};
 
-/// How long unsaved work waits for a copy: with the time that writing takes, no edit older than two seconds is without one.
+/// Interval of copies of unsaved work. Including the time for writing, no edit stays without a copy
+/// for more than two seconds.
 const AUTOSAVE_EVERY: Duration = Duration::from_millis(1500);
 
 impl Inspector {
@@ -23,16 +24,16 @@ impl Inspector {
         self.model.work(self.view.views())
     }
 
-    /// Whether there is unsaved work on files of one's own. At the end of the program, clicks on the sample can be made
-    /// again.
+    /// Returns whether there is unsaved work on the user's own files. Clicks on the sample can be
+    /// made again.
     fn has_own_unsaved_work(&self) -> bool {
         let own = self.model.document.pictures.iter().flatten().any(|picture| picture.path.is_some());
         own && self.model.has_unsaved_work()
     }
 
-    /// Offers what a crash left behind.
+    /// Offers to restore a copy left behind by a crash.
     pub(super) fn offer_left_behind(&mut self) {
-        // One that cannot be read, of a newer program say, waits for who can.
+        // A copy that cannot be read, perhaps of a newer version, waits.
         let readable = self.tasks.autosave.as_ref().and_then(|autosave| {
             let mut copies = autosave.left_behind();
             copies.find_map(|path| Some((path.to_owned(), SessionFile::<Work>::read(path).ok()?)))
@@ -67,7 +68,7 @@ impl Inspector {
         self.model.messages.say(kind, text, actions);
     }
 
-    /// Does what a command about sessions says.
+    /// Applies a command about sessions.
     pub(super) fn apply_to_session(&mut self, command: SessionCommand) {
         match command {
             SessionCommand::Save => match self.model.session.path.clone() {
@@ -92,7 +93,7 @@ impl Inspector {
         }
     }
 
-    /// The copy was taken over or is not wanted.
+    /// Removes a copy that was restored or discarded.
     fn settle_left_behind(&mut self, path: &std::path::Path) {
         if let Some(autosave) = &mut self.tasks.autosave {
             autosave.remove(path);
@@ -102,13 +103,15 @@ impl Inspector {
 
     fn ask_before_replacing(&mut self, path: PathBuf) {
         let name = path.display();
-        let text =
-            format!("{name} has changed since this window read it. Saving replaces what is in it now.");
+        let text = format!(
+            "{name} has changed since this window read it. Saving replaces its present \
+                     contents."
+        );
         let actions = [("Replace", SessionCommand::SaveTo(path)), ("Save as", SessionCommand::SaveAs)];
         self.ask(MessageKind::Replace, text, actions);
     }
 
-    /// Where the session is, or may be.
+    /// Returns the path of the session, or a suggestion.
     fn suggested_path(&self) -> Option<PathBuf> {
         let own = self.model.session.path.clone();
         own.or_else(|| self.model.open.pictures.as_ref().map(suggested_path))
@@ -125,13 +128,11 @@ impl Inspector {
         let work = self.work();
         let Some(pictures) = &self.model.open.pictures else { return };
         let Some(mut session) = work.to_session(pictures, &path) else {
-            self.model
-                .messages
-                .tell("The session cannot be saved: an image is not a file that could be opened again.");
+            self.model.messages.tell("The session cannot be saved, because an image is not from a file.");
             return;
         };
         self.view.dialogs.save = None;
-        // Whoever asked whether to replace it has the answer.
+        // The question whether to replace the file is answered.
         self.model.messages.settle(MessageKind::Replace);
         session.fundamental = self.estimate().map(|estimate| *estimate.fundamental());
         session.trust = result_note(&self.model);
@@ -139,23 +140,24 @@ impl Inspector {
         self.tasks.saver.ask(SaveJob::Save { path, session, work, inputs });
     }
 
-    /// The files of the images, which nothing must replace.
+    /// Returns the files of the images, which must not be replaced.
     pub(super) fn image_files(&self) -> Vec<PathBuf> {
         let pictures = self.model.open.pictures.iter().flatten();
         pictures.filter_map(|opened| opened.picture.path.clone()).collect()
     }
 
-    /// Takes in what the writing thread has done.
+    /// Handles finished jobs of the writing thread.
     pub(super) fn take_written(&mut self) {
         while let Some(written) = self.tasks.saver.poll() {
             match written {
                 Written::Session { path, result: Ok(work) } => {
                     self.model.open.done.tell(format!("Saved {}", path.display()));
-                    // What was written is what it was then; whatever changed since is not saved.
+                    // The file has the work at the time of the command. Later changes are not
+                    // saved.
                     self.model.session.belongs_to(path, *work);
                 }
                 Written::Session { result: Err(problem), .. } => self.model.messages.tell(format!(
-                    "The session was not saved: {problem}. Your work is still here; save it somewhere else."
+                    "The session was not saved: {problem}. Your work is still here. Save it somewhere else."
                 )),
                 Written::Copy(result) => self.note_copy(result),
                 Written::Export { path, result: Ok(what) } => {
@@ -169,7 +171,7 @@ impl Inspector {
         }
     }
 
-    /// A copy of unsaved work was written, or not: then it is tried again, and the person knows.
+    /// Handles the outcome of a copy. A failed copy is repeated, and the user is told once.
     fn note_copy(&mut self, result: Result<(), String>) {
         let Some(autosave) = &mut self.tasks.autosave else { return };
         let was_failing = std::mem::replace(&mut autosave.is_failing, result.is_err());
@@ -177,21 +179,22 @@ impl Inspector {
         self.model.session.copied = None;
         if !was_failing {
             self.model.messages.tell(format!(
-                "Unsaved work is not protected against a crash: {problem}. Save the session; the copy is tried again."
+                "Unsaved work is not protected against a crash: {problem}. Save the session. The program will try the copy again."
             ));
         }
     }
 
-    /// Tells when there is no place for copies of unsaved work.
+    /// Warns if there is no place for copies of unsaved work.
     pub(super) fn tell_of_missing_copies(&mut self) {
         if let Some(problem) = self.tasks.no_autosave.take() {
             self.model.messages.tell(format!(
-                "Unsaved work is not protected against a crash, because its folder cannot be used: {problem}. Save often."
+                "Unsaved work is not protected against a crash, because the folder for copies \
+                 cannot be used: {problem}. Save often."
             ));
         }
     }
 
-    /// Takes on what a session brings, once its pictures are open.
+    /// Restores the work of a session, once its pictures are open.
     pub(super) fn restore(&mut self, restored: Restored) {
         let Restored { session, mut work, notes } = restored;
         let model = &mut self.model;
@@ -205,7 +208,7 @@ impl Inspector {
             model.tool = Tool::Points;
         }
         model.look = work.look.clone();
-        // Older sessions do not know of it.
+        // Older sessions have no album.
         let album = work.album.take().or_else(|| model.album.take());
         work.album.clone_from(&album);
         model.album = album;
@@ -213,10 +216,10 @@ impl Inspector {
             pane.set_view(view);
         }
         if session.recovers {
-            // A path that depends on where the program is started would be another file now.
+            // A relative path could refer to another file now.
             model.session.path = work.belongs_to.take().filter(|path| path.is_absolute());
-            model.open.done.tell("Restored what was not saved");
-            // The next copy is this window's own, at once; only then the one left behind may go.
+            model.open.done.tell("Restored unsaved work");
+            // The copy left behind may go only after this window has made its own.
             self.copy_work();
             self.settle_left_behind(&session.path);
             self.offer_left_behind();
@@ -229,16 +232,16 @@ impl Inspector {
         }
     }
 
-    /// Before other pictures take the place of these: what is not saved is kept, to be brought back, as at the end of
-    /// the program.
+    /// Keeps a copy of unsaved work before other pictures are shown. It is offered again, as after
+    /// the end of the program. Returns whether there is such a copy.
     pub(super) fn set_aside(&mut self) -> bool {
-        // What the program placed by itself is no loss.
+        // Pairs placed by the program are no loss.
         let shown_me = self.model.open.show_me.is_some_and(|pairs| self.model.document.pairs == pairs);
         if shown_me || !(self.model.has_unsaved_work() && self.model.is_worth_keeping()) {
             return false;
         }
         self.copy_work();
-        // It is read again right away, to be offered.
+        // The copy is read again at once, to be offered.
         self.tasks.saver.finish();
         let set_aside = self.tasks.autosave.as_mut().is_some_and(Autosave::set_aside);
         if set_aside {
@@ -247,7 +250,7 @@ impl Inspector {
         set_aside
     }
 
-    /// Keeps a copy of unsaved work, now and then.
+    /// Copies unsaved work at intervals.
     pub(super) fn keep_copy(&mut self, ctx: &egui::Context) {
         if self.tasks.autosave.is_none() || self.model.open.pictures.is_none() {
             return;
@@ -289,7 +292,7 @@ impl Inspector {
         }
     }
 
-    /// The window closes: unsaved work on files of one's own is kept and offered again, clicks on the sample are not.
+    /// Closes the window. Unsaved work on the user's own files is kept and offered again.
     pub fn close(&mut self) {
         if self.has_own_unsaved_work() {
             self.copy_work();

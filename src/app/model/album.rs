@@ -1,5 +1,5 @@
-//! The pairs of the folder that is open: what was set on each is kept while another one is looked at, and saved with
-//! the session.
+//! Work on the pairs of the open folder. It is kept while another pair is open, and saved with the
+//! session.
 
 use std::path::{Path, PathBuf};
 
@@ -10,74 +10,74 @@ use super::focus::LineSource;
 use super::pair_folder::PairFolder;
 use crate::io::{relative, resolve};
 
-/// The names of a left and a right view.
+/// Names of a left and a right view.
 pub type ViewNames = [String; 2];
 
-/// A folder, and what was set on its pairs.
+/// A folder, and the work on its pairs.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Album {
     /// The folder.
     folder: PathBuf,
-    /// The pair that is open.
+    /// The open pair.
     pub open: ViewNames,
-    /// Pairs that are not open and on which something was set, in the order of their names.
+    /// Pairs with work that are not open, in the order of their names.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pairs: Vec<KeptPair>,
 }
 
-/// What was set on a pair that is not open.
+/// Work on a pair that is not open.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct KeptPair {
-    /// Which pair it is.
+    /// Views of the pair.
     pub views: ViewNames,
-    /// Points, parameters, ground truth; without the pictures.
+    /// Points, parameters and ground truth, without the pictures.
     pub document: Document,
-    /// The pinned line pairs, the oldest first.
+    /// Pinned line pairs, oldest first.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub pins: Vec<LineSource>,
 }
 
 impl KeptPair {
-    /// Whether there is anything on it that would be a loss.
+    /// Returns whether the pair has any work that would be lost.
     pub fn is_worth_keeping(&self) -> bool {
         self.document.is_worth_keeping() || !self.pins.is_empty()
     }
 
-    /// Whether a person made the same of it.
+    /// Returns whether the two have the same work.
     pub fn is_same_work(&self, other: &Self) -> bool {
         self.document.is_same_work(&other.document) && self.pins == other.pins
     }
 }
 
 impl Album {
-    /// Nothing was set on any pair of a folder yet.
+    /// Creates an album without work on any pair.
     pub fn new(folder: &PairFolder, pair: [usize; 2]) -> Self {
         Self { folder: folder.path().to_owned(), open: view_names(folder, pair), pairs: Vec::new() }
     }
 
-    /// The folder.
+    /// Returns the folder.
     pub fn folder(&self) -> &Path {
         &self.folder
     }
 
-    /// The pair that is open, in the folder as it is now.
+    /// Returns the numbers of the open pair in the folder as read now.
     pub fn pair_in(&self, folder: &PairFolder) -> Option<[usize; 2]> {
         let number = |name: &String| folder.names().iter().position(|other| other == name);
         let pair = [number(&self.open[0])?, number(&self.open[1])?];
         folder.is_pair(pair).then_some(pair)
     }
 
-    /// What was set on the pairs that are not open.
+    /// Returns the work on the pairs that are not open.
     pub fn pairs(&self) -> &[KeptPair] {
         &self.pairs
     }
 
-    /// How many point pairs there are on a pair that is not open.
+    /// Returns the number of point pairs on a pair that is not open.
     pub fn points_on(&self, views: [&str; 2]) -> usize {
         self.find(views).map_or(0, |at| self.pairs[at].document.pairs.len())
     }
 
-    /// Hands out what was set on the pair that is open now, if anything.
+    /// Removes and returns the work on the pair that is open now.
     pub fn take_open(&mut self) -> Option<KeptPair> {
         let at = self.find([&self.open[0], &self.open[1]])?;
         Some(self.pairs.remove(at))
@@ -88,13 +88,13 @@ impl Album {
         self.pairs.binary_search_by(order).ok()
     }
 
-    /// Takes in what was set on a pair that was open.
+    /// Adds the work on a pair that was open.
     pub fn keep(&mut self, kept: KeptPair) {
         let at = self.pairs.partition_point(|other| other.views < kept.views);
         self.pairs.insert(at, kept);
     }
 
-    /// As it is written into a session at `path`.
+    /// Converts the album for a session at `path`, with relative paths.
     pub fn to_session(&mut self, path: &Path) {
         self.folder = relative(&self.folder, path).into();
         for kept in &mut self.pairs {
@@ -105,7 +105,7 @@ impl Album {
         }
     }
 
-    /// Brings what a session at `path` says into order.
+    /// Validates an album from a session at `path`.
     pub fn make_valid(&mut self, path: &Path) {
         self.folder = resolve(&self.folder.to_string_lossy(), path);
         let open = self.open.clone();
@@ -120,7 +120,7 @@ impl Album {
     }
 }
 
-/// The names of a pair of a folder.
+/// Returns the names of a pair of a folder.
 pub fn view_names(folder: &PairFolder, pair: [usize; 2]) -> ViewNames {
     pair.map(|view| folder.names()[view].clone())
 }

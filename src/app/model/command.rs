@@ -1,5 +1,5 @@
-//! Everything that can be done. Panels and panes return commands; they are applied in one place. What each is called, its
-//! keys and where it is offered is `view::actions`.
+//! All commands. Panels and panes return commands, and the inspector applies them. `view::actions`
+//! has their names and keys.
 
 use std::path::PathBuf;
 
@@ -18,7 +18,7 @@ use crate::estimate::{Method, Parameters, Preset};
 use crate::evaluate::Protocol;
 use crate::geometry::{Point, Vector};
 
-/// Something to do.
+/// A command of the user.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Command {
     /// Show the window for opening files.
@@ -33,56 +33,56 @@ pub enum Command {
     OpenFiles(Vec<PathBuf>),
     /// Open the first pair of a folder.
     OpenFolder(PathBuf),
-    /// Something about sessions.
+    /// A command about sessions.
     Session(SessionCommand),
-    /// Something about files of other programs.
+    /// A command about files of other programs.
     Exchange(ExchangeCommand),
-    /// Choose a file for one side with the system's dialog.
+    /// Choose a file for one side with the file dialog of the system.
     Browse(Side),
-    /// Choose a folder with the system's dialog.
+    /// Choose a folder with the file dialog of the system.
     BrowseFolder,
-    /// Open two views of the folder that is open, by their numbers.
+    /// Open two views of the open folder, by number.
     OpenViews([usize; 2]),
-    /// Open the next pair of the folder that is open, or the one before.
+    /// Open the next or the previous pair of the open folder.
     StepPair {
-        /// The next one.
+        /// Whether to open the next pair.
         forward: bool,
     },
-    /// Compare with the ground truth, or not.
+    /// Turn the comparison with the ground truth on or off.
     ToggleTruth,
-    /// Put true matches drawn at random in place of the pairs that the geometry is estimated from.
+    /// Replace the used pairs by randomly drawn true matches.
     RandomTrial(Protocol),
-    /// Place two point pairs on the built-in pair.
+    /// Place the two prepared point pairs on the built-in pair.
     ShowMe,
-    /// Look for a geometry without clicks.
+    /// Estimate the geometry without clicks.
     FindWithoutClicks,
-    /// Make point pairs of the matches that stand in for clicks.
+    /// Make point pairs of the matches that replace the clicks.
     KeepMatches,
-    /// Take the last step back.
+    /// Undo the last step.
     Undo,
-    /// Make the step again that was taken back.
+    /// Redo the step that was undone last.
     Redo,
-    /// Remove the pair of the selected point.
+    /// Remove the selected pairs, or the pair of the selected point.
     DeleteSelected,
     /// Remove a pair.
     DeletePair(usize),
-    /// Leave a pair out, or take it in again.
+    /// Include or exclude a pair.
     IncludePair(usize, bool),
-    /// Let a pair only check the geometry, or take part in the estimate.
+    /// Use a pair as a check only, or in the estimate.
     CheckOnly(usize, bool),
-    /// Do something with the list of point pairs.
+    /// Change the list of point pairs.
     Points(PointsCommand),
-    /// Look for a better place for the right point of a pair, and move it there.
+    /// Find a better place for the right point of a pair, and move the point there.
     Repair(usize, Repair),
     /// Remove all pairs.
     ClearPairs,
-    /// Give up what is half done.
+    /// Cancel the unfinished action.
     Cancel,
-    /// Show both images whole.
+    /// Fit both images into their panes.
     FitAll,
-    /// Show an image whole, taking back the point that the first of two clicks placed.
+    /// Fit an image into its pane, and remove the point placed by the first of the two clicks.
     FitAfterDoubleClick(Side),
-    /// Change between light and dark.
+    /// Switch between the light and the dark theme.
     ToggleTheme,
     /// Show or hide the list of keys.
     ToggleShortcuts,
@@ -92,74 +92,74 @@ pub enum Command {
     Recompute,
     /// Place a point.
     Place(Side, Point),
-    /// Move a point; all moves until [`Command::EndDrag`] are one step.
+    /// Move a point. All moves until [`Command::EndDrag`] are one step.
     Drag(PointRef, Point),
-    /// The drag is over.
+    /// End the drag.
     EndDrag,
-    /// Move the selected point a little, px.
+    /// Move the selected point by an offset, px.
     Nudge(Vector),
-    /// Make a point the one that keys act on.
+    /// Select the point that keys act on.
     Select(Option<PointRef>),
-    /// Choose how the geometry is found.
+    /// Set the method of the estimate.
     SetMethod(Method),
-    /// Choose whose parameters to use.
+    /// Set the preset of the parameters.
     SetPreset(Preset),
-    /// Something is under the cursor; its counterparts light up in the next frame.
+    /// Report the thing under the cursor. Its counterparts are highlighted in the next frame.
     PointAt(Target),
-    /// Show a hypothesis in the whole window, by its place in the list, or the result again.
+    /// Show a hypothesis in the whole window, by its place in the list; `None` shows the result.
     ChooseHypothesis(Option<usize>),
     /// Show the geometry of another method, or the true one, in the whole window.
     ChooseContestant(Contestant),
-    /// Choose what the residuals compare.
+    /// Set the geometry that the residuals compare.
     Compare(Subject),
-    /// Keep a line pair on the images and look at it closely.
+    /// Pin a line pair and inspect it.
     Pin(LineSource),
-    /// Look closely at a pinned line pair, by its place in the list.
+    /// Inspect a pinned line pair, by its place in the list.
     Inspect(usize),
     /// Remove a pinned line pair, by its place in the list.
     Unpin(usize),
     /// Remove all pinned line pairs.
     UnpinAll,
-    /// Change between placing points and pinning line pairs.
+    /// Switch between placing points and pinning line pairs.
     ToggleInspectTool,
-    /// Let both images zoom and move together, or not.
+    /// Link or unlink zoom and position of the two images.
     ToggleLink,
     /// Show or hide the map of the epipoles.
     ToggleMap,
-    /// Show the pictures brighter, darker or in other colours.
+    /// Change brightness or colours of the pictures on the screen.
     Tones(TonesCommand),
-    /// Do something with the sequences that are open.
+    /// Control the open sequences.
     Player(PlayerCommand),
-    /// Show the images above each other, or side by side.
+    /// Stack the images, or show them side by side.
     ToggleStacked,
     /// Show or hide the loupe.
     ToggleLoupe,
-    /// Take the suggested match of the first click.
+    /// Accept the suggested match of the first click.
     AcceptSuggestion,
     /// Show or hide the list of all commands.
     TogglePalette,
-    /// Change parameters, at the setting of this name; all changes of one until [`Command::EndDrag`] are one step.
+    /// Change parameters. All changes of one setting until [`Command::EndDrag`] are one step.
     SetParameters {
-        /// The setting that was changed.
+        /// The setting that changed.
         setting: &'static str,
-        /// All parameters, with the change.
+        /// All parameters after the change.
         to: Box<Parameters>,
     },
-    /// Take all parameters back to those of the preset.
+    /// Reset all parameters to those of the preset.
     ResetParameters,
-    /// Do something with the rectified pair.
+    /// A command about the rectified pair.
     Rectified(RectifiedCommand),
     /// Show a tab of the bottom panel.
     ShowTab(TabId),
-    /// Fold the bottom panel away, or bring it back.
+    /// Fold or unfold the bottom panel.
     FoldTabs,
-    /// Fold the side panel away, or bring it back.
+    /// Fold or unfold the side panel.
     FoldSide,
-    /// Fold the row of overlays away, or bring it back.
+    /// Fold or unfold the row of overlays.
     FoldOverlays,
-    /// Fold the small images of the folder away, or bring them back.
+    /// Fold or unfold the small images of the folder.
     FoldStrip,
-    /// Let the bottom panel take most of the window, or not.
+    /// Enlarge the bottom panel to most of the window, or restore it.
     EnlargeTabs,
     /// Show or hide an overlay.
     ToggleOverlay(OverlayId),
@@ -169,67 +169,68 @@ pub enum Command {
     Quit,
 }
 
-/// Something to do with a session.
+/// A command about a session.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum SessionCommand {
-    /// Save in the file of the session, or ask where.
+    /// Save to the file of the session, or ask for a file.
     Save,
-    /// Ask where to save.
+    /// Ask for a file to save to.
     SaveAs,
-    /// Save in a file.
+    /// Save to a file.
     SaveTo(PathBuf),
-    /// Choose where to save with the system's dialog.
+    /// Choose the file to save to with the file dialog of the system.
     BrowseSave,
     /// Open a session.
     Open(OpenSession),
-    /// Choose an image that a session cannot find with the system's dialog.
+    /// Choose a missing image of a session with the file dialog of the system.
     BrowseLost(Side),
-    /// Remove the program's own copy of work that was not saved.
+    /// Remove the program's copy of unsaved work.
     DiscardLeftBehind(PathBuf),
 }
 
-/// Something to do with a file of another program.
+/// A command about a file of another program.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ExchangeCommand {
     /// Show the window for exporting.
     ShowExport,
-    /// Choose the file of the export with the system's dialog, which suggests this path.
+    /// Choose the file of the export with the file dialog of the system, which suggests this path.
     BrowseExport(PathBuf),
     /// Write a file.
     Export(ExportOrder),
-    /// Choose a file to import with the system's dialog.
+    /// Choose a file to import with the file dialog of the system.
     BrowseImport,
     /// Import files.
     Import(Vec<PathBuf>),
-    /// Take the matrix that is being imported, in the reading of this number of the list; without a number as it is.
+    /// Accept the matrix that is being imported.
     Accept {
-        /// Place in the list of the convention check.
+        /// Reading to use, by its place in the list of the convention check. `None` takes the
+        /// matrix as it is.
         reading: Option<usize>,
-        /// Whether the point pairs of its file take the place of those of the document.
+        /// Whether the point pairs of the file replace those of the document.
         with_pairs: bool,
     },
-    /// Do without the matrix that is being imported.
+    /// Discard the matrix that is being imported.
     Reject,
     /// Remove the imported geometry.
     RemoveImported,
 }
 
-/// What a file dialog is open for.
+/// Purpose of an open file dialog.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum PickPurpose {
     /// An image to open.
     Image(Side),
     /// A folder with ground truth.
     Folder,
-    /// The folder that a rectified pair is written to.
+    /// A folder for a rectified pair.
     Export,
-    /// Where to save the session, with a suggestion.
+    /// A file for the session. The dialog suggests this path.
     Session(PathBuf),
-    /// Where to write an export, with a suggestion.
+    /// A file for an export. The dialog suggests this path.
     ExportFile(PathBuf),
     /// A file to import.
     Import,
-    /// An image that a session cannot find.
+    /// A missing image of a session.
     Lost(Side),
 }
 

@@ -1,4 +1,4 @@
-//! The result compared with other methods and with the truth on the same points, all in one answer.
+//! Comparison of the result with other methods and with the truth, on the same points.
 
 use serde::{Deserialize, Serialize};
 
@@ -8,27 +8,27 @@ use crate::evaluate::{Distances, FitError, KnownPair, PointFit, Spread, fit_eigh
 use crate::geometry::{Frame, FundamentalMatrix, PointPair};
 use crate::io::GroundTruth;
 
-/// A geometry that takes part.
+/// A geometry of the comparison.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Contestant {
-    /// What the estimate found.
+    /// The result of the estimate.
     Result,
     /// The seven-point algorithm.
     SevenPoint,
     /// The normalised eight-point algorithm.
     EightPoint,
-    /// One from a file.
+    /// A geometry from a file.
     Imported,
     /// The true geometry.
     Truth,
 }
 
 impl Contestant {
-    /// All of them, in the order of their rows.
+    /// All contestants, in the order of their rows.
     pub const ALL: [Self; 5] =
         [Self::Result, Self::SevenPoint, Self::EightPoint, Self::Imported, Self::Truth];
 
-    /// What it is called.
+    /// Returns the name of the contestant.
     pub fn name(self) -> &'static str {
         match self {
             Self::Result => "Result",
@@ -40,107 +40,108 @@ impl Contestant {
     }
 }
 
-/// Some point pairs.
+/// A set of point pairs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum PointSet {
-    /// Pairs that were clicked.
+    /// Clicked pairs.
     Pairs,
-    /// Matches that are known.
+    /// True matches.
     #[default]
     TrueMatches,
 }
 
-/// What "how far off" means.
+/// A measure of distance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Measure {
-    /// Mean distance of two points from each other's epipolar lines.
+    /// Mean distance of the two points from each other's epipolar lines.
     #[default]
     Symmetric,
-    /// First-order distance from fitting exactly.
+    /// First-order distance to an exact fit.
     Sampson,
 }
 
-/// What is compared.
+/// Points, fits and measure of a comparison.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(default, rename_all = "kebab-case")]
 pub struct Subject {
-    /// The points that distances are measured at; the clicked ones where no others are known.
+    /// Points at which distances are measured. Clicked pairs, if no true matches are known.
     pub measured: PointSet,
-    /// What 7-point and 8-point are fitted to; the clicked pairs where no others are known.
+    /// Points that 7-point and 8-point are fitted to. Clicked pairs, if no true matches are known.
     pub fitted: PointSet,
-    /// The distance.
+    /// Measure of distance.
     pub measure: Measure,
 }
 
-/// All that a comparison depends on.
+/// Inputs of a comparison.
 #[derive(Clone, PartialEq)]
 pub struct ComparisonQuestion {
-    /// What the estimate found.
+    /// Geometry of the result.
     pub result: Option<FundamentalMatrix>,
-    /// What the window shows.
+    /// Geometry shown by the window.
     pub shown: Option<FundamentalMatrix>,
-    /// What was imported.
+    /// Imported geometry.
     pub imported: Option<FundamentalMatrix>,
     /// The clicked pairs.
     pub pairs: Vec<PointPair>,
-    /// Clicked pairs that are left out, by their places.
+    /// Places of the excluded pairs among the clicked ones.
     pub excluded: Vec<usize>,
-    /// Pairs that the result is estimated from.
+    /// Pairs used in the estimate.
     pub used: Vec<PointPair>,
     /// Sizes of the images.
     pub frames: [Frame; 2],
-    /// What is known.
+    /// Ground truth, if known and in use.
     pub truth: Option<Shared<GroundTruth>>,
     /// Seed of the further true matches that 7-point and 8-point are fitted to.
     pub seed: u64,
-    /// What is compared.
+    /// Points, fits and measure.
     pub subject: Subject,
 }
 
 /// One geometry of a comparison.
 #[derive(Debug, Clone)]
 pub struct Compared {
-    /// The geometry, or in words why there is none.
+    /// The geometry, or the reason why there is none.
     pub fit: Result<PointFit, String>,
-    /// Distance of every point, px; empty where there is no geometry.
+    /// Distance of every point, px. Empty without a geometry.
     pub distances: Vec<f64>,
-    /// Spread of the distances of the points that are not left out.
+    /// Spread of the distances of all points that are not excluded.
     pub spread: Option<Spread>,
 }
 
-/// What came out.
+/// Result of a comparison.
 #[derive(Debug, Clone)]
 pub struct Comparison {
-    /// Another one for each.
+    /// Unique number of this comparison.
     pub number: u64,
-    /// Which points were measured.
+    /// The measured points.
     pub measured: PointSet,
-    /// How many they are.
+    /// Number of measured points.
     pub points: usize,
     /// Rows in the order of [`Contestant::ALL`].
     pub rows: [Compared; 5],
-    /// Mean symmetric epipolar distance of all true matches to the geometry that the window shows, px.
+    /// Mean symmetric epipolar distance of all true matches to the shown geometry, px.
     pub true_error: Option<f64>,
-    /// The same of the true geometry: no other can be expected to do much better.
+    /// Mean symmetric epipolar distance of all true matches to the true geometry, px: a practical
+    /// lower limit.
     pub truth_error: Option<f64>,
 }
 
 impl Comparison {
-    /// A geometry that took part, if there is one.
+    /// Returns the matrix of a contestant, if it has one.
     pub fn fundamental(&self, contestant: Contestant) -> Option<&FundamentalMatrix> {
         self.of(contestant).fit.as_ref().ok().map(|fit| &fit.fundamental)
     }
 
-    /// A geometry that took part.
+    /// Returns the row of a contestant.
     pub fn of(&self, contestant: Contestant) -> &Compared {
         &self.rows[contestant as usize]
     }
 }
 
 impl ComparisonQuestion {
-    /// Compares.
+    /// Computes the comparison.
     pub fn answer(&self) -> Comparison {
         let truth = self.truth.as_deref();
         let (measured, points) = match (self.subject.measured, truth) {
@@ -157,7 +158,7 @@ impl ComparisonQuestion {
         let fitted = self.fitted();
         let fits = Contestant::ALL.map(|contestant| match contestant {
             Contestant::Result => {
-                let none = || "no result yet: it takes two point pairs".to_owned();
+                let none = || "no result yet: click two point pairs".to_owned();
                 self.result.as_ref().map(|f| known(f, self.used.len())).ok_or_else(none)
             }
             Contestant::SevenPoint => {
@@ -196,8 +197,8 @@ impl ComparisonQuestion {
         }
     }
 
-    /// What 7-point and 8-point are fitted to: the clicked pairs, or the clicks of the estimate with as many true
-    /// matches as eight points take, drawn as in an evaluation.
+    /// Returns the points that 7-point and 8-point are fitted to: the clicked pairs, or the used
+    /// pairs and further true matches up to eight, drawn as in an evaluation.
     fn fitted(&self) -> Result<Vec<PointPair>, String> {
         let Some(truth) = self.truth.as_deref().filter(|_| self.subject.fitted == PointSet::TrueMatches)
         else {
@@ -215,9 +216,12 @@ impl ComparisonQuestion {
         fit.map_err(|error| match error {
             FitError::TooFew { .. } => error.to_string(),
             FitError::Seven(_) | FitError::Eight(_) if self.subject.fitted == PointSet::Pairs => {
-                "these pairs leave it open: spread them over the images and over depth".to_owned()
+                "these pairs do not determine a geometry: spread them over the images and over depth"
+                    .to_owned()
             }
-            FitError::Seven(_) | FitError::Eight(_) => "these true matches leave it open".to_owned(),
+            FitError::Seven(_) | FitError::Eight(_) => {
+                "these true matches do not determine a geometry".to_owned()
+            }
         })
     }
 }
@@ -253,7 +257,7 @@ mod tests {
             let row = comparison.of(contestant);
             assert_eq!(row.distances.len(), matches);
             let spread = row.spread.unwrap();
-            // Eight points are fitted by least squares on conditioned coordinates.
+            // The eight-point algorithm is a least-squares fit on conditioned coordinates.
             assert!(spread.max < 1e-2 && spread.count == matches, "{contestant:?}: {spread:?}");
         }
         assert!(comparison.true_error.unwrap() < 1e-6 && comparison.truth_error.unwrap() < 1e-6);
@@ -262,7 +266,7 @@ mod tests {
     }
 
     #[test]
-    fn without_truth_the_clicked_pairs_decide_and_what_is_missing_is_said() {
+    fn without_truth_clicked_pairs_are_measured_and_messages_name_what_is_missing() {
         let question = ComparisonQuestion { truth: None, ..question() };
         let comparison = question.answer();
         assert_eq!((comparison.measured, comparison.points), (PointSet::Pairs, 2));
@@ -283,7 +287,7 @@ mod tests {
     }
 
     #[test]
-    fn a_pair_left_out_has_distances_but_does_not_count() {
+    fn an_excluded_pair_has_distances_but_does_not_count() {
         let mut question = question();
         question.subject.measured = PointSet::Pairs;
         question.pairs.push(PointPair::new(10.0, 10.0, 500.0, 400.0));
@@ -296,7 +300,7 @@ mod tests {
     }
 
     #[test]
-    fn the_further_matches_are_those_of_an_evaluation() {
+    fn further_matches_are_drawn_as_in_an_evaluation() {
         let mut question = question();
         let truth = question.truth.clone().unwrap();
         let known = super::super::truth::KnownTruth {

@@ -1,5 +1,5 @@
-//! Where the estimate stands: the latest result, whether it is still being improved, and what went wrong. Which thread
-//! finds it is nobody's concern here.
+//! State of the estimate: latest result, progress and failure. This module does not know the
+//! threads.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -11,29 +11,29 @@ use super::shared::Shared;
 use crate::estimate::{ComparedPencils, Estimate, EstimateError, Parameters, Stage};
 use crate::geometry::PointPair;
 
-/// What is to be computed; a new estimate is made only when this changes.
+/// Inputs of an estimate. A new estimate is made only when they change.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EstimateRequest {
     /// The two pictures.
     pub pictures: Pictures,
-    /// The sequences, where lines are compared by what moves in them.
+    /// The sequences, if lines are compared by motion barcodes.
     pub recordings: Option<Synchronised>,
-    /// The pairs to estimate from.
+    /// Pairs for the estimate.
     pub pairs: Vec<PointPair>,
     /// Everything else.
     pub parameters: Parameters,
 }
 
-/// Why there is no result.
+/// Reason why there is no result.
 #[derive(Debug, Clone, PartialEq)]
 pub enum EstimateFailure {
-    /// The estimator said why.
+    /// The estimator refused or failed.
     Estimate(EstimateError),
-    /// The computation stopped unexpectedly: a fault of the program.
+    /// The computation panicked: a bug in the program.
     Panic(String),
 }
 
-/// News of a request.
+/// News about a request.
 #[derive(Debug)]
 pub enum EstimateNews {
     /// A stage has begun.
@@ -42,41 +42,41 @@ pub enum EstimateNews {
     Pencils(Vec<Arc<ComparedPencils>>),
     /// A result good enough to draw; better ones follow.
     Preliminary(Box<Estimate>),
-    /// The end.
+    /// The computation has ended.
     Finished(Result<Box<Estimate>, EstimateFailure>),
 }
 
-/// What a new request means for the one before.
+/// Effect of a new request on the previous one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RequestChange {
     /// The request is the same.
     None,
-    /// The points have moved: what is under way may still give a geometry to follow them from.
+    /// Only the points moved. The running search may still give a geometry that can follow them.
     Moved,
-    /// The request is another one altogether, or there is none.
+    /// Parameters or sequences changed, or there is no request any more.
     Other,
 }
 
-/// How the latest result relates to the points as they are now.
+/// Relation of the latest result to the current points.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Freshness {
-    /// Final, for the points as they are.
+    /// Final result for the current points.
     Final,
-    /// A result for the points as they are, still being refined.
+    /// Preliminary result for the current points. The refinement goes on.
     Preliminary,
-    /// An earlier geometry of the same images, refitted to the points as they are or were a moment ago; the
-    /// search for them goes on.
+    /// Earlier geometry, refitted to the current points or to the points of a moment ago. The
+    /// search goes on.
     Followed,
-    /// A result for earlier points; a new one is being computed.
+    /// Result for earlier points. The search goes on.
     Stale,
-    /// A preliminary result that was stopped before it was refined.
+    /// Preliminary result whose search was stopped before the refinement.
     Stopped,
 }
 
 /// The result on the screen.
 #[derive(Debug, Clone)]
 struct ResultOnScreen {
-    /// Which request it belongs to; a result of an earlier one never takes its place.
+    /// Number of the request. A result of an earlier request never replaces this one.
     generation: u64,
     estimate: Arc<Estimate>,
     freshness: Freshness,
@@ -86,47 +86,47 @@ struct ResultOnScreen {
 #[derive(Debug, Clone, Default)]
 pub struct Computation {
     input: Option<EstimateRequest>,
-    /// Generation of the request that `input` is.
+    /// Number of the request `input`.
     generation: u64,
     running: bool,
-    /// The stages of the latest computation that have begun, with when they did.
+    /// Stages of the latest computation that have begun, with their start times.
     begun: Vec<(Stage, Instant)>,
-    /// The pencils compared last: of the clicks as they are, or of the ones just before.
+    /// Pencils compared last, for the current clicks or slightly earlier ones.
     pencils: Vec<Arc<ComparedPencils>>,
     pencils_revision: u64,
     revision: u64,
     shown: Option<ResultOnScreen>,
-    /// The latest result of a search through all stages that find the geometry, whichever points it was for.
+    /// Latest result of a search past its first guess, for any points.
     found: Option<Arc<Estimate>>,
-    /// A first guess of a later search.
+    /// First guess of a later search.
     guessed: Option<Arc<Estimate>>,
     failure: Option<EstimateFailure>,
     stopped: bool,
 }
 
 impl Computation {
-    /// The latest result and how it relates to the points as they are now.
+    /// Returns the latest result and its relation to the current points.
     pub fn result(&self) -> Option<(&Estimate, Freshness)> {
         self.shown.as_ref().map(|shown| (shown.estimate.as_ref(), shown.freshness))
     }
 
-    /// The latest result for those who ask about it off the window's thread.
+    /// Returns the latest result in a form for tasks on other threads.
     pub fn shared_result(&self) -> Option<(Shared<Estimate>, Freshness)> {
         self.shown.as_ref().map(|shown| (Arc::clone(&shown.estimate).into(), shown.freshness))
     }
 
-    /// Whether a computation is under way.
+    /// Returns whether a computation is running.
     pub fn is_running(&self) -> bool {
         self.running
     }
 
-    /// The stage under way, once it is known.
+    /// Returns the running stage, once known.
     pub fn stage(&self) -> Option<Stage> {
         self.begun.last().map(|(stage, _)| *stage)
     }
 
-    /// The stages of the latest computation that have begun, each with the time it took in all; of the one under way,
-    /// none.
+    /// Returns the stages of the latest computation with their total times; `None` for the running
+    /// stage.
     pub fn stages(&self) -> Vec<(Stage, Option<Duration>)> {
         let mut stages: Vec<(Stage, Option<Duration>)> = Vec::new();
         for (k, (stage, begun)) in self.begun.iter().enumerate() {
@@ -139,51 +139,51 @@ impl Computation {
         stages
     }
 
-    /// Whether there is a computation at all, under way or over.
+    /// Returns whether there is a computation, running or finished.
     pub fn has_begun(&self) -> bool {
         self.input.is_some()
     }
 
-    /// The pencils compared last, also while newer ones are being compared.
+    /// Returns the pencils compared last, even while newer ones are being compared.
     pub fn pencils(&self) -> Option<&[Arc<ComparedPencils>]> {
         (!self.pencils.is_empty()).then_some(&self.pencils)
     }
 
-    /// The latest result of a search, also while the points have moved on from it.
+    /// Returns the latest result of a search, even when the points have moved since.
     pub fn searched(&self) -> Option<&Estimate> {
         let shown = self.shown.as_ref().map(|shown| &shown.estimate);
         let shown = shown.filter(|estimate| estimate.trace.is_some());
         shown.or(self.guessed.as_ref()).or(self.found.as_ref()).map(AsRef::as_ref)
     }
 
-    /// Whether what was searched is of other points than those of now.
+    /// Returns whether the points moved since the shown result was searched.
     pub fn is_behind(&self) -> bool {
         self.result()
             .is_some_and(|(_, freshness)| matches!(freshness, Freshness::Stale | Freshness::Followed))
     }
 
-    /// Another number for each pair of pencils, whatever pictures they are of.
+    /// Returns a unique number of the shown pencils.
     pub fn pencils_revision(&self) -> u64 {
         self.pencils_revision
     }
 
-    /// Another number for each result, whatever pictures it is of: numbers of hypotheses belong to one of them.
+    /// Returns a unique number of the shown result. Numbers of hypotheses belong to one result.
     pub fn revision(&self) -> u64 {
         self.revision
     }
 
-    /// Why the latest computation has no result.
+    /// Returns the reason why the latest computation has no result.
     pub fn failure(&self) -> Option<&EstimateFailure> {
         self.failure.as_ref()
     }
 
-    /// Whether the user stopped the latest computation before it had a result.
+    /// Returns whether the user stopped the latest computation before it had a result.
     pub fn was_stopped(&self) -> bool {
         self.stopped
     }
 
-    /// Takes on what is to be computed, and drops the result when that is nothing. [`Computation::begin`] is to follow
-    /// when there is something new to compute.
+    /// Sets the request, and drops the result if there is none. If there is a new request,
+    /// [`Computation::begin`] must follow.
     pub fn adopt(&mut self, request: Option<&EstimateRequest>) -> RequestChange {
         if request == self.input.as_ref() {
             return RequestChange::None;
@@ -206,12 +206,12 @@ impl Computation {
         if moved { RequestChange::Moved } else { RequestChange::Other }
     }
 
-    /// The geometries that may follow moved points.
+    /// Returns the geometries from which moved points can be followed.
     pub fn starts(&self) -> Vec<Arc<Estimate>> {
         self.found.iter().chain(&self.guessed).cloned().collect()
     }
 
-    /// A search of this number has begun; what is shown follows the points meanwhile, or stays behind.
+    /// Marks a search as begun. The shown result follows the points meanwhile, or becomes stale.
     pub fn begin(&mut self, generation: u64, follows: bool) {
         self.generation = generation;
         self.running = true;
@@ -228,7 +228,7 @@ impl Computation {
         }
     }
 
-    /// Forgets what was found, all but what is shown.
+    /// Forgets all results except the shown one.
     fn give_up(&mut self) {
         self.running = false;
         (self.found, self.guessed) = (None, None);
@@ -239,7 +239,7 @@ impl Computation {
         self.revision = revision::fresh();
     }
 
-    /// The search was stopped; a preliminary result stays.
+    /// Marks the search as stopped by the user. A preliminary result stays.
     pub fn stop(&mut self) {
         self.give_up();
         if let Some(ResultOnScreen {
@@ -254,12 +254,12 @@ impl Computation {
         }
     }
 
-    /// Has the same request count as a new one.
+    /// Forgets the request, so that the same request counts as new.
     pub fn restart(&mut self) {
         self.input = None;
     }
 
-    /// Takes in what a search has reported.
+    /// Processes news from a search.
     pub fn take(&mut self, generation: u64, news: EstimateNews) {
         let current = generation == self.generation;
         match news {
@@ -279,12 +279,12 @@ impl Computation {
                 self.stopped = failure == EstimateFailure::Estimate(EstimateError::Cancelled);
                 self.failure = (!self.stopped).then_some(failure);
             }
-            // How a search that was overtaken went on or ended is nobody's concern.
+            // Progress and failure of an outdated search do not matter.
             EstimateNews::Started(_) | EstimateNews::Finished(Err(_)) => {}
         }
     }
 
-    /// Takes in the geometry that follows the points of a search, or that none does.
+    /// Sets the geometry that followed the points of a search, or marks the shown one as stale.
     pub fn take_followed(&mut self, generation: u64, followed: Option<Estimate>) {
         match followed {
             // The search's own result for the same points is better.
@@ -303,13 +303,13 @@ impl Computation {
         }
     }
 
-    /// A result of a search: kept to start from, and shown unless something newer is.
+    /// Keeps a result of a search to start from, and shows it unless a newer one is shown.
     fn take_result(&mut self, generation: u64, estimate: Box<Estimate>, freshness: Freshness) {
         let estimate: Arc<Estimate> = estimate.into();
         if let Some(trace) = estimate.trace.as_ref().filter(|trace| !trace.pencils.is_empty()) {
             self.set_pencils(&trace.pencils);
         }
-        // The first guess comes before lines are compared.
+        // A first guess has no line score yet.
         let guess = freshness == Freshness::Preliminary && estimate.line_score().is_none();
         if guess {
             self.guessed = Some(Arc::clone(&estimate));
@@ -326,7 +326,7 @@ impl Computation {
         }
     }
 
-    /// Whether nothing newer than a result of this generation is shown.
+    /// Returns whether nothing newer than this generation is shown.
     fn is_news(&self, generation: u64) -> bool {
         self.shown.as_ref().is_none_or(|shown| shown.generation <= generation)
     }

@@ -1,8 +1,9 @@
-//! What is pointed at and what is chosen, shared by all panes and panels.
+//! Hovered and selected things, shared by all panes and panels.
 //!
-//! Whoever has something under the cursor says so in one frame ([`crate::app::model::command::Command::PointAt`]); in the
-//! next, everyone else lights up what belongs to it. What is chosen stays until something else is. None of it is
-//! part of the document: it is a way of looking, and no step of the history.
+//! The view under the cursor reports its target in one frame
+//! ([`crate::app::model::command::Command::PointAt`]). In the next frame, all others highlight the
+//! target. Selections last until the next selection. The focus is not part of the document and no
+//! step of the history.
 
 use serde::{Deserialize, Serialize};
 
@@ -10,12 +11,12 @@ use super::comparison::Contestant;
 use super::document::Side;
 use crate::geometry::Point;
 
-/// Something that can be pointed at.
+/// A thing under the cursor.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Target {
-    /// A line of image 1 against a line of image 2 in the matrix of a click.
+    /// A cell in the cost matrix of a click: a line of image 1 against a line of image 2.
     Cell {
-        /// Which of the two clicks that the pencils pass through, 0 or 1.
+        /// Number of the click whose pencils are compared, 0 or 1.
         pair: usize,
         /// Line of image 1.
         row: usize,
@@ -26,7 +27,7 @@ pub enum Target {
     Hypothesis(usize),
     /// A point pair, by its number.
     Pair(usize),
-    /// A match that the refinement found, by its place in the list of the result.
+    /// A match found by the refinement, by its place in the list of the result.
     Match(usize),
     /// A true match, by its place in the list.
     TrueMatch(usize),
@@ -36,22 +37,22 @@ pub enum Target {
     Rectified {
         /// The picture, by its side; `None` where both are drawn in one.
         side: Option<Side>,
-        /// Where, px of the pictures as they are drawn.
+        /// The position, px of the rectified pictures as drawn.
         at: Point,
     },
 }
 
-/// Where a pair of lines comes from. Lines that come from a point follow the geometry when it changes.
+/// Origin of a pair of lines. Lines from a point follow the geometry when it changes.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum LineSource {
     /// The epipolar lines of a point pair: each point's line in the other image.
     Pair(usize),
-    /// The epipolar line through a point of one image, and the one that corresponds to it.
+    /// The epipolar line through a point of one image, and its corresponding line.
     Through {
         /// The image.
         side: Side,
-        /// A point of it, px.
+        /// The point, px.
         point: Point,
     },
     /// Two lines of the pencils through a click.
@@ -63,19 +64,19 @@ pub enum LineSource {
     },
 }
 
-/// A line pair that stays on the images.
+/// A line pair pinned to the images.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pin {
-    /// Where it comes from.
+    /// Origin of the lines.
     pub source: LineSource,
-    /// Number in both images and in the plots, from 0; its colour goes with it.
+    /// Number in both images and in the plots, from 0. It also sets the colour.
     pub number: usize,
 }
 
-/// Pinned line pairs at most, each with a number of its own; the oldest gives way.
+/// Maximum number of pinned line pairs. Each has its own number; the oldest is removed first.
 pub const PINS: usize = 40;
 
-/// What is pointed at and what is chosen.
+/// Hovered and selected things.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Focus {
     hovered: Option<Target>,
@@ -86,59 +87,59 @@ pub struct Focus {
 }
 
 impl Focus {
-    /// What is under the cursor, somewhere in the window.
+    /// Returns the thing under the cursor, anywhere in the window.
     pub fn hovered(&self) -> Option<Target> {
         self.hovered
     }
 
-    /// The hypothesis that was chosen, by its place in the list of the result.
+    /// Returns the selected hypothesis, by its place in the list of the result.
     pub fn hypothesis(&self) -> Option<usize> {
         self.hypothesis
     }
 
-    /// The geometry of the comparison that was chosen in place of the result.
+    /// Returns the geometry of the comparison that is shown in place of the result.
     pub fn contestant(&self) -> Option<Contestant> {
         self.contestant
     }
 
-    /// The pinned line pairs, the oldest first.
+    /// Returns the pinned line pairs, oldest first.
     pub fn pins(&self) -> &[Pin] {
         &self.pins
     }
 
-    /// The pinned line pair that is looked at closely.
+    /// Returns the inspected pin.
     pub fn inspected(&self) -> Option<&Pin> {
         self.pins.get(self.inspected?)
     }
 
-    /// The place in the list of the pinned line pair that is looked at closely.
+    /// Returns the place of the inspected pin in the list.
     pub fn inspected_number(&self) -> Option<usize> {
         self.inspected
     }
 
-    /// Says what is under the cursor; returns whether that is news.
+    /// Sets the thing under the cursor and returns whether it changed.
     pub fn point_at(&mut self, target: Option<Target>) -> bool {
         std::mem::replace(&mut self.hovered, target) != target
     }
 
-    /// Chooses a hypothesis, or the result again.
+    /// Selects a hypothesis; `None` selects the result.
     pub fn choose_hypothesis(&mut self, number: Option<usize>) {
         self.hypothesis = number;
         self.contestant = None;
     }
 
-    /// Chooses a geometry of the comparison; the result is what is shown when nothing is chosen.
+    /// Selects a geometry of the comparison. Selecting the result clears the selection.
     pub fn choose_contestant(&mut self, contestant: Contestant) {
         self.hypothesis = None;
         self.contestant = Some(contestant).filter(|contestant| *contestant != Contestant::Result);
     }
 
-    /// Forgets the hypothesis that was chosen, since its result is gone.
+    /// Deselects the hypothesis, after its result was replaced.
     pub fn forget_hypothesis(&mut self) {
         self.hypothesis = None;
     }
 
-    /// Pins a line pair and looks at it closely.
+    /// Pins a line pair and inspects it.
     pub fn pin(&mut self, source: LineSource) {
         if let Some(at) = self.pins.iter().position(|pin| pin.source == source) {
             self.inspected = Some(at);
@@ -152,12 +153,12 @@ impl Focus {
         self.inspected = Some(self.pins.len() - 1);
     }
 
-    /// Looks closely at a pinned line pair, by its place in the list.
+    /// Inspects a pin, by its place in the list.
     pub fn inspect(&mut self, number: usize) {
         self.inspected = (number < self.pins.len()).then_some(number);
     }
 
-    /// Removes a pinned line pair, by its place in the list; the newest of the others is looked at then.
+    /// Removes a pin, by its place in the list. The newest of the others is inspected then.
     pub fn unpin(&mut self, number: usize) {
         if number < self.pins.len() {
             self.pins.remove(number);
@@ -165,7 +166,7 @@ impl Focus {
         }
     }
 
-    /// Removes all pinned line pairs.
+    /// Removes all pins.
     pub fn unpin_all(&mut self) {
         self.pins.clear();
         self.inspected = None;

@@ -1,10 +1,10 @@
-//! The one sentence that says what to do next.
+//! The hint about the next step.
 
 use super::Model;
 use super::document::{Side, pair_name};
 use super::look::Tool;
 
-/// What to do next; always true to the state.
+/// Returns a hint about the next step.
 pub fn guide(model: &Model) -> String {
     let (document, computation) = (&model.document, &model.open.computation);
     let has_sample_points = model.open.show_me.is_some();
@@ -29,26 +29,26 @@ pub fn guide(model: &Model) -> String {
         let offer = match &model.open.suggestion {
             Some(Ok(found)) if found.clear().is_some() => "Enter accepts the suggested match.".to_owned(),
             Some(Ok(found)) => {
-                format!(
-                    "{}: click the right place yourself, or press Escape to give the point up.",
-                    found.verdict
-                )
+                format!("{}: click the match yourself, or press Escape to remove the point.", found.verdict)
             }
-            Some(Err(_)) => "There is no suggestion for it.".to_owned(),
-            None => "Escape gives it up.".to_owned(),
+            Some(Err(_)) => "No match is suggested.".to_owned(),
+            None => "Escape removes the point.".to_owned(),
         };
         return format!("Pair {name}: now click the same scene point in the {other} image. {offer}");
     }
     let needed = document.pairs_needed();
     match document.used().count() {
         _ if document.is_unclicked() && computation.is_running() => {
-            "Looking for the geometry without clicks. Points that you place take part.".into()
+            "Searching for the geometry without clicks. Points that you place are used.".into()
         }
         _ if document.is_unclicked() && computation.failure().is_some() => {
-            "Click a distinct point in the left image, then its match in the right one: two such pairs hold the geometry.".into()
+            "Click a distinct point in the left image, then its match in the right one. Two such \
+             pairs fix the geometry."
+                .into()
         }
         _ if document.is_unclicked() && computation.result().is_some() => {
-            "Move the cursor over an image to see its epipolar line in the other, or click pairs to make the geometry firmer."
+            "Move the cursor over an image to see its epipolar line in the other, or click pairs \
+             to make the geometry more certain."
                 .into()
         }
         0 if has_sample_points => {
@@ -70,8 +70,9 @@ pub fn guide(model: &Model) -> String {
             "Drag the points to better places, or delete a pair and click another.".into()
         }
         _ if computation.result().is_none() => "The estimate was stopped. F5 computes again.".into(),
-        _ => "Move the cursor over an image to see its epipolar line in the other. Drag points to correct them, \
-              click more pairs to make it firmer, or press I to pin lines."
+        _ => "Move the cursor over an image to see its epipolar line in the other. Drag points to \
+              correct them, click more pairs to make the geometry more certain, or press I to pin \
+              lines."
             .into(),
     }
 }

@@ -1,7 +1,7 @@
-//! Colours of figures, dark for low and bright for high.
+//! Colour map of figures, dark for low and bright for high.
 
-/// Stops of viridis (van der Walt and Smith, public domain): equal steps look equal, also in grey and with any
-/// common colour vision.
+/// Stops of viridis (van der Walt and Smith, public domain). Equal steps look equal, also in grey
+/// and with any common colour vision.
 const STOPS: [[u8; 3]; 9] = [
     [68, 1, 84],
     [71, 44, 122],
@@ -14,7 +14,7 @@ const STOPS: [[u8; 3]; 9] = [
     [253, 231, 37],
 ];
 
-/// Red, green and blue of a share from 0 (dark) to 1 (bright).
+/// Returns red, green and blue for a value from 0 (dark) to 1 (bright).
 pub fn rgb(share: f32) -> [u8; 3] {
     let share = if share.is_nan() { 0.0 } else { share.clamp(0.0, 1.0) };
     let place = share * (STOPS.len() - 1) as f32;
@@ -30,7 +30,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn brightness_grows_all_the_way() {
+    fn brightness_increases_with_the_value() {
         let luminance = |share: f32| {
             let [r, g, b] = rgb(share);
             0.2126 * f32::from(r) + 0.7152 * f32::from(g) + 0.0722 * f32::from(b)

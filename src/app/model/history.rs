@@ -1,14 +1,14 @@
-//! Undo and redo by snapshots.
+//! Undo and redo by snapshots of the document.
 //!
-//! The document is small, so each step keeps a whole copy. Edits that belong together (all moves of one
-//! drag, a run of arrow keys) carry the same [`Step`] and become one step.
+//! The document is small, so each step keeps a whole copy. Edits that belong together carry the
+//! same [`Step`] and become one step: the moves of one drag, or a run of arrow keys.
 
 use std::collections::VecDeque;
 
-/// Steps kept; older ones are forgotten.
+/// Maximum number of steps. The oldest is removed first.
 const LIMIT: usize = 500;
 
-/// Which edits belong together.
+/// Grouping of an edit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Step<K> {
     /// A step of its own.
@@ -17,7 +17,7 @@ pub enum Step<K> {
     Merged(K),
 }
 
-/// The states before (and, after undo, behind) the current one.
+/// States before the current one, and states after it that were undone.
 #[derive(Debug, Clone)]
 pub struct History<T, K> {
     undo: VecDeque<T>,
@@ -32,8 +32,7 @@ impl<T, K> Default for History<T, K> {
 }
 
 impl<T: PartialEq, K: PartialEq + Copy> History<T, K> {
-    /// Notes an edit: `before` is the state it started from, `after` the one it led to. Nothing is kept
-    /// when they are equal.
+    /// Records an edit from `before` to `after`. Nothing happens when the two are equal.
     pub fn record(&mut self, before: T, after: &T, step: Step<K>) {
         if before == *after {
             return;
@@ -57,7 +56,7 @@ impl<T: PartialEq, K: PartialEq + Copy> History<T, K> {
         self.open = None;
     }
 
-    /// The state before the last step, in exchange for the current one.
+    /// Returns the state before the last step and keeps the current one for redo.
     pub fn undo(&mut self, current: T) -> Result<T, T> {
         self.open = None;
         match self.undo.pop_back() {
@@ -69,7 +68,7 @@ impl<T: PartialEq, K: PartialEq + Copy> History<T, K> {
         }
     }
 
-    /// The state an undo came from, in exchange for the current one.
+    /// Returns the undone state that follows the current one.
     pub fn redo(&mut self, current: T) -> Result<T, T> {
         self.open = None;
         match self.redo.pop() {
@@ -81,24 +80,24 @@ impl<T: PartialEq, K: PartialEq + Copy> History<T, K> {
         }
     }
 
-    /// Takes the last step back as if it had never been made.
+    /// Removes the last step without keeping it for redo, and returns the state before it.
     pub fn revert(&mut self) -> Option<T> {
         self.open = None;
         self.undo.pop_back()
     }
 
-    /// The same with the run of merged edits that is under way; nothing happens when the latest edit was of
-    /// another kind.
+    /// Reverts the current run of merged edits. Nothing happens when the latest edit was of another
+    /// kind.
     pub fn revert_run(&mut self, is_under_way: impl FnOnce(&K) -> bool) -> Option<T> {
         self.open.take().filter(is_under_way).and_then(|_| self.revert())
     }
 
-    /// Whether there is something to undo.
+    /// Returns whether there is a step to undo.
     pub fn can_undo(&self) -> bool {
         !self.undo.is_empty()
     }
 
-    /// Whether there is something to redo.
+    /// Returns whether there is a step to redo.
     pub fn can_redo(&self) -> bool {
         !self.redo.is_empty()
     }
@@ -145,7 +144,7 @@ mod tests {
     }
 
     #[test]
-    fn a_new_edit_forgets_what_was_undone_and_no_edit_leaves_no_step() {
+    fn a_new_edit_clears_redo_and_an_empty_edit_is_no_step() {
         let (mut history, mut state) = (History::default(), 0);
         edit(&mut history, &mut state, 1, Step::Single);
         edit(&mut history, &mut state, 1, Step::Single);

@@ -1,5 +1,5 @@
-//! What the tabs of the bottom panel and the overlays over the images are called: all that is remembered of them. What
-//! each shows is known to the view alone.
+//! Names of the tabs of the bottom panel and of the overlays over the images. The view knows their
+//! contents.
 
 /// A tab of the bottom panel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -9,9 +9,9 @@ pub enum TabId {
     Points,
     /// Intensities along the inspected line pair.
     Profiles,
-    /// The similarity matrices of the clicks.
+    /// Cost matrices of the clicks.
     Pencils,
-    /// The geometries that came nearest.
+    /// The best hypotheses of the search.
     Hypotheses,
     /// The result beside other methods and the truth.
     Residuals,
@@ -20,11 +20,11 @@ pub enum TabId {
 }
 
 impl TabId {
-    /// All of them from left to right.
+    /// All tabs from left to right.
     pub const ALL: [Self; 6] =
         [Self::Points, Self::Profiles, Self::Pencils, Self::Hypotheses, Self::Residuals, Self::Rectified];
 
-    /// Heading of the tab.
+    /// Returns the heading of the tab.
     pub const fn title(self) -> &'static str {
         match self {
             Self::Points => "Point pairs",
@@ -37,20 +37,20 @@ impl TabId {
     }
 }
 
-/// When an overlay is shown.
+/// Rule for showing an overlay.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Visibility {
-    /// Whenever it has something to show.
+    /// Shown whenever it has content.
     Always,
-    /// Until somebody hides it.
+    /// Shown until the user hides it.
     AtFirst,
-    /// When somebody asks for it.
+    /// Hidden until the user shows it.
     OnRequest,
-    /// Until somebody hides it, where ground truth is in use; elsewhere it has nothing to show.
+    /// Shown until the user hides it, with ground truth only.
     WithTruth,
 }
 
-/// A layer over the images.
+/// An overlay over the images.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[expect(missing_docs, reason = "each is explained where it is drawn")]
 pub enum OverlayId {
@@ -76,7 +76,7 @@ pub enum OverlayId {
 }
 
 impl OverlayId {
-    /// All of them, from the lowest to the topmost, with their names and when they are shown.
+    /// All overlays with names and rules, from the lowest to the topmost.
     const TABLE: [(Self, &'static str, Visibility); 19] = [
         (Self::Candidates, "Candidates", Visibility::OnRequest),
         (Self::RoundTrip, "Round trip", Visibility::OnRequest),
@@ -99,30 +99,32 @@ impl OverlayId {
         (Self::Points, "Points", Visibility::AtFirst),
     ];
 
-    /// How many they are.
+    /// Number of overlays.
     pub const COUNT: usize = Self::TABLE.len();
 
-    /// All of them, from the lowest to the topmost.
+    /// Returns all overlays, from the lowest to the topmost.
     pub fn all() -> impl Iterator<Item = Self> {
         Self::TABLE.into_iter().map(|(id, ..)| id)
     }
 
-    /// What it is called.
+    /// Returns the name of the overlay.
     pub const fn name(self) -> &'static str {
         Self::TABLE[self as usize].1
     }
 
-    /// Whether it is drawn over the map of the epipoles too: what a person clicks must not be covered.
+    /// Returns whether the overlay is drawn over the map of the epipoles. The map must not cover
+    /// things to click.
     pub const fn is_above_map(self) -> bool {
         matches!(self, Self::PointedAt | Self::Suggestion | Self::NextClick | Self::Points)
     }
 
-    /// Whether a figure can have it: what follows the cursor, or helps with the next click, belongs to the window.
+    /// Returns whether a figure can include the overlay. Overlays for the cursor or the next click
+    /// make no sense on paper.
     pub fn is_for_figures(self) -> bool {
         self.visibility() != Visibility::Always && self != Self::CursorLine
     }
 
-    /// When it is shown.
+    /// Returns the rule for showing the overlay.
     pub const fn visibility(self) -> Visibility {
         Self::TABLE[self as usize].2
     }

@@ -1,4 +1,4 @@
-//! The intensities along the inspected line pair, matched sample by sample.
+//! Intensities along the inspected line pair, matched sample by sample.
 
 use std::sync::Arc;
 
@@ -12,21 +12,21 @@ use crate::estimate::Parameters;
 use crate::geometry::{AnchoredLine, Point};
 use crate::similarity::{DisparityRange, StereoParameters, WarpedProfile, inspect_lines, inspection_scale};
 
-/// Two lines to match.
+/// Request to match two lines.
 #[derive(Debug, Clone, PartialEq)]
 pub struct InspectionRequest {
     /// The pictures.
     pub pictures: Pictures,
-    /// The line of each.
+    /// One line in each picture.
     pub lines: [AnchoredLine; 2],
-    /// The numbers of the stereo cost.
+    /// Parameters of the stereo cost.
     pub stereo: StereoParameters,
     /// Largest disparity tried, as a fraction of the longer side of the left image.
     pub reach: f64,
 }
 
 impl InspectionRequest {
-    /// A request with the parameters of the estimate.
+    /// Creates a request with the parameters of the estimate.
     pub fn new(pictures: Pictures, lines: [AnchoredLine; 2], parameters: &Parameters) -> Self {
         let similarity = parameters.similarity;
         Self { pictures, lines, stereo: similarity.stereo, reach: similarity.disparity_reach }
@@ -42,7 +42,7 @@ impl InspectionRequest {
     }
 }
 
-/// The cost band as a picture.
+/// Draws the cost band.
 fn band(warped: &WarpedProfile, range: DisparityRange, stereo: &StereoParameters) -> RgbImage {
     let WarpedProfile { profile1, profile2, .. } = warped;
     let largest = f32::from(stereo.truncation.max(1));
@@ -63,32 +63,33 @@ fn band(warped: &WarpedProfile, range: DisparityRange, stereo: &StereoParameters
 /// Two lines matched sample by sample. Sample `i` is `i` steps from the anchor of the left line.
 #[derive(Debug, Clone)]
 pub struct Inspection {
-    /// Another number for each.
+    /// Unique number of this inspection.
     pub number: u64,
     /// The lines.
     pub lines: [AnchoredLine; 2],
     /// Distance of neighbouring samples, px.
     pub step: f64,
-    /// Disparities tried, samples.
+    /// Range of tested disparities, samples.
     pub range: DisparityRange,
     /// Intensities and disparities.
     pub warped: WarpedProfile,
-    /// Cost of matching each sample (across) at each disparity (the largest on top): bright is alike.
+    /// Cost of matching each sample (x) at each disparity (y, the largest on top). Bright means
+    /// similar.
     pub band: Arc<RgbImage>,
 }
 
 impl Inspection {
-    /// Index of the first sample, and the one after the last.
+    /// Returns the range of sample indices.
     pub fn samples(&self) -> std::ops::Range<i32> {
         self.warped.profile1.first..self.warped.profile1.end()
     }
 
-    /// Where a sample is in the left image, px.
+    /// Returns the position of a sample in the left image, px.
     pub fn point1(&self, sample: i32) -> Option<Point> {
         self.samples().contains(&sample).then(|| self.lines[0].point_at(f64::from(sample) * self.step))
     }
 
-    /// The match of a sample in the right image, px; `None` where it falls outside the image.
+    /// Returns the match of a sample in the right image, px; `None` outside the image.
     pub fn point2(&self, sample: i32) -> Option<Point> {
         let k = usize::try_from(sample - self.warped.profile1.first).ok()?;
         let partner = sample + self.warped.matching.disparities.get(k)?;
@@ -98,7 +99,7 @@ impl Inspection {
             .then(|| self.lines[1].point_at(f64::from(partner) * self.step))
     }
 
-    /// The sample nearest to a position of an image, if the line passes within `reach` px of it.
+    /// Returns the sample nearest to a position, if the line passes within `reach` px of it.
     pub fn sample_near(&self, side: Side, point: Point, reach: f64) -> Option<i32> {
         let line = &self.lines[side.index()];
         if line.line().distance(point) > reach {
@@ -108,7 +109,8 @@ impl Inspection {
         match side {
             Side::Left => self.samples().contains(&along).then_some(along),
             Side::Right => {
-                // Several samples may match one place; the path is searched, since it may jump.
+                // Several samples may match one place, and the path may jump. So all samples are
+                // searched.
                 let partner = |i: i32| {
                     let k = (i - self.warped.profile1.first) as usize;
                     i + self.warped.matching.disparities[k]
@@ -126,7 +128,7 @@ mod tests {
     use crate::app::model::shared::Shared;
     use crate::image::Picture;
 
-    /// Two pictures whose rows differ by a shift of 7 px.
+    /// Returns two pictures whose rows differ by a shift of 7 px.
     fn shifted() -> Pictures {
         [0, 7].map(|shift| {
             let pixels = image::GrayImage::from_fn(160, 40, |x, y| {

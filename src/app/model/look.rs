@@ -1,5 +1,5 @@
-//! How a person looks at the images: which overlays and which tab are shown, whether the views are linked. None
-//! of it changes what is edited; it is remembered from one run to the next.
+//! Visible overlays, tabs and panels. They do not affect the edited state and are kept between
+//! runs.
 
 use std::collections::BTreeMap;
 
@@ -9,50 +9,50 @@ use super::comparison::Subject;
 use super::ids::{OverlayId, TabId, Visibility};
 use super::rectified::RectifiedLook;
 
-/// What a click in an image does.
+/// Effect of a click in an image.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Tool {
     /// A click places a point.
     #[default]
     Points,
-    /// A click pins the pair of epipolar lines through that place.
+    /// A click pins the pair of epipolar lines through its position.
     Inspect,
 }
 
-/// Choices about what is drawn.
+/// Visible overlays, tabs and panels.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
 #[expect(clippy::struct_excessive_bools, reason = "each is a switch of its own")]
 pub struct Look {
-    /// Which overlays are shown, in the order of their list.
+    /// Whether each overlay is shown, in the order of their list.
     #[serde(serialize_with = "overlays_by_name", deserialize_with = "overlays_from_names")]
     pub overlays: [bool; OverlayId::COUNT],
-    /// Whether zooming and moving one image does the same to the other.
+    /// Whether zoom and position of the two images are linked.
     pub linked: bool,
     /// Whether the map of the epipoles is shown.
     pub map: bool,
-    /// Whether a loupe follows the cursor while a point is placed.
+    /// Whether a magnifier follows the cursor while a point is placed.
     pub loupe: bool,
     /// The tab of the bottom panel.
     #[serde(serialize_with = "tab_by_title", deserialize_with = "tab_from_title")]
     pub tab: TabId,
-    /// Whether the bottom panel is folded away.
+    /// Whether the bottom panel is folded.
     pub tabs_folded: bool,
     /// Whether the bottom panel takes most of the window.
     pub tabs_enlarged: bool,
-    /// Whether the side panel is folded away.
+    /// Whether the side panel is folded.
     pub side_folded: bool,
-    /// Whether the row of overlays is folded away.
+    /// Whether the row of overlays is folded.
     pub overlays_folded: bool,
-    /// Whether the small images of the folder are folded away.
+    /// Whether the small images of the folder are folded.
     pub strip_folded: bool,
-    /// Whether the names that were given to pairs are shown in the images.
+    /// Whether given names of pairs are shown in the images.
     pub names: bool,
-    /// Whether the images are above each other.
+    /// Whether the images are stacked.
     pub stacked: bool,
-    /// What the residuals compare.
+    /// Subject of the residuals.
     pub compared: Subject,
-    /// How the rectified pair is shown.
+    /// Layout and guide lines of the rectified pair.
     pub rectified: RectifiedLook,
 }
 
@@ -78,7 +78,7 @@ impl Default for Look {
 }
 
 impl Look {
-    /// Whether an overlay is shown.
+    /// Returns whether an overlay is shown.
     pub fn shows(&self, overlay: OverlayId) -> bool {
         self.overlays[overlay as usize]
     }
@@ -92,7 +92,7 @@ fn shown_at_first() -> [bool; OverlayId::COUNT] {
     shown
 }
 
-/// Overlays are saved by name, so that another list of them finds its own.
+/// Serialises overlays by name, so that versions with other overlays can read them.
 fn overlays_by_name<S: Serializer>(
     overlays: &[bool; OverlayId::COUNT],
     serializer: S,
@@ -116,8 +116,8 @@ fn overlays_from_names<'de, D: Deserializer<'de>>(
     Ok(overlays)
 }
 
-/// The tab is saved by its title; in place of one that is no more comes the first.
-#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde calls it so")]
+/// Serialises the tab by its title. Unknown titles become the first tab.
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]
 fn tab_by_title<S: Serializer>(tab: &TabId, serializer: S) -> Result<S::Ok, S::Error> {
     serializer.serialize_str(tab.title())
 }
@@ -132,7 +132,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_look_survives_saving_and_unknown_or_missing_things_do_no_harm() {
+    fn a_look_is_restored_whatever_is_missing_or_unknown() {
         let mut look =
             Look { linked: true, map: false, tab: TabId::Pencils, side_folded: true, ..Look::default() };
         look.overlays[OverlayId::Points as usize] = false;

@@ -1,63 +1,63 @@
-//! What the user is told, a sentence or two each, until it is dismissed or settled.
+//! Messages to the user, one or two sentences each. They stay until dismissed or settled.
 
 use super::command::Command;
 
-/// Messages shown at once at most; those before are counted.
+/// Maximum number of visible messages. Older ones are only counted.
 const MOST: usize = 4;
-/// Messages kept at most; the oldest gives way.
+/// Maximum number of kept messages. The oldest is removed first.
 const KEPT: usize = 100;
-/// Seconds that news of success stays.
+/// Lifetime of messages of success, seconds.
 const STAYS: f64 = 8.0;
 
-/// What a message is about.
+/// Subject of a message.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum MessageKind {
-    /// Something went wrong, or cannot be done.
+    /// A failure, or a command that cannot be carried out.
     Problem,
-    /// Something was done that took its time.
+    /// A finished task that took some time.
     Done,
-    /// Whether to restore what was not saved.
+    /// An offer to restore unsaved work.
     LeftBehind,
-    /// Whether to replace a file that others have changed.
+    /// A question whether to replace a file that another program changed.
     Replace,
 }
 
 impl MessageKind {
-    /// What the button that removes the message says, and what it does.
+    /// Returns label and tooltip of the button that removes the message.
     pub fn close(self) -> (&'static str, &'static str) {
         match self {
-            Self::LeftBehind => ("Later", "Leave it as it is; the next start asks again."),
-            Self::Replace => ("Cancel", "Leave everything as it is."),
+            Self::LeftBehind => ("Later", "Keep the unsaved work. The next start asks again."),
+            Self::Replace => ("Cancel", "Save nothing. The file stays as it is."),
             Self::Problem | Self::Done => ("Dismiss", "Remove this message."),
         }
     }
 }
 
-/// Something the user should read.
+/// A message to the user.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Message {
     /// Number for [`Command::Dismiss`].
     pub number: u64,
-    /// What it is about.
+    /// Subject of the message.
     pub kind: MessageKind,
-    /// What happened and what to do.
+    /// The fact and the action to take.
     pub text: String,
-    /// What can be done about it at once.
+    /// Buttons of the message.
     pub actions: Vec<MessageAction>,
-    /// When it was seen first, seconds of the window's clock.
+    /// Time when it was first visible, seconds of the clock of the window.
     seen: Option<f64>,
 }
 
 /// A button of a message.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MessageAction {
-    /// What the button says.
+    /// Label of the button.
     pub label: &'static str,
-    /// What it does.
+    /// Effect of the button.
     pub command: Command,
 }
 
-/// What the user was told and has not dismissed.
+/// Messages that the user has not dismissed.
 #[derive(Debug, Clone, Default)]
 pub struct Messages {
     list: Vec<Message>,
@@ -65,27 +65,27 @@ pub struct Messages {
 }
 
 impl Messages {
-    /// The messages, the oldest first.
+    /// Returns the messages, oldest first.
     pub fn list(&self) -> &[Message] {
         &self.list
     }
 
-    /// Messages that are shown, the newest first.
+    /// Returns the visible messages, newest first.
     pub fn on_top(&self) -> impl Iterator<Item = &Message> {
         self.list.iter().rev().take(MOST)
     }
 
-    /// How many more there are.
+    /// Returns the number of hidden messages.
     pub fn below(&self) -> usize {
         self.list.len().saturating_sub(MOST)
     }
 
-    /// Removes the newest; says whether there was one.
+    /// Removes the newest message and returns whether there was one.
     pub fn dismiss_top(&mut self) -> bool {
         self.list.pop().is_some()
     }
 
-    /// Removes news of success that has been there long enough; returns the seconds until the next is due.
+    /// Removes expired messages of success and returns the seconds until the next one expires.
     pub fn retire(&mut self, now: f64) -> Option<f64> {
         for message in &mut self.list {
             message.seen.get_or_insert(now);
@@ -96,12 +96,12 @@ impl Messages {
         done.map(due).min_by(f64::total_cmp)
     }
 
-    /// Tells that something went wrong.
+    /// Adds a message about a failure.
     pub fn tell(&mut self, text: impl Into<String>) {
         self.say(MessageKind::Problem, text.into(), Vec::new());
     }
 
-    /// Tells something, perhaps with buttons.
+    /// Adds a message, with or without buttons.
     pub fn say(&mut self, kind: MessageKind, text: String, actions: Vec<MessageAction>) {
         self.list.retain(|message| message.text != text);
         self.shown += 1;
@@ -111,7 +111,7 @@ impl Messages {
         }
     }
 
-    /// Removes what is settled.
+    /// Removes all messages of a kind.
     pub fn settle(&mut self, kind: MessageKind) {
         self.list.retain(|message| message.kind != kind);
     }
@@ -122,26 +122,26 @@ impl Messages {
     }
 }
 
-/// What was done last, for the status bar: it goes by itself as other news of success does.
+/// The last action, for the status bar. It expires like other messages of success.
 #[derive(Debug, Clone, Default)]
 pub struct LastDone {
     text: Option<String>,
-    /// When it was seen first, seconds of the window's clock.
+    /// Time when it was first visible, seconds of the clock of the window.
     seen: Option<f64>,
 }
 
 impl LastDone {
-    /// Tells what was done, in place of what was done before.
+    /// Replaces the text.
     pub fn tell(&mut self, text: impl Into<String>) {
         *self = Self { text: Some(text.into()), seen: None };
     }
 
-    /// What was done, while that is news.
+    /// Returns the text until it expires.
     pub fn text(&self) -> Option<&str> {
         self.text.as_deref()
     }
 
-    /// Forgets what has been there long enough; returns the seconds until then.
+    /// Removes an expired text and returns the remaining seconds.
     pub fn retire(&mut self, now: f64) -> Option<f64> {
         self.text.as_ref()?;
         let left = *self.seen.get_or_insert(now) + STAYS - now;
@@ -157,7 +157,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_settled_goes_and_everything_else_stays() {
+    fn settling_removes_messages_of_one_kind() {
         let mut messages = Messages::default();
         let restore = MessageAction { label: "Restore", command: Command::Undo };
         messages.say(MessageKind::LeftBehind, "Restore that work?".into(), vec![restore.clone()]);
@@ -171,7 +171,7 @@ mod tests {
     }
 
     #[test]
-    fn the_newest_are_on_top_and_nothing_is_told_twice() {
+    fn the_newest_messages_are_on_top_and_none_is_repeated() {
         let mut messages = Messages::default();
         for number in [0, 1, 2, 2, 3, 4] {
             messages.tell(format!("Problem {number}."));
@@ -184,7 +184,7 @@ mod tests {
     }
 
     #[test]
-    fn news_of_success_goes_by_itself_and_problems_stay() {
+    fn messages_of_success_expire_and_problems_stay() {
         let mut messages = Messages::default();
         messages.tell("It went wrong.");
         assert_eq!(messages.retire(1.0), None);
@@ -196,7 +196,7 @@ mod tests {
     }
 
     #[test]
-    fn what_was_done_last_goes_after_a_while() {
+    fn the_last_action_expires() {
         let mut done = LastDone::default();
         assert_eq!(done.retire(5.0), None);
         done.tell("Saved.");

@@ -1,23 +1,25 @@
-//! What is open, what is edited, what was found out, and what is said about it: plain data, testable without a window.
+//! State of the window: plain data, testable without a window.
 //!
-//! | module | what it holds |
+//! | module | contents |
 //! |---|---|
-//! | [`document`], [`history`] | what is edited; undo and redo |
-//! | [`point_table`] | the list of point pairs: its order, what is chosen in it, copying and pasting |
-//! | [`open_pair`], [`pair_folder`] | all that belongs to the pictures that are open, and goes with them; the folder they are of |
-//! | [`album`] | what was set on the other pairs of that folder |
-//! | [`computation`] | where the estimate stands |
-//! | [`comparison`], [`inspection`], [`suggesting`], [`rectified`] | what else is found out: the question and its answer |
-//! | [`focus`], [`look`], [`ids`] | what is pointed at and chosen; what is drawn, remembered between runs |
-//! | [`thumbnails`] | small pictures of the images of that folder |
-//! | [`recording`] | two sequences in place of two pictures: which frames are shown, how they lie in time |
-//! | [`tones`] | how bright and dark the pictures are shown |
-//! | [`shown`] | the geometry that the whole window shows |
-//! | [`command`] | everything that can be done |
-//! | [`questions`] | what the tasks are asked, from the state as it is |
+//! | [`document`], [`history`] | the edited state; undo and redo |
+//! | [`point_table`] | the list of point pairs: order, selection, copying and pasting |
+//! | [`open_pair`], [`pair_folder`] | state that belongs to the open pictures; their folder |
+//! | [`album`] | work on the other pairs of the folder |
+//! | [`computation`] | progress and result of the estimate |
+//! | [`comparison`], [`inspection`], [`suggesting`], [`rectified`] | other questions with their
+//! answers |
+//! | [`focus`], [`look`], [`ids`] | hovered and selected things; visible things, kept between runs
+//! |
+//! | [`thumbnails`] | small pictures of the images of the folder |
+//! | [`recording`] | two sequences in place of two pictures: frames and time offset |
+//! | [`tones`] | brightness and colours of the pictures on the screen |
+//! | [`shown`] | the geometry shown by the whole window |
+//! | [`command`] | all commands |
+//! | [`questions`] | requests to the tasks, made from the current state |
 //! | [`verdict`], [`step`], [`guide`], [`residuals`] | the state in words and figures |
-//! | [`recents`] | what was opened last |
-//! | [`session`], [`exchange`] | what is saved; files from and for other programs |
+//! | [`recents`] | recently opened files |
+//! | [`session`], [`exchange`] | saved work; files from and for other programs |
 
 pub mod album;
 pub mod command;
@@ -81,69 +83,70 @@ use crate::estimate::Preset;
 use crate::geometry::{PointPair, Vector};
 use crate::similarity::LineMeasure;
 
-/// Which edits are one step of the history.
+/// Key of edits that are merged into one step of the history.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum EditKey {
-    /// The moves of a drag.
+    /// Moves of one drag.
     Drag(PointRef),
     /// A run of arrow keys.
     Nudge(PointRef),
-    /// The letters of the name of a pair.
+    /// Letters of the name of a pair.
     Name(usize),
-    /// The changes of one parameter.
+    /// Changes of one parameter.
     Parameter(&'static str),
-    /// The changes of how two sequences lie in time.
+    /// Changes of the time offset of two sequences.
     Offset,
 }
 
-/// What is under way, as far as the window tells of it.
+/// Work in progress that the window shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Activity {
     /// Whether pictures are being opened.
     pub loading: bool,
     /// Whether another rectified pair is being made.
     pub rectifying: bool,
-    /// Whether the offset of two sequences in time is being looked for.
+    /// Whether the time offset of two sequences is being searched for.
     pub aligning: bool,
-    /// How far the writing of a rectified pair is, while it goes on.
+    /// Progress of writing a rectified pair.
     pub writing: Option<WritingProgress>,
 }
 
-/// The state of the window: everything that panes and panels read, and that commands change.
+/// State of the window. Panes and panels read it; commands change it.
 #[derive(Default)]
 pub struct Model {
-    /// What is edited.
+    /// The edited state.
     pub document: Document,
-    /// How it was before.
+    /// Earlier states, for undo.
     pub history: History<Document, EditKey>,
-    /// The pictures with all that belongs to them.
+    /// The pictures and everything that belongs to them.
     pub open: OpenPair,
-    /// What is drawn.
+    /// Visible overlays, tabs and panels.
     pub look: Look,
-    /// What a click in an image does.
+    /// Effect of a click in an image.
     pub tool: Tool,
-    /// The folder that the pictures are of, with what was set on its other pairs.
+    /// The folder of the pictures, with the work on its other pairs.
     pub album: Option<Album>,
-    /// The session that is open.
+    /// The open session.
     pub session: SessionState,
-    /// What the user was told and has not dismissed.
+    /// Messages that the user has not dismissed.
     pub messages: Messages,
-    /// What is under way.
+    /// Work in progress.
     pub activity: Activity,
-    /// What waits to be imported, until images are open and nothing is asked.
+    /// Imports that wait until images are open and no dialog is open.
     pub imports: std::collections::VecDeque<PendingImport>,
-    /// The views of the folder that are being opened.
+    /// Views of the folder that are being opened.
     pub wanted: Option<[usize; 2]>,
-    /// The seed of the next random trial.
+    /// Seed of the next random trial.
     pub next_seed: u64,
-    /// The small pictures of the folder that is open.
+    /// Small pictures of the open folder.
     pub thumbnails: Thumbnails,
-    /// What was opened last.
+    /// Recently opened files.
     pub recents: Recents,
 }
 
 impl Model {
-    /// Starts over with other pictures and the parameters as they were. Nothing of the pictures before stays.
+    /// Starts over with other pictures. The parameters stay; everything found on the previous
+    /// pictures goes.
     pub fn open(
         &mut self,
         pictures: [Opened; 2],
@@ -153,7 +156,7 @@ impl Model {
     ) {
         let identities = pictures.each_ref().map(|opened| PictureIdentity::from(&*opened.picture));
         let mut parameters = self.document.parameters.clone();
-        // Sequences are opened for what moves in them; pictures have nothing else than what they look like.
+        // Sequences are opened for their motion; pictures can only be compared by intensity.
         let recorded = pictures.iter().all(|opened| opened.recording.is_some());
         parameters.similarity.measure = if recorded { LineMeasure::Barcodes } else { LineMeasure::Stereo };
         self.document = Document::new(identities, parameters);
@@ -166,21 +169,21 @@ impl Model {
         self.session = SessionState { copied, last_copy, ..SessionState::default() };
     }
 
-    /// Changes the document and notes it in the history.
+    /// Changes the document and records the change in the history.
     pub fn edit(&mut self, step: Step<EditKey>, change: impl FnOnce(&mut Document)) {
         let before = self.document.clone();
         change(&mut self.document);
         self.history.record(before, &self.document, step);
     }
 
-    /// Takes a step back, or makes it again.
+    /// Undoes a step, or redoes one.
     pub fn travel(&mut self, back: bool) {
         let current = std::mem::take(&mut self.document);
         let travelled = if back { self.history.undo(current) } else { self.history.redo(current) };
         self.document = travelled.unwrap_or_else(|unchanged| unchanged);
     }
 
-    /// Moves the selected point; a run of moves is one step.
+    /// Moves the selected point. A run of moves is one step.
     pub fn nudge(&mut self, by: Vector) {
         if let Some(at) = self.document.selection
             && let Some(point) = self.document.point(at)
@@ -189,14 +192,14 @@ impl Model {
         }
     }
 
-    /// Choosing a point is no step of its own, but ends a run of moves.
+    /// Selects a point. This is no step of the history, but ends a run of moves.
     pub fn select(&mut self, at: Option<PointRef>) {
         self.document.selection = at.filter(|at| self.document.point(*at).is_some());
         self.document.chosen.clear();
         self.history.close_step();
     }
 
-    /// Removes what is selected: the tool in hand says whether it is a point pair or a pinned line pair.
+    /// Removes the selected pinned line pair (inspect tool) or point pairs (other tools).
     pub fn delete_selected(&mut self) {
         if self.tool == Tool::Inspect {
             if let Some(number) = self.open.focus.inspected_number() {
@@ -209,19 +212,19 @@ impl Model {
         }
     }
 
-    /// Takes on the parameters of a preset.
+    /// Sets the parameters of a preset.
     pub fn set_preset(&mut self, preset: Preset) {
         self.edit(Step::Single, |document| {
             document.parameters = document.parameters.with_preset(preset);
         });
     }
 
-    /// The tab of the bottom panel; none when it is folded away.
+    /// Returns the visible tab of the bottom panel; `None` when the panel is folded.
     pub fn tab(&self) -> Option<TabId> {
         (!self.look.tabs_folded).then_some(self.look.tab)
     }
 
-    /// Whether the user is offered to show or hide an overlay.
+    /// Returns whether the user can show or hide an overlay.
     pub fn offers(&self, overlay: OverlayId) -> bool {
         match overlay.visibility() {
             Visibility::Always => false,
@@ -230,7 +233,7 @@ impl Model {
         }
     }
 
-    /// Everything a person set, as it is saved.
+    /// Returns all work of the user in the form for saving.
     pub fn work(&self, views: Option<[PaneView; 2]>) -> Work {
         Work {
             document: self.document.clone(),
@@ -246,13 +249,13 @@ impl Model {
         self.open.focus.pins().iter().map(|pin| pin.source)
     }
 
-    /// Whether there is anything that would be a loss.
+    /// Returns whether any work would be lost without saving.
     pub fn is_worth_keeping(&self) -> bool {
         let elsewhere = self.album.as_ref().is_some_and(|album| !album.pairs().is_empty());
         elsewhere || self.document.is_worth_keeping() || self.pins().next().is_some()
     }
 
-    /// Whether closing now would lose something that saving would keep.
+    /// Returns whether closing now would lose work that saving would keep.
     pub fn has_unsaved_work(&self) -> bool {
         match &self.session.saved {
             Some(saved) => !self.is_same_work(saved),
@@ -260,7 +263,7 @@ impl Model {
         }
     }
 
-    /// The title of the window.
+    /// Returns the title of the window.
     pub fn title(&self) -> String {
         let Some([left, right]) = &self.document.pictures else { return "Epiline".to_owned() };
         let session = self.session.path.as_ref().and_then(|path| path.file_name()).map(|name| {
@@ -285,7 +288,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_found_on_one_pair_is_there_beside_another() {
+    fn findings_on_one_pair_are_not_shown_beside_another() {
         let mut model = Model::default();
         model.open([opened("a"), opened("b")], None, false, None);
         let request = fake::request(1.0);

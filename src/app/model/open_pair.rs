@@ -1,5 +1,5 @@
-//! All that belongs to one opening of pictures. It is replaced as a whole when others are opened, so that nothing that
-//! was found out about two pictures can be shown beside two others.
+//! State that belongs to one opening of pictures. Opening others replaces it as a whole, so no
+//! finding is ever shown beside the wrong pictures.
 
 use std::sync::Arc;
 
@@ -21,83 +21,86 @@ use crate::estimate::Estimate;
 use crate::geometry::{Point, PointPair};
 use crate::suggest::NextClick;
 
-/// A folder, and which of its pairs is open.
+/// A folder, and the numbers of the two views that are open.
 pub type OpenFolder = (Arc<PairFolder>, [usize; 2]);
 
-/// A position under the cursor.
+/// Position of the cursor in an image.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hover {
     /// The image under the cursor.
     pub side: Side,
-    /// Where in it, px; the point that is being dragged, if one is.
+    /// Position in the image, px. During a drag, the position of the dragged point.
     pub point: Point,
     /// Whether a point is being dragged.
     pub dragging: bool,
 }
 
-/// The pictures that are open, with everything that was found out about them and chosen on them.
+/// The open pictures, with all findings about them and selections on them.
 #[derive(Default)]
 pub struct OpenPair {
-    /// The pictures, once there are any.
+    /// The pictures, once loaded.
     pub pictures: Option<[Opened; 2]>,
-    /// Point pairs for "Show me", when there are any.
+    /// Point pairs for "Show me", if the pictures have any.
     pub show_me: Option<[PointPair; 2]>,
-    /// What is known about the pictures, whether or not it is in use.
+    /// Ground truth of the pictures, whether or not it is in use.
     pub known: Option<KnownTruth>,
-    /// The folder that they are of, and which of its pairs they are.
+    /// Folder of the pictures, and their numbers in it.
     pub folder: Option<OpenFolder>,
-    /// What was done last, for the status bar.
+    /// The last action, for the status bar.
     pub done: LastDone,
-    /// Where the estimate stands.
+    /// Progress and result of the estimate.
     pub computation: Computation,
-    /// The imported geometry, in the form of a result that nobody computed.
+    /// The imported geometry as an estimate without a search.
     pub imported: Option<Estimate>,
-    /// The result beside other methods and the truth; while another is awaited, the comparison before.
+    /// Comparison of the result with other methods and the truth. The old comparison stays until
+    /// the new one arrives.
     pub comparison: Option<Comparison>,
-    /// The intensities along the inspected line pair; while others are being matched, of the lines before.
+    /// Intensities along the inspected line pair. The old ones stay until the new lines are
+    /// matched.
     pub inspection: Option<Inspection>,
-    /// Where the second click of a pair may belong, once that is known.
+    /// Suggested places for the second click of a pair, once known.
     pub suggestion: Option<Suggested>,
-    /// Where one more pair would tell most, once that is known, if it is anywhere.
+    /// Most useful place for one more pair, once known. The inner `None`: no place stands out.
     pub next_click: Option<Option<NextClick>>,
-    /// The rectified pair, while something shows it; while another is being made, the one before.
+    /// The rectified pair, while it is visible. The old one stays until the new one is made.
     pub rectified: Option<Rectified>,
-    /// What part of the rectified pair is shown.
+    /// Visible part of the rectified pair.
     pub viewing: Viewing,
-    /// What is pointed at and what is chosen, here or in another part of the window.
+    /// Hovered and selected things, in all parts of the window.
     pub focus: Focus,
-    /// How bright and dark the pictures are shown.
+    /// Brightness and colours of the pictures on the screen.
     pub tones: Tones,
-    /// Which frames are shown, where they are sequences.
+    /// Visible frames of sequences.
     pub player: Player,
-    /// The order of the list of point pairs.
+    /// Order of the list of point pairs.
     pub points: PointOrder,
-    /// The position under the cursor: written in one frame, read in the next.
+    /// Position of the cursor: written in one frame, read in the next.
     pub hover: Option<Hover>,
-    /// The document right after a click placed a point, for a second click to take it back.
+    /// Document after a click placed a point, so that a double click can take the point back.
     pub placed: Option<Document>,
-    /// The result that the chosen hypothesis belongs to.
+    /// Revision of the result that the selected hypothesis belongs to.
     revision: u64,
 }
 
 impl OpenPair {
-    /// Two pictures, with what is known about them beforehand.
+    /// Creates the state of two pictures, with their ground truth and sample points.
     pub fn new(pictures: [Opened; 2], known: Option<KnownTruth>, show_me: Option<[PointPair; 2]>) -> Self {
         Self { pictures: Some(pictures), known, show_me, ..Self::default() }
     }
 
-    /// The pixels of both.
+    /// Returns the pixels of both pictures.
     pub fn pictures(&self) -> Option<Pictures> {
         Some(self.pictures.as_ref()?.each_ref().map(|opened| opened.picture.clone()))
     }
 
-    /// Shows the pictures brighter, darker or in other colours.
+    /// Changes brightness or colours of the pictures on the screen.
     pub fn adjust_tones(&mut self, command: TonesCommand) {
         let pictures = self.pictures();
         self.tones.apply(command, pictures.as_ref());
     }
 
-    /// Forgets the hypothesis that was chosen when its result is gone: its number belongs to one result.
+    /// Deselects the hypothesis when its result is replaced. The number of a hypothesis belongs to
+    /// one result.
     pub fn follow_result(&mut self) {
         if self.revision != self.computation.revision() {
             self.revision = self.computation.revision();
@@ -105,7 +108,7 @@ impl OpenPair {
         }
     }
 
-    /// Brings the imported geometry in line with the document.
+    /// Updates the imported geometry from the document.
     pub fn follow_imported(&mut self, document: &Document) {
         let wanted = document.imported.as_ref().map(|imported| imported.fundamental);
         if wanted != self.imported.as_ref().map(|estimate| *estimate.fundamental()) {

@@ -1,4 +1,4 @@
-//! A folder whose images are offered as pairs: one that knows their geometry, or any with two images or more.
+//! A folder whose images are offered as pairs: with known geometry, or just two images or more.
 
 use std::collections::HashSet;
 use std::ffi::OsStr;
@@ -6,16 +6,16 @@ use std::path::{Path, PathBuf};
 
 use crate::io::{TruthFolder, has_image_extension};
 
-/// A folder and what is known about its images.
+/// A folder of images, with or without ground truth.
 #[derive(Debug, Clone)]
 pub enum PairFolder {
-    /// Their geometry is known.
+    /// The geometry of the pairs is known.
     Known(TruthFolder),
-    /// Nothing is.
+    /// Nothing is known about the images.
     Images(ImageFolder),
 }
 
-/// A folder of images about which nothing is known: any two of them are a pair.
+/// A folder of images without ground truth. Any two images are a pair.
 #[derive(Debug, Clone)]
 pub struct ImageFolder {
     path: PathBuf,
@@ -24,7 +24,7 @@ pub struct ImageFolder {
 }
 
 impl PairFolder {
-    /// Opens a folder, or says why that cannot be, as the middle of a sentence.
+    /// Opens a folder. The error is text for the middle of a sentence.
     pub fn open(path: &Path) -> Result<Self, String> {
         let problem = match TruthFolder::open(path) {
             Ok(known) => return Ok(Self::Known(known)),
@@ -45,7 +45,7 @@ impl PairFolder {
         }
     }
 
-    /// What is known about its images, if anything.
+    /// Returns the folder with ground truth, if there is any.
     pub fn known(&self) -> Option<&TruthFolder> {
         match self {
             Self::Known(folder) => Some(folder),
@@ -53,7 +53,7 @@ impl PairFolder {
         }
     }
 
-    /// Where it is.
+    /// Returns the path of the folder.
     pub fn path(&self) -> &Path {
         match self {
             Self::Known(folder) => folder.path(),
@@ -61,7 +61,7 @@ impl PairFolder {
         }
     }
 
-    /// What the views are called: the names of their images, mostly without the ending.
+    /// Returns the names of the views: their image files, usually without the ending.
     pub fn names(&self) -> &[String] {
         match self {
             Self::Known(folder) => folder.names(),
@@ -69,12 +69,12 @@ impl PairFolder {
         }
     }
 
-    /// Whether any two views are a pair.
+    /// Returns whether any two views are a pair.
     pub fn pairs_freely(&self) -> bool {
         self.known().is_none_or(TruthFolder::pairs_freely)
     }
 
-    /// Whether two views are a pair.
+    /// Returns whether two views are a pair.
     pub fn is_pair(&self, pair: [usize; 2]) -> bool {
         match self {
             Self::Known(folder) => folder.is_pair(pair),
@@ -82,7 +82,7 @@ impl PairFolder {
         }
     }
 
-    /// The pair behind another, or the one before it: of views the next two as far apart.
+    /// Returns the next or the previous pair: both views move by one, if any two are a pair.
     pub fn neighbour(&self, pair: [usize; 2], forward: bool) -> Option<[usize; 2]> {
         match self {
             Self::Known(folder) => folder.neighbour(pair, forward),
@@ -93,7 +93,7 @@ impl PairFolder {
         }
     }
 
-    /// What a pair is called.
+    /// Returns the name of a pair.
     pub fn pair_name(&self, pair: [usize; 2]) -> String {
         match self {
             Self::Known(folder) => folder.pair_name(pair),
@@ -101,7 +101,7 @@ impl PairFolder {
         }
     }
 
-    /// Where the image of a view is.
+    /// Returns the path of the image of a view.
     pub fn image(&self, view: usize) -> &Path {
         match self {
             Self::Known(folder) => folder.image(view),
@@ -116,7 +116,7 @@ impl ImageFolder {
         images.sort_by_cached_key(|path| natural_key(&file_name(path)));
         let stem = |path: &PathBuf| path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let stems: HashSet<String> = images.iter().map(stem).collect();
-        // The ending is a part of the name where that alone tells two images apart.
+        // The ending belongs to the name if only the ending tells two images apart.
         let names = if stems.len() == images.len() {
             images.iter().map(stem).collect()
         } else {
@@ -135,7 +135,7 @@ fn is_image(path: &Path) -> bool {
     has_image_extension(path) && !hidden && path.is_file()
 }
 
-/// Whether a folder is meant to be one whose geometry is known: then what is wrong with it is to be told.
+/// Returns whether a folder seems to have ground truth. Its errors should be reported then.
 fn claims_truth(entries: &[PathBuf]) -> bool {
     let has_extension = |path: &Path, known: &str| {
         path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(known))
@@ -153,14 +153,14 @@ fn claims_truth(entries: &[PathBuf]) -> bool {
     })
 }
 
-/// Orders names as people do: `shot2` before `shot10`.
+/// Returns a sort key that orders names as people do: `shot2` before `shot10`.
 fn natural_key(name: &str) -> Vec<(u64, String)> {
     let mut parts = Vec::new();
     let mut rest = name.to_lowercase();
     while !rest.is_empty() {
         let words = rest.find(|c: char| c.is_ascii_digit()).unwrap_or(rest.len());
         let digits = rest[words..].find(|c: char| !c.is_ascii_digit()).map_or(rest.len(), |end| words + end);
-        // Longer numbers than these are no counters.
+        // Longer numbers are not counters.
         let number = rest[words..digits].parse().unwrap_or(0);
         parts.push((0, rest[..words].to_owned()));
         parts.push((number, rest[words..digits].to_owned()));
@@ -182,7 +182,7 @@ mod tests {
     }
 
     #[test]
-    fn images_are_in_the_order_in_which_people_count() {
+    fn images_are_in_natural_order() {
         let files = folder(&["b10.png", "b9.JPG", "a.png", "a.jpg", "notes.txt", ".hidden.png", "b9x.png"]);
         let folder = PairFolder::open(files.path()).unwrap();
         assert!(folder.known().is_none() && folder.pairs_freely());
@@ -194,7 +194,7 @@ mod tests {
     }
 
     #[test]
-    fn a_folder_without_two_images_says_so_and_one_with_broken_truth_says_that() {
+    fn errors_name_too_few_images_or_broken_truth() {
         for (names, words) in [
             (&["notes.txt"][..], "has no images in it"),
             (&["a.png"], "only one image"),

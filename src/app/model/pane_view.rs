@@ -1,33 +1,34 @@
-//! What part of an image is shown, whatever the size of its pane.
+//! Visible part of an image, independent of the size of the pane.
 
 use serde::{Deserialize, Serialize};
 
 use crate::geometry::{Frame, Point};
 
-/// Screen points an image pixel may be wide at most.
+/// Maximum width of an image pixel, screen points.
 pub const LARGEST_SCALE: f64 = 64.0;
 
-/// What part of an image is shown.
+/// Visible part of an image.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct PaneView {
-    /// The image position in the middle of the pane, px.
+    /// Image position in the middle of the pane, px.
     pub centre: Point,
-    /// Screen points per image pixel; `None` as long as the image is to fit the pane.
+    /// Screen points per image pixel. `None` fits the image into the pane.
     pub scale: Option<f64>,
 }
 
 impl PaneView {
-    /// The whole image.
+    /// Returns a view of the whole image.
     pub fn fitting(frame: Frame) -> Self {
         Self { centre: frame.centre(), scale: None }
     }
 
-    /// Whether the whole image is shown as large as the pane allows.
+    /// Returns whether the image is fitted into the pane.
     pub fn fits(&self) -> bool {
         self.scale.is_none()
     }
 
-    /// The same view where it makes sense for an image, else the whole image: a file may say anything.
+    /// Returns the view if it is valid for an image, and otherwise the whole image. Values from a
+    /// file may be invalid.
     #[must_use]
     pub fn made_valid(mut self, frame: Frame) -> Self {
         self.keep_in_sight(frame);

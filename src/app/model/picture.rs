@@ -1,5 +1,5 @@
-//! A picture that is open: its pixels, a reduced copy that is ready for the screen, and the sequence it is the first frame
-//! of, if it is.
+//! An open picture: its pixels, a reduced copy for the screen, and its sequence if it is a first
+//! frame.
 
 use std::sync::Arc;
 
@@ -13,56 +13,56 @@ use crate::io::sha256_of;
 /// The left and the right picture.
 pub type Pictures = [Shared<Picture>; 2];
 
-/// Longest side of an overview, px. Every graphics system we can run on allows textures of this size.
+/// Longest side of an overview, px. All supported graphics systems allow textures of this size.
 const OVERVIEW_SIDE: u32 = 2048;
 
-/// One picture ready to be shown.
+/// A picture, ready for the screen.
 #[derive(Debug, Clone)]
 pub struct Opened {
-    /// The pixels and the grey plane.
+    /// Pixels and grey plane.
     pub picture: Shared<Picture>,
     /// A reduced copy for the screen.
     pub overview: Arc<Overview>,
-    /// SHA-256 of the bytes of its file, hexadecimal; `None` without a file.
+    /// SHA-256 of the file, hexadecimal; `None` without a file.
     pub sha256: Option<String>,
-    /// The sequence whose first frame it is.
+    /// The sequence of which this is the first frame.
     pub recording: Option<Shared<Recording>>,
 }
 
 impl Opened {
-    /// Prepares a picture for the screen. Takes a while.
+    /// Prepares a picture for the screen. This takes a while.
     pub fn new(picture: Picture) -> Self {
         let overview = Arc::new(Overview::new(&picture));
         let sha256 = picture.path.as_deref().and_then(|path| sha256_of(path).ok());
         Self { picture: Shared::new(picture), overview, sha256, recording: None }
     }
 
-    /// The sequence whose first frame it is.
+    /// Returns the sequence of which this is the first frame.
     pub fn recording(&self) -> Option<Shared<Recording>> {
         self.recording.clone()
     }
 
-    /// Prepares the first frame of a sequence for the screen. Takes a while.
+    /// Prepares the first frame of a sequence for the screen. This takes a while.
     pub fn recorded(first: Picture, recording: Recording) -> Self {
         Self { recording: Some(Shared::new(recording)), ..Self::new(first) }
     }
 }
 
-/// A reduced copy of a picture, made off the window's thread.
+/// A reduced copy of a picture. Making it takes a while, so a task does it.
 #[derive(Debug)]
 pub struct Overview {
     /// Width and height, px.
     pub size: [usize; 2],
-    /// Red, green, blue and alpha of each pixel, the colours multiplied by alpha.
+    /// Red, green, blue and alpha of each pixel, with premultiplied colours.
     pub pixels: Vec<u8>,
-    /// Overview pixels per picture pixel; 1 when the picture is small.
+    /// Overview pixels per picture pixel; 1 for small pictures.
     pub scale: f64,
-    /// The same in the depth of the file, where it is not the picture itself.
+    /// The reduced picture in the depth of the file; `None` if the picture is not reduced.
     pub reduced: Option<DynamicImage>,
 }
 
 impl Overview {
-    /// Reduces a picture to what fits one texture.
+    /// Reduces a picture to the size of a texture.
     pub fn new(picture: &Picture) -> Self {
         let pixels = &picture.pixels;
         let (width, height) = (pixels.width(), pixels.height());
@@ -81,7 +81,7 @@ fn size(pixels: &DynamicImage) -> [usize; 2] {
     [pixels.width() as usize, pixels.height() as usize]
 }
 
-/// The pixels with their colours multiplied by alpha.
+/// Returns the pixels with colours premultiplied by alpha.
 pub fn multiplied(pixels: &DynamicImage) -> Vec<u8> {
     let mut bytes = pixels.to_rgba8().into_raw();
     if pixels.color().has_alpha() {
@@ -106,7 +106,7 @@ mod tests {
     }
 
     #[test]
-    fn overviews_fit_a_texture_and_small_pictures_stay_as_they_are() {
+    fn overviews_fit_a_texture_and_small_pictures_are_not_reduced() {
         assert_eq!(overview(1, 1).size, [1, 1]);
         assert_eq!(overview(2048, 3).size, [2048, 3]);
         assert_eq!(overview(12_000, 200).size, [2048, 34]);
@@ -114,7 +114,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_transparent_has_no_colour() {
+    fn transparent_pixels_have_no_colour() {
         let pixels =
             image::RgbaImage::from_raw(3, 1, vec![200, 100, 50, 0, 200, 100, 50, 255, 200, 100, 50, 51]);
         let bytes = multiplied(&pixels.unwrap().into());

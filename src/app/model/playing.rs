@@ -1,4 +1,4 @@
-//! The sequences that are open: playing them, shifting them in time, and the barcodes of the lines that are looked at.
+//! Open sequences: playback, time offset, and the barcodes of the inspected lines.
 
 use std::ops::RangeInclusive;
 
@@ -14,17 +14,17 @@ use crate::geometry::{Frame, Point, rescaled};
 use crate::motion::FEWEST_FRAMES;
 use crate::similarity::LineMeasure;
 
-/// Frames a second while they are played.
+/// Playback speed, frames per second.
 const RATE: f64 = 25.0;
 
 impl Model {
-    /// The sequences that are open, if it is sequences.
+    /// Returns the open sequences; `None` for pictures.
     pub fn recordings(&self) -> Option<Recordings> {
         let [left, right] = self.open.pictures.as_ref()?.each_ref().map(Opened::recording);
         Some([left?, right?])
     }
 
-    /// The sequences as they lie in time.
+    /// Returns the sequences with their time offset.
     pub fn synchronised(&self) -> Option<Synchronised> {
         let recordings = self.recordings()?;
         let [left, right] = recordings.each_ref().map(|recording| recording.sequence.len());
@@ -33,24 +33,24 @@ impl Model {
         Some(Synchronised { recordings, offset })
     }
 
-    /// The sequences, if lines are compared by what moves in them.
+    /// Returns the sequences if lines are compared by motion barcodes.
     pub fn compared_recordings(&self) -> Option<Synchronised> {
         let by_barcodes = self.document.parameters.similarity.measure == LineMeasure::Barcodes;
         self.synchronised().filter(|_| by_barcodes)
     }
 
-    /// Whether lines are compared by what moves along them, and not by what the pictures look like.
+    /// Returns whether lines are compared by motion barcodes.
     pub fn compares_barcodes(&self) -> bool {
         self.document.parameters.similarity.measure == LineMeasure::Barcodes && self.recordings().is_some()
     }
 
-    /// Frames of the left sequence that have a partner in the right one.
+    /// Returns the frames of the left sequence that have a partner in the right one.
     pub fn playable(&self) -> Option<RangeInclusive<usize>> {
         let ([first, _], count) = self.synchronised()?.in_common();
         Some(first..=first + count.max(1) - 1)
     }
 
-    /// The frames shown, left and right.
+    /// Returns the visible frames, left and right.
     pub fn shown_frames(&self) -> Option<[usize; 2]> {
         let synchronised = self.synchronised()?;
         let playable = self.playable()?;
@@ -60,7 +60,7 @@ impl Model {
         Some([left, right])
     }
 
-    /// The frames that are shown, as large as they were recorded.
+    /// Returns the visible frames at the size of the recording.
     pub fn frame_pictures(&self) -> Option<[DynamicImage; 2]> {
         let (recordings, frames) = (self.recordings()?, self.shown_frames()?);
         let enlarged = |k: usize| {
@@ -74,7 +74,8 @@ impl Model {
         Some([enlarged(0)?, enlarged(1)?])
     }
 
-    /// The intensity at a position of an image, 0 to 255: of sequences that of the frame that is shown.
+    /// Returns the intensity at a position of an image, 0 to 255. For sequences, of the visible
+    /// frame.
     pub fn intensity_at(&self, side: Side, point: Point) -> Option<f32> {
         let picture = &self.open.pictures.as_ref()?[side.index()];
         let nearest = |point: Point, size: Frame| {
@@ -94,13 +95,13 @@ impl Model {
         Some(f32::from(sequence.frame(frames[side.index()])[y * size.width + x]))
     }
 
-    /// The barcodes of the inspected line pair.
+    /// Returns the barcodes of the inspected line pair.
     pub fn inspected_barcodes(&self) -> Option<InspectedBarcodes> {
         let compared = self.compared_recordings()?;
         Some(compared.barcodes(&self.inspected()?.lines))
     }
 
-    /// Does something with the sequences; what takes a while is not done here.
+    /// Applies a command to the sequences. Searching for the offset is a task and is not done here.
     pub fn apply_to_player(&mut self, command: PlayerCommand) {
         let (Some(playable), Some([shown, _])) = (self.playable(), self.shown_frames()) else { return };
         let player = &mut self.open.player;
@@ -124,7 +125,7 @@ impl Model {
         }
     }
 
-    /// Plays on by so many seconds; says whether there is more to come. After the last frame the first one follows.
+    /// Advances the playback and returns whether it is running. The first frame follows the last.
     pub fn play_on(&mut self, seconds: f64) -> bool {
         let Some(playable) = self.playable().filter(|_| self.open.player.playing) else { return false };
         let (first, last) = (*playable.start() as f64, *playable.end() as f64);
@@ -133,7 +134,7 @@ impl Model {
         true
     }
 
-    /// Takes the offset that was found, and says so.
+    /// Sets the offset that was found, and reports it.
     pub fn take_offset(&mut self, found: OffsetFound) {
         let OffsetFound { recordings, outcome } = found;
         if self.recordings() != Some(recordings) {
@@ -150,7 +151,7 @@ impl Model {
                     format!("; the next best is {:+} ({:.2})", next.offset, next.correlation)
                 });
                 self.open.done.tell(format!(
-                    "Frames go together best at an offset of {:+} (agreement {:.2}){next}.",
+                    "Best time offset in frames: {:+} (agreement {:.2}){next}.",
                     best.offset, best.correlation
                 ));
                 let offset = best.offset;

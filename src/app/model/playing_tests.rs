@@ -5,7 +5,7 @@ use crate::geometry::AnchoredLine;
 use crate::image::Picture;
 use crate::motion::OffsetAgreement;
 
-/// Two sequences that are open, of 40 and 37 frames.
+/// Returns a model with two open sequences of 40 and 37 frames.
 fn model() -> Model {
     let opened = |frames: usize| {
         let recording = example(frames);
@@ -19,16 +19,16 @@ fn model() -> Model {
 }
 
 #[test]
-fn frames_go_together_as_the_offset_says() {
+fn the_offset_says_which_frames_belong_together() {
     let mut model = model();
-    assert!(model.compares_barcodes(), "that is what sequences are opened for");
+    assert!(model.compares_barcodes(), "sequences are compared by barcodes");
     assert_eq!((model.playable(), model.shown_frames()), (Some(0..=36), Some([0, 0])));
     model.apply_to_player(PlayerCommand::Seek(30));
     model.apply_to_player(PlayerCommand::SetOffset(5));
     assert_eq!((model.playable(), model.shown_frames()), (Some(0..=31), Some([30, 35])));
     model.apply_to_player(PlayerCommand::Step(1));
     model.apply_to_player(PlayerCommand::Step(1));
-    assert_eq!(model.shown_frames(), Some([31, 36]), "not beyond the last one");
+    assert_eq!(model.shown_frames(), Some([31, 36]), "not beyond the last frame");
     model.apply_to_player(PlayerCommand::SetOffset(-6));
     model.apply_to_player(PlayerCommand::Seek(0));
     assert_eq!((model.playable(), model.shown_frames()), (Some(6..=39), Some([6, 0])));
@@ -41,11 +41,11 @@ fn frames_go_together_as_the_offset_says() {
 }
 
 #[test]
-fn the_intensity_is_that_of_the_frame_shown() {
+fn the_intensity_comes_from_the_shown_frame() {
     let mut model = model();
     let recording = model.recordings().unwrap()[0].clone();
     let size = recording.sequence.size();
-    // Where a ball is in one frame and not in another.
+    // A position with a ball in one frame and not in another.
     let moving = |k: &usize| recording.silhouettes.mask(3)[*k] && !recording.silhouettes.mask(30)[*k];
     let at = (0..size.width * size.height).find(moving).unwrap();
     let point = Point::new((at % size.width) as f64, (at / size.width) as f64);
@@ -54,7 +54,7 @@ fn the_intensity_is_that_of_the_frame_shown() {
         let shown = model.intensity_at(Side::Left, point);
         assert_eq!(shown, Some(f32::from(recording.sequence.frame(frame)[at])), "frame {frame}");
         let [left, _] = model.frame_pictures().unwrap();
-        assert_eq!(left.to_luma8().as_raw(), recording.sequence.frame(frame), "what a figure has");
+        assert_eq!(left.to_luma8().as_raw(), recording.sequence.frame(frame), "the picture for figures");
     }
 }
 
@@ -90,7 +90,7 @@ fn barcodes_are_of_the_frames_in_common() {
 }
 
 #[test]
-fn an_offset_of_other_sequences_is_not_taken() {
+fn an_offset_of_other_sequences_is_ignored() {
     let mut model = model();
     let others = [Shared::new(example(20)), Shared::new(example(20))];
     let outcome = |offset| Ok(vec![OffsetAgreement { offset, correlation: 0.8 }]);

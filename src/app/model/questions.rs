@@ -1,4 +1,4 @@
-//! What the tasks are asked, from the state as it is.
+//! Requests to the tasks, made from the current state.
 
 use super::Model;
 use super::comparison::ComparisonQuestion;
@@ -14,13 +14,13 @@ use crate::geometry::PointPair;
 use crate::suggest::Known;
 
 impl Model {
-    /// The pictures whose patches a search will ask for.
+    /// Returns the pictures whose patches a search will need.
     pub fn pictures_to_prepare(&self) -> Option<Pictures> {
         let by_patches = self.document.parameters.search == Search::Patches && !self.compares_barcodes();
         self.open.pictures().filter(|_| by_patches)
     }
 
-    /// What is to be estimated, once there are enough pairs.
+    /// Returns the request for an estimate, once there are enough pairs.
     pub fn estimate_request(&self) -> Option<EstimateRequest> {
         Some(EstimateRequest {
             pictures: self.open.pictures()?,
@@ -30,7 +30,8 @@ impl Model {
         })
     }
 
-    /// The lines to be matched, while something shows them: matching keeps a core busy while a point is dragged.
+    /// Returns the lines to match, while something shows them. Matching would keep a core busy
+    /// during a drag.
     pub fn inspection_request(&self, exports: bool) -> Option<InspectionRequest> {
         if self.compares_barcodes() {
             return None;
@@ -40,7 +41,7 @@ impl Model {
         Some(InspectionRequest::new(self.open.pictures()?, inspected.lines, &self.document.parameters))
     }
 
-    /// What is to be compared, while something shows it.
+    /// Returns the request for a comparison, while something shows it.
     pub fn comparison_question(&self) -> Option<ComparisonQuestion> {
         let tab = self.tab() == Some(TabId::Residuals);
         if !(tab || self.truth().is_some() || self.open.focus.contestant().is_some()) {
@@ -62,7 +63,8 @@ impl Model {
         })
     }
 
-    /// What a match is to be suggested for; of cameras that stand too far apart for patches to be compared, nothing.
+    /// Returns the request for a suggested match. None for sequences: their cameras are too far
+    /// apart for patches.
     pub fn suggest_question(&self) -> Option<SuggestQuestion> {
         if self.compares_barcodes() {
             return None;
@@ -76,7 +78,8 @@ impl Model {
         Some(SuggestQuestion { half: self.document.half?, pictures: self.open.pictures()?, known, placed })
     }
 
-    /// The result to be made firmer by another click: one in doubt, of a search that uses further pairs.
+    /// Returns the request for the next click: for a doubtful result of a search that uses all
+    /// pairs.
     pub fn next_click_question(&self) -> Option<NextClickQuestion> {
         let document = &self.document;
         if document.parameters.search != Search::Patches
@@ -87,7 +90,7 @@ impl Model {
         }
         let (found, _) = self.open.computation.shared_result().filter(|(_, of)| *of == Freshness::Final)?;
         let trust = found.assessment.trust.as_ref().filter(|trust| trust.verdict != Verdict::Reliable)?;
-        // A pair that was outvoted is to be looked at itself.
+        // If the verdict only names clicked pairs, these should be corrected first.
         let of_a_click = |reason: &Reason| matches!(reason, Reason::ClickOff { .. });
         if !trust.reasons.is_empty() && trust.reasons.iter().all(of_a_click) {
             return None;
@@ -95,7 +98,7 @@ impl Model {
         Some(NextClickQuestion { pictures: self.open.pictures()?, found, placed: document.pairs.clone() })
     }
 
-    /// What the result says of the images: nothing while there is none, or one that is called unreliable.
+    /// Returns geometry and relative view from the final result, unless it is unreliable.
     pub fn known(&self) -> Known {
         let is_trusted = |estimate: &&Estimate| {
             let trust = estimate.assessment.trust.as_ref();
@@ -105,12 +108,12 @@ impl Model {
         Known { fundamental: found.map(|estimate| *estimate.fundamental()), view: found.map(Estimate::view) }
     }
 
-    /// Whether the rectified pair is looked at.
+    /// Returns whether the rectified pair is visible.
     pub fn wants_rectified(&self) -> bool {
         self.tab() == Some(TabId::Rectified)
     }
 
-    /// The pair to be rectified, once there is a geometry.
+    /// Returns the request for a rectified pair, once there is a geometry.
     pub fn rectify_question(&self) -> Option<RectifyQuestion> {
         let shown = self.shown()?;
         let matches = self.matches_beside();
@@ -124,8 +127,8 @@ impl Model {
         })
     }
 
-    /// The matches on which the geometry shown is measured: known ones, else those of the result, hundreds all over the
-    /// images, else clicked ones.
+    /// Returns the matches for measuring the shown geometry: true ones, else matches of the result,
+    /// else clicked pairs.
     pub fn matches_beside(&self) -> MatchesAtHand {
         let known = self.truth().and(self.open.known.as_ref()).map(|known| known.truth.clone());
         let found = self.open.computation.shared_result().filter(|(found, _)| !found.matches().is_empty());
@@ -135,8 +138,8 @@ impl Model {
             .unwrap_or_else(|| MatchesAtHand::Clicked(self.document.pairs.clone()))
     }
 
-    /// The matches that can tell what a matrix means: known ones, else those that a person clicked, else those of the
-    /// result, which may itself be wrong. That known ones are used shows nothing of them.
+    /// Returns the matches for checking an imported matrix: true ones, else clicked pairs, else
+    /// matches of the result, which may be wrong. Using true matches here does not reveal them.
     pub fn matches_for_import(&self) -> MatchesAtHand {
         let known = self.open.known.as_ref().map(|known| known.truth.clone());
         if let Some(truth) = known.filter(|truth| truth.matches.len() >= FEWEST_MATCHES) {

@@ -1,21 +1,21 @@
-//! What was opened last, to be opened again. It is remembered from one run to the next.
+//! Recently opened files, kept between runs.
 
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-/// Entries that are kept.
+/// Maximum number of entries.
 const KEPT: usize = 8;
 
-/// Two images, a folder or a session each; the latest first.
+/// Entries, latest first. Each is two images, a folder or a session.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(transparent)]
 pub struct Recents(Vec<Vec<PathBuf>>);
 
 impl Recents {
-    /// Something was opened: it is the latest now.
+    /// Adds an entry in front.
     pub fn note(&mut self, paths: &[&Path]) {
-        // The program may be started elsewhere the next time.
+        // The next run of the program may start in another folder.
         let paths: Vec<_> = paths
             .iter()
             .map(|path| std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf()))
@@ -25,13 +25,13 @@ impl Recents {
         self.0.truncate(KEPT);
     }
 
-    /// All of them, the latest first.
+    /// Returns the entries, latest first.
     pub fn list(&self) -> impl Iterator<Item = &[PathBuf]> {
         self.0.iter().map(Vec::as_slice).filter(|paths| !paths.is_empty()).take(KEPT)
     }
 }
 
-/// What an entry is called: its files, and the folder that they are in.
+/// Returns the name of an entry: its files, and their folder.
 pub fn recent_name(paths: &[PathBuf]) -> String {
     let name =
         |path: &Path| path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());

@@ -1,5 +1,4 @@
-//! Two sequences in place of two pictures: their frames and what moves in them, how they lie in time, which frames are
-//! shown.
+//! Two sequences in place of two pictures: frames, silhouettes, time offset and visible frames.
 
 use std::sync::Arc;
 
@@ -15,12 +14,12 @@ use crate::motion::{
 pub struct Recording {
     /// The frames.
     pub sequence: FrameSequence,
-    /// What moves in them.
+    /// Moving parts of the frames.
     pub silhouettes: Silhouettes,
 }
 
 impl Recording {
-    /// Tells what moves in a sequence. Takes a while.
+    /// Finds the silhouettes of a sequence. This takes a while.
     pub fn new(sequence: FrameSequence, cancel: &CancelFlag) -> Result<Self, MotionError> {
         let silhouettes = Silhouettes::new(&sequence, &BackgroundParameters::default(), cancel)?;
         Ok(Self { sequence, silhouettes })
@@ -30,28 +29,28 @@ impl Recording {
 /// The sequences of the left and the right camera.
 pub type Recordings = [Shared<Recording>; 2];
 
-/// Two sequences, and how they lie in time.
+/// Two sequences with their time offset.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Synchronised {
     /// The sequences.
     pub recordings: Recordings,
-    /// Frame `k` of the left one was taken together with frame `k + offset` of the right one.
+    /// Frame `k` of the left sequence belongs with frame `k + offset` of the right one.
     pub offset: i32,
 }
 
 impl Synchronised {
-    /// What moves in the frames that both have.
+    /// Returns the silhouettes of the frames that both sequences have.
     pub fn overlapping(&self) -> Result<[Arc<Silhouettes>; 2], MotionError> {
         let [left, right] = self.recordings.each_ref().map(|recording| &recording.silhouettes);
         Ok(Silhouettes::overlapping([left, right], self.offset)?.map(Arc::new))
     }
 
-    /// The first frame in common of either sequence, and how many there are.
+    /// Returns the first common frame of each sequence, and the number of common frames.
     pub(super) fn in_common(&self) -> ([usize; 2], usize) {
         common_frames(self.recordings.each_ref().map(|recording| recording.sequence.len()), self.offset)
     }
 
-    /// The barcodes of two lines, full-size pixels.
+    /// Returns the barcodes of two lines, given in full-size pixels.
     pub fn barcodes(&self, lines: &[AnchoredLine; 2]) -> InspectedBarcodes {
         let (first, count) = self.in_common();
         let barcode = |k: usize| {
@@ -63,61 +62,62 @@ impl Synchronised {
     }
 }
 
-/// The barcodes of the inspected line pair, in the frames that both sequences have.
+/// Barcodes of the inspected line pair, over the frames that both sequences have.
 #[derive(Debug, Clone, PartialEq)]
 pub struct InspectedBarcodes {
-    /// The frame of the left sequence that they begin with.
+    /// First frame, by its number in the left sequence.
     pub first: usize,
     /// Barcodes of the left and the right line.
     pub barcodes: [Barcode; 2],
 }
 
 impl InspectedBarcodes {
-    /// Their normalised cross-correlation; `None` where one of them is nearly constant.
+    /// Returns the normalised cross-correlation; `None` if a barcode is nearly constant.
     pub fn correlation(&self) -> Option<f64> {
         let [left, right] = &self.barcodes;
         left.correlation(right)
     }
 }
 
-/// Something to do with the sequences that are open.
+/// A command about the open sequences.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PlayerCommand {
-    /// Play them, or pause.
+    /// Start or pause the playback.
     TogglePlay,
-    /// Go so many frames on, or back.
+    /// Move forward by a number of frames, or back.
     Step(i32),
-    /// Show this frame of the left sequence, and the one of the right sequence that goes with it.
+    /// Show this frame of the left sequence, and the matching frame of the right one.
     Seek(usize),
-    /// Show what moves, or not.
+    /// Show or hide the silhouettes.
     ToggleSilhouettes,
-    /// Shift the right sequence in time: frame `k` of the left one goes with frame `k` plus this of the right one.
+    /// Set the time offset: frame `k` of the left sequence belongs with frame `k + offset` of the
+    /// right one.
     SetOffset(i32),
-    /// Find out how the sequences are shifted in time.
+    /// Search for the time offset.
     FindOffset,
 }
 
-/// Which frames are shown, and how.
+/// Visible frames, and their appearance.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Player {
-    /// The frame of the left sequence; between two of them while they are played.
+    /// Frame of the left sequence; fractional during playback.
     pub(super) position: f64,
-    /// Whether they are being played.
+    /// Whether the sequences are playing.
     pub playing: bool,
-    /// Whether what moves is marked.
+    /// Whether the silhouettes are marked.
     pub silhouettes: bool,
 }
 
-/// The offsets at which two sequences agree, best first.
+/// Time offsets at which two sequences agree, best first.
 #[derive(Debug)]
 pub struct OffsetFound {
     /// The sequences.
     pub recordings: Recordings,
-    /// What was found.
+    /// Agreement at each offset, or the reason why there is none.
     pub outcome: Result<Vec<OffsetAgreement>, MotionError>,
 }
 
-/// A small sequence with something that moves.
+/// Returns a small sequence with moving objects.
 #[cfg(test)]
 #[expect(clippy::missing_panics_doc, reason = "for tests")]
 pub fn example(frames: usize) -> Recording {

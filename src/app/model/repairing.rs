@@ -1,4 +1,4 @@
-//! The repair of a placed pair: what is asked for it, and what becomes of the answer.
+//! Repair of a placed pair: the request, and the reaction to the answer.
 
 use super::Model;
 use super::document::{PointRef, Side, pair_name};
@@ -6,12 +6,12 @@ use super::history::Step;
 use super::suggesting::{Repair, RepairQuestion, Repaired};
 use crate::io::PairOrigin;
 
-/// A point that would move less than this, px, is where it belongs.
+/// A point that would move by less than this, px, stays.
 const IN_PLACE: f64 = 0.01;
 
 impl Model {
-    /// Where the match of a pair is to be looked for; `None` while the pair is not finished, for a place on its line
-    /// while no geometry is trusted, and where patches are not what is compared.
+    /// Returns the request to repair a pair. `None` for an unfinished pair, for sequences compared
+    /// by barcodes, and for a rematch without a reliable geometry.
     pub fn repair_question(&self, pair: usize, how: Repair) -> Option<RepairQuestion> {
         let known = self.known();
         if self.compares_barcodes() || how == Repair::Rematch && known.fundamental.is_none() {
@@ -21,7 +21,7 @@ impl Model {
         Some(RepairQuestion { pictures: self.open.pictures()?, pair, points, how, known })
     }
 
-    /// Moves a pair to where it belongs and says so, unless it has been changed meanwhile.
+    /// Moves the point of a repaired pair and reports it, unless the pair changed meanwhile.
     pub fn take_repair(&mut self, repaired: Repaired) {
         let Repaired { question: RepairQuestion { pictures, pair, points, how, .. }, outcome } = repaired;
         if self.document.pairs.get(pair) != Some(&points) || self.open.pictures() != Some(pictures) {
@@ -32,7 +32,9 @@ impl Model {
             Ok(position) => {
                 let moved = (position - points.point2).norm();
                 if moved < IN_PLACE {
-                    self.open.done.tell(format!("Pair {name} is in its place already."));
+                    self.open.done.tell(format!(
+                        "Pair {name} needs no repair: its right point is already in the best place."
+                    ));
                     return;
                 }
                 let what = match how {
@@ -51,7 +53,8 @@ impl Model {
                 });
             }
             Err(why) => self.messages.tell(format!(
-                "Pair {name} stays where it is. {why}. Drag its right point to the place yourself, or delete the pair."
+                "Pair {name} was not changed. {why}. Drag its right point to the match yourself, \
+                 or delete the pair."
             )),
         }
     }

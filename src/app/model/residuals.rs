@@ -1,4 +1,4 @@
-//! How far the points are from the geometry shown, in figures and in words.
+//! Distances between the points and the shown geometry, in figures and words.
 
 use super::Model;
 use super::document::Role;
@@ -7,15 +7,15 @@ use crate::geometry::symmetric_epipolar_distance;
 /// A line of the summary.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SummaryLine {
-    /// Which pairs.
+    /// Name of the group of pairs.
     pub name: &'static str,
-    /// How many they are and how far off.
+    /// Number of pairs and their distances.
     pub value: String,
-    /// One sentence about them.
+    /// Explanation of the group.
     pub tooltip: &'static str,
 }
 
-/// The pairs by what they are for, and the matches of the refinement. Empty while there is no geometry.
+/// Summarises the distances of check pairs and refined matches. Empty without a geometry.
 pub fn summary(model: &Model) -> Vec<SummaryLine> {
     let Some(shown) = model.shown() else { return Vec::new() };
     let document = &model.document;
@@ -26,8 +26,8 @@ pub fn summary(model: &Model) -> Vec<SummaryLine> {
     let matches = shown.estimate.matches().iter();
     let matches = matches.map(|m| symmetric_epipolar_distance(shown.fundamental, &m.pair)).collect();
     let groups = [
-        ("Check pairs", of_role(Role::Check), "Pairs that had no part in the estimate: the honest test."),
-        ("Refined matches", matches, "Image patches that the refinement matched along the epipolar lines."),
+        ("Check pairs", of_role(Role::Check), "Pairs not used in the estimate: an independent test."),
+        ("Refined matches", matches, "Image patches matched along the epipolar lines by the refinement."),
     ];
     groups
         .into_iter()
@@ -37,7 +37,7 @@ pub fn summary(model: &Model) -> Vec<SummaryLine> {
         .collect()
 }
 
-/// How many distances there are, their root mean square and their median; `None` when there are none.
+/// Describes distances by number, root mean square and median; `None` without distances.
 fn spread(mut distances: Vec<f64>) -> Option<String> {
     distances.retain(|distance| distance.is_finite());
     if distances.is_empty() {

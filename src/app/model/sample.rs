@@ -1,4 +1,4 @@
-//! The built-in pair that the window opens on, and the built-in sequences.
+//! The built-in pair shown at the start, and the built-in sequences.
 
 use super::picture::Opened;
 use super::recording::Recording;
@@ -9,23 +9,23 @@ use crate::io::{GroundTruth, SequenceFile, TruthOrigin};
 use crate::motion::{FrameSequence, MotionError};
 use crate::synthetic::{BallScene, Sample, ThrownBalls};
 
-/// What the built-in sequences are called in sessions.
+/// Name of the built-in sequences in sessions.
 pub const SAMPLE_SEQUENCES: &str = "balls";
 
-/// True matches of the built-in sequences.
+/// Number of true matches of the built-in sequences.
 const MATCHES: usize = 200;
 
-/// Two pictures and two point pairs that "Show me" places.
+/// Two pictures, and the point pairs that "Show me" places.
 pub struct OpenedSample {
     /// The pictures.
     pub pictures: [Picture; 2],
     /// Pairs known to give a good result.
     pub show_me: [PointPair; 2],
-    /// The exact geometry, named as the sample is.
+    /// The exact geometry. It has the name of the sample.
     pub truth: GroundTruth,
 }
 
-/// The default one of the samples.
+/// Loads the default sample.
 pub fn sample_pair() -> OpenedSample {
     let name = Sample::default().name().to_owned();
     let sample = Sample::default().load();
@@ -34,25 +34,25 @@ pub fn sample_pair() -> OpenedSample {
     OpenedSample { pictures: sample.pictures, show_me: sample.show_me, truth }
 }
 
-/// Two sequences with their exact geometry, named as they are in sessions.
+/// Two sequences with their exact geometry.
 pub struct SampleRecordings {
-    /// What is seen first, and the sequences.
+    /// First pictures and sequences of both sides.
     pub pictures: [Opened; 2],
-    /// The geometry.
+    /// The exact geometry. It has the name of the sequences in sessions.
     pub truth: GroundTruth,
 }
 
-/// The built-in sequences: balls thrown about in a yard. They are drawn here, which takes a second or two.
+/// Draws the built-in sequences: balls thrown about in a yard. This takes a second or two.
 ///
 /// # Panics
-/// Never: its frames have pixels, and its cameras different centres; a test opens it.
+/// Never: the frames have pixels, and the cameras have different centres. A test opens the scene.
 pub fn sample_recordings(cancel: &CancelFlag) -> Result<SampleRecordings, MotionError> {
-    let scene = BallScene::new(ThrownBalls::default()).expect("its frames have pixels");
-    let fundamental = scene.fundamental().expect("its cameras have different centres");
+    let scene = BallScene::new(ThrownBalls::default()).expect("the frames have pixels");
+    let fundamental = scene.fundamental().expect("the cameras have different centres");
     let matches = scene.matches(MATCHES);
-    let [left, right] = scene.sequences().expect("its cameras see the yard");
+    let [left, right] = scene.sequences().expect("the cameras see the yard");
     let opened = |sequence: FrameSequence| -> Result<Opened, MotionError> {
-        let made = SequenceFile::made(sequence).expect("its frames have pixels");
+        let made = SequenceFile::made(sequence).expect("the frames have pixels");
         Ok(Opened::recorded(made.first, Recording::new(made.sequence, cancel)?))
     };
     let truth =

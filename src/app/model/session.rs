@@ -1,4 +1,4 @@
-//! Sessions: everything a person set, what of it is saved, and what opening it again takes.
+//! Sessions: saved work, and the state of saving and opening.
 
 use std::path::{Path, PathBuf};
 use std::time::{Instant, SystemTime};
@@ -16,39 +16,39 @@ use crate::geometry::Frame;
 use crate::io::{ImageReference, ImageSource, SessionFile, relative, resolve};
 use crate::synthetic::Sample;
 
-/// Pairs of a session that are taken, far more than anybody clicks: each is drawn, and listed.
+/// Maximum number of pairs of a session, far more than anybody clicks. Each is drawn and listed.
 const MOST_PAIRS: usize = 1000;
 
-/// Everything a person set on a pair of images, as it is saved.
+/// Work of a person on a pair of images, in the form for saving.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Work {
-    /// Points, parameters, ground truth; without the pictures, which the session names itself.
+    /// Points, parameters and ground truth. The session itself names the pictures.
     pub document: Document,
-    /// The pinned line pairs, the oldest first.
+    /// Pinned line pairs, oldest first.
     #[serde(default)]
     pub pins: Vec<LineSource>,
-    /// What part of each image is shown.
+    /// Visible part of each image.
     #[serde(default)]
     pub views: Option<[PaneView; 2]>,
-    /// What is drawn.
+    /// Visible overlays, tabs and panels.
     #[serde(default)]
     pub look: Look,
-    /// The folder that the pictures are of, with what was set on its other pairs.
+    /// Folder of the pictures, with the work on its other pairs.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub album: Option<Album>,
-    /// The session that unsaved work belongs to, in the program's own copy of it.
+    /// Session file that this unsaved work belongs to. Only in the program's own copies.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub belongs_to: Option<PathBuf>,
 }
 
 impl Work {
-    /// Whether saving one over the other loses nothing that a person made. How it is looked at does not count.
+    /// Returns whether two states have the same work. The way of looking at it does not count.
     pub fn is_same_work(&self, document: &Document, pins: impl Iterator<Item = LineSource>) -> bool {
         self.document.is_same_work(document) && pins.eq(self.pins.iter().copied())
     }
 
-    /// The session file of this work on some pictures, to be written at `path`; `None` when a picture is neither a
-    /// file nor a sample's.
+    /// Returns the session file of this work, for writing at `path`. `None` if a picture is neither
+    /// a file nor part of a sample.
     pub fn to_session(&self, pictures: &[Opened; 2], path: &Path) -> Option<SessionFile<Self>> {
         let reference = |opened: &Opened| {
             let source = match (&opened.picture.path, &opened.sha256) {
@@ -79,7 +79,7 @@ impl Work {
         })
     }
 
-    /// Brings what a file says into the limits of the images, and paths back to whole ones.
+    /// Validates work from a file: points within the images, and absolute paths.
     #[must_use]
     pub fn made_valid(mut self, frames: [Frame; 2], path: &Path) -> Self {
         if let Some(TruthSource::Folder { folder, .. }) = &mut self.document.truth {
@@ -105,9 +105,9 @@ impl Work {
 pub struct OpenSession {
     /// The file.
     pub path: PathBuf,
-    /// Images in place of those that the session names.
+    /// Images that replace the images named by the session.
     pub images: [Option<PathBuf>; 2],
-    /// Whether images that have changed are taken as they are.
+    /// Whether changed images are accepted.
     pub accepts_changed: bool,
     /// Whether the file is the program's own copy of unsaved work.
     pub recovers: bool,
@@ -119,74 +119,74 @@ impl From<PathBuf> for OpenSession {
     }
 }
 
-/// What is wrong with an image of a session.
+/// Problem with an image of a session.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Lost {
-    /// There is no such file.
+    /// The file does not exist.
     Missing(PathBuf),
-    /// There is a file, but it is not the one that the session was made with.
+    /// The file exists, but its content differs from the image of the session.
     Changed(PathBuf),
 }
 
-/// A session whose images have to be found first.
+/// A session with images that the user must find.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Relocation {
-    /// What was to be opened.
+    /// The session to open.
     pub session: OpenSession,
-    /// What is wrong with each image.
+    /// Problem with each image, if any.
     pub lost: [Option<Lost>; 2],
 }
 
-/// What a session brings besides its pictures.
+/// Contents of a session besides its pictures.
 #[derive(Debug, Clone)]
 pub struct Restored {
-    /// What was opened.
+    /// The opened session.
     pub session: OpenSession,
-    /// What was set.
+    /// The saved work.
     pub work: Work,
-    /// What could not be had, a sentence each.
+    /// Parts that could not be restored, one sentence each.
     pub notes: Vec<String>,
 }
 
-/// Which session is open, and what of it is saved.
+/// The open session, and its saved state.
 #[derive(Debug, Clone, Default)]
 pub struct SessionState {
-    /// The file, once there is one.
+    /// Path of the session file, once there is one.
     pub path: Option<PathBuf>,
-    /// What is in the file, or what was opened.
+    /// Work in the file, as last saved or opened.
     pub saved: Option<Work>,
-    /// When and how long the file was when it was read or written last.
+    /// Modification time and length of the file when it was last read or written.
     pub on_disk: Option<(SystemTime, u64)>,
-    /// What is in the program's own copy of unsaved work.
+    /// Work in the program's own copy.
     pub copied: Option<Work>,
-    /// When that was written last.
+    /// Time of the last copy.
     pub last_copy: Option<Instant>,
 }
 
 impl SessionState {
-    /// The file that was just read or written is the session's; what is in it.
+    /// Sets the session file, after it was read or written, and the work in it.
     pub fn belongs_to(&mut self, path: PathBuf, saved: Work) {
         self.saved = Some(saved);
         self.on_disk = state_on_disk(&path);
-        // A path that means the same wherever the program is started.
+        // An absolute path stays valid wherever the program is started.
         self.path = Some(std::path::absolute(&path).unwrap_or(path));
     }
 
-    /// Whether a file is not what this window read or wrote.
+    /// Returns whether the file changed since this window read or wrote it.
     pub fn is_changed_by_others(&self, path: &Path) -> bool {
         let now = state_on_disk(path);
         now.is_some() && now != self.on_disk
     }
 }
 
-/// When a file was changed last and how long it is.
+/// Returns modification time and length of a file.
 fn state_on_disk(path: &Path) -> Option<(SystemTime, u64)> {
     let found = path.metadata().ok()?;
     Some((found.modified().ok()?, found.len()))
 }
 
 impl Document {
-    /// Whether a person made the same of it. What is selected does not count.
+    /// Returns whether two documents have the same work. Selections do not count.
     pub(super) fn is_same_work(&self, other: &Self) -> bool {
         let Self {
             pictures: _,
@@ -219,20 +219,20 @@ impl Document {
             && *trial == other.trial
     }
 
-    /// Whether there is anything on the images that would be a loss. A random trial can be drawn again.
+    /// Returns whether the document has work that would be lost. A random trial can be drawn again.
     pub fn is_worth_keeping(&self) -> bool {
         let drawn = if self.trial.is_some() { self.pairs_needed() } else { 0 };
         self.pairs.len() > drawn || self.half.is_some() || self.imported.is_some()
     }
 
-    /// Keeps points on images of these sizes, and forgets what refers to points that are not there.
+    /// Moves points into images of these sizes, and removes references to missing points.
     pub(super) fn keep_within(&mut self, frames: [Frame; 2]) {
         self.pairs.truncate(MOST_PAIRS);
         let broken: Vec<_> = (0..self.pairs.len()).filter(|pair| !self.pairs[*pair].is_finite()).collect();
         let selection = self.selection;
         self.remove_all(broken);
         self.selection = selection;
-        // What a file says of pairs that are not there.
+        // A file may contain notes about missing pairs.
         self.notes.retain(|pair, _| *pair < self.pairs.len());
         for pair in &mut self.pairs {
             pair.point1 = frames[0].nearest(pair.point1);
@@ -248,7 +248,7 @@ impl Document {
     }
 }
 
-/// A name for a new session: beside the left image, called after both.
+/// Returns a path for a new session: beside the left image, named after both images.
 pub fn suggested_path(pictures: &[Opened; 2]) -> PathBuf {
     let stem = |opened: &Opened| {
         let name = Path::new(&opened.picture.name);
@@ -259,7 +259,7 @@ pub fn suggested_path(pictures: &[Opened; 2]) -> PathBuf {
     folder.join(format!("{}-{}.json", stem(&pictures[0]), stem(&pictures[1])))
 }
 
-/// Whether a file may be a session, by its name.
+/// Returns whether a file may be a session, by its extension.
 pub fn has_session_extension(path: &Path) -> bool {
     path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json"))
 }

@@ -1,14 +1,14 @@
-//! Data that many hold and nobody changes.
+//! Shared immutable data.
 
 use std::ops::Deref;
 use std::sync::Arc;
 
-/// Something shared, which equals only itself: large things are never compared piece by piece.
+/// A shared value that equals only itself, so that large values are never compared by content.
 #[derive(Debug)]
 pub struct Shared<T>(Arc<T>);
 
 impl<T> Shared<T> {
-    /// Shares it.
+    /// Wraps a value.
     pub fn new(value: T) -> Self {
         Self(Arc::new(value))
     }

@@ -1,4 +1,4 @@
-//! The geometry that the whole window shows, and its lines.
+//! The geometry shown by the whole window, and its lines.
 
 use super::Model;
 use super::comparison::Contestant;
@@ -11,33 +11,33 @@ use crate::estimate::{Construction, Estimate, Reason, lines_at};
 use crate::geometry::{AnchoredLine, FundamentalMatrix, Line, Point, PointPair, symmetric_epipolar_distance};
 use crate::io::GroundTruth;
 
-/// The geometry that the whole window shows: the hypothesis, the other method's or the imported one that was chosen,
-/// or else the result; without a result, the imported one.
+/// The geometry shown by the whole window: the selected hypothesis, other method or imported
+/// geometry, or else the result. Without a result, the imported geometry.
 #[derive(Clone, Copy)]
 pub struct ShownGeometry<'a> {
     /// The matrix.
     pub fundamental: &'a FundamentalMatrix,
-    /// The hypothesis, with its place in the list, if one was chosen.
+    /// The selected hypothesis, with its place in the list.
     pub hypothesis: Option<(usize, &'a Estimate)>,
-    /// The contestant whose geometry it is, if one of another method or the true one was chosen.
+    /// The selected contestant of the comparison, other than the result.
     pub contestant: Option<Contestant>,
-    /// The result it belongs to; of an imported one without a result, itself.
+    /// The result behind the geometry; an imported geometry without a result stands for itself.
     pub estimate: &'a Estimate,
-    /// How that relates to the points as they are now.
+    /// Relation of the result to the current points.
     pub freshness: Freshness,
 }
 
-/// A line pair that is looked at closely.
+/// The inspected line pair.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct InspectedLines {
-    /// Where it comes from.
+    /// Origin of the lines.
     pub source: LineSource,
-    /// The line of each image, directed alike and anchored at nearly the same scene point.
+    /// One line per image, with matching directions and anchors at nearly the same scene point.
     pub lines: [AnchoredLine; 2],
 }
 
 impl Model {
-    /// The geometry that is shown; everything that draws or measures goes by it.
+    /// Returns the shown geometry. All drawings and measures use this one.
     pub fn shown(&self) -> Option<ShownGeometry<'_>> {
         let own = self.open.computation.result();
         let chosen = self.open.focus.contestant() == Some(Contestant::Imported);
@@ -58,23 +58,24 @@ impl Model {
         Some(ShownGeometry { fundamental, hypothesis, contestant, estimate, freshness })
     }
 
-    /// The folder whose pairs are offered, and which of them is open.
+    /// Returns the open folder, and its open pair.
     pub fn folder(&self) -> Option<(&PairFolder, [usize; 2])> {
         self.open.folder.as_ref().map(|(folder, pair)| (folder.as_ref(), *pair))
     }
 
-    /// Why no random trial can be drawn, if that is so.
+    /// Returns the reason why no random trial can be drawn, if there is one.
     pub fn no_trial(&self) -> Option<&'static str> {
         match (&self.open.known, &self.document.truth) {
             (None, _) => Some(NO_TRUTH),
             (Some(_), None) => {
-                Some("A random trial clicks true matches: switch the ground truth on first (G).")
+                Some("A random trial clicks true matches. Switch the ground truth on first (G).")
             }
             (Some(_), Some(_)) => None,
         }
     }
 
-    /// The symmetric distance of a pair from the result, px, if that names it for being off its epipolar line.
+    /// Returns the symmetric distance of a pair from the result, px, if the verdict names the pair
+    /// as off its line.
     pub fn outvoted(&self, pair: usize) -> Option<f64> {
         let (estimate, freshness) = self.open.computation.result()?;
         let number = self.document.used().position(|used| used == pair)? + 1;
@@ -88,37 +89,37 @@ impl Model {
         is_named.then(|| symmetric_epipolar_distance(estimate.fundamental(), &self.document.pairs[pair]))
     }
 
-    /// Whether something else than the result was chosen to be shown.
+    /// Returns whether another geometry than the result is selected.
     pub fn shows_another(&self) -> bool {
         self.open.focus.hypothesis().is_some() || self.open.focus.contestant().is_some()
     }
 
-    /// Whether there is a result to go back to from the geometry that is shown.
+    /// Returns whether there is a result.
     pub fn has_result(&self) -> bool {
         self.open.computation.result().is_some()
     }
 
-    /// The ground truth in use.
+    /// Returns the ground truth in use.
     pub fn truth(&self) -> Option<&GroundTruth> {
         self.document.truth.as_ref()?;
         self.open.known.as_ref().map(|known| &*known.truth)
     }
 
-    /// The lines that the geometry shown is built from: those of the hypothesis that was chosen, or else of the
-    /// result, or of the best hypothesis while there is none. Other methods build from points.
+    /// Returns the lines that build the shown geometry: of the selected hypothesis, or else of the
+    /// result or best hypothesis. `None` for other methods, which are fitted to points.
     pub fn construction(&self) -> Option<&Construction> {
         self.shown().filter(|shown| shown.contestant.is_none())?;
         self.own_construction()
     }
 
-    /// [`Model::construction`] of the estimate, also while the geometry of another method is shown.
+    /// Returns the lines of the estimate, even while another method is shown.
     fn own_construction(&self) -> Option<&Construction> {
         let shown = self.shown()?;
         let estimate = shown.hypothesis.map_or(shown.estimate, |(_, hypothesis)| hypothesis);
         estimate.assessment.lines.as_ref().map(|lines| &lines.construction)
     }
 
-    /// Whether the pencils compared last are those through the points as they are.
+    /// Returns whether the pencils compared last pass through the current points.
     pub fn has_current_pencils(&self) -> bool {
         let standing_in = self.standing_in().into_iter();
         let used: Vec<PointPair> =
@@ -127,7 +128,7 @@ impl Model {
         pencils.all(|pencil| used.contains(&pencil.click))
     }
 
-    /// The lines of a source under the geometry shown; `None` while there are none.
+    /// Returns the lines of a source under the shown geometry; `None` if there are none.
     pub fn lines(&self, source: LineSource) -> Option<[AnchoredLine; 2]> {
         match source {
             LineSource::Pencil { pair, angles } => {
@@ -151,7 +152,7 @@ impl Model {
         }
     }
 
-    /// Two epipolar lines of the geometry shown, directed alike.
+    /// Returns two epipolar lines of the shown geometry with matching directions.
     fn corresponding(&self, line1: &Line, line2: &Line) -> Option<[AnchoredLine; 2]> {
         let turn = self
             .own_construction()
@@ -164,9 +165,9 @@ impl Model {
         own.corresponding(line1, line2).map(|(line1, line2)| [line1, line2])
     }
 
-    /// Pairs that fit a geometry of which nobody clicked any: two places of the left image and the nearest points of
-    /// their epipolar lines, as if the cameras had hardly moved. They only tell which ends of two lines belong
-    /// together and from where to count along them.
+    /// Returns two pairs that replace clicks for a geometry without any: places of the left image,
+    /// and the nearest points on their epipolar lines. They only fix matching directions and
+    /// anchors of lines.
     fn stand_in_clicks(&self, f: &FundamentalMatrix) -> Option<[PointPair; 2]> {
         let [upper, _, lower, _] = self.document.frame(Side::Left)?.corners();
         let pair = |share: f64| {
@@ -176,21 +177,21 @@ impl Model {
         Some([pair(0.3)?, pair(0.65)?])
     }
 
-    /// The second point that Enter places: the suggested match, if it is clear.
+    /// Returns the suggested second point if the suggestion is clear. Enter places it.
     pub fn accepted_suggestion(&self) -> Option<(Side, Point)> {
         let half = self.document.half?;
         let clear = self.open.suggestion.as_ref()?.as_ref().ok()?.clear()?;
         Some((half.side.other(), clear.position))
     }
 
-    /// The pinned line pairs, the oldest first, each with its number.
+    /// Returns the pinned line pairs with their numbers, oldest first.
     pub fn pinned(&self) -> impl Iterator<Item = (usize, InspectedLines)> + '_ {
         self.open.focus.pins().iter().filter_map(|pin: &Pin| {
             Some((pin.number, InspectedLines { source: pin.source, lines: self.lines(pin.source)? }))
         })
     }
 
-    /// The line pair that is looked at closely: the pinned one that was chosen, or else the one through the first
+    /// Returns the inspected line pair: the selected pin, or else the lines through the first
     /// click.
     pub fn inspected(&self) -> Option<InspectedLines> {
         let source = match self.open.focus.inspected() {

@@ -1,4 +1,4 @@
-//! Where each step of the algorithm stands and what it found, in words.
+//! Progress and findings of each step of the algorithm, in words.
 
 use super::computation::{Computation, Freshness};
 use super::document::{Document, pair_name};
@@ -6,29 +6,29 @@ use super::verdict::line_score_text;
 use crate::estimate::Stage;
 use crate::features::FeatureViews;
 
-/// Where a step stands.
+/// Progress of a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum StepProgress {
     /// Not begun.
     Waiting,
-    /// Under way.
+    /// In progress.
     Running,
-    /// Done, in so many seconds, if that is known.
+    /// Done, with the seconds if known.
     Done(Option<f64>),
     /// The user stopped the computation here.
     Stopped,
-    /// The computation ended here without a result.
+    /// The computation failed here.
     Failed,
 }
 
-/// Where a step stands.
+/// Returns the progress of a step.
 pub fn progress(stage: Stage, computation: &Computation) -> StepProgress {
     if let Some((estimate, Freshness::Final)) = computation.result() {
         let mut timings = estimate.trace.iter().flat_map(|trace| &trace.timings);
         let timing = timings.find(|timing| timing.stage == stage);
         return StepProgress::Done(timing.map(|timing| timing.seconds));
     }
-    // The first step is not announced: it runs from the start until the next one begins.
+    // The first step is not announced. It runs from the start until the next step begins.
     let begun = computation.stages();
     let position = begun.iter().position(|(other, _)| *other == stage);
     let took = position.and_then(|k| begun[k].1);
@@ -42,9 +42,9 @@ pub fn progress(stage: Stage, computation: &Computation) -> StepProgress {
     }
 }
 
-/// What a step found, in a line; `None` while it has found nothing.
+/// Describes the findings of a step in one line; `None` without any.
 pub fn result_text(stage: Stage, document: &Document, computation: &Computation) -> Option<String> {
-    // What earlier points gave says nothing of these.
+    // Findings about earlier points do not apply to the current ones.
     let earlier = |freshness| matches!(freshness, Freshness::Stale | Freshness::Followed);
     let result = computation.result().filter(|(_, freshness)| !earlier(*freshness));
     let estimate = result.map(|(estimate, _)| estimate);
@@ -80,7 +80,7 @@ pub fn result_text(stage: Stage, document: &Document, computation: &Computation)
         Stage::Validation => {
             let (score, trace) = (estimate?.line_score()?, estimate?.trace.as_ref()?);
             let score = line_score_text(document.parameters.validation.line_score, score);
-            // Nothing is compared where all that was found is the result.
+            // Without a validation, the result was the only hypothesis.
             Some(match trace.counts.validated {
                 0 => format!("line score {score}"),
                 validated => format!("{validated} compared, best line score {score}"),
@@ -104,14 +104,14 @@ pub fn result_text(stage: Stage, document: &Document, computation: &Computation)
             let turned = || format!("image 2 turned by {:.0}°{scale}", trace.view.rotation.to_degrees());
             Some(match trace.features {
                 Some(FeatureViews::Frontal) => turned(),
-                Some(FeatureViews::Slanted) => format!("{}, also at a slant", turned()),
-                None => "nothing better than upright".to_owned(),
+                Some(FeatureViews::Slanted) => format!("{}, with slanted features", turned()),
+                None => "the upright view remains the best".to_owned(),
             })
         }
     }
 }
 
-/// A number with its thousands apart.
+/// Returns a number with separated thousands.
 fn grouped(number: usize) -> String {
     let digits = number.to_string();
     let mut text = String::new();
@@ -146,7 +146,7 @@ mod tests {
     }
 
     #[test]
-    fn a_failure_is_told_at_the_step_it_happened_in() {
+    fn a_failure_is_shown_at_its_step() {
         let of = |computation: &Computation| Stage::ALL.map(|stage| progress(stage, computation));
         let idle = Computation::default();
         assert_eq!(of(&idle), [StepProgress::Waiting; 6]);
@@ -162,7 +162,7 @@ mod tests {
     }
 
     #[test]
-    fn a_step_that_a_wider_search_comes_to_again_runs_again() {
+    fn a_step_repeated_by_a_wider_search_runs_again() {
         let mut computation = Computation::default();
         computation.adopt(Some(&fake::request(1.0)));
         computation.begin(1, false);
@@ -181,7 +181,7 @@ mod tests {
     }
 
     #[test]
-    fn thousands_stand_apart() {
+    fn thousands_are_separated() {
         assert_eq!([1, 999, 12_000, 1_234_567].map(grouped), ["1", "999", "12,000", "1,234,567"]);
     }
 }

@@ -1,4 +1,5 @@
-//! Matches of single points: the suggestion while the second click of a pair is due, and the repair of a placed pair.
+//! Questions about the match of one point: suggestions for the second click, and repair of a placed
+//! pair.
 
 use super::document::HalfPair;
 use super::picture::Pictures;
@@ -7,65 +8,65 @@ use crate::estimate::Estimate;
 use crate::geometry::{Point, PointPair};
 use crate::suggest::{Known, SuggestError, Suggestions};
 
-/// What a match is to be suggested for.
+/// Request for a suggested match.
 #[derive(Clone, PartialEq)]
 pub struct SuggestQuestion {
     /// The two pictures.
     pub pictures: Pictures,
     /// The first click.
     pub half: HalfPair,
-    /// What the result says of the images, when there is one that is not called unreliable.
+    /// Geometry and relative view from the result, unless the result is unreliable.
     pub known: Known,
-    /// Pairs that say how the images are turned and scaled, while there is no such result.
+    /// Pairs that tell rotation and scale between the images while there is no such result.
     pub placed: Vec<PointPair>,
 }
 
-/// Places that look like the first click, or why there are none.
+/// Places that look like the first click, or the reason why there are none.
 pub type Suggested = Result<Suggestions, SuggestError>;
 
-/// A result in doubt, for which the most useful next click is looked for.
+/// Request for the most useful next click, for a doubtful result.
 #[derive(Clone, PartialEq)]
 pub struct NextClickQuestion {
     /// The two pictures.
     pub pictures: Pictures,
-    /// The result, with what competes with it.
+    /// The result and its rivals.
     pub found: Shared<Estimate>,
-    /// The pairs that are there.
+    /// The pairs placed so far.
     pub placed: Vec<PointPair>,
 }
 
-/// How a placed pair is repaired.
+/// Method of repairing a placed pair.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Repair {
-    /// The point in the right image is aligned to a fraction of a pixel around where it is.
+    /// Aligns the point in the right image to a fraction of a pixel near its place.
     Refine,
-    /// The point in the right image goes to the best match on its epipolar line.
+    /// Moves the point in the right image to the best match on its epipolar line.
     Rematch,
 }
 
-/// A pair to be repaired.
+/// Request to repair a pair.
 #[derive(Clone, PartialEq)]
 pub struct RepairQuestion {
     /// The two pictures.
     pub pictures: Pictures,
-    /// The number of the pair.
+    /// Number of the pair.
     pub pair: usize,
-    /// Where its points are.
+    /// Points of the pair.
     pub points: PointPair,
-    /// How it is repaired.
+    /// Method of the repair.
     pub how: Repair,
-    /// What the result says of the images.
+    /// Geometry and relative view from the result, unless the result is unreliable.
     pub known: Known,
 }
 
-/// Where the right point of a pair belongs, or what happened instead, a sentence without its full stop.
+/// New place of the right point, or the reason why there is none: a sentence without its full stop.
 pub type RepairOutcome = Result<Point, String>;
 
-/// A pair for which a better place was looked for.
+/// A finished repair.
 #[derive(Clone, PartialEq)]
 pub struct Repaired {
-    /// What was asked.
+    /// The request.
     pub question: RepairQuestion,
-    /// What was found.
+    /// The outcome.
     pub outcome: RepairOutcome,
 }

@@ -1,4 +1,4 @@
-//! Small pictures of the views of the folder that is open.
+//! Small pictures of the views of the open folder.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -9,15 +9,15 @@ use crate::image::Picture;
 
 /// Longest side of a small picture, px.
 const SIDE: u32 = 160;
-/// Small pictures that are kept: about 20 MB.
+/// Maximum number of kept pictures, about 20 MB.
 const KEPT: usize = 256;
 
-/// One view, small.
+/// A small picture of one view.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Thumbnail {
     /// Width and height, px.
     pub size: [usize; 2],
-    /// Red, green, blue and alpha of each pixel, the colours multiplied by alpha.
+    /// Red, green, blue and alpha of each pixel, with premultiplied colours.
     pub pixels: Vec<u8>,
 }
 
@@ -37,29 +37,29 @@ impl Thumbnail {
     }
 }
 
-/// Which small pictures are wanted.
+/// Request for small pictures.
 #[derive(Debug, Clone)]
 pub struct ThumbnailQuestion {
     /// The folder.
     pub folder: Arc<PairFolder>,
-    /// Views of the folder, by their numbers.
+    /// Numbers of the views.
     pub views: Vec<usize>,
 }
 
-/// One that was made; `None` where the image cannot be read.
+/// A finished picture, with folder and view; `None` for an unreadable image.
 pub type MadeThumbnail = (Arc<PairFolder>, usize, Option<Arc<Thumbnail>>);
 
-/// Small pictures that have been made.
+/// The finished small pictures.
 #[derive(Debug, Clone, Default)]
 pub struct Thumbnails {
     folder: Option<Arc<PairFolder>>,
     made: HashMap<usize, Option<Arc<Thumbnail>>>,
-    /// Numbers of the views in the order in which they were made.
+    /// Numbers of the views in the order of their pictures.
     order: Vec<usize>,
 }
 
 impl Thumbnails {
-    /// Begins anew where another folder is open.
+    /// Starts over when another folder is open.
     pub fn follow(&mut self, folder: Option<&Arc<PairFolder>>) {
         let same = match (&self.folder, folder) {
             (Some(own), Some(other)) => Arc::ptr_eq(own, other),
@@ -71,7 +71,7 @@ impl Thumbnails {
         }
     }
 
-    /// Takes in one that was made.
+    /// Adds a finished picture.
     pub fn take(&mut self, (folder, view, thumbnail): MadeThumbnail) {
         if !self.folder.as_ref().is_some_and(|own| Arc::ptr_eq(own, &folder)) {
             return;
@@ -84,7 +84,8 @@ impl Thumbnails {
         }
     }
 
-    /// That of a view: `None` while it has not been made, `Some(None)` where its image cannot be read.
+    /// Returns the picture of a view: `None` while it is missing, `Some(None)` for an unreadable
+    /// image.
     pub fn of(&self, view: usize) -> Option<Option<&Arc<Thumbnail>>> {
         self.made.get(&view).map(Option::as_ref)
     }
@@ -101,7 +102,7 @@ mod tests {
     }
 
     #[test]
-    fn they_are_small_few_and_of_one_folder() {
+    fn pictures_are_small_few_and_of_one_folder() {
         let files = tempfile::tempdir().unwrap();
         for name in ["a.png", "b.png"] {
             std::fs::write(files.path().join(name), "").unwrap();
@@ -119,6 +120,6 @@ mod tests {
         assert_eq!((kept.size, kept.pixels.len()), ([160, 1], 640));
         thumbnails.follow(Some(&other));
         thumbnails.take(made(&one, 3));
-        assert!(thumbnails.of(3).is_none(), "of a folder that is not open any more");
+        assert!(thumbnails.of(3).is_none(), "its folder is no longer open");
     }
 }

@@ -1,5 +1,5 @@
-//! How bright and dark the pictures are shown: exposure, contrast, gamma, single channels. Only what is on the screen
-//! changes; nothing is computed from it.
+//! Exposure, contrast, gamma and channel of the pictures on the screen. They do not affect
+//! computations.
 
 use image::DynamicImage;
 
@@ -7,15 +7,15 @@ use super::document::Side;
 use super::picture::Pictures;
 use crate::image::Picture;
 
-/// Part of the pixels that a stretch makes black, and as many white.
+/// Fraction of pixels that a stretch clips to black, and to white.
 const CLIPPED: f32 = 0.005;
-/// Pixels that a stretch looks at.
+/// Maximum number of pixels sampled by a stretch.
 const SAMPLED: usize = 200_000;
 
-/// What of the colours is shown.
+/// Visible channel of a picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Channel {
-    /// All of them.
+    /// All channels in colour.
     #[default]
     Colour,
     /// Red alone, as grey.
@@ -24,15 +24,15 @@ pub enum Channel {
     Green,
     /// Blue alone, as grey.
     Blue,
-    /// The brightness that everything is computed from.
+    /// Brightness, the input of all computations.
     Grey,
 }
 
 impl Channel {
-    /// All choices.
+    /// All channels.
     pub const ALL: [Self; 5] = [Self::Colour, Self::Red, Self::Green, Self::Blue, Self::Grey];
 
-    /// What the user reads.
+    /// Returns the name of the channel.
     pub fn name(self) -> &'static str {
         match self {
             Self::Colour => "Colour",
@@ -44,18 +44,18 @@ impl Channel {
     }
 }
 
-/// How one picture is shown.
+/// Appearance of one picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rendition {
-    /// How many times everything is doubled.
+    /// Exposure, as a power of two.
     pub stops: f32,
-    /// How much farther from middle grey everything is than in the file.
+    /// Factor of the distance from middle grey.
     pub contrast: f32,
-    /// Above 1 lifts what is dark more than what is bright.
+    /// Gamma. Above 1 brightens the dark parts most.
     pub gamma: f32,
-    /// What of the colours is shown.
+    /// Visible channel.
     pub channel: Channel,
-    /// What is shown as black and as white before all that, 0 to 1.
+    /// Values shown as black and as white before the other settings, 0 to 1.
     pub range: [f32; 2],
 }
 
@@ -66,12 +66,12 @@ impl Default for Rendition {
 }
 
 impl Rendition {
-    /// Whether pictures are shown as they are.
+    /// Returns whether the picture is unchanged.
     pub fn is_plain(&self) -> bool {
         *self == Self::default()
     }
 
-    /// What becomes of a value of a channel.
+    /// Converts a value of a channel.
     fn mapped(&self, value: f32) -> f32 {
         let [black, white] = self.range;
         let value = (value - black) / (white - black).max(1e-6) * self.stops.exp2();
@@ -79,7 +79,7 @@ impl Rendition {
         value.clamp(0.0, 1.0).powf(1.0 / self.gamma.max(0.01))
     }
 
-    /// A picture as it is shown: red, green, blue and alpha of each pixel, the colours multiplied by alpha.
+    /// Returns red, green, blue and alpha of each pixel, with premultiplied colours.
     pub fn render(&self, pixels: &DynamicImage) -> Vec<u8> {
         match pixels {
             DynamicImage::ImageRgb32F(_) | DynamicImage::ImageRgba32F(_) => {
@@ -99,7 +99,7 @@ impl Rendition {
                     pixels.as_raw().as_chunks::<4>().0.iter().map(|p| p.map(|v| f32::from(v) / 255.0));
                 self.each(values, |value| table[(value * 255.0).round().clamp(0.0, 255.0) as usize])
             }
-            // What 16 bits tell in the dark, 8 bits have lost.
+            // 8 bits would lose the dark details of 16 bits.
             _ => {
                 let table: Vec<u8> = (0..=u16::MAX)
                     .map(|v| (self.mapped(f32::from(v) / 65_535.0) * 255.0).round() as u8)
@@ -133,7 +133,8 @@ impl Rendition {
         bytes
     }
 
-    /// With the darkest and the brightest of a picture as black and white, but for a few pixels.
+    /// Returns the rendition with black and white at the darkest and brightest values, except for a
+    /// few pixels.
     #[must_use]
     pub fn stretched(self, picture: &Picture) -> Self {
         let values = picture.gray.values();
@@ -146,35 +147,35 @@ impl Rendition {
     }
 }
 
-/// How both pictures are shown. It belongs to them, and goes with them.
+/// Appearance of both pictures. It is discarded with the pictures.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Tones {
-    /// The left and the right one.
+    /// The left and the right picture.
     pub of: [Rendition; 2],
-    /// The one that is adjusted; both without.
+    /// The adjusted picture; `None` adjusts both.
     pub alone: Option<Side>,
 }
 
-/// Something to do with how the pictures are shown.
+/// A command about the appearance of the pictures.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum TonesCommand {
-    /// Adjust one of them, or both.
+    /// Select the adjusted picture; `None` selects both.
     Adjust(Option<Side>),
-    /// Show what is adjusted like this.
+    /// Set the appearance of the adjusted pictures.
     Set(Rendition),
-    /// Make the darkest black and the brightest white.
+    /// Stretch the adjusted pictures from black to white.
     Stretch,
-    /// Show both as they are.
+    /// Reset both pictures.
     Reset,
 }
 
 impl Tones {
-    /// What is adjusted now.
+    /// Returns the appearance shown by the sliders.
     pub fn adjusted(&self) -> Rendition {
         self.of[self.alone.map_or(0, Side::index)]
     }
 
-    /// Does what a command says.
+    /// Applies a command.
     pub fn apply(&mut self, command: TonesCommand, pictures: Option<&Pictures>) {
         let alone = self.alone;
         let wanted = |side: Side| alone.is_none_or(|alone| alone == side);
@@ -184,7 +185,7 @@ impl Tones {
             TonesCommand::Set(rendition) => {
                 for side in Side::BOTH.into_iter().filter(|side| wanted(*side)) {
                     let own = &mut self.of[side.index()];
-                    // Each has a black and a white of its own, which sliders leave alone.
+                    // Sliders do not change black and white, which each picture has for itself.
                     let range = own.range;
                     *own = Rendition { range, ..rendition };
                 }
@@ -234,11 +235,11 @@ mod tests {
     }
 
     #[test]
-    fn what_16_bits_tell_in_the_dark_comes_to_light() {
+    fn a_stretch_shows_dark_details_of_16_bits() {
         let pixels =
             image::ImageBuffer::<image::Luma<u16>, _>::from_fn(4, 1, |x, _| image::Luma([64 * x as u16]));
         let picture = picture(DynamicImage::ImageLuma16(pixels));
-        assert_eq!(multiplied(&picture.pixels)[8], 0, "in 8 bits it is lost");
+        assert_eq!(multiplied(&picture.pixels)[8], 0, "8 bits lose it");
         let shown = Rendition::default().stretched(&picture).render(&picture.pixels);
         let grey: Vec<u8> = shown.chunks(4).map(|pixel| pixel[0]).collect();
         assert!(grey[0] == 0 && grey[1] > 80 && grey[2] > grey[1], "{grey:?}");
@@ -246,7 +247,7 @@ mod tests {
 
     #[test]
     #[expect(clippy::float_cmp, reason = "these numbers are set, not computed")]
-    fn one_picture_is_adjusted_alone_or_both_with_a_range_of_their_own() {
+    fn one_or_both_pictures_are_adjusted_with_separate_ranges() {
         let flat = |from: u8| {
             let pixels = image::GrayImage::from_fn(64, 64, |x, _| image::Luma([from + x as u8]));
             Shared::new(picture(pixels.into()))

@@ -1,4 +1,4 @@
-//! Ground truth of the pictures that are open, and where it comes from.
+//! Ground truth of the open pictures, and its source.
 
 use super::document::TruthSource;
 use super::shared::Shared;
@@ -6,30 +6,32 @@ use crate::evaluate::{Draws, KnownPair, Protocol};
 use crate::geometry::{Frame, PointPair};
 use crate::io::GroundTruth;
 
-/// What is missing where nothing is known about the pictures.
-pub const NO_TRUTH: &str = "Nothing is known about these images beforehand: open a VGG folder, or a folder of pairs \
-                            with true matches, to compare with ground truth.";
+/// Explanation when the pictures have no ground truth.
+pub const NO_TRUTH: &str = "These images have no ground truth. To compare with ground truth, open \
+                            a VGG folder, or a folder of pairs with true matches.";
 
-/// Matches that a random trial draws from, at most: listing all pairs of them takes the square of their number.
+/// Maximum number of matches that a random trial draws from. Listing all pairs takes the square of
+/// their number.
 const DRAWN_FROM: usize = 600;
 
-/// What is known about the pictures, whether or not it is in use.
+/// Ground truth of the pictures, whether or not it is in use.
 #[derive(Debug, Clone)]
 pub struct KnownTruth {
     /// The true geometry and the true matches.
     pub truth: Shared<GroundTruth>,
-    /// Where they come from, as the document names it.
+    /// Source of the truth, as the document names it.
     pub source: TruthSource,
 }
 
 impl KnownTruth {
-    /// What the choice of clicks depends on.
+    /// Returns the inputs for drawing clicks.
     pub fn pair<'a>(&'a self, frames: [Frame; 2], matches: &'a [PointPair]) -> KnownPair<'a> {
         KnownPair { name: &self.truth.name, frames, truth: &self.truth.fundamental, matches }
     }
 
-    /// The clicks of a random trial, `count` true matches drawn (up to 600 matches) as the first trial of
-    /// `epiline evaluate --seed SEED` draws them; `None` when no matches are far enough apart.
+    /// Draws the clicks of a random trial: `count` true matches, `None` when no matches are far
+    /// enough apart. For up to 600 matches, these are the first clicks of `epiline evaluate --seed
+    /// SEED`.
     pub fn draw(
         &self,
         frames: [Frame; 2],

@@ -1,5 +1,5 @@
-//! Going from one pair of a folder to another: what was set on the one before is kept, what was set on the next comes
-//! back.
+//! Switching between pairs of a folder: work on the old pair is kept, and work on the new pair
+//! restored.
 
 use std::sync::Arc;
 
@@ -12,32 +12,32 @@ use super::session::Work;
 use super::truth::KnownTruth;
 
 impl Work {
-    /// All that is set on any pair: on the one that is open first. Without a folder that is the only one.
+    /// Returns the work on all pairs, the open one first. Without a folder there is only one.
     fn pairs(&self) -> impl Iterator<Item = KeptPair> + '_ {
         let views = self.album.as_ref().map_or_else(ViewNames::default, |album| album.open.clone());
         let open = KeptPair { views, document: self.document.clone(), pins: self.pins.clone() };
         std::iter::once(open).chain(self.album.iter().flat_map(|album| album.pairs().iter().cloned()))
     }
 
-    /// How many point pairs there are on all pairs of images.
+    /// Returns the number of point pairs on all pairs of images.
     pub fn count_points(&self) -> usize {
         self.pairs().map(|kept| kept.document.pairs.len()).sum()
     }
 
-    /// How many line pairs are pinned on all pairs of images.
+    /// Returns the number of pinned line pairs on all pairs of images.
     pub fn count_pins(&self) -> usize {
         self.pairs().map(|kept| kept.pins.len()).sum()
     }
 }
 
 impl Model {
-    /// What is set on the pair that is open.
+    /// Returns the work on the open pair.
     fn open_part(&self, views: ViewNames) -> KeptPair {
         KeptPair { views, document: self.document.clone(), pins: self.pins().collect() }
     }
 
-    /// Goes on to another pair of the folder that is open: what was set on the one before stays in the session, and
-    /// what was set on this one comes back.
+    /// Switches to another pair of the open folder. Work on the old pair stays in the session, and
+    /// work on the new pair is restored.
     pub fn turn_to(&mut self, pictures: [Opened; 2], known: Option<KnownTruth>, (folder, pair): OpenFolder) {
         let mut album = self.album.take().unwrap_or_else(|| Album::new(&folder, pair));
         let before = self.open_part(album.open.clone());
@@ -56,13 +56,13 @@ impl Model {
         self.album = Some(album);
     }
 
-    /// Takes on what was set on the pair that has just been opened.
+    /// Restores the work on the pair that has just been opened.
     fn take_kept(&mut self, KeptPair { mut document, pins, .. }: KeptPair) {
         let pictures = self.document.pictures.take();
         if let Some(pictures) = &pictures {
             document.keep_within(pictures.each_ref().map(|picture| picture.frame));
         }
-        // Where it is known again it is that of the folder as it is now.
+        // The truth comes from the folder as read now.
         document.truth = document.truth.and(self.document.truth.take());
         self.document = Document { pictures, ..document };
         for pin in pins {
@@ -70,7 +70,7 @@ impl Model {
         }
     }
 
-    /// Whether a person has made nothing since, on any pair. Which one is open does not count.
+    /// Returns whether the work on all pairs is unchanged. Which pair is open does not count.
     pub fn is_same_work(&self, work: &Work) -> bool {
         let (Some(now), Some(saved)) = (&self.album, &work.album) else {
             let alone = self.album.as_ref().is_none_or(|album| album.pairs().is_empty());
@@ -93,7 +93,7 @@ impl Model {
         same && left.is_empty()
     }
 
-    /// How many point pairs were placed on a pair of the folder, be it open or not.
+    /// Returns the number of point pairs on a pair of the folder, open or not.
     pub fn points_on(&self, pair: [usize; 2]) -> usize {
         let Some((folder, open)) = self.folder() else { return 0 };
         if pair == open {
@@ -104,7 +104,7 @@ impl Model {
         self.album.as_ref().map_or(0, |album| album.points_on(names))
     }
 
-    /// The pairs of the folder on which something was set and that are not open, by their numbers.
+    /// Returns the pairs of the folder with work that are not open, by number.
     pub fn kept_pairs(&self) -> Vec<[usize; 2]> {
         let (Some((folder, _)), Some(album)) = (self.folder(), &self.album) else { return Vec::new() };
         let number = |name: &String| folder.names().iter().position(|other| other == name);
@@ -113,7 +113,8 @@ impl Model {
         pairs.filter(|pair| folder.is_pair(*pair)).collect()
     }
 
-    /// Whether pictures are of the folder that is open, and not of one that was opened anew.
+    /// Returns whether pictures belong to the open folder, and not to a folder that was opened
+    /// again.
     pub fn is_of_open_folder(&self, folder: Option<&OpenFolder>) -> bool {
         let own = self.open.folder.as_ref().map(|(own, _)| own);
         own.zip(folder).is_some_and(|(own, (other, _))| Arc::ptr_eq(own, other))

@@ -1,4 +1,4 @@
-//! A geometry that nobody clicked for, and the matches that stand in for the clicks.
+//! Estimates without clicks, and the matches that replace the clicks.
 
 use super::Model;
 use super::document::Document;
@@ -7,13 +7,14 @@ use crate::geometry::PointPair;
 use crate::io::PairOrigin;
 
 impl Document {
-    /// Whether the images alone have to do: a person asked for it, and has not clicked enough since.
+    /// Returns whether the estimate uses the images alone: requested by the user, and too few pairs
+    /// since.
     pub fn is_unclicked(&self) -> bool {
         self.unclicked && self.used().count() < self.pairs_needed()
     }
 
-    /// The parameters that the search is given: the published methods are a choice of the published search alone, and
-    /// without enough pairs it compares all lines.
+    /// Returns the parameters for the search. The method only matters for the published search.
+    /// Without enough pairs, that search compares all lines.
     pub fn search_parameters(&self) -> Parameters {
         let method = match self.parameters.search {
             Search::Lines if self.is_unclicked() => Method::LinesAlone,
@@ -23,8 +24,8 @@ impl Document {
         Parameters { method, ..self.parameters.clone() }
     }
 
-    /// Makes pairs of the matches that stood in for clicks, for a person to look at and correct; they only check until
-    /// somebody has.
+    /// Adds the matches that replaced clicks as pairs. They are only checks until the user accepts
+    /// them.
     pub fn keep_as_checks(&mut self, matches: &[PointPair]) {
         for pair in matches {
             let number = self.pairs.len();
@@ -36,7 +37,7 @@ impl Document {
 }
 
 impl Model {
-    /// Whether a search without clicks would be something new.
+    /// Returns whether a search without clicks would give something new.
     pub fn can_find_without_clicks(&self) -> bool {
         let document = &self.document;
         document.pictures.is_some()
@@ -44,13 +45,13 @@ impl Model {
             && document.used().count() < document.pairs_needed()
     }
 
-    /// The matches that stand in for clicks in the result; none where clicks hold it.
+    /// Returns the matches that replace clicks in the result; none for an estimate from clicks.
     pub fn standing_in(&self) -> Vec<PointPair> {
         let result = self.open.computation.result().filter(|_| self.document.is_unclicked());
         result.and_then(|(estimate, _)| Some(estimate.trace.as_ref()?.clicks.chosen())).unwrap_or_default()
     }
 
-    /// Whether some of these are no pairs yet.
+    /// Returns whether any of these matches is not yet a pair.
     pub fn can_keep_matches(&self) -> bool {
         self.standing_in().iter().any(|pair| !self.document.pairs.contains(pair))
     }

@@ -1,7 +1,7 @@
-//! The program's own copies of unsaved work, and finding those that a crash left behind.
+//! The program's own copies of unsaved work, and copies left behind by a crash.
 //!
-//! Each running window owns a slot of the folder, by a lock that the system releases however the program ends. A slot
-//! that nobody holds but that has a copy in it belongs to a program that ended without saving.
+//! Each running window owns a slot of the folder. The system releases the lock of a slot however
+//! the program ends. A free slot with a copy belongs to a program that ended without saving.
 
 use std::fs::{File, OpenOptions, TryLockError};
 use std::path::{Path, PathBuf};
@@ -9,28 +9,29 @@ use std::time::{Duration, SystemTime};
 
 use crate::foreign::{reason, shown_path};
 
-/// Windows that can keep copies at the same time, and copies that wait.
+/// Number of slots, for running windows and for copies that wait.
 const SLOTS: usize = 256;
-/// Copies that wait to be offered; beyond that the oldest go.
+/// Maximum number of waiting copies. The oldest are removed first.
 const MOST_LEFT_BEHIND: usize = 24;
-/// Copies that nobody wanted for so long go, too.
+/// Maximum age of waiting copies.
 const LONGEST: Duration = Duration::from_hours(90 * 24);
 
-/// A slot of the folder, held as long as this lives.
+/// A slot of the folder, held as long as this value lives.
 pub struct Autosave {
     folder: PathBuf,
     path: PathBuf,
-    /// Held locked.
+    /// The lock of the slot.
     lock: File,
-    /// Copies that were left behind, with their locks, so that no other window offers them meanwhile; the newest first.
+    /// Copies left behind, newest first. Their locks keep other windows from offering them.
     left_behind: Vec<(PathBuf, File)>,
-    /// Whether the last copy could not be written, of which the person was told.
+    /// Whether the last copy failed, and the user knows.
     pub is_failing: bool,
 }
 
 impl Autosave {
-    /// Takes a slot of the folder and finds what was left behind in others. Old copies are removed, so that there is
-    /// always a slot; the error says why the folder cannot be used, which is no reason not to work.
+    /// Takes a slot of the folder and finds copies left behind. Removes old copies, so that slots
+    /// remain free. The error says why the folder cannot be used; the program works without copies
+    /// then.
     pub fn begin(folder: &Path) -> Result<Self, String> {
         let failed = |error: std::io::Error| format!("{}: {}", shown_path(folder), reason(&error));
         make_private(folder).map_err(failed)?;
@@ -46,7 +47,8 @@ impl Autosave {
         Ok(found)
     }
 
-    /// Leaves the copy of this window behind, to be offered again, and takes another slot; whether there was one.
+    /// Leaves the copy of this window behind and takes another slot. Returns whether a slot was
+    /// free.
     pub fn set_aside(&mut self) -> bool {
         let Ok((path, lock)) = free_slot(&self.folder) else { return false };
         let left = (std::mem::replace(&mut self.path, path), std::mem::replace(&mut self.lock, lock));
@@ -55,7 +57,7 @@ impl Autosave {
         true
     }
 
-    /// Removes copies beyond the number and the age that are kept.
+    /// Removes copies beyond the maximum number and age.
     fn prune(&mut self, now: SystemTime) {
         let is_old = |path: &Path| {
             let age = modified(path).and_then(|then| now.duration_since(then).ok());
@@ -63,7 +65,7 @@ impl Autosave {
         };
         let mut kept = Vec::new();
         for (path, lock) in self.left_behind.drain(..) {
-            // One that cannot be removed stays where it is.
+            // A copy that cannot be removed is kept.
             if (kept.len() < MOST_LEFT_BEHIND && !is_old(&path)) || std::fs::remove_file(&path).is_err() {
                 kept.push((path, lock));
             }
@@ -71,21 +73,21 @@ impl Autosave {
         self.left_behind = kept;
     }
 
-    /// Where this window keeps its copy.
+    /// Returns the path for the copy of this window.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// The copies that were left behind, the newest first.
+    /// Returns the copies left behind, newest first.
     pub fn left_behind(&self) -> impl Iterator<Item = &Path> {
         self.left_behind.iter().map(|(path, _)| path.as_path())
     }
 
-    /// The copy was taken over or is not wanted: removes it.
+    /// Removes a copy that was restored or discarded.
     pub fn remove(&mut self, path: &Path) {
         if let Some(at) = self.left_behind.iter().position(|(other, _)| other == path) {
             let (path, _lock) = self.left_behind.remove(at);
-            // One that cannot be removed is offered again.
+            // A copy that cannot be removed is offered again.
             let _ = std::fs::remove_file(path);
         }
     }
@@ -95,7 +97,7 @@ fn path_of(folder: &Path, slot: usize) -> PathBuf {
     folder.join(format!("unsaved-{slot}.json"))
 }
 
-/// A slot that nobody has and no copy is in.
+/// Returns a slot without owner and without a copy.
 fn free_slot(folder: &Path) -> std::io::Result<(PathBuf, File)> {
     for slot in (0..SLOTS).filter(|slot| !path_of(folder, *slot).exists()) {
         if let Some(free) = take(folder, slot)? {
@@ -105,7 +107,7 @@ fn free_slot(folder: &Path) -> std::io::Result<(PathBuf, File)> {
     Err(std::io::Error::other(format!("all {SLOTS} places for copies are taken")))
 }
 
-/// The path of a slot and its lock, if nobody else has it.
+/// Locks a slot and returns its path and lock; `None` if another window holds it.
 fn take(folder: &Path, slot: usize) -> std::io::Result<Option<(PathBuf, File)>> {
     let lock = folder.join(format!("unsaved-{slot}.lock"));
     let file = OpenOptions::new().create(true).truncate(false).write(true).open(lock)?;
@@ -116,7 +118,7 @@ fn take(folder: &Path, slot: usize) -> std::io::Result<Option<(PathBuf, File)>> 
     }
 }
 
-/// Makes the folder, for nobody but its owner.
+/// Creates the folder, readable by its owner only.
 fn make_private(folder: &Path) -> std::io::Result<()> {
     let mut builder = std::fs::DirBuilder::new();
     builder.recursive(true);
@@ -137,11 +139,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn each_window_has_its_own_slot_and_finds_what_others_left() {
+    fn each_window_has_its_own_slot_and_finds_copies_left_behind() {
         let folder = tempfile::tempdir().unwrap();
         let first = Autosave::begin(folder.path()).unwrap();
         std::fs::write(first.path(), "work").unwrap();
-        // Its owner still runs: nobody else's business.
+        // The owner of this copy still runs.
         let second = Autosave::begin(folder.path()).unwrap();
         assert_ne!(first.path(), second.path());
         assert_eq!(second.left_behind().next(), None);
@@ -149,7 +151,7 @@ mod tests {
         drop(first);
         let mut third = Autosave::begin(folder.path()).unwrap();
         assert_eq!(third.left_behind().next(), Some(&*left));
-        // While it is being offered nobody else offers it.
+        // A copy that is being offered is not offered by another window.
         assert_eq!(Autosave::begin(folder.path()).unwrap().left_behind().next(), None);
         third.remove(&left);
         assert!(!left.exists());
@@ -170,7 +172,7 @@ mod tests {
     }
 
     #[test]
-    fn a_folder_that_cannot_be_made_is_no_error() {
+    fn an_unusable_folder_is_reported() {
         let folder = tempfile::tempdir().unwrap();
         std::fs::write(folder.path().join("file"), "").unwrap();
         let problem = Autosave::begin(&folder.path().join("file/deep")).err().unwrap();
@@ -178,7 +180,7 @@ mod tests {
     }
 
     #[test]
-    fn however_many_copies_are_there_one_more_can_be_kept() {
+    fn there_is_always_room_for_one_more_copy() {
         let folder = tempfile::tempdir().unwrap();
         for slot in 0..100 {
             std::fs::write(path_of(folder.path(), slot), format!("work {slot}")).unwrap();
@@ -199,7 +201,7 @@ mod tests {
     }
 
     #[test]
-    fn what_nobody_wanted_for_months_goes() {
+    fn old_copies_are_removed() {
         let folder = tempfile::tempdir().unwrap();
         for slot in [0, 1] {
             std::fs::write(path_of(folder.path(), slot), "work").unwrap();

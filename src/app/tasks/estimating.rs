@@ -1,4 +1,4 @@
-//! The search for the geometry and what is shown while it goes on, each in a thread of its own.
+//! The search for the geometry, and the refit to moved points meanwhile. Each has its own thread.
 
 use std::sync::Arc;
 
@@ -10,10 +10,10 @@ use crate::app::model::computation::{
 };
 use crate::estimate::{Estimate, Monitor, Progress};
 
-/// The number of a search, what it is for, and the geometries to start from meanwhile.
+/// Number of a search, its request, and the geometries to start from.
 type FollowQuestion = (u64, EstimateRequest, Vec<Arc<Estimate>>);
 
-/// The threads that estimate.
+/// The estimating threads.
 pub struct Estimating {
     search: Task<EstimateRequest, EstimateNews>,
     follower: Task<FollowQuestion, (u64, Option<Estimate>)>,
@@ -28,7 +28,7 @@ impl Estimating {
                 Progress::Pencils(pencils) => turn.tell(EstimateNews::Pencils(pencils)),
                 Progress::Preliminary(estimate) => {
                     turn.tell(EstimateNews::Preliminary(estimate));
-                    // Now there is something to be drawn.
+                    // There is something to draw now.
                     turn.give_way();
                 }
             });
@@ -43,7 +43,7 @@ impl Estimating {
         Self { search, follower }
     }
 
-    /// Brings the computation in line with what is to be computed: starts it anew when that has changed.
+    /// Starts a new search if the request has changed.
     pub fn follow(&mut self, computation: &mut Computation, request: Option<EstimateRequest>) {
         match computation.adopt(request.as_ref()) {
             RequestChange::None => return,
@@ -59,13 +59,13 @@ impl Estimating {
         }
     }
 
-    /// Gives up what is under way.
+    /// Cancels search and refit.
     pub fn forget(&mut self) {
         self.search.forget();
         self.follower.forget();
     }
 
-    /// Stops what is under way; a preliminary result stays.
+    /// Stops the search. A preliminary result stays.
     pub fn stop(&mut self, computation: &mut Computation) {
         if computation.is_running() {
             self.forget();
@@ -73,7 +73,7 @@ impl Estimating {
         }
     }
 
-    /// Takes in what the threads have reported.
+    /// Passes news from the threads to the computation.
     pub fn take(&mut self, computation: &mut Computation) {
         while let Some((generation, event)) = self.search.poll() {
             let news = match event {

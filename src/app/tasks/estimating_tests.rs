@@ -5,7 +5,7 @@ use crate::estimate::EstimateError;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-/// A computation with the threads that it is computed by.
+/// A computation with its threads.
 struct Computing {
     tasks: Estimating,
     state: Computation,
@@ -38,7 +38,8 @@ fn freshness(computation: &Computation) -> Option<Freshness> {
     computation.result().map(|(_, freshness)| freshness)
 }
 
-/// A computation that pauses after its preliminary result until the gate opens or it is cancelled.
+/// Returns a computation that pauses after its preliminary result until the gate opens or it is
+/// cancelled.
 fn gated(gate: &Arc<AtomicBool>) -> Computing {
     let gate = Arc::clone(gate);
     Computing::new(Box::new(move |request, monitor| {
@@ -66,14 +67,14 @@ fn results_go_from_preliminary_to_final_to_stale() {
     assert!(!computing.state.is_running(), "nothing changed");
     computing.follow(fake::request(2.0));
     assert_eq!(freshness(&computing.state), Some(Freshness::Followed));
-    // The news that nothing follows them.
+    // The news that no geometry can follow.
     computing.state.take_followed(2, None);
     assert_eq!(freshness(&computing.state), Some(Freshness::Stale));
     computing.tasks.follow(&mut computing.state, None);
     assert!(!computing.state.is_running() && freshness(&computing.state).is_none());
 }
 
-/// A follower that marks what it gives with the first point's x.
+/// Follows with a geometry whose margin is the x of the first point.
 fn mark(request: &EstimateRequest, starts: &[&Estimate]) -> Option<Estimate> {
     let start = starts.last()?;
     let mut assessment = start.assessment.clone();
@@ -82,7 +83,7 @@ fn mark(request: &EstimateRequest, starts: &[&Estimate]) -> Option<Estimate> {
 }
 
 #[test]
-fn geometries_follow_moved_points_until_the_search_has_its_own() {
+fn geometries_follow_moved_points_until_the_search_has_a_result() {
     let gate = Arc::new(AtomicBool::new(true));
     let held_up = Arc::clone(&gate);
     let search = move |request: &EstimateRequest, monitor: &Monitor| {
@@ -97,7 +98,11 @@ fn geometries_follow_moved_points_until_the_search_has_its_own() {
     gate.store(false, Ordering::Relaxed);
     for x in [2.0, 3.0, 4.0] {
         computing.follow(fake::request(x));
-        assert_eq!(freshness(&computing.state), Some(Freshness::Followed), "no flicker while it is asked");
+        assert_eq!(
+            freshness(&computing.state),
+            Some(Freshness::Followed),
+            "no flicker while the follower works"
+        );
     }
     wait(&mut computing, |c| c.result().is_some_and(|(estimate, _)| estimate.assessment.margin == Some(4.0)));
     assert_eq!(freshness(&computing.state), Some(Freshness::Followed));

@@ -1,13 +1,13 @@
-//! Reading files of other programs, one import after the other.
+//! Reads files of other programs, one import after the other.
 
 use super::task::{Event, Task};
 use super::waker::Waker;
 use crate::app::model::exchange::{ImportFound, ImportQuestion};
 
-/// The thread that reads.
+/// The reading thread.
 pub struct Importing {
     task: Task<ImportQuestion, Result<ImportFound, String>>,
-    /// What is being read.
+    /// Name of the files being read.
     name: String,
 }
 
@@ -18,29 +18,29 @@ impl Importing {
         Self { task, name: String::new() }
     }
 
-    /// Reads files in place of those that are being read.
+    /// Reads files in the thread.
     pub fn begin(&mut self, question: ImportQuestion) {
         self.name = question.pending.source.name();
         self.task.ask(question);
     }
 
-    /// Drops what is being read: the images are others.
+    /// Cancels the import, because other images were opened.
     pub fn forget(&mut self) {
         self.task.forget();
     }
 
-    /// What was found in it, or what happened and what to do, once that is known.
+    /// Returns the contents of the files or a message, once reading has ended.
     pub fn poll(&mut self) -> Option<Result<ImportFound, String>> {
         match self.task.poll()?.1 {
             Event::Told(answer) | Event::Over(Ok(Some(answer))) => Some(answer),
             Event::Over(_) => Some(Err(format!(
-                "{} could not be imported: reading it failed. Nothing was changed.",
+                "{} could not be imported, because reading it failed. Nothing was changed.",
                 self.name
             ))),
         }
     }
 
-    /// Whether something is being read.
+    /// Returns whether an import is running.
     pub fn is_busy(&self) -> bool {
         self.task.is_busy()
     }

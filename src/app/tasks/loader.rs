@@ -1,7 +1,7 @@
-//! Opening off the window's thread.
+//! Opens pictures outside the thread of the window.
 //!
-//! Decoding a large photograph takes a second or more. Each opening runs in a thread of its own; a newer
-//! one makes the window forget the older.
+//! Decoding a large photograph can take more than a second. Each opening has its own thread. The
+//! window ignores an opening that was overtaken by a newer one.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -17,7 +17,7 @@ use crate::app::model::picture::Opened;
 use crate::app::model::session::OpenSession;
 use crate::cancel::CancelFlag;
 
-/// What the loader is asked for.
+/// Request to the loader.
 #[derive(Clone)]
 enum Wanted {
     Sample,
@@ -42,21 +42,21 @@ impl Wanted {
     }
 }
 
-/// The opening under way, if any.
+/// The running opening, if any.
 pub struct Loader {
     waker: Waker,
     task: Option<Task<(Wanted, PairReading), Result<LoadedPair, OpeningFailure>>>,
-    /// The pictures that were opened last.
+    /// The pictures opened last.
     open: Vec<Opened>,
 }
 
 impl Loader {
-    /// Nothing to open yet.
+    /// Creates an idle loader.
     pub fn new(waker: Waker) -> Self {
         Self { waker, task: None, open: Vec::new() }
     }
 
-    /// Whether pictures are being opened.
+    /// Returns whether pictures are being opened.
     pub fn is_busy(&self) -> bool {
         self.task.is_some()
     }
@@ -81,7 +81,7 @@ impl Loader {
         self.start(Wanted::Folder(path));
     }
 
-    /// Opens a pair of a folder; what of it is open already is not read again.
+    /// Opens a pair of a folder. Images that are already open are not read again.
     pub fn open_pair(&mut self, folder: Arc<PairFolder>, pair: [usize; 2]) {
         self.start(Wanted::Views(folder, pair));
     }
@@ -91,7 +91,7 @@ impl Loader {
         self.start(Wanted::Session(session));
     }
 
-    /// The end of the opening under way, once it is there.
+    /// Returns the result of the running opening, once it has ended.
     pub fn poll(&mut self) -> Option<Result<LoadedPair, OpeningFailure>> {
         let (_, event) = self.task.as_mut()?.poll()?;
         self.task = None;
@@ -109,7 +109,8 @@ impl Loader {
     }
 
     fn start(&mut self, wanted: Wanted) {
-        // What somebody names is read again, for it may have changed; the views of a folder follow each other fast.
+        // The views of a folder are changed fast, so open images are reused. Files named by the
+        // user are read again, as they may have changed.
         let open = if matches!(wanted, Wanted::Views(..)) { self.open.clone() } else { Vec::new() };
         // A newer opening does not wait for the older one.
         let mut task = Task::new(

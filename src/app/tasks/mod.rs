@@ -1,4 +1,4 @@
-//! What is done off the window's thread, each in a thread of its own.
+//! Work outside the thread of the window. Each kind of work has its own thread.
 
 mod autosave;
 mod estimating;
@@ -40,37 +40,37 @@ use crate::suggest::NextClick;
 use task::{Following, Task, Waiting};
 use thumbnails::Thumbnailing;
 
-/// All of them.
+/// All tasks.
 pub struct Tasks {
-    /// Wakes the window.
+    /// Handle that wakes the window.
     pub waker: Waker,
-    /// The geometry.
+    /// Estimates of the geometry.
     pub estimating: Estimating,
     preparing: Following<Pictures, ()>,
     comparing: Following<ComparisonQuestion, Comparison>,
     inspecting: Following<InspectionRequest, Inspection>,
     suggesting: Following<SuggestQuestion, Suggested>,
     advising: Following<NextClickQuestion, Option<NextClick>>,
-    /// Pairs to be repaired.
+    /// Repair of pairs.
     pub repairing: Task<RepairQuestion, Repaired>,
-    /// Sequences whose offset in time is to be found.
+    /// Search for the time offset of sequences.
     pub aligning: Task<Recordings, OffsetFound>,
     rectifying: Following<RectifyQuestion, Rectified>,
-    /// Pictures to be opened.
+    /// Opening of pictures.
     pub loader: Loader,
     /// Small pictures of the folder.
     pub thumbnailing: Thumbnailing,
-    /// Files to be imported.
+    /// Import of files.
     pub importing: Importing,
-    /// The rectified pair to be written.
+    /// Writing of the rectified pair.
     pub writing: Writing,
-    /// Sessions and exports to be written.
+    /// Writing of sessions and exports.
     pub saver: Saver,
-    /// The place for copies of unsaved work, if there is one to be used.
+    /// Slot for copies of unsaved work, if available.
     pub autosave: Option<Autosave>,
-    /// Why there is none, although there should be.
+    /// Reason why no slot is available, although one should be.
     pub no_autosave: Option<String>,
-    /// The system's dialogs.
+    /// Dialogs of the system.
     pub picking: Picking,
 }
 
@@ -122,7 +122,8 @@ impl Tasks {
         });
         let rectifying =
             Task::new("rectification", waker.clone(), Waiting::Newest, |question: RectifyQuestion, turn| {
-                // Small pictures are finished, or a drag, which asks in every frame, would show none.
+                // A draft is always finished. A drag asks in every frame and would otherwise show
+                // no draft.
                 if !question.moving {
                     turn.give_way();
                 }
@@ -150,7 +151,7 @@ impl Tasks {
         }
     }
 
-    /// Takes in what was found out about the pictures that are open.
+    /// Stores new results in the model.
     pub fn take(&mut self, model: &mut Model) {
         self.thumbnailing.take(&mut model.thumbnails);
         let open = &mut model.open;
@@ -163,7 +164,7 @@ impl Tasks {
         open.follow_result();
     }
 
-    /// Asks what is to be asked about the state as it is; `exports` says that the inspected lines may be exported.
+    /// Sends the requests of the current state. `exports`: the inspected lines may be exported.
     pub fn follow(&mut self, model: &mut Model, exports: bool) {
         let pictures = model.pictures_to_prepare();
         self.preparing.follow(pictures, &mut None);
@@ -181,7 +182,7 @@ impl Tasks {
         self.rectifying.follow(question, &mut model.open.rectified);
     }
 
-    /// Gives up what is about the pictures that were open: others are.
+    /// Cancels all work on the previous pictures.
     pub fn forget_pair(&mut self) {
         self.preparing.forget();
         self.estimating.forget();
@@ -195,12 +196,12 @@ impl Tasks {
         self.importing.forget();
     }
 
-    /// Whether another rectified pair is being made.
+    /// Returns whether a rectified pair is being made.
     pub fn is_rectifying(&self) -> bool {
         self.rectifying.is_busy()
     }
 
-    /// Whether something is under way that the window waits for, besides the estimate.
+    /// Returns whether the window waits for anything besides the estimate.
     pub fn is_busy(&self) -> bool {
         self.loader.is_busy()
             || self.thumbnailing.is_busy()

@@ -1,4 +1,4 @@
-//! What can be opened, and how pictures, sequences, the built-in pairs and the pairs of a folder are.
+//! Things to open, and reading of pictures, sequences, built-in pairs and pairs of a folder.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -18,7 +18,7 @@ use crate::geometry::PointPair;
 use crate::image::Picture;
 use crate::io::{is_sequence, read_sequence};
 
-/// What to open.
+/// A thing to open.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub enum Opening {
     /// The built-in pair.
@@ -34,42 +34,42 @@ pub enum Opening {
     Session(PathBuf),
 }
 
-/// What an opening gives.
+/// Result of an opening.
 pub struct LoadedPair {
     /// The two pictures.
     pub pictures: [Opened; 2],
-    /// Point pairs for "Show me", when there are any.
+    /// Point pairs for "Show me", if the pictures have any.
     pub show_me: Option<[PointPair; 2]>,
-    /// What is known about them, if anything.
+    /// Ground truth of the pictures, if known.
     pub known: Option<KnownTruth>,
-    /// The folder that the pictures are of.
+    /// Folder of the pictures.
     pub folder: Option<OpenFolder>,
-    /// Whether what is known is to be used from the start.
+    /// Whether to use the ground truth from the start.
     pub uses_truth: bool,
-    /// What a session brings.
+    /// Contents of a session besides its pictures.
     pub restored: Option<Box<Restored>>,
-    /// What a person has to know about the pictures, a sentence or two each.
+    /// Remarks about the pictures, one or two sentences each.
     pub notes: Vec<String>,
 }
 
-/// Why nothing was opened.
+/// Reason why nothing was opened.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum OpeningFailure {
-    /// What happened and what to do.
+    /// Message with the fact and the action.
     Text(String),
-    /// A file that was to be a session is something else.
+    /// The file is not a session.
     NoSession {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// That it is no session.
+        /// Message that the file is not a session.
         problem: String,
     },
-    /// The images of a session have to be found first.
+    /// The user must find the images of a session.
     Relocate(Box<Relocation>),
 }
 
 impl LoadedPair {
-    /// Two pictures of which nothing else is known.
+    /// Creates the result of opening two pictures without anything else.
     pub fn of(pictures: [Opened; 2]) -> Self {
         Self {
             pictures,
@@ -83,18 +83,18 @@ impl LoadedPair {
     }
 }
 
-/// How the pictures of one opening are read, and what there is to tell about them.
+/// State of one opening while it reads pictures.
 pub struct PairReading {
-    /// Set when others are to be opened instead.
+    /// Cancelled when other pictures are opened instead.
     pub cancel: CancelFlag,
-    /// Pictures that are open and not read again.
+    /// Open pictures that need not be read again.
     pub open: Vec<Opened>,
-    /// What a person has to know about the pictures.
+    /// Remarks about the pictures.
     pub notes: Vec<String>,
 }
 
 impl PairReading {
-    /// What two files are, or two folders: pictures, or sequences.
+    /// Reads two files or two folders, as pictures or as sequences.
     pub fn pair(&mut self, paths: [&Path; 2]) -> Result<[Opened; 2], OpeningFailure> {
         let [left, right] = paths;
         match paths.map(is_sequence) {
@@ -103,19 +103,22 @@ impl PairReading {
             [left, _] => {
                 let (one, other) = if left { ("left", "right") } else { ("right", "left") };
                 Err(OpeningFailure::Text(format!(
-                    "The {one} one is a sequence of frames and the {other} one a single picture. Nothing was changed; open two pictures, or two sequences."
+                    "The {one} side is a sequence of frames, the {other} side a single picture. \
+                     Nothing was changed. Open two pictures, or two sequences."
                 )))
             }
         }
     }
 
-    /// Both sequences of frames.
+    /// Reads two sequences of frames.
     fn sequences(&mut self, [left, right]: [&Path; 2]) -> Result<[Opened; 2], OpeningFailure> {
         let pair = [self.sequence(left, Side::Left)?, self.sequence(right, Side::Right)?];
         let counts = pair.each_ref().map(|opened| opened.recording.as_ref().map_or(0, |r| r.sequence.len()));
         if counts[0] != counts[1] {
             self.notes.push(format!(
-                "The sequences have {} and {} frames: those that both have are compared. If they did not begin together, set the offset below the images, or let it be found.",
+                "The sequences have {} and {} frames. Only the frames that both have are compared. \
+                 If the sequences did not begin together, set the offset below the images, or let \
+                 it be found.",
                 counts[0], counts[1]
             ));
         }
@@ -126,7 +129,7 @@ impl PairReading {
         self.open.iter().find(|opened| opened.picture.path.as_deref() == Some(path)).cloned()
     }
 
-    /// A sequence of frames, with what moves in it.
+    /// Reads a sequence of frames and finds its silhouettes.
     fn sequence(&mut self, path: &Path, side: Side) -> Result<Opened, OpeningFailure> {
         if let Some(same) = self.known(path) {
             return Ok(same);
@@ -134,7 +137,7 @@ impl PairReading {
         let name = side.name();
         let failed = |error: String| {
             OpeningFailure::Text(format!(
-                "The {name} sequence: {error}. Nothing was changed; take other frames, or open another one."
+                "The {name} sequence: {error}. Nothing was changed. Use other frames, or open another sequence."
             ))
         };
         let file = read_sequence(path, &self.cancel, &|_| ()).map_err(|error| failed(error.to_string()))?;
@@ -144,7 +147,7 @@ impl PairReading {
         Ok(Opened::recorded(file.first, recording))
     }
 
-    /// The picture of a file.
+    /// Reads a picture.
     fn picture(&self, path: &Path, side: Side) -> Result<Opened, OpeningFailure> {
         if let Some(same) = self.known(path) {
             return Ok(same);
@@ -152,29 +155,29 @@ impl PairReading {
         let name = side.name();
         Picture::open(path).map(Opened::new).map_err(|error| {
             OpeningFailure::Text(format!(
-                "The {name} image: {error}. Nothing was changed; check the file, or open another one."
+                "The {name} image: {error}. Nothing was changed. Check the file, or open another image."
             ))
         })
     }
 }
 
-/// What happened with a folder and what to do.
+/// Returns a message about a folder that could not be opened.
 fn unchanged(error: &str) -> OpeningFailure {
     OpeningFailure::Text(format!(
-        "The folder could not be opened: {error}. Nothing was changed; correct it, or open another one."
+        "The folder could not be opened: {error}. Nothing was changed. Correct the folder, or open another one."
     ))
 }
 
-/// The built-in pair.
+/// Loads the built-in pair.
 pub fn sample() -> LoadedPair {
     let sample = sample_pair();
     let source = TruthSource::Sample(sample.truth.name.clone());
     let known = Some(KnownTruth { truth: Shared::new(sample.truth), source });
-    // Who learns the program is not shown the answer before the question: the truth is not used at once.
+    // Beginners should try before they see the answer, so the truth is not used at once.
     LoadedPair { show_me: Some(sample.show_me), known, ..LoadedPair::of(sample.pictures.map(Opened::new)) }
 }
 
-/// The built-in sequences, drawn and told from their background.
+/// Draws the built-in sequences and finds their silhouettes.
 pub fn sample_sequences(reading: &PairReading) -> Result<LoadedPair, OpeningFailure> {
     let drawn = sample_recordings(&reading.cancel).map_err(|error| {
         OpeningFailure::Text(format!(
@@ -189,13 +192,13 @@ pub fn sample_sequences(reading: &PairReading) -> Result<LoadedPair, OpeningFail
     Ok(LoadedPair { show_me, known: Some(known), ..LoadedPair::of(pictures) })
 }
 
-/// The first pair of a folder.
+/// Opens the first pair of a folder.
 pub fn open_folder(path: &Path, reading: &mut PairReading) -> Result<LoadedPair, OpeningFailure> {
     let folder = PairFolder::open(path).map_err(|problem| unchanged(&problem))?;
     open_views(&Arc::new(folder), [0, 1], reading)
 }
 
-/// Two views of a folder.
+/// Opens two views of a folder.
 pub fn open_views(
     folder: &Arc<PairFolder>,
     pair: [usize; 2],

@@ -1,4 +1,4 @@
-//! The system's file dialogs, which return only when they are closed.
+//! File dialogs of the system. They block until closed, so a thread shows them.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -9,24 +9,24 @@ use super::task::{Event, Task, Waiting};
 use super::waker::Waker;
 use crate::app::model::command::PickPurpose;
 
-/// A dialog that returns sooner than this cannot have been seen by anybody.
+/// A dialog that returns sooner was not visible to anybody.
 const UNSEEN: Duration = Duration::from_millis(150);
 
-/// What became of a dialog.
+/// Outcome of a dialog.
 pub enum Picked {
-    /// Something was chosen.
+    /// A path was chosen.
     Path(PickPurpose, PathBuf),
-    /// Nothing was.
+    /// The user cancelled.
     Nothing,
-    /// The dialog could not be opened here.
+    /// The dialog could not open.
     Unseen,
 }
 
-/// The dialog that is open, if any: one at a time.
+/// The open dialog, one at a time.
 pub struct Picking(Task<PickPurpose, Picked>);
 
 impl Picking {
-    /// Starts the thread. The dialogs are those for a file, for a folder, and for where to save.
+    /// Starts the thread. The functions ask for a file, a folder, and a path for saving.
     pub fn new(waker: Waker, [pick_file, pick_folder]: [Arc<PickFn>; 2], pick_save: Arc<SavePickFn>) -> Self {
         Self(Task::new("file dialog", waker, Waiting::Newest, move |purpose: PickPurpose, _| {
             let start = Instant::now();
@@ -43,7 +43,7 @@ impl Picking {
         }))
     }
 
-    /// Shows a dialog, unless one is open; says whether it does.
+    /// Shows a dialog unless one is open, and returns whether it does.
     pub fn begin(&mut self, purpose: PickPurpose) -> bool {
         let free = !self.0.is_busy();
         if free {
@@ -52,7 +52,7 @@ impl Picking {
         free
     }
 
-    /// What became of the dialog, once it is closed.
+    /// Returns the outcome of the dialog, once closed.
     pub fn poll(&mut self) -> Option<Picked> {
         match self.0.poll()?.1 {
             Event::Told(picked) | Event::Over(Ok(Some(picked))) => Some(picked),
@@ -60,7 +60,7 @@ impl Picking {
         }
     }
 
-    /// Whether a dialog is open.
+    /// Returns whether a dialog is open.
     pub fn is_busy(&self) -> bool {
         self.0.is_busy()
     }

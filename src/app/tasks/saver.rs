@@ -1,4 +1,4 @@
-//! A thread that writes sessions and exports, one after the other: writing to a disk may take its time.
+//! A thread that writes sessions and exports in order, as disks can be slow.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
@@ -10,69 +10,69 @@ use crate::app::model::exchange::ExportContent;
 use crate::app::model::session::Work;
 use crate::io::{OutputFile, SessionFile, WriteError, refuse_clashes};
 
-/// How long the window waits for a disk.
+/// Maximum time that the window waits for a disk.
 const PATIENCE: Duration = Duration::from_secs(3);
 
-/// Something to write.
+/// A job of the writing thread.
 pub enum SaveJob {
-    /// A session that a person saves.
+    /// Save a session for the user.
     Save {
-        /// Where.
+        /// Path of the session.
         path: PathBuf,
-        /// What.
+        /// Contents of the file.
         session: Box<SessionFile<Work>>,
-        /// The same as the window has it: what is compared with to tell whether something has changed since.
+        /// The saved work, for telling later whether anything changed.
         work: Box<Work>,
-        /// Files that are open, which it must not replace.
+        /// Open files that must not be replaced.
         inputs: Vec<PathBuf>,
     },
-    /// The program's own copy.
+    /// Write the program's own copy of unsaved work.
     Autosave {
-        /// Where.
+        /// Path of the copy.
         path: PathBuf,
-        /// What.
+        /// Contents of the copy.
         session: Box<SessionFile<Work>>,
     },
-    /// A file for other programs.
+    /// Write a file for other programs.
     Export {
-        /// Where.
+        /// Path of the file.
         path: PathBuf,
-        /// What it is, in a few words.
+        /// Short description of the file.
         what: String,
-        /// Composes it.
+        /// Composer of the contents.
         content: ExportContent,
-        /// Files that are open, which it must not replace.
+        /// Open files that must not be replaced.
         inputs: Vec<PathBuf>,
     },
-    /// The program's own copy is not needed any more.
+    /// Remove the program's own copy.
     Remove(PathBuf),
 }
 
-/// What became of something that a person had written.
+/// Outcome of a job.
 pub enum Written {
     /// A session.
     Session {
-        /// Where.
+        /// Path of the session.
         path: PathBuf,
-        /// What was saved, or why it was not written.
+        /// The saved work, or the reason why it was not written.
         result: Result<Box<Work>, String>,
     },
-    /// The program's own copy of unsaved work; why it was not written, if so.
+    /// The program's own copy of unsaved work. The error says why it was not written.
     Copy(Result<(), String>),
     /// A file for other programs.
     Export {
-        /// Where.
+        /// Path of the file.
         path: PathBuf,
-        /// What it is, or why it was not written.
+        /// Description of the file, or the reason why it was not written.
         result: Result<String, String>,
     },
 }
 
-/// A handle to the writing thread; dropping it waits until everything is written.
+/// A handle to the writing thread. Dropping the handle waits until everything is written.
 pub struct Saver(Task<SaveJob, Written>);
 
 impl Saver {
-    /// Starts the thread; it calls `waker` after each file.
+    /// Starts the thread. It calls `waker` after each file.
     pub fn new(waker: Waker) -> Self {
         Self(Task::new("save", waker, Waiting::All, |job, _| match job {
             SaveJob::Save { path, session, work, inputs } => {
@@ -95,12 +95,12 @@ impl Saver {
         }))
     }
 
-    /// Does a job after those before it.
+    /// Queues a job.
     pub fn ask(&mut self, job: SaveJob) {
         self.0.ask(job);
     }
 
-    /// What was written since the last call.
+    /// Returns the next outcome.
     pub fn poll(&mut self) -> Option<Written> {
         while let Some((_, event)) = self.0.poll() {
             if let Event::Told(written) | Event::Over(Ok(Some(written))) = event {
@@ -110,27 +110,28 @@ impl Saver {
         None
     }
 
-    /// Waits until everything asked for is written, but not for ever.
+    /// Waits until everything is written, up to a limit.
     pub fn finish(&self) {
-        // A disk that takes longer is not worth a window that stands still.
+        // The window should not freeze for a slow disk.
         self.0.wait(PATIENCE);
     }
 
-    /// Whether something is not written yet.
+    /// Returns whether a job is not finished.
     pub fn is_busy(&self) -> bool {
         self.0.is_busy()
     }
 }
 
-/// Whether a file is none of those that are open.
+/// Refuses a path that is one of the open files.
 fn apart(path: &Path, inputs: &[PathBuf]) -> Result<(), WriteError> {
     refuse_clashes(&[path], &inputs.iter().map(PathBuf::as_path).collect::<Vec<_>>())
 }
 
-/// Writes a file whole or not at all; the place is tried before the content is composed.
+/// Writes a file whole or not at all. An unusable path fails before the content is composed.
 fn export(path: &Path, content: ExportContent) -> Result<(), String> {
     let output = OutputFile::prepare(path).map_err(|error| error.to_string())?;
-    let content = catch_unwind(AssertUnwindSafe(content))
-        .unwrap_or_else(|payload| Err(format!("composing it failed ({})", panic_text(payload.as_ref()))))?;
+    let content = catch_unwind(AssertUnwindSafe(content)).unwrap_or_else(|payload| {
+        Err(format!("composing the file failed ({})", panic_text(payload.as_ref())))
+    })?;
     output.write(&content).map_err(|error| error.to_string())
 }

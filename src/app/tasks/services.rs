@@ -1,4 +1,4 @@
-//! What the window gets done by others, so that tests can put something else in their place.
+//! Computations and dialogs of the window, which tests can replace.
 
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -20,51 +20,52 @@ use crate::suggest::{
     view_at,
 };
 
-/// The search for a geometry: the estimator of this library, or something that stands in for it.
+/// Searches for a geometry. Tests replace the estimator of this library.
 pub type EstimateFn = dyn FnMut(&EstimateRequest, &Monitor) -> Result<Estimate, EstimateError> + Send;
 
-/// Refits the most supported of some earlier geometries of the same pictures to moved points, in milliseconds.
+/// Refits the best supported of the earlier geometries of these pictures to moved points, within
+/// milliseconds.
 pub type FollowFn = dyn FnMut(&EstimateRequest, &[&Estimate]) -> Option<Estimate> + Send;
 
-/// Makes ready what depends on the pictures alone, before anybody has clicked.
+/// Prepares data that depends on the pictures only, before the first click.
 pub type PrepareFn = dyn FnMut(&Pictures, &CancelFlag) + Send;
 
-/// Suggests the match of a first click, in some hundredths of a second.
+/// Suggests the match of a first click, within some hundredths of a second.
 pub type SuggestFn = dyn FnMut(&SuggestQuestion) -> Suggested + Send;
 
-/// Finds the place where one more pair would tell most, in some milliseconds.
+/// Finds the most useful place for one more pair, within milliseconds.
 pub type NextClickFn = dyn FnMut(&NextClickQuestion) -> Option<NextClick> + Send;
 
-/// Looks for a better place for a pair, in some hundredths of a second.
+/// Finds a better place for a pair, within some hundredths of a second.
 pub type RepairFn = dyn FnMut(&RepairQuestion) -> RepairOutcome + Send;
 
-/// Asks for a path with a dialog of the system, and returns when that is closed.
+/// Asks for a path with a dialog of the system, and returns when the dialog is closed.
 pub type PickFn = dyn Fn() -> Option<PathBuf> + Send + Sync;
 
-/// Asks with a dialog of the system where to write a file, for which it suggests a path.
+/// Asks for a path to write to, with a dialog of the system that suggests a path.
 pub type SavePickFn = dyn Fn(&Path) -> Option<PathBuf> + Send + Sync;
 
-/// The computations and the system's dialogs.
+/// Computations and system dialogs.
 pub struct Services {
-    /// What is done as soon as pictures are open.
+    /// Preparation of pictures, as soon as they are open.
     pub prepare: Box<PrepareFn>,
-    /// The search for a geometry.
+    /// Search for a geometry.
     pub estimate: Box<EstimateFn>,
-    /// What is shown while the search goes on.
+    /// Refit to moved points while the search goes on.
     pub follow: Box<FollowFn>,
-    /// What is offered for the second click of a pair.
+    /// Suggestion for the second click of a pair.
     pub suggest: Box<SuggestFn>,
-    /// Where one more pair would tell most.
+    /// Most useful place for one more pair.
     pub next_click: Box<NextClickFn>,
-    /// A better place for a pair that was placed.
+    /// Better place for a placed pair.
     pub repair: Box<RepairFn>,
-    /// The system's dialog for choosing a file; `None` when it was cancelled or could not open.
+    /// System dialog for a file; `None` when cancelled or unable to open.
     pub pick_file: Arc<PickFn>,
-    /// The system's dialog for choosing a folder; `None` as for a file.
+    /// System dialog for a folder; `None` when cancelled or unable to open.
     pub pick_folder: Arc<PickFn>,
-    /// The system's dialog for choosing where to save or export; `None` as for a file.
+    /// System dialog for a path to write to; `None` when cancelled or unable to open.
     pub pick_save: Arc<SavePickFn>,
-    /// The folder for the program's own copies of unsaved work; none keeps no copies.
+    /// Folder for the program's own copies of unsaved work; `None` keeps no copies.
     pub copies: Option<PathBuf>,
 }
 
@@ -80,7 +81,7 @@ impl Default for Services {
                 estimate_prepared(&prepared, &request.pairs, &request.parameters, monitor)
             }),
             follow: Box::new(move |request, starts| {
-                // Patches follow, and barcodes have none.
+                // The refit uses patches; sequences are compared by barcodes.
                 if request.recordings.is_some() {
                     return None;
                 }
@@ -111,7 +112,7 @@ impl Default for Services {
     }
 }
 
-/// Where the right point of a pair belongs.
+/// Returns a better place for the right point of a pair.
 fn repaired(prepared: &PreparedPair, question: &RepairQuestion) -> RepairOutcome {
     let RepairQuestion { points, how, known, .. } = question;
     let parameters = SuggestParameters::default();
@@ -128,8 +129,8 @@ fn repaired(prepared: &PreparedPair, question: &RepairQuestion) -> RepairOutcome
     }
 }
 
-/// What depends on the pictures alone, kept from one request to the next and shared by the threads, so that
-/// moving a point costs only what depends on the point.
+/// Data that depends on the pictures only. It is kept between requests and shared by the threads,
+/// so that moving a point costs little.
 #[derive(Clone, Default)]
 struct PreparedCache(Arc<Mutex<Option<CachedPair>>>);
 
@@ -144,7 +145,7 @@ impl PreparedCache {
         self.get_or(pictures, None, |prepared| prepared)
     }
 
-    /// The pictures with what moves in front of them.
+    /// Returns the prepared pictures with the silhouettes of their sequences.
     fn get_with(
         &self,
         pictures: &Pictures,
@@ -155,14 +156,14 @@ impl PreparedCache {
         Ok(self.get_or(pictures, Some(recordings), |prepared| prepared.with_silhouettes(silhouettes)))
     }
 
-    /// What is kept, or else what is made by `completed`.
+    /// Returns the kept pair, or prepares one and applies `completed`.
     fn get_or(
         &self,
         pictures: &Pictures,
         recordings: Option<&Synchronised>,
         completed: impl FnOnce(PreparedPair) -> PreparedPair,
     ) -> Arc<PreparedPair> {
-        // A panic while preparing leaves the old pair in place, which is sound.
+        // A panic during preparation leaves the old pair, which is valid.
         let mut kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(kept) = kept.as_ref()
             && kept.pictures == *pictures

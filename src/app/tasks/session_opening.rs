@@ -1,4 +1,4 @@
-//! Opening a session: its images are found, checked against their hashes, and read.
+//! Opens a session: finds its images, checks their hashes and reads them.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -21,7 +21,7 @@ pub fn open_session(session: OpenSession, reading: &mut PairReading) -> Result<L
     let path = session.path.clone();
     let unchanged = |text: &str| {
         OpeningFailure::Text(format!(
-            "The session could not be opened: {text}. Nothing was changed; try another one."
+            "The session could not be opened: {text}. Nothing was changed. Try another one."
         ))
     };
     let file = SessionFile::<Work>::read(&path).map_err(|error| match error {
@@ -35,7 +35,7 @@ pub fn open_session(session: OpenSession, reading: &mut PairReading) -> Result<L
         match (left == right).then_some(left) {
             Some(name) if name == Sample::default().name() => sample(),
             Some(SAMPLE_SEQUENCES) => sample_sequences(reading)?,
-            _ => return Err(unchanged("it is about a built-in sample that this program does not have")),
+            _ => return Err(unchanged("this version of the program does not have its built-in sample")),
         }
     } else {
         let mut found = [None, None];
@@ -46,7 +46,7 @@ pub fn open_session(session: OpenSession, reading: &mut PairReading) -> Result<L
                 Some(Located::Changed(path)) if session.accepts_changed => found[k] = Some(path),
                 Some(Located::Changed(path)) => lost[k] = Some(Lost::Changed(path)),
                 Some(Located::Missing(path)) => lost[k] = Some(Lost::Missing(path)),
-                None => return Err(unchanged("only one of its images is of a built-in sample")),
+                None => return Err(unchanged("only one of its images belongs to a built-in sample")),
             }
         }
         let [Some(left), Some(right)] = found else {
@@ -57,13 +57,15 @@ pub fn open_session(session: OpenSession, reading: &mut PairReading) -> Result<L
     let frames = pair.pictures.each_ref().map(|opened| opened.picture.frame());
     let mut notes = Vec::new();
     if frames != file.images.map(|image| image.frame) {
-        notes.push("An image has another size than when the session was saved: check the points.".to_owned());
+        notes.push(
+            "The size of an image has changed since the session was saved. Check the points.".to_owned(),
+        );
     }
     let pairs = file.content.document.pairs.len();
     let mut work = file.content.made_valid(frames, &path);
     if work.document.pairs.len() < pairs {
         notes.push(format!(
-            "Of the {pairs} point pairs of the session the first {} that are on the images are shown.",
+            "The session has {pairs} point pairs. Only the first {} on the images are shown.",
             work.document.pairs.len()
         ));
     }
@@ -80,7 +82,8 @@ pub fn open_session(session: OpenSession, reading: &mut PairReading) -> Result<L
         match views(album) {
             Ok((known, folder)) => (pair.known, pair.folder) = (known, Some(folder)),
             Err(problem) => notes.push(format!(
-                "The other images of the session cannot be shown: {problem}. What was set on them stays in the session."
+                "The other images of the session cannot be shown: {problem}. The work on them \
+                 stays in the session."
             )),
         }
     }
@@ -89,7 +92,8 @@ pub fn open_session(session: OpenSession, reading: &mut PairReading) -> Result<L
     Ok(pair)
 }
 
-/// Where image `k` is: where a person says, else where the session says.
+/// Returns the place of image `k`: the file given by the user, or else the one named by the
+/// session.
 fn place(image: &ImageReference, session: &OpenSession, k: usize) -> Option<Located> {
     let Some(given) = &session.images[k] else { return image.locate(&session.path) };
     let ImageSource::File { sha256, .. } = &image.source else { return None };
@@ -100,7 +104,7 @@ fn place(image: &ImageReference, session: &OpenSession, k: usize) -> Option<Loca
     })
 }
 
-/// The built-in sample that an image is of, if it is.
+/// Returns the name of the built-in sample of an image, if it belongs to one.
 fn sample_of(image: &ImageReference) -> Option<&str> {
     match &image.source {
         ImageSource::Sample { sample } => Some(sample),
@@ -108,10 +112,10 @@ fn sample_of(image: &ImageReference) -> Option<&str> {
     }
 }
 
-/// The folder of a session, with what is known about the pair that was open.
+/// Opens the folder of a session, with the ground truth of the open pair.
 fn views(album: &Album) -> Result<(Option<KnownTruth>, OpenFolder), String> {
     let folder = PairFolder::open(album.folder())?;
-    let missing = || format!("{} has not the images that were open", shown_path(album.folder()));
+    let missing = || format!("{} does not contain the images that were open", shown_path(album.folder()));
     let pair = album.pair_in(&folder).ok_or_else(missing)?;
     let known = folder.known().and_then(|truths| {
         let source = TruthSource::Folder {
@@ -123,7 +127,7 @@ fn views(album: &Album) -> Result<(Option<KnownTruth>, OpenFolder), String> {
     Ok((known, (Arc::new(folder), pair)))
 }
 
-/// The ground truth of two views of a folder.
+/// Opens the ground truth of two views of a folder.
 fn known(folder: &Path, views: &[String; 2]) -> Result<(KnownTruth, OpenFolder), String> {
     let truths = TruthFolder::open(folder).map_err(|error| error.to_string())?;
     let number = |view: &String| {

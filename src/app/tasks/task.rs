@@ -1,9 +1,10 @@
-//! A thread that answers questions: every thread of the window is one of these.
+//! A thread that answers questions. All threads of the window are tasks.
 //!
-//! Of the questions that wait only the newest counts ([`Waiting::Newest`]), or all are answered in their order
-//! ([`Waiting::All`]). While a point is dragged a question comes every frame: if each cancelled the one before, none
-//! would ever get anywhere. So the one under way is left alone until it says that it may [give way](Turn::give_way).
-//! What is told carries the number of its question and never comes after news of a later one; a panic is told too.
+//! Either only the newest waiting question is answered ([`Waiting::Newest`]), or all in order
+//! ([`Waiting::All`]). During a drag, a question comes every frame. If each question cancelled the
+//! previous one, none would ever be answered. So the running question goes on until it
+//! [gives way](Turn::give_way). News carries the number of its question and never arrives after news
+//! of a later question. Panics are reported, too.
 
 use std::any::Any;
 use std::collections::VecDeque;
@@ -16,21 +17,21 @@ use std::time::Duration;
 use super::waker::Waker;
 use crate::cancel::CancelFlag;
 
-/// Which of the questions that wait are answered.
+/// Rule for waiting questions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Waiting {
-    /// The newest one; dropping the task gives up what is under way.
+    /// Only the newest question is answered. Dropping the task cancels the running one.
     Newest,
-    /// All of them, one after the other; dropping the task waits until all is done.
+    /// All questions are answered in order. Dropping the task waits for them.
     All,
 }
 
-/// What a thread says about a question.
+/// News about a question.
 #[derive(Debug)]
 pub enum Event<A> {
-    /// News on the way.
+    /// Intermediate news.
     Told(A),
-    /// The end: the answer, or the message of a panic.
+    /// The end: an answer, or the message of a panic.
     Over(Result<Option<A>, String>),
 }
 
@@ -57,7 +58,7 @@ impl<Q> Slot<Q> {
         }
     }
 
-    /// Cancels what is under way if it may be and something newer waits.
+    /// Cancels the running question if it allows that and a newer one waits.
     fn give_way(&self) {
         if !self.waiting.is_empty() && self.running.as_ref().is_some_and(|running| running.gives_way) {
             self.cancel_running();
@@ -71,27 +72,27 @@ struct Inbox<Q> {
 }
 
 impl<Q> Inbox<Q> {
-    /// Questions are answered outside the lock, so a poisoned lock still guards sound data.
+    /// Questions are answered outside the lock, so a poisoned lock still guards valid data.
     fn lock(&self) -> MutexGuard<'_, Slot<Q>> {
         self.slot.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
-/// What the answering function may do while it is at work.
+/// Interface of the answering function to its task.
 pub struct Turn<'a, A> {
-    /// Set when the answer is not wanted any more.
+    /// Set when the answer is no longer wanted.
     pub cancel: CancelFlag,
     tell: &'a (dyn Fn(A) + Sync),
     give_way: &'a (dyn Fn() + Sync),
 }
 
 impl<A> Turn<'_, A> {
-    /// Tells something before the end.
+    /// Sends intermediate news.
     pub fn tell(&self, news: A) {
         (self.tell)(news);
     }
 
-    /// Says that this question may be cancelled as soon as a newer one waits.
+    /// Allows that this question is cancelled as soon as a newer one waits.
     pub fn give_way(&self) {
         (self.give_way)();
     }
@@ -106,14 +107,14 @@ pub struct Task<Q, A> {
     thread: Option<JoinHandle<()>>,
     /// Number of the newest question.
     asked: u64,
-    /// Number of the newest question that needs no answer any more.
+    /// Number of the newest question that is finished or cancelled.
     over: u64,
-    /// News of this question and those before is unwanted.
+    /// News about this question and earlier ones is discarded.
     unwanted: u64,
 }
 
 impl<Q: Send + 'static, A: Send + 'static> Task<Q, A> {
-    /// Starts the thread; it calls `waker` after each piece of news.
+    /// Starts the thread. It calls `waker` after each piece of news.
     pub fn new(
         name: &str,
         waker: Waker,
@@ -130,7 +131,7 @@ impl<Q: Send + 'static, A: Send + 'static> Task<Q, A> {
         Self { inbox, outbox, events, waiting, thread: thread.ok(), asked: 0, over: 0, unwanted: 0 }
     }
 
-    /// A thread for the newest of many questions, whose answers come at once.
+    /// Creates a task that answers only the newest question, without intermediate news.
     pub fn answering(
         name: &str,
         waker: Waker,
@@ -139,7 +140,7 @@ impl<Q: Send + 'static, A: Send + 'static> Task<Q, A> {
         Self::new(name, waker, Waiting::Newest, move |question, _| answer(question))
     }
 
-    /// Asks; the number is that of all news about this question.
+    /// Queues a question and returns its number, which all its news carries.
     pub fn ask(&mut self, question: Q) -> u64 {
         self.asked += 1;
         if self.thread.is_some() {
@@ -158,23 +159,23 @@ impl<Q: Send + 'static, A: Send + 'static> Task<Q, A> {
         self.asked
     }
 
-    /// Gives up what was asked so far; none of its news will arrive.
+    /// Cancels all questions. None of their news will arrive.
     pub fn forget(&mut self) {
         (self.over, self.unwanted) = (self.asked, self.asked);
         self.inbox.lock().cancel();
     }
 
-    /// Asks what is under way to end early, and to say how it ended.
+    /// Requests the running question to end early. Its final news still arrives.
     pub fn stop(&self) {
         self.inbox.lock().cancel_running();
     }
 
-    /// Whether the newest question is still to be answered.
+    /// Returns whether the newest question is unanswered.
     pub fn is_busy(&self) -> bool {
         self.over < self.asked
     }
 
-    /// The next piece of news, with the number of its question.
+    /// Returns the next piece of news with the number of its question.
     pub fn poll(&mut self) -> Option<(u64, Event<A>)> {
         let (number, event) = self.events.try_iter().find(|(number, _)| *number > self.unwanted)?;
         if matches!(event, Event::Over(_)) {
@@ -183,8 +184,8 @@ impl<Q: Send + 'static, A: Send + 'static> Task<Q, A> {
         Some((number, event))
     }
 
-    /// The newest answer since the last call, be it to the newest question or, while that one waits, to an earlier one
-    /// that was not forgotten. A panic is no answer.
+    /// Returns the newest answer since the last call. It may belong to an earlier question while
+    /// the newest one waits. Panics are skipped.
     pub fn latest(&mut self) -> Option<A> {
         let mut newest = None;
         while let Some((_, event)) = self.poll() {
@@ -196,10 +197,10 @@ impl<Q: Send + 'static, A: Send + 'static> Task<Q, A> {
         newest
     }
 
-    /// Waits until everything is done, but not for ever.
+    /// Waits until all questions are answered, up to a limit.
     pub fn wait(&self, patience: Duration) {
         let at_work = |slot: &mut Slot<Q>| !slot.waiting.is_empty() || slot.running.is_some();
-        // Whoever is impatient goes on either way.
+        // The caller goes on whether or not all is done.
         drop(self.inbox.changed.wait_timeout_while(self.inbox.lock(), patience, at_work));
     }
 }
@@ -213,15 +214,15 @@ impl<Q, A> Drop for Task<Q, A> {
         }
         drop(slot);
         self.inbox.changed.notify_all();
-        // A computation slow to notice must not hold up the closing window; a file must be written.
+        // A slow computation must not hold up the closing window, but files must be written.
         if let Some(thread) = self.thread.take().filter(|_| self.waiting == Waiting::All) {
-            // A panic in it has been told already.
+            // A panic was already reported.
             let _ = thread.join();
         }
     }
 }
 
-/// The thread's loop.
+/// Runs the loop of the thread.
 fn run<Q: Send, A: Send>(
     inbox: &Inbox<Q>,
     outbox: &Sender<(u64, Event<A>)>,
@@ -243,7 +244,7 @@ fn run<Q: Send, A: Send>(
         slot.running = Some(Running { cancel: cancel.clone(), gives_way: false });
         drop(slot);
         let send = |event| {
-            // Nobody listens any more when the window has closed.
+            // Nobody receives news after the window has closed.
             let _ = outbox.send((number, event));
             waker.wake();
         };
@@ -263,32 +264,32 @@ fn run<Q: Send, A: Send>(
     }
 }
 
-/// The message of a panic.
+/// Returns the message of a panic.
 pub fn panic_text(payload: &(dyn Any + Send)) -> String {
     let text = payload.downcast_ref::<&str>().map(|text| (*text).to_owned());
     text.or_else(|| payload.downcast_ref::<String>().cloned()).unwrap_or_else(|| "no reason given".into())
 }
 
-/// A task that is asked whenever its question is another one than before.
+/// A task that is asked whenever its question changes.
 pub struct Following<Q, A> {
     task: Task<Q, A>,
     asked: Option<Q>,
-    /// Whether an answer is kept while the next one is awaited.
+    /// Whether the old answer is kept until the next one arrives.
     keeps: bool,
 }
 
 impl<Q: Clone + PartialEq + Send + 'static, A: Send + 'static> Following<Q, A> {
-    /// Answers stay until the next ones come.
+    /// Creates a task whose answers stay until the next ones arrive.
     pub fn keeping(task: Task<Q, A>) -> Self {
         Self { task, asked: None, keeps: true }
     }
 
-    /// Only the answer to the question as it is now counts.
+    /// Creates a task whose answers are dropped when the question changes.
     pub fn strict(task: Task<Q, A>) -> Self {
         Self { task, asked: None, keeps: false }
     }
 
-    /// Asks when the question is another one than before; without a question there is no answer.
+    /// Asks if the question has changed. Without a question, the answer is dropped.
     pub fn follow(&mut self, question: Option<Q>, answer: &mut Option<A>) {
         if question == self.asked {
             return;
@@ -303,20 +304,20 @@ impl<Q: Clone + PartialEq + Send + 'static, A: Send + 'static> Following<Q, A> {
         }
     }
 
-    /// Drops what was asked: the pictures are others.
+    /// Cancels the question, because other pictures were opened.
     pub fn forget(&mut self) {
         self.task.forget();
         self.asked = None;
     }
 
-    /// Takes in what the thread has found.
+    /// Stores a new answer.
     pub fn take(&mut self, answer: &mut Option<A>) {
         if let Some(found) = self.task.latest() {
             *answer = Some(found);
         }
     }
 
-    /// Whether an answer is awaited.
+    /// Returns whether an answer is awaited.
     pub fn is_busy(&self) -> bool {
         self.task.is_busy()
     }
@@ -329,7 +330,7 @@ mod tests {
     use std::sync::atomic::{AtomicU32, Ordering};
     use std::time::Instant;
 
-    /// Long enough for a loaded machine; reached only when something is wrong.
+    /// Long enough for a busy machine. Reached only when a test fails.
     const PATIENCE: Duration = Duration::from_secs(20);
 
     fn wait<A: Send + 'static>(task: &mut Task<u32, A>) -> (u64, Event<A>) {
@@ -344,7 +345,7 @@ mod tests {
     }
 
     #[test]
-    fn questions_that_were_overtaken_are_not_answered() {
+    fn overtaken_questions_are_not_answered() {
         let gate = Arc::new(Barrier::new(2));
         let mut task = Task::answering("test", Waker::default(), {
             let gate = Arc::clone(&gate);
@@ -353,7 +354,7 @@ mod tests {
                     gate.wait();
                     gate.wait();
                 }
-                assert_ne!(question, 2, "a question that was overtaken");
+                assert_ne!(question, 2, "an overtaken question");
                 Some(question * 10)
             }
         });
@@ -372,7 +373,7 @@ mod tests {
     }
 
     #[test]
-    fn a_panic_is_told_and_forgotten_questions_are_silent() {
+    fn a_panic_is_reported_and_forgotten_questions_are_silent() {
         let mut task = Task::answering("test", Waker::default(), |question: u32| {
             assert!(question != 1, "boom at {question}");
             Some(question)
@@ -388,7 +389,7 @@ mod tests {
     }
 
     #[test]
-    fn a_question_under_way_gives_way_once_it_has_had_its_turn() {
+    fn a_running_question_is_cancelled_only_after_it_gives_way() {
         let go_on = Arc::new(AtomicU32::new(0));
         let mut task = Task::new("test", Waker::default(), Waiting::Newest, {
             let go_on = Arc::clone(&go_on);
@@ -411,14 +412,14 @@ mod tests {
         }
         task.ask(2);
         let newest = task.ask(3);
-        // It has nothing to show yet, so it goes on although others wait.
+        // The question has not given way yet, so it goes on although others wait.
         assert!(task.inbox.lock().running.as_ref().is_some_and(|r| !r.cancel.is_cancelled()));
         go_on.store(1, Ordering::Relaxed);
         assert!(matches!(wait(&mut task), (number, Event::Told(1)) if number == first));
         assert!(matches!(wait(&mut task), (number, Event::Over(Ok(None))) if number == first));
         go_on.store(1, Ordering::Relaxed);
         assert!(matches!(wait(&mut task), (number, Event::Told(3)) if number == newest));
-        // Nothing newer waits: it may go on until one comes.
+        // The question goes on until a newer one comes.
         task.ask(4);
         assert!(matches!(wait(&mut task), (number, Event::Over(Ok(None))) if number == newest));
         task.forget();
@@ -427,7 +428,7 @@ mod tests {
     }
 
     #[test]
-    fn a_task_that_does_all_is_done_before_it_is_gone() {
+    fn dropping_a_task_waits_for_all_questions() {
         let done = Arc::new(AtomicU32::new(0));
         let mut task = Task::new("test", Waker::default(), Waiting::All, {
             let done = Arc::clone(&done);

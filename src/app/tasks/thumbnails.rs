@@ -1,4 +1,4 @@
-//! Making small pictures of the images of a folder, those in sight first.
+//! Makes small pictures of the images of a folder, visible ones first.
 
 use super::task::{Event, Task, Waiting};
 use super::waker::Waker;
@@ -7,10 +7,10 @@ use crate::image::Picture;
 use crate::io::first_frame;
 use std::sync::Arc;
 
-/// The thread that makes them.
+/// The thread that makes the small pictures.
 pub struct Thumbnailing {
     task: Task<ThumbnailQuestion, MadeThumbnail>,
-    /// The views that were asked for last.
+    /// Views of the latest request.
     asked: Vec<usize>,
 }
 
@@ -18,7 +18,7 @@ impl Thumbnailing {
     /// Starts the thread.
     pub fn new(waker: Waker) -> Self {
         let task = Task::new("thumbnails", waker, Waiting::Newest, |question: ThumbnailQuestion, turn| {
-            // Others may have come into sight: the picture under way is finished all the same.
+            // Other views may be visible now. The current picture is finished anyway.
             turn.give_way();
             for view in question.views {
                 if turn.cancel.is_cancelled() {
@@ -34,7 +34,7 @@ impl Thumbnailing {
         Self { task, asked: Vec::new() }
     }
 
-    /// Takes in what was made.
+    /// Stores finished pictures.
     pub fn take(&mut self, thumbnails: &mut Thumbnails) {
         while let Some((_, event)) = self.task.poll() {
             match event {
@@ -44,7 +44,7 @@ impl Thumbnailing {
         }
     }
 
-    /// Asks for those in sight that are missing, unless they are being made.
+    /// Requests missing pictures of visible views, unless they are being made.
     pub fn follow(&mut self, question: Option<ThumbnailQuestion>) {
         let Some(question) = question else { return };
         if question.views.iter().any(|view| !self.asked.contains(view)) || !self.task.is_busy() {
@@ -53,13 +53,13 @@ impl Thumbnailing {
         }
     }
 
-    /// Gives up what was asked: another folder is open.
+    /// Cancels the request, because another folder was opened.
     pub fn forget(&mut self) {
         self.task.forget();
         self.asked.clear();
     }
 
-    /// Whether any are being made.
+    /// Returns whether pictures are being made.
     pub fn is_busy(&self) -> bool {
         self.task.is_busy()
     }

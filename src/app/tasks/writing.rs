@@ -1,4 +1,4 @@
-//! Writing the rectified pair at full size, in a thread of its own.
+//! Writes the rectified pair at full size, in its own thread.
 
 use std::path::Path;
 
@@ -9,10 +9,10 @@ use crate::cancel::CancelFlag;
 use crate::io::{RectifiedError, RectifiedFiles};
 use crate::rectify::Limits;
 
-/// Steps before the files: the maps, and the two pictures.
+/// Number of steps before the files: the maps and the two pictures.
 const STEPS_BEFORE: usize = 3;
 
-/// How it ended: what to tell the user, be it good or bad.
+/// Final message of success or failure.
 pub type WritingEnd = Result<String, String>;
 
 enum WritingNews {
@@ -20,7 +20,7 @@ enum WritingNews {
     Ended(WritingEnd),
 }
 
-/// What is being written, one pair at a time.
+/// The writing thread. It writes one pair at a time.
 pub struct Writing(Task<RectifyOrder, WritingNews>);
 
 impl Writing {
@@ -32,7 +32,7 @@ impl Writing {
         }))
     }
 
-    /// Begins, unless another pair is being written; says how far it is when it has begun.
+    /// Starts writing and returns the initial progress; `None` while another pair is being written.
     pub fn begin(&mut self, order: RectifyOrder) -> Option<WritingProgress> {
         if self.0.is_busy() {
             return None;
@@ -41,17 +41,17 @@ impl Writing {
         Some(WritingProgress { done: 0, all: STEPS_BEFORE, what: "Rectifying" })
     }
 
-    /// Asks it to stop.
+    /// Requests the running job to stop.
     pub fn stop(&self) {
         self.0.stop();
     }
 
-    /// Whether a pair is being written.
+    /// Returns whether a pair is being written.
     pub fn is_busy(&self) -> bool {
         self.0.is_busy()
     }
 
-    /// Takes in news; how it ended, when it has.
+    /// Updates the progress and returns the final message, once there is one.
     pub fn take(&mut self, progress: &mut Option<WritingProgress>) -> Option<WritingEnd> {
         let mut ended = None;
         while let Some((_, event)) = self.0.poll() {
@@ -72,14 +72,14 @@ impl Writing {
 }
 
 impl RectifyOrder {
-    /// Rectifies, draws and writes.
+    /// Rectifies, draws and writes the pair.
     fn write(&self, cancel: &CancelFlag, report: &dyn Fn(WritingProgress)) -> WritingEnd {
         let place = self.folder.display();
         let failed = |error: &dyn std::fmt::Display| {
             format!("The rectified pair was not written: {error}. Correct it, or choose another folder.")
         };
         let stopped = || format!("Writing the rectified pair was stopped. Nothing was written to {place}.");
-        // Before the work, so that nobody waits for a folder that cannot be written.
+        // The folder is tried first, so that nobody waits for a folder that is not writable.
         let images: Vec<&Path> =
             self.question.pictures.iter().filter_map(|picture| picture.path.as_deref()).collect();
         let files = RectifiedFiles::prepare(&self.folder, self.options, &images).map_err(|e| failed(&e))?;
@@ -146,13 +146,13 @@ mod tests {
             if let Some(ending) = writing.take(&mut progress) {
                 return ending;
             }
-            assert!(start.elapsed() < Duration::from_mins(1), "it does not end");
+            assert!(start.elapsed() < Duration::from_mins(1), "writing does not end");
             std::thread::sleep(Duration::from_millis(1));
         }
     }
 
     #[test]
-    fn everything_is_written_at_full_size_and_named() {
+    fn all_files_are_written_at_full_size_and_named() {
         let folder = tempfile::tempdir().unwrap();
         let into = folder.path().join("new/pair");
         let mut writing = Writing::new(Waker::default());
@@ -170,7 +170,7 @@ mod tests {
     }
 
     #[test]
-    fn a_folder_that_is_a_file_is_a_sentence_and_a_stop_leaves_nothing() {
+    fn an_invalid_folder_gives_a_message_and_a_stop_leaves_no_files() {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("file");
         std::fs::write(&file, "in the way").unwrap();

@@ -1,5 +1,4 @@
-//! The window as a picture: asked for in a frame that has nothing in front of the images, and read back from the
-//! screen by the toolkit.
+//! Screenshots of the window. The toolkit reads back a frame in which nothing covers the images.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -11,50 +10,50 @@ use egui::{ColorImage, Context, Rect};
 use crate::app::model::exchange::{ExportContent, ViewPart};
 use crate::io::{PictureFormat, TrustNote, described, encode_picture};
 
-/// A screen that takes longer than this has no picture to give.
+/// Longest wait for the picture of the screen.
 const PATIENCE: Duration = Duration::from_secs(5);
 
-/// A picture that is wanted.
+/// A requested screenshot.
 struct WantedView {
     path: PathBuf,
     part: ViewPart,
     since: Instant,
-    /// None before it was asked for.
+    /// `None` before the toolkit was asked.
     picture: Option<Receiver<Arc<ColorImage>>>,
 }
 
-/// What became of it.
+/// Outcome of a screenshot.
 pub struct CapturedView {
-    /// Where it is to be written.
+    /// File to write.
     pub path: PathBuf,
-    /// The picture and which part of it; none when the screen gave none.
+    /// The picture and the part to keep; `None` if the screen gave no picture.
     pub picture: Option<(Arc<ColorImage>, ViewPart)>,
 }
 
-/// The picture that is being taken, one at a time.
+/// The screenshot in progress, at most one.
 #[derive(Default)]
 pub struct ViewCapture {
     wanted: Option<WantedView>,
 }
 
 impl ViewCapture {
-    /// Takes a picture of the next frame.
+    /// Requests a picture of the next frame.
     pub fn begin(&mut self, path: PathBuf, part: ViewPart) {
         self.wanted = Some(WantedView { path, part, since: Instant::now(), picture: None });
     }
 
-    /// Whether the frame that is being drawn may be the picture.
+    /// Returns whether the present frame may become the picture.
     pub fn is_under_way(&self) -> bool {
         self.wanted.is_some()
     }
 
-    /// Asks for the frame that is about to be drawn, once.
+    /// Asks the toolkit, once, for the frame about to be drawn.
     pub fn ask(&mut self, ctx: &Context) {
         if let Some(wanted) = self.wanted.as_mut().filter(|wanted| wanted.picture.is_none()) {
             let (sender, picture) = channel();
             let window = ctx.clone();
             ctx.request_screenshot(move |image| {
-                // Nobody waits for it any more when the window has closed.
+                // Nobody receives the picture once the window has closed.
                 let _ = sender.send(image);
                 window.request_repaint();
             });
@@ -62,7 +61,7 @@ impl ViewCapture {
         }
     }
 
-    /// The picture, once it is there, or that there is none.
+    /// Returns the outcome once the picture has arrived or the wait is over.
     pub fn poll(&mut self, ctx: &Context) -> Option<CapturedView> {
         let wanted = self.wanted.as_ref()?;
         let picture = wanted.picture.as_ref()?.try_recv().ok();
@@ -75,8 +74,7 @@ impl ViewCapture {
     }
 }
 
-/// The view as it was on the screen; `part` in screen points.
-/// `trust` is how far its geometry is to be trusted.
+/// Encodes a screenshot as PNG. `part` is in screen points; `trust` is written into the file.
 pub fn picture(
     screen: Arc<ColorImage>,
     part: Option<Rect>,
@@ -90,7 +88,7 @@ pub fn picture(
     })
 }
 
-/// A part of the window as an image; all of it where the part is empty or not on it.
+/// Cuts a part out of the screenshot. Returns all of it if the part is empty or off the screen.
 fn cut(screen: &ColorImage, part: Option<Rect>, pixels_per_point: f32) -> image::RgbaImage {
     let [width, height] = screen.size;
     let whole = [0, 0, width, height];
@@ -102,7 +100,7 @@ fn cut(screen: &ColorImage, part: Option<Rect>, pixels_per_point: f32) -> image:
     });
     image::RgbaImage::from_fn((right - left) as u32, (bottom - top) as u32, |x, y| {
         let at = (top + y as usize) * width + left + x as usize;
-        // What is seen has no transparent places, whatever the screen keeps in its fourth channel.
+        // The screenshot is opaque, whatever the screen keeps in the alpha channel.
         let [r, g, b, _] = screen.pixels[at].to_array();
         image::Rgba([r, g, b, 255])
     })

@@ -1,4 +1,4 @@
-//! The windows in front of the window.
+//! The dialogs in front of the window.
 
 use std::path::Path;
 
@@ -11,20 +11,20 @@ use super::panels::{
 use crate::app::model::Model;
 use crate::app::model::command::{Command, PickPurpose};
 
-/// All of them, open or not.
+/// All dialogs, open or closed.
 #[derive(Default)]
 pub struct Dialogs {
     /// Dialog for opening files.
     pub open: OpenDialog,
     /// Dialog for saving the session.
     pub save: Option<SaveDialog>,
-    /// Dialog for the images of a session that are not where they were.
+    /// Dialog for the images of a session that are missing or have changed.
     pub relocate: Option<RelocateDialog>,
     /// Dialog for writing the rectified pair.
     pub rectified: ExportDialog,
-    /// Dialog for files of other programs.
+    /// Dialog for exports to other programs.
     pub export: FileExport,
-    /// How an imported matrix is meant.
+    /// Dialog for the convention of an imported matrix.
     pub reading: Option<ReadingDialog>,
     /// The list of all commands.
     pub palette: CommandPalette,
@@ -33,7 +33,7 @@ pub struct Dialogs {
 }
 
 impl Dialogs {
-    /// Whether one is open that takes what is typed.
+    /// Returns whether a dialog that takes keyboard input is open.
     pub fn is_open(&self) -> bool {
         self.open.open
             || self.rectified.open
@@ -44,7 +44,7 @@ impl Dialogs {
             || self.reading.is_some()
     }
 
-    /// Closes the topmost one; says whether there was one.
+    /// Closes the topmost dialog. Returns whether there was one.
     pub fn close_top(&mut self) -> bool {
         std::mem::take(&mut self.palette.open)
             || self.relocate.take().is_some()
@@ -56,7 +56,7 @@ impl Dialogs {
             || std::mem::take(&mut self.shortcuts)
     }
 
-    /// Fills in what was chosen with the system's dialog.
+    /// Fills in the path chosen in the system dialog.
     pub fn offer(&mut self, purpose: &PickPurpose, path: &Path) {
         match purpose {
             PickPurpose::Image(side) => drop(self.open.offer(path, Some(*side))),
@@ -69,7 +69,7 @@ impl Dialogs {
         }
     }
 
-    /// Shows those that are open.
+    /// Shows the open dialogs.
     pub fn show(&mut self, ctx: &Context, model: &Model, commands: &mut Vec<Command>) {
         self.open.show(ctx, model, commands);
         self.save.take_if(|dialog| !dialog.show(ctx, commands));

@@ -1,16 +1,16 @@
-//! Colours of figures on the screen.
+//! Colour map of matrices and legends.
 
 use egui::{Color32, Rect, Ui, epaint};
 
 use crate::app::model::heat::rgb;
 
-/// The colour of a share from 0 (dark) to 1 (bright).
+/// Returns the colour of a value from 0 (dark) to 1 (bright).
 pub fn color(share: f32) -> Color32 {
     let [red, green, blue] = rgb(share);
     Color32::from_rgb(red, green, blue)
 }
 
-/// A bar from dark to bright, as a legend.
+/// Draws the colour map as a bar, for a legend.
 pub fn bar(ui: &Ui, rect: Rect) {
     let mut mesh = epaint::Mesh::default();
     let stops = 8;

@@ -1,4 +1,4 @@
-//! Which commands the keys that were pressed stand for.
+//! Commands given by keyboard shortcuts.
 
 use egui::{Key, Modifiers};
 
@@ -7,22 +7,22 @@ use crate::app::model::command::Command;
 use crate::app::model::point_table::PointsCommand;
 use crate::geometry::Vector;
 
-/// Pixels an arrow key moves a point; ten times as far with Shift.
+/// Step of an arrow key, px; ten times as large with Shift.
 const NUDGE: f64 = 0.1;
 
-/// What keys mean just now.
+/// The context in which keys are interpreted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct KeyboardState {
-    /// Keys that also write text belong to a dialog.
+    /// A dialog is open and receives keys that type text.
     pub dialog_open: bool,
-    /// There is a suggestion for Enter to accept; else Enter presses the button that has the focus.
+    /// Enter can accept a suggested match. Otherwise Enter presses the focused button.
     pub suggestion: bool,
 }
 
-/// The commands of the keys pressed since the last frame.
+/// Returns the commands of the keys pressed since the last frame.
 pub fn pressed(ctx: &egui::Context, keyboard: KeyboardState) -> Vec<Command> {
     let typing = keyboard.dialog_open || ctx.text_edit_focused();
-    // An open menu closes on Escape by itself.
+    // An open menu handles Escape itself.
     let menu_open = egui::Popup::is_any_open(ctx);
     let mut commands = Vec::new();
     ctx.input_mut(|input| {
@@ -69,10 +69,10 @@ pub fn pressed(ctx: &egui::Context, keyboard: KeyboardState) -> Vec<Command> {
     commands
 }
 
-/// A command's first key as text, such as `Ctrl+Z`.
+/// Returns the first shortcut of a command as text, such as `Ctrl+Z`.
 pub fn key_text(ctx: &egui::Context, command: &Command) -> Option<String> {
     command.keys().first().map(|shortcut| {
-        // The name of this key is a word, but people know it by its sign.
+        // egui spells out the name of this key.
         if shortcut.logical_key == Key::Questionmark { "?".into() } else { ctx.format_shortcut(shortcut) }
     })
 }

@@ -1,4 +1,4 @@
-//! Where everything is in the window.
+//! Layout of the window.
 
 use egui::{CentralPanel, Context, Frame, Margin, Panel, Rect, Sense, Ui, UiBuilder};
 
@@ -13,23 +13,23 @@ use crate::app::model::document::Side;
 use crate::app::model::open_pair::Hover;
 use crate::app::model::pane_view::PaneView;
 
-/// Windows lower than this do without the legend, screen points.
+/// Least height of a window with the legend, screen points.
 const ROOM_FOR_LEGEND: f32 = 620.0;
 
-/// What an enlarged panel leaves of a low window: the bars, and images in which one still finds one's way, screen points.
+/// Height that an enlarged panel leaves for the bars and the images, screen points.
 const REST: f32 = 290.0;
 
-/// What is on the screen and is not part of the state: the panes, the dialogs, the picture that is being taken.
+/// State of the screen outside the model: panes, dialogs and the screenshot in progress.
 pub struct View {
     /// The two images.
     pub panes: [ImagePane; 2],
-    /// What is in front of them.
+    /// The dialogs in front of the images.
     pub dialogs: Dialogs,
-    /// The picture of the window that is being taken.
+    /// The screenshot in progress.
     pub capture: ViewCapture,
-    /// The small images of the folder.
+    /// The thumbnails of the folder.
     pub strip: panels::FilmStrip,
-    /// Where both images are in the window, screen points.
+    /// Area of both images in the window, screen points.
     pub images: Option<Rect>,
     title: String,
 }
@@ -48,7 +48,8 @@ impl Default for View {
 }
 
 impl View {
-    /// Draws the window and collects what it was asked for; returns the position under the cursor.
+    /// Draws the window and collects the resulting commands. Returns the image position under the
+    /// cursor.
     pub fn draw(&mut self, ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) -> Option<Hover> {
         let views = self.panes.each_ref().map(ImagePane::view);
         let hover = self.draw_all(ui, model, commands);
@@ -63,7 +64,7 @@ impl View {
         hover
     }
 
-    /// Lets the other image show the same part as this one, if the views are linked.
+    /// Makes the other image show the same part as `leader`, if the views are linked.
     pub fn link(&mut self, model: &Model, leader: Side) {
         if model.look.linked {
             let [left, right] = &mut self.panes;
@@ -74,18 +75,18 @@ impl View {
         }
     }
 
-    /// What part of each image is shown.
+    /// Returns the visible part of each image.
     pub fn views(&self) -> Option<[PaneView; 2]> {
         let [left, right] = self.panes.each_ref().map(ImagePane::view);
         Some([left?, right?])
     }
 
-    /// Lets go of what is being dragged; says whether it was a point.
+    /// Ends any drag. Returns whether a point was dragged.
     pub fn let_go(&mut self) -> bool {
         self.panes.iter_mut().any(ImagePane::let_go)
     }
 
-    /// Gives the window its title.
+    /// Sets the title of the window.
     pub fn name_window(&mut self, ctx: &Context, title: String) {
         if title != self.title {
             ctx.send_viewport_cmd(egui::ViewportCommand::Title(title.clone()));
@@ -102,7 +103,7 @@ impl View {
             ui.set_min_height(28.0);
             panels::guide_bar(ui, model, commands);
         });
-        // The images need what an enlarged panel leaves.
+        // An enlarged panel leaves just enough room for the images.
         let enlarged = model.tab().is_some() && model.look.tabs_enlarged;
         let strip = has_strip(model) && !model.look.strip_folded && !enlarged;
         let strip = model.folder().filter(|_| strip);
@@ -135,7 +136,7 @@ impl View {
                 .default_size(300.0)
                 .size_range(240.0..=480.0)
                 .show(ui, |ui| {
-                    // Something wide in it must not widen the panel, which would stay so.
+                    // A wide child would widen the panel permanently.
                     let area = ui.available_rect_before_wrap();
                     ui.allocate_rect(area, Sense::hover());
                     let mut inside = ui.new_child(UiBuilder::new().max_rect(area));
@@ -144,7 +145,7 @@ impl View {
                 });
         }
         if model.tab().is_some() {
-            // Each of the two heights is remembered by itself.
+            // The two heights are remembered separately.
             let (name, size, largest) = if model.look.tabs_enlarged {
                 let largest = (height - REST).max(height * 0.5);
                 ("enlarged tabs", largest.min(height * 0.64), largest)
@@ -157,7 +158,7 @@ impl View {
                 .default_size(size)
                 .size_range(130.0..=largest.max(131.0))
                 .show(ui, |ui| {
-                    // The panel keeps its height, however little a tab has to show.
+                    // The panel keeps its height even if a tab has little to show.
                     ui.set_min_height(ui.available_height());
                     panels::tabs::headings(ui, model, commands);
                     panels::tabs::chosen(ui, model, commands);
@@ -167,7 +168,7 @@ impl View {
                 panels::tabs::headings(ui, model, commands);
             });
         }
-        // A low window has better use for the space; the menu View has every overlay too.
+        // A low window needs the space for the images; the View menu has all overlays, too.
         let wanted = model.document.pictures.is_some() && !model.look.overlays_folded;
         if wanted && height > room_for_legend && !enlarged {
             let strip = bar(ui).inner_margin(Margin::symmetric(8, 3));
@@ -189,7 +190,7 @@ impl View {
                 (area, hover)
             })
             .inner;
-        // Nothing is to be in front of the images in a picture of them.
+        // Nothing may cover the images in a screenshot.
         if !self.capture.is_under_way() {
             panels::messages(&ctx, area, model, commands);
         }

@@ -1,4 +1,4 @@
-//! How everything looks and what a person may do with it: it reads the model and returns commands.
+//! Presentation of the model. The view reads the model and returns commands.
 
 pub mod actions;
 mod capture;

@@ -1,9 +1,9 @@
 //! Design tokens: every colour, width and size of the window.
 //!
 //! Colours over the images follow the palette of Okabe and Ito, which people with any common colour
-//! vision tell apart: estimated lines green, true ones blue, pairs orange, pink and sky blue.
-//! They are the same in both themes, since the images are; a dark halo keeps them legible on bright and
-//! dark pictures alike.
+//! vision can distinguish: estimated lines green, true lines blue, pairs orange, pink and sky blue.
+//! They are the same in both themes, as the images are. A dark halo keeps them legible on bright
+//! and dark pictures.
 
 use egui::{
     Color32, CornerRadius, FontDefinitions, FontFamily, FontId, Margin, Shadow, Stroke, TextStyle, Theme,
@@ -12,11 +12,11 @@ use egui::{
 
 /// Lines of the estimated geometry.
 pub const ESTIMATED: Color32 = Color32::from_rgb(26, 204, 140);
-/// Bands around them.
+/// Uncertainty bands around the lines.
 pub const BAND: Color32 = Color32::from_rgb(30, 130, 96);
 /// Lines and matches of the true geometry.
 pub const TRUE: Color32 = Color32::from_rgb(64, 132, 255);
-/// The line pair of the cursor.
+/// Line pair of the cursor.
 pub const HOVER: Color32 = Color32::from_rgb(240, 228, 66);
 /// Dark edge around everything drawn over an image.
 pub const HALO: Color32 = Color32::from_black_alpha(150);
@@ -26,9 +26,9 @@ pub const LABEL_FILL: Color32 = Color32::from_black_alpha(190);
 pub const SELECTED: Color32 = Color32::WHITE;
 /// Radius of a handle, screen points.
 pub const HANDLE_RADIUS: f32 = 6.5;
-/// Lines of a pair in inspection that was not pinned.
+/// Lines of an inspected pair that is not pinned.
 pub const INSPECTED: Color32 = Color32::WHITE;
-/// Pinned line pairs, the same in both images and in the plots: see [`pin_color`].
+/// Colours of pinned line pairs in both images and in the plots; see [`pin_color`].
 pub const PINNED: [Color32; 8] = [
     Color32::from_rgb(230, 110, 40),
     Color32::from_rgb(80, 220, 230),
@@ -42,31 +42,31 @@ pub const PINNED: [Color32; 8] = [
 
 /// Epipoles of hypotheses.
 pub const HYPOTHESIS: Color32 = Color32::from_rgb(205, 178, 255);
-/// The bisector of image 1 with its match, and lines carried by H.
+/// Bisector of image 1 with its match, and lines mapped by H.
 pub const FORWARD: Color32 = Color32::from_rgb(110, 205, 255);
-/// The bisector of image 2 with its match, and lines carried back by G.
+/// Bisector of image 2 with its match, and lines mapped back by G.
 pub const BACKWARD: Color32 = Color32::from_rgb(255, 142, 98);
-/// Magnified residuals: a colour that neither brick nor foliage has.
+/// Magnified residuals: a colour absent from brick and foliage.
 pub const RESIDUAL: Color32 = Color32::from_rgb(255, 110, 235);
-/// Matches that the refinement found.
+/// Matches found by the refinement.
 pub const MATCH: Color32 = Color32::from_rgb(190, 255, 150);
-/// What moves in a frame of a sequence.
+/// Motion in a frame of a sequence.
 pub const MOVING: Color32 = Color32::from_rgb(255, 120, 0);
-/// Places that a patch comparison suggests.
+/// Places suggested by a patch comparison.
 pub const SUGGESTED: Color32 = Color32::from_rgb(255, 255, 255);
 
 /// Guide lines over rectified pictures.
 pub const GUIDE: Color32 = Color32::from_rgba_premultiplied(118, 82, 0, 131);
 
-/// How near to a handle a press takes hold of it, screen points.
+/// Distance within which a press grabs a handle, screen points.
 pub const GRAB_RADIUS: f32 = 11.0;
 /// Width of an ordinary line, screen points.
 pub const LINE_WIDTH: f32 = 1.8;
-/// Width of a line that matters most, screen points.
+/// Width of an emphasised line, screen points.
 pub const STRONG_LINE_WIDTH: f32 = 3.0;
 /// Opacity of a result for earlier points.
 pub const STALE_OPACITY: f32 = 0.45;
-/// Space between neighbouring things, screen points.
+/// Space between neighbouring elements, screen points.
 pub const GAP: f32 = 8.0;
 
 /// The pairs `p`, `q` and `r`.
@@ -74,12 +74,12 @@ pub const PAIRS: [Color32; 3] =
     [Color32::from_rgb(240, 160, 0), Color32::from_rgb(240, 128, 190), Color32::from_rgb(86, 180, 233)];
 const OTHERS: Color32 = Color32::from_rgb(225, 225, 225);
 
-/// The colour of a pair by its number: one each for `p`, `q` and `r`, one for all others.
+/// Returns the colour of a pair: one each for `p`, `q` and `r`, and one for all others.
 pub fn pair_color(pair: usize) -> Color32 {
     PAIRS.get(pair).copied().unwrap_or(OTHERS)
 }
 
-/// The colour of a pinned line pair by its number: they repeat, and the numbers tell the pairs apart.
+/// Returns the colour of a pinned line pair. Colours repeat; the numbers distinguish the pairs.
 pub fn pin_color(number: usize) -> Color32 {
     PINNED[number % PINNED.len()]
 }
@@ -87,23 +87,23 @@ pub fn pin_color(number: usize) -> Color32 {
 /// Colours of the window around the images.
 #[derive(Debug, Clone, Copy)]
 pub struct Palette {
-    /// Behind the images.
+    /// Background of the images.
     pub canvas: Color32,
-    /// What wants attention next.
+    /// The element that needs attention next.
     pub accent: Color32,
     /// Text on the accent colour.
     pub on_accent: Color32,
-    /// All is well.
+    /// Success.
     pub good: Color32,
-    /// Something to know.
+    /// Caution.
     pub caution: Color32,
-    /// Something went wrong.
+    /// Error.
     pub bad: Color32,
-    /// Behind a message.
+    /// Background of a message.
     pub message_fill: Color32,
 }
 
-/// The palette of the theme in use.
+/// Returns the palette of the theme in use.
 pub fn palette(visuals: &Visuals) -> Palette {
     if visuals.dark_mode {
         Palette {
@@ -128,11 +128,11 @@ pub fn palette(visuals: &Visuals) -> Palette {
     }
 }
 
-/// The fonts of all text, in the window and on figures.
+/// Returns the fonts of all text, in the window and in figures.
 pub fn fonts() -> FontDefinitions {
     let mut fonts = FontDefinitions::default();
     if let Some(family) = fonts.families.get_mut(&FontFamily::Proportional) {
-        // The monospace font has many mathematical signs and arrows that the text font lacks.
+        // The text font lacks many mathematical signs and arrows.
         family.push("Hack".to_owned());
     }
     fonts
@@ -156,7 +156,7 @@ pub fn install(ctx: &egui::Context) {
         style.spacing.interact_size.y = 26.0;
         style.spacing.window_margin = Margin::same(16);
         style.spacing.tooltip_width = 320.0;
-        // Wherever something is out of sight a thin bar says so, not only under the cursor.
+        // A thin bar always shows that there is more to scroll to.
         style.spacing.scroll.dormant_handle_opacity = 0.5;
         style.spacing.scroll.floating_width = 3.0;
     });
@@ -196,7 +196,7 @@ fn visuals(theme: Theme) -> Visuals {
 mod tests {
     use super::*;
 
-    /// Relative luminance (WCAG 2.1).
+    /// Returns the relative luminance (WCAG 2.1).
     fn luminance(color: Color32) -> f64 {
         let [r, g, b] = [color.r(), color.g(), color.b()].map(|v| {
             let v = f64::from(v) / 255.0;
@@ -211,7 +211,7 @@ mod tests {
     }
 
     #[test]
-    fn text_has_the_contrast_that_the_web_asks_for() {
+    fn text_has_the_contrast_required_by_wcag() {
         for theme in [Theme::Dark, Theme::Light] {
             let visuals = visuals(theme);
             let palette = palette(&visuals);

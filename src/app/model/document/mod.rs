@@ -1,7 +1,7 @@
-//! What a person edits: the two pictures' identity, the point pairs and the parameters.
+//! The edited state: identity of the two pictures, point pairs and parameters.
 //!
-//! Plain data, serialisable and testable without a window. The pixels live elsewhere; a document only
-//! knows which pictures it is about and how large they are.
+//! Plain data, serialisable and testable without a window. The pixels are stored elsewhere; a
+//! document has only names and sizes of the pictures.
 
 mod notes;
 mod parts;
@@ -22,7 +22,7 @@ pub use parts::{
     counted, pair_name,
 };
 
-/// Everything a person can change and undo.
+/// Everything that a person can change and undo.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Document {
     /// The two pictures, once they are open.
@@ -30,61 +30,62 @@ pub struct Document {
     pub pictures: Option<[PictureIdentity; 2]>,
     /// Finished point pairs: `p`, `q`, `r`, then numbers.
     pub pairs: Vec<PointPair>,
-    /// Numbers of the pairs that are left out.
+    /// Numbers of the excluded pairs.
     #[serde(default)]
     pub excluded: BTreeSet<usize>,
-    /// Numbers of the pairs that only check the geometry.
+    /// Numbers of the pairs that are only checks.
     #[serde(default, skip_serializing_if = "BTreeSet::is_empty")]
     pub checks: BTreeSet<usize>,
-    /// Names and origins of pairs; one without is a clicked one without a name.
+    /// Names and origins of pairs. A pair without a note was clicked and has no given name.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub notes: BTreeMap<usize, PairNote>,
-    /// Whether the geometry is searched without clicks as long as there are too few.
+    /// Whether to estimate without clicks while there are too few pairs.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub unclicked: bool,
     /// The pair whose second click is due.
     pub half: Option<HalfPair>,
     /// Parameters of the estimate.
     pub parameters: Parameters,
-    /// Offset of two sequences: frame `k` of the left one was taken together with frame `k` plus this of the right one.
+    /// Time offset: frame `k` of the left sequence belongs with frame `k + offset` of the right
+    /// one.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub offset: i32,
-    /// How the images are rectified.
+    /// Method of rectification.
     #[serde(default)]
     pub rectification: RectifyMethod,
-    /// The ground truth that the result is compared with, if any.
+    /// Ground truth that the result is compared with, if any.
     #[serde(default)]
     pub truth: Option<TruthSource>,
-    /// A geometry from a file, to be shown beside the result.
+    /// Imported geometry, shown beside the result.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub imported: Option<Imported>,
-    /// Which random trial the first pairs are, as long as they are as they were drawn.
+    /// Random trial that drew the first pairs, until one of them changes.
     #[serde(default)]
     pub trial: Option<Trial>,
     /// The point that keys act on.
     pub selection: Option<PointRef>,
-    /// The pairs that are chosen together in the table, for what is done with all of them.
+    /// Pairs selected in the table, for edits of all of them.
     #[serde(skip)]
     pub chosen: BTreeSet<usize>,
 }
 
-#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde asks so")]
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]
 fn is_zero(offset: &i32) -> bool {
     *offset == 0
 }
 
 impl Document {
-    /// A document about two pictures, without points.
+    /// Creates a document about two pictures, without points.
     pub fn new(pictures: [PictureIdentity; 2], parameters: Parameters) -> Self {
         Self { pictures: Some(pictures), parameters, ..Self::default() }
     }
 
-    /// Size of a picture.
+    /// Returns the size of a picture.
     pub fn frame(&self, side: Side) -> Option<Frame> {
         self.pictures.as_ref().map(|pictures| pictures[side.index()].frame)
     }
 
-    /// A clicked point, of a finished pair or the half-finished one.
+    /// Returns a point of a finished pair or of the unfinished one.
     pub fn point(&self, at: PointRef) -> Option<Point> {
         if at.pair == self.pairs.len() {
             return self.half.filter(|half| half.side == at.side).map(|half| half.point);
@@ -92,7 +93,7 @@ impl Document {
         self.pairs.get(at.pair).map(|pair| at.side.point(pair))
     }
 
-    /// All points of an image in the order of their pairs, the half-finished one last.
+    /// Returns all points of an image in the order of their pairs, the unfinished one last.
     pub fn points(&self, side: Side) -> impl Iterator<Item = (PointRef, Point)> + '_ {
         (0..=self.pairs.len()).filter_map(move |pair| {
             let at = PointRef { pair, side };
@@ -100,7 +101,8 @@ impl Document {
         })
     }
 
-    /// A click: the first one of a pair, its match, or, again in the same image, a better first one.
+    /// Places a point: the first of a pair, or its match in the other image. A second click in the
+    /// same image replaces the first point.
     pub fn place(&mut self, side: Side, point: Point) {
         let point = self.inside(side, point);
         let pair = self.pairs.len();
@@ -120,14 +122,14 @@ impl Document {
         self.chosen.clear();
     }
 
-    /// The second click of a pair is a suggested match.
+    /// Places the second point of a pair at a suggested match.
     pub fn accept(&mut self, side: Side, point: Point) {
         let pair = self.pairs.len();
         self.place(side, point);
         self.set_origin(pair, PairOrigin::Suggested);
     }
 
-    /// Moves a point, keeping it on its image. A point that is not there (any more) is left alone.
+    /// Moves a point, keeping it inside its image. Does nothing if there is no such point.
     pub fn move_to(&mut self, at: PointRef, point: Point) {
         let (point, needed) = (self.inside(at.side, point), self.pairs_needed());
         if at.pair == self.pairs.len() {
@@ -147,14 +149,14 @@ impl Document {
         }
     }
 
-    /// Removes a pair, or the half-finished one.
+    /// Removes a finished pair, or the unfinished one.
     pub fn remove(&mut self, pair: usize) {
         if pair == self.pairs.len() {
             self.half = None;
         } else if pair < self.pairs.len() {
             self.pairs.remove(pair);
             self.trial = self.trial.filter(|_| pair >= self.pairs_needed());
-            // The pairs behind it move up.
+            // The numbers of later pairs decrease by one.
             let moved = |number: &usize| if *number > pair { number - 1 } else { *number };
             for numbers in [&mut self.excluded, &mut self.checks, &mut self.chosen] {
                 numbers.remove(&pair);
@@ -167,7 +169,7 @@ impl Document {
         self.selection = None;
     }
 
-    /// Replaces all pairs, which come from somewhere.
+    /// Replaces all pairs by pairs of this origin.
     pub fn set_pairs(&mut self, pairs: Vec<PointPair>, origin: PairOrigin) {
         self.pairs = pairs;
         self.notes.clear();
@@ -183,7 +185,7 @@ impl Document {
         self.unclicked = false;
     }
 
-    /// Puts the pairs of a random trial in place of the first ones; those behind them stay, to check the result.
+    /// Replaces the first pairs by the pairs of a random trial. Later pairs become checks.
     pub fn set_trial(&mut self, trial: Trial, drawn: Vec<PointPair>) {
         let count = drawn.len();
         self.excluded.retain(|pair| *pair >= count);
@@ -201,7 +203,7 @@ impl Document {
         self.selection = None;
     }
 
-    /// Leaves a pair out, or takes it in again.
+    /// Includes or excludes a pair.
     pub fn include(&mut self, pair: usize, included: bool) {
         if included {
             self.excluded.remove(&pair);
@@ -211,7 +213,7 @@ impl Document {
         self.follow_trial();
     }
 
-    /// Lets a pair only check the geometry, or take part in it again. Either way it is not left out any more.
+    /// Uses a pair as a check only, or in the estimate. An excluded pair is included again.
     pub fn check_only(&mut self, pair: usize, only: bool) {
         if pair < self.pairs.len() {
             self.excluded.remove(&pair);
@@ -224,51 +226,52 @@ impl Document {
         }
     }
 
-    /// A random trial is one no more when others than its pairs are used.
+    /// Ends the random trial when the used pairs are no longer the drawn ones.
     pub(super) fn follow_trial(&mut self) {
         if !self.used().eq(0..self.pairs_needed()) {
             self.trial = None;
         }
     }
 
-    /// The pairs that are not left out.
+    /// Returns the pairs that are not excluded.
     pub fn included(&self) -> impl Iterator<Item = PointPair> + '_ {
         (0..self.pairs.len()).filter(|pair| !self.excluded.contains(pair)).map(|pair| self.pairs[pair])
     }
 
-    /// Point pairs without which there is no geometry: the published search takes as many as its method needs, the one
-    /// with patches two or more.
+    /// Returns the minimum number of pairs for an estimate: fixed by the method of the published
+    /// search, and two for the search with patches.
     pub fn pairs_needed(&self) -> usize {
         self.most_pairs().unwrap_or(Method::TwoPoint.pairs_needed())
     }
 
-    /// Pairs that the search takes at most; `None` where each takes part.
+    /// Returns the maximum number of pairs that the search uses; `None` without a limit.
     pub fn most_pairs(&self) -> Option<usize> {
         SearchPlan::of(&self.parameters, self.pairs.len()).most_clicks()
     }
 
-    /// Numbers of the pairs the geometry is estimated from: all that are neither left out nor set to check only. The
-    /// published search takes the first ones of them, as many as its method needs.
+    /// Returns the numbers of the pairs used in the estimate: neither excluded nor checks. The
+    /// published search uses as many of the first ones as its method needs.
     pub fn used(&self) -> impl Iterator<Item = usize> + '_ {
         let most = self.most_pairs().unwrap_or(usize::MAX);
         let set_aside = |pair: &usize| self.excluded.contains(pair) || self.checks.contains(pair);
         (0..self.pairs.len()).filter(move |pair| !set_aside(pair)).take(most)
     }
 
-    /// Number of the pair that the pencils of this number (0 or 1) pass through, or did before it was moved; `None` where
-    /// a match stands in for one.
+    /// Returns the pair whose click these pencils (0 or 1) pass through, or passed through before
+    /// it moved. `None` if a match replaces the click.
     pub fn pair_of_pencils(&self, number: usize, click: &PointPair) -> Option<usize> {
         let moved = || self.used().nth(number).filter(|_| !self.is_unclicked());
         self.used().find(|pair| self.pairs[*pair] == *click).or_else(moved)
     }
 
-    /// The pairs the geometry is estimated from; `None` while there are too few and nobody asked for it without.
+    /// Returns the pairs for the estimate. `None` while there are too few, unless the user asked
+    /// for an estimate without clicks.
     pub fn used_pairs(&self) -> Option<Vec<PointPair>> {
         let pairs: Vec<PointPair> = self.used().map(|pair| self.pairs[pair]).collect();
         (pairs.len() >= self.pairs_needed() || self.unclicked).then_some(pairs)
     }
 
-    /// What a pair is for.
+    /// Returns the role of a pair.
     pub fn role(&self, pair: usize) -> Role {
         if self.excluded.contains(&pair) {
             Role::Excluded
@@ -279,12 +282,12 @@ impl Document {
         }
     }
 
-    /// Whether a pair that is not used could be: the published search may have all that it takes.
+    /// Returns whether a pair could be used. The published search may have all the pairs it takes.
     pub fn can_be_used(&self, pair: usize) -> bool {
         self.role(pair) != Role::Check || self.checks.contains(&pair)
     }
 
-    /// The point nearest to the given one that lies on the pixels of the image.
+    /// Returns the nearest point inside the image.
     fn inside(&self, side: Side, point: Point) -> Point {
         self.frame(side).map_or(point, |frame| frame.nearest(point))
     }

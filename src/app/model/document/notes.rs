@@ -1,33 +1,33 @@
-//! What is noted of the pairs, and which of them are chosen together.
+//! Names and origins of pairs, and edits of several pairs.
 
 use super::{Document, PairNote, pair_name};
 use crate::io::{PairLabel, PairOrigin};
 
-/// Characters of a name; more than this is no name.
+/// Maximum length of a name, characters.
 const LONGEST_NAME: usize = 60;
 
 impl Document {
-    /// The name that a person gave a pair.
+    /// Returns the given name of a pair.
     pub fn given_name(&self, pair: usize) -> Option<&str> {
         self.notes.get(&pair)?.name.as_deref()
     }
 
-    /// What a pair is called: the name that it was given, or that of its place.
+    /// Returns the given name of a pair, or the name of its place.
     pub fn name(&self, pair: usize) -> String {
         self.given_name(pair).map_or_else(|| pair_name(pair), str::to_owned)
     }
 
-    /// Where the points of a pair come from.
+    /// Returns the origin of the points of a pair.
     pub fn origin(&self, pair: usize) -> PairOrigin {
         self.notes.get(&pair).map_or(PairOrigin::Clicked, |note| note.origin)
     }
 
-    /// Notes where the points of a pair come from.
+    /// Sets the origin of the points of a pair.
     pub fn set_origin(&mut self, pair: usize, origin: PairOrigin) {
         self.note(pair, |note| note.origin = origin);
     }
 
-    /// Gives a pair a name; an empty one, or that of its place, takes it away.
+    /// Names a pair. An empty name, or the name of its place, removes the given name.
     pub fn rename(&mut self, pair: usize, name: &str) {
         let name: String = name.chars().filter(|c| !c.is_control()).take(LONGEST_NAME).collect();
         let is_given = !name.trim().is_empty() && name != pair_name(pair);
@@ -44,7 +44,7 @@ impl Document {
         }
     }
 
-    /// Names and origins of the pairs that are not left out.
+    /// Returns names and origins of the pairs that are not excluded.
     pub fn labels(&self) -> impl Iterator<Item = PairLabel> + '_ {
         let included = (0..self.pairs.len()).filter(|pair| !self.excluded.contains(pair));
         included.map(|pair| PairLabel { name: self.name(pair), origin: self.origin(pair) })

@@ -1,4 +1,4 @@
-//! What a document is made of.
+//! Parts of a document.
 
 use std::path::PathBuf;
 
@@ -20,10 +20,10 @@ pub enum Side {
 }
 
 impl Side {
-    /// Both, left first.
+    /// Both sides, left first.
     pub const BOTH: [Self; 2] = [Self::Left, Self::Right];
 
-    /// 0 or 1, for arrays with one entry an image.
+    /// Returns 0 or 1, for arrays with one entry per image.
     pub fn index(self) -> usize {
         match self {
             Self::Left => 0,
@@ -31,7 +31,7 @@ impl Side {
         }
     }
 
-    /// The other image.
+    /// Returns the other image.
     #[must_use]
     pub fn other(self) -> Self {
         match self {
@@ -40,7 +40,7 @@ impl Side {
         }
     }
 
-    /// The point of a pair in this image.
+    /// Returns the point of a pair in this image.
     pub fn point(self, pair: &PointPair) -> Point {
         match self {
             Self::Left => pair.point1,
@@ -48,7 +48,7 @@ impl Side {
         }
     }
 
-    /// The epipole of a geometry in this image.
+    /// Returns the epipole of a geometry in this image.
     pub fn epipole(self, f: &FundamentalMatrix) -> HomogeneousPoint {
         match self {
             Self::Left => f.epipole1(),
@@ -56,7 +56,7 @@ impl Side {
         }
     }
 
-    /// What the user reads.
+    /// Returns the name of the side for messages.
     pub fn name(self) -> &'static str {
         match self {
             Self::Left => "left",
@@ -65,12 +65,12 @@ impl Side {
     }
 }
 
-/// Which picture a document is about.
+/// Identity of a picture of a document.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PictureIdentity {
     /// File name, or the name of a built-in sample.
     pub name: String,
-    /// Where it came from, if from a file.
+    /// Path of the file, if the picture is from a file.
     pub path: Option<PathBuf>,
     /// Size of the picture.
     pub frame: Frame,
@@ -82,67 +82,67 @@ impl From<&Picture> for PictureIdentity {
     }
 }
 
-/// Where the ground truth in use comes from.
+/// Origin of the ground truth.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum TruthSource {
-    /// A built-in sample, by its name.
+    /// A built-in sample, by name.
     Sample(String),
     /// Two views of a folder.
     Folder {
-        /// The folder, in the VGG layout or one of pairs.
+        /// The folder, in the VGG layout or with pairs.
         folder: PathBuf,
-        /// The names of the left and the right view: those of their images without the ending.
+        /// Names of the left and the right view: their images without the ending.
         views: [String; 2],
     },
 }
 
-/// A geometry that came from a file.
+/// A geometry from a file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Imported {
-    /// The matrix in the convention of this program.
+    /// Matrix in the convention of this program.
     pub fundamental: FundamentalMatrix,
-    /// The name of the file, or of the two.
+    /// Name of the file, or names of both files.
     pub file: String,
-    /// How the numbers of the file were taken.
+    /// Convention in which the numbers of the file were read.
     pub reading: String,
-    /// What matches said about that; none if nobody asked them.
+    /// Check of the geometry by matches, if there was one.
     pub check: Option<Checked>,
 }
 
-/// What matches said about a geometry from a file.
+/// Check of an imported geometry by matches.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Checked {
-    /// How many they were.
+    /// Number of matches.
     pub matches: usize,
-    /// What they are called.
+    /// Description of the matches.
     pub of: String,
-    /// Their median symmetric epipolar distance, px.
+    /// Median symmetric epipolar distance, px.
     pub median: f64,
-    /// Whether that is small enough.
+    /// Whether the median is small enough.
     pub fits: bool,
 }
 
-/// How the pairs that the geometry is estimated from were drawn among the true matches.
+/// Parameters of a random draw of pairs from the true matches.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Trial {
-    /// Which matches may be drawn together.
+    /// Rule for the matches that are drawn together.
     pub protocol: Protocol,
-    /// The seed of the draw.
+    /// Seed of the draw.
     pub seed: u64,
 }
 
 /// The first click of a pair whose second click is due.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct HalfPair {
-    /// The image that was clicked.
+    /// The clicked image.
     pub side: Side,
-    /// Where, px.
+    /// Position of the click, px.
     pub point: Point,
 }
 
-/// One clicked point: a pair by its number, and the image. The number after the last pair means the
-/// half-finished one.
+/// One clicked point: the number of its pair, and the image. The number after the last pair refers
+/// to the unfinished pair.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct PointRef {
     /// Number of the pair, from 0.
@@ -151,29 +151,29 @@ pub struct PointRef {
     pub side: Side,
 }
 
-/// What a pair is for.
+/// Use of a pair.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Role {
-    /// The geometry is estimated from it.
+    /// The pair is used in the estimate.
     Used,
-    /// The pair only shows how well the geometry fits.
+    /// The pair only checks the geometry.
     Check,
-    /// The pair was left out.
+    /// The pair is excluded.
     Excluded,
 }
 
-/// What is noted of a pair besides its points.
+/// Notes about a pair.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PairNote {
-    /// What a person calls it; without one it has the name of its place.
+    /// Given name; without one, the pair has the name of its place.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
-    /// Where its points come from.
+    /// Origin of the points.
     #[serde(default)]
     pub origin: PairOrigin,
 }
 
-/// What a pair is called: `p`, `q`, `r`, then numbers.
+/// Returns the name of a place in the list: `p`, `q`, `r`, then numbers.
 pub fn pair_name(pair: usize) -> String {
     match pair {
         0 => "p".to_owned(),
@@ -183,7 +183,7 @@ pub fn pair_name(pair: usize) -> String {
     }
 }
 
-/// So many point pairs, in words.
+/// Returns a number of point pairs in words.
 pub fn counted(pairs: usize) -> String {
     if pairs == 1 { "1 point pair".to_owned() } else { format!("{pairs} point pairs") }
 }

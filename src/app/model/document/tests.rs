@@ -41,7 +41,7 @@ fn points_stay_on_their_image() {
 }
 
 #[test]
-fn moving_or_removing_what_is_not_there_changes_nothing() {
+fn moving_or_removing_a_missing_point_changes_nothing() {
     let mut document = document();
     document.place(Side::Left, Point::new(1.0, 2.0));
     let before = document.clone();
@@ -55,7 +55,7 @@ fn moving_or_removing_what_is_not_there_changes_nothing() {
 }
 
 #[test]
-fn all_pairs_are_used_but_those_that_check_and_the_published_search_takes_what_it_needs() {
+fn all_pairs_but_checks_are_used_and_the_published_search_limits_their_number() {
     let mut document = document();
     document.set_pairs(vec![PointPair::new(1.0, 2.0, 3.0, 4.0); 5], PairOrigin::Clicked);
     assert_eq!(document.used_pairs().map(|pairs| pairs.len()), Some(5));
@@ -64,7 +64,7 @@ fn all_pairs_are_used_but_those_that_check_and_the_published_search_takes_what_i
     assert_eq!(document.used().collect::<Vec<_>>(), [0, 2, 4]);
     assert_eq!((document.role(1), document.role(3)), (Role::Check, Role::Excluded));
     document.remove(0);
-    assert_eq!(document.used().collect::<Vec<_>>(), [1, 3], "numbers follow when a pair before goes");
+    assert_eq!(document.used().collect::<Vec<_>>(), [1, 3], "numbers follow when an earlier pair is removed");
     document.check_only(2, false);
     document.check_only(0, false);
     assert_eq!(document.used().count(), 4);
@@ -75,7 +75,7 @@ fn all_pairs_are_used_but_those_that_check_and_the_published_search_takes_what_i
 }
 
 #[test]
-fn a_document_from_before_there_were_roles_uses_its_pairs() {
+fn a_document_without_roles_uses_its_pairs() {
     let mut document = document();
     document.set_pairs(vec![PointPair::new(1.0, 2.0, 3.0, 4.0); 3], PairOrigin::Clicked);
     let mut old = serde_json::to_value(&document).unwrap();
@@ -98,7 +98,7 @@ fn a_trial_replaces_the_first_pairs_until_one_of_them_is_touched() {
     document.set_trial(trial, vec![pair(3.0), pair(4.0)]);
     assert_eq!(document.pairs, [pair(3.0), pair(4.0), pair(9.0)]);
     assert_eq!(document.used().collect::<Vec<_>>(), [0, 1]);
-    assert_eq!(document.excluded, BTreeSet::from([2]), "what was left out further behind stays so");
+    assert_eq!(document.excluded, BTreeSet::from([2]), "later excluded pairs stay excluded");
     document.move_to(PointRef { pair: 2, side: Side::Left }, Point::new(5.0, 5.0));
     assert_eq!(document.trial, Some(trial));
     document.move_to(PointRef { pair: 1, side: Side::Left }, Point::new(5.0, 5.0));
@@ -106,7 +106,7 @@ fn a_trial_replaces_the_first_pairs_until_one_of_them_is_touched() {
 }
 
 #[test]
-fn a_pair_left_out_makes_room_for_the_next_one_of_the_published_search() {
+fn an_excluded_pair_makes_room_for_the_next_one_in_the_published_search() {
     let mut document = document();
     document.parameters = Parameters::from(Preset::Paper);
     let pair = |x: f64| PointPair::new(x, 1.0, x, 1.0);
@@ -116,7 +116,7 @@ fn a_pair_left_out_makes_room_for_the_next_one_of_the_published_search() {
     let roles: Vec<_> = (0..4).map(|k| document.role(k)).collect();
     assert_eq!(roles, [Role::Used, Role::Excluded, Role::Used, Role::Check]);
     document.remove(0);
-    assert_eq!(document.role(0), Role::Excluded, "numbers follow when a pair before it goes");
+    assert_eq!(document.role(0), Role::Excluded, "numbers follow when an earlier pair is removed");
     document.include(0, true);
     assert_eq!(document.used_pairs(), Some(vec![pair(2.0), pair(3.0)]));
     document.include(1, false);
@@ -167,5 +167,5 @@ fn pencils_have_the_name_of_the_pair_that_they_pass_through() {
     assert_eq!(document.pair_of_pencils(1, &before_the_drag), Some(1));
     document.set_pairs(pairs[..1].to_vec(), PairOrigin::Clicked);
     document.unclicked = true;
-    assert_eq!(document.pair_of_pencils(1, &before_the_drag), None, "a match stands in");
+    assert_eq!(document.pair_of_pencils(1, &before_the_drag), None, "a match replaces the click");
 }

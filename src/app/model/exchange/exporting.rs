@@ -1,4 +1,4 @@
-//! What is written for other programs: taken from the model here, composed and written in a thread.
+//! Composes files for other programs. The model is read here; a thread composes and writes.
 
 use super::order::{ExportKind, ExportOrder, ReportFormat};
 use super::profile;
@@ -13,7 +13,7 @@ use crate::io::{Format, GeometryFile, ImageNote, PairLabel, PairOrigin, ResultFi
 use crate::rectify::Limits;
 
 impl ExportKind {
-    /// Why it cannot be written now, if that is so.
+    /// Returns the reason why this cannot be exported now, if there is one.
     pub fn missing(self, model: &Model) -> Option<&'static str> {
         let (there, why) = match self {
             Self::Geometry => {
@@ -21,7 +21,7 @@ impl ExportKind {
             }
             Self::Plane => (
                 plane(model).is_some(),
-                "The result does not say that one plane, or a turn of the camera, is all there is.",
+                "The result is not limited to one plane or a rotation of the camera.",
             ),
             Self::Pairs | Self::Table => (!model.document.pairs.is_empty(), "There are no point pairs yet."),
             Self::Report => {
@@ -37,17 +37,18 @@ impl ExportKind {
         (!there).then_some(why)
     }
 
-    /// Whether there is a choice of it: what only few pairs of images have is not shown for the others.
+    /// Returns whether to offer this export. The rare ones are hidden for most pairs of images.
     pub fn is_offered(self, model: &Model) -> bool {
         self != Self::Plane || self.missing(model).is_none()
     }
 }
 
-/// Composes the bytes of a file.
+/// A function that composes the bytes of a file.
 pub type ExportContent = Box<dyn FnOnce() -> Result<Vec<u8>, String> + Send>;
 
-/// What is written, and in a few words what it is; everything but the view. `rectified` is the pair whose
-/// homographies go along. The error says why there is nothing to write.
+/// Returns the composer of a file, and a short description of the file. Figures and pictures of the
+/// screen are made elsewhere. `rectified` supplies the rectifying homographies. The error says why
+/// there is nothing to export.
 pub fn content(
     order: &ExportOrder,
     model: &Model,
@@ -118,7 +119,7 @@ pub fn content(
     })
 }
 
-/// What is certain of the result where its epipoles are not.
+/// Returns the homography of the plane, if only that is certain.
 fn plane(model: &Model) -> Option<PlaneHomography> {
     model.open.computation.result().and_then(|(estimate, _)| estimate.assessment.plane)
 }
@@ -128,14 +129,14 @@ fn notes(model: &Model) -> Option<[ImageNote; 2]> {
     Some(pictures.each_ref().map(|picture| ImageNote { name: picture.name.clone(), frame: picture.frame }))
 }
 
-/// The pairs that are not left out, and the matches of the result behind them if they are wanted.
+/// Returns the pairs that are not excluded, followed by the matches of the result if wanted.
 fn pairs(model: &Model, with_matches: bool) -> Vec<PointPair> {
     let found = model.open.computation.result().filter(|_| with_matches);
     let found = found.into_iter().flat_map(|(estimate, _)| estimate.matches().iter().map(|m| m.pair));
     model.document.included().chain(found).collect()
 }
 
-/// What is known of these pairs, in their order.
+/// Returns names and origins of the exported pairs, in the same order.
 fn labels(model: &Model, with_matches: bool) -> Vec<PairLabel> {
     let found = model.open.computation.result().filter(|_| with_matches);
     let found = found.map_or(0, |(estimate, _)| estimate.matches().len());
@@ -143,7 +144,7 @@ fn labels(model: &Model, with_matches: bool) -> Vec<PairLabel> {
     model.document.labels().chain(std::iter::repeat_n(automatic, found)).collect()
 }
 
-/// Homographies of a planar rectification; a polar one has none.
+/// Returns the homographies of a planar rectification. A polar one has none.
 fn homographies(question: &RectifyQuestion) -> Option<[nalgebra::Matrix3<f64>; 2]> {
     let rectification = question.rectification(&Limits::default()).ok()?;
     let [left, right] = rectification.maps.each_ref().map(|map| map.homography().copied());

@@ -1,4 +1,4 @@
-//! Reading files of other programs and, where there is a matrix in one, finding out with matches what it means.
+//! Reads files of other programs, and checks the convention of a matrix with matches.
 
 use super::ImportSource;
 use crate::app::model::rectified::MatchesAtHand;
@@ -6,19 +6,19 @@ use crate::convention::{ConventionCheck, FEWEST_MATCHES, check_convention};
 use crate::geometry::{Frame, FundamentalMatrix, PointPair};
 use crate::io::{Format, GeometryFile, read_camera};
 
-/// Pairs that are placed, at most: more handles hide the image under them, and each costs time in every frame.
+/// Maximum number of placed pairs. More handles hide the image and cost time in every frame.
 const MOST_PAIRS: usize = 300;
-/// The first ones are what the geometry is estimated from; they are always among them.
+/// Number of first pairs that are always placed, as the estimate may use only these.
 const FIRST_PAIRS: usize = 3;
-/// Pairs that are named, at most.
+/// Maximum number of pairs listed in a message.
 const MOST_NAMED: usize = 5;
 
-/// Files that wait to be imported.
+/// An import that waits.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct PendingImport {
     /// The files.
     pub source: ImportSource,
-    /// That it was first taken for something else, and is not.
+    /// Message that the file is not a session, if it was first opened as one.
     pub prelude: Option<String>,
 }
 
@@ -28,30 +28,30 @@ impl From<ImportSource> for PendingImport {
     }
 }
 
-/// What is to be read.
+/// Request to import files.
 pub struct ImportQuestion {
     /// The files.
     pub pending: PendingImport,
-    /// Sizes of the images that are open.
+    /// Sizes of the open images.
     pub frames: [Frame; 2],
-    /// The matches at hand.
+    /// Matches for the check.
     pub matches: MatchesAtHand,
 }
 
-/// A matrix that was read.
+/// A matrix from a file.
 #[derive(Debug, Clone)]
 pub struct ImportedMatrix {
-    /// As its format says.
+    /// The matrix as its format defines it.
     pub fundamental: FundamentalMatrix,
-    /// What the matches say; none where there are too few.
+    /// Check by matches; `None` with too few.
     pub check: Option<ConventionCheck>,
-    /// What these matches are called.
+    /// Name of the matches.
     pub matches: &'static str,
-    /// How many there are.
+    /// Number of matches.
     pub count: usize,
 }
 
-/// What was found in a file.
+/// Contents of an imported file.
 #[derive(Debug, Clone)]
 pub struct ImportFound {
     /// The name of the file.
@@ -60,22 +60,22 @@ pub struct ImportFound {
     pub format: Format,
     /// Point pairs on the images.
     pub pairs: Vec<PointPair>,
-    /// A geometry.
+    /// The geometry.
     pub matrix: Option<ImportedMatrix>,
-    /// What to know about it, a sentence each.
+    /// Warnings, one sentence each.
     pub notes: Vec<String>,
 }
 
 impl ImportQuestion {
-    /// What was found, or what happened and what to do.
+    /// Reads the files. The error names the problem and the action.
     pub fn answer(&self) -> Result<ImportFound, String> {
         let name = self.pending.source.name();
         self.read().map_err(|problem| match &self.pending.prelude {
             Some(prelude) => format!(
-                "{prelude}, and it cannot be imported either: {problem}. Nothing was changed; try another file."
+                "{prelude}, and it cannot be imported either: {problem}. Nothing was changed. Try another file."
             ),
             None => format!(
-                "{name} could not be imported: {problem}. Nothing was changed; correct the file, or try another one."
+                "{name} could not be imported: {problem}. Nothing was changed. Correct the file, or try another one."
             ),
         })
     }
@@ -90,7 +90,9 @@ impl ImportQuestion {
                 (GeometryFile { cameras, ..GeometryFile::default() }, Format::Text)
             }
             ImportSource::LoneCamera(_) => {
-                return Err("it is the camera of one image; import those of both images at once".to_owned());
+                return Err(
+                    "it is the camera of one image. Import the cameras of both images at once".to_owned()
+                );
             }
         };
         let geometry = file.geometry();
@@ -108,19 +110,20 @@ impl ImportQuestion {
             .is_some_and(|images| images.each_ref().map(|image| image.frame) != self.frames)
         {
             notes.push(format!(
-                "{name} is for images of other sizes than those that are open: check what it shows."
+                "{name} belongs to images of other sizes. Check that it fits the open images."
             ));
         }
         let (pairs, note) = on_the_images(&file.pairs, self.frames, &name);
         notes.extend(note);
         if geometry.is_none() && pairs.is_empty() {
-            return Err("none of its point pairs lies on the images that are open".to_owned());
+            return Err("none of its point pairs lies on the open images".to_owned());
         }
         let matrix = geometry.map(|fundamental| self.checked(fundamental, &pairs));
         Ok(ImportFound { name, format, pairs, matrix, notes })
     }
 
-    /// What the matches at hand say; where they are too few, those of the file.
+    /// Checks a matrix with the available matches, or with the pairs of the file if these are too
+    /// few.
     fn checked(&self, fundamental: FundamentalMatrix, own: &[PointPair]) -> ImportedMatrix {
         let at_hand = self.matches.pairs();
         let (matches, pairs) = if at_hand.len() < FEWEST_MATCHES && own.len() >= FEWEST_MATCHES {
@@ -129,13 +132,14 @@ impl ImportQuestion {
             (self.matches.name(), &*at_hand)
         };
         let check = check_convention(&fundamental, pairs).ok();
-        // Without any reading that can be had in numbers there is nothing to choose from.
+        // A check without any finite reading leaves nothing to choose from.
         let check = check.filter(|check| !check.readings.is_empty());
         ImportedMatrix { fundamental, check, matches, count: pairs.len() }
     }
 }
 
-/// The pairs that lie on the images, no more than can be looked at, and a sentence about the others.
+/// Returns the pairs on the images, thinned out if there are too many, and a message about the
+/// others.
 fn on_the_images(pairs: &[PointPair], frames: [Frame; 2], name: &str) -> (Vec<PointPair>, Option<String>) {
     let lies_on = |pair: &PointPair| frames[0].contains(pair.point1) && frames[1].contains(pair.point2);
     let outside: Vec<usize> = (0..pairs.len()).filter(|k| !lies_on(&pairs[*k])).collect();
@@ -157,7 +161,8 @@ fn on_the_images(pairs: &[PointPair], frames: [Frame; 2], name: &str) -> (Vec<Po
     }
     if stride > 1 {
         sentences.push(format!(
-            "{name} has {} point pairs on the images, more than can be looked at: the first {FIRST_PAIRS} and one in {stride} of the others were placed.",
+            "{name} has {} point pairs on the images, too many to show. The first {FIRST_PAIRS} \
+             and one in {stride} of the others were placed.",
             inside.len()
         ));
     }
@@ -171,7 +176,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn pairs_outside_are_named_and_too_many_are_thinned_out() {
+    fn pairs_outside_are_listed_and_too_many_are_thinned_out() {
         let frames = [Frame::new(100, 80); 2];
         let inside = PointPair::new(5.0, 6.0, 7.0, 8.0);
         let mut pairs = vec![inside; 3];

@@ -1,4 +1,4 @@
-//! Files from and for other programs: exports of what the window shows, and imports of point pairs and geometries.
+//! Files from and for other programs: exports, and imports of point pairs and geometries.
 
 mod exporting;
 mod importing;

@@ -1,34 +1,34 @@
-//! What can be written for other programs, and how.
+//! Kinds and options of exports.
 
 use std::path::PathBuf;
 
 use crate::app::model::ids::OverlayId;
 use crate::io::Format;
 
-/// What is written.
+/// Kind of export.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum ExportKind {
-    /// F and the epipoles of the geometry shown, the point pairs, the homographies that rectify.
+    /// F and epipoles of the shown geometry, point pairs and rectifying homographies.
     #[default]
     Geometry,
-    /// The homography of the plane that all lies on, where that is all that is certain.
+    /// Homography of the plane, where nothing else is certain.
     Plane,
-    /// The point pairs alone.
+    /// Point pairs only.
     Pairs,
-    /// The point pairs with their names, origins, roles and distances.
+    /// Point pairs with names, origins, roles and distances.
     Table,
-    /// The result of the estimate with everything about it.
+    /// The result of the estimate with all its figures.
     Report,
-    /// The intensities along the inspected line pair.
+    /// Intensities along the inspected line pair.
     Profile,
-    /// Both images with what is drawn over them, for a paper.
+    /// Both images with overlays, for a paper.
     Figure,
-    /// What is on the screen.
+    /// Picture of the screen.
     View,
 }
 
 impl ExportKind {
-    /// All of them, in the order in which they are offered.
+    /// All kinds, in the order of the dialog.
     pub const ALL: [Self; 8] = [
         Self::Geometry,
         Self::Plane,
@@ -40,7 +40,7 @@ impl ExportKind {
         Self::View,
     ];
 
-    /// What it is called.
+    /// Returns the name of the kind.
     pub fn name(self) -> &'static str {
         match self {
             Self::Geometry => "Geometry",
@@ -54,53 +54,54 @@ impl ExportKind {
         }
     }
 
-    /// One sentence about what is in the file.
+    /// Returns the tooltip of the kind.
     pub fn tooltip(self) -> &'static str {
         match self {
             Self::Geometry => {
-                "F and epipoles of the geometry that the window shows, the point pairs, and the homographies that \
-                 rectify the images where one each does."
+                "F and epipoles of the shown geometry, the point pairs, and the homographies that \
+                 rectify the images, if homographies suffice."
             }
             Self::Plane => {
-                "The homography that takes the left image to the right one: all that is certain where everything lies on \
-                 one plane or the camera only turned."
+                "Homography from the left image to the right one. Nothing more is certain when \
+                 everything lies on one plane or the camera only rotated."
             }
             Self::Pairs => "The point pairs that are not left out.",
             Self::Table => {
                 "The point pairs with name, origin, role and distance, as comma-separated values for a spreadsheet."
             }
-            Self::Report => "The result of the estimate: F, verdict, figures, matches, parameters, times.",
+            Self::Report => "The result of the estimate: F, verdict, figures, matches, parameters and times.",
             Self::Profile => "Intensities, shifts and costs along the inspected line pair, as a table.",
             Self::Figure => {
-                "Both images with the overlays that are shown, for a paper: as SVG or PDF with lines and letters, or as PNG of any size."
+                "Both images with the visible overlays, for a paper: SVG or PDF with lines and \
+                 text, or PNG of any size."
             }
-            Self::View => "What is on the screen, as a picture.",
+            Self::View => "A picture of the screen.",
         }
     }
 }
 
-/// Which part of the window.
+/// Part of the window.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum ViewPart {
-    /// Both images with what is drawn over them.
+    /// Both images with their overlays.
     #[default]
     Images,
-    /// All of it.
+    /// The whole window.
     Window,
 }
 
-/// How a figure is written.
+/// Format of a figure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum FigureFormat {
-    /// The images as PNG inside it, lines and letters as such.
+    /// SVG with embedded PNG images, vector lines and text.
     #[default]
     Svg,
-    /// The same for programs that set type.
+    /// PDF with the same contents, for typesetting.
     Pdf,
 }
 
 impl FigureFormat {
-    /// The extension of its files, without a dot.
+    /// Returns the file extension, without a dot.
     pub fn extension(self) -> &'static str {
         match self {
             Self::Svg => "svg",
@@ -109,28 +110,28 @@ impl FigureFormat {
     }
 }
 
-/// What is on a figure.
+/// Contents of a figure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct FigureChoices {
-    /// How it is written.
+    /// Format of the figure.
     pub format: FigureFormat,
-    /// Whether points and lines have their names.
+    /// Whether points and lines are labelled.
     pub labels: bool,
-    /// Whether the paper is dark.
+    /// Whether the background is dark.
     pub dark: bool,
-    /// Whether only what is seen of the images is on it.
+    /// Whether only the visible part of the images is included.
     pub seen: bool,
-    /// Which layers over the images are not on it although the window shows them.
+    /// Overlays that are excluded although the window shows them.
     left_out: [bool; OverlayId::COUNT],
 }
 
 impl FigureChoices {
-    /// Whether it has a layer that the window shows.
+    /// Returns whether the figure includes a visible overlay.
     pub fn has(&self, layer: OverlayId) -> bool {
         !self.left_out[layer as usize]
     }
 
-    /// Takes a layer in, or leaves it out.
+    /// Includes or excludes an overlay.
     pub fn set(&mut self, layer: OverlayId, on: bool) {
         self.left_out[layer as usize] = !on;
     }
@@ -139,13 +140,13 @@ impl FigureChoices {
 impl Default for FigureChoices {
     fn default() -> Self {
         let mut left_out = [false; OverlayId::COUNT];
-        // Marks of a search, which say nothing to who has not seen it.
+        // Marks of a search mean nothing to readers who have not seen it.
         left_out[OverlayId::Hypotheses as usize] = true;
         Self { format: FigureFormat::default(), labels: true, dark: false, seen: false, left_out }
     }
 }
 
-/// How the report is written.
+/// Format of the report.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum ReportFormat {
     /// Sentences for people.
@@ -155,22 +156,22 @@ pub enum ReportFormat {
     Json,
 }
 
-/// What is to be written, and where.
+/// An order to export.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ExportOrder {
-    /// The file.
+    /// Path of the file.
     pub path: PathBuf,
-    /// What is written.
+    /// Kind of export.
     pub what: ExportKind,
-    /// The format of geometry and point pairs.
+    /// Format of geometry and point pairs.
     pub format: Format,
-    /// Whether the matches that the result rests on go along with the point pairs.
+    /// Whether to add the matches behind the result to the point pairs.
     pub with_matches: bool,
-    /// How the report is written.
+    /// Format of the report.
     pub reported: ReportFormat,
-    /// Which part of the screen is the view.
+    /// Part of the window for a picture.
     pub part: ViewPart,
-    /// What is on a figure.
+    /// Contents of a figure.
     pub figure: FigureChoices,
 }
 

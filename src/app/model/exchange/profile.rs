@@ -1,4 +1,4 @@
-//! The intensities along the inspected line pair, or its motion barcodes, as a table for other programs.
+//! Tables of the inspected line pair: intensities, or motion barcodes.
 
 use std::fmt::Write;
 
@@ -7,20 +7,20 @@ use crate::app::model::recording::InspectedBarcodes;
 use crate::io::TrustNote;
 use crate::motion::Barcode;
 
-/// What the columns mean, a sentence a line.
+/// Meaning of the columns, one sentence per line.
 pub const CONVENTION: [&str; 3] = [
     "Pixels: x to the right, y down; the centre of the upper left pixel is (0, 0). Intensities go from 0 to 255.",
     "A row is a sample of the left line, in equal steps; distance is along that line from its anchor, px.",
-    "x2, y2 and right_matched are of the sample of the right line that was matched; they are empty outside the image.",
+    "x2, y2 and right_matched belong to the matched sample of the right line. They are empty outside the image.",
 ];
 
-/// What the columns of barcodes mean, a sentence a line.
+/// Meaning of the columns of barcodes, one sentence per line.
 pub const BARCODE_CONVENTION: [&str; 2] = [
-    "A row is a frame of the left sequence, counted from 0, and the frame of the right one that was taken together with it.",
-    "left and right are 1 where something that moves crosses the line of that image, else 0.",
+    "A row is a frame of the left sequence, counted from 0, and the frame of the right sequence taken at the same time.",
+    "left and right are 1 where something moving crosses the line of that image, else 0.",
 ];
 
-/// Comma-separated values, one row a frame. Comment lines begin with `#`.
+/// Returns comma-separated values, one row per frame. Comment lines begin with `#`.
 pub fn barcodes_csv(inspected: &InspectedBarcodes, offset: i32, trust: Option<&TrustNote>) -> String {
     let mut text = heading("Motion barcodes of two lines", &BARCODE_CONVENTION, trust);
     text.push_str("frame_left,frame_right,left,right\n");
@@ -34,14 +34,14 @@ pub fn barcodes_csv(inspected: &InspectedBarcodes, offset: i32, trust: Option<&T
     text
 }
 
-/// What the table is of, what its columns mean, and how far the geometry is to be trusted.
+/// Returns the comment lines: title, meaning of the columns, and verdict on the geometry.
 fn heading(what: &str, convention: &[&str], trust: Option<&TrustNote>) -> String {
     let mut text = format!("# {what}, written by epiline {}\n", env!("CARGO_PKG_VERSION"));
     for sentence in convention {
         let _ = writeln!(text, "# {sentence}");
     }
     if let Some(trust) = trust {
-        let _ = writeln!(text, "# The geometry shown, which the lines may come from, is {}.", trust.verdict);
+        let _ = writeln!(text, "# The shown geometry, from which the lines may come, is {}.", trust.verdict);
         for reason in &trust.reasons {
             let _ = writeln!(text, "#   {reason}");
         }
@@ -49,7 +49,8 @@ fn heading(what: &str, convention: &[&str], trust: Option<&TrustNote>) -> String
     text
 }
 
-/// Comma-separated values, one row a sample of the left line. Comment lines begin with `#`.
+/// Returns comma-separated values, one row per sample of the left line. Comment lines begin with
+/// `#`.
 pub fn csv(inspection: &Inspection, trust: Option<&TrustNote>) -> String {
     let mut text = heading("Intensities along two lines", &CONVENTION, trust);
     text.push_str("distance,x1,y1,left,right_unmatched,shift,x2,y2,right_matched,cost\n");

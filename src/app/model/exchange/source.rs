@@ -1,22 +1,22 @@
-//! Which files can be imported, by their names.
+//! Recognises files to import by their names.
 
 use std::path::{Path, PathBuf};
 
 use crate::io::Format;
 
-/// Files that are imported together.
+/// Files of one import.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum ImportSource {
     /// A file of any format.
     File(PathBuf),
     /// The cameras of the two images, 3×4 each.
     Cameras([PathBuf; 2]),
-    /// A camera without the other one.
+    /// A camera without the camera of the other image.
     LoneCamera(PathBuf),
 }
 
 impl ImportSource {
-    /// What it is called.
+    /// Returns the name of the files for messages.
     pub fn name(&self) -> String {
         let name = |path: &PathBuf| {
             path.file_name()
@@ -29,9 +29,10 @@ impl ImportSource {
     }
 }
 
-/// Whether a file is to be imported, and not opened as an image. Sessions have a name of this kind, too.
+/// Returns whether a file is imported rather than opened as an image. Sessions have such names,
+/// too.
 pub fn is_importable(path: &Path) -> bool {
-    // XML is refused by the import, with a way around.
+    // The import refuses XML and suggests a way around.
     const OTHERS: [&str; 4] = ["csv", "tsv", "dat", "xml"];
     let extension = |known: &str| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(known));
     Format::of_path(path).is_some() || is_camera(path) || OTHERS.into_iter().any(extension)
@@ -41,7 +42,7 @@ fn is_camera(path: &Path) -> bool {
     path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("p"))
 }
 
-/// Files in the order in which they are imported: two cameras in a row belong together.
+/// Groups files into imports. Two cameras in a row belong together.
 pub fn sources(paths: Vec<PathBuf>) -> Vec<ImportSource> {
     let mut sources = Vec::new();
     for path in paths {
@@ -63,7 +64,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn names_tell_what_is_imported() {
+    fn imports_are_recognised_by_name() {
         for name in ["F.txt", "m.CSV", "a.yml", "a.yaml", "a.xml", "a.m", "a.json", "house.000.P"] {
             assert!(is_importable(Path::new(name)), "{name}");
         }

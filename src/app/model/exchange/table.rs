@@ -1,4 +1,4 @@
-//! The point pairs as a table for spreadsheets and scripts.
+//! Table of the point pairs for spreadsheets and scripts.
 
 use std::fmt::Write;
 
@@ -6,8 +6,8 @@ use super::trust::trust_note;
 use crate::app::model::Model;
 use crate::app::model::document::Role;
 
-/// Comma-separated values, one row a pair that is not left out, in the order of the list. The first four columns are what
-/// every reader of point pairs takes; comment lines begin with `#`.
+/// Returns comma-separated values, one row per pair that is not excluded, in the order of the list.
+/// Every reader of point pairs accepts the first four columns. Comment lines begin with `#`.
 pub fn csv(model: &Model) -> String {
     let document = &model.document;
     let mut text = String::from("# Point pairs of two images, written by epiline ");

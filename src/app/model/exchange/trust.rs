@@ -1,4 +1,4 @@
-//! How far what is exported is to be trusted, in the words of the window.
+//! Verdicts on exported geometries, in the words of the window.
 
 use crate::app::model::Model;
 use crate::app::model::comparison::Contestant;
@@ -6,7 +6,7 @@ use crate::app::model::computation::Freshness;
 use crate::app::model::verdict::{Tone, VerdictInWords, import_warning, verdict};
 use crate::io::TrustNote;
 
-/// How far the geometry that is shown is to be trusted, in the words of the window.
+/// Returns the verdict on the shown geometry, in the words of the window.
 pub fn trust_note(model: &Model) -> Option<TrustNote> {
     let shown = model.shown()?;
     let unjudged = |reason: String| TrustNote { verdict: "not judged".into(), reasons: vec![reason] };
@@ -25,7 +25,7 @@ pub fn trust_note(model: &Model) -> Option<TrustNote> {
     result_note(model)
 }
 
-/// How far the result is to be trusted.
+/// Returns the verdict on the result.
 pub fn result_note(model: &Model) -> Option<TrustNote> {
     let (estimate, freshness) = model.open.computation.result()?;
     let judged = estimate.assessment.trust.is_some();

@@ -1,29 +1,29 @@
-//! What the list of point pairs is sorted by, how rows are chosen, and what can be done with them.
+//! Order, selection and commands of the list of point pairs.
 
-/// What the list is sorted by.
+/// Columns that the list can be sorted by.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum PointColumn {
-    /// The order of the clicks.
+    /// Order of the clicks.
     #[default]
     Number,
-    /// The names that were given, those without one last.
+    /// Given names. Pairs without a name come last.
     Name,
-    /// The position in the left image, from left to right.
+    /// Position in the left image, from left to right.
     Left,
-    /// The position in the right image, from left to right.
+    /// Position in the right image, from left to right.
     Right,
-    /// What it is for.
+    /// Role of the pair.
     Role,
-    /// The distance from the epipolar lines.
+    /// Distance from the epipolar lines.
     Distance,
 }
 
 impl PointColumn {
-    /// All of them, from left to right.
+    /// All columns, from left to right.
     pub const ALL: [Self; 6] =
         [Self::Number, Self::Name, Self::Left, Self::Right, Self::Role, Self::Distance];
 
-    /// Heading of the column.
+    /// Returns the heading of the column.
     pub fn title(self) -> &'static str {
         match self {
             Self::Number => "Pair",
@@ -35,80 +35,81 @@ impl PointColumn {
         }
     }
 
-    /// What is in it.
+    /// Returns the tooltip of the heading.
     pub fn tooltip(self) -> &'static str {
         match self {
             Self::Number => {
                 "The letter or number of the pair, in the order of the clicks. Click it to choose the row."
             }
             Self::Name => {
-                "What you call the pair: saved with the session, copied, and shown in the images on request."
+                "Your name for the pair. It is saved with the session, copied with the pair, and \
+                 shown in the images on request."
             }
             Self::Left => "Position in the left image, px.",
             Self::Right => "Position in the right image, px.",
-            Self::Role => "Whether the geometry is estimated from the pair or only checked by it.",
+            Self::Role => "Use of the pair: in the estimate, as a check only, or left out.",
             Self::Distance => {
-                "Symmetric distance: the mean distance of the two points from each other's epipolar lines. Up to some \
-                 2 px is what a careful click has."
+                "Symmetric distance: mean distance of the two points from each other's epipolar \
+                 lines. Careful clicks stay below about 2 px."
             }
         }
     }
 }
 
-/// The order of the list.
+/// Order of the list.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct PointOrder {
-    /// What it is sorted by.
+    /// The sorted column.
     pub column: PointColumn,
-    /// The last one first.
+    /// Whether the order is reversed.
     pub descending: bool,
-    /// Where the next run of chosen rows begins.
+    /// First row of the next range selection.
     pub anchor: Option<usize>,
 }
 
-/// How a row is chosen.
+/// Effect of a click on the selection of rows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Choosing {
-    /// The row alone.
+    /// Selects the row alone.
     Only,
-    /// The row as well, or not any more.
+    /// Adds the row to the selection, or removes it.
     Toggle,
-    /// All from the row chosen before to it.
+    /// Selects all rows from the last selected row to this one.
     Through,
 }
 
-/// What is done with all chosen pairs.
+/// Edit of all selected pairs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ChosenEdit {
-    /// Remove them.
+    /// Remove the pairs.
     Delete,
-    /// The geometry is estimated from them.
+    /// Use the pairs in the estimate.
     Use,
-    /// The pairs only check it.
+    /// Use the pairs as checks only.
     CheckOnly,
-    /// The pairs are left out.
+    /// Exclude the pairs.
     Exclude,
 }
 
-/// Something to do with the list.
+/// A command about the list.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum PointsCommand {
-    /// Sort by a column; again turns the order around.
+    /// Sort by a column. The same column again reverses the order.
     SortBy(PointColumn),
-    /// Choose rows.
+    /// Select rows.
     Choose(usize, Choosing),
-    /// Choose all rows.
+    /// Select all rows.
     ChooseAll,
-    /// Do something with the rows that are chosen.
+    /// Edit the selected pairs.
     Edit(ChosenEdit),
-    /// Give a pair a name.
+    /// Name a pair.
     Rename(usize, String),
-    /// Copy the chosen pairs, or all, as a table.
+    /// Copy the selected pairs, or all, as a table.
     Copy,
-    /// Ask the system for what was copied.
+    /// Request the contents of the clipboard.
     RequestPaste,
     /// Add the pairs of a table.
     Paste(String),
-    /// Show the given names in the images, or the letters alone.
+    /// Show given names in the images, or only letters.
     ToggleNames,
 }

@@ -1,5 +1,4 @@
-//! The list of point pairs: in which order it is, which rows are chosen, what is done with all of them, and copying and
-//! pasting as spreadsheets do it.
+//! The list of point pairs: order, selection, edits, and copying and pasting as spreadsheets do it.
 
 mod kinds;
 mod pasting;
@@ -19,7 +18,7 @@ use crate::geometry::{PointPair, symmetric_epipolar_distance};
 use crate::io::PairOrigin;
 
 impl Model {
-    /// The pairs as the list shows them.
+    /// Returns the pairs in the order of the list.
     pub fn listed_pairs(&self) -> Vec<usize> {
         let PointOrder { column, descending, .. } = self.open.points;
         let document = &self.document;
@@ -50,26 +49,26 @@ impl Model {
         pairs
     }
 
-    /// The symmetric distance of a pair from the geometry shown, px.
+    /// Returns the symmetric distance of a pair from the shown geometry, px.
     pub fn pair_distance(&self, pair: usize) -> Option<f64> {
         let distance = symmetric_epipolar_distance(self.shown()?.fundamental, self.document.pairs.get(pair)?);
         distance.is_finite().then_some(distance)
     }
 
-    /// Where that lies between bad and good.
+    /// Returns the distance of a pair on its scale from bad to good.
     pub fn pair_gauge(&self, pair: usize) -> Option<Gauge> {
         let sigma = self.document.parameters.click_sigma;
         Some(Gauge::of_click(self.shown()?.fundamental, self.document.pairs.get(pair)?, sigma))
     }
 
-    /// Sorts the list.
+    /// Sorts the list by a column.
     pub fn sort_points(&mut self, by: PointColumn) {
         let PointOrder { column, descending, .. } = &mut self.open.points;
         *descending = *column == by && !*descending;
         *column = by;
     }
 
-    /// Chooses rows of the list; the point that keys act on is that of the row.
+    /// Selects rows of the list.
     pub fn choose_pair(&mut self, pair: usize, how: Choosing) {
         if pair >= self.document.pairs.len() {
             return;
@@ -100,12 +99,12 @@ impl Model {
         self.history.close_step();
     }
 
-    /// Chooses all rows.
+    /// Selects all rows.
     pub fn choose_all_pairs(&mut self) {
         self.document.chosen = (0..self.document.pairs.len()).collect();
     }
 
-    /// Does something with all chosen pairs, in one step.
+    /// Edits all selected pairs in one step.
     pub fn edit_chosen(&mut self, what: ChosenEdit) {
         let chosen = self.document.chosen.clone();
         self.edit(Step::Single, |document| match what {
@@ -123,12 +122,12 @@ impl Model {
         });
     }
 
-    /// Gives a pair a name; the letters of one are one step.
+    /// Names a pair. The letters of one name are one step.
     pub fn rename_pair(&mut self, pair: usize, name: &str) {
         self.edit(Step::Merged(EditKey::Name(pair)), |document| document.rename(pair, name));
     }
 
-    /// The chosen pairs, or all, as a table for spreadsheets, in the order of the list.
+    /// Returns the selected pairs, or all, as a table for spreadsheets, in the order of the list.
     pub fn copied_pairs(&self) -> String {
         let document = &self.document;
         let mut text = String::from("name\tx1\ty1\tx2\ty2\n");
@@ -141,7 +140,7 @@ impl Model {
         text
     }
 
-    /// Adds the pairs of a table in one step, and chooses them; says what became of it.
+    /// Adds the pairs of a table in one step, selects them and reports the result.
     pub fn paste_pairs(&mut self, text: &str) {
         let rows = match parse_table(text) {
             Ok(rows) => rows,
@@ -156,8 +155,8 @@ impl Model {
         if outside > 0 {
             let were = if outside == 1 { "lies" } else { "lie" };
             self.messages.tell(format!(
-                "{outside} of the {total} pasted point pairs {were} outside the images and were left out: check that x \
-                 comes before y, and the left image before the right one."
+                "{outside} of the {total} pasted point pairs {were} outside the images and cannot \
+                 be added. Check that x comes before y, and the left image before the right one."
             ));
         }
         if count == 0 {
@@ -170,7 +169,7 @@ impl Model {
             for (number, (name, pair)) in inside.into_iter().enumerate() {
                 document.pairs.push(pair);
                 document.set_origin(first + number, PairOrigin::Pasted);
-                // The letters of places are no names: the place may be another one here.
+                // Automatic names are not kept, as the pair may have another place here.
                 if let Some(name) = name.filter(|name| !is_name_of_a_place(name)) {
                     document.rename(first + number, &name);
                 }

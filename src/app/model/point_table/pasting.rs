@@ -1,18 +1,19 @@
-//! Tables of point pairs as spreadsheets copy them.
+//! Reads tables of point pairs as spreadsheets copy them.
 
 use crate::app::model::document::pair_name;
 use crate::geometry::PointPair;
 
-/// Rows that are pasted at once, far more than anybody clicks.
+/// Maximum number of pasted rows, far more than anybody clicks.
 const MOST_PASTED: usize = 1000;
 
-/// Whether a name only says which place a pair had.
+/// Returns whether a name is the automatic name of a place in the list.
 pub fn is_name_of_a_place(name: &str) -> bool {
     (0..3).any(|pair| pair_name(pair) == name) || name.parse::<usize>().is_ok()
 }
 
-/// Rows of `name x1 y1 x2 y2` or `x1 y1 x2 y2`, separated by tabs, semicolons, commas or spaces, with or without a
-/// heading. Where tabs or semicolons separate, a comma is a decimal one. Further cells are passed over.
+/// Reads rows of `name x1 y1 x2 y2` or `x1 y1 x2 y2`, with or without a heading. Tabs, semicolons,
+/// commas or spaces separate. With tabs or semicolons, a comma is a decimal comma. Further cells
+/// are ignored.
 pub fn parse_table(text: &str) -> Result<Vec<(Option<String>, PointPair)>, String> {
     let (mut rows, mut pairs_first) = (Vec::new(), false);
     let lines =
@@ -20,30 +21,29 @@ pub fn parse_table(text: &str) -> Result<Vec<(Option<String>, PointPair)>, Strin
     for (number, (line, row)) in lines.enumerate() {
         match parse_row(row, pairs_first) {
             Some(pair) => rows.push(pair),
-            // A heading, which says whether names come first.
+            // The heading shows whether names come first.
             None if number == 0 && row.chars().any(char::is_alphabetic) => {
                 pairs_first = row.trim_start_matches(['"', ' ']).to_lowercase().starts_with('x');
             }
             None => {
                 let row: String = row.trim().chars().take(40).collect();
                 return Err(format!(
-                    "Nothing was pasted: line {} (\"{row}\") has no four numbers. Copy rows of x1 y1 x2 y2, with a name in \
-                     front or without.",
+                    "Nothing was pasted: line {} (\"{row}\") has no four numbers. Copy rows of x1 \
+                     y1 x2 y2, with or without a name in front.",
                     line + 1
                 ));
             }
         }
         if rows.len() > MOST_PASTED {
             return Err(format!(
-                "Nothing was pasted: these are more than {MOST_PASTED} rows. Import a file instead."
+                "Nothing was pasted: the table has more than {MOST_PASTED} rows. Import a file instead."
             ));
         }
     }
     if rows.is_empty() {
-        return Err(
-            "There are no point pairs to paste: copy rows of x1 y1 x2 y2, with a name in front or without."
-                .into(),
-        );
+        return Err("Nothing was pasted: there are no point pairs. Copy rows of x1 y1 x2 y2, with or \
+             without a name in front."
+            .into());
     }
     Ok(rows)
 }

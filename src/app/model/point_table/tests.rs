@@ -17,7 +17,7 @@ fn five() -> Model {
 }
 
 #[test]
-fn a_column_sorts_and_again_turns_the_order_around() {
+fn a_column_sorts_and_sorting_again_reverses_the_order() {
     let mut model = five();
     assert_eq!(model.listed_pairs(), [0, 1, 2, 3, 4]);
     model.sort_points(PointColumn::Left);
@@ -27,7 +27,7 @@ fn a_column_sorts_and_again_turns_the_order_around() {
     model.document.rename(3, "b");
     model.document.rename(4, "a");
     model.sort_points(PointColumn::Name);
-    assert_eq!(model.listed_pairs()[..2], [4, 3], "those without a name come last");
+    assert_eq!(model.listed_pairs()[..2], [4, 3], "pairs without a name come last");
     model.sort_points(PointColumn::Name);
     assert_eq!(model.listed_pairs()[..2], [3, 4]);
     model.document.check_only(1, true);
@@ -37,7 +37,7 @@ fn a_column_sorts_and_again_turns_the_order_around() {
 }
 
 #[test]
-fn rows_are_chosen_alone_as_well_and_in_a_run_of_the_list() {
+fn rows_are_selected_alone_added_and_in_ranges() {
     let mut model = five();
     model.sort_points(PointColumn::Left);
     model.choose_pair(3, Choosing::Only);
@@ -49,11 +49,11 @@ fn rows_are_chosen_alone_as_well_and_in_a_run_of_the_list() {
     model.choose_pair(2, Choosing::Only);
     assert_eq!(model.document.chosen, BTreeSet::from([2]));
     model.choose_pair(2, Choosing::Only);
-    assert!(model.document.chosen.is_empty(), "again lets go");
+    assert!(model.document.chosen.is_empty(), "a second click deselects");
 }
 
 #[test]
-fn all_chosen_are_edited_in_one_step() {
+fn selected_pairs_are_edited_in_one_step() {
     let mut model = five();
     model.document.chosen = BTreeSet::from([1, 3]);
     model.edit_chosen(ChosenEdit::CheckOnly);
@@ -67,7 +67,7 @@ fn all_chosen_are_edited_in_one_step() {
 }
 
 #[test]
-fn what_is_copied_can_be_pasted() {
+fn copied_pairs_can_be_pasted() {
     let mut source = five();
     source.document.rename(2, "left eye");
     source.document.chosen = BTreeSet::from([0, 2]);
@@ -106,7 +106,7 @@ fn tables_are_read_with_headings_commas_and_names() {
 }
 
 #[test]
-fn pasted_pairs_outside_the_images_are_left_out_with_a_sentence() {
+fn pasted_pairs_outside_the_images_are_left_out_with_a_message() {
     let mut model = model(&[]);
     model.paste_pairs("1 2 3 4\n900 2 3 4");
     assert_eq!(model.document.pairs, [PointPair::new(1.0, 2.0, 3.0, 4.0)]);

@@ -1,4 +1,4 @@
-//! What can be done with the rectified pair.
+//! Commands about the rectified pair, and orders to write it.
 
 use std::path::PathBuf;
 
@@ -6,60 +6,60 @@ use super::{Guides, RectifiedLayout, RectifiedView, RectifyQuestion};
 use crate::io::{RectifiedOptions, TrustNote};
 use crate::rectify::RectifyMethod;
 
-/// Something to do with the rectified pair.
+/// A command about the rectified pair.
 #[derive(Debug, Clone, PartialEq)]
 pub enum RectifiedCommand {
-    /// Choose how the images are rectified.
+    /// Set the method of rectification.
     SetMethod(RectifyMethod),
-    /// Choose how the pictures are laid out.
+    /// Set the layout of the pictures.
     LayOut(RectifiedLayout),
-    /// Choose the lines over the pictures.
+    /// Set the guide lines.
     SetGuides(Guides),
-    /// Show a part of the pictures; `None` is all of them.
+    /// Show a part of the pictures; `None` shows all.
     View(Option<RectifiedView>),
-    /// Show the right picture so far to the right, px of the pictures as they are written.
+    /// Shift the right picture to the right, px of the written pictures.
     Shift(f64),
-    /// Show the left picture up to this part of the width, and the right one from there on.
+    /// Set the position of the wipe, as a fraction of the width.
     Wipe(f32),
-    /// Show the other picture in the place of this one.
+    /// Show the other picture in a blink.
     Swap,
-    /// Let the pictures take turns by the clock, or not.
+    /// Start or stop the automatic blink.
     RunBlink,
-    /// Show the window for writing the pair.
+    /// Show the dialog for writing the pair.
     ShowExport,
-    /// Choose the folder with the system's dialog.
+    /// Choose the folder with the file dialog of the system.
     Browse,
     /// Write the pair.
     Export {
-        /// The folder; made if missing.
+        /// The folder. It is created if missing.
         folder: PathBuf,
-        /// What is written.
+        /// Files to write.
         options: RectifiedOptions,
     },
     /// Stop writing the pair.
     StopExport,
 }
 
-/// What is to be written, and where.
+/// An order to write the rectified pair.
 #[derive(Clone)]
 pub struct RectifyOrder {
-    /// The pair and its geometry.
+    /// Pictures and geometry.
     pub question: RectifyQuestion,
-    /// The folder; made if missing.
+    /// The folder. It is created if missing.
     pub folder: PathBuf,
-    /// What is written beside the pictures.
+    /// Files to write beside the pictures.
     pub options: RectifiedOptions,
-    /// How far the geometry is to be trusted.
+    /// Verdict on the geometry.
     pub trust: Option<TrustNote>,
 }
 
-/// How far the writing of a rectified pair is.
+/// Progress of writing a rectified pair.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct WritingProgress {
-    /// Steps that are done.
+    /// Number of finished steps.
     pub done: usize,
-    /// All steps.
+    /// Number of all steps.
     pub all: usize,
-    /// What is being done.
+    /// Name of the current step.
     pub what: &'static str,
 }

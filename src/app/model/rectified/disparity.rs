@@ -1,5 +1,5 @@
-//! A coarse map of the disparities of a rectified pair, from the matching of rows: enough to see what a stereo program
-//! would find, and over which range it has to search.
+//! A coarse disparity map of a rectified pair, by matching rows. It previews the result of a stereo
+//! program and the disparity range to search.
 
 use image::{DynamicImage, LumaA, RgbaImage};
 
@@ -8,33 +8,33 @@ use crate::cancel::CancelFlag;
 use crate::image::Profile;
 use crate::similarity::{DisparityRange, StereoParameters, match_profiles};
 
-/// Width of the pictures that are matched, px: coarse, and done in a moment.
+/// Width of the matched pictures, px. At this size, matching takes a moment.
 const WIDTH: u32 = 320;
-/// Largest disparity tried either way where no match tells, as a part of the width.
+/// Largest tested disparity without known matches, as a fraction of the width.
 const REACH: f64 = 0.3;
-/// How much farther than those of the matches disparities are tried, as a part of their range and of the width.
+/// Margin around the disparities of known matches: fractions of their range and of the width.
 const ROOM: [f64; 2] = [0.25, 0.03];
-/// Part of the samples that the range leaves out at either end.
+/// Fraction of the samples outside the reported range at either end.
 const BEYOND: f64 = 0.02;
-/// Worse matches than this are none, squared grey levels.
+/// Largest cost of a match, squared grey levels.
 const WORST: u32 = 900;
 
-/// Disparities of the left picture's pixels.
+/// Disparities of the pixels of the left picture.
 #[derive(Debug, Clone)]
 pub struct DisparityMap {
-    /// Coarse pixels by colour: dark is far to the left on the right picture, transparent where nothing matches.
+    /// Colour map of the disparities: dark for the smallest, transparent without a match.
     pub picture: RgbaImage,
-    /// Between which disparities nearly all of it is, px of the pictures as they are written: the column in the left
-    /// picture less that in the right one.
+    /// Range of nearly all disparities, px of the written pictures. A disparity is the column in
+    /// the left picture minus the column in the right one.
     pub range: [f64; 2],
-    /// Row by row, in px as the range has them.
+    /// Disparities row by row, px of the written pictures.
     values: Vec<Option<f32>>,
 }
 
 impl DisparityMap {
-    /// Matches the rows of two pictures; `written` is the width that they are written with, and `known` the smallest and
-    /// largest disparity of matches, px of what is written, around which disparities are tried. `None` when cancelled, or when
-    /// nothing matches.
+    /// Matches the rows of two pictures. `written` is the width of the written pictures. `known` is
+    /// the disparity range of known matches, px of the written pictures; it sets the search range.
+    /// Returns `None` when cancelled or without any match.
     pub fn new(
         pictures: [&DynamicImage; 2],
         written: usize,
@@ -92,7 +92,7 @@ impl DisparityMap {
         Some(Self { picture, range, values })
     }
 
-    /// The disparity at a place, as parts of width and height.
+    /// Returns the disparity at a place, given as fractions of width and height.
     pub fn at(&self, across: f64, down: f64) -> Option<f64> {
         let (width, height) = self.picture.dimensions();
         let place = |part: f64, size: u32| {
@@ -101,13 +101,13 @@ impl DisparityMap {
         self.values.get(place(down, height) * width as usize + place(across, width))?.map(f64::from)
     }
 
-    /// Part of the pixels that have a match.
+    /// Returns the fraction of pixels with a match.
     pub fn matched(&self) -> f64 {
         self.values.iter().flatten().count() as f64 / self.values.len().max(1) as f64
     }
 }
 
-/// The middle one of each pixel and its neighbours, which takes away single rows that went astray.
+/// Applies a 3×3 median filter, which removes single rows with wrong matches.
 fn smoothed(values: &[Option<f32>], width: usize) -> Vec<Option<f32>> {
     let height = values.len() / width.max(1);
     (0..values.len())
@@ -124,7 +124,8 @@ fn smoothed(values: &[Option<f32>], width: usize) -> Vec<Option<f32>> {
         .collect()
 }
 
-/// Disparities that are tried, columns of the right picture less those of the left one; `known` are the other way round.
+/// Returns the tested disparities: column in the right picture minus column in the left one.
+/// `known` has the opposite sign.
 fn tried(known: Option<[f64; 2]>, width: f64) -> DisparityRange {
     let Some([least, most]) = known else { return DisparityRange::symmetric((width * REACH).round() as i32) };
     let room = ROOM[0] * (most - least) + ROOM[1] * width;
@@ -132,7 +133,7 @@ fn tried(known: Option<[f64; 2]>, width: f64) -> DisparityRange {
     DisparityRange { min: inside((-most - room).floor()), max: inside((room - least).ceil()) }
 }
 
-/// A grey picture, for tests.
+/// Returns a textured grey picture.
 #[cfg(test)]
 fn textured(shift: impl Fn(u32) -> u32) -> DynamicImage {
     use image::{GrayImage, Luma};
@@ -147,15 +148,15 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_map_finds_how_far_things_are_apart() {
-        // The upper half is 12 px farther to the right in the left picture, the lower half 4 px.
+    fn the_map_has_the_disparities() {
+        // The upper half is shifted by 12 px, the lower half by 4 px.
         let left = textured(|_| 40);
         let right = textured(|y| 40 + if y < 30 { 12 } else { 4 });
         let map = DisparityMap::new([&left, &right], 400, None, &CancelFlag::default()).unwrap();
         let (upper, lower) = (map.at(0.5, 0.2).unwrap(), map.at(0.5, 0.8).unwrap());
         assert!(
             (upper - 24.0).abs() < 2.5 && (lower - 8.0).abs() < 2.5,
-            "{upper} and {lower}, as they are written"
+            "{upper} and {lower} px of the written pictures"
         );
         assert!(map.range[0] <= 9.0 && map.range[1] >= 23.0, "{:?}", map.range);
         assert!(map.matched() > 0.7);
@@ -165,8 +166,8 @@ mod tests {
     }
 
     #[test]
-    fn pictures_far_apart_are_matched_where_their_matches_are() {
-        // Farther apart than is tried where nothing is known.
+    fn known_matches_set_the_search_range() {
+        // The shift is larger than the search range without known matches.
         let (left, right) = (textured(|_| 40), textured(|_| 120));
         let found = |known| {
             let map = DisparityMap::new([&left, &right], 400, known, &CancelFlag::default())?;

@@ -1,7 +1,8 @@
-//! The rectified pair of the geometry that the window shows, as large as it is worth drawing.
+//! The rectified pair of the shown geometry, at a size suited to the screen.
 //!
-//! While the geometry moves, small pictures follow it ([`DRAFT`]), which takes milliseconds; once it rests, they are
-//! drawn as large as is worth looking at ([`SHOWN`]), and that is given up as soon as something newer is wanted.
+//! While the geometry moves, small pictures ([`DRAFT`]) follow it within milliseconds. Once the
+//! geometry rests, larger ones ([`SHOWN`]) are drawn. They are cancelled when a newer pair is
+//! requested.
 
 use std::borrow::Cow;
 
@@ -16,24 +17,24 @@ use crate::image::Picture;
 use crate::io::GroundTruth;
 use crate::rectify::{Limits, Rectification, RectifyError, RectifyMethod, rectify};
 
-/// Pixels of a rectified picture on the screen, at most.
+/// Maximum number of pixels of a rectified picture on the screen.
 const SHOWN: Limits = Limits { pixels: 3_000_000 };
-/// The same while the geometry moves.
+/// Maximum number of pixels while the geometry moves.
 const DRAFT: Limits = Limits { pixels: 200_000 };
 
-/// The matches on which a rectification is measured.
+/// Matches for measuring a rectification.
 #[derive(Debug, Clone, PartialEq)]
 pub enum MatchesAtHand {
-    /// Matches that are known.
+    /// True matches.
     True(Shared<GroundTruth>),
-    /// Matches that the refinement of a result found.
+    /// Matches found by the refinement of a result.
     Found(Shared<Estimate>),
-    /// Pairs that were clicked.
+    /// Clicked pairs.
     Clicked(Vec<PointPair>),
 }
 
 impl MatchesAtHand {
-    /// The pairs of points.
+    /// Returns the point pairs.
     pub fn pairs(&self) -> Cow<'_, [PointPair]> {
         match self {
             Self::True(truth) => truth.matches.as_slice().into(),
@@ -42,7 +43,7 @@ impl MatchesAtHand {
         }
     }
 
-    /// What they are called.
+    /// Returns the name of this kind of matches.
     pub fn name(&self) -> &'static str {
         match self {
             Self::True(_) => "true matches",
@@ -52,29 +53,29 @@ impl MatchesAtHand {
     }
 }
 
-/// What is to be rectified.
+/// Request to rectify a pair.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RectifyQuestion {
     /// The pictures.
     pub pictures: Pictures,
-    /// The geometry that the window shows.
+    /// The shown geometry.
     pub fundamental: FundamentalMatrix,
-    /// What is measured.
+    /// Matches for the measures.
     pub matches: MatchesAtHand,
-    /// The method that was chosen.
+    /// Method of rectification.
     pub method: RectifyMethod,
-    /// Whether another geometry is likely to come at once.
+    /// Whether the geometry is moving, so that another request follows soon.
     pub moving: bool,
 }
 
 impl RectifyQuestion {
-    /// Rectifies as large as `limits` allow.
+    /// Rectifies at the largest size within `limits`.
     pub fn rectification(&self, limits: &Limits) -> Result<Rectification, RectifyError> {
         let frames = self.pictures.each_ref().map(|picture| picture.frame());
         rectify(&self.fundamental, frames, &self.matches.pairs(), self.method, limits)
     }
 
-    /// The pair for the screen; `None` when cancelled.
+    /// Draws the pair for the screen; `None` when cancelled.
     pub fn answer(&self, cancel: &CancelFlag) -> Option<Rectified> {
         let outcome = match self.drawn(cancel) {
             Ok(drawn) => Ok(drawn?),
@@ -89,7 +90,7 @@ impl RectifyQuestion {
         let fits = full.size.width * full.size.height <= limits.pixels;
         let shown = if fits { full.clone() } else { self.rectification(&limits)? };
         let Some(pictures) = self.pictures_of(&shown, cancel) else { return Ok(None) };
-        // A pair that another one follows at once is not looked at so closely.
+        // A pair that is replaced at once needs no disparity map.
         let disparity = if self.moving {
             None
         } else {
@@ -108,7 +109,7 @@ impl RectifyQuestion {
         Ok(Some(DrawnPair { full, shown, pictures, disparity, number: revision::fresh() }))
     }
 
-    /// Both pictures.
+    /// Draws both pictures.
     fn pictures_of(&self, shown: &Rectification, cancel: &CancelFlag) -> Option<[Opened; 2]> {
         let left = shown.warp(0, &self.pictures[0].pixels, cancel)?;
         let right = shown.warp(1, &self.pictures[1].pixels, cancel)?;
@@ -118,51 +119,51 @@ impl RectifyQuestion {
     }
 }
 
-/// What became of a geometry.
+/// Outcome of a rectification.
 pub struct Rectified {
-    /// The geometry.
+    /// The rectified geometry.
     pub fundamental: FundamentalMatrix,
-    /// What the measures are of.
+    /// Name of the matches behind the measures.
     pub measured: &'static str,
-    /// The pair, or why there is none.
+    /// The pair, or the reason why there is none.
     pub outcome: Result<DrawnPair, RectifyError>,
 }
 
 /// A pair for the screen.
 pub struct DrawnPair {
-    /// As it would be written, with its measures.
+    /// Rectification at full size, as it would be written, with its measures.
     pub full: Rectification,
-    /// As it is drawn, perhaps smaller; places in the pictures are in its pixels.
+    /// Rectification as drawn, possibly smaller. Positions in the pictures refer to its pixels.
     pub shown: Rectification,
-    /// The left and the right picture.
+    /// Left and right picture.
     pub pictures: [Opened; 2],
-    /// How far things are apart in them, with a picture of it; none while the geometry moves, or where nothing matches.
+    /// Disparity map and its picture. `None` while the geometry moves, and without any match.
     pub disparity: Option<(DisparityMap, Opened)>,
-    /// Another number for each.
+    /// Unique number of this pair.
     pub number: u64,
 }
 
-/// One of the pictures of a [`DrawnPair`] pair.
+/// One of the pictures of a [`DrawnPair`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RectifiedSheet {
     /// The rectified left image.
     Left,
     /// The rectified right image.
     Right,
-    /// Both in one place.
+    /// Both images in one place.
     Both,
-    /// How far things are apart.
+    /// The disparity map.
     Disparity,
 }
 
 impl DrawnPair {
-    /// Pixels on the screen's pictures for a pixel of those that would be written.
+    /// Returns the number of drawn pixels per written pixel.
     pub fn reduction(&self) -> f64 {
         self.shown.size.height as f64 / self.full.size.height as f64
     }
 
-    /// By how much the right picture is to be shifted for a point pair to coincide, px of the pictures as they are
-    /// written.
+    /// Returns the shift of the right picture that makes a point pair coincide, px of the written
+    /// pictures.
     pub fn shift_of(&self, pair: &PointPair) -> Option<f64> {
         let [left, right] = [pair.point1, pair.point2];
         let left = self.shown.maps[0].rectified_from_original(left)?;
@@ -170,7 +171,7 @@ impl DrawnPair {
         Some((left.x - right.x) / self.reduction())
     }
 
-    /// Size of every picture, px.
+    /// Returns the size of every picture, px.
     pub fn frame(&self) -> Frame {
         self.shown.size
     }
@@ -193,7 +194,7 @@ mod tests {
     }
 
     #[test]
-    fn a_moving_geometry_gives_small_pictures_and_one_at_rest_large_ones() {
+    fn pictures_are_small_while_the_geometry_moves_and_large_at_rest() {
         let pixels = |question: &RectifyQuestion| {
             let rectified = question.answer(&CancelFlag::default()).unwrap();
             assert_eq!(rectified.measured, "true matches");
@@ -201,7 +202,7 @@ mod tests {
             assert!(drawn.full.size.width >= drawn.shown.size.width);
             assert_eq!(drawn.disparity.is_some(), !question.moving);
             if let Some((map, _)) = &drawn.disparity {
-                // What the matches are apart is about what the map says.
+                // The disparities of the matches roughly agree with the map.
                 let pairs = question.matches.pairs();
                 let near = |pair: &&PointPair| {
                     let at = drawn.shown.maps[0].rectified_from_original(pair.point1).unwrap();
@@ -221,7 +222,7 @@ mod tests {
     }
 
     #[test]
-    fn what_was_cancelled_gives_nothing() {
+    fn a_cancelled_request_has_no_answer() {
         let cancel = CancelFlag::default();
         cancel.cancel();
         assert!(question().answer(&cancel).is_none());

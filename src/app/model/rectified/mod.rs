@@ -1,4 +1,4 @@
-//! The rectified pair: how it is made (`making`), how it is looked at (`viewing`), and what can be done with it.
+//! The rectified pair: drawing (`making`), way of viewing (`viewing`) and commands.
 
 mod command;
 mod disparity;

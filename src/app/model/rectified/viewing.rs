@@ -1,4 +1,4 @@
-//! How a person looks at the rectified pair.
+//! Ways of viewing the rectified pair.
 
 use serde::{Deserialize, Serialize};
 
@@ -6,82 +6,83 @@ use crate::app::model::document::Side;
 use crate::app::model::pane_view::PaneView;
 use crate::geometry::Frame;
 
-/// Seconds that each picture is shown while they alternate.
+/// Time that each picture is shown in a blink, seconds.
 const BLINK: f64 = 0.6;
-/// Guide lines are at least this far apart when their distance follows the zoom, screen points.
+/// Minimum distance of automatic guide lines, screen points.
 const GUIDE_GAP: f64 = 30.0;
 
-/// How the two pictures are laid out.
+/// Layout of the two pictures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum RectifiedLayout {
-    /// One beside the other.
+    /// The pictures side by side.
     #[default]
     SideBySide,
-    /// One in place of the other, by turns.
+    /// The pictures in one place, in turn.
     Blink,
-    /// Both at once, red and cyan.
+    /// Both pictures at once, in red and cyan.
     Anaglyph,
-    /// The left one up to a line that can be drawn, the right one from there on.
+    /// The left picture up to a movable line, the right picture beyond it.
     Wipe,
-    /// How far things are apart, by colour.
+    /// The disparities by colour.
     Disparity,
 }
 
 impl RectifiedLayout {
-    /// All of them, with their names and a sentence about each.
+    /// All layouts with names and tooltips.
     pub const ALL: [(Self, &'static str, &'static str); 5] = [
         (
             Self::SideBySide,
             "Side by side",
-            "The left picture beside the right one; what is in a row on the left is in the same row on the right.",
+            "The left picture beside the right one. Corresponding points are in the same row.",
         ),
         (
             Self::Blink,
             "Blink",
-            "Both pictures in one place by turns: things may only jump sideways. Anything that jumps up or down \
-             shows rows that do not agree.",
+            "Both pictures in one place, in turn. Things may only jump sideways: a jump up or down \
+             means that rows do not agree.",
         ),
         (
             Self::Anaglyph,
             "Anaglyph",
-            "Both pictures at once, the left one red and the right one cyan, for glasses of these colours. Coloured \
-             edges above and below things show rows that do not agree.",
+            "Both pictures at once: the left one in red, the right one in cyan, for glasses of \
+             these colours. Coloured edges above and below things mean that rows do not agree.",
         ),
         (
             Self::Wipe,
             "Wipe",
-            "The left picture up to a line, the right one from there on: drag the line across. Edges that cross it must \
-             not jump up or down.",
+            "The left picture up to a line, the right picture beyond it. Drag the line across: \
+             edges that cross it must not jump up or down.",
         ),
         (
             Self::Disparity,
             "Disparity",
-            "How far to the left things are in the right picture, by colour, as a coarse matching of the rows finds it; \
-             grey where nothing matches. A good geometry gives smooth surfaces with sharp edges.",
+            "Shift to the left from the left picture to the right one, by colour, from a coarse \
+             matching of the rows; grey where nothing matches. A good geometry gives smooth \
+             surfaces with sharp edges.",
         ),
     ];
 }
 
-/// Horizontal lines over the pictures, by which rows are compared.
+/// Horizontal lines over the pictures, for comparing rows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Guides {
-    /// None.
+    /// No lines.
     Hidden,
-    /// As many as the zoom has room for, at round numbers of rows.
+    /// As many lines as the zoom has room for, at round numbers of rows.
     #[default]
     Automatic,
-    /// One every so many rows.
+    /// One line per this number of rows.
     Every(u16),
 }
 
 impl Guides {
-    /// Layouts that are offered.
+    /// All choices of guide lines.
     pub const ALL: [Self; 6] =
         [Self::Automatic, Self::Every(10), Self::Every(25), Self::Every(50), Self::Every(100), Self::Hidden];
 
-    /// What it is called.
+    /// Returns the name of the choice.
     pub fn name(self) -> String {
         match self {
             Self::Hidden => "None".into(),
@@ -90,8 +91,8 @@ impl Guides {
         }
     }
 
-    /// Rows from one line to the next where a row is `scale` screen points high; `None` without lines. Lines that
-    /// would run into one another are thinned out.
+    /// Returns the number of rows between lines, for rows of `scale` screen points; `None` without
+    /// lines. Lines that would merge on the screen are thinned out.
     pub fn spacing(self, scale: f64) -> Option<f64> {
         let wanted = GUIDE_GAP / scale.max(1e-9);
         match self {
@@ -103,34 +104,34 @@ impl Guides {
             }
             Self::Every(rows) => {
                 let rows = f64::from(rows.max(1));
-                // A tenth of the usual gap is where lines can no longer be told apart.
+                // Lines closer than a tenth of the minimum distance cannot be told apart.
                 Some(rows * (0.1 * wanted / rows).ceil().max(1.0))
             }
         }
     }
 }
 
-/// What is remembered from one run to the next.
+/// View settings kept between runs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(default)]
 pub struct RectifiedLook {
-    /// How the pictures are laid out.
+    /// Layout of the pictures.
     pub layout: RectifiedLayout,
-    /// The lines over them.
+    /// Lines over the pictures.
     pub guides: Guides,
 }
 
-/// Which picture is shown where they take turns.
+/// Visible picture of a blink.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Blink {
-    /// One after the other by the clock.
+    /// The pictures alternate by the clock.
     Running,
-    /// This one.
+    /// One picture is shown.
     Still(Side),
 }
 
 impl Blink {
-    /// The picture to be shown `time` seconds after some beginning, and in how many seconds that changes.
+    /// Returns the picture to show at a time in seconds, and the seconds until it changes.
     pub fn shown(self, time: f64) -> (Side, Option<f64>) {
         match self {
             Self::Still(side) => (side, None),
@@ -143,25 +144,25 @@ impl Blink {
     }
 }
 
-/// What part of the pictures is shown.
+/// Visible part of the pictures.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RectifiedView {
-    /// The size of the pictures it was chosen on.
+    /// Size of the pictures when the part was chosen.
     pub frame: Frame,
-    /// The part.
+    /// Visible part.
     pub view: PaneView,
 }
 
-/// What part is shown and which picture's turn it is: gone when the window closes.
+/// View settings that are not kept between runs.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Viewing {
-    /// The same part of both pictures; `None` shows them whole.
+    /// Visible part, the same of both pictures; `None` shows all.
     pub view: Option<RectifiedView>,
-    /// The picture whose turn it is.
+    /// Visible picture of a blink.
     pub blink: Blink,
-    /// How far to the right the right picture is shown, px of the pictures as they are written.
+    /// Shift of the right picture to the right, px of the written pictures.
     pub shift: f64,
-    /// Up to which part of the width the left picture is shown in a wipe.
+    /// Position of the wipe, as a fraction of the width.
     pub wipe: f32,
 }
 
@@ -176,7 +177,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn guide_lines_keep_their_distance_at_any_zoom() {
+    fn guide_lines_keep_their_distance_at_every_zoom() {
         for scale in [0.01, 0.1, 0.37, 1.0, 3.3, 64.0] {
             let spacing = Guides::Automatic.spacing(scale).unwrap();
             assert!(spacing >= 1.0 && spacing * scale >= GUIDE_GAP - 1e-9, "{spacing} at {scale}");

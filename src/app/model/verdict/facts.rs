@@ -1,4 +1,4 @@
-//! The figures behind a result, each with what is good and bad.
+//! Figures of a result, with the ranges of good and bad values.
 
 use std::f64::consts::PI;
 
@@ -12,31 +12,31 @@ use crate::geometry::{Frame, FundamentalMatrix, HomogeneousPoint, finite_point};
 /// A figure with its name.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Fact {
-    /// What it is.
+    /// Name of the figure.
     pub name: &'static str,
-    /// The figure with its unit.
+    /// Value with its unit.
     pub value: String,
-    /// What it means.
+    /// Explanation of the figure.
     pub tooltip: &'static str,
-    /// Whether it speaks for the result, where there is a measure for that.
+    /// Quality of the value, if there is a rule for it.
     pub tone: Option<Tone>,
-    /// Where it lies between bad and good.
+    /// Place of the value between bad and good.
     pub gauge: Option<Gauge>,
 }
 
 impl Fact {
-    /// A figure without a measure of good and bad.
+    /// Creates a figure without a rule for good and bad.
     pub fn new(name: &'static str, value: impl Into<String>, tooltip: &'static str) -> Self {
         Self { name, value: value.into(), tooltip, tone: None, gauge: None }
     }
 
-    /// With where it lies between bad and good.
+    /// Adds the place between bad and good.
     #[must_use]
     fn on(self, gauge: Option<Gauge>) -> Self {
         Self { tone: gauge.as_ref().and_then(|gauge| gauge.tone), gauge, ..self }
     }
 
-    /// What it means, with what is good and bad.
+    /// Returns the explanation with the limits of good and bad.
     pub fn explained(&self) -> String {
         self.gauge
             .as_ref()
@@ -44,35 +44,31 @@ impl Fact {
     }
 }
 
-/// What is known about a geometry from a file.
+/// Returns the figures of an imported geometry.
 pub fn import_facts(imported: &Imported) -> Vec<Fact> {
     let check = match &imported.check {
         Some(check) => format!("{:.2} px, median of {} {}", check.median, check.matches, check.of),
         None => "unchecked".to_owned(),
     };
     vec![
-        Fact::new("From", imported.file.clone(), "The file that it was imported from."),
+        Fact::new("From", imported.file.clone(), "File that the geometry was imported from."),
         Fact::new(
-            "Taken",
+            "Read as",
             imported.reading.clone(),
-            "How the numbers of the file were taken, of all the conventions that are in use.",
+            "Convention in which the numbers of the file were read.",
         ),
-        Fact::new(
-            "Checked",
-            check,
-            "Symmetric distance that half of the matches at the time of the import stay below.",
-        ),
+        Fact::new("Checked", check, "Median symmetric distance of the matches at the time of the import."),
     ]
 }
 
-/// The figures behind a result.
+/// Returns the figures of a result.
 pub fn facts(document: &Document, estimate: &Estimate, freshness: Freshness) -> Vec<Fact> {
     let mut facts = epipoles(document, estimate.fundamental());
     if matches!(freshness, Freshness::Followed | Freshness::Stale) {
         // The other figures belong to earlier points.
         return facts;
     }
-    // Before the end, near-copies of the result are not told from other geometries.
+    // Near-copies of the result are told from other geometries only at the end.
     facts.extend((freshness == Freshness::Final).then(|| margin(estimate)));
     facts.extend(barcodes(estimate));
     if let Some(refinement) = &estimate.assessment.refinement {
@@ -80,12 +76,12 @@ pub fn facts(document: &Document, estimate: &Estimate, freshness: Freshness) -> 
         let fact = Fact::new(
             "Matches",
             format!("{count} patches at full size"),
-            "Image patches that were matched along the epipolar lines at full resolution; the result was fitted to them.",
+            "Image patches matched along the epipolar lines at full resolution. The result is fitted to them.",
         );
         let gauge = Gauge::judged(Scale::MATCHES, count as f64, |v| format!("{v:.0}"));
         facts.push(fact.on(Some(gauge).filter(|_| count > 0)));
     }
-    // Before the end it is not known which of the hypotheses is the rival.
+    // The rival is known only at the end.
     let scales = (freshness == Freshness::Final)
         .then(|| HypothesisScales::new(estimate, document.parameters.validation.line_score));
     let gauge = |figure: HypothesisFigure| scales.as_ref()?.of_result(figure, figure.of(estimate));
@@ -99,22 +95,22 @@ pub fn facts(document: &Document, estimate: &Estimate, freshness: Freshness) -> 
     if let Some(trace) = estimate.trace.as_ref().filter(|trace| trace.counts.left_out > 0) {
         facts.push(Fact::new(
             "Left out",
-            format!("{} corners that stay", trace.counts.left_out),
-            "Corners at the very same place in both images while the rest moves, as of captions, a logo or dirt on the \
-             sensor: they say nothing of the scene.",
+            format!("{} fixed corners", trace.counts.left_out),
+            "Corners at the same position in both images while the rest moves: captions, a logo or \
+             dirt on the sensor. They say nothing about the scene.",
         ));
     }
     if let Some(trace) = &estimate.trace {
         facts.push(Fact::new(
             "Time",
             format!("{:.2} s, first {:.2} s", trace.seconds, trace.first_seconds),
-            "How long the computation took, and until its first result.",
+            "Duration of the computation, and time until its first result.",
         ));
     }
     facts
 }
 
-/// What the motion barcodes of corresponding lines say, where sequences were compared.
+/// Returns the figures of motion barcodes, if sequences were compared.
 fn barcodes(estimate: &Estimate) -> Vec<Fact> {
     let Some(figures) = &estimate.assessment.barcodes else { return Vec::new() };
     let reasons = estimate.assessment.trust.iter().flat_map(|trust| &trust.reasons);
@@ -126,17 +122,18 @@ fn barcodes(estimate: &Estimate) -> Vec<Fact> {
         ..Fact::new(
             "Agreement",
             format!("{:.2}, by chance {:.2}", figures.correlation, figures.by_chance),
-            "How well the motion barcodes of corresponding lines agree over both images, 1 for equal ones; and how well \
-             they do at best when one sequence is shifted in time, which is chance.",
+            "Agreement of the motion barcodes of corresponding lines over both images; 1 for equal \
+             barcodes. The second number is the best agreement with one sequence shifted in time, \
+             which is chance.",
         )
     };
     let lines = Fact {
         tone: tone(|reason| matches!(reason, Reason::FewBarcodes { .. }), Tone::Caution),
         ..Fact::new(
-            "Telling lines",
+            "Distinct lines",
             format!("{:.0}, in {} frames", figures.lines, figures.frames),
-            "Epipolar lines that are crossed in ways of their own: neighbours are crossed by the same things, and seven \
-             numbers are to be found from them.",
+            "Number of epipolar lines with a barcode of their own. Neighbouring lines are crossed \
+             by the same objects and count less. The geometry has seven unknowns, so it needs more lines than that.",
         )
     };
     let precision = figures.deviation.map(|deviation| Fact {
@@ -144,16 +141,18 @@ fn barcodes(estimate: &Estimate) -> Vec<Fact> {
         ..Fact::new(
             "Precision",
             format!("lines ± {deviation:.1} px"),
-            "Standard deviation of the epipolar lines where things move, from leaving out a part of the frames at a time.",
+            "Standard deviation of the epipolar lines where things move, found by leaving out a \
+             part of the frames at a time.",
         )
     });
     [agreement, lines].into_iter().chain(precision).collect()
 }
 
-const SUPPORT: &str = "Corners of the reduced images that find their match along their epipolar line, weighted by how alike \
-                       they are. There is no good figure by itself: compare it with those of the other hypotheses.";
+const SUPPORT: &str = "Corners of the reduced images with a match along their epipolar line, \
+                       weighted by similarity. No value is good by itself: compare it with the \
+                       other hypotheses.";
 
-/// How clearly the result is ahead, and of which hypothesis.
+/// Returns the margin of the result, and the hypothesis to which it is measured.
 fn margin(estimate: &Estimate) -> Fact {
     let Some(margin) = estimate.assessment.margin else {
         return Fact {
@@ -162,7 +161,7 @@ fn margin(estimate: &Estimate) -> Fact {
         };
     };
     let rival = rival(estimate).map_or(String::new(), |rival| format!(" to hypothesis {}", rival + 1));
-    // What decides, when it was looked at.
+    // The margin after refinement decides, if it was measured.
     let refined = estimate.assessment.refined_margin;
     let decides = refined.unwrap_or(margin);
     let after = refined.map_or(String::new(), |refined| format!(", {:.0} % refined", refined * 100.0));
@@ -170,12 +169,13 @@ fn margin(estimate: &Estimate) -> Fact {
     Fact::new("Margin", format!("{:.0} %{rival}{after}", margin * 100.0), MARGIN).on(Some(gauge))
 }
 
-const MARGIN: &str = "How much less support the best clearly different geometry has than hypothesis 1, from which the result was \
-                      refined; of the published search, how much worse its line score is. A small one means that the \
-                      result is a guess. Where it is not clear, the rivals are refined, too, and \
-                      the margin after that decides. The tab Hypotheses marks the rival.";
+const MARGIN: &str = "Difference in support between hypothesis 1, from which the result was \
+                      refined, and the best clearly different geometry. The published search \
+                      compares line scores instead. With a small margin, the result is a guess. \
+                      When the margin is not clear, the rivals are refined as well, and the margin \
+                      after refinement decides. The tab Hypotheses marks the rival.";
 
-/// The figures of a hypothesis that is shown in place of the result, which it was found with.
+/// Returns the figures of a hypothesis shown in place of its result `of`.
 pub fn hypothesis_facts(document: &Document, hypothesis: &Estimate, of: Option<&Estimate>) -> Vec<Fact> {
     let scales = of.map(|of| HypothesisScales::new(of, document.parameters.validation.line_score));
     let mut facts = epipoles(document, hypothesis.fundamental());
@@ -188,24 +188,24 @@ pub fn hypothesis_facts(document: &Document, hypothesis: &Estimate, of: Option<&
     facts
 }
 
-/// Where the epipoles of a geometry are.
+/// Returns the positions of the epipoles.
 pub fn epipoles(document: &Document, f: &FundamentalMatrix) -> Vec<Fact> {
     let frame = |k: usize| document.pictures.as_ref().map(|pictures| pictures[k].frame);
     vec![
         Fact::new(
             "Left epipole",
             epipole_text(&f.epipole1(), frame(0)),
-            "Where the left image sees the other camera; all its epipolar lines meet there.",
+            "Image of the other camera. All epipolar lines of the left image meet there.",
         ),
         Fact::new(
             "Right epipole",
             epipole_text(&f.epipole2(), frame(1)),
-            "Where the right image sees the other camera; all its epipolar lines meet there.",
+            "Image of the other camera. All epipolar lines of the right image meet there.",
         ),
     ]
 }
 
-/// What the lines say; the first result of a computation has neither figure yet.
+/// Returns line score and round trip. The first result of a computation has neither yet.
 fn line_figures(
     document: &Document,
     estimate: &Estimate,
@@ -215,14 +215,14 @@ fn line_figures(
         LineScore::AgainstMismatched => Fact::new(
             "Line score",
             format!("{} of mismatched", line_score_text(LineScore::AgainstMismatched, score)),
-            "What corresponding lines cost to match, beside deliberately mismatched lines; lower is better, and 100 % \
-             are no better than mismatched.",
+            "Matching cost of corresponding lines, relative to deliberately mismatched lines. \
+             Lower is better; 100 % is no better than mismatched.",
         ),
         LineScore::Cost => Fact::new(
             "Line score",
-            format!("{} grey² a sample", line_score_text(LineScore::Cost, score)),
-            "What corresponding lines cost to match, as published; lower is better. It depends on the contrast of the \
-             images: compare it with those of the other hypotheses.",
+            format!("{} grey² per sample", line_score_text(LineScore::Cost, score)),
+            "Matching cost of corresponding lines, as published. Lower is better. The cost depends \
+             on the contrast of the images: compare it with the other hypotheses.",
         ),
     });
     let score = score.map(|fact| fact.on(gauge(HypothesisFigure::LineScore)));
@@ -231,18 +231,19 @@ fn line_figures(
         Fact::new(
             "Round trip",
             format!("{area:.2} px"),
-            "How far a line ends from where it began when the lines matched through the clicks carry it to the other \
-             image and back: a figure of the published search, to compare its hypotheses by. The verdict rests on \
-             the matches, and a good result may have a large one.",
+            "Distance between a line and the result of mapping it to the other image and back, \
+             with the maps built from the clicks. The published search compares its hypotheses by \
+             this distance. The verdict rests on the matches, so a good result may have a large \
+             value.",
         )
         .on(gauge(HypothesisFigure::RoundTrip))
     });
     score.into_iter().chain(round_trip)
 }
 
-/// Where an epipole is, in words and figures.
+/// Describes the position of an epipole.
 pub fn epipole_text(epipole: &HomogeneousPoint, frame: Option<Frame>) -> String {
-    // Farther away than this, the lines of an image are parallel to the eye.
+    // Farther away, the lines in the image look parallel.
     const FAR: f64 = 1e6;
     let Some(p) = finite_point(epipole).filter(|p| p.coords.amax() < FAR) else {
         let degrees = epipole.y.atan2(epipole.x).rem_euclid(PI).to_degrees();

@@ -1,28 +1,28 @@
-//! Where a figure lies between bad and good, for a bar beside it. What is good and bad is the estimator's to say; where
-//! no rule judges a figure, it lies between the best and the worst of the hypotheses, without a colour.
+//! Place of a figure between bad and good, for a bar beside it. The limits come from the estimator.
+//! Without limits, the bar runs from the worst to the best hypothesis and has no colour.
 
 use super::tone::Tone;
 use crate::estimate::{self, Construction, Estimate, LineScore, Scale};
 use crate::geometry::{FundamentalMatrix, PointPair, sampson_distance};
 
-/// A bar: bad at the left, good at the right.
+/// A bar: bad on the left, good on the right.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Gauge {
-    /// Where the figure is, 0 to 1.
+    /// Place of the figure, 0 to 1.
     pub place: f32,
-    /// Up to where it is bad and from where on good, where a rule says so.
+    /// Limits of bad and of good, if there is a rule.
     pub limits: Option<[f32; 2]>,
-    /// What the figure alone makes of the result, where a rule says so.
+    /// Judgement by this figure alone, if there is a rule.
     pub tone: Option<Tone>,
-    /// The limits in words.
+    /// Explanation of the limits.
     pub words: String,
 }
 
 impl Gauge {
-    /// A figure that a rule judges.
+    /// Creates the bar of a figure with a rule.
     pub fn judged(scale: Scale, figure: f64, text: impl Fn(f64) -> String) -> Self {
         let more = scale.more_is_better();
-        // Twice what is good, or a little more than what is bad, is the end of the bar.
+        // The bar ends at twice the good limit, or slightly above the bad limit.
         let span = if more { 2.0 * scale.good } else { 1.25 * scale.bad };
         let at = |v: f64| {
             let share = if span > 0.0 && v.is_finite() { (v / span).clamp(0.0, 1.0) } else { 1.0 };
@@ -42,48 +42,49 @@ impl Gauge {
         Self { place: at(figure), limits: Some([at(scale.bad), at(scale.good)]), tone: Some(tone), words }
     }
 
-    /// A figure that no rule judges, between the worst and the best of the hypotheses.
+    /// Creates the bar of a figure without a rule, from the worst to the best hypothesis.
     fn among(worst: f64, best: f64, figure: f64, text: impl Fn(f64) -> String) -> Self {
         let range = best - worst;
         let place = if range.abs() > 0.0 { ((figure - worst) / range).clamp(0.0, 1.0) } else { 0.5 };
         let words = format!(
-            "No rule judges it by itself: the bar goes from the worst of the hypotheses ({}) to the best ({}).",
+            "No limits are known for this figure. The bar runs from the worst hypothesis ({}) to \
+             the best ({}).",
             text(worst),
             text(best)
         );
         Self { place: place as f32, limits: None, tone: None, words }
     }
 
-    /// How far a clicked pair is from a geometry, by the distance and the limits that the verdict goes by.
+    /// Creates the bar of a clicked pair, with the distance and limits of the verdict.
     pub fn of_click(f: &FundamentalMatrix, pair: &PointPair, sigma: f64) -> Self {
         let distance = sampson_distance(f, pair);
         let gauge = Self::judged(Scale::click(sigma), distance, |v| format!("{v:.1} px"));
         let words = format!(
-            "Judged by the Sampson distance, {distance:.2} px here, which takes the points to be wrong by the deviation of \
-             a click. {}",
+            "Judged by the Sampson distance ({distance:.2} px), which allows for the click errors \
+             of both points. {}",
             gauge.words
         );
         Self { words, ..gauge }
     }
 }
 
-/// The figures of a hypothesis.
+/// Figures of a hypothesis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum HypothesisFigure {
-    /// How strongly matching corners agree with it.
+    /// Support by matching corners.
     Support,
-    /// What its lines cost to match.
+    /// Matching cost of its lines.
     LineScore,
-    /// How far a line ends from where it began.
+    /// Distance between a line and its image after a round trip.
     RoundTrip,
-    /// The stretch of one map over that of the other.
+    /// Ratio of κ in the two maps between the pencils.
     ThereBack,
 }
 
 impl HypothesisFigure {
     const ALL: [Self; 4] = [Self::Support, Self::LineScore, Self::RoundTrip, Self::ThereBack];
 
-    /// That of a hypothesis; not a number where it has none.
+    /// Returns the figure of a hypothesis; NaN if it has none.
     pub fn of(self, hypothesis: &Estimate) -> f64 {
         let lines = hypothesis.assessment.lines.as_ref();
         let figure = match self {
@@ -95,7 +96,7 @@ impl HypothesisFigure {
         figure.unwrap_or(f64::NAN)
     }
 
-    /// The larger the worse.
+    /// Converts a figure so that larger is worse.
     fn badness(self, figure: f64) -> f64 {
         match self {
             Self::Support => -figure,
@@ -118,7 +119,7 @@ fn ratio(construction: &Construction) -> Option<f64> {
     Some(construction.kappa_line2_from_line1() / construction.kappa_line1_from_line2()?)
 }
 
-/// A line score in its unit, which depends on what is measured.
+/// Formats a line score in its unit, which depends on the kind of score.
 pub fn line_score_text(kind: LineScore, score: f64) -> String {
     match kind {
         LineScore::AgainstMismatched => format!("{:.1} %", score * 100.0),
@@ -126,15 +127,15 @@ pub fn line_score_text(kind: LineScore, score: f64) -> String {
     }
 }
 
-/// The hypothesis whose figure beside that of the first one makes the margin, by its place in the list.
+/// Returns the rival: the hypothesis that sets the margin, by its place in the list.
 pub fn rival(estimate: &Estimate) -> Option<usize> {
     estimate.assessment.apart.as_ref()?.rival()
 }
 
-/// What is good and bad of the hypotheses of one search.
+/// Ranges of good and bad for the hypotheses of one search.
 #[derive(Debug, Clone)]
 pub struct HypothesisScales {
-    /// The worst and the best of each figure that a hypothesis has.
+    /// Worst and best value of each figure.
     ends: [Option<[f64; 2]>; 4],
     support: Option<Scale>,
     line_score: Option<Scale>,
@@ -142,14 +143,14 @@ pub struct HypothesisScales {
 }
 
 impl HypothesisScales {
-    /// Scales of the hypotheses of a result; `kind` is what line scores measure.
+    /// Creates the scales for the hypotheses of a result with line scores of this kind.
     pub fn new(result: &Estimate, kind: LineScore) -> Self {
         let ends = HypothesisFigure::ALL.map(|figure| {
             let order = |a: &f64, b: &f64| figure.badness(*a).total_cmp(&figure.badness(*b));
             let values = || result.hypotheses().iter().map(|own| figure.of(own)).filter(|v| v.is_finite());
             Some([values().max_by(order)?, values().min_by(order)?])
         });
-        // A margin after refinement decides in place of these figures.
+        // The margin after refinement replaces these limits.
         let rival = rival(result).filter(|_| result.assessment.refined_margin.is_none());
         let rival = rival.and_then(|place| result.hypotheses().get(place));
         let support = rival.and_then(Estimate::support_score).map(Scale::support_beside);
@@ -158,7 +159,7 @@ impl HypothesisScales {
         Self { ends, support, line_score, kind }
     }
 
-    /// The bar of a figure of a hypothesis.
+    /// Returns the bar of a figure of a hypothesis.
     pub fn gauge(&self, figure: HypothesisFigure, value: f64) -> Option<Gauge> {
         let scale = match figure {
             HypothesisFigure::Support => self.support,
@@ -167,11 +168,12 @@ impl HypothesisScales {
         };
         let Some(scale) = scale.filter(|_| value.is_finite()) else { return self.of_result(figure, value) };
         let gauge = Gauge::judged(scale, value, |v| figure.text(v, self.kind));
-        let words = format!("Beside the rival: {}", gauge.words.to_lowercase());
+        let words = format!("Compared with the rival: {}", gauge.words.to_lowercase());
         Some(Gauge { words, ..gauge })
     }
 
-    /// The bar of a figure of the result, which refinement has made: the margin is of the hypothesis before that.
+    /// Returns the bar of a figure of the refined result. It has no limits, as the margin belongs
+    /// to the unrefined hypothesis.
     pub fn of_result(&self, figure: HypothesisFigure, value: f64) -> Option<Gauge> {
         if !value.is_finite() {
             return None;
@@ -191,7 +193,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn bad_is_at_the_left_and_good_at_the_right_whatever_is_better() {
+    fn bad_is_on_the_left_and_good_on_the_right_for_every_scale() {
         let matches = |count: f64| Gauge::judged(Scale::MATCHES, count, |v| format!("{v:.0}"));
         let click = |distance: f64| Gauge::judged(Scale::click(1.0), distance, |v| format!("{v:.1} px"));
         for (worse, better) in [(matches(10.0), matches(50.0)), (click(9.0), click(1.0))] {

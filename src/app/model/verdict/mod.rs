@@ -1,4 +1,4 @@
-//! The result in words: a headline, the figures behind it, and what to know about it.
+//! The result in words: a headline, figures and warnings.
 
 mod facts;
 mod gauge;
@@ -18,33 +18,33 @@ pub use gauge::{Gauge, HypothesisFigure, HypothesisScales, line_score_text};
 pub use standing::Standing;
 pub use tone::Tone;
 
-/// What to say about the state of the estimate.
+/// Description of the state of the estimate.
 #[derive(Debug, Clone, PartialEq)]
 pub struct VerdictInWords {
-    /// How the news is.
+    /// Good or bad news.
     pub tone: Tone,
-    /// One sentence.
+    /// Headline, one sentence.
     pub headline: String,
-    /// The figures behind it.
+    /// Figures behind the headline.
     pub facts: Vec<Fact>,
-    /// What to know about it, a sentence each.
+    /// Warnings, one sentence each.
     pub warnings: Vec<String>,
 }
 
-/// What to beware of with a geometry from a file.
+/// Returns a warning about an imported geometry.
 pub fn import_warning(imported: &Imported) -> Option<&'static str> {
     match &imported.check {
         None => Some(
-            "Unchecked: nobody knows whether it is meant as its file says. Import it again when there are 8 matches.",
+            "Unchecked: its convention could not be confirmed. Import it again when there are 8 matches.",
         ),
         Some(check) if !check.fits => {
-            Some("It does not fit the matches it was checked with: it may belong to other images.")
+            Some("It does not fit the matches of these images. It may belong to other images.")
         }
         Some(_) => None,
     }
 }
 
-/// Puts the state into words.
+/// Describes the state of the estimate.
 pub fn verdict(document: &Document, computation: &Computation) -> VerdictInWords {
     let bare =
         |tone, headline: String| VerdictInWords { tone, headline, facts: Vec::new(), warnings: Vec::new() };
@@ -60,8 +60,8 @@ pub fn verdict(document: &Document, computation: &Computation) -> VerdictInWords
             Some(EstimateFailure::Panic(text)) => bare(
                 Tone::Bad,
                 format!(
-                    "The computation stopped unexpectedly ({text}). This is a fault of the program; \
-                     the points are kept. Move a point or press F5 to try again."
+                    "The computation stopped unexpectedly ({text}), by a fault of the program. \
+                     Your points are kept. Move a point or press F5 to try again."
                 ),
             ),
             None if computation.was_stopped() => bare(Tone::Idle, "Stopped. F5 computes again.".into()),
@@ -71,10 +71,11 @@ pub fn verdict(document: &Document, computation: &Computation) -> VerdictInWords
     let assessment = &estimate.assessment;
     let reasons = assessment.trust.iter().flat_map(|trust| &trust.reasons);
     let reasons = reasons.map(|reason| in_units(reason, document, estimate.fundamental()));
-    // A geometry that is not final may still come nearer to them, and a stale one is not that of these points.
+    // A preliminary geometry may still approach the checks, and a stale one belongs to other
+    // points.
     let is_final = freshness == Freshness::Final;
     let checked = is_final.then(|| contradicting_check(document, estimate.fundamental())).flatten();
-    // What is not finished has nothing to be warned of: the next moment may take it back.
+    // Warnings about an unfinished result could be outdated a moment later.
     let finished = matches!(freshness, Freshness::Final | Freshness::Stopped);
     let warnings: Vec<_> = reasons
         .chain(assessment.warnings.iter().map(ToString::to_string))
@@ -85,11 +86,12 @@ pub fn verdict(document: &Document, computation: &Computation) -> VerdictInWords
     let unreliable =
         assessment.trust.as_ref().is_some_and(|trust| trust.verdict == estimate::Verdict::Unreliable);
     let (tone, headline) = match freshness {
-        Freshness::Stale => (Tone::Busy, "Updating; the lines still belong to the points before.".to_owned()),
-        Freshness::Followed => (
-            Tone::Busy,
-            "The latest geometry, adjusted to the points; the search for the best one goes on.".into(),
-        ),
+        Freshness::Stale => {
+            (Tone::Busy, "Updating. The lines still belong to the previous points.".to_owned())
+        }
+        Freshness::Followed => {
+            (Tone::Busy, "The latest geometry, adjusted to the moved points. The search goes on.".into())
+        }
         Freshness::Preliminary => (
             Tone::Busy,
             format!(
@@ -97,7 +99,9 @@ pub fn verdict(document: &Document, computation: &Computation) -> VerdictInWords
                 computation.stage().map_or(String::new(), |stage| format!(": {}", stage.label()))
             ),
         ),
-        Freshness::Stopped => (Tone::Caution, "First result; stopped before it was refined.".into()),
+        Freshness::Stopped => {
+            (Tone::Caution, "First result. The search was stopped before refinement.".into())
+        }
         Freshness::Final if unreliable => {
             (Tone::Bad, format!("The geometry from {} is unreliable:", used(document)))
         }
@@ -120,13 +124,13 @@ fn waiting(document: &Document) -> String {
     let more = needed.saturating_sub(document.used().count());
     let pairs = if more == 1 { "One more point pair gives" } else { "Two point pairs give" };
     let pairs = if more == 3 { "Three point pairs give" } else { pairs };
-    format!("{pairs} the epipolar lines, the epipoles and how far to trust them.")
+    format!("{pairs} the epipolar lines, the epipoles and a verdict on their reliability.")
 }
 
-/// More names than this are only counted.
+/// Maximum number of listed names. More pairs are only counted.
 const MOST_NAMES: usize = 4;
 
-/// `pairs p and q`, or `12 pairs`.
+/// Returns the used pairs in words: `pairs p and q`, or `12 pairs`.
 fn used(document: &Document) -> String {
     if document.is_unclicked() {
         return match document.used().count() {
@@ -142,7 +146,7 @@ fn used(document: &Document) -> String {
     }
 }
 
-/// What the pairs that are only checked have against a geometry, if a person would see it.
+/// Returns a warning if a pair that is only a check lies visibly off its epipolar line.
 fn contradicting_check(document: &Document, f: &FundamentalMatrix) -> Option<String> {
     let off = document.parameters.click_sigma * CLICK_DEVIATIONS;
     let checks = (0..document.pairs.len()).filter(|pair| document.role(*pair) == Role::Check);
@@ -157,14 +161,15 @@ fn contradicting_check(document: &Document, f: &FundamentalMatrix) -> Option<Str
         more => format!(", and {more} more are off, too"),
     };
     Some(format!(
-        "Pair {}, which is only checked, is {distance:.1} px (symmetric distance) off its epipolar line{others}: use it, or \
-         check that it shows the same scene point.",
+        "Pair {}, which is only checked, is {distance:.1} px (symmetric distance) off its epipolar \
+         line{others}. Use it in the estimate, or make sure that both points show the same scene \
+         point.",
         pair_name(pair)
     ))
 }
 
-/// A reason with its figures as the rest of the window has them: the symmetric distance for how far a pair is off, the
-/// margin in percent.
+/// Converts a reason to the units of the window: symmetric distances of pairs, and margins in
+/// percent.
 fn in_units(reason: &Reason, document: &Document, f: &FundamentalMatrix) -> String {
     let sentence = reason.to_string();
     match reason {
@@ -186,7 +191,7 @@ fn in_units(reason: &Reason, document: &Document, f: &FundamentalMatrix) -> Stri
     }
 }
 
-/// A sentence of the estimator, which counts the pairs it was given, with the names they have in the window.
+/// Replaces the numbers of pairs in a sentence of the estimator by their names in the window.
 fn in_names(sentence: &str, document: &Document) -> String {
     let used: Vec<usize> = document.used().collect();
     let (mut expected, mut after) = (false, false);
@@ -203,7 +208,7 @@ fn in_names(sentence: &str, document: &Document) -> String {
     words.collect::<Vec<_>>().join(" ")
 }
 
-/// The text with a capital first letter.
+/// Returns the text with a capital first letter.
 pub fn capitalised(text: &str) -> String {
     let mut characters = text.chars();
     let first = characters.next().map(|first| first.to_ascii_uppercase());

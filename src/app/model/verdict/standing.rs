@@ -1,21 +1,22 @@
-//! What a hypothesis has to do with the margin: whether it is the rival, or so near to the result that it is none.
+//! Relation of a hypothesis to the margin: the rival, too near to the result, or behind the rival.
 
 use super::gauge::line_score_text;
 use crate::estimate::{Estimate, LineScore};
 
-/// How a hypothesis stands to the result.
+/// Relation of a hypothesis to the result.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Standing {
-    /// Before the rival, or without one, and not clearly different from the result.
+    /// Ranked before the rival, or without a rival, but not clearly different from the result.
     Near,
-    /// The one that makes the margin.
+    /// The hypothesis that sets the margin.
     Rival,
-    /// Behind the rival.
+    /// Ranked behind the rival.
     Behind,
 }
 
 impl Standing {
-    /// That of a hypothesis, by its place in the list; `None` where distances were not measured.
+    /// Returns the standing of a hypothesis, by its place in the list; `None` without measured
+    /// distances.
     pub fn of(result: &Estimate, number: usize) -> Option<Self> {
         let rival = result.assessment.apart.as_ref()?.rival().unwrap_or(usize::MAX);
         Some(match number.cmp(&rival) {
@@ -25,39 +26,40 @@ impl Standing {
         })
     }
 
-    /// The same with the figures that it rests on; `kind` is what line scores measure.
+    /// Describes the standing with the figures behind it. `kind` is the kind of line score.
     pub fn in_words(self, result: &Estimate, number: usize, kind: LineScore) -> String {
         let far = away(result, number);
         match self {
             Self::Near => {
-                let passes = result.assessment.margin.map_or("", |_| ", and the margin passes over it");
-                format!("Not clearly different from the result{far}. So it is no rival{passes}.")
+                let passes = result.assessment.margin.map_or("", |_| ", and the margin ignores it");
+                format!("Not clearly different from the result{far}. So it is not a rival{passes}.")
             }
             Self::Rival => {
                 format!("The best clearly different geometry{far}. {}", figures(result, number, kind))
             }
-            Self::Behind => format!("Ranks behind the rival, to which the margin is measured{far}."),
+            Self::Behind => format!("Ranked behind the rival, which sets the margin{far}."),
         }
     }
 }
 
-/// How far a hypothesis is from the result, as it was measured to tell whether it is clearly different.
+/// Describes the measured distance of a hypothesis from the result.
 fn away(result: &Estimate, number: usize) -> String {
     let Some(apart) = &result.assessment.apart else { return String::new() };
     let Some(distance) = apart.distances.get(number) else { return String::new() };
     let limit = apart.limit;
     match apart.matches {
         0 => format!(
-            ": its epipolar lines are {distance:.1} px from those of the result on average, and up to {limit:.1} px count as near"
+            ": its epipolar lines are {distance:.1} px from the lines of the result on average (up \
+             to {limit:.1} px count as near)"
         ),
         count => format!(
-            ": of the {count} matches before refinement, half lie up to {distance:.1} px from its lines (symmetric distance), and \
-             up to {limit:.1} px count as near"
+            ": half of the {count} matches before refinement lie within {distance:.1} px of its \
+             lines (symmetric distance; up to {limit:.1} px count as near)"
         ),
     }
 }
 
-/// The figures of the first hypothesis and of the rival, from which the margin comes.
+/// Describes the figures of the first hypothesis and of the rival, from which the margin follows.
 fn figures(result: &Estimate, number: usize, kind: LineScore) -> String {
     let margin = result.assessment.margin.unwrap_or(f64::NAN) * 100.0;
     let [Some(best), Some(own)] = [0, number].map(|place| result.hypotheses().get(place)) else {
@@ -65,14 +67,14 @@ fn figures(result: &Estimate, number: usize, kind: LineScore) -> String {
     };
     let beside =
         match (best.support_score().zip(own.support_score()), best.line_score().zip(own.line_score())) {
-            (Some((best, own)), _) => format!("support {own:.1} beside {best:.1}"),
+            (Some((best, own)), _) => format!("support {own:.1} against {best:.1}"),
             (None, Some((best, own))) => {
-                format!("line score {} beside {}", line_score_text(kind, own), line_score_text(kind, best))
+                format!("line score {} against {}", line_score_text(kind, own), line_score_text(kind, best))
             }
             (None, None) => return String::new(),
         };
     let refined = result.assessment.refined_margin.map_or(String::new(), |refined| {
-        format!(" With the rivals refined, too, it is {:.0} %, which decides.", refined * 100.0)
+        format!(" After refinement of the rivals, the margin is {:.0} %, which decides.", refined * 100.0)
     });
-    format!("Its {beside} of hypothesis 1 makes the margin of {margin:.0} %.{refined}")
+    format!("Its {beside} for hypothesis 1 gives a margin of {margin:.0} %.{refined}")
 }

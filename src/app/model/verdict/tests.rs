@@ -33,7 +33,7 @@ fn a_clean_result_is_good_and_one_with_warnings_is_not() {
         trace.counts.left_out = 40;
     });
     let with_caption = verdict(&document, &computation);
-    assert_eq!(with_caption.tone, Tone::Good, "what is left out speaks for nothing and against nothing");
+    assert_eq!(with_caption.tone, Tone::Good, "fixed corners do not change the verdict");
     assert!(with_caption.facts.iter().any(|fact| fact.name == "Left out" && fact.value.starts_with("40")));
     let (document, computation) =
         computed(|e| e.assessment.warnings.push(Warning::CloseClicks { distance: 9.0 }));
@@ -43,7 +43,7 @@ fn a_clean_result_is_good_and_one_with_warnings_is_not() {
 }
 
 #[test]
-fn a_result_called_wrong_is_bad_news_with_its_reasons() {
+fn an_unreliable_result_is_bad_news_with_its_reasons() {
     let (document, computation) = computed(|e| {
         let reasons = vec![Reason::ClickOff { pair: 2, distance: 40.0, suspect: Suspect::Click }];
         e.assessment.trust = Some(Trust { verdict: estimate::Verdict::Unreliable, reasons });
@@ -58,7 +58,7 @@ fn a_result_called_wrong_is_bad_news_with_its_reasons() {
 }
 
 #[test]
-fn a_margin_is_in_percent_wherever_it_is_told() {
+fn margins_are_always_in_percent() {
     let (document, computation) = computed(|e| {
         e.assessment.margin = Some(0.054);
         let reasons = vec![Reason::Ambiguous { margin: 0.054 }];
@@ -98,13 +98,13 @@ fn a_checked_pair_far_off_speaks_against_the_result() {
         let named = told.warnings.iter().any(|w| w.starts_with("Pair r, which is only checked, is "));
         assert_eq!(named, off > 0.0);
     }
-    // What is computed for other points says nothing of these.
+    // An estimate for other points says nothing about these.
     computation.begin(2, false);
     assert!(verdict(&document, &computation).warnings.iter().all(|w| !w.contains("only checked")));
 }
 
 #[test]
-fn sentences_name_pairs_as_the_window_does() {
+fn sentences_use_the_names_of_pairs() {
     let pairs = vec![PointPair::new(1.0, 2.0, 3.0, 4.0); 14];
     let mut document = Document { pairs, ..Document::default() };
     document.check_only(1, true);
@@ -117,7 +117,7 @@ fn sentences_name_pairs_as_the_window_does() {
 }
 
 #[test]
-fn a_panic_is_told_without_losing_the_points() {
+fn a_panic_is_reported_and_the_points_stay() {
     let (document, computation) = ended(Err(EstimateFailure::Panic("boom".into())));
     let bad = verdict(&document, &computation);
     assert_eq!(bad.tone, Tone::Bad);
@@ -125,7 +125,7 @@ fn a_panic_is_told_without_losing_the_points() {
 }
 
 #[test]
-fn epipoles_are_told_near_far_and_at_infinity() {
+fn epipoles_are_described_near_far_and_at_infinity() {
     let frame = Some(Frame::new(100, 100));
     let text = |x, y, z| epipole_text(&HomogeneousPoint::new(x, y, z), frame);
     assert_eq!(text(50.0, 20.0, 1.0), "(50.0, 20.0) in the image");

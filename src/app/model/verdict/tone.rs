@@ -1,16 +1,16 @@
-//! Whether what is said is good news or bad.
+//! Good or bad news.
 
-/// How the news is.
+/// Colour of a statement.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Tone {
-    /// There is nothing yet.
+    /// No result yet.
     Idle,
-    /// Work is under way.
+    /// Work in progress.
     Busy,
-    /// A result to rely on.
+    /// A reliable result.
     Good,
-    /// A result with something to know about it.
+    /// A result with warnings.
     Caution,
-    /// No result.
+    /// No result, or an unreliable one.
     Bad,
 }

@@ -1,4 +1,4 @@
-//! One action, as it is offered.
+//! A single action and its presentation in the window.
 
 use egui::{Key, KeyboardShortcut, Modifiers};
 
@@ -6,52 +6,53 @@ use crate::app::model::Model;
 use crate::app::model::command::Command;
 use crate::app::model::ids::TabId;
 
-/// Something that can be done, as it is offered.
+/// An action that can be offered to the user.
 pub struct Action {
-    /// What is done. Entries of commands with something particular in them stand for all of their kind, unless those
-    /// have an entry of their own.
+    /// The command. An entry whose command carries data stands for all commands of that kind that
+    /// have no entry of their own.
     pub command: Command,
-    /// What it is called on buttons.
+    /// Text of its button.
     pub name: &'static str,
-    /// One sentence about it.
+    /// One-sentence description.
     pub tooltip: &'static str,
-    /// Keys of the action, the first one being the one that is shown.
+    /// Keyboard shortcuts; the first one is displayed.
     pub keys: Vec<KeyboardShortcut>,
-    /// Whether its keys work while a text field or a dialog has the keyboard.
+    /// Whether the shortcuts work while a text field or a dialog has the keyboard.
     pub works_while_typing: bool,
-    /// What it is called in the list of all commands, if it is in there.
+    /// Title in the list of all commands; `None` if the action is not listed under a title of its
+    /// own.
     pub listed: Option<fn(&Model) -> &'static str>,
-    /// Whether it makes sense in the state as it is.
+    /// Whether the action applies in the present state.
     pub makes_sense: fn(&Model) -> bool,
 }
 
 impl Action {
-    /// With another key.
+    /// Adds a shortcut.
     pub fn key(mut self, modifiers: Modifiers, key: Key) -> Self {
         self.keys.push(KeyboardShortcut::new(modifiers, key));
         self
     }
 
-    /// The same with keys that work while a text is typed, too.
+    /// Makes the shortcuts work while text is typed.
     pub fn while_typing(mut self) -> Self {
         self.works_while_typing = true;
         self
     }
 
-    /// The same in the list of all commands.
+    /// Lists the action among all commands under this title.
     pub fn listed(mut self, title: fn(&Model) -> &'static str) -> Self {
         self.listed = Some(title);
         self
     }
 
-    /// The same where it makes sense in some states alone.
+    /// Restricts the action to the states for which `makes_sense` is true.
     pub fn when(mut self, makes_sense: fn(&Model) -> bool) -> Self {
         self.makes_sense = makes_sense;
         self
     }
 }
 
-/// A command with its name and its sentence.
+/// Creates an action without shortcuts that always applies.
 pub fn action(command: impl Into<Command>, name: &'static str, tooltip: &'static str) -> Action {
     let (keys, makes_sense) = (Vec::new(), |_: &Model| true);
     Action {
@@ -65,7 +66,7 @@ pub fn action(command: impl Into<Command>, name: &'static str, tooltip: &'static
     }
 }
 
-/// A tab of the bottom panel.
+/// Creates the action that shows a tab of the bottom panel.
 pub fn tab(id: TabId, key: Key, tooltip: &'static str) -> Action {
     action(Command::ShowTab(id), id.title(), tooltip).key(Modifiers::NONE, key)
 }

@@ -1,4 +1,4 @@
-//! When actions make sense.
+//! Conditions under which actions apply.
 
 use crate::app::model::Model;
 use crate::estimate::Search;
@@ -7,7 +7,7 @@ pub fn has_neighbour(model: &Model, forward: bool) -> bool {
     model.folder().is_some_and(|(folder, pair)| folder.neighbour(pair, forward).is_some())
 }
 
-/// Whether the folder that is open has more images than those that are.
+/// Returns whether the open folder has images besides the open pair.
 pub fn has_strip(model: &Model) -> bool {
     model.folder().is_some_and(|(folder, _)| folder.names().len() > 2)
 }

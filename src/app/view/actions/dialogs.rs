@@ -1,4 +1,4 @@
-//! The actions that stand on buttons of dialogs and tables alone.
+//! Actions offered only on buttons of dialogs and tables.
 
 use std::path::PathBuf;
 
@@ -15,7 +15,7 @@ use crate::app::model::suggesting::Repair;
 use crate::app::model::tones::{Rendition, TonesCommand};
 use crate::io::{PictureFormat, RectifiedOptions};
 
-/// What stands on buttons of dialogs and tables alone.
+/// Returns the actions offered only on buttons of dialogs and tables.
 #[expect(clippy::too_many_lines, reason = "it is a table")]
 pub fn in_dialogs() -> Vec<Action> {
     let browse = |command: Command, tooltip| action(command, "Browse", tooltip);
@@ -26,74 +26,71 @@ pub fn in_dialogs() -> Vec<Action> {
         action(
             Command::OpenFiles(Vec::new()),
             "Open",
-            "Open these files in place of those that are open. Points that are not saved are kept aside and offered again.",
+            "Replace the open images by these files. Unsaved points are kept and offered again.",
         ),
         action(
             Command::OpenFolder(PathBuf::new()),
             "Open folder",
-            "Open the first pair of this folder; any two of its images can be chosen then.",
+            "Open the first pair of this folder. You can choose another pair afterwards.",
         ),
-        browse(Command::Browse(Side::Left), "Choose the file in the system's file dialog."),
-        browse(Command::BrowseFolder, "Choose the folder in the system's dialog."),
+        browse(Command::Browse(Side::Left), "Choose the file in the system dialog."),
+        browse(Command::BrowseFolder, "Choose the folder in the system dialog."),
         action(Command::DeletePair(0), "Delete", "Remove this pair from both images."),
-        action(TonesCommand::Adjust(None), "Adjust", "Which of the images is adjusted."),
+        action(TonesCommand::Adjust(None), "Adjust", "Choose which image the controls change."),
         action(
             TonesCommand::Set(Rendition::default()),
-            "Tones",
-            "Show the images brighter, darker or in other colours.",
+            "Brightness",
+            "Change brightness, contrast and channels of the displayed images.",
         ),
         action(
             PointsCommand::Edit(ChosenEdit::Delete),
             "Delete chosen",
             "Remove the chosen pairs from both images.",
         ),
-        action(
-            PointsCommand::Edit(ChosenEdit::Use),
-            "Use chosen",
-            "Let the chosen pairs take part in the estimate.",
-        ),
+        action(PointsCommand::Edit(ChosenEdit::Use), "Use chosen", "Use the chosen pairs for the estimate."),
         action(
             PointsCommand::Edit(ChosenEdit::CheckOnly),
             "Check only chosen",
-            "Let the chosen pairs only show how well the geometry fits.",
+            "Use the chosen pairs only to measure how well the geometry fits.",
         ),
         action(
             PointsCommand::Edit(ChosenEdit::Exclude),
             "Leave out chosen",
-            "Leave the chosen pairs out of estimate and measures.",
+            "Leave the chosen pairs out of the estimate and of all measures.",
         ),
         action(
             PointsCommand::SortBy(PointColumn::Number),
             "Sort",
-            "Sort the list; again turns the order around.",
+            "Sort the list. Another click reverses the order.",
         ),
         action(
             PointsCommand::Choose(0, Choosing::Only),
             "Choose the row",
-            "Choose the row; Ctrl adds one, Shift all up to it.",
+            "Choose this row. Ctrl adds a row, Shift adds all rows up to it.",
         ),
-        action(PointsCommand::Rename(0, String::new()), "Name", "What you call the pair."),
-        action(PointsCommand::Paste(String::new()), "Paste", "Add the point pairs of a table."),
+        action(PointsCommand::Rename(0, String::new()), "Name", "Your own name for the pair."),
+        action(PointsCommand::Paste(String::new()), "Paste", "Add the point pairs of a copied table."),
         action(
             Command::IncludePair(0, true),
             "Include or leave out",
-            "A pair left out counts neither for the estimate nor for the summary.",
+            "Include the pair, or leave it out of the estimate and the summary.",
         ),
         action(
             Command::Repair(0, Repair::Refine),
             "Refine",
-            "Align the right point to a fraction of a pixel around where it is.",
+            "Align the right point to a fraction of a pixel, near its present place.",
         ),
         action(
             Command::Repair(0, Repair::Rematch),
             "Move to match",
-            "Move the right point to the best match on its epipolar line. It takes a result that is not called unreliable.",
+            "Move the right point to the best match on its epipolar line. Needs a result that is not \
+             unreliable.",
         ),
-        action(Command::CheckOnly(0, false), "Use", "Let the pair take part in the estimate."),
+        action(Command::CheckOnly(0, false), "Use", "Use the pair for the estimate."),
         action(
             Command::CheckOnly(0, true),
             "Check only",
-            "Keep the pair out of the estimate: it only shows how well the geometry fits.",
+            "Use the pair only to measure how well the geometry fits, not for the estimate.",
         ),
         action(Command::Select(None), "Select a point", "Select this point for the arrow keys and Delete."),
         action(
@@ -104,68 +101,76 @@ pub fn in_dialogs() -> Vec<Action> {
         action(
             Command::Unpin(0),
             "Unpin",
-            "Remove the chosen line pair from the images; Delete does it with the pin tool.",
+            "Remove this pinned line pair from the images. With the pin tool, Delete does the same.",
         ),
         action(
             Command::ToggleOverlay(OverlayId::Points),
             "Show or hide",
             "Show or hide this in both images.",
         ),
-        action(Command::ResetParameters, "Reset all", "Take all parameters back to those of the preset."),
+        action(Command::ResetParameters, "Reset all", "Reset all parameters to the values of the preset."),
         action(
             SessionCommand::SaveTo(PathBuf::new()),
             "Save session",
-            "Save points, parameters, pinned lines and views in one readable file.",
+            "Save points, parameters, pinned lines and views in one JSON file.",
         ),
-        browse(SessionCommand::BrowseSave.into(), "Choose where to save in the system's dialog."),
+        browse(SessionCommand::BrowseSave.into(), "Choose where to save in the system dialog."),
         action(
             SessionCommand::Open(OpenSession::default()),
             "Open session",
             "Open this session with its images and points.",
         ),
-        browse(SessionCommand::BrowseLost(Side::Left).into(), "Choose the file in the system's file dialog."),
+        browse(SessionCommand::BrowseLost(Side::Left).into(), "Choose the file in the system dialog."),
         action(
             SessionCommand::DiscardLeftBehind(PathBuf::new()),
             "Delete unsaved work",
-            "Delete the copy of what was not saved, for good.",
+            "Delete the unsaved work. This cannot be undone.",
         ),
         browse(
             ExchangeCommand::BrowseExport(PathBuf::new()).into(),
-            "Choose where to write in the system's dialog.",
+            "Choose where to write in the system dialog.",
         ),
         action(
             ExchangeCommand::Export(ExportOrder::default()),
-            "Export this",
-            "Write the file; one of the same name is replaced.",
+            "Export file",
+            "Write the file. An existing file of that name is replaced.",
         ),
         browse(
             ExchangeCommand::BrowseImport.into(),
-            "Choose a file with point pairs or a fundamental matrix in the system's dialog.",
+            "Choose a file with point pairs or a fundamental matrix in the system dialog.",
         ),
         action(
             ExchangeCommand::Import(Vec::new()),
             "Import",
-            "Import point pairs, a fundamental matrix or two cameras for the images that are open.",
+            "Import point pairs, a fundamental matrix or two cameras for the open images.",
         ),
         action(
             accept(Some(0)),
             "Use this reading",
-            "Take the matrix in the reading that is marked, and show its geometry in the whole window.",
+            "Import the matrix with the marked reading, and show its geometry in the whole window.",
         ),
-        action(accept(None), "As it is", "Take the matrix as its file has it, whatever the matches say."),
-        action(ExchangeCommand::Reject, "Cancel", "Import nothing of this file."),
+        action(
+            accept(None),
+            "As it is",
+            "Import the matrix exactly as the file has it, regardless of the matches.",
+        ),
+        action(ExchangeCommand::Reject, "Cancel", "Import nothing from this file."),
         action(
             RectifiedCommand::SetGuides(Guides::Automatic),
             "Guide lines",
-            "Horizontal lines over the rectified pictures, to compare rows by.",
+            "Draw horizontal lines over the rectified pictures, for comparing rows.",
         ),
-        action(RectifiedCommand::Wipe(0.5), "Wipe", "Drag to see more of the one or the other picture."),
+        action(RectifiedCommand::Wipe(0.5), "Wipe", "Drag to show more of the left or the right picture."),
         action(
             RectifiedCommand::RunBlink,
-            "By itself",
-            "Let the two rectified pictures take turns by the clock.",
+            "Automatic",
+            "Alternate the two rectified pictures automatically.",
         ),
-        browse(RectifiedCommand::Browse.into(), "Choose the folder in the system's dialog."),
-        action(rectified, "Export rectified pair", "Write the files. Files of the same names are replaced."),
+        browse(RectifiedCommand::Browse.into(), "Choose the folder in the system dialog."),
+        action(
+            rectified,
+            "Export rectified pair",
+            "Write the files. Existing files of the same names are replaced.",
+        ),
     ]
 }

@@ -1,4 +1,4 @@
-//! The actions with keys.
+//! Actions with keyboard shortcuts.
 
 use egui::{Key, Modifiers};
 
@@ -16,16 +16,16 @@ const COMMAND: Modifiers = Modifiers::COMMAND;
 const SHIFT: Modifiers = Modifiers::SHIFT;
 const COMMAND_SHIFT: Modifiers = Modifiers::COMMAND.plus(Modifiers::SHIFT);
 
-/// Actions with keys, in the order of the list of keys. Where one key is another one's with Shift, the one with Shift comes
-/// first, or it would never be seen.
+/// Returns the actions with shortcuts, in the order of the list of keys. A shortcut with Shift
+/// comes before the same key without Shift, which would consume both.
 #[expect(clippy::too_many_lines, reason = "it is a table")]
 pub fn with_keys() -> Vec<Action> {
     vec![
-        action(Command::TogglePalette, "Commands", "List every command by name, to search and run.")
+        action(Command::TogglePalette, "Commands", "Search for any command by name and run it.")
             .key(COMMAND, Key::K)
             .key(COMMAND, Key::P)
             .while_typing()
-            // It closes this very list.
+            // The action closes this list.
             .when(|_| false),
         action(
             Command::AcceptSuggestion,
@@ -37,18 +37,18 @@ pub fn with_keys() -> Vec<Action> {
         action(
             Command::ToggleInspectTool,
             "Pin tool",
-            "Pin the pair of epipolar lines through each place you click; Escape goes back to placing points.",
+            "Pin the epipolar lines through each place you click. Escape returns to placing points.",
         )
         .key(NONE, Key::I)
         .listed(|_| "Pin tool: pin line pairs"),
         action(Command::ToggleLink, "Link views", "Zoom and move both images together.").key(NONE, Key::L),
         action(
             Command::ToggleStacked,
-            "Images above each other",
-            "Show the images above each other, or side by side: what gives wide images more room.",
+            "Stack vertically",
+            "Show the images one above the other, or side by side. Wide images have more room when stacked.",
         )
         .key(NONE, Key::V)
-        .listed(|_| "Images above each other or side by side"),
+        .listed(|_| "Stack the images vertically or show them side by side"),
         action(
             Command::ToggleMap,
             "Epipole map",
@@ -67,13 +67,13 @@ pub fn with_keys() -> Vec<Action> {
         action(
             SessionCommand::Save,
             "Save session",
-            "Save points, parameters, pinned lines and views in one readable file.",
+            "Save points, parameters, pinned lines and views in one JSON file.",
         )
         .key(COMMAND, Key::S),
         action(
             Command::ShowMe,
             "Show me",
-            "Place two point pairs on the sample and see the geometry they give.",
+            "Place two point pairs on the sample and show the geometry they give.",
         )
         .key(NONE, Key::S)
         .listed(|_| "Show me: place two pairs on the sample")
@@ -81,14 +81,14 @@ pub fn with_keys() -> Vec<Action> {
         action(
             Command::StepPair { forward: false },
             "Previous pair",
-            "Open the pair of the folder before this one.",
+            "Open the previous pair of the folder.",
         )
         .key(NONE, Key::PageUp)
         .when(|model| has_neighbour(model, false)),
         action(
             Command::StepPair { forward: true },
             "Next pair",
-            "Open the next pair of the folder; of a sequence of views, the next two as far apart.",
+            "Open the next pair of the folder. In a series of views, the two stay equally far apart.",
         )
         .key(NONE, Key::PageDown)
         .when(|model| has_neighbour(model, true)),
@@ -100,9 +100,9 @@ pub fn with_keys() -> Vec<Action> {
         .key(NONE, Key::K)
         .listed(|_| "Sequences: play or pause")
         .when(has_sequences),
-        action(PlayerCommand::Step(-1), "Frame before", "Show the frame before this one.")
+        action(PlayerCommand::Step(-1), "Previous frame", "Show the previous frame.")
             .key(NONE, Key::Comma)
-            .listed(|_| "Sequences: frame before")
+            .listed(|_| "Sequences: previous frame")
             .when(has_sequences),
         action(PlayerCommand::Step(1), "Next frame", "Show the next frame.")
             .key(NONE, Key::Period)
@@ -110,11 +110,12 @@ pub fn with_keys() -> Vec<Action> {
             .when(has_sequences),
         action(
             PlayerCommand::ToggleSilhouettes,
-            "What moves",
-            "Mark what moves in front of the background: what the motion barcodes of lines are made of.",
+            "Show motion",
+            "Highlight everything that moves in front of the background. Motion barcodes are computed from \
+             it.",
         )
         .key(NONE, Key::W)
-        .listed(|_| "Sequences: mark what moves")
+        .listed(|_| "Sequences: show motion")
         .when(has_sequences),
         action(
             Command::ToggleTruth,
@@ -129,8 +130,8 @@ pub fn with_keys() -> Vec<Action> {
         action(
             Command::RandomTrial(Protocol::Paper),
             "Random trial of the paper",
-            "Estimate from true matches drawn as the paper does: at least 30 px apart, even if that leaves the \
-             epipoles open.",
+            "Estimate from random true matches, drawn as in the paper: at least 30 px apart, even if they \
+             leave the epipoles undetermined.",
         )
         .key(SHIFT, Key::N)
         .listed(|_| "Random trial: two true matches, as in the paper")
@@ -138,23 +139,23 @@ pub fn with_keys() -> Vec<Action> {
         action(
             Command::RandomTrial(Protocol::WellPosed),
             "Random trial",
-            "Estimate from true matches drawn at random, far apart and off each other's epipolar lines; others each \
-             time. With Shift as the paper draws them.",
+            "Estimate from random true matches, far apart and off each other's epipolar lines. With Shift, \
+             they are drawn as in the paper.",
         )
         .key(NONE, Key::N)
         .listed(|_| "Random trial: two true matches, well-posed")
         .when(|model| model.no_trial().is_none()),
-        action(Command::Redo, "Redo", "Make the step again that was taken back.")
+        action(Command::Redo, "Redo", "Redo the last undone step.")
             .key(COMMAND_SHIFT, Key::Z)
             .key(COMMAND, Key::Y)
             .when(|model| model.history.can_redo()),
-        action(Command::Undo, "Undo", "Take the last step back; a drag is one step.")
+        action(Command::Undo, "Undo", "Undo the last step. A drag is one step.")
             .key(COMMAND, Key::Z)
             .when(|model| model.history.can_undo()),
         action(
             Command::DeleteSelected,
             "Delete the selected pair",
-            "Remove the pair of the selected point from both images; with the pin tool, the pinned line pair.",
+            "Remove the selected pair from both images. With the pin tool, remove the pinned line pair.",
         )
         .key(NONE, Key::Delete)
         .key(NONE, Key::Backspace)
@@ -162,13 +163,13 @@ pub fn with_keys() -> Vec<Action> {
         action(
             Command::Cancel,
             "Cancel",
-            "Give up what is half done: a drag, a window, the topmost message, the first click of a pair.",
+            "Cancel a drag or the first click of a pair, or close a dialog or the topmost message.",
         )
         .key(NONE, Key::Escape)
         .while_typing()
-        // So does this.
+        // This action closes the list, too.
         .when(|_| false),
-        action(Command::FitAll, "Fit", "Show both images whole. A double click does it for one.")
+        action(Command::FitAll, "Fit", "Show both images completely. A double click fits one image.")
             .key(NONE, Key::F)
             .listed(|_| "Fit both images"),
         action(Command::Recompute, "Compute again", "Run the estimate again from the same points.")
@@ -177,71 +178,72 @@ pub fn with_keys() -> Vec<Action> {
         action(
             Command::EnlargeTabs,
             "Enlarge",
-            "Let the bottom panel take most of the window, or go back to its usual height.",
+            "Enlarge the bottom panel to most of the window, or restore its height.",
         )
         .key(SHIFT, Key::B)
         .listed(|_| "Enlarge or reduce the panel"),
         action(
             Command::FoldTabs,
             "Hide or show the bottom panel",
-            "Fold the bottom panel away, or bring it back.",
+            "Hide the bottom panel, or show it again.",
         )
         .key(NONE, Key::B),
         action(
             Command::FoldSide,
             "Hide or show the side panel",
-            "Fold the panel with the result and the steps away, or bring it back.",
+            "Hide the panel with the result and the steps, or show it again.",
         )
         .key(NONE, Key::P)
         .listed(|_| "Hide or show the side panel"),
         action(
             Command::FoldOverlays,
             "Hide or show the overlay row",
-            "Fold the row of overlays under the images away, or bring it back; the menu View has all of them, too.",
+            "Hide the row of overlays under the images, or show it again. The View menu has all overlays, \
+             too.",
         )
         .key(NONE, Key::O)
         .listed(|_| "Hide or show the overlay row"),
         action(
             Command::FoldStrip,
             "Hide or show the images of the folder",
-            "Fold the small images of the folder away, or bring them back.",
+            "Hide the small images of the folder, or show them again.",
         )
         .key(NONE, Key::A)
         .when(has_strip),
         tab(
             TabId::Points,
             Key::Num1,
-            "The clicked pairs, what each is for, and how far each is from the geometry.",
+            "Your point pairs, with their roles and their distances from the geometry.",
         ),
         tab(
             TabId::Profiles,
             Key::Num2,
-            "Intensities along one line pair, and how its samples were matched.",
+            "Intensities along one line pair, and the matching of its samples.",
         ),
         tab(
             TabId::Pencils,
             Key::Num3,
-            "How alike the lines through a click in one image are to those through it in the other.",
+            "Similarity of the lines through a clicked point to the lines through its match.",
         ),
         tab(
             TabId::Hypotheses,
             Key::Num4,
-            "The geometries that came nearest, with the figures they were judged by.",
+            "The best candidate geometries, with the figures that rank them.",
         ),
         tab(
             TabId::Residuals,
             Key::Num5,
-            "How far points are from the result, from 7-point and 8-point, and from the ground truth.",
+            "Distances of points from the result, the 7-point and 8-point geometries, and the truth.",
         ),
         tab(
             TabId::Rectified,
             Key::Num6,
-            "Both images redrawn so that corresponding points are in the same row.",
+            "Both images, redrawn with corresponding points in the same row.",
         ),
         action(
             RectifiedCommand::Swap,
             "Swap",
-            "Show the other rectified picture in the place of this one.",
+            "Show the other rectified picture instead.",
         )
         .key(NONE, Key::X)
         .listed(|_| "Rectified pair: show the other picture")
@@ -249,7 +251,8 @@ pub fn with_keys() -> Vec<Action> {
         action(
             RectifiedCommand::ShowExport,
             "Export",
-            "Write the rectified pair at full size into a folder, with its homographies or tables and its measures.",
+            "Write the rectified pair at full size into a folder, with its homographies or tables and its \
+             quality measures.",
         )
         .key(COMMAND_SHIFT, Key::E)
         .listed(|_| "Export rectified pair…")
@@ -269,7 +272,7 @@ pub fn with_keys() -> Vec<Action> {
         )
         .key(NONE, Key::R)
         .when(Model::shows_another),
-        action(Command::ToggleTheme, "Light or dark", "Change between the light and the dark theme.")
+        action(Command::ToggleTheme, "Light or dark", "Switch between the light and the dark theme.")
             .key(NONE, Key::T),
         action(Command::ToggleShortcuts, "Keys", "Show the keys and mouse actions.")
             .key(NONE, Key::Questionmark)

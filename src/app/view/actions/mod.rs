@@ -1,5 +1,7 @@
-//! The table of actions: what each is called, what it does in a sentence, its keys, and where it is offered. A new one
-//! is a variant of [`Command`], an entry in a file here, and an arm where commands are applied.
+//! The table of actions: names, tooltips, shortcuts, and where each action is offered.
+//!
+//! A new action is a variant of [`Command`], an entry in a file here, and an arm where commands are
+//! applied.
 
 mod action;
 pub mod conditions;
@@ -20,25 +22,25 @@ use crate::app::model::suggesting::Repair;
 use crate::app::model::tones::TonesCommand;
 pub use action::Action;
 
-/// All of them: first those with keys, in the order of the list of keys.
+/// All actions. Those with shortcuts come first, in the order of the list of keys.
 pub static ACTIONS: LazyLock<Vec<Action>> = LazyLock::new(|| {
     [keys::with_keys(), named::by_name(), dialogs::in_dialogs()].into_iter().flatten().collect()
 });
 
-/// Which command it is, whatever it carries.
+/// Kind of a command: its variant, and the data that select another entry.
 #[derive(PartialEq, Eq)]
 enum Kind {
     Session(Discriminant<SessionCommand>),
-    /// Also whether a reading is taken, which is called otherwise than none.
+    /// Also whether a reading is accepted: accepting none has an entry of its own.
     Exchange(Discriminant<ExchangeCommand>, bool),
     Rectified(Discriminant<RectifiedCommand>),
     Tones(Discriminant<TonesCommand>),
-    /// Also how far it steps: forth is called otherwise than back.
+    /// Also the sign of the step: forwards and backwards have separate entries.
     Player(Discriminant<PlayerCommand>, Option<i32>),
-    /// Also what is done with chosen rows.
+    /// Also the edit of the chosen rows.
     Points(Discriminant<PointsCommand>, Option<ChosenEdit>),
     Repair(Repair),
-    /// Whether a pair is only to check, which is called otherwise than using it.
+    /// Whether the pair only checks: both values have separate entries.
     CheckOnly(bool),
     Other(Discriminant<Command>),
 }
@@ -67,25 +69,26 @@ fn kind(command: &Command) -> Kind {
 }
 
 impl Command {
-    /// Entry of the command in the table: its own, or that of its kind. What only the mouse does has none.
+    /// Returns the entry of this command, or else of its kind. Commands that only the mouse gives
+    /// have none.
     pub(super) fn action(&self) -> Option<&'static Action> {
         let own = ACTIONS.iter().find(|action| action.command == *self);
         own.or_else(|| ACTIONS.iter().find(|action| kind(&action.command) == kind(self)))
     }
 
-    /// What it is called on buttons.
+    /// Returns the text of the command's button.
     pub(super) fn name(&self) -> &'static str {
         self.action().map_or("", |action| action.name)
     }
 
-    /// One sentence about what it does.
+    /// Returns the one-sentence description.
     pub(super) fn tooltip(&self) -> &'static str {
         self.action().map_or("", |action| action.tooltip)
     }
 
-    /// Keys of the command, the first one being the one that is shown.
+    /// Returns the shortcuts; the first one is displayed.
     pub(super) fn keys(&self) -> &'static [KeyboardShortcut] {
-        // Keys do just what the table says.
+        // A shortcut runs exactly the command of its entry, not another one of its kind.
         let own = self.action().filter(|action| action.command == *self);
         own.map_or(&[], |action| &action.keys)
     }
@@ -123,7 +126,7 @@ mod tests {
     }
 
     #[test]
-    fn a_command_with_something_in_it_has_the_entry_of_its_kind() {
+    fn a_command_with_data_has_the_entry_of_its_kind() {
         assert_eq!(Command::Unpin(7).name(), "Unpin");
         assert_eq!(Command::from(SessionCommand::SaveTo("a.json".into())).name(), "Save session");
         assert_eq!(Command::StepPair { forward: false }.name(), "Previous pair");

@@ -1,4 +1,4 @@
-//! The actions that are in the list of all commands, without keys.
+//! Actions listed among all commands, without keyboard shortcuts.
 
 use super::action::{Action, action};
 use super::conditions::{has_rectified, has_sequences, is_published_search};
@@ -12,49 +12,48 @@ use crate::app::model::tones::TonesCommand;
 use crate::estimate::{Method, Preset};
 use crate::rectify::RectifyMethod;
 
-/// Actions that are in the list of all commands, without keys.
+/// Returns the actions that are listed among all commands and have no shortcuts.
 #[expect(clippy::too_many_lines, reason = "it is a table")]
 pub fn by_name() -> Vec<Action> {
-    let methods = "The published search finds the geometry from two pairs, or from three, which is faster and steadier.";
-    let presets =
-        "Robust measured best on real images; As published follows the paper to the letter (--preset paper).";
-    let layouts = "Show the rectified pictures side by side, by turns, red and cyan, with a wipe, or how far things are apart.";
+    let methods = "Choose how many point pairs the published search uses. Three pairs are faster and more \
+                   stable than two.";
+    let presets = "Robust is best on real images. As published follows the paper exactly (--preset paper).";
+    let layouts = "Show the rectified pictures side by side, alternating, in red and cyan, with a wipe, or \
+                   as disparities.";
     let layout = |layout| action(RectifiedCommand::LayOut(layout), "Layout of the rectified pair", layouts);
     vec![
-        action(
-            Command::ToggleLoupe,
-            "Loupe",
-            "Magnify the surroundings of a point while it is placed or dragged.",
-        )
-        .listed(|_| "Loupe while placing points"),
+        action(Command::ToggleLoupe, "Loupe", "Magnify the image around a point while you place or drag it.")
+            .listed(|_| "Loupe while placing points"),
         action(Command::OpenSample, "Sample", "Open the built-in image pair.")
             .listed(|_| "Open the sample images"),
         action(
             Command::OpenSampleSequences,
             "Sample sequences",
-            "Open the built-in sequences: balls thrown about, seen by two cameras that stand still and far apart.",
+            "Open the built-in sequences: flying balls, seen by two fixed cameras far apart.",
         )
         .listed(|_| "Open the sample sequences"),
         action(
             PlayerCommand::FindOffset,
             "Find offset",
-            "Find the offset in time at which the two sequences agree best, within 50 frames either way.",
+            "Find the time offset at which the two sequences agree best, up to 50 frames either way.",
         )
         .listed(|_| "Sequences: find their offset in time")
         .when(|model| has_sequences(model) && !model.activity.aligning),
         action(
             Command::FindWithoutClicks,
             "Find without clicks",
-            "Let the program find the geometry by itself, from what looks alike in both images. Points that you place take part.",
+            "Let Epiline find the geometry on its own, from similar features of both images. Any points you \
+             add are used.",
         )
         .listed(|_| "Find the geometry without clicks")
         .when(Model::can_find_without_clicks),
         action(
             Command::KeepMatches,
-            "Make point pairs of its matches",
-            "Make point pairs of the two matches that stand in for clicks, to look at and to correct. They only check until you use them.",
+            "Turn matches into point pairs",
+            "Turn the two matches that replace clicks into point pairs, to inspect and correct them. They \
+             only check the geometry until you use them.",
         )
-        .listed(|_| "Make point pairs of the matches that stand in for clicks")
+        .listed(|_| "Turn matches into point pairs")
         .when(Model::can_keep_matches),
         action(Command::ClearPairs, "Clear points", "Remove all point pairs. Undo brings them back.")
             .listed(|_| "Clear all points")
@@ -62,20 +61,25 @@ pub fn by_name() -> Vec<Action> {
         action(
             TonesCommand::Stretch,
             "Stretch",
-            "Make the darkest of the image black and the brightest white, to see what is dark or flat.",
+            "Map the darkest pixels to black and the brightest to white, to see dark or low-contrast areas.",
         )
-        .listed(|_| "Tones: stretch from black to white")
+        .listed(|_| "Brightness: stretch from black to white")
         .when(|model| model.document.pictures.is_some()),
-        action(TonesCommand::Reset, "As they are", "Show both images as they are in their files.")
-            .listed(|_| "Tones: images as they are")
+        action(TonesCommand::Reset, "Reset", "Show both images as in their files.")
+            .listed(|_| "Brightness: reset")
             .when(|model| model.open.tones.of.iter().any(|own| !own.is_plain())),
-        action(PointsCommand::Copy, "Copy", "Copy the chosen pairs, or all, as a table for a spreadsheet (Ctrl+C).")
-            .listed(|_| "Copy the point pairs as a table")
-            .when(|model| !model.document.pairs.is_empty()),
+        action(
+            PointsCommand::Copy,
+            "Copy",
+            "Copy the chosen pairs, or all, as a table for a spreadsheet (Ctrl+C).",
+        )
+        .listed(|_| "Copy the point pairs as a table")
+        .when(|model| !model.document.pairs.is_empty()),
         action(
             PointsCommand::RequestPaste,
             "Paste",
-            "Add the point pairs of a copied table: rows of x1 y1 x2 y2, with a name in front or without (Ctrl+V).",
+            "Add the point pairs of a copied table: rows of x1 y1 x2 y2, optionally with a name in front \
+             (Ctrl+V).",
         )
         .listed(|_| "Paste point pairs")
         .when(|model| model.document.pictures.is_some()),
@@ -85,10 +89,10 @@ pub fn by_name() -> Vec<Action> {
         action(
             PointsCommand::ToggleNames,
             "Names in the images",
-            "Show the names that you gave to pairs beside their points, or their letters alone.",
+            "Label points with the names you gave the pairs, or only with their letters.",
         )
         .listed(|_| "Show the names of pairs in the images"),
-        action(Command::Stop, "Stop", "Stop the computation; a first result stays.")
+        action(Command::Stop, "Stop", "Stop the computation. A first result is kept.")
             .listed(|_| "Stop the computation")
             .when(|model| model.open.computation.is_running()),
         action(Command::UnpinAll, "Unpin all", "Remove all pinned line pairs from the images.")
@@ -119,23 +123,25 @@ pub fn by_name() -> Vec<Action> {
         action(
             RectifiedCommand::SetMethod(RectifyMethod::Auto),
             "Rectification method",
-            "Planar where it bends the images little, else polar; the reason is given below.",
+            "Planar if that distorts the images little, otherwise polar. The reason is given below.",
         )
         .listed(|_| "Rectify: choose the method automatically"),
         action(
             RectifiedCommand::SetMethod(RectifyMethod::Planar),
             "Rectification method",
-            "One homography an image: straight lines stay straight. Impossible with an epipole inside an image.",
+            "One homography per image: straight lines stay straight. Impossible with an epipole inside an \
+             image.",
         )
         .listed(|_| "Rectify: planar method"),
         action(
             RectifiedCommand::SetMethod(RectifyMethod::Polar),
             "Rectification method",
-            "A row for each pair of half epipolar lines: works wherever the epipoles are, but bends straight lines.",
+            "One row per pair of half epipolar lines. Works wherever the epipoles are, but bends straight \
+             lines.",
         )
         .listed(|_| "Rectify: polar method"),
         layout(RectifiedLayout::SideBySide).listed(|_| "Rectified pair side by side").when(has_rectified),
-        layout(RectifiedLayout::Blink).listed(|_| "Rectified pair by turns (blink)").when(has_rectified),
+        layout(RectifiedLayout::Blink).listed(|_| "Rectified pair alternating (blink)").when(has_rectified),
         layout(RectifiedLayout::Anaglyph)
             .listed(|_| "Rectified pair as anaglyph, red and cyan")
             .when(has_rectified),
@@ -144,14 +150,14 @@ pub fn by_name() -> Vec<Action> {
         action(
             RectifiedCommand::Shift(0.0),
             "No shift",
-            "Show the rectified pictures without a shift; a click on a point brings its depth into register.",
+            "Show the rectified pictures without a shift. A click on a point aligns them at its depth.",
         )
         .listed(|_| "Rectified pair: no shift")
         .when(|model| model.open.viewing.shift != 0.0),
         action(
             RectifiedCommand::View(None),
             "Fit the rectified pair",
-            "Show the rectified pictures whole; a double click does it, too.",
+            "Show the rectified pictures completely. A double click does the same.",
         )
         .listed(|_| "Fit the rectified pair")
         .when(has_rectified),

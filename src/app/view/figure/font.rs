@@ -1,8 +1,8 @@
-//! The fonts of a PDF: those of the window, embedded as publishers ask for, each with only the letters that are written.
+//! Fonts of a PDF: the fonts of the window, each embedded with only the letters used.
 //!
-//! A font that holds a whole alphabet of glyphs is addressed by numbers (PDF 2.0, 9.7): each letter of a font has its own,
-//! in the order in which letters are written first. One map leads from there to the glyphs, another one to the letters, so
-//! that text can be selected and searched.
+//! Each letter of a font has a number (PDF 2.0, 9.7), in the order of first use. One map leads from
+//! the numbers to the glyphs. Another leads to the letters, so that text can be selected and
+//! searched.
 
 use std::sync::Arc;
 
@@ -15,14 +15,14 @@ use skrifa::string::StringId;
 use skrifa::{FontRef, GlyphId, MetadataProvider};
 use subsetter::GlyphRemapper;
 
-/// What stands for a letter that no font has, best first, as in the window.
+/// Replacements for a letter that no font has, best first, as in the window.
 const REPLACEMENTS: [char; 2] = ['◻', '?'];
-/// Objects of the file that a font takes.
+/// Number of PDF objects per font.
 const OBJECTS: i32 = 6;
 const IDENTITY: SystemInfo =
     SystemInfo { registry: Str(b"Adobe"), ordering: Str(b"Identity"), supplement: 0 };
 
-/// The fonts of the window, with the letters that were written.
+/// The fonts of the window, with the letters used so far.
 pub struct Fonts {
     faces: Vec<Face>,
 }
@@ -38,24 +38,24 @@ struct Letter {
     glyph: GlyphId,
 }
 
-/// Letters that are written with one font.
+/// Consecutive letters written with one font.
 #[derive(Debug, PartialEq, Eq)]
 pub struct Run {
-    /// Which font.
+    /// Index of the font.
     font: usize,
-    /// Their numbers in it, two bytes each.
+    /// Numbers of the letters in the font, two bytes each.
     pub codes: Vec<u8>,
 }
 
 impl Fonts {
-    /// The fonts in which the window shows text, none of whose letters was written.
+    /// Takes the text fonts of the window, with no letters used yet.
     pub fn new(mut fonts: FontDefinitions) -> Self {
         let names = fonts.families.remove(&FontFamily::Proportional).unwrap_or_default();
         let data = names.iter().filter_map(|name| fonts.font_data.get(name));
         Self { faces: data.map(|data| Face { data: Arc::clone(data), letters: Vec::new() }).collect() }
     }
 
-    /// Writes words: each letter with the first font that has it.
+    /// Encodes a text, using for each letter the first font that has it.
     pub fn write(&mut self, words: &str) -> Vec<Run> {
         let mut runs: Vec<Run> = Vec::new();
         for letter in words.chars().filter(|letter| !letter.is_control()) {
@@ -72,24 +72,25 @@ impl Fonts {
         runs
     }
 
-    /// The first font that has a letter, and which of its glyphs it is.
+    /// Returns the first font that has a letter, and the glyph.
     fn find(&self, letter: char) -> Option<(usize, GlyphId)> {
         self.faces.iter().enumerate().find_map(|(number, face)| {
-            // Only outlines of this kind are embedded; all fonts of the window have them.
+            // Only TrueType outlines are embedded; all fonts of the window have them.
             let font = face.font().filter(|font| font.glyf().is_ok())?;
             Some((number, font.charmap().map(letter)?))
         })
     }
 
-    /// The name and the size of the font of a run in text of a size, and how far it stands above the line.
+    /// Returns the name, the size and the rise above the baseline of a run's font, for text of the
+    /// given size.
     pub fn style(&self, run: &Run, size: f32) -> (String, f32, f32) {
         let tweak = &self.faces[run.font].data.tweak;
         let rise = -(tweak.y_offset + tweak.y_offset_factor * size);
         (name(run.font), size * tweak.scale, rise)
     }
 
-    /// Embeds the fonts in which letters were written; returns their names and where they are. `first` is the number of the
-    /// first free object.
+    /// Embeds the fonts that were used, in objects numbered from `first`. Returns their names and
+    /// references.
     pub fn embed(&self, pdf: &mut Pdf, first: i32) -> Result<Vec<(String, Ref)>, String> {
         let written = self.faces.iter().enumerate().filter(|(_, face)| !face.letters.is_empty());
         written
@@ -102,7 +103,7 @@ impl Fonts {
     }
 }
 
-/// What a font is called on the page.
+/// Returns the name of a font on the page.
 fn name(number: usize) -> String {
     format!("Font{number}")
 }
@@ -116,7 +117,7 @@ impl Face {
         FontRef::from_index(self.bytes(), self.data.index).ok()
     }
 
-    /// The number of a letter, from 1: nothing is written with 0.
+    /// Returns the number of a letter, starting at 1; code 0 is never used.
     fn code(&mut self, letter: char, glyph: GlyphId) -> u16 {
         let known = self.letters.iter().position(|other| other.letter == letter);
         let place = known.unwrap_or_else(|| {
@@ -126,16 +127,16 @@ impl Face {
         (place + 1) as u16
     }
 
-    /// Writes the font with its letters into the objects from `at` on.
+    /// Writes the font and its used letters into the objects from `at` on.
     fn embed(&self, pdf: &mut Pdf, at: i32) -> Result<(), String> {
         let [font_at, numbered_at, about_at, file_at, letters_at, glyphs_at] =
             [0, 1, 2, 3, 4, 5].map(|k| Ref::new(at + k));
-        let font = self.font().ok_or("A font of the program cannot be read.")?;
+        let font = self.font().ok_or("A font of Epiline cannot be read.")?;
         let mut kept = GlyphRemapper::new();
         let glyphs: Vec<u16> =
             self.letters.iter().map(|letter| kept.remap(letter.glyph.to_u32() as u16)).collect();
         let file = subsetter::subset(self.bytes(), self.data.index, &kept)
-            .map_err(|e| format!("The letters of a font could not be taken out of it: {e}."))?;
+            .map_err(|e| format!("The font could not be embedded: {e}."))?;
         let postscript = font.localized_strings(StringId::POSTSCRIPT_NAME).english_or_first();
         let postscript = postscript.map_or_else(|| "Font".to_owned(), |name| name.chars().collect());
         let base = format!("{}+{postscript}", tag(&self.letters));
@@ -148,7 +149,7 @@ impl Face {
             .to_unicode(letters_at);
         let metrics = font.metrics(Size::unscaled(), LocationRef::default());
         let advances = font.glyph_metrics(Size::unscaled(), LocationRef::default());
-        // In thousandths of the size.
+        // Thousandths of the font size.
         let unit = 1000.0 / f32::from(metrics.units_per_em.max(1));
         let width = |letter: &Letter| unit * advances.advance_width(letter.glyph).unwrap_or(0.0);
         let mut numbered = pdf.cid_font(numbered_at);
@@ -167,7 +168,7 @@ impl Face {
             .ascent(metrics.ascent * unit)
             .descent(metrics.descent * unit);
         about.cap_height(metrics.cap_height.unwrap_or(metrics.ascent) * unit);
-        // Fonts do not tell the width of their stems; that of most follows from their weight like this.
+        // Fonts do not store the width of their stems. This estimates it from the weight.
         about.stem_v(10.0 + 0.244 * (weight - 50.0)).font_file2(file_at);
         about.finish();
         pdf.stream(file_at, &file).pair(Name(b"Length1"), file.len() as i32);
@@ -184,9 +185,9 @@ impl Face {
     }
 }
 
-/// Six capitals that tell a part of a font from other parts of it.
+/// Returns six capitals that identify this subset of the font.
 fn tag(letters: &[Letter]) -> String {
-    // FNV-1a: the same in every build, as the file is to be.
+    // FNV-1a gives the same tag in every build, so that the file is reproducible.
     let seed = 0xcbf2_9ce4_8422_2325_u64;
     let mut hash = letters.iter().fold(seed, |hash, letter| {
         (hash ^ u64::from(u32::from(letter.letter))).wrapping_mul(0x0100_0000_01b3)
@@ -215,7 +216,7 @@ mod tests {
             let bounds = font.glyph_metrics(Size::unscaled(), LocationRef::default()).bounds(glyph).unwrap();
             assert!(bounds.x_max > bounds.x_min, "{letter} is empty");
         }
-        // What no font has is not left out, and can be selected as what it is.
+        // A letter that no font has is replaced, and can still be selected as itself.
         let runs = fonts.write("p語");
         assert_eq!(runs.iter().map(|run| run.codes.len()).sum::<usize>(), 4);
         assert!(fonts.faces.iter().flat_map(|face| &face.letters).any(|letter| letter.letter == '語'));

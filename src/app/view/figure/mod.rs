@@ -1,7 +1,7 @@
-//! Both images with what is drawn over them as a figure for a paper.
+//! Both images with their overlays as a figure for a paper.
 //!
-//! The overlays draw as they do in the window, but onto a sheet of paper: what they drew is one list, from which the SVG
-//! and the PDF come.
+//! The overlays draw onto a sheet as they do in the window. The resulting list of shapes becomes
+//! the SVG or the PDF.
 
 mod font;
 mod pdf;
@@ -13,7 +13,7 @@ use super::panes::PanePlace;
 use crate::app::model::Model;
 use crate::app::model::exchange::{ExportContent, FigureChoices, FigureFormat};
 
-/// Composes a figure of the images and the overlays that are shown, as a file. `panes` are what is seen of them.
+/// Composes a figure of the images and the visible overlays. `panes` are the views of the images.
 pub fn figure(
     model: &Model,
     panes: [Option<PanePlace>; 2],

@@ -1,5 +1,5 @@
-//! The figure as PDF: one page of the size of the sheet, the images without loss, everything over them as lines and
-//! letters, whose fonts are in the file.
+//! The figure as PDF: one page of the sheet's size, with lossless images, vector lines and text,
+//! and embedded fonts.
 
 use std::collections::BTreeMap;
 
@@ -14,7 +14,7 @@ use super::sheet::Sheet;
 use crate::app::view::theme;
 use crate::io::{PictureFormat, encode_picture};
 
-/// How far the handles of a quarter of a circle are from its ends, in radii.
+/// Distance of the Bézier handles of a quarter circle from its ends, in radii.
 const QUARTER: f32 = 0.552_285;
 
 const CATALOG: Ref = Ref::new(1);
@@ -23,16 +23,16 @@ const PAGE: Ref = Ref::new(3);
 const CONTENT: Ref = Ref::new(4);
 const ABOUT: Ref = Ref::new(5);
 const IMAGES: [Ref; 2] = [Ref::new(6), Ref::new(7)];
-/// The first of the opacities; the fonts follow them.
+/// Object of the first opacity; the fonts follow the opacities.
 const OPACITIES: i32 = 8;
 const IMAGE_NAMES: [Name; 2] = [Name(b"Left"), Name(b"Right")];
 
-/// The whole file.
+/// Returns the whole file.
 pub fn write(sheet: &Sheet) -> Result<Vec<u8>, String> {
     let mut pdf = Pdf::new();
     let fonts = Fonts::new(theme::fonts());
     let mut page = Page { content: Content::new(), opacities: BTreeMap::new(), fonts };
-    // From the lower left corner upwards to the upper left one downwards.
+    // PDF has its origin at the lower left, with y upwards; the sheet has it at the upper left.
     page.content.transform([1.0, 0.0, 0.0, -1.0, 0.0, sheet.size.y]);
     page.fill(sheet.background);
     page.content.rect(0.0, 0.0, sheet.size.x, sheet.size.y).fill_nonzero();
@@ -42,7 +42,7 @@ pub fn write(sheet: &Sheet) -> Result<Vec<u8>, String> {
         image(&mut pdf, IMAGES[k], &on_paper(&pixels, sheet.background))?;
         page.content.save_state().rect(area.min.x, area.min.y, area.width(), area.height());
         page.content.clip_nonzero().end_path();
-        // Images are as large as the unit square and begin below.
+        // A PDF image fills the unit square upright, so this undoes the flip of the page.
         page.content.save_state().transform([rect.width(), 0.0, 0.0, -rect.height(), rect.min.x, rect.max.y]);
         page.content.x_object(IMAGE_NAMES[k]).restore_state();
         for clipped in sheet.shapes().filter(|clipped| area.expand(0.5).contains_rect(clipped.clip_rect)) {
@@ -86,8 +86,8 @@ pub fn write(sheet: &Sheet) -> Result<Vec<u8>, String> {
     Ok(pdf.finish())
 }
 
-/// The page, and what is used on it: opacities of what is inside of shapes and of lines, each with a number and a name, and
-/// fonts.
+/// The page and the resources it uses: fonts, and opacities of fills and strokes, each with a
+/// number and a name.
 struct Page {
     content: Content,
     opacities: BTreeMap<(Painted, u8), (i32, String)>,
@@ -128,7 +128,8 @@ impl Page {
         }
     }
 
-    /// Fills and draws a path. Its colours come first: nothing may stand between a path and how it is painted.
+    /// Fills and strokes a path. The colours come first: PDF allows nothing between a path and its
+    /// painting operator.
     fn paint(&mut self, fill: Color32, stroke: Stroke, path: impl FnOnce(&mut Content)) {
         let (filled, drawn) = (fill.a() > 0, stroke.width > 0.0 && stroke.color.a() > 0);
         if filled {
@@ -151,7 +152,7 @@ impl Page {
     fn letters(&mut self, at: Pos2, size: f32, color: Color32, words: &str) {
         self.fill(color);
         let runs = self.fonts.write(words);
-        // Upright again; what follows begins where what was before ends.
+        // The text matrix undoes the flip of the page. Each run starts where the previous one ends.
         self.content.begin_text().set_text_matrix([1.0, 0.0, 0.0, -1.0, at.x, at.y]);
         for run in &runs {
             let (font, size, rise) = self.fonts.style(run, size);
@@ -185,7 +186,7 @@ fn shares(color: Color32) -> [f32; 4] {
     color.to_srgba_unmultiplied().map(|v| f32::from(v) / 255.0)
 }
 
-/// Describes a rectangle with rounded corners; one as wide as its corners is a circle.
+/// Describes a rectangle with rounded corners. It is a circle if its size is twice the radius.
 fn rounded(content: &mut Content, rect: Rect, radius: f32) {
     if radius <= 0.0 {
         content.rect(rect.min.x, rect.min.y, rect.width(), rect.height());
@@ -202,11 +203,11 @@ fn rounded(content: &mut Content, rect: Rect, radius: f32) {
     content.cubic_to(min.x, min.y + handle, min.x + handle, min.y, min.x + radius, min.y).close_path();
 }
 
-/// Where a picture is transparent, the paper is seen.
+/// Blends transparent pixels with the colour of the paper.
 fn on_paper(pixels: &DynamicImage, paper: Color32) -> RgbImage {
     let pixels = pixels.to_rgba8();
     RgbImage::from_fn(pixels.width(), pixels.height(), |x, y| {
-        // The colours are multiplied by alpha.
+        // Colours are premultiplied by alpha.
         let [colors @ .., alpha] = pixels.get_pixel(x, y).0;
         let rest = 255 - u32::from(alpha);
         let paper = [paper.r(), paper.g(), paper.b()];
@@ -216,7 +217,7 @@ fn on_paper(pixels: &DynamicImage, paper: Color32) -> RgbImage {
     })
 }
 
-/// Writes a picture, compressed as PNG files have it, which PDF reads as it is.
+/// Writes a picture with the compression of PNG, which PDF supports.
 fn image(pdf: &mut Pdf, at: Ref, pixels: &RgbImage) -> Result<(), String> {
     let (width, height) = (pixels.width() as i32, pixels.height() as i32);
     let png = encode_picture(&pixels.clone().into(), PictureFormat::Png).map_err(|e| e.to_string())?;
@@ -229,7 +230,7 @@ fn image(pdf: &mut Pdf, at: Ref, pixels: &RgbImage) -> Result<(), String> {
     Ok(())
 }
 
-/// The pixels of a PNG file as they are compressed in it.
+/// Returns the compressed pixels of a PNG file.
 fn compressed(png: &[u8]) -> Vec<u8> {
     let mut data = Vec::new();
     let mut rest = png.get(8..).unwrap_or_default();
@@ -239,7 +240,7 @@ fn compressed(png: &[u8]) -> Vec<u8> {
         if &name == b"IDAT" {
             data.extend_from_slice(behind.get(..length).unwrap_or_default());
         }
-        // Four bytes of a check follow.
+        // A checksum of four bytes follows.
         rest = behind.get(length + 4..).unwrap_or_default();
     }
     data
@@ -260,7 +261,7 @@ mod tests {
     }
 
     #[test]
-    fn paper_is_seen_through_what_is_transparent() {
+    fn transparent_pixels_show_the_paper() {
         let pixels = image::RgbaImage::from_raw(2, 1, vec![0, 0, 0, 0, 100, 50, 0, 127]).unwrap();
         let seen = on_paper(&pixels.into(), Color32::WHITE);
         assert_eq!(seen.as_raw(), &[255, 255, 255, 228, 178, 128]);

@@ -1,59 +1,59 @@
-//! What overlays draw, taken apart into what a drawing program knows: lines, circles, polygons, letters.
+//! Shapes of the overlays, reduced to what vector formats know: lines, circles, polygons and text.
 
 use egui::epaint::{ColorMode, Mesh, PathShape, RectShape, TextShape};
 use egui::{Color32, Pos2, Rect, Shape, Stroke};
 
-/// One of them; colours with alpha 0 are not to be seen.
+/// A primitive shape. Colours with alpha 0 are invisible.
 pub enum Piece<'a> {
     /// A straight line.
     Line([Pos2; 2], Stroke),
-    /// A circle with its inside.
+    /// A filled circle.
     Circle {
-        /// Middle of the circle.
+        /// Centre of the circle.
         centre: Pos2,
         /// Radius of the circle.
         radius: f32,
-        /// The colour inside.
+        /// Fill colour.
         fill: Color32,
-        /// Rim of the circle.
+        /// Outline of the circle.
         stroke: Stroke,
     },
     /// A rectangle with rounded corners.
     Rect {
-        /// Where it is.
+        /// Position and size.
         rect: Rect,
-        /// The radius of its corners.
+        /// Radius of the corners.
         rounding: f32,
-        /// The colour inside.
+        /// Fill colour.
         fill: Color32,
-        /// Rim of the rectangle.
+        /// Outline of the rectangle.
         stroke: Stroke,
     },
-    /// A polygon, or a line with corners.
+    /// A polygon or a polyline.
     Path {
-        /// The corners.
+        /// Corners of the path.
         points: &'a [Pos2],
-        /// Whether the last one is joined to the first.
+        /// Whether the last corner is joined to the first.
         closed: bool,
-        /// The colour inside.
+        /// Fill colour.
         fill: Color32,
-        /// The line.
+        /// Stroke of the path.
         stroke: Stroke,
     },
-    /// Letters in one row.
+    /// Text in one row.
     Letters {
-        /// Where they begin, on the line that they stand on.
+        /// Start of the text on the baseline.
         at: Pos2,
-        /// Their size.
+        /// Font size.
         size: f32,
-        /// Their colour.
+        /// Text colour.
         color: Color32,
-        /// What they say.
+        /// The text itself.
         words: String,
     },
 }
 
-/// Takes a shape apart.
+/// Breaks a shape up into primitives.
 pub fn take_apart(shape: &Shape, each: &mut dyn FnMut(Piece)) {
     match shape {
         Shape::Vec(shapes) => shapes.iter().for_each(|inner| take_apart(inner, each)),
@@ -85,13 +85,13 @@ pub fn take_apart(shape: &Shape, each: &mut dyn FnMut(Piece)) {
             None => triangles(mesh, each),
         },
         Shape::Text(letters) => rows(letters, each),
-        // Nothing else is drawn over the images.
+        // No other shapes are drawn over the images.
         _ => {}
     }
 }
 
-/// The outline and the colour of what is one area: a band of triangles, each with two corners of the one before, or a
-/// fan of them about the first corner.
+/// Returns the outline and the colour of a mesh of one colour that is a strip or a fan of
+/// triangles.
 fn outline(mesh: &Mesh) -> Option<(Vec<Pos2>, Color32)> {
     let fill = mesh.vertices.first()?.color;
     if fill.a() == 0 || mesh.vertices.iter().any(|vertex| vertex.color != fill) {
@@ -101,7 +101,7 @@ fn outline(mesh: &Mesh) -> Option<(Vec<Pos2>, Color32)> {
     let is = |shape: fn(u32) -> [u32; 3]| (0..).zip(triangles).all(|(k, corners)| *corners == shape(k));
     let points = || mesh.vertices.iter().map(|vertex| vertex.pos);
     let points = if is(|k| [k, k + 1, k + 2]) {
-        // There along one edge, and back along the other.
+        // Along one edge, and back along the other.
         points().step_by(2).chain(points().skip(1).step_by(2).rev()).collect()
     } else if is(|k| [0, k + 1, k + 2]) {
         points().collect()
@@ -152,7 +152,7 @@ mod tests {
     }
 
     #[test]
-    fn a_band_and_a_fan_are_one_area_each_and_other_triangles_stay_what_they_are() {
+    fn strips_and_fans_become_one_area_and_other_triangles_stay_separate() {
         let corners = [(0.0, 0.0), (0.0, 5.0), (10.0, 0.0), (10.0, 6.0), (20.0, 0.0)].map(Pos2::from);
         let mesh = |triangles: &[[u32; 3]]| {
             let mut mesh = Mesh::default();

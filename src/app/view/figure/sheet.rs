@@ -1,4 +1,4 @@
-//! The sheet of a figure: both images in their places, and what the overlays drew over them.
+//! The sheet of a figure: both images in their places, and the shapes of the overlays.
 
 use egui::epaint::ClippedShape;
 use egui::{Color32, Rect, Vec2, pos2, vec2};
@@ -16,53 +16,53 @@ use crate::app::view::panes::{PanePlace, Transform};
 use crate::app::view::theme;
 use crate::io::TrustNote;
 
-/// Height of images beside each other and width of images above each other, points: with text of 13 points, about what a
-/// column of a paper has.
+/// Height of images side by side, and width of stacked images, in points. With text of 13 points,
+/// this fits a column of a paper.
 const EXTENT: f32 = 360.0;
-/// Between the images and around both, points.
+/// Space between and around the images, points.
 const GAP: f32 = 8.0;
-/// Largest number of image pixels that the scale of letters and lines follows.
+/// Largest total number of pixels up to which the scale follows the image resolution.
 const MOST_PIXELS: f32 = 120e6;
-/// Pixels a point at most: lines and letters of larger pictures are thinner, and need no huge letters.
+/// Largest number of pixels per point. Beyond it the sheet grows instead of the letters.
 const MOST_A_POINT: f32 = 8.0;
 
 /// An image in its place on the sheet.
 pub struct Placed {
-    /// Where its pixels appear on the sheet.
+    /// Position of its pixels on the sheet.
     pub transform: Transform,
-    /// The pixels that are seen: the first ones and how many.
+    /// First visible pixel.
     pub first: [u32; 2],
-    /// How many pixels are seen.
+    /// Number of visible pixels.
     pub count: [u32; 2],
-    /// How bright and dark it is shown.
+    /// Brightness and channels of the image.
     pub rendition: Rendition,
 }
 
-/// Everything that is on the sheet.
+/// The whole content of a figure.
 pub struct Sheet {
     /// Both pictures.
     pub pictures: Pictures,
-    /// Frames of sequences that are shown in place of the pictures.
+    /// Frames of sequences, shown instead of the pictures.
     pub frames: Option<[DynamicImage; 2]>,
-    /// Where they are.
+    /// Positions of the pictures.
     pub places: [Placed; 2],
-    /// Size of the sheet, points.
+    /// Size in points.
     pub size: Vec2,
-    /// Colour of the paper.
+    /// Background colour.
     pub background: Color32,
-    /// What the overlays drew, each image's within its bounds.
+    /// Shapes of the overlays, each clipped to its image.
     pub drawn: Vec<ClippedShape>,
-    /// How far the geometry is to be trusted.
+    /// Reliability of the geometry.
     pub trust: Option<TrustNote>,
-    /// The names of the images.
+    /// Names of the images.
     pub title: String,
 }
 
-/// Lets the overlays draw onto a sheet.
+/// Composes the sheet: places both images and draws the overlays onto it.
 pub fn sheet(model: &Model, panes: [Option<PanePlace>; 2], choices: &FigureChoices) -> Option<Sheet> {
     let pictures = model.open.pictures()?;
     let frames = pictures.each_ref().map(|picture| picture.frame());
-    // What is seen has the shape of its pane, a whole image its own.
+    // A visible part has the shape of its pane, a whole image its own shape.
     let seen = panes.map(|pane| pane.filter(|_| choices.seen));
     let aspect = |k: usize| match &seen[k] {
         Some(pane) => pane.rect.width() / pane.rect.height().max(1.0),
@@ -76,12 +76,12 @@ pub fn sheet(model: &Model, panes: [Option<PanePlace>; 2], choices: &FigureChoic
     });
     let views =
         [0, 1].map(|k| seen[k].as_ref().map_or_else(|| PaneView::fitting(frames[k]), |pane| pane.view));
-    // Image pixels a point, where the image is shown with all of them.
+    // The transforms at the size of the sheet.
     let fit = [0, 1].map(|k| {
         let rect = Rect::from_min_size(pos2(0.0, 0.0), sizes[k]);
         let mut transform = views[k].transform(frames[k], rect);
         match (&seen[k], views[k].scale) {
-            // The same part in a place of another size.
+            // The same part of the image, scaled to the sheet.
             (Some(pane), Some(scale)) => {
                 transform.scale = scale * f64::from(sizes[k].x / pane.rect.width().max(1.0));
             }
@@ -98,7 +98,7 @@ pub fn sheet(model: &Model, panes: [Option<PanePlace>; 2], choices: &FigureChoic
         together + Vec2::splat(2.0 * GAP)
     };
     let mut scale = full.min((MOST_PIXELS / (total(sizes).x * total(sizes).y)).sqrt());
-    // Larger sheets in place of larger letters.
+    // Enlarge the sheet rather than the letters.
     let enlarged = (scale / MOST_A_POINT).max(1.0);
     scale /= enlarged;
     let sizes = sizes.map(|size| size * enlarged);
@@ -127,7 +127,7 @@ pub fn sheet(model: &Model, panes: [Option<PanePlace>; 2], choices: &FigureChoic
         ..egui::RawInput::default()
     };
     context.set_pixels_per_point(scale);
-    // A new scale counts from the next frame on.
+    // A new scale takes effect in the next frame.
     let mut before = context.run_ui(input.clone(), |_| ());
     let mut drawn = context.run_ui(input, |ui| {
         for (side, place) in Side::BOTH.into_iter().zip(&places) {
@@ -148,7 +148,7 @@ pub fn sheet(model: &Model, panes: [Option<PanePlace>; 2], choices: &FigureChoic
             }
         }
     });
-    // The files write letters as such, and have no use for their textures.
+    // The files contain text as such, so the glyph textures are not needed.
     before.textures_delta.clear();
     drawn.textures_delta.clear();
     let names = model.document.pictures.as_ref().map(|pictures| pictures.each_ref().map(|p| p.name.clone()));
@@ -165,7 +165,7 @@ pub fn sheet(model: &Model, panes: [Option<PanePlace>; 2], choices: &FigureChoic
 }
 
 impl Sheet {
-    /// What the overlays drew.
+    /// Returns the shapes of the overlays.
     pub fn shapes(&self) -> impl Iterator<Item = &ClippedShape> {
         let areas = self.places.each_ref().map(|place| place.transform.rect.expand(0.5));
         let inside =
@@ -173,7 +173,7 @@ impl Sheet {
         self.drawn.iter().filter(inside)
     }
 
-    /// What is seen of an image, and where it is on the sheet, points.
+    /// Returns the visible part of an image and its place on the sheet, in points.
     pub fn picture(&self, k: usize) -> (DynamicImage, Rect) {
         let Placed { transform, first: [x, y], count: [width, height], rendition } = &self.places[k];
         let pixels = self.frames.as_ref().map_or(&self.pictures[k].pixels, |frames| &frames[k]);

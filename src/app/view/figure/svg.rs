@@ -1,4 +1,4 @@
-//! The figure as SVG: the images as PNG inside it, everything over them as lines and letters.
+//! The figure as SVG, with the images embedded as PNG, and vector lines and text.
 
 use std::fmt::Write;
 
@@ -10,7 +10,7 @@ use super::pieces::{Piece, take_apart};
 use super::sheet::Sheet;
 use crate::io::{PictureFormat, encode_picture};
 
-/// The whole file.
+/// Returns the whole file.
 pub fn write(sheet: &Sheet) -> Result<Vec<u8>, String> {
     let (width, height) = (sheet.size.x, sheet.size.y);
     let mut text = format!(

@@ -1,16 +1,16 @@
-//! A sign that work is under way.
+//! Activity indicator.
 
 use std::time::Duration;
 
 use egui::{Sense, Stroke, Ui, vec2};
 
-/// Turns a step this often. A smooth one would redraw the window all the time, which without a graphics
-/// card takes the processor away from the very computation it tells of.
+/// Time between two steps of the animation. Smooth animation would redraw all the time, and without
+/// a graphics card this would slow the computation down.
 const STEP: Duration = Duration::from_millis(125);
-/// Steps of a turn.
+/// Steps per turn.
 const STEPS: f64 = 8.0;
 
-/// Shows an arc that goes round.
+/// Shows a rotating arc.
 pub fn show(ui: &mut Ui) {
     let (area, _) = ui.allocate_exact_size(vec2(14.0, 14.0), Sense::hover());
     let step = (ui.input(|input| input.time) / STEP.as_secs_f64()).floor() % STEPS;

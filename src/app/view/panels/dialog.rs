@@ -1,4 +1,4 @@
-//! What the windows in front of the window have in common.
+//! Parts shared by all dialogs.
 
 use std::path::PathBuf;
 
@@ -7,14 +7,14 @@ use egui::{Align2, Button, Context, Label, Rect, Response, Sense, TextEdit, Ui, 
 use super::finish_button;
 use crate::app::model::command::Command;
 
-/// Width of the names of fields, screen points: all alike, so that the fields line up.
+/// Width of the labels, screen points. Equal widths align the fields.
 const LABEL_WIDTH: f32 = 84.0;
 
 /// Height of a field and its button, screen points.
 const HEIGHT: f32 = 26.0;
 const BROWSE_WIDTH: f32 = 72.0;
 
-/// A window in the middle, with its content as wide as this; whether it stays open.
+/// Shows a centred dialog with content of the given width. Returns whether it stays open.
 pub fn dialog(ctx: &Context, title: &str, width: f32, content: impl FnOnce(&mut Ui)) -> bool {
     let mut open = true;
     Window::new(title)
@@ -23,36 +23,37 @@ pub fn dialog(ctx: &Context, title: &str, width: f32, content: impl FnOnce(&mut 
         .resizable(false)
         .anchor(Align2::CENTER_CENTER, vec2(0.0, -40.0))
         .show(ctx, |ui| {
-            // As wide as a small window has room for.
+            // Small windows have less room.
             ui.set_width(width.min(ctx.content_rect().width() - 56.0));
             content(ui);
         });
     open
 }
 
-/// A field for a path, with a button for the system's dialog.
+/// A field for a path, with a button for the system dialog.
 pub struct PathField<'a> {
-    /// What it is called.
+    /// Label of the field.
     pub name: &'a str,
-    /// What stands in it while it is empty.
+    /// Text shown while the field is empty.
     pub hint: &'a str,
     /// Width of the field, screen points.
     pub width: f32,
-    /// What the button says to those who cannot see where it is.
+    /// Accessible name of the button.
     pub browse: &'a str,
-    /// What the button does.
+    /// Command of the button.
     pub command: Command,
 }
 
 impl PathField<'_> {
-    /// Shows it; returns the field.
+    /// Shows the field and its button. Returns the field.
     pub fn show(self, ui: &mut Ui, text: &mut String, commands: &mut Vec<Command>) -> Response {
         let (field, place) = self.show_field(ui, text);
         self.show_browse(ui, place, commands);
         field
     }
 
-    /// Shows the field alone, with room for its button: so fields that belong together follow one another with Tab.
+    /// Shows the field and reserves room for its button. Showing all fields before their buttons
+    /// lets Tab move from field to field.
     pub fn show_field(&self, ui: &mut Ui, text: &mut String) -> (Response, Rect) {
         let row = ui.horizontal(|ui| {
             let label = row_label(ui, self.name);
@@ -64,27 +65,27 @@ impl PathField<'_> {
         row.inner
     }
 
-    /// Shows the button in the room that was left for it.
+    /// Shows the button in the reserved room.
     pub fn show_browse(self, ui: &mut Ui, place: Rect, commands: &mut Vec<Command>) -> Response {
         let button = ui.place(place, Button::new("Browse").min_size(place.size()));
         finish_button(ui, named(button, self.browse), self.command, commands)
     }
 }
 
-/// Writes what a row of a dialog is about, in line with the other rows.
+/// Writes the label of a row, aligned with the other rows.
 pub fn row_label(ui: &mut Ui, name: &str) -> Response {
     ui.add_sized([LABEL_WIDTH, HEIGHT], Label::new(name).halign(egui::Align::Min))
 }
 
-/// The button under a name that says more than what stands on it.
+/// Gives a button an accessible name longer than its text.
 pub fn named(button: Response, name: &str) -> Response {
     button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, button.enabled(), name));
     button
 }
 
-/// What was typed, as a path.
+/// Parses the typed text as a path.
 pub fn path_of(text: &str) -> Option<PathBuf> {
-    // Paths are often pasted with quotes or as an address.
+    // Pasted paths often have quotes or are URLs.
     let text = text.trim().trim_matches(['"', '\'']);
     let text = text.strip_prefix("file://").unwrap_or(text);
     let home = || std::env::home_dir().filter(|home| !home.as_os_str().is_empty());

@@ -1,4 +1,4 @@
-//! The window for writing the rectified pair: where to, and what.
+//! The dialog for exporting the rectified pair.
 
 use std::path::{Path, PathBuf};
 
@@ -10,10 +10,10 @@ use crate::app::model::command::Command;
 use crate::app::model::rectified::RectifiedCommand;
 use crate::io::{PictureFormat, RectifiedOptions};
 
-/// What has been chosen; it stays for the next time.
+/// Choices of the dialog, kept for the next time.
 #[derive(Debug, Clone)]
 pub struct ExportDialog {
-    /// Whether it is shown.
+    /// Whether the dialog is shown.
     pub open: bool,
     folder: String,
     options: RectifiedOptions,
@@ -28,7 +28,7 @@ impl Default for ExportDialog {
 }
 
 impl ExportDialog {
-    /// Shows it, with a folder to begin with where none was typed before.
+    /// Opens the dialog. `folder` is the default where none was typed.
     pub fn show_with(&mut self, folder: Option<PathBuf>) {
         (self.open, self.just_opened) = (true, true);
         if let Some(folder) = folder.filter(|_| self.folder.trim().is_empty()) {
@@ -36,24 +36,25 @@ impl ExportDialog {
         }
     }
 
-    /// Fills in a folder that was chosen.
+    /// Fills in a chosen folder.
     pub fn offer(&mut self, folder: &Path) {
         self.folder = folder.display().to_string();
     }
 
-    /// Shows the window.
+    /// Shows the dialog if open.
     pub fn show(&mut self, ctx: &egui::Context, commands: &mut Vec<Command>) {
         if !self.open {
             return;
         }
         let open = dialog(ctx, "Export rectified pair", 520.0, |ui| {
             ui.weak(
-                "Both pictures at full size, both side by side with guide lines, and rectification.json.",
+                "Writes both pictures at full size, a side-by-side picture with guide lines, and \
+                 rectification.json.",
             );
             ui.add_space(6.0);
             let folder = PathField {
                 name: "Folder",
-                hint: "path of the folder, made if missing",
+                hint: "path of the folder, created if missing",
                 width: 330.0,
                 browse: "Browse for the export folder",
                 command: RectifiedCommand::Browse.into(),
@@ -64,14 +65,14 @@ impl ExportDialog {
             }
             self.choices(ui);
             ui.add_space(2.0);
-            ui.weak("Files of the same names in that folder are replaced.");
+            ui.weak("Existing files of the same names are replaced.");
             ui.add_space(6.0);
             let folder = path_of(&self.folder);
             let options = self.options;
             let export = |folder| RectifiedCommand::Export { folder, options }.into();
             let command = folder.map(export);
             ui.horizontal(|ui| {
-                let button = ui.add_enabled(command.is_some(), Button::new("Export this pair"));
+                let button = ui.add_enabled(command.is_some(), Button::new("Export pair"));
                 let described = command.clone().unwrap_or_else(|| export(PathBuf::new()));
                 finish_button(ui, button, described, commands);
                 command_button(ui, Command::Cancel, true, commands);
@@ -88,7 +89,7 @@ impl ExportDialog {
         ui.horizontal(|ui| {
             row_label(ui, "Pictures");
             for (format, name, tooltip) in [
-                (PictureFormat::Png, "PNG", "8 or 16 bits with transparency; every program reads it."),
+                (PictureFormat::Png, "PNG", "8 or 16 bits with transparency. Every program reads PNG."),
                 (PictureFormat::Tiff, "TIFF", "8 or 16 bits or floating point, with transparency."),
             ] {
                 ui.radio_value(&mut self.options.format, format, name).on_hover_text(tooltip);
@@ -99,14 +100,18 @@ impl ExportDialog {
             let value = DragValue::new(&mut self.options.guide_spacing).range(0..=1000).suffix(" rows");
             ui.add(value)
                 .labelled_by(label.id)
-                .on_hover_text("Rows from one guide line to the next in the picture of both; 0 draws none.");
+                .on_hover_text("Rows between two guide lines in the side-by-side picture. 0 draws none.");
         });
         ui.horizontal(|ui| {
             row_label(ui, "Maps");
-            ui.checkbox(&mut self.options.maps, "Where each pixel comes from, as .npy arrays for cv2.remap")
-                .on_hover_text(
-                    "Rows × columns × (x, y) in pixels of the original image, 32-bit floats; (-1, -1) where nothing is.",
-                );
+            ui.checkbox(
+                &mut self.options.maps,
+                "Source position of each pixel, as .npy arrays for cv2.remap",
+            )
+            .on_hover_text(
+                "Rows × columns × (x, y) in pixels of the original image, as 32-bit floats. Empty pixels \
+                 have (-1, -1).",
+            );
         });
     }
 }

@@ -1,4 +1,4 @@
-//! The images of the folder that is open, small, side by side: any two make a pair.
+//! The thumbnails of the open folder. Any two images can form a pair.
 
 use std::collections::HashMap;
 use std::ops::Range;
@@ -17,44 +17,44 @@ use crate::app::model::pair_folder::PairFolder;
 use crate::app::model::thumbnails::{Thumbnail, ThumbnailQuestion};
 use crate::app::view::theme;
 
-/// Width of an image with its name, screen points.
+/// Width of a thumbnail, screen points.
 const WIDTH: f32 = 104.0;
-/// Room between two of them.
+/// Space between thumbnails.
 const GAP: f32 = 6.0;
-/// Height of the name with its two buttons.
+/// Height of the caption: the name and two buttons.
 const CAPTION: f32 = 20.0;
-/// Room for the scroll bar below the names.
+/// Height of the scroll bar below the captions.
 const BAR: f32 = 5.0;
-/// Windows lower than this have smaller images.
+/// Window height below which thumbnails are smaller.
 const LOW: f32 = 760.0;
-/// Names that begin alike with more than this are told by their ends.
+/// Length of a common prefix, in bytes, beyond which captions leave it out.
 const LONG_PREFIX: usize = 6;
-/// Images beyond those in sight that are made beforehand, on either side.
+/// Number of thumbnails loaded in advance on either side.
 const AHEAD: usize = 3;
 
-/// What of the strip is on the screen.
+/// On-screen state of the strip.
 #[derive(Default)]
 pub struct FilmStrip {
     textures: HashMap<usize, (Arc<Thumbnail>, TextureHandle)>,
     visible: Range<usize>,
-    /// The pair that was brought into sight.
+    /// The pair last scrolled into view.
     shown: Option<[usize; 2]>,
-    /// How many bytes all names begin with alike, if so many that the names differ in what there is no room for.
+    /// Length of the common prefix of all names, in bytes, if captions leave it out.
     common: Option<usize>,
 }
 
 impl FilmStrip {
-    /// Height of the strip in a window of this height.
+    /// Returns the height of the strip for a window height.
     pub fn height(window: f32) -> f32 {
         image_height(window) + CAPTION + BAR + 12.0
     }
 
-    /// Nothing of it is on the screen.
+    /// Releases everything that the strip keeps for the screen.
     pub fn hide(&mut self) {
         *self = Self::default();
     }
 
-    /// What is in sight and has not been made.
+    /// Returns the request for visible thumbnails that are not loaded.
     pub fn wanted(&self, model: &Model) -> Option<ThumbnailQuestion> {
         let (folder, _) = model.open.folder.as_ref()?;
         let views: Vec<usize> =
@@ -62,7 +62,7 @@ impl FilmStrip {
         (!views.is_empty()).then(|| ThumbnailQuestion { folder: Arc::clone(folder), views })
     }
 
-    /// Shows it.
+    /// Shows the strip.
     pub fn show(
         &mut self,
         ui: &mut Ui,
@@ -110,7 +110,7 @@ impl FilmStrip {
         let free = folder.pairs_freely();
         let image = Rect::from_min_max(area.min, pos2(area.max.x, area.max.y - CAPTION));
         let response = ui.interact(image, ui.scope_id().with("image"), Sense::click());
-        // What a click opens: this image beside the one that is open on the left, or the pair it belongs to.
+        // A click opens this image to the right of the left one, or else the pair it belongs to.
         let views = if free { [pair[0], view] } else { [view & !1, view | 1] };
         let points = model.points_on(views);
         let label = format!("Image {name}");
@@ -127,13 +127,13 @@ impl FilmStrip {
         let beside = if !free {
             "Click to open its pair.".to_owned()
         } else if pair.contains(&view) {
-            "It is open.".to_owned()
+            "This image is open.".to_owned()
         } else {
             format!("Click to open it beside {}.", folder.names()[pair[0]])
         };
         let placed = match points {
             0 => String::new(),
-            _ => format!("\n{} there.", counted(points)),
+            _ => format!("\n{} placed.", counted(points)),
         };
         let response = response.on_hover_text(format!("{name}\n{beside}{placed}"));
         if response.on_hover_cursor(CursorIcon::PointingHand).clicked()
@@ -190,7 +190,7 @@ impl FilmStrip {
     }
 }
 
-/// How many bytes all names begin with alike, up to a mark between words.
+/// Returns the length in bytes of the common prefix, up to and including a separator.
 fn common_prefix(names: &[String]) -> Option<usize> {
     let (first, others) = names.split_first()?;
     let alike = |other: &String| first.bytes().zip(other.bytes()).take_while(|(a, b)| a == b).count();
@@ -199,7 +199,7 @@ fn common_prefix(names: &[String]) -> Option<usize> {
     head.iter().rposition(|byte| matches!(byte, b'-' | b'_' | b'.' | b' ')).map(|mark| mark + 1)
 }
 
-/// A name with its middle left out where there is room for a share of it: beginnings are alike, and ends tell.
+/// Shortens a name in the middle if only a share of it fits. The ends usually distinguish names.
 fn cut_in_the_middle(name: &str, share: f32) -> String {
     let letters: Vec<char> = name.chars().collect();
     let kept = (letters.len() as f32 * share - 1.0).max(2.0) as usize;
@@ -214,7 +214,7 @@ fn image_height(window: f32) -> f32 {
     if window < LOW { 36.0 } else { 58.0 }
 }
 
-/// The number of point pairs, in the corner of an image.
+/// Draws the number of point pairs in the corner of a thumbnail.
 fn badge(ui: &Ui, corner: Pos2, points: usize, fill: Color32, text: Color32) {
     let galley = ui.painter().layout_no_wrap(points.to_string(), FontId::proportional(11.0), text);
     let size = vec2((galley.size().x + 8.0).max(16.0), 15.0);
@@ -223,7 +223,7 @@ fn badge(ui: &Ui, corner: Pos2, points: usize, fill: Color32, text: Color32) {
     ui.painter().galley(area.center() - galley.size() / 2.0, galley, text);
 }
 
-/// The button that opens an image on one side.
+/// Shows the button that opens an image on one side.
 fn side_button(
     ui: &mut Ui,
     caption: Rect,
@@ -252,11 +252,12 @@ fn side_button(
     ui.painter().text(area.center(), Align2::CENTER_CENTER, letter, FontId::proportional(11.0), text);
     let mut views = pair;
     views[side.index()] = view;
-    // The one that is open on the other side changes places with it.
+    // An image that is open on the other side trades places.
     if pair[side.other().index()] == view {
         views = [pair[1], pair[0]];
     }
-    let tooltip = if is_open { format!("It is open on the {}.", side.name()) } else { format!("{label}.") };
+    let tooltip =
+        if is_open { format!("This image is open on the {}.", side.name()) } else { format!("{label}.") };
     if response.on_hover_text(tooltip).clicked() && folder.is_pair(views) && views != pair {
         commands.push(Command::OpenViews(views));
     }
@@ -267,7 +268,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn names_that_begin_alike_stay_apart_when_they_are_cut() {
+    fn names_with_a_common_beginning_stay_distinct_when_shortened() {
         assert_eq!(cut_in_the_middle("left.png", 1.4), "left.png");
         let [a, b] =
             ["brighton-01-10-bigA.jpg", "brighton-01-10-bigB.jpg"].map(|name| cut_in_the_middle(name, 0.6));
@@ -278,7 +279,7 @@ mod tests {
     }
 
     #[test]
-    fn what_names_have_in_common_ends_at_a_mark() {
+    fn the_common_prefix_of_names_ends_at_a_separator() {
         let common =
             |names: &[&str]| common_prefix(&names.iter().map(|&name| name.to_owned()).collect::<Vec<_>>());
         assert_eq!(common(&["brighton-00-01A", "brighton-00-02A", "brighton-03B"]), Some(9));

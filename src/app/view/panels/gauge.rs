@@ -1,4 +1,4 @@
-//! The bar beside a figure: bad at the left, good at the right, with a mark where the figure is.
+//! A bar beside a figure, from bad (left) to good (right), with a mark at the figure.
 
 use egui::{
     Color32, CornerRadius, Painter, Rect, Response, Sense, Stroke, Ui, Visuals, WidgetInfo, pos2, vec2,
@@ -10,7 +10,7 @@ use crate::app::view::theme;
 /// Width of a bar below a figure, screen points.
 const WIDTH: f32 = 110.0;
 
-/// Shows the bar of a figure of this name, below the figure.
+/// Shows the bar of the figure called `name`.
 pub fn show(ui: &mut Ui, name: &str, gauge: &Gauge) -> Response {
     let (area, response) = ui.allocate_exact_size(vec2(WIDTH.min(ui.available_width()), 8.0), Sense::hover());
     label(&response, name, gauge);
@@ -19,7 +19,7 @@ pub fn show(ui: &mut Ui, name: &str, gauge: &Gauge) -> Response {
     response
 }
 
-/// Shows the bar of a figure of this name as a line under its text, where there is no room beside it.
+/// Shows the bar as a line under the figure's text, for rows without room for a separate bar.
 pub fn under(ui: &Ui, text: &Response, name: &str, gauge: &Gauge) {
     let Rect { min, max } = text.rect;
     let bar = Rect::from_min_max(pos2(min.x, max.y), pos2(max.x, max.y + 3.0));
@@ -64,7 +64,7 @@ pub fn draw(painter: &Painter, visuals: &Visuals, bar: Rect, gauge: &Gauge) {
     );
 }
 
-/// The colour of how the news is.
+/// Returns the colour of a tone.
 pub fn tone_color(visuals: &Visuals, tone: Tone) -> Color32 {
     let palette = theme::palette(visuals);
     match tone {

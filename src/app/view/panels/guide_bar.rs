@@ -1,5 +1,4 @@
-//! The sentence that says what to do next, and the button that does it; beside it the pairs of the folder that is
-//! open.
+//! The bar with the next step: its sentence and button, and the pairs of the open folder.
 
 use egui::{Align, Button, Layout, RichText, Ui};
 

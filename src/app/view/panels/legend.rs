@@ -1,4 +1,4 @@
-//! The legend of the overlays under the images; a click on an entry shows or hides it.
+//! The legend of the overlays below the images. A click on an entry shows or hides the overlay.
 
 use egui::{Button, RichText, Ui, vec2};
 
@@ -6,7 +6,7 @@ use crate::app::model::Model;
 use crate::app::model::command::Command;
 use crate::app::view::panes::overlays::OVERLAYS;
 
-/// Shows the strip.
+/// Shows the legend.
 pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing = vec2(3.0, 0.0);
@@ -23,7 +23,7 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
             );
             if shown {
                 ui.painter().rect_filled(swatch, 3.0, overlay.color);
-                // The colour alone would not tell on from off: white on a light panel, dark on a dark one.
+                // The colour alone does not show on or off: some swatches resemble the panel.
                 let tick = [vec2(0.22, 0.52), vec2(0.42, 0.72), vec2(0.78, 0.28)];
                 let tick = tick.map(|at| swatch.min + at * swatch.width());
                 ui.painter().line(tick.to_vec(), egui::Stroke::new(1.5, egui::Color32::BLACK));

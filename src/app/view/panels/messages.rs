@@ -1,4 +1,4 @@
-//! What went wrong, or is done, a sentence each, until it is dismissed.
+//! Messages over the images. Each stays until it is dismissed.
 
 use egui::{Align, Align2, Area, Frame, Id, Label, Layout, Margin, Order, Rect, RichText, Stroke, vec2};
 
@@ -10,7 +10,7 @@ use crate::app::view::theme;
 /// Distance from the top of a button to its text, screen points.
 const BESIDE_BUTTONS: f32 = 4.0;
 
-/// Shows the messages over the top of the images, so that nothing moves under the cursor.
+/// Shows the messages over the top of the images, so that the layout does not move.
 pub fn show(ctx: &egui::Context, area: Rect, model: &Model, commands: &mut Vec<Command>) {
     if model.messages.list().is_empty() {
         return;
@@ -37,14 +37,14 @@ pub fn show(ctx: &egui::Context, area: Rect, model: &Model, commands: &mut Vec<C
                     .inner_margin(Margin::symmetric(14, 10))
                     .show(ui, |ui| {
                         ui.set_width(width);
-                        // As high as what is in it: centred, it would take all the height there is.
+                        // A centred layout would take all the height there is.
                         let row = Layout::right_to_left(Align::Min);
                         ui.allocate_ui_with_layout(vec2(width, 0.0), row, |ui| {
                             let (close, what) = message.kind.close();
                             if ui.button(close).on_hover_text(what).clicked() {
                                 commands.push(Command::Dismiss(message.number));
                             }
-                            // From the right: the first one is to stand at the left.
+                            // The layout runs from the right; the first action belongs at the left.
                             for action in message.actions.iter().rev() {
                                 let button = ui.button(action.label);
                                 if button.on_hover_text(action.command.tooltip()).clicked() {
@@ -52,7 +52,7 @@ pub fn show(ctx: &egui::Context, area: Rect, model: &Model, commands: &mut Vec<C
                                 }
                             }
                             ui.with_layout(Layout::top_down(Align::Min), |ui| {
-                                // The first line stands beside the text of the buttons.
+                                // Aligns the first line with the text of the buttons.
                                 ui.add_space(BESIDE_BUTTONS);
                                 ui.add(Label::new(RichText::new(&message.text)).wrap());
                             });

@@ -1,5 +1,5 @@
-//! Everything around the images: one file a panel. Panels read the [`super::model::Model`] and return
-//! commands.
+//! The panels around the images, one file each. They read the [`crate::app::model::Model`] and
+//! return commands.
 
 mod busy;
 mod dialog;
@@ -50,13 +50,13 @@ pub use shortcuts::show as shortcuts;
 pub use status::show as status;
 pub use toolbar::show as toolbar;
 
-/// A button for a command, with its name, tooltip and key.
+/// Shows a command's button, with its name, tooltip and shortcut.
 fn command_button(ui: &mut Ui, command: Command, enabled: bool, commands: &mut Vec<Command>) -> Response {
     let response = ui.add_enabled(enabled, Button::new(command.name()));
     finish_button(ui, response, command, commands)
 }
 
-/// The tooltip of a command's button, and what happens when it is clicked.
+/// Adds the tooltip to a command's button, and pushes the command when it is clicked.
 fn finish_button(ui: &Ui, response: Response, command: Command, commands: &mut Vec<Command>) -> Response {
     let tooltip = match key_text(ui.ctx(), &command) {
         Some(key) => format!("{} ({key})", command.tooltip()),

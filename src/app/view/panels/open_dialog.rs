@@ -1,4 +1,4 @@
-//! The window for opening files: typed paths, the system's dialog, or files dropped on it.
+//! The dialog for opening files: typed paths, the system dialog, or dropped files.
 
 use std::path::{Path, PathBuf};
 
@@ -13,7 +13,7 @@ use crate::app::model::document::Side;
 use crate::app::model::recents::recent_name;
 use crate::app::view::theme;
 
-/// What has been typed.
+/// Content of the dialog.
 #[derive(Debug, Clone, Default)]
 pub struct OpenDialog {
     /// Whether it is shown.
@@ -21,19 +21,19 @@ pub struct OpenDialog {
     paths: [String; 2],
     folder: String,
     import: String,
-    /// Why nothing was opened, after the last attempt.
+    /// Reason why the last attempt opened nothing.
     problem: Option<String>,
     just_opened: bool,
 }
 
 impl OpenDialog {
-    /// Shows it, empty.
+    /// Opens the dialog with empty fields.
     pub fn show_empty(&mut self) {
         *self = Self { open: true, just_opened: true, ..Self::default() };
     }
 
-    /// Fills in a path: the given side, or the first field that is free, or the right one. Shows the
-    /// window. Returns both paths when there are two now.
+    /// Fills in the path of an image and opens the dialog. Without a side, fills the left field, or
+    /// the right one if the left is taken. Returns both paths once there are two.
     pub fn offer(&mut self, path: &Path, side: Option<Side>) -> Option<[PathBuf; 2]> {
         if !self.open {
             self.show_empty();
@@ -46,7 +46,7 @@ impl OpenDialog {
         }
     }
 
-    /// Fills in a folder, and shows the window.
+    /// Fills in a folder and opens the dialog.
     pub fn offer_folder(&mut self, path: &Path) {
         if !self.open {
             self.show_empty();
@@ -54,7 +54,7 @@ impl OpenDialog {
         self.folder = path.display().to_string();
     }
 
-    /// Fills in a file to import, and shows the window.
+    /// Fills in a file to import and opens the dialog.
     pub fn offer_import(&mut self, path: &Path) {
         if !self.open {
             self.show_empty();
@@ -62,12 +62,12 @@ impl OpenDialog {
         self.import = path.display().to_string();
     }
 
-    /// Says why nothing was opened, and keeps what was typed.
+    /// Shows why nothing was opened, and keeps the fields.
     pub fn refuse(&mut self, problem: String) {
         self.problem = Some(problem);
     }
 
-    /// The image that is still to be named, when the other one is.
+    /// Returns the side without a path, if the other one has a path.
     pub fn missing(&self) -> Option<Side> {
         match self.typed() {
             [Some(_), None] => Some(Side::Right),
@@ -76,7 +76,7 @@ impl OpenDialog {
         }
     }
 
-    /// The image that waits for another one.
+    /// Returns the only path, if exactly one is filled in.
     pub fn waiting(&self) -> Option<PathBuf> {
         match self.typed() {
             [Some(one), None] | [None, Some(one)] => Some(one),
@@ -88,14 +88,15 @@ impl OpenDialog {
         self.paths.each_ref().map(|text| path_of(text))
     }
 
-    /// What pressing Enter or the button does, if anything has been typed: what is imported is about what is opened.
+    /// Returns the commands of the Open button. The import follows, as it refers to the opened
+    /// images.
     fn commands(&self) -> Vec<Command> {
         let import = path_of(&self.import);
         let import = import.map(|path| ExchangeCommand::Import(vec![path]).into());
         self.opening().into_iter().chain(import).collect()
     }
 
-    /// What is opened.
+    /// Returns the command that opens images.
     fn opening(&self) -> Option<Command> {
         if let Some(folder) = path_of(&self.folder) {
             return Some(Command::OpenFolder(folder));
@@ -104,13 +105,16 @@ impl OpenDialog {
         (!typed.is_empty()).then_some(Command::OpenFiles(typed))
     }
 
-    /// Shows the window.
+    /// Shows the dialog if open.
     pub fn show(&mut self, ctx: &egui::Context, model: &Model, commands: &mut Vec<Command>) {
         if !self.open {
             return;
         }
         let open = dialog(ctx, "Open images", 520.0, |ui| {
-            ui.weak("Type or paste the paths of two images, of two sequences (folders of frames, videos) or of a session, browse for the files, or drop them on the window.");
+            ui.weak(
+                "Enter the paths of two images, two sequences (folders of frames or videos) or a session. \
+                 You can also browse for the files or drop them on the window.",
+            );
             ui.add_space(6.0);
             let rows = [
                 ("Left image", "Browse for the left image", Side::Left),
@@ -130,8 +134,8 @@ impl OpenDialog {
             }
             ui.add_space(6.0);
             ui.weak(
-                "Or a folder of images, any two of which make a pair. Where its geometry is known (VGG layout, or pairs \
-                 NAMEA.*, NAMEB.* with NAME.txt), results can be compared with it.",
+                "Or open a folder of images and choose any two. If the folder has ground truth (VGG layout, \
+                 or pairs NAMEA.*, NAMEB.* with NAME.txt), results can be compared with it.",
             );
             ui.add_space(2.0);
             let row = field("Folder", "path of the folder", "Browse for the folder", Command::BrowseFolder);
@@ -139,10 +143,11 @@ impl OpenDialog {
             elsewhere |= row.show_browse(ui, place, commands).has_focus();
             ui.add_space(6.0);
             ui.weak(
-                    "For the images, if you have them: point pairs, a fundamental matrix or two cameras, in any of the known formats.",
-                );
+                "Optional: point pairs, a fundamental matrix or two cameras for the images, in any known \
+                 format.",
+            );
             ui.add_space(2.0);
-            let hint = "path of the file, for the images above or those that are open";
+            let hint = "path of the file, for the images above or the open ones";
             let browse = ExchangeCommand::BrowseImport.into();
             let row = field("Import", hint, "Browse for a file to import", browse);
             let (_, place) = row.show_field(ui, &mut self.import);
@@ -171,7 +176,7 @@ impl OpenDialog {
                     ui.weak("Opening");
                 }
             });
-            // On a button the key presses that button.
+            // Enter on a focused button presses that button.
             if !elsewhere && ui.input(|input| input.key_pressed(Key::Enter)) && !typed.is_empty() {
                 commands.extend(typed);
                 begun = true;
@@ -187,11 +192,11 @@ impl OpenDialog {
     }
 }
 
-/// What was opened last; whether one of them has the keyboard.
+/// Shows the recently opened files. Returns whether one of their buttons has the keyboard focus.
 fn recents(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) -> bool {
     let mut focused = false;
     if model.recents.list().next().is_some() {
-        ui.weak("Opened last");
+        ui.weak("Recent");
     }
     for paths in model.recents.list() {
         let entry =

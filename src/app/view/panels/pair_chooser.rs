@@ -1,4 +1,4 @@
-//! The pairs of the folder that is open, and what can be done with its ground truth, if it has any.
+//! The pairs of the open folder, and the buttons for its ground truth.
 
 use egui::{Button, ComboBox, ScrollArea, Ui};
 
@@ -9,7 +9,7 @@ use crate::app::model::document::{Side, counted};
 use crate::app::model::pair_folder::PairFolder;
 use crate::evaluate::Protocol;
 
-/// Shows them from the right.
+/// Shows the buttons from right to left.
 pub fn show(ui: &mut Ui, model: &Model, folder: &PairFolder, pair: [usize; 2], commands: &mut Vec<Command>) {
     if folder.known().is_some() {
         truth_buttons(ui, model, commands);
@@ -28,13 +28,13 @@ pub fn show(ui: &mut Ui, model: &Model, folder: &PairFolder, pair: [usize; 2], c
     kept_pairs(ui, model, folder, commands);
 }
 
-/// The pairs on which something was set, to go back to.
+/// Shows a menu of the other pairs with points or pinned lines.
 fn kept_pairs(ui: &mut Ui, model: &Model, folder: &PairFolder, commands: &mut Vec<Command>) {
     let kept = model.kept_pairs();
     if kept.is_empty() {
         return;
     }
-    let menu = ui.menu_button(format!("Kept: {}", kept.len()), |ui| {
+    let menu = ui.menu_button(format!("Edited pairs ({})", kept.len()), |ui| {
         ScrollArea::vertical().show(ui, |ui| {
             for pair in kept {
                 let name = format!("{}: {}", folder.pair_name(pair), counted(model.points_on(pair)));
@@ -45,11 +45,11 @@ fn kept_pairs(ui: &mut Ui, model: &Model, folder: &PairFolder, commands: &mut Ve
         });
     });
     menu.response.on_hover_text(
-        "The other pairs on which you placed points or pinned lines. They are kept in this session and saved with it.",
+        "Other pairs on which you placed points or pinned lines. They are saved with the session.",
     );
 }
 
-/// The switch of the ground truth and the random trial, from the right.
+/// Shows the switch of the ground truth and the random trial, from right to left.
 pub fn truth_buttons(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let trial = Command::RandomTrial(Protocol::WellPosed);
     match model.no_trial() {
@@ -72,7 +72,7 @@ fn step(ui: &mut Ui, folder: &PairFolder, pair: [usize; 2], forward: bool, comma
     finish_button(ui, button, command, commands);
 }
 
-/// One of the two views.
+/// Shows the choice of one of the two views.
 fn view_chooser(ui: &mut Ui, folder: &PairFolder, pair: [usize; 2], side: Side, commands: &mut Vec<Command>) {
     let mut chosen = pair[side.index()];
     let other = pair[side.other().index()];
@@ -89,7 +89,7 @@ fn view_chooser(ui: &mut Ui, folder: &PairFolder, pair: [usize; 2], side: Side, 
             }
         });
     response.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, &label));
-    response.response.on_hover_text(format!("{label} of the folder: any two of its views are a pair."));
+    response.response.on_hover_text(format!("{label} of the folder. Any two views can form a pair."));
     if chosen != pair[side.index()] {
         let mut views = pair;
         views[side.index()] = chosen;
@@ -97,7 +97,7 @@ fn view_chooser(ui: &mut Ui, folder: &PairFolder, pair: [usize; 2], side: Side, 
     }
 }
 
-/// One of the pairs.
+/// Shows the choice of a pair.
 fn pair_chooser(ui: &mut Ui, folder: &PairFolder, pair: [usize; 2], commands: &mut Vec<Command>) {
     let response =
         ComboBox::from_id_salt("pair").width(150.0).selected_text(folder.pair_name(pair)).show_ui(ui, |ui| {
@@ -109,5 +109,5 @@ fn pair_chooser(ui: &mut Ui, folder: &PairFolder, pair: [usize; 2], commands: &m
             }
         });
     response.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, "The pair"));
-    response.response.on_hover_text("Which pair of the folder is open.");
+    response.response.on_hover_text("Choose which pair of the folder is open.");
 }

@@ -1,4 +1,4 @@
-//! What can be done with a point pair: the menu of its row and of its points.
+//! The context menu of a point pair.
 
 use egui::Ui;
 
@@ -10,7 +10,7 @@ use crate::app::model::focus::LineSource;
 use crate::app::model::point_table::{ChosenEdit, PointsCommand};
 use crate::app::model::suggesting::Repair;
 
-/// Shows the menu of a pair, finished or not.
+/// Shows the menu of a complete or incomplete pair.
 pub fn show(ui: &mut Ui, model: &Model, pair: usize, commands: &mut Vec<Command>) {
     let document = &model.document;
     let chosen = document.chosen.len();

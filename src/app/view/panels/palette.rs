@@ -1,4 +1,4 @@
-//! The list of every command, to search and run by name.
+//! The list of all commands, searchable by name.
 
 use egui::{Align2, Key, Modifiers, RichText, ScrollArea, TextEdit, Ui, Window, vec2};
 
@@ -9,7 +9,7 @@ use crate::app::model::ids::OverlayId;
 use crate::app::view::actions::ACTIONS;
 use crate::app::view::keyboard::key_text;
 
-/// What has been typed and which entry is marked.
+/// The typed text and the marked entry.
 #[derive(Debug, Clone, Default)]
 pub struct CommandPalette {
     /// Whether it is shown.
@@ -26,12 +26,12 @@ struct PaletteEntry {
 }
 
 impl CommandPalette {
-    /// Shows it, empty, or closes it.
+    /// Opens the list with an empty search, or closes it.
     pub fn toggle(&mut self) {
         *self = Self { open: !self.open, just_opened: true, ..Self::default() };
     }
 
-    /// Shows the window.
+    /// Shows the list if open.
     pub fn show(&mut self, ctx: &egui::Context, model: &Model, commands: &mut Vec<Command>) {
         if !self.open {
             return;
@@ -76,7 +76,7 @@ impl CommandPalette {
 
     fn list(&mut self, ui: &mut Ui, found: &[PaletteEntry], moved: bool, commands: &mut Vec<Command>) {
         if found.is_empty() {
-            ui.weak("No command has these letters.");
+            ui.weak("No command matches.");
         }
         let room = (ui.ctx().content_rect().height() - 240.0).clamp(80.0, 380.0);
         ScrollArea::vertical().max_height(room).auto_shrink([false, true]).show(ui, |ui| {
@@ -94,7 +94,7 @@ impl CommandPalette {
                     if let Some(key) = key_text(ui.ctx(), &entry.command) {
                         let right = egui::Layout::right_to_left(egui::Align::Center);
                         ui.with_layout(right, |ui| {
-                            // Clear of the scroll bar.
+                            // Keep clear of the scroll bar.
                             ui.add_space(14.0);
                             ui.label(RichText::new(key).weak());
                         });
@@ -105,13 +105,13 @@ impl CommandPalette {
     }
 }
 
-/// Every command that makes sense in the state as it is.
+/// Returns the commands that apply in the present state.
 fn entries(model: &Model) -> Vec<PaletteEntry> {
     let offered = ACTIONS.iter().filter(|action| (action.makes_sense)(model));
     let named = offered.filter_map(|action| {
         let title = match action.listed {
             Some(title) => title(model),
-            // What has keys is in the list, under its own name unless it has another one there.
+            // Every action with shortcuts is listed, under its name if it has no title.
             None if !action.keys.is_empty() => action.name,
             None => return None,
         };
@@ -125,20 +125,20 @@ fn entries(model: &Model) -> Vec<PaletteEntry> {
     named.chain(overlays).collect()
 }
 
-/// The entries that fit the text, best first; without a text all of them.
+/// Returns the entries that match the text, best first; all of them for an empty text.
 fn found(entries: Vec<PaletteEntry>, text: &str) -> Vec<PaletteEntry> {
     let mut ranked: Vec<(usize, PaletteEntry)> = entries
         .into_iter()
         .filter_map(|entry| Some((rank(&entry.title.to_lowercase(), &text.trim().to_lowercase())?, entry)))
         .collect();
-    // Of titles that fit alike the shorter one says less that was not asked for.
+    // Of equally good matches, the shorter title is closer to the search.
     let typed = !text.trim().is_empty();
     ranked.sort_by_key(|(rank, entry)| (*rank, if typed { entry.title.len() } else { 0 }));
     ranked.into_iter().map(|(_, entry)| entry).collect()
 }
 
-/// How far a title is from what was typed: where the words are; beyond that, titles that only have the letters in
-/// that order. `None` when it has not even these.
+/// Returns the rank of a title, lower is better: the positions of the words, or else a large number
+/// if the title has the letters in this order. `None` if it has not.
 fn rank(title: &str, text: &str) -> Option<usize> {
     let words = text.split_whitespace().map(|word| title.find(word)).sum::<Option<usize>>();
     words.or_else(|| {
@@ -153,7 +153,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn words_come_before_letters_and_beginnings_before_ends() {
+    fn whole_words_rank_before_scattered_letters() {
         let titles = ["Fit both images", "Open the sample images", "Light or dark", "Link views"];
         let entries = || {
             titles

@@ -1,4 +1,4 @@
-//! The bar under two sequences: playing them, the frame that is shown, what moves, and how they lie in time.
+//! The bar under two sequences: playback, frame, motion and time offset.
 
 use egui::{Align, Button, DragValue, Layout, Slider, Ui};
 
@@ -7,7 +7,7 @@ use crate::app::model::Model;
 use crate::app::model::command::Command;
 use crate::app::model::recording::PlayerCommand;
 
-/// Room for what stands beside the slider, screen points.
+/// Width kept free beside the slider, screen points.
 const BESIDE: f32 = 40.0;
 
 /// Shows the bar.
@@ -19,13 +19,14 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     };
     ui.horizontal(|ui| {
         let playing = model.open.player.playing;
-        let play = ui.add(Button::new(if playing { "Pause" } else { "Play" }).min_size(egui::vec2(52.0, 0.0)));
+        let play =
+            ui.add(Button::new(if playing { "Pause" } else { "Play" }).min_size(egui::vec2(52.0, 0.0)));
         finish_button(ui, play, PlayerCommand::TogglePlay.into(), commands);
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             offset(ui, model, synchronised.offset, commands);
             ui.separator();
             let marked = model.open.player.silhouettes;
-            let moving = ui.add(Button::selectable(marked, "What moves").frame_when_inactive(true));
+            let moving = ui.add(Button::selectable(marked, "Show motion").frame_when_inactive(true));
             finish_button(ui, moving, PlayerCommand::ToggleSilhouettes.into(), commands);
             let count = synchronised.recordings[0].sequence.len();
             let text = if left == right {
@@ -33,7 +34,10 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
             } else {
                 format!("Frames {left} and {right} of {count}")
             };
-            ui.label(text).on_hover_text("The frame of the left sequence, counted from 0, and the one of the right sequence that was taken together with it.");
+            ui.label(text).on_hover_text(
+                "The frame of the left sequence, counted from 0, and the frame of the right sequence taken \
+                 at the same time.",
+            );
             ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
                 ui.spacing_mut().slider_width = (ui.available_width() - BESIDE).max(60.0);
                 let mut frame = left;
@@ -47,7 +51,7 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     });
 }
 
-/// How the sequences lie in time; from right to left.
+/// Shows the time offset, from right to left.
 fn offset(ui: &mut Ui, model: &Model, offset: i32, commands: &mut Vec<Command>) {
     if model.activity.aligning {
         busy::show(ui);
@@ -66,6 +70,6 @@ fn offset(ui: &mut Ui, model: &Model, offset: i32, commands: &mut Vec<Command>) 
         commands.push(Command::EndDrag);
     }
     field.labelled_by(label.id).on_hover_text(
-        "Frame k of the left sequence was taken together with frame k + offset of the right one.",
+        "Frame k of the left sequence was taken at the same time as frame k + offset of the right one.",
     );
 }

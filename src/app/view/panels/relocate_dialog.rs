@@ -1,4 +1,4 @@
-//! The window that asks for the images of a session that are not where they were.
+//! The dialog for images of a session that are missing or have changed.
 
 use std::path::Path;
 
@@ -11,7 +11,7 @@ use crate::app::model::command::SessionCommand;
 use crate::app::model::document::Side;
 use crate::app::model::session::{Lost, OpenSession, Relocation};
 
-/// What was asked for and what has been typed.
+/// The missing images and the typed paths.
 #[derive(Debug, Clone)]
 pub struct RelocateDialog {
     relocation: Relocation,
@@ -19,17 +19,17 @@ pub struct RelocateDialog {
 }
 
 impl RelocateDialog {
-    /// Asks for the images that are lost.
+    /// Creates the dialog.
     pub fn new(relocation: Relocation) -> Self {
         Self { relocation, paths: [String::new(), String::new()] }
     }
 
-    /// Fills in a path that was chosen.
+    /// Fills in a chosen path.
     pub fn offer(&mut self, side: Side, path: &Path) {
         self.paths[side.index()] = path.display().to_string();
     }
 
-    /// Fills in a path of a file that was dropped: for the first image that still has none.
+    /// Fills in the path of a dropped file for the first missing image without a path.
     pub fn offer_dropped(&mut self, path: &Path) {
         let wanting = Side::BOTH
             .into_iter()
@@ -39,7 +39,8 @@ impl RelocateDialog {
         }
     }
 
-    /// The session with the images that were typed; taking changed ones as they are is the person's own choice.
+    /// Returns the command that opens the session with the typed images. Only the user can accept
+    /// changed images.
     fn again(&self, accepts_changed: bool) -> Command {
         let mut session: OpenSession = self.relocation.session.clone();
         for (given, typed) in session.images.iter_mut().zip(&self.paths) {
@@ -51,26 +52,26 @@ impl RelocateDialog {
         SessionCommand::Open(session).into()
     }
 
-    /// Shows the window; returns whether it stays open.
+    /// Shows the dialog. Returns whether it stays open.
     pub fn show(&mut self, ctx: &egui::Context, commands: &mut Vec<Command>) -> bool {
         dialog(ctx, "Find the images", 560.0, |ui| {
             let session = &self.relocation.session;
             let what = if session.recovers {
-                "The work that was not saved".to_owned()
+                "The unsaved work".to_owned()
             } else {
                 format!("The session {}", session.path.display())
             };
-            ui.add(Label::new(format!("{what} needs your help with its images.")).wrap());
+            ui.add(Label::new(format!("{what} needs images that are missing or have changed.")).wrap());
             let mut all_there = true;
             for side in Side::BOTH {
                 let Some(lost) = &self.relocation.lost[side.index()] else { continue };
                 ui.add_space(8.0);
                 let text = match lost {
                     Lost::Missing(path) => {
-                        format!("The {} image is not there: {}", side.name(), path.display())
+                        format!("The {} image was not found: {}", side.name(), path.display())
                     }
                     Lost::Changed(path) => format!(
-                        "The {} image has changed since the session was saved, or is another one: {}",
+                        "The {} image has changed since the session was saved, or is a different image: {}",
                         side.name(),
                         path.display()
                     ),
@@ -80,7 +81,8 @@ impl RelocateDialog {
                 let missing = matches!(lost, Lost::Missing(_));
                 ui.horizontal(|ui| {
                     let label = ui.label(format!("New {} image", side.name()));
-                    let hint = if missing { "where it is now" } else { "where the original is, if anywhere" };
+                    let hint =
+                        if missing { "its present path" } else { "path of the original, if there is one" };
                     let edit = TextEdit::singleline(typed).hint_text(hint).desired_width(340.0);
                     ui.add(edit).labelled_by(label.id);
                     let label = format!("Browse for the {} image", side.name());
@@ -96,7 +98,7 @@ impl RelocateDialog {
                 finish_button(ui, open, self.again(false), commands);
                 if changed {
                     let anyway = ui.add_enabled(all_there, Button::new("Use changed images as they are"));
-                    let hint = "The points of the session are kept; check that they still fit.";
+                    let hint = "The points of the session are kept. Check that they still fit.";
                     if anyway.on_hover_text(hint).clicked() {
                         commands.push(self.again(true));
                     }

@@ -1,4 +1,4 @@
-//! The window for saving a session: a typed path, or the system's dialog.
+//! The dialog for saving a session: a typed path, or the system dialog.
 
 use std::path::{Path, PathBuf};
 
@@ -10,7 +10,7 @@ use crate::app::model::command::Command;
 use crate::app::model::command::SessionCommand;
 use crate::app::model::session::has_session_extension;
 
-/// What has been typed.
+/// Content of the dialog.
 #[derive(Debug, Clone)]
 pub struct SaveDialog {
     path: String,
@@ -18,22 +18,23 @@ pub struct SaveDialog {
 }
 
 impl SaveDialog {
-    /// Suggests a path.
+    /// Creates the dialog with a suggested path.
     pub fn new(path: &Path) -> Self {
         Self { path: path.display().to_string(), just_opened: true }
     }
 
-    /// Fills in a path that was chosen.
+    /// Fills in a chosen path.
     pub fn offer(&mut self, path: &Path) {
         self.path = path.display().to_string();
     }
 
-    /// Shows the window; returns whether it stays open.
+    /// Shows the dialog. Returns whether it stays open.
     pub fn show(&mut self, ctx: &egui::Context, commands: &mut Vec<Command>) -> bool {
         let open = dialog(ctx, "Save session", 520.0, |ui| {
             ui.weak(
-                    "Points, parameters, pinned lines and views, as one readable JSON file. The images stay where they are.",
-                );
+                "Saves points, parameters, pinned lines and views in one JSON file. The images stay where \
+                 they are.",
+            );
             ui.add_space(6.0);
             ui.horizontal(|ui| {
                 let label = ui.label("File");
@@ -47,7 +48,7 @@ impl SaveDialog {
             });
             let path = path_of(&self.path).map(with_extension);
             let replaces = path.as_ref().is_some_and(|path| path.exists());
-            ui.label(if replaces { "There is a file of that name; it will be replaced." } else { "" });
+            ui.label(if replaces { "A file of that name exists and will be replaced." } else { "" });
             ui.add_space(6.0);
             let command = path.map(|path| SessionCommand::SaveTo(path).into());
             ui.horizontal(|ui| {
@@ -65,7 +66,7 @@ impl SaveDialog {
     }
 }
 
-/// The path with the extension that the program opens sessions by: never that of an image, say.
+/// Appends the extension of sessions unless the path has it.
 fn with_extension(path: PathBuf) -> PathBuf {
     if has_session_extension(&path) {
         return path;

@@ -7,21 +7,21 @@ use crate::app::model::rectified::RectifiedCommand;
 use crate::app::view::actions::ACTIONS;
 use crate::app::view::keyboard::key_text;
 
-/// What the mouse does in an image.
+/// Mouse actions in an image.
 const MOUSE: [(&str, &str); 7] = [
-    ("Click", "Place a point, first in one image, then its match in the other"),
-    ("Drag a point", "Move it; the geometry follows"),
+    ("Click", "Place a point in one image, then its match in the other"),
+    ("Drag a point", "Move the point; the geometry follows"),
     ("Scroll, pinch", "Zoom about the cursor"),
-    ("Drag beside the points", "Move the image; so do the middle button and Space"),
+    ("Drag elsewhere", "Move the image; the middle button and Space do the same"),
     ("Double click", "Show the whole image"),
     ("Arrow keys", "Move the selected point by 0.1 px"),
     ("Shift and arrow keys", "Move the selected point by 1 px"),
 ];
 
-/// What the actions are about, in the order of the list.
-const GROUPS: [&str; 6] = ["Points", "Result", "Files", "Looking", "Panels", "Program"];
+/// Groups of actions, in the order of the list.
+const GROUPS: [&str; 6] = ["Points", "Result", "Files", "Display", "Panels", "Program"];
 
-/// Which of the groups an action belongs to.
+/// Returns the group of a command.
 fn group(command: &Command) -> &'static str {
     match command {
         Command::ShowOpenDialog
@@ -37,7 +37,7 @@ fn group(command: &Command) -> &'static str {
         | Command::ToggleLoupe
         | Command::Tones(_)
         | Command::Player(_)
-        | Command::Rectified(_) => "Looking",
+        | Command::Rectified(_) => "Display",
         Command::ShowTab(_)
         | Command::FoldTabs
         | Command::FoldSide
@@ -58,7 +58,7 @@ fn group(command: &Command) -> &'static str {
     }
 }
 
-/// Shows the list; `open` becomes false when it is closed.
+/// Shows the list. `open` becomes false when the user closes it.
 pub fn show(ctx: &egui::Context, open: &mut bool) {
     Window::new("Keys and mouse")
         .open(open)
@@ -73,7 +73,7 @@ pub fn show(ctx: &egui::Context, open: &mut bool) {
                 let mouse = MOUSE.map(|(action, what)| (action.to_owned(), what));
                 let groups = GROUPS.map(|name| (name, keys_of(ui.ctx(), name)));
                 let groups: Vec<_> = std::iter::once(("Mouse", mouse.to_vec())).chain(groups).collect();
-                // A narrow window has one group below the other.
+                // A narrow window has fewer columns.
                 let ends: &[usize] = match width {
                     _ if width > THREE_COLUMNS => &[3, 5, 7],
                     _ if width > TWO_COLUMNS => &[4, 7],
@@ -90,13 +90,13 @@ pub fn show(ctx: &egui::Context, open: &mut bool) {
         });
 }
 
-/// Widths from which on the groups stand beside each other, screen points.
+/// Least widths for two and three columns, screen points.
 const TWO_COLUMNS: f32 = 700.0;
 const THREE_COLUMNS: f32 = 1160.0;
 
 type ShortcutRows = Vec<(String, &'static str)>;
 
-/// The keys of a group with the first sentence of what they do.
+/// Returns the shortcuts of a group, each with the first sentence of its tooltip.
 fn keys_of(ctx: &egui::Context, name: &str) -> ShortcutRows {
     let actions = ACTIONS.iter().filter(|action| !action.keys.is_empty() && group(&action.command) == name);
     let rows = actions.map(|action| {
@@ -106,7 +106,7 @@ fn keys_of(ctx: &egui::Context, name: &str) -> ShortcutRows {
     rows.collect()
 }
 
-/// Shows groups below each other, with as much room for the keys as the longest of them takes.
+/// Shows groups one below the other. The column of keys is as wide as the longest of them.
 fn list(ui: &mut Ui, groups: &[(&str, ShortcutRows)]) {
     let font = TextStyle::Body.resolve(ui.style());
     let color = ui.visuals().strong_text_color();

@@ -1,4 +1,4 @@
-//! The bar at the bottom: position and intensity under the cursor, and how far an export is.
+//! The status bar: position and intensity under the cursor, and the progress of an export.
 
 use egui::{Align, Layout, RichText, Ui};
 
@@ -8,13 +8,14 @@ use crate::app::model::command::Command;
 use crate::app::model::rectified::RectifiedCommand;
 use crate::evaluate::Protocol;
 
-/// The mouse actions take about as much, screen points.
+/// Approximate width of the mouse hints, screen points.
 const ROOM_FOR_HINTS: f32 = 360.0;
 
 /// Shows the bar.
 pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     ui.horizontal(|ui| {
-        let under = model.open.hover.and_then(|hover| Some((hover, model.intensity_at(hover.side, hover.point)?)));
+        let under =
+            model.open.hover.and_then(|hover| Some((hover, model.intensity_at(hover.side, hover.point)?)));
         let text = match under {
             Some((hover, intensity)) => format!(
                 "{:<5}  x {:8.2}   y {:8.2}   intensity {intensity:5.1}",
@@ -22,7 +23,7 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
                 hover.point.x,
                 hover.point.y,
             ),
-            None => "Position and intensity under the cursor".into(),
+            None => String::new(),
         };
         let text = RichText::new(text);
         ui.label(if model.open.hover.is_some() { text.monospace() } else { text.weak() });
@@ -37,7 +38,8 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
             };
             ui.separator();
             ui.label(format!("Random trial, {protocol}, seed {}", trial.seed)).on_hover_text(
-                "The pairs of the estimate are true matches: those of the first trial of epiline evaluate with this seed.",
+                "The estimate uses true matches as point pairs. The first trial of epiline evaluate with \
+                 this seed uses the same ones.",
             );
         }
         if let Some(progress) = model.activity.writing {

@@ -1,6 +1,6 @@
-//! A table of figures: sorted by a click on a heading, one row under the cursor, some rows chosen.
+//! A table that can be sorted by its headings.
 //!
-//! Painted row by row, and only the rows in sight, so that a long list costs no more than a short one.
+//! Only visible rows are painted, so that long lists cost no more than short ones.
 
 use std::sync::Arc;
 
@@ -16,83 +16,83 @@ use crate::app::view::theme;
 pub struct Column {
     /// Heading of the column.
     pub title: &'static str,
-    /// One sentence about its figures.
+    /// One sentence about the column.
     pub tooltip: &'static str,
-    /// Share of the width, in points of a table as wide as all its columns.
+    /// Relative width.
     pub width: f32,
-    /// Whether it holds words rather than figures: they begin at the left, and where they are long and no figures
-    /// follow they go on over the columns behind.
+    /// Whether the column holds text instead of figures. Text is left-aligned, and may continue
+    /// over the following columns where they are empty.
     pub is_text: bool,
 }
 
 impl Column {
-    /// A column of figures.
+    /// Creates a column of figures.
     pub const fn figures(title: &'static str, width: f32, tooltip: &'static str) -> Self {
         Self { title, tooltip, width, is_text: false }
     }
 
-    /// A column of words.
+    /// Creates a column of text.
     pub const fn words(title: &'static str, width: f32, tooltip: &'static str) -> Self {
         Self { title, tooltip, width, is_text: true }
     }
 }
 
-/// Which column the rows are sorted by.
+/// Sort order of the rows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Sort {
     /// The column.
     pub column: usize,
-    /// Largest first.
+    /// Whether the largest value comes first.
     pub descending: bool,
 }
 
-/// How a row looks.
+/// Appearance of a row.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct RowLook {
-    /// Whether it was chosen.
+    /// Whether the row was chosen.
     pub chosen: bool,
-    /// Whether it, or what belongs to it, is under the cursor.
+    /// Whether the row, or its item elsewhere, is under the cursor.
     pub lit: bool,
 }
 
-/// What happened to the rows.
+/// User actions on the rows in this frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Touched {
     /// The row under the cursor.
     pub hovered: Option<usize>,
     /// The row that was clicked.
     pub clicked: Option<usize>,
-    /// The row whose switch was turned, and whether it is on now.
+    /// The row whose switch was changed, and the new state.
     pub toggled: Option<(usize, bool)>,
 }
 
 /// A table to show.
 pub struct Table<'a> {
-    /// What it is called, for its memory and for screen readers.
+    /// Name, used for stored state and by screen readers.
     pub name: &'static str,
     /// Columns from left to right.
     pub columns: &'a [Column],
-    /// How many rows there are.
+    /// Number of rows.
     pub rows: usize,
-    /// Another number when the figures are others: then they are sorted anew.
+    /// Revision of the figures; a change triggers sorting.
     pub revision: u64,
-    /// What a row is called.
+    /// Accessible name of a row.
     pub row_name: &'a dyn Fn(usize) -> String,
-    /// The figure a row is sorted by in a column; NaN comes last.
+    /// Value by which a row is sorted in a column; NaN comes last.
     pub key: &'a dyn Fn(usize, usize) -> f64,
-    /// What a row shows in a column.
+    /// Text of a cell.
     pub text: &'a dyn Fn(usize, usize) -> String,
-    /// Where the figure of a row in a column lies between bad and good.
+    /// Gauge of a cell, if it has one.
     pub gauge: &'a dyn Fn(usize, usize) -> Option<Gauge>,
-    /// What there is to know about a row, in words.
+    /// Tooltip of a row, if it has one.
     pub about: &'a dyn Fn(usize) -> Option<String>,
-    /// How a row looks.
+    /// Appearance of a row.
     pub look: &'a dyn Fn(usize) -> RowLook,
-    /// The switch in front of a row, if it has one: whether it is on, and its name.
+    /// State and name of the switch in front of a row, if it has one.
     pub toggle: &'a dyn Fn(usize) -> Option<(bool, String)>,
 }
 
-/// The order of the rows, kept from frame to frame.
+/// Order of the rows, kept from frame to frame.
 #[derive(Clone)]
 struct Ordered {
     sort: Sort,
@@ -102,15 +102,16 @@ struct Ordered {
 }
 
 const ROW: f32 = 22.0;
-/// Width of the bar of a figure, screen points.
+/// Width of a gauge, screen points.
 const BAR: f32 = 24.0;
-/// Where there is less room than this for it a bar would be no more than a dot: it is left out, its words stay.
+/// Least width of a gauge, screen points. In less room a gauge is left out; its words stay in the
+/// tooltip.
 const SHORTEST_BAR: f32 = 12.0;
-/// Distance from the edge of a column to its words, screen points.
+/// Distance of text from the edge of its column, screen points.
 const INSET: f32 = 6.0;
 
 impl Table<'_> {
-    /// Shows it in all the space there is.
+    /// Shows the table in all available space.
     pub fn show(&self, ui: &mut Ui) -> Touched {
         let id = ui.make_persistent_id(self.name);
         let mut sort =
@@ -145,10 +146,10 @@ impl Table<'_> {
         touched
     }
 
-    /// The right edge of each column, from the left edge of the table.
+    /// Returns the right edge of each column, relative to the left edge of the table.
     fn edges(&self, available: f32) -> Vec<f32> {
         let total: f32 = self.columns.iter().map(|column| column.width).sum();
-        // A wide window leaves room between the columns, but not so much that a row falls apart.
+        // In a wide window, columns spread out only as far as a row stays readable.
         let scale = (available / total).min(1.6);
         let right = |sum: &mut f32, column: &Column| {
             *sum += column.width * scale;
@@ -157,7 +158,7 @@ impl Table<'_> {
         self.columns.iter().scan(0.0, right).collect()
     }
 
-    /// The order of the rows, sorted only when something has changed.
+    /// Returns the order of the rows, sorted again only after a change.
     fn remembered_order(&self, ui: &Ui, id: Id, sort: Sort) -> Arc<[usize]> {
         let (revision, rows) = (self.revision, self.rows);
         let kept = ui.data(|data| data.get_temp::<Ordered>(id));
@@ -181,7 +182,7 @@ impl Table<'_> {
         keyed.into_iter().map(|(_, row)| row).collect()
     }
 
-    /// The headings; returns the column that was clicked.
+    /// Shows the headings. Returns the column that was clicked.
     fn headings(&self, ui: &mut Ui, edges: &[f32], sort: Sort, font: &FontId) -> Option<usize> {
         let (area, _) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::hover());
         let mut clicked = None;
@@ -290,7 +291,7 @@ impl Table<'_> {
     }
 }
 
-/// A triangle: up for smallest first.
+/// Draws the triangle of the sort order; it points up if the smallest value comes first.
 pub fn sort_mark(ui: &Ui, centre: egui::Pos2, descending: bool, color: Color32) {
     let tip = if descending { 3.0 } else { -3.0 };
     let corners = vec![centre + vec2(0.0, tip), centre + vec2(-4.0, -tip), centre + vec2(4.0, -tip)];
@@ -302,7 +303,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn rows_are_sorted_both_ways_with_what_is_missing_at_the_end() {
+    fn rows_sort_both_ways_with_missing_values_last() {
         let figures = [3.0, f64::NAN, 1.0, 2.0];
         let table = Table {
             name: "test",

@@ -1,4 +1,4 @@
-//! The menu for seeing dark and flat places: exposure, contrast, gamma, single channels.
+//! The brightness menu: exposure, contrast, gamma, single channels.
 
 use egui::containers::menu::{MenuButton, MenuConfig};
 use egui::{Button, PopupCloseBehavior, Slider, Ui};
@@ -12,12 +12,12 @@ use crate::app::model::tones::{Channel, Rendition, TonesCommand};
 /// Shows the button of the menu.
 pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let changed = model.open.tones.of.iter().any(|own| !own.is_plain());
-    let button = Button::selectable(changed, "Tones").frame_when_inactive(true);
+    let button = Button::selectable(changed, "Brightness").frame_when_inactive(true);
     let stays_open = MenuConfig::new().close_behavior(PopupCloseBehavior::CloseOnClickOutside);
     let (button, _) =
         MenuButton::from_button(button).config(stays_open).ui(ui, |ui| menu(ui, model, commands));
     button.on_hover_text(
-        "Exposure, contrast, gamma and single channels of the images on the screen. Nothing is computed from them.",
+        "Exposure, contrast, gamma and channels of the displayed images. Computations are not affected.",
     );
 }
 
@@ -46,13 +46,13 @@ fn menu(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         ui,
         Slider::new(&mut wanted.contrast, 0.2..=8.0).logarithmic(true),
         "Contrast",
-        "How far everything is from middle grey; 1 leaves it as it is.",
+        "Spread around middle grey. 1 changes nothing.",
     );
     slider(
         ui,
         Slider::new(&mut wanted.gamma, 0.2..=5.0).logarithmic(true),
         "Gamma",
-        "Above 1 lifts what is dark more than what is bright; 1 leaves it as it is.",
+        "Above 1 brightens dark areas more than bright ones. 1 changes nothing.",
     );
     ui.horizontal(|ui| {
         for channel in Channel::ALL {
@@ -66,7 +66,7 @@ fn menu(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     ui.horizontal(|ui| {
         let stretch = ui.add(Button::new("Stretch"));
         finish_button(ui, stretch, TonesCommand::Stretch.into(), commands);
-        let reset = ui.add_enabled(tones.of != [Rendition::default(); 2], Button::new("As they are"));
+        let reset = ui.add_enabled(tones.of != [Rendition::default(); 2], Button::new("Reset"));
         finish_button(ui, reset, TonesCommand::Reset.into(), commands);
     });
 }

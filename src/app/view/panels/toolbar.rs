@@ -1,4 +1,4 @@
-//! The bar at the top: opening, undo, the tool, how it is looked at, and help.
+//! The toolbar: files, undo, tools, view and help.
 
 use egui::containers::menu::{MenuButton, MenuConfig};
 use egui::{Align, Button, Layout, PopupCloseBehavior, ScrollArea, Ui};
@@ -13,7 +13,7 @@ use crate::app::model::point_table::PointsCommand;
 use crate::app::view::actions::conditions::has_strip;
 use crate::app::view::panes::overlays::OVERLAYS;
 
-/// With less room than this the tools wrap into further rows, screen points.
+/// Width below which the toolbar wraps, screen points.
 const ONE_ROW: f32 = 800.0;
 
 /// Shows the bar.
@@ -33,7 +33,7 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     });
 }
 
-/// What is done with the images.
+/// Shows the tools for the images.
 fn tools(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let any = model.document.pictures.is_some();
     let open = ui.button("Open");
@@ -55,13 +55,13 @@ fn tools(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     }
     let stays_open = MenuConfig::new().close_behavior(PopupCloseBehavior::CloseOnClickOutside);
     let (menu, _) = MenuButton::new("View").config(stays_open).ui(ui, |ui| view_menu(ui, model, commands));
-    menu.on_hover_text("Choose how the images are shown, and which panels.");
+    menu.on_hover_text("Choose how the images are shown, and which panels are visible.");
     if any {
         tones::show(ui, model, commands);
     }
 }
 
-/// The look of the program, and help; from the right, where there is room.
+/// Shows the buttons for the theme and help.
 fn program(ui: &mut Ui, commands: &mut Vec<Command>) {
     let keys = ui.add(Button::new("Keys"));
     finish_button(ui, keys, Command::ToggleShortcuts, commands);
@@ -71,7 +71,7 @@ fn program(ui: &mut Ui, commands: &mut Vec<Command>) {
     finish_button(ui, theme, Command::ToggleTheme, commands);
 }
 
-/// How the images are shown, and which panels.
+/// Shows the menu of the view: images, panels and overlays.
 fn view_menu(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let look = &model.look;
     let mut switch = |ui: &mut Ui, command: Command, name: &str, mut on: bool| {
@@ -82,7 +82,7 @@ fn view_menu(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     switch(ui, Command::ToggleStacked, Command::ToggleStacked.name(), look.stacked);
     switch(ui, Command::ToggleMap, Command::ToggleMap.name(), look.map);
     switch(ui, Command::ToggleLoupe, Command::ToggleLoupe.name(), look.loupe);
-    switch(ui, PointsCommand::ToggleNames.into(), "Names of pairs", look.names);
+    switch(ui, PointsCommand::ToggleNames.into(), "Pair names", look.names);
     ui.separator();
     switch(ui, Command::FoldSide, "Side panel", !look.side_folded);
     switch(ui, Command::FoldTabs, "Bottom panel", !look.tabs_folded);
@@ -91,7 +91,7 @@ fn view_menu(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         switch(ui, Command::FoldStrip, "Images of the folder", !look.strip_folded);
     }
     ui.separator();
-    // Also where a low window has no room for their row.
+    // The overlay row is hidden in a low window.
     ui.menu_button("Overlays", |ui| {
         let room = (ui.ctx().content_rect().height() - 120.0).max(100.0);
         ScrollArea::vertical().max_height(room).show(ui, |ui| {

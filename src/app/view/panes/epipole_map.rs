@@ -1,8 +1,9 @@
-//! The map of the epipoles: the whole plane of an image in a disc, since epipoles are mostly far outside the image.
+//! The map of the epipoles: the whole image plane in a disc, since most epipoles lie far outside
+//! the image.
 //!
-//! The distance `r` from the middle of the image, in half diagonals, becomes `r / (r + 1)` radii of the disc: the
-//! image lies in the middle, and the rim is infinity, where a place is a direction. A point at infinity lies in two
-//! opposite directions; it is drawn at both.
+//! The distance `r` from the image centre, in half diagonals, becomes `r / (r + 1)` radii of the
+//! disc. The image lies in the middle, and the rim is infinity, where a position is a direction. A
+//! point at infinity lies in two opposite directions and is drawn at both.
 
 use egui::{Color32, Pos2, Rect, Sense, Shape, Stroke, Ui, WidgetInfo, vec2};
 
@@ -15,23 +16,23 @@ use crate::app::model::ids::OverlayId;
 use crate::app::view::theme;
 use crate::geometry::{Frame, HomogeneousPoint, Vector};
 
-/// Radius of the disc, screen points: smaller in a small pane, never too small to read.
+/// Range of the radius, screen points: smaller in a small pane, but readable.
 const RADIUS: std::ops::RangeInclusive<f32> = 26.0..=40.0;
-/// Share of the pane's shorter side that is the radius.
+/// Radius as a share of the pane's shorter side.
 const SHARE: f32 = 0.12;
 /// Distance from the corner of the pane, screen points.
 const MARGIN: f32 = 6.0;
-/// Hypotheses drawn, by rank.
+/// Number of hypotheses drawn, by rank.
 const DRAWN: usize = 60;
-/// Part of the radius from which on a place is drawn on the other side, too: geometries that hardly differ may have their
-/// epipoles far away on either.
+/// Share of the radius beyond which a position is also drawn on the opposite side: epipoles of
+/// similar geometries may lie far away on either side.
 const FAR: f64 = 0.9;
-/// How visible the map is where it would be in the way.
+/// Opacity of a map that would be in the way.
 const FADED: f32 = 0.35;
-/// How near the cursor takes hold of a mark, screen points.
+/// Distance within which the cursor snaps to a mark, screen points.
 const REACH: f32 = 8.0;
 
-/// The whole plane of an image on a disc.
+/// The whole image plane on a disc.
 struct PlaneDisc {
     centre: Pos2,
     radius: f32,
@@ -39,7 +40,7 @@ struct PlaneDisc {
 }
 
 impl PlaneDisc {
-    /// Where a point appears, and whether it is so far out that it also lies on the other side of the rim.
+    /// Returns the position of a point, and whether it is so far out that it also lies opposite.
     fn place(&self, point: &HomogeneousPoint) -> (Pos2, bool) {
         let middle = self.frame.centre();
         let unit = self.frame.diagonal() / 2.0;
@@ -52,7 +53,7 @@ impl PlaneDisc {
         (self.centre + vec2(along.x as f32, along.y as f32) * self.radius, share > FAR)
     }
 
-    /// The mark that the cursor takes hold of, if there is one: of two at the same place the better one.
+    /// Returns the mark within reach of the cursor; of equally near marks the better-ranked one.
     fn nearest(&self, places: &[(Pos2, bool)], cursor: Pos2) -> Option<usize> {
         let distance = |(at, infinite): &(Pos2, bool)| {
             let distance = at.distance(cursor);
@@ -66,7 +67,7 @@ impl PlaneDisc {
         self.centre - (at - self.centre)
     }
 
-    /// The edge of the image, which the disc bends a little.
+    /// Returns the outline of the image, slightly bent by the disc.
     fn outline(&self) -> Vec<Pos2> {
         let corners = self.frame.corners();
         let mut points = Vec::new();
@@ -79,8 +80,8 @@ impl PlaneDisc {
     }
 }
 
-/// The middle of the map: in the lower right corner, unless a clicked point is there and another corner is free; and
-/// whether it covers none.
+/// Returns the centre of the map and whether it covers no clicked point. The lower right corner is
+/// preferred, then any free corner.
 fn place(pane: Rect, radius: f32, points: &[Pos2]) -> (Pos2, bool) {
     let room = pane.shrink(radius + MARGIN);
     let reach = radius + theme::GRAB_RADIUS;
@@ -89,8 +90,8 @@ fn place(pane: Rect, radius: f32, points: &[Pos2]) -> (Pos2, bool) {
     corners.into_iter().find(is_free).map_or((corners[0], false), |corner| (corner, true))
 }
 
-/// Draws the map in a corner of a pane where no point is; a mark under the cursor lights up everywhere, and a click on it
-/// chooses the hypothesis. What belongs to an overlay that is hidden is not in it.
+/// Draws the map in a corner without clicked points. The mark under the cursor is highlighted in
+/// the whole window; a click on it chooses the hypothesis. Hidden overlays are left out.
 pub fn show(ui: &mut Ui, transform: &Transform, side: Side, model: &Model, commands: &mut Vec<Command>) {
     let Some(shown) = model.shown() else { return };
     let Some(frame) = model.document.frame(side) else { return };
@@ -105,7 +106,7 @@ pub fn show(ui: &mut Ui, transform: &Transform, side: Side, model: &Model, comma
     let (centre, free) = place(pane, radius, &points.collect::<Vec<_>>());
     let disc = PlaneDisc { centre, radius, frame };
     let area = Rect::from_center_size(centre, vec2(radius, radius) * 2.0);
-    // A click that is due in this image is meant for the image, and so is one on a point.
+    // While this image expects a click, clicks on the map go to the image.
     let is_due = model.document.half.is_some_and(|half| half.side != side);
     let hypotheses = shown.estimate.hypotheses();
     let drawn = if dots { hypotheses.len().min(DRAWN) } else { 0 };
@@ -114,7 +115,7 @@ pub fn show(ui: &mut Ui, transform: &Transform, side: Side, model: &Model, comma
     let cursor = ui.input(|input| input.pointer.hover_pos());
     let cursor = cursor.filter(|_| free && !is_due && ui.rect_contains_pointer(area));
     let nearest = cursor.and_then(|cursor| disc.nearest(&places, cursor));
-    // What hits no mark is meant for the image below.
+    // Clicks that hit no mark go to the image below.
     let sense = if nearest.is_some() { Sense::click() } else { Sense::hover() };
     let response = ui.interact(area, ui.scope_id().with("epipole map"), sense);
     let name = format!("epipole map of the {} image", side.name());
@@ -157,8 +158,9 @@ pub fn show(ui: &mut Ui, transform: &Transform, side: Side, model: &Model, comma
         }
     }
     response.on_hover_text(
-        "The whole plane of this image: the image in the middle, infinity at the rim. Green ring: the epipole of the \
-         geometry shown; blue: the true one, where it is known; dots: those of the hypotheses. Click a dot to show that hypothesis.",
+        "The whole plane of this image: the image in the middle, infinity at the rim. Green ring: epipole \
+         of the geometry shown. Blue ring: true epipole, where known. Dots: epipoles of the hypotheses; \
+         click a dot to show its hypothesis.",
     );
 }
 
@@ -190,7 +192,7 @@ mod tests {
         assert!((radius(1.0, 2.0, 0.0) - 1.0).abs() < 1e-6);
         let (right, infinite) = disc.place(&HomogeneousPoint::new(-3.0, 0.0, 0.0));
         assert!(infinite && (right.y - disc.centre.y).abs() < 1e-4);
-        // The sign of a homogeneous point means nothing.
+        // The sign of a homogeneous point has no meaning.
         let (a, b) = (HomogeneousPoint::new(900.0, 40.0, 1.0), HomogeneousPoint::new(-900.0, -40.0, -1.0));
         assert!((disc.place(&a).0 - disc.place(&b).0).length() < 1e-4);
         assert!(disc.place(&a).0.x > disc.centre.x);

@@ -1,4 +1,4 @@
-//! The frames of a sequence as a texture, one at a time, with what moves in them marked.
+//! Frames of a sequence as a texture, one at a time, with motion highlighted.
 
 use egui::{ColorImage, TextureFilter, TextureHandle, TextureOptions};
 use image::{DynamicImage, GrayImage};
@@ -8,32 +8,32 @@ use crate::app::model::shared::Shared;
 use crate::app::model::tones::Rendition;
 use crate::app::view::theme;
 
-/// Crisp pixels when magnified, smooth when reduced.
+/// Sharp pixels when magnified, smooth when reduced.
 pub const PIXELS: TextureOptions = TextureOptions {
     magnification: TextureFilter::Nearest,
     minification: TextureFilter::Linear,
     wrap_mode: egui::TextureWrapMode::ClampToEdge,
     mipmap_mode: Some(TextureFilter::Linear),
 };
-/// Which frame, whether what moves in it is marked, and how bright and dark it is.
+/// Frame number, whether motion is highlighted, and the rendition.
 type Shown = (usize, bool, Rendition);
 
 /// A sequence that can be drawn.
 pub struct Film {
     recording: Shared<Recording>,
     shown: Option<Shown>,
-    /// The frame that is shown.
+    /// Texture of the present frame.
     pub texture: TextureHandle,
 }
 
 impl Film {
-    /// A sequence of which nothing is shown yet.
+    /// Creates the film, without a frame yet.
     pub fn new(ctx: &egui::Context, recording: Shared<Recording>) -> Self {
         let texture = ctx.load_texture("frame", ColorImage::default(), PIXELS);
         Self { recording, shown: None, texture }
     }
 
-    /// Shows a frame. Costs nothing while it is the same.
+    /// Shows a frame. Does nothing if it is shown already.
     pub fn show(&mut self, frame: usize, silhouettes: bool, rendition: Rendition) {
         let wanted = (frame, silhouettes, rendition);
         let sequence = &self.recording.sequence;
@@ -70,7 +70,7 @@ mod tests {
     use crate::app::model::recording::example;
 
     #[test]
-    fn a_frame_is_shown_as_it_is_and_what_moves_is_marked() {
+    fn a_frame_is_unchanged_except_for_highlighted_motion() {
         let ctx = egui::Context::default();
         let recording = Shared::new(example(20));
         let size = recording.sequence.size();

@@ -1,4 +1,4 @@
-//! One image: zooming, panning, and clicks and drags turned into commands.
+//! An image pane: zooming, panning, clicks and drags.
 
 use egui::{CursorIcon, PointerButton, Pos2, Rect, Response, Sense, StrokeKind, Ui, WidgetInfo};
 
@@ -22,27 +22,27 @@ use crate::app::view::theme;
 use crate::geometry::{Frame, Point, Vector};
 use crate::image::Picture;
 
-/// What the mouse is doing.
+/// A drag in progress.
 #[derive(Debug, Clone, Copy)]
 struct Drag {
-    /// Where the button went down. The whole way from here counts: summing the steps would lose the first
-    /// few pixels, before egui calls it a drag.
+    /// Position where the button went down. Summing steps would lose the first pixels, before egui
+    /// detects a drag.
     origin: Pos2,
     what: Dragged,
 }
 
 #[derive(Debug, Clone, Copy)]
 enum Dragged {
-    /// A point that was at this image position.
+    /// A point, and its image position at the start.
     Point(PointRef, Point),
-    /// The image; this position was in the middle of the pane.
+    /// The view, and the image position in the middle of the pane at the start.
     View(Point),
 }
 
-/// What a menu is about.
+/// Subject of a context menu.
 #[derive(Debug, Clone, Copy)]
 enum Menu {
-    /// A pair, by its place in the list.
+    /// A point pair, by its index.
     Pair(usize),
     /// A pinned line pair, by its number.
     Pin(usize),
@@ -53,18 +53,18 @@ pub struct ImagePane {
     side: Side,
     image: Option<PaneImage>,
     drag: Option<Drag>,
-    /// What the menu that was opened last is about.
+    /// Subject of the latest context menu.
     menu: Option<Menu>,
-    /// Where it was drawn last.
+    /// Area of the latest frame.
     rect: Rect,
 }
 
-/// What a pane shows, and where.
+/// View and position of a pane.
 #[derive(Debug, Clone, Copy)]
 pub struct PanePlace {
-    /// What part of the image.
+    /// Visible part of the image.
     pub view: PaneView,
-    /// Where it was drawn last.
+    /// Area of the latest frame.
     pub rect: Rect,
 }
 
@@ -76,12 +76,12 @@ struct PaneImage {
 }
 
 impl ImagePane {
-    /// An empty pane.
+    /// Creates an empty pane.
     pub fn new(side: Side) -> Self {
         Self { side, image: None, drag: None, menu: None, rect: Rect::ZERO }
     }
 
-    /// Shows another picture, whole.
+    /// Shows another picture completely.
     pub fn set_picture(&mut self, ctx: &egui::Context, opened: &Opened) {
         let texture = PictureTexture::new(ctx, opened);
         let view = PaneView::fitting(opened.picture.frame());
@@ -96,12 +96,12 @@ impl ImagePane {
         }
     }
 
-    /// What part of the image is shown.
+    /// Returns the visible part of the image.
     pub fn view(&self) -> Option<PaneView> {
         self.image.as_ref().map(|image| image.view)
     }
 
-    /// What part of the image is shown, and where.
+    /// Returns the visible part of the image, and the area of the pane.
     pub fn place(&self) -> Option<PanePlace> {
         Some(PanePlace { view: self.view()?, rect: self.rect })
     }
@@ -113,7 +113,7 @@ impl ImagePane {
         }
     }
 
-    /// Shows the part of the image that another pane shows of its own.
+    /// Shows the same part as another pane.
     pub fn follow(&mut self, leader: &Self) {
         if let (Some(own), Some(other)) = (&mut self.image, &leader.image) {
             let place = |image: &PaneImage, rect| (image.picture.frame(), rect);
@@ -121,12 +121,12 @@ impl ImagePane {
         }
     }
 
-    /// Lets go of what is being dragged; says whether it was a point.
+    /// Ends a drag. Returns whether a point was dragged.
     pub fn let_go(&mut self) -> bool {
         matches!(self.drag.take(), Some(Drag { what: Dragged::Point(..), .. }))
     }
 
-    /// Shows the pane in all the space there is; returns the image position under the cursor.
+    /// Shows the pane in all available space. Returns the image position under the cursor.
     pub fn show(&mut self, ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) -> Option<Hover> {
         self.header(ui, model);
         let rect = ui.available_rect_before_wrap();
@@ -217,7 +217,7 @@ impl ImagePane {
         hover
     }
 
-    /// Whether a point is being dragged, or the next click will place one that is needed.
+    /// Returns whether a point is dragged, or the next click places a point that is needed.
     fn wants_loupe(&self, model: &Model, hover: Hover) -> bool {
         let document = &model.document;
         let due = match document.half {
@@ -251,7 +251,7 @@ impl ImagePane {
         loupe::finish(&painter, &transform);
     }
 
-    /// The line above the image: which one it is, its name, size and zoom.
+    /// Shows the line above the image: side, name, size and zoom.
     fn header(&self, ui: &mut Ui, model: &Model) {
         ui.horizontal(|ui| {
             let title = match self.side {
@@ -266,7 +266,8 @@ impl ImagePane {
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
                 ui.weak(format!("{width} × {height} px"));
                 if !model.open.tones.of[self.side.index()].is_plain() {
-                    ui.weak("tones changed").on_hover_text("Not as in the file: see the menu Tones.");
+                    ui.weak("brightness changed")
+                        .on_hover_text("Not shown as in the file. Reset it in the menu Brightness.");
                 }
                 if let Some(image) = self.image.as_ref().filter(|image| !image.view.fits()) {
                     let rect = ui.available_rect_before_wrap();
@@ -280,7 +281,7 @@ impl ImagePane {
         });
     }
 
-    /// Clicks, double clicks and the beginning and end of drags.
+    /// Handles clicks, double clicks, and the start and end of drags.
     fn press(
         &mut self,
         ui: &Ui,
@@ -357,13 +358,13 @@ impl ImagePane {
         if let Some(at) = under.filter(|at| self.drag.is_none() && model.document.selection != Some(*at)) {
             let name = pair_name(at.pair);
             response.clone().on_hover_text_at_pointer(format!(
-                "Point {name}: drag it, or use the arrow keys; a right click has more."
+                "Point {name}: drag it, or use the arrow keys. Right-click for more."
             ));
         }
     }
 }
 
-/// The handle that a press at this place takes hold of: the nearest one within reach.
+/// Returns the nearest point within reach of the cursor.
 fn handle_at(model: &Model, side: Side, transform: &Transform, position: Pos2) -> Option<(PointRef, Point)> {
     let distance = |point: Point| transform.screen_from_image(point).distance(position);
     let within_reach =
@@ -378,7 +379,7 @@ fn zoom(ui: &Ui, response: &Response, image: &mut PaneImage, frame: Frame) {
     }
 }
 
-/// Carries a drag on.
+/// Continues a drag.
 fn follow(ui: &Ui, drag: &Drag, image: &mut PaneImage, transform: &Transform, commands: &mut Vec<Command>) {
     let Some(position) = ui.input(|input| input.pointer.latest_pos()) else { return };
     let delta = position - drag.origin;
@@ -391,7 +392,7 @@ fn follow(ui: &Ui, drag: &Drag, image: &mut PaneImage, transform: &Transform, co
     }
 }
 
-/// The areas of two pictures, beside or above each other.
+/// Splits an area for two pictures, side by side or stacked.
 pub fn halves(rect: Rect, stacked: bool) -> [Rect; 2] {
     let half = theme::GAP;
     if stacked {

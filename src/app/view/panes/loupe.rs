@@ -1,4 +1,4 @@
-//! A loupe beside the cursor: the pixels around the point that is being placed or dragged.
+//! The loupe beside the cursor, which magnifies the point being placed or dragged.
 
 use egui::{CornerRadius, Painter, Rect, Stroke, StrokeKind, pos2, vec2};
 
@@ -10,20 +10,20 @@ use crate::geometry::Point;
 const SIDE: f32 = 132.0;
 /// Distance from the cursor to its nearest corner, screen points.
 const GAP: f32 = 26.0;
-/// How many times larger than in the pane, at least and at most: with more one would not know where one is.
+/// Range of the magnification relative to the pane. More would lose the context.
 const TIMES: std::ops::RangeInclusive<f64> = 4.0..=12.0;
-/// Between these limits pixels are this wide in it, screen points: wide enough to be told apart.
+/// Preferred width of an image pixel, screen points: wide enough to distinguish pixels.
 const PIXEL: f64 = 8.0;
-/// When the pane itself magnifies this much a loupe shows nothing new; screen points per image pixel.
+/// Scale of the pane from which a loupe shows nothing new, screen points per pixel.
 const ENOUGH: f64 = 16.0;
 
-/// The transform of a loupe that shows the surroundings of a point; `None` when the pane is magnified enough.
+/// Returns the transform of a loupe around a point; `None` if the pane is magnified enough.
 pub fn place(pane: &Transform, point: Point) -> Option<Transform> {
     if pane.scale >= ENOUGH {
         return None;
     }
     let at = pane.screen_from_image(point);
-    // Up and to the right, where a pointing hand is not; flipped where that would leave the pane.
+    // Up and to the right, clear of a pointing hand; flipped where that would leave the pane.
     let x = if at.x + GAP + SIDE <= pane.rect.max.x { at.x + GAP } else { at.x - GAP - SIDE };
     let y = if at.y - GAP - SIDE >= pane.rect.min.y { at.y - GAP - SIDE } else { at.y + GAP };
     let rect = Rect::from_min_size(pos2(x, y), vec2(SIDE, SIDE));
@@ -31,10 +31,10 @@ pub fn place(pane: &Transform, point: Point) -> Option<Transform> {
     Some(Transform::new(rect, point, scale))
 }
 
-/// Cross hairs and a frame, once the pixels are drawn.
+/// Draws cross hairs and a frame over the pixels.
 pub fn finish(painter: &Painter, transform: &Transform) {
     let (rect, centre) = (transform.rect, transform.rect.center());
-    // One image pixel, so that one sees how large it is.
+    // The gap of the cross hairs is one image pixel.
     let pixel = (transform.scale * 0.5).max(3.0) as f32;
     for (width, color) in [(3.0, theme::HALO), (1.2, theme::SELECTED)] {
         let stroke = Stroke::new(width, color);

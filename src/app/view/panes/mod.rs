@@ -1,4 +1,4 @@
-//! The images, and what is drawn over them.
+//! The images and their overlays.
 
 mod epipole_map;
 mod film;

@@ -1,11 +1,11 @@
-//! What scrolling and pinching over a picture asks for.
+//! Zooming by scrolling and pinching.
 
 use egui::{Pos2, Response, Ui};
 
-/// How much a scroll of one point zooms, as an exponent.
+/// Zoom per scrolled point, as an exponent.
 const ZOOM_A_POINT: f32 = 0.005;
 
-/// Where to zoom about and by which factor, if that is asked for.
+/// Returns the centre and the factor of a requested zoom.
 pub fn zoom_asked(ui: &Ui, response: &Response) -> Option<(Pos2, f64)> {
     let at = response.hover_pos()?;
     let (scroll, pinch) = ui.input(|input| (input.smooth_scroll_delta().y, input.zoom_delta()));

@@ -1,9 +1,9 @@
-//! Pictures as textures, of any size.
+//! Pictures of any size as textures.
 //!
-//! A texture larger than the graphics card allows ends the program, so a picture is never uploaded whole:
-//! an overview of at most 2048 px serves the zoomed-out view, and tiles of the full resolution are
-//! uploaded when they come into sight, a few a frame, and dropped when they have been out of sight.
-//! Work a frame is bounded whatever the size of the picture.
+//! A texture larger than the graphics card allows would end the program, so large pictures are
+//! never uploaded whole. An overview of at most 2048 px serves the zoomed-out view. Tiles of the
+//! full resolution are uploaded when they come into view, a few per frame, and dropped later. The
+//! work per frame is bounded for any picture size.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -17,19 +17,20 @@ use crate::image::Picture;
 use egui::{Color32, ColorImage, Mesh, Painter, Rect, TextureFilter, TextureHandle, TextureOptions, pos2};
 use image::DynamicImage;
 
-/// Side of a tile, px: small enough to be converted within a frame.
+/// Side of a tile, px: small enough to convert within a frame.
 const TILE_SIDE: usize = 512;
-/// Tiles uploaded a frame.
+/// Number of tiles uploaded per frame.
 const UPLOADS_A_FRAME: usize = 3;
-/// Tiles kept although out of sight.
+/// Number of tiles kept, including those out of view.
 const TILES_KEPT: usize = 96;
-/// How many times the overview may be magnified before tiles take its place.
+/// Magnification of the overview from which tiles replace it.
 const OVERVIEW_MAGNIFICATION: f64 = 1.5;
 
-/// Longest side of a picture whose tones are being changed, px: what can be made anew within a frame.
+/// Longest side of the draft shown while brightness changes, px: small enough to render within a
+/// frame.
 const DRAFT_SIDE: u32 = 512;
 
-/// Smooth always.
+/// Smooth at any scale.
 const SMOOTH: TextureOptions = TextureOptions { magnification: TextureFilter::Linear, ..PIXELS };
 
 struct Tile {
@@ -43,19 +44,19 @@ pub struct PictureTexture {
     overview: TextureHandle,
     reduced: Arc<Overview>,
     rendition: Rendition,
-    /// What the overview is made from while its tones are being changed, once that was needed.
+    /// Small source of the overview while brightness changes, made on first use.
     draft: Option<DynamicImage>,
     /// Whether the overview is only a draft.
     is_draft: bool,
     scale: f64,
     tiles: HashMap<[usize; 2], Tile>,
     frame: u64,
-    /// The sequence that is shown in place of the picture.
+    /// The sequence shown instead of the picture.
     film: Option<Film>,
 }
 
 impl PictureTexture {
-    /// Uploads the overview.
+    /// Creates the texture and uploads the overview.
     pub fn new(ctx: &egui::Context, opened: &Opened) -> Self {
         let Overview { size, pixels, scale, .. } = &*opened.overview;
         let options = if *scale < 1.0 { SMOOTH } else { PIXELS };
@@ -75,15 +76,15 @@ impl PictureTexture {
         }
     }
 
-    /// Shows a frame of the sequence that the picture is of.
+    /// Shows a frame of the sequence.
     pub fn show_frame(&mut self, frame: usize, silhouettes: bool, rendition: Rendition) {
         if let Some(film) = &mut self.film {
             film.show(frame, silhouettes, rendition);
         }
     }
 
-    /// Shows the picture brighter, darker or in other colours. While they are `changing`, in every frame say, a large
-    /// picture is a draft; it is shown in full once they rest.
+    /// Sets brightness and channels. While they are `changing`, a large picture is shown as a
+    /// draft, and in full afterwards.
     pub fn set_rendition(&mut self, rendition: Rendition, changing: bool) {
         let is_new = rendition != self.rendition;
         if !is_new && (changing || !self.is_draft) {
@@ -105,12 +106,13 @@ impl PictureTexture {
         self.overview.set(image, if self.scale < 1.0 || self.is_draft { SMOOTH } else { PIXELS });
     }
 
-    /// Draws what is in sight.
+    /// Draws the visible part.
     pub fn draw(&mut self, painter: &Painter, transform: &Transform) {
         self.draw_tinted(painter, transform, Color32::WHITE);
     }
 
-    /// Draws what is in sight, its colours multiplied; with a tint without alpha it is added to what is there.
+    /// Draws the visible part, multiplied by a colour. A tint without alpha is added to the pixels
+    /// below.
     pub fn draw_tinted(&mut self, painter: &Painter, transform: &Transform, tint: Color32) {
         let size = [self.picture.pixels.width() as usize, self.picture.pixels.height() as usize];
         if let Some(film) = &self.film {
@@ -151,7 +153,7 @@ impl PictureTexture {
                     draw(painter, &handle, area, tint);
                     self.tiles.insert([column, row], Tile { handle, seen: self.frame });
                 } else {
-                    // The overview shows through until the next frames bring the rest.
+                    // The overview shows through until later frames bring the rest.
                     painter.ctx().request_repaint();
                 }
             }
@@ -161,7 +163,7 @@ impl PictureTexture {
             hidden.sort_unstable();
             hidden.truncate(self.tiles.len() - TILES_KEPT);
             for (seen, at) in hidden {
-                // A loupe draws after the pane and sees other tiles.
+                // The loupe draws after the pane and uses other tiles.
                 if seen + 1 < self.frame {
                     self.tiles.remove(&at);
                 }
@@ -174,7 +176,8 @@ fn rendered(rendition: Rendition, pixels: &DynamicImage) -> Vec<u8> {
     if rendition.is_plain() { multiplied(pixels) } else { rendition.render(pixels) }
 }
 
-/// A mesh and not an image shape, whose soft edges would show as seams between tiles.
+/// Draws a texture as a mesh, since the soft edges of an image shape would show as seams between
+/// tiles.
 fn draw(painter: &Painter, handle: &TextureHandle, area: Rect, tint: Color32) {
     let mut mesh = Mesh::with_texture(handle.id());
     let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
@@ -187,7 +190,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn while_tones_are_changing_a_large_picture_is_a_draft() {
+    fn a_large_picture_is_a_draft_while_brightness_changes() {
         let ctx = egui::Context::default();
         for (width, draft) in [(3000, [512, 171]), (1200, [512, 341]), (300, [300, 200])] {
             let height = if width == 3000 { 1000 } else { width * 2 / 3 };
@@ -202,7 +205,7 @@ mod tests {
             let rest = Rendition { stops: 1.0, ..Rendition::default() };
             texture.set_rendition(rest, false);
             assert_eq!(texture.overview.size(), full, "{width}");
-            // Pressing something else changes nothing.
+            // Pressing another button changes nothing.
             texture.set_rendition(rest, true);
             assert_eq!(texture.overview.size(), full);
         }

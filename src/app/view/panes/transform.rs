@@ -1,7 +1,7 @@
-//! Where image pixels appear on the screen: the only pair of transforms of the window.
+//! Transforms between image pixels and the screen, the only ones in the window.
 //!
-//! Image coordinates are those of [`crate::geometry`]: the centre of the top-left pixel is `(0, 0)`, so
-//! the picture's edge runs half a pixel outside.
+//! Image coordinates are those of [`crate::geometry`]: the centre of the top-left pixel is `(0,
+//! 0)`, so the edge of the picture lies half a pixel outside.
 
 use crate::app::model::pane_view::{LARGEST_SCALE, PaneView};
 use crate::app::model::rectified::{RectifiedView, Viewing};
@@ -9,13 +9,13 @@ use crate::geometry::{Frame, Point, Vector};
 use egui::{Pos2, Rect, pos2, vec2};
 
 impl PaneView {
-    /// The transforms for a pane at `rect`.
+    /// Returns the transform for a pane at `rect`.
     pub fn transform(&self, frame: Frame, rect: Rect) -> Transform {
         let scale = self.scale.unwrap_or_else(|| fitting_scale(frame, rect));
         Transform { rect, centre: self.centre, scale }
     }
 
-    /// Zooms by a factor; the image position under `at` stays where it is.
+    /// Zooms by a factor and keeps the image position under `at` in place.
     pub fn zoom(&mut self, transform: &Transform, frame: Frame, at: Pos2, factor: f64) {
         let smallest = fitting_scale(frame, transform.rect) * 0.25;
         let scale = (transform.scale * factor).clamp(smallest.min(LARGEST_SCALE), LARGEST_SCALE);
@@ -26,14 +26,14 @@ impl PaneView {
         self.keep_in_sight(frame);
     }
 
-    /// Moves the image so that what was in the middle of the pane at the start is `delta` away from it.
+    /// Moves the image position `start` to the offset `delta` from the middle of the pane.
     pub fn pan(&mut self, transform: &Transform, frame: Frame, start: Point, delta: egui::Vec2) {
         self.scale = Some(transform.scale);
         self.centre = start - Vector::new(f64::from(delta.x), f64::from(delta.y)) / transform.scale;
         self.keep_in_sight(frame);
     }
 
-    /// The same part of another image, by its share of width and height.
+    /// Returns the same part of another image, relative to its width and height.
     #[must_use]
     pub fn carried_over(&self, from: (Frame, Rect), to: (Frame, Rect)) -> Self {
         let share = |v: f64, from: f64, to: f64| v / from.max(1.0) * to;
@@ -48,8 +48,8 @@ impl PaneView {
 }
 
 impl Viewing {
-    /// The view of pictures of this size in a place of this size. They change their size while a geometry moves, and
-    /// the part that is shown stays.
+    /// Returns the view for pictures and a pane of this size. The size of the pictures changes with
+    /// the geometry; the visible part stays.
     pub fn view(&self, frame: Frame, rect: Rect) -> PaneView {
         match self.view {
             None => PaneView::fitting(frame),
@@ -59,13 +59,13 @@ impl Viewing {
     }
 }
 
-/// The scale at which the whole image is visible with a little room around it.
+/// Returns the scale at which the whole image fits, with a small margin.
 fn fitting_scale(frame: Frame, rect: Rect) -> f64 {
     let room = |extent: f32, pixels: usize| (f64::from(extent) - 12.0).max(1.0) / pixels.max(1) as f64;
     room(rect.width(), frame.width).min(room(rect.height(), frame.height)).min(LARGEST_SCALE)
 }
 
-/// The transforms between an image and the pane that shows it.
+/// Transform between an image and the pane that shows it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Transform {
     /// The pane.
@@ -76,24 +76,25 @@ pub struct Transform {
 }
 
 impl Transform {
-    /// Shows `centre` in the middle of `rect`, with `scale` screen points per image pixel.
+    /// Creates a transform with `centre` in the middle of `rect`, at `scale` screen points per
+    /// image pixel.
     pub fn new(rect: Rect, centre: Point, scale: f64) -> Self {
         Self { rect, centre, scale }
     }
 
-    /// Where an image position appears.
+    /// Returns the screen position of an image position.
     pub fn screen_from_image(&self, point: Point) -> Pos2 {
         let offset = (point - self.centre) * self.scale;
         self.rect.center() + vec2(offset.x as f32, offset.y as f32)
     }
 
-    /// What image position a place on the screen shows.
+    /// Returns the image position at a screen position.
     pub fn image_from_screen(&self, position: Pos2) -> Point {
         let offset = position - self.rect.center();
         self.centre + Vector::new(f64::from(offset.x), f64::from(offset.y)) / self.scale
     }
 
-    /// The rectangle on the screen of the pixels from `first` up to but not including `end`.
+    /// Returns the screen rectangle of the pixels from `first` up to but not including `end`.
     pub fn screen_from_pixels(&self, first: [usize; 2], end: [usize; 2]) -> Rect {
         let corner = |p: [usize; 2]| {
             let at = self.screen_from_image(Point::new(p[0] as f64 - 0.5, p[1] as f64 - 0.5));
@@ -163,7 +164,7 @@ mod tests {
             let under = before.image_from_screen(at);
             view.zoom(&before, FRAME, at, factor);
             let after = view.transform(FRAME, rect);
-            // Unless the limit that keeps the image in sight moved it.
+            // The limit that keeps the image in view may have moved it.
             if FRAME.contains(after.image_from_screen(rect.center())) && view.centre.x > 0.0 && view.centre.y > 0.0 && view.centre.x < FRAME.right() && view.centre.y < FRAME.bottom() {
                 prop_assert!((after.image_from_screen(at) - under).norm() < 1e-3);
             }

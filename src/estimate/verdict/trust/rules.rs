@@ -5,7 +5,7 @@
 //! matches hold the lines, whether something beside the largest plane holds the epipoles, and whether what stands out in
 //! both images whatever the geometry agrees. A result is called reliable when none of them speaks against it. The
 //! thresholds of counts and distances are round numbers from results whose truth is known, right and wrong clicks alike
-//! (`docs/measurements.md` has the figures); those of chance are probabilities.
+//! (`lab/notes.md` has the figures); those of chance are probabilities.
 
 use super::{Reason, Suspect, Trust, Verdict};
 use crate::estimate::verdict::poisson::fewer_than;

@@ -1,4 +1,4 @@
-//! The window for exporting: what, in which format, and where to.
+//! The export dialog: content, format and file.
 
 use std::path::{Path, PathBuf};
 
@@ -18,22 +18,22 @@ use crate::app::model::rectified::RectifiedCommand;
 use crate::app::view::theme;
 use crate::io::Format;
 
-/// What has been chosen; it stays for the next time.
+/// Choices of the dialog, kept for the next time.
 #[derive(Debug, Clone, Default)]
 pub struct FileExport {
     /// Whether it is shown.
     pub open: bool,
     order: ExportOrder,
     path: String,
-    /// Where files of these images go unless something else is typed: the folder and the beginning of the name.
+    /// Folder and stem of suggested file names.
     begin: PathBuf,
-    /// What was suggested last.
+    /// Latest suggested path.
     suggested: String,
     just_opened: bool,
 }
 
 impl FileExport {
-    /// Shows it. `begin` is the path of an export of these images without its ending.
+    /// Opens the dialog. `begin` is the folder and stem of exports of these images.
     pub fn show_with(&mut self, begin: PathBuf) {
         (self.open, self.just_opened) = (true, true);
         if begin != self.begin {
@@ -42,12 +42,12 @@ impl FileExport {
         self.suggest();
     }
 
-    /// Fills in a path that was chosen.
+    /// Fills in a chosen path.
     pub fn offer(&mut self, path: &Path) {
         self.path = path.display().to_string();
     }
 
-    /// The ending of files of the kind that is chosen.
+    /// Returns the file extension for the present choices.
     fn extension(&self) -> &'static str {
         match self.order.what {
             ExportKind::Geometry | ExportKind::Plane | ExportKind::Pairs => self.order.format.extension(),
@@ -59,7 +59,8 @@ impl FileExport {
         }
     }
 
-    /// Follows a choice: a path that nobody has typed becomes another one, of a typed one only the ending.
+    /// Updates the path after a choice: replaces a suggested path, but only the extension of a
+    /// typed one.
     fn suggest(&mut self) {
         let kind = match self.order.what {
             ExportKind::Geometry => "geometry",
@@ -72,7 +73,7 @@ impl FileExport {
             ExportKind::View => "view",
         };
         let untouched = self.path.trim().is_empty() || self.path == self.suggested;
-        // A script is run by its name, which must be one of a variable there.
+        // MATLAB runs a script by its name, so the name must be a valid identifier.
         let separator = if self.extension() == Format::Matlab.extension() { '_' } else { '-' };
         let stem =
             self.begin.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
@@ -92,7 +93,7 @@ impl FileExport {
         }
     }
 
-    /// Shows the window.
+    /// Shows the dialog if open.
     pub fn show(&mut self, ctx: &egui::Context, model: &Model, commands: &mut Vec<Command>) {
         if !self.open {
             return;
@@ -131,7 +132,7 @@ impl FileExport {
             let missing = self.order.what.missing(model);
             ui.label(match (missing, replaces) {
                 (Some(missing), _) => missing,
-                (None, true) => "There is a file of that name; it will be replaced.",
+                (None, true) => "A file of that name exists and will be replaced.",
                 (None, false) => "",
             });
             ui.add_space(6.0);
@@ -155,7 +156,7 @@ impl FileExport {
         }
     }
 
-    /// What there is to choose for the kind of file.
+    /// Shows the options of the chosen kind of file.
     fn choices(&mut self, ui: &mut Ui, model: &Model) {
         match self.order.what {
             ExportKind::Plane => self.formats(ui),
@@ -167,16 +168,16 @@ impl FileExport {
                     row(ui, "", |ui| {
                         ui.checkbox(
                             &mut self.order.with_matches,
-                            format!("Also the {count} matches that the result rests on"),
+                            format!("Include the {count} matches that support the result"),
                         )
                     });
                 }
             }
             ExportKind::Report => row(ui, "Format", |ui| {
                 ui.radio_value(&mut self.order.reported, ReportFormat::Text, "Plain text")
-                    .on_hover_text("In words and figures, for people.");
+                    .on_hover_text("Words and figures, for reading.");
                 ui.radio_value(&mut self.order.reported, ReportFormat::Json, "JSON")
-                    .on_hover_text("As epiline estimate writes it; other programs and this one read it.");
+                    .on_hover_text("The format of epiline estimate, for Epiline and other programs.");
             }),
             ExportKind::Table | ExportKind::Profile => {}
             ExportKind::Figure => {
@@ -185,7 +186,7 @@ impl FileExport {
             }
             ExportKind::View => row(ui, "Part", |ui| {
                 ui.radio_value(&mut self.order.part, ViewPart::Images, "Both images")
-                    .on_hover_text("The two images with everything drawn over them.");
+                    .on_hover_text("The two images with all overlays.");
                 ui.radio_value(&mut self.order.part, ViewPart::Window, "The whole window");
             }),
         }
@@ -206,28 +207,28 @@ impl FileExport {
         });
     }
 
-    /// What is on a figure.
+    /// Shows the options of a figure.
     fn figure(&mut self, ui: &mut Ui) {
         let figure = &mut self.order.figure;
         row(ui, "Format", |ui| {
             ui.radio_value(&mut figure.format, FigureFormat::Svg, "SVG")
-                .on_hover_text("Lines and letters, sharp at any size, to be edited and for the web.");
+                .on_hover_text("Vector lines and text, for editing and for the web.");
             ui.radio_value(&mut figure.format, FigureFormat::Pdf, "PDF")
-                .on_hover_text("Lines and letters, sharp at any size, for LaTeX and printing.");
+                .on_hover_text("Vector lines and text, for LaTeX and printing.");
         });
         row(ui, "Images", |ui| {
             ui.radio_value(&mut figure.seen, false, "Whole");
-            ui.radio_value(&mut figure.seen, true, "What is seen")
-                .on_hover_text("The part that each pane shows.");
+            ui.radio_value(&mut figure.seen, true, "Current view")
+                .on_hover_text("The part of the image that each pane shows.");
         });
         row(ui, "Style", |ui| {
             ui.checkbox(&mut figure.labels, "Labels").on_hover_text("The names of points and lines.");
-            ui.checkbox(&mut figure.dark, "Dark paper")
-                .on_hover_text("Dark between the images and around them.");
+            ui.checkbox(&mut figure.dark, "Dark background")
+                .on_hover_text("A dark colour between and around the images.");
         });
     }
 
-    /// Which of the layers that the window shows are on a figure.
+    /// Shows which visible layers the figure contains.
     fn layers(&mut self, ui: &mut Ui, model: &Model) {
         let figure = &mut self.order.figure;
         row(ui, "Layers", |ui| {
@@ -245,11 +246,11 @@ impl FileExport {
         });
     }
 
-    /// How the numbers of the file are to be taken; every file says so itself.
+    /// Shows the conventions of the numbers in the file. Every file states them, too.
     fn conventions(&self, ui: &mut Ui) {
         let sentences: Vec<String> = match self.order.what {
             ExportKind::Geometry => self.order.format.convention(),
-            // What is said about F does not belong to points alone.
+            // Sentences about F do not apply to points.
             ExportKind::Plane | ExportKind::Pairs | ExportKind::Table => {
                 self.order.format.convention().into_iter().skip(1).take(2).collect()
             }
@@ -257,14 +258,15 @@ impl FileExport {
             ExportKind::Profile => PROFILE_CONVENTION.map(str::to_owned).to_vec(),
             ExportKind::Figure => vec![match self.order.figure.format {
                 FigureFormat::Svg => {
-                    "The images are in it with all their pixels; lines and letters can be edited.".to_owned()
+                    "Contains the images at full resolution. Lines and text can be edited.".to_owned()
                 }
                 FigureFormat::Pdf => {
-                    "One page with the images in all their pixels; lines and letters stay sharp, and the font is in the file."
+                    "One page with the images at full resolution. Lines and text are vectors, and the font \
+                     is embedded."
                         .to_owned()
                 }
             }],
-            ExportKind::View => vec!["A PNG file of as many pixels as are on the screen.".to_owned()],
+            ExportKind::View => vec!["A PNG file at the resolution of the screen.".to_owned()],
         };
         for sentence in sentences {
             ui.add(Label::new(RichText::new(sentence).weak().small()).wrap());
@@ -280,7 +282,7 @@ impl FileExport {
     ) {
         let command = order.map(|order| ExchangeCommand::Export(order).into());
         ui.horizontal(|ui| {
-            let export = ui.add_enabled(command.is_some(), Button::new("Export this"));
+            let export = ui.add_enabled(command.is_some(), Button::new("Export file"));
             let described =
                 command.clone().unwrap_or_else(|| ExchangeCommand::Export(self.order.clone()).into());
             finish_button(ui, export, described, commands);
@@ -299,7 +301,7 @@ impl FileExport {
     }
 }
 
-/// How far what is written is to be trusted, where it is not beyond doubt: the file says so, too.
+/// Shows a warning if the geometry is not reliable. The file contains the same warning.
 fn trust(ui: &mut Ui, what: ExportKind, model: &Model) {
     let note = match what {
         ExportKind::Plane | ExportKind::Report => result_note(model),
@@ -320,7 +322,7 @@ fn trust(ui: &mut Ui, what: ExportKind, model: &Model) {
     }
 }
 
-/// A choice with its name, in line with the others.
+/// Shows a labelled option, aligned with the others.
 fn row<R>(ui: &mut Ui, name: &str, content: impl FnOnce(&mut Ui) -> R) {
     ui.horizontal(|ui| {
         row_label(ui, name);

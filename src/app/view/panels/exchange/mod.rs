@@ -1,4 +1,4 @@
-//! The windows for files of other programs.
+//! Dialogs for files of other programs.
 
 mod export;
 mod reading;

@@ -1,4 +1,4 @@
-//! How is this matrix meant? The question before an imported geometry is drawn.
+//! The dialog for the convention of an imported matrix, shown before its geometry is drawn.
 
 use egui::{Button, Grid, Key, Label, RichText, Ui};
 
@@ -10,54 +10,53 @@ use crate::app::model::exchange::{ImportFound, ImportedMatrix};
 use crate::app::view::theme;
 use crate::convention::{ConventionCheck, FEWEST_MATCHES};
 
-/// Readings that are listed; the one as the file has it comes in addition.
+/// Number of readings listed, besides the reading as in the file.
 const LISTED: usize = 5;
 
-/// What was found in a file and what has been chosen.
+/// The imported content and the present choice.
 #[derive(Debug, Clone)]
 pub struct ReadingDialog {
     found: ImportFound,
     matrix: ImportedMatrix,
-    /// Place in the list of the check.
+    /// Index into the readings of the check.
     chosen: usize,
     with_pairs: bool,
 }
 
 impl ReadingDialog {
-    /// Asks about a matrix. Its file's pairs go along unless there are others that they would replace.
+    /// Creates the dialog. The pairs of the file are preselected unless they would replace others.
     pub fn new(found: ImportFound, matrix: ImportedMatrix, has_pairs: bool) -> Self {
         let with_pairs = !found.pairs.is_empty() && !has_pairs;
         let chosen = match &matrix.check {
-            // What does not fit is at least what the file says.
+            // If no reading fits, the one as in the file is preselected.
             Some(check) if !check.fits() => as_read(check).unwrap_or(0),
             _ => 0,
         };
         Self { found, matrix, chosen, with_pairs }
     }
 
-    /// What was found.
+    /// Returns the imported content.
     pub fn found(&self) -> &ImportFound {
         &self.found
     }
 
-    /// The matrix.
+    /// Returns the matrix.
     pub fn matrix(&self) -> &ImportedMatrix {
         &self.matrix
     }
 
-    /// Shows the window; returns whether it stays open.
+    /// Shows the dialog. Returns whether it stays open.
     pub fn show(&mut self, ctx: &egui::Context, commands: &mut Vec<Command>) -> bool {
-        dialog(ctx, "How is this matrix meant?", 680.0, |ui| {
+        dialog(ctx, "Which convention does this matrix use?", 680.0, |ui| {
             let ImportFound { name, format, .. } = &self.found;
             ui.weak(format!("A fundamental matrix from {name}, read as {}.", format.label()));
             ui.add_space(6.0);
             self.verdict(ui);
             ui.add_space(6.0);
             if !self.found.pairs.is_empty() {
-                let text = format!("Also place its {} point pairs", self.found.pairs.len());
-                ui.checkbox(&mut self.with_pairs, text).on_hover_text(
-                    "They take the place of the pairs that are there. Undo brings those back.",
-                );
+                let text = format!("Also import its {} point pairs", self.found.pairs.len());
+                ui.checkbox(&mut self.with_pairs, text)
+                    .on_hover_text("They replace the present pairs. Undo restores those.");
                 ui.add_space(6.0);
             }
             ui.horizontal(|ui| self.buttons(ui, commands));
@@ -77,11 +76,12 @@ impl ReadingDialog {
             let missing = FEWEST_MATCHES.saturating_sub(*count);
             let text = if missing > 0 {
                 format!(
-                    "Nobody has checked it yet: that takes {FEWEST_MATCHES} matches, {count} are at hand. Click or \
-                     import {missing} more point pairs and import the matrix again, or take it as it is."
+                    "The matrix was not checked: that takes {FEWEST_MATCHES} matches, and there are \
+                     {count}. Click or import {missing} more point pairs and import the matrix again, or \
+                     import it as it is."
                 )
             } else {
-                "It could not be checked: its numbers are too large to be told from other readings."
+                "The matrix could not be checked: its numbers are too large to tell the readings apart."
                     .to_owned()
             };
             ui.add(Label::new(text).wrap());
@@ -109,19 +109,19 @@ impl ReadingDialog {
     }
 }
 
-/// The place of the matrix as it is in the file.
+/// Returns the index of the reading as in the file.
 fn as_read(check: &ConventionCheck) -> Option<usize> {
     check.readings.iter().position(|ranked| ranked.reading.changes() == 0)
 }
 
-/// The list to choose from.
+/// Shows the readings to choose from.
 fn readings(ui: &mut Ui, check: &ConventionCheck, chosen: &mut usize) {
     let listed = check.readings.len().min(LISTED);
     let behind = as_read(check).filter(|place| *place >= listed);
     let headings = [
-        ("Reading", "How the numbers of the matrix are taken."),
-        ("Median, px", "Half of the matches are nearer to their epipolar lines than this."),
-        ("Fitting", "Which part of the matches is near enough to its epipolar lines."),
+        ("Reading", "How the numbers of the matrix are interpreted."),
+        ("Median, px", "Half of the matches are closer to their epipolar lines than this."),
+        ("Fitting", "Share of the matches that are close enough to their epipolar lines."),
         ("", ""),
     ];
     Grid::new("readings").num_columns(4).striped(true).spacing([18.0, 4.0]).show(ui, |ui| {
@@ -145,7 +145,7 @@ fn readings(ui: &mut Ui, check: &ConventionCheck, chosen: &mut usize) {
     });
 }
 
-/// A distance with as many digits as it deserves.
+/// Formats a distance: two decimals below 100 px, none from there on.
 fn pixels(distance: f64) -> String {
     match distance {
         d if !d.is_finite() => "infinite".to_owned(),

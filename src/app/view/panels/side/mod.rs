@@ -1,4 +1,4 @@
-//! The side panel: the verdict, then the steps of the algorithm in their order.
+//! The side panel: the verdict, then the steps of the algorithm in order.
 
 mod parameters;
 mod result;
@@ -12,16 +12,17 @@ use crate::app::model::Model;
 use crate::app::model::command::Command;
 use crate::estimate::{Method, Preset, Search};
 
-/// A result with all its figures and nothing against it, screen points.
+/// Height of a reliable result with all its figures, screen points.
 const RESULT_HEIGHT: f32 = 240.0;
 
 /// Shows the panel.
 pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     ScrollArea::vertical().id_salt("side").auto_shrink([false, false]).show(ui, |ui| {
-        // Room for the bar when it scrolls, and as much when it does not, so that nothing jumps.
+        // The space of the scroll bar is always reserved, so that nothing jumps.
         let room = Margin { right: 10, ..Margin::ZERO };
         Frame::new().inner_margin(room).show(ui, |ui| {
-            // With as much room as a result needs, so that the choices below stay where they are.
+            // The height of a full result is always reserved, so that the choices below stay in
+            // place.
             ui.vertical(|ui| {
                 ui.set_min_height(RESULT_HEIGHT);
                 result::show(ui, model, commands);
@@ -35,7 +36,7 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     });
 }
 
-/// The panel folded away: how far to trust the result, and the way back.
+/// Shows the folded panel: the light of the verdict, and the button that unfolds the panel.
 pub fn folded(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     ui.vertical_centered(|ui| {
         ui.set_width(22.0);
@@ -46,7 +47,7 @@ pub fn folded(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     });
 }
 
-/// The preset that the estimate starts from; of the published search, how many pairs its method takes.
+/// Shows the preset and, for the published search, the method.
 fn choices(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let parameters = &model.document.parameters;
     ui.horizontal(|ui| {

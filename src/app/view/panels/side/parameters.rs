@@ -1,4 +1,4 @@
-//! The parameters of a step, each with its unit, its default, and what is wrong with it.
+//! The parameters of a step, each with its unit, default and error message.
 
 use egui::{Button, ComboBox, DragValue, Grid, Label, RichText, Ui, Vec2, vec2};
 
@@ -6,24 +6,25 @@ use crate::app::model::command::Command;
 use crate::app::view::theme;
 use crate::estimate::{PARAMETERS, ParameterEntry, ParameterValue, Parameters, Stage};
 
-/// Size of the field of a number.
+/// Size of a number field.
 const FIELD: Vec2 = vec2(88.0, 22.0);
 
-/// Largest width of the field of a choice.
+/// Largest width of a choice.
 const LARGEST_CHOICE: f32 = 160.0;
-/// Width of the button behind it.
+/// Width of the reset button.
 const RESET: f32 = 58.0;
-/// Between the columns.
+/// Space between the columns.
 const GAP: f32 = 8.0;
-/// With less room than this for the names they are above the fields.
+/// Least width of names beside the fields. With less room, names stand above the fields.
 const LEAST_NAME: f32 = 80.0;
 
-/// The parameters of the preset. What lines are compared by is no preset's choice: it is that of what was opened.
+/// Returns the default parameters of the preset. The measure by which lines are compared is no part
+/// of a preset; it depends on the input.
 fn defaults(parameters: &Parameters) -> Parameters {
     Parameters { seed: 0, ..parameters.with_preset(parameters.preset) }
 }
 
-/// Whether a parameter of a step differs from the preset.
+/// Returns whether a parameter of a step differs from the preset.
 pub fn is_any_changed(stage: Stage, parameters: &Parameters) -> bool {
     let defaults = defaults(parameters);
     of(stage).any(|setting| !setting.is_same(parameters, &defaults))
@@ -33,8 +34,8 @@ fn of(stage: Stage) -> impl Iterator<Item = &'static ParameterEntry> {
     PARAMETERS.iter().filter(move |setting| setting.stage == stage)
 }
 
-/// Shows the parameters of a step. Long names go on in further lines, so that the field and its button stay in the panel;
-/// in a narrow panel these are below the name.
+/// Shows the parameters of a step. Long names wrap, so that the field and its button stay in the
+/// panel. In a narrow panel, both stand below the name.
 pub fn show(ui: &mut Ui, stage: Stage, parameters: &Parameters, commands: &mut Vec<Command>) {
     let name = |ui: &mut Ui, setting: &ParameterEntry, width: f32| {
         let tooltip = format!("{} {}", setting.tooltip, setting.range_text(parameters.preset));
@@ -74,7 +75,8 @@ pub fn show(ui: &mut Ui, stage: Stage, parameters: &Parameters, commands: &mut V
     }
 }
 
-/// The field of a parameter, at most `largest` wide. All of a drag is one step of the history, anything else is a step of its own.
+/// Shows the field of a parameter, at most `largest` wide. A whole drag is one step of the history;
+/// any other change is a step of its own.
 fn edit(
     ui: &mut Ui,
     setting: &ParameterEntry,
@@ -98,10 +100,10 @@ fn edit(
                 .update_while_editing(false);
             let response = ui.add(field);
             if response.dragged() {
-                // A drag stops at the ends; what is typed is taken as it is, and told when it is wrong.
+                // A drag stops at the limits. A typed value outside them is kept and reported.
                 value = value.clamp(least / of_unit, most / of_unit);
             }
-            // The end of a range must not be exceeded by a rounding when its unit changes.
+            // Converting units must not round a limit to a value beyond it.
             let near = |end: f64| (value * of_unit - end).abs() < 1e-9;
             let end = [least, most].into_iter().find(|end| setting.is_converted() && near(*end));
             set(&mut changed, end.unwrap_or(value * of_unit));
@@ -116,10 +118,10 @@ fn edit(
         ParameterValue::Choice { names, get, set } => {
             let before = get(parameters);
             let mut chosen = before;
-            // What does not fit is cut: all of it is in the list.
+            // Truncated names can be read in the list.
             let list = ComboBox::from_id_salt(setting.name).width(largest).truncate();
             let shown = ui.scope(|ui| {
-                // A list is cut only where its room ends.
+                // The list is truncated only at the end of its room.
                 ui.set_max_width(largest);
                 list.show_index(ui, &mut chosen, names.len(), |k| names[k])
             });
@@ -144,7 +146,7 @@ fn set_parameters(setting: &ParameterEntry, to: Parameters, commands: &mut Vec<C
     commands.push(Command::SetParameters { setting: setting.name, to: Box::new(to) });
 }
 
-/// Takes one parameter back to its default.
+/// Shows the button that resets a parameter to its default.
 fn reset(ui: &mut Ui, setting: &ParameterEntry, parameters: &Parameters, commands: &mut Vec<Command>) {
     let defaults = defaults(parameters);
     if setting.is_same(parameters, &defaults) {
@@ -155,7 +157,7 @@ fn reset(ui: &mut Ui, setting: &ParameterEntry, parameters: &Parameters, command
     response.widget_info(|| {
         egui::WidgetInfo::labeled(egui::Role::Button, true, format!("Reset {}", setting.name))
     });
-    let tooltip = format!("Back to {}.", setting.default_text(parameters.preset));
+    let tooltip = format!("Reset to {}.", setting.default_text(parameters.preset));
     if response.on_hover_text(tooltip).clicked() {
         let mut changed = parameters.clone();
         setting.copy(&defaults, &mut changed);
@@ -173,7 +175,7 @@ mod tests {
 
     #[test]
     fn every_reset_button_stays_in_the_panel_however_long_the_name_and_narrow_the_panel() {
-        // As many as can be differ from their preset.
+        // As many parameters as possible differ from the preset.
         let parameters = Parameters { preset: Preset::Paper, ..Parameters::from(Preset::Robust) };
         for width in [190.0, 240.0, 430.0] {
             let mut found = 0;

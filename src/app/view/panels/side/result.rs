@@ -1,4 +1,4 @@
-//! The verdict: what was found, how far to trust it, and why.
+//! The verdict: the result, its reliability, and the reasons.
 
 use egui::{Grid, Label, RichText, Ui, vec2};
 
@@ -14,7 +14,7 @@ use crate::app::model::verdict::{
 };
 use crate::app::view::theme;
 
-/// Shows it.
+/// Shows the verdict.
 pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     ui.horizontal(|ui| {
         ui.strong("Result");
@@ -48,8 +48,9 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
             if model.has_result() {
                 another_shown(ui, &name, commands);
             } else {
-                let text =
-                    format!("The images show {name}. Click two point pairs to estimate one beside it.");
+                let text = format!(
+                    "The images show {name}. Mark two point pairs to estimate a geometry for comparison."
+                );
                 ui.add(Label::new(RichText::new(text).strong()).wrap());
             }
             let imported = model.document.imported.as_ref().filter(|_| contestant == Contestant::Imported);
@@ -86,8 +87,8 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     }
     if let Some(Some(next)) = model.open.next_click {
         let text = format!(
-            "One more pair would help most at the marked place of the left image: geometries that the matches allow as well differ \
-             by up to {:.0} px there.",
+            "Add a pair at the mark in the left image: equally plausible geometries differ by up to {:.0} \
+             px there.",
             next.disagreement
         );
         ui.add(Label::new(text).wrap());
@@ -95,7 +96,7 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     list(ui, true_error(model).chain(facts));
 }
 
-/// The verdict as a light alone, with its sentence for a tooltip.
+/// Shows the verdict as a coloured light, with its headline as the tooltip.
 pub fn light(ui: &mut Ui, model: &Model) {
     let VerdictInWords { tone, headline, .. } = verdict(&model.document, &model.open.computation);
     if tone == Tone::Busy {
@@ -108,29 +109,29 @@ pub fn light(ui: &mut Ui, model: &Model) {
     }
 }
 
-/// How far the geometry that is shown really is from the truth, where that is known and in use.
+/// Returns the true error of the geometry shown, if ground truth is in use.
 fn true_error(model: &Model) -> impl Iterator<Item = Fact> + use<> {
     let known = model.truth().zip(model.open.comparison.as_ref()).filter(|_| model.shown().is_some());
     let fact = known.and_then(|(_, comparison)| {
         let (error, least) = (comparison.true_error?, comparison.truth_error?);
         Some(Fact::new(
             "True error",
-            format!("{error:.2} px (the truth: {least:.2} px)"),
-            "Mean symmetric distance of all true matches from the geometry shown. That of the true geometry says how exact \
-             the matches are: nothing can be expected to do much better.",
+            format!("{error:.2} px (ground truth itself: {least:.2} px)"),
+            "Mean symmetric epipolar distance of all true matches under the geometry shown. The value of \
+             the ground truth itself shows how exact the matches are. No estimate can be much better.",
         ))
     });
     fact.into_iter()
 }
 
-/// Figures with their names.
+/// Shows named figures.
 fn list(ui: &mut Ui, facts: impl Iterator<Item = Fact>) {
     Grid::new("facts").num_columns(2).min_row_height(18.0).spacing([10.0, 3.0]).show(ui, |ui| {
         for fact in facts {
             let tooltip = fact.explained();
             ui.weak(fact.name).on_hover_text(&tooltip);
             ui.vertical(|ui| {
-                // As high as its text.
+                // The row is as high as its text.
                 ui.spacing_mut().interact_size.y = 0.0;
                 ui.spacing_mut().item_spacing = vec2(6.0, 1.0);
                 ui.horizontal_top(|ui| {
@@ -149,7 +150,7 @@ fn list(ui: &mut Ui, facts: impl Iterator<Item = Fact>) {
     });
 }
 
-/// Says that the window does not show the result, and leads back to it.
+/// Shows that the window displays another geometry, with a button back to the result.
 fn another_shown(ui: &mut Ui, name: &str, commands: &mut Vec<Command>) {
     let palette = theme::palette(ui.visuals());
     egui::Frame::new()

@@ -1,4 +1,4 @@
-//! The steps of the algorithm: what each does, where it stands, what it found, and its parameters.
+//! The steps of the algorithm, each with its progress, findings and parameters.
 
 use egui::collapsing_header::CollapsingState;
 use egui::{Label, RichText, Ui};
@@ -43,29 +43,28 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     }
 }
 
-/// One sentence about a step.
+/// Returns a short description of a step.
 fn tooltip(stage: Stage) -> &'static str {
     match stage {
-        Stage::Pyramid => {
-            "The images are made smaller step by step, since most of the search needs no detail."
-        }
+        Stage::Pyramid => "Makes smaller versions of the images, since most of the search needs no detail.",
         Stage::Pencils => {
-            "All lines through a click in one image are compared with all lines through it in the other."
+            "Compares all lines through a clicked point in one image with all lines through its match in \
+             the other."
         }
         Stage::Hypotheses => {
-            "One line pair through p and one through q give the two epipoles; a third line pair gives the map \
-             between their lines."
+            "Combines a line pair through p with one through q: their intersections are the epipoles. A \
+             third line pair gives the map between the lines."
         }
-        Stage::Validation => "The best hypotheses are judged by the whole of both images.",
-        Stage::Refinement => "The best geometry is fitted to image patches at full resolution.",
+        Stage::Validation => "Scores the best hypotheses over the whole of both images.",
+        Stage::Refinement => "Fits the best geometry to image patches at full resolution.",
         Stage::Features => {
-            "Where the result leaves doubts, features that bring their own scale and direction propose geometries \
-             of images that are turned, scaled or far apart."
+            "If the result is doubtful, proposes further geometries from features that tolerate rotation, \
+             scale and distant viewpoints."
         }
     }
 }
 
-/// Where a step stands, in a word.
+/// Shows the progress of a step in a word.
 fn state_of(ui: &mut Ui, progress: StepProgress) {
     let palette = theme::palette(ui.visuals());
     match progress {

@@ -1,5 +1,5 @@
-//! The motion barcodes of the inspected line pair, one above the other as the paper has them: in which frames something
-//! that moves crosses either line.
+//! Motion barcodes of the inspected line pair: the frames in which something moving crosses either
+//! line.
 
 use egui::{Align2, Color32, Rect, Sense, Stroke, Ui, WidgetInfo, pos2, vec2};
 
@@ -9,19 +9,19 @@ use crate::app::model::command::Command;
 use crate::app::model::recording::{InspectedBarcodes, PlayerCommand};
 use crate::app::view::theme;
 
-/// Room for the names on the left, screen points.
+/// Width of the names at the left, screen points.
 const NAMES: f32 = 64.0;
-/// Height of the numbers of the frames below.
+/// Height of the frame numbers, screen points.
 const SCALE: f32 = 18.0;
-/// Highest stripe.
+/// Largest height of a stripe, screen points.
 const HIGHEST: f32 = 64.0;
-/// Marks of the scale are at least this far apart, screen points.
+/// Least distance between marks of the scale, screen points.
 const APART: f32 = 60.0;
 
-/// A stripe: its name, its colour, and in which frames it has it.
+/// A stripe: its name, its colour, and whether it is set in a frame.
 type BarcodeRow<'a> = (&'a str, Color32, &'a dyn Fn(usize) -> bool);
 
-/// Shows them; a click or a drag goes to a frame.
+/// Shows the barcodes. A click or a drag goes to a frame.
 pub fn show(ui: &mut Ui, model: &Model, inspected: &InspectedBarcodes, commands: &mut Vec<Command>) {
     ui.label(in_words(model, inspected));
     ui.add_space(4.0);
@@ -34,18 +34,18 @@ pub fn show(ui: &mut Ui, model: &Model, inspected: &InspectedBarcodes, commands:
     let response = ui.allocate_rect(area, Sense::click_and_drag());
     response.widget_info(|| WidgetInfo::labeled(egui::Role::Image, true, "Motion barcodes"));
     let painter = ui.painter_at(area);
-    // What moves has the colour that it has in the images.
+    // Motion has the same colour as in the images.
     let (paper, ink) = (theme::palette(ui.visuals()).canvas, theme::MOVING);
     let font = egui::FontId::proportional(12.0);
     let weak = ui.visuals().weak_text_color();
     let rows: [BarcodeRow; 3] = [
         ("Left line", ink, &|frame| left.is_set(frame)),
         ("Right line", ink, &|frame| right.is_set(frame)),
-        ("Not alike", theme::palette(ui.visuals()).bad, &|frame| left.is_set(frame) != right.is_set(frame)),
+        ("Mismatch", theme::palette(ui.visuals()).bad, &|frame| left.is_set(frame) != right.is_set(frame)),
     ];
     let mut bottom = area.min.y;
     for (k, (name, color, is_set)) in rows.into_iter().enumerate() {
-        // What differs is a third of a stripe: a remark on the two above it.
+        // The mismatches have a thinner stripe than the two lines.
         let own = if k == 2 { height / 3.0 } else { height };
         let stripe = Rect::from_min_max(pos2(stripes.min.x, bottom), pos2(stripes.max.x, bottom + own));
         painter.rect_filled(stripe, 0.0, paper);
@@ -72,18 +72,18 @@ pub fn show(ui: &mut Ui, model: &Model, inspected: &InspectedBarcodes, commands:
     }
 }
 
-/// Which lines they are, and how alike.
+/// Describes the lines and their correlation.
 fn in_words(model: &Model, inspected: &InspectedBarcodes) -> String {
     let lines = model.inspected().map_or_else(String::new, |inspected| describe(inspected.source));
     let [left, right] = &inspected.barcodes;
     let crossed = format!("crossed in {} and {} of {} frames", left.ones(), right.ones(), left.len());
     match inspected.correlation() {
         Some(correlation) => format!("{lines}: correlation {correlation:.2}, {crossed}."),
-        None => format!("{lines}: {crossed}, too few changes to be compared."),
+        None => format!("{lines}: {crossed}, too few changes to compare."),
     }
 }
 
-/// Frames that follow each other and are set.
+/// Returns the ranges of consecutive frames that are set.
 fn runs(count: usize, is_set: &dyn Fn(usize) -> bool) -> Vec<std::ops::Range<usize>> {
     let mut runs: Vec<std::ops::Range<usize>> = Vec::new();
     for frame in (0..count).filter(|frame| is_set(*frame)) {
@@ -95,7 +95,7 @@ fn runs(count: usize, is_set: &dyn Fn(usize) -> bool) -> Vec<std::ops::Range<usi
     runs
 }
 
-/// Frames between two marks: a round number, far enough apart.
+/// Returns the number of frames between two marks: a round number, far enough apart.
 fn step_of(count: usize, width: f32) -> usize {
     let least = (count as f32 * APART / width.max(1.0)).ceil() as usize;
     let round = [1, 2, 5, 10, 20, 50, 100, 200, 500];

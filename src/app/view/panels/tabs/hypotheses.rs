@@ -1,4 +1,4 @@
-//! The hypotheses of the estimate with their figures; choosing one makes the whole window show it.
+//! The tab of the hypotheses with their figures. Choosing one shows it in the whole window.
 
 use egui::Ui;
 
@@ -22,46 +22,47 @@ const COLUMNS: [Column; 7] = [
     Column::figures(
         "Rank",
         84.0,
-        "Place in the list, best first, before refinement; the result is what refinement made of the best. The rival is \
-         the best clearly different geometry: how far hypothesis 1 is ahead of it is the margin of the result. Those before \
-         it are near the result: at least half of the matches before refinement lie within 0.5 % of the image of their \
-         lines. Point at a row for its figures.",
+        "Rank before refinement, best first. The result is the refined best hypothesis. The rival is the \
+         best clearly different geometry; the margin of the result is the lead of hypothesis 1 over the \
+         rival. Hypotheses marked near agree with the result: at least half of the matches before \
+         refinement lie within 0.5 % of the image size of their lines. Point at a row for details.",
     ),
     Column::figures(
         "Support",
         88.0,
-        "How strongly matching image corners agree with it; higher is better, and what counts is the difference between \
-         rows. Empty where patches were not compared.",
+        "Support by matching image corners; higher is better. Only differences between rows matter. Empty \
+         where patches were not compared.",
     ),
     Column::figures(
         "Line score",
         104.0,
-        "What its corresponding lines cost to match over both images; lower is better. With the preset Robust in parts of \
-         what mismatched lines cost, As published in squared grey levels a sample.",
+        "Cost of matching corresponding lines over both images; lower is better. The preset Robust gives \
+         the cost relative to mismatched lines, As published in squared grey levels per sample.",
     ),
     Column::figures(
         "Round trip, px",
         136.0,
-        "How far a line ends from where it began when it is carried to the other image (H) and back (G). Small means that \
-         both directions agree; a good result may have a large one, and a wrong one a small one.",
+        "Distance between a line and its image after the maps H (to the other image) and G (back). A small \
+         distance means that both directions agree. A good result may have a large distance, and a wrong \
+         result a small one.",
     ),
     Column::figures(
-        "There/back",
+        "κ(H)/κ(G)",
         110.0,
-        "The stretch κ of the line map H from left to right over that of G from right to left; 1 means that both directions \
-         agree.",
+        "Stretch κ of the line map H (left to right) divided by that of G (right to left). 1 means that \
+         both directions agree.",
     ),
     Column::figures(
         "Left epipole",
         176.0,
-        "Where the left image sees the other camera, px, or the direction if it is far away. Sorted by the \
-                  distance from the middle.",
+        "Position of the other camera in the left image, px, or its direction if far away. Sorted by the \
+         distance from the image centre.",
     ),
     Column::figures(
         "Right epipole",
         176.0,
-        "Where the right image sees the other camera, px, or the direction if it is far away. Sorted by the \
-                  distance from the middle.",
+        "Position of the other camera in the right image, px, or its direction if far away. Sorted by the \
+         distance from the image centre.",
     ),
 ];
 
@@ -76,8 +77,8 @@ fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     if listed.rows() == 0 {
         empty(
             ui,
-            "The geometries that the estimate considered appear here, once there are enough point pairs. Click one to \
-             see it in both images.",
+            "Candidate geometries appear here once there are enough point pairs. Click one to see it in \
+             both images.",
         );
         return;
     }
@@ -134,7 +135,7 @@ fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     }
 }
 
-/// The rows: the result, once it is final, then the hypotheses by rank.
+/// Rows of the table: the final result, then the hypotheses by rank.
 struct Listed<'a> {
     result: Option<&'a Estimate>,
     hypotheses: &'a [Estimate],
@@ -153,7 +154,7 @@ impl<'a> Listed<'a> {
         self.hypotheses.len() + usize::from(self.result.is_some())
     }
 
-    /// The number of the hypothesis of a row; `None` for the result.
+    /// Returns the number of the hypothesis in a row; `None` for the result.
     fn number(&self, row: usize) -> Option<usize> {
         row.checked_sub(usize::from(self.result.is_some()))
     }
@@ -181,7 +182,7 @@ fn key(hypothesis: &Estimate, row: usize, column: usize, frames: Option<[Frame; 
     }
 }
 
-/// What a column shows.
+/// Returns the figure of a column.
 fn figure(column: usize) -> Option<HypothesisFigure> {
     match column {
         1 => Some(HypothesisFigure::Support),

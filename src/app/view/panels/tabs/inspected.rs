@@ -1,4 +1,4 @@
-//! Which line pair is inspected: the pinned ones to choose from, and the figures of the sample under the cursor.
+//! The choice of the inspected line pair, and the figures of the sample under the cursor.
 
 use egui::containers::menu::MenuButton;
 use egui::{
@@ -15,15 +15,15 @@ use crate::app::model::focus::{Focus, LineSource, Target};
 use crate::app::model::inspection::Inspection;
 use crate::app::view::theme;
 
-/// How near to an inspected line the cursor must be in an image to mark its sample in the plots, px.
+/// Distance from an inspected line within which the cursor marks a sample in the plots, px.
 const REACH: f64 = 12.0;
-/// Pinned pairs that have a swatch each; more are in a menu.
+/// Largest number of pinned pairs shown as swatches. More are in a menu.
 const SWATCHES: usize = 6;
 
-/// Passes for which a menu counts as just opened.
+/// Number of passes for which a menu counts as just opened.
 const OPENING: u64 = 3;
 
-/// Shows it from right to left.
+/// Shows the choice from right to left.
 pub fn tools(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let focus = &model.open.focus;
     if let Some(number) = focus.inspected_number() {
@@ -49,7 +49,7 @@ pub fn tools(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     }
 }
 
-/// Many pinned pairs to choose from. It opens at the one that is looked at.
+/// Shows a menu of many pinned pairs, scrolled to the inspected one.
 fn menu(ui: &mut Ui, focus: &Focus, commands: &mut Vec<Command>) {
     let title = match focus.inspected() {
         Some(pin) => format!("Line pair {} of {}", pin.number + 1, focus.pins().len()),
@@ -66,7 +66,7 @@ fn menu(ui: &mut Ui, focus: &Focus, commands: &mut Vec<Command>) {
                     let text = describe(pin.source);
                     let chosen = focus.inspected_number() == Some(place);
                     let row = named(ui.selectable_label(chosen, &text), &to_inspect(&text));
-                    // Beside the bar of what is scrolled.
+                    // Keep clear of the scroll bar.
                     ui.add_space(8.0);
                     if chosen && opening {
                         row.scroll_to_me_animation(Some(Align::Center), ScrollAnimation::none());
@@ -78,16 +78,16 @@ fn menu(ui: &mut Ui, focus: &Focus, commands: &mut Vec<Command>) {
             }
         });
     });
-    button.on_hover_text("Choose which of the pinned line pairs is looked at closely.");
+    button.on_hover_text("Choose which pinned line pair to inspect.");
 }
 
-/// Whether what this is asked in was out of sight until just now.
+/// Returns whether the surrounding menu was opened within the last few passes.
 fn just_opened(ui: &Ui) -> bool {
     let (id, pass) = (ui.scope_id().with("opened"), ui.ctx().cumulative_pass_nr());
     let [opened, last] = ui.data(|data| data.get_temp::<[u64; 2]>(id)).unwrap_or([pass, 0]);
     let opened = if pass > last + 1 { pass } else { opened };
     ui.data_mut(|data| data.insert_temp(id, [opened, pass]));
-    // The first pass only measures, and what is scrolled moves in the one after.
+    // The first pass only measures, and scrolling takes effect in the following one.
     pass < opened + OPENING
 }
 
@@ -95,33 +95,37 @@ fn to_inspect(text: &str) -> String {
     format!("Inspect: {text}")
 }
 
-/// The number of a pinned pair on its colour.
+/// Draws the number of a pinned pair on its colour.
 fn swatch(ui: &Ui, area: Rect, number: usize) {
     ui.painter().rect_filled(area.shrink(2.0), 3.0, theme::pin_color(number));
     let font = FontId::proportional(if number < 9 { 12.0 } else { 11.0 });
     ui.painter().text(area.center(), Align2::CENTER_CENTER, (number + 1).to_string(), font, Color32::BLACK);
 }
 
-/// The figures of the sample under the cursor, or else which lines they are and how alike; with an explanation.
+/// Returns the figures of the sample under the cursor, or else the inspected lines and their cost,
+/// with an explanation.
 pub fn read_out(model: &Model) -> Option<(String, &'static str)> {
     let inspected = model.inspected()?;
     if let Some((inspection, sample)) = model.open.inspection.as_ref().zip(marked(model)) {
         let text = describe_sample(inspection, sample);
-        return Some((text, "The sample of the left line under the cursor, and what it was matched with."));
+        return Some((text, "The sample of the left line under the cursor, and its match."));
     }
     let lines = describe(inspected.source);
     let text = match model.open.inspection.as_ref() {
         Some(inspection) => {
             let matching = &inspection.warped.matching;
             let cost = matching.cost as f64 / matching.sample_costs.len().max(1) as f64;
-            format!("{lines}, {cost:.0} grey² a sample")
+            format!("{lines}, {cost:.0} grey² per sample")
         }
         None => lines,
     };
-    Some((text, "The inspected lines, and the mean cost of their best matching: lower is more alike."))
+    Some((
+        text,
+        "The inspected lines, and the mean cost of their best matching. Similar lines have a low cost.",
+    ))
 }
 
-/// Which lines they are.
+/// Describes a line pair by its origin.
 pub fn describe(source: LineSource) -> String {
     match source {
         LineSource::Pair(pair) => format!("Epipolar lines of {}", pair_name(pair)),
@@ -137,7 +141,7 @@ pub fn describe(source: LineSource) -> String {
     }
 }
 
-/// The sample under the cursor: in a plot, or in an image near the line.
+/// Returns the sample under the cursor, in a plot or near the line in an image.
 pub fn marked(model: &Model) -> Option<i32> {
     match (model.open.focus.hovered(), model.open.hover) {
         (Some(Target::Sample(sample)), _) => Some(sample),
@@ -146,7 +150,7 @@ pub fn marked(model: &Model) -> Option<i32> {
     }
 }
 
-/// The figures of one sample.
+/// Describes the figures of one sample.
 fn describe_sample(inspection: &Inspection, sample: i32) -> String {
     let warped = &inspection.warped;
     let place = f64::from(sample) * inspection.step;
@@ -161,5 +165,5 @@ fn describe_sample(inspection: &Inspection, sample: i32) -> String {
     let right = warped.warped2.get(number).copied().flatten();
     let right = right.map_or("outside".to_owned(), |value| value.to_string());
     let shift = f64::from(*disparity) * inspection.step;
-    format!("At {place:.0} px: left {left}, right {right}, shift {shift:+.0} px, cost {cost}")
+    format!("At {place:.0} px: left {left}, right {right}, disparity {shift:+.0} px, cost {cost}")
 }

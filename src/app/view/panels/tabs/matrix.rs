@@ -1,8 +1,8 @@
 //! The similarity matrix of a click as a picture.
 //!
-//! Across goes the direction θ of the line in the left image, upwards how far the line in the right image is
-//! turned against it, θ' − θ. Only pairs within the largest rotation are compared, so against θ' itself all of
-//! them would lie in two narrow bands; against the turn they fill the picture.
+//! The horizontal axis is the direction θ of the line in the left image. The vertical axis is the
+//! rotation θ' − θ of the line in the right image. Only pairs within the largest rotation are
+//! compared: against θ', they would lie in two narrow bands.
 
 use std::f64::consts::{PI, TAU};
 
@@ -15,34 +15,35 @@ use crate::app::view::theme;
 use crate::estimate::ComparedPencils;
 use crate::geometry::Line;
 
-/// Candidates marked at most, the cheapest ones.
+/// Number of candidates marked, cheapest first.
 const MARKED: usize = 80;
-/// How near to a candidate the cursor takes hold of it, screen points.
+/// Distance within which the cursor snaps to a candidate, screen points.
 const SNAP: f32 = 6.0;
 
-/// The picture of a matrix, kept from frame to frame.
+/// Picture of a matrix, kept from frame to frame.
 #[derive(Clone)]
 struct MatrixPicture {
     revision: u64,
     texture: TextureHandle,
-    /// Largest turn that was compared, radians.
+    /// Largest rotation compared, radians.
     extent: f64,
 }
 
-/// The matrix of one click.
+/// Matrix of one click.
 pub struct PencilMatrix<'a> {
     pencils: &'a ComparedPencils,
     picture: MatrixPicture,
 }
 
-/// How far the second direction is turned against the first, radians in `(−π, π]`.
+/// Returns the rotation from the first direction to the second, radians in `(−π, π]`.
 fn turn([a, b]: [f64; 2]) -> f64 {
     let turn = (b - a).rem_euclid(TAU);
     if turn > PI { turn - TAU } else { turn }
 }
 
 impl<'a> PencilMatrix<'a> {
-    /// The matrix of a click by its number; drawn anew when `revision` is another than before.
+    /// Creates the matrix of the click with this number. The picture is drawn again when `revision`
+    /// changes.
     pub fn new(ui: &Ui, number: usize, pencils: &'a ComparedPencils, revision: u64) -> Self {
         let id = egui::Id::unique(("pencil matrix", number));
         let kept =
@@ -57,21 +58,21 @@ impl<'a> PencilMatrix<'a> {
         Self { pencils, picture }
     }
 
-    /// Where a pair of directions is.
+    /// Returns the position of a pair of directions.
     fn place(&self, plot: Rect, angles: [f64; 2]) -> Pos2 {
         let across = angles[0] / PI;
         let x = egui::lerp(plot.x_range(), across as f32);
         pos2(x, self.height(plot, turn(angles)))
     }
 
-    /// Where a turn is.
+    /// Returns the vertical position of a rotation.
     fn height(&self, plot: Rect, turn: f64) -> f32 {
         let share = turn / self.picture.extent;
         plot.center().y - share as f32 * plot.height() / 2.0
     }
 
-    /// The cell at a place: that of a candidate near it, or else the one whose lines are nearest, if they were
-    /// compared.
+    /// Returns the cell at a position: a candidate within reach, or else the nearest compared pair
+    /// of lines.
     pub fn cell_at(&self, plot: Rect, position: Pos2) -> Option<[usize; 2]> {
         let candidates = self.pencils.candidates.iter().take(MARKED);
         let distance = |angles| self.place(plot, angles).distance(position);
@@ -88,7 +89,7 @@ impl<'a> PencilMatrix<'a> {
         self.pencils.costs.at(row, column).is_finite().then_some([row, column])
     }
 
-    /// What a cell is, in words.
+    /// Describes a cell.
     pub fn describe(&self, cell: [usize; 2]) -> String {
         let [row, column] = cell;
         let Some(angles) = self.pencils.angles(row, column) else { return String::new() };
@@ -96,7 +97,7 @@ impl<'a> PencilMatrix<'a> {
         let rank = candidates.map(|candidate| self.pencils.cell(candidate)).position(|at| at == Some(cell));
         let rank = rank.map_or(String::new(), |rank| format!("\nMutual best, rank {}", rank + 1));
         format!(
-            "Left {:.1}°, right {:.1}°, turn {:+.1}°\nCost {:.3}{rank}\nClick to inspect the two lines.",
+            "Left {:.1}°, right {:.1}°, rotation {:+.1}°\nCost {:.3}{rank}\nClick to inspect the two lines.",
             angles[0].to_degrees(),
             angles[1].to_degrees(),
             turn(angles).to_degrees(),
@@ -104,7 +105,8 @@ impl<'a> PencilMatrix<'a> {
         )
     }
 
-    /// Draws it with its axes, the candidates, the cell under the cursor, and the lines that are shown.
+    /// Draws the matrix with axes, candidates, the cell under the cursor, and the lines of the
+    /// geometry shown.
     pub fn draw(&self, ui: &Ui, plot: Rect, lit: Option<[usize; 2]>, shown: Option<(Line, Line)>) {
         let painter = ui.painter();
         painter.rect_filled(plot, 0.0, theme::palette(ui.visuals()).canvas);
@@ -132,8 +134,8 @@ impl<'a> PencilMatrix<'a> {
         }
     }
 
-    /// Directions of two undirected lines as the matrix has them: the first in `[0, π)`, the second in the sense that was
-    /// compared with it, or that is turned less against it.
+    /// Returns the directions of two undirected lines as the matrix has them. The first is in `[0, π)`.
+    /// The second is the sense that was compared, with the smaller rotation if both were.
     fn directions(&self, line1: &Line, line2: &Line) -> [f64; 2] {
         let angle = |line: &Line| {
             let d = line.direction();
@@ -156,7 +158,7 @@ impl<'a> PencilMatrix<'a> {
         };
         let in_matrix =
             |angle2: f64| turn([angle1, angle2]).abs() <= self.picture.extent && was_compared(angle2);
-        // Where both senses were compared, the candidates tell which one was meant.
+        // If both senses were compared, the smaller rotation is taken.
         let less = turn([angle1, angle2]).abs() <= turn([angle1, other]).abs();
         if in_matrix(angle2) && (less || !in_matrix(other)) { [angle1, angle2] } else { [angle1, other] }
     }
@@ -189,7 +191,7 @@ impl<'a> PencilMatrix<'a> {
     }
 }
 
-/// The place of the value nearest to `wanted` in an ascending list.
+/// Returns the index of the value nearest to `wanted` in an ascending list.
 fn nearest(values: &[f64], wanted: f64) -> Option<usize> {
     let after = values.partition_point(|v| *v < wanted);
     let near = [after.checked_sub(1), (after < values.len()).then_some(after)];
@@ -198,7 +200,8 @@ fn nearest(values: &[f64], wanted: f64) -> Option<usize> {
         .min_by(|a, b| (values[*a] - wanted).abs().total_cmp(&(values[*b] - wanted).abs()))
 }
 
-/// The matrix as pixels, one a pair of lines, transparent where nothing was compared, with the largest turn.
+/// Paints the matrix, one pixel per pair of lines, transparent where nothing was compared. Also
+/// returns the largest rotation.
 fn painted(pencils: &ComparedPencils) -> (ColorImage, f64) {
     let costs = &pencils.costs;
     let cells = || {
@@ -215,7 +218,7 @@ fn painted(pencils: &ComparedPencils) -> (ColorImage, f64) {
         return (ColorImage::filled([1, 1], Color32::TRANSPARENT), PI);
     }
     let cheapest = finite.iter().copied().fold(f32::INFINITY, f32::min);
-    // Few pairs are alike: the colours are spent on the cheaper three quarters.
+    // Few pairs are similar, so the colours cover only the cheaper three quarters.
     let k = (finite.len() - 1) * 3 / 4;
     let dear = *finite.select_nth_unstable_by(k, f32::total_cmp).1;
     let step2 = PI / lines2 as f64;

@@ -1,4 +1,4 @@
-//! The bottom panel: one tab a file.
+//! The bottom panel, one file per tab.
 
 mod barcodes;
 mod hypotheses;
@@ -24,11 +24,11 @@ pub use rectified::forget_textures;
 
 /// A tab of the bottom panel.
 pub struct Tab {
-    /// Which one it is.
+    /// Which tab it is.
     pub id: TabId,
-    /// Shows what belongs in the line of the headings, from the right.
+    /// Tools in the line of headings, shown from right to left.
     pub tools: fn(&mut Ui, &Model, &mut Vec<Command>),
-    /// Shows the rest.
+    /// Content of the tab.
     pub show: fn(&mut Ui, &Model, &mut Vec<Command>),
 }
 
@@ -36,14 +36,14 @@ pub struct Tab {
 static TABS: [Tab; TabId::ALL.len()] =
     [points::TAB, profiles::TAB, pencils::TAB, hypotheses::TAB, residuals::TAB, rectified::TAB];
 
-/// With less room than this, or than they took, beside the headings their tools are left to the list of commands, screen
-/// points.
+/// Room beside the headings below which the tools are hidden, screen points. The list of commands
+/// still offers them.
 const ROOM_FOR_TOOLS: f32 = 100.0;
 
-/// With less room than this the headings go on in a second row, screen points.
+/// Width below which the headings wrap to a second row, screen points.
 const ONE_ROW: f32 = 580.0;
 
-/// The line of the headings.
+/// Shows the line of headings.
 pub fn headings(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let padding = ui.spacing().button_padding;
     if ui.available_width() < ONE_ROW {
@@ -55,7 +55,7 @@ pub fn headings(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         return;
     }
     ui.horizontal(|ui| {
-        // Six headings and their tools share a line, in a small window, too.
+        // Narrow padding lets six headings and their tools share a line, even in a small window.
         ui.spacing_mut().button_padding.x = 7.0;
         titles(ui, model, commands);
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
@@ -80,7 +80,7 @@ fn titles(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     }
 }
 
-/// What changes the height of the panel.
+/// Shows the buttons that change the height of the panel.
 fn folding(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let is_open = model.tab().is_some();
     let fold = ui.button(if is_open { "Hide" } else { "Show" });
@@ -97,28 +97,28 @@ fn chosen_tab(model: &Model) -> Option<&'static Tab> {
     TABS.iter().find(|tab| Some(tab.id) == model.tab())
 }
 
-/// The tab that was chosen.
+/// Shows the chosen tab.
 pub fn chosen(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     if let Some(tab) = chosen_tab(model) {
         ui.push_id(tab.id.title(), |ui| (tab.show)(ui, model, commands));
     }
 }
 
-/// Says that what a tab shows is of the points before a move; the search for the new ones goes on.
+/// Shows a note that the tab still refers to the points before a move.
 fn say_earlier(ui: &mut Ui, is_earlier: bool) {
     if is_earlier {
-        ui.weak("of the points before the move");
+        ui.weak("from before the move");
     }
 }
 
-/// Pales what is of the points before a move.
+/// Fades content that still refers to the points before a move.
 fn pale_earlier(ui: &mut Ui, is_earlier: bool) {
     if is_earlier {
         ui.set_opacity(theme::STALE_OPACITY);
     }
 }
 
-/// What an empty tab says: what will appear, and what to do for it.
+/// Shows the text of an empty tab: what will appear, and how to get there.
 fn empty(ui: &mut Ui, text: &str) {
     ui.add_space(8.0);
     ui.weak(text);

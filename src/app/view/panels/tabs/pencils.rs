@@ -1,4 +1,4 @@
-//! How alike the lines of the two pencils through a click are: a matrix for `p` and one for `q`.
+//! The tab of the similarity matrices of the pencils through `p` and `q`.
 
 use egui::{Rect, RichText, Ui, UiBuilder, pos2, vec2};
 
@@ -27,7 +27,7 @@ fn tools(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     }
 }
 
-/// What the colours and marks mean, from right to left.
+/// Shows the meaning of colours and marks, from right to left.
 fn legend(ui: &mut Ui) {
     let mark = |ui: &mut Ui, color| {
         let (area, _) = ui.allocate_exact_size(vec2(12.0, 12.0), egui::Sense::hover());
@@ -36,7 +36,7 @@ fn legend(ui: &mut Ui) {
     ui.add_space(theme::GAP);
     ui.weak("shown");
     mark(ui, theme::ESTIMATED);
-    ui.weak("mutual best").on_hover_text("Each of the two lines is among the best for the other.");
+    ui.weak("mutual best").on_hover_text("Each of the two lines is among the best matches of the other.");
     let color = ui.visuals().text_color();
     mark(ui, color);
     ui.weak("alike");
@@ -49,8 +49,8 @@ fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let Some(pencils) = model.open.computation.pencils() else {
         empty(
             ui,
-            "All lines through p and q in one image against all lines through them in the other appear here, once \
-             there are enough point pairs. Point at a place to see its two lines; click it to inspect them.",
+            "The costs of matching all lines through p and q appear here once there are enough point pairs. \
+             Point at a cell to see its two lines, and click it to inspect them.",
         );
         return;
     };
@@ -68,7 +68,7 @@ fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     ui.advance_cursor_after_rect(area);
 }
 
-/// The matrix of one click.
+/// Shows the matrix of one click.
 fn one(ui: &mut Ui, model: &Model, number: usize, pencils: &ComparedPencils, commands: &mut Vec<Command>) {
     let matrix = PencilMatrix::new(ui, number, pencils, model.open.computation.pencils_revision());
     let area = ui.available_rect_before_wrap();
@@ -76,7 +76,7 @@ fn one(ui: &mut Ui, model: &Model, number: usize, pencils: &ComparedPencils, com
     if plot.width() < 40.0 || plot.height() < 30.0 {
         return;
     }
-    // They may pass through matches that stand in for clicks, so that nothing can be pinned by them.
+    // Pencils may pass through matches that replace clicks; lines through those cannot be pinned.
     let pair = model.document.pair_of_pencils(number, &pencils.click);
     let name = pair.map_or_else(|| format!("match {}", number + 1), pair_name);
     let response = ui.interact(plot, ui.scope_id().with("matrix"), egui::Sense::click());
@@ -84,7 +84,7 @@ fn one(ui: &mut Ui, model: &Model, number: usize, pencils: &ComparedPencils, com
         egui::WidgetInfo::labeled(egui::Role::Image, true, format!("pencil matrix of {name}"))
     });
     let hovered = response.hover_pos().and_then(|position| matrix.cell_at(plot, position));
-    // Here, or where something else that stands for a cell is pointed at.
+    // The cell under the cursor here, or pointed at elsewhere.
     let lit = match (hovered, model.open.focus.hovered()) {
         (Some(cell), _) => Some(cell),
         (None, Some(Target::Cell { pair: other, row, column })) if other == number => Some([row, column]),
@@ -94,7 +94,7 @@ fn one(ui: &mut Ui, model: &Model, number: usize, pencils: &ComparedPencils, com
         let lines = if number == 0 { construction.p() } else { construction.q() };
         (lines.line1, lines.line2)
     });
-    let title = format!("{name}: turn of the right line over direction of the left one");
+    let title = format!("{name}. x: direction in left image; y: relative rotation, right image");
     let heading = RichText::new(title).size(12.0);
     let top = Rect::from_min_max(area.min, pos2(area.max.x, plot.min.y));
     ui.put(top, egui::Label::new(heading.weak()).truncate().halign(egui::Align::Min));

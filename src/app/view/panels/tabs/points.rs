@@ -1,4 +1,4 @@
-//! The list of point pairs with their residuals.
+//! The tab of the point pairs with their residuals.
 
 use egui::containers::menu::MenuButton;
 use egui::{
@@ -26,16 +26,16 @@ use crate::geometry::Point;
 /// Registered in [`super::TABS`].
 pub const TAB: Tab = Tab { id: TabId::Points, tools, show };
 
-/// With less room than this beside each other the rarer actions of a row are in a menu, screen points.
+/// Room below which the less common actions of a row are in a menu, screen points.
 const ROW_WIDTH: f32 = 940.0;
-/// What a row with a menu takes beside its name, screen points.
+/// Width of a row with a menu, without its name, screen points.
 const NARROW_ROW: f32 = 580.0;
 const OUTVOTED_WIDTH: f32 = 70.0;
 const COORDINATE_WIDTH: f32 = 60.0;
 const NARROW_COORDINATE_WIDTH: f32 = 46.0;
-/// Names are as wide as there is room, within these, screen points.
+/// Least and largest width of a name, screen points.
 const NAME_WIDTHS: [f32; 2] = [60.0, 180.0];
-/// Half of the last decimal of a coordinate, px.
+/// Half of the last displayed decimal of a coordinate, px.
 const HALF_A_DIGIT: f64 = 0.005;
 
 fn tools(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
@@ -43,12 +43,12 @@ fn tools(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     command_button(ui, Command::ClearPairs, any, commands);
 }
 
-/// A button that is no higher than a row needs it to be.
+/// Makes a button low enough for a row.
 fn low(button: Button<'_>) -> Button<'_> {
     button.small().min_size(egui::vec2(0.0, 20.0))
 }
 
-/// Copying and pasting, and what can be done with the rows that are chosen.
+/// Shows the buttons for copying and pasting, and for the chosen rows.
 fn editing(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let (open, any) = (model.document.pictures.is_some(), !model.document.pairs.is_empty());
     let mut offer = |ui: &mut Ui, command: PointsCommand, enabled: bool| {
@@ -75,8 +75,8 @@ fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     if document.pairs.is_empty() && document.half.is_none() {
         empty(
             ui,
-            "The pairs you click appear here with their distances from the epipolar lines. Click a point in the left \
-             image, then the same scene point in the right one.",
+            "The pairs you click appear here with their distances from the epipolar lines. Click a point in \
+             the left image, then the same scene point in the right one.",
         );
         ui.horizontal(|ui| editing(ui, model, commands));
         return;
@@ -128,8 +128,8 @@ fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
 /// Height of a row, screen points.
 const ROW_HEIGHT: f32 = 22.0;
 
-/// Where the tops of rows are that are drawn: those in sight, and the next ones. What is typed in or dragged stays where
-/// it is when it leaves the sight, so then it is all of them.
+/// Returns the range of the tops of rows to draw: the visible rows and their neighbours. While a
+/// field is edited or dragged, all rows are drawn, so that the field is kept out of view.
 fn seen_rows(ui: &Ui) -> egui::Rangef {
     let seen = ui.clip_rect();
     let is_held = ui.memory(|memory| memory.focused().is_some())
@@ -137,7 +137,7 @@ fn seen_rows(ui: &Ui) -> egui::Rangef {
     if is_held { egui::Rangef::EVERYTHING } else { seen.y_range().expand(2.0 * ROW_HEIGHT) }
 }
 
-/// The name of a column, which sorts by it.
+/// Shows the heading of a column, which sorts by it.
 fn heading(ui: &mut Ui, model: &Model, column: PointColumn, commands: &mut Vec<Command>) {
     let PointOrder { column: by, descending, .. } = model.open.points;
     let color = ui.visuals().weak_text_color();
@@ -151,7 +151,7 @@ fn heading(ui: &mut Ui, model: &Model, column: PointColumn, commands: &mut Vec<C
     }
 }
 
-/// How a click chooses, by the keys that are held.
+/// Returns how a click chooses rows, by the modifier keys.
 fn choosing(ui: &Ui) -> Choosing {
     let held = ui.input(|input| input.modifiers);
     if held.shift {
@@ -163,12 +163,12 @@ fn choosing(ui: &Ui) -> Choosing {
     }
 }
 
-/// How the room in a row is used.
+/// Distribution of the width of a row.
 #[derive(Debug, Clone, Copy)]
 struct RowWidths {
-    /// Whether there is room for every action.
+    /// Whether all actions have room.
     wide: bool,
-    /// That of the name, screen points.
+    /// Width of the name, screen points.
     name: f32,
 }
 
@@ -180,7 +180,7 @@ fn row(ui: &mut Ui, model: &Model, pair: usize, widths: RowWidths, commands: &mu
     let top_left = ui.cursor().min;
     let finished = document.pairs.get(pair);
     let chosen = document.chosen.contains(&pair);
-    // Below what is in the row, which takes its own clicks.
+    // The background comes first, so that the contents of the row take their own clicks.
     let area = egui::Rect::from_min_max(top_left, egui::pos2(ui.clip_rect().max.x, top_left.y + 24.0));
     let background = ui.interact(area, ui.scope_id().with(("row", pair)), Sense::click());
     background
@@ -211,7 +211,7 @@ fn row(ui: &mut Ui, model: &Model, pair: usize, widths: RowWidths, commands: &mu
         if document.point(at).is_some() {
             position(ui, model, at, wide, commands);
         } else {
-            ui.weak("click it");
+            ui.weak("click in image");
         }
     }
     role(ui, model, pair, commands);
@@ -242,7 +242,7 @@ fn row(ui: &mut Ui, model: &Model, pair: usize, widths: RowWidths, commands: &mu
         } else {
             let more = MenuButton::from_button(low(Button::new("More")));
             let (more, _) = more.ui(ui, |ui| pair_menu(ui, model, pair, commands));
-            named(more, &format!("More: pair {name}")).on_hover_text("What else can be done with this pair.");
+            named(more, &format!("More: pair {name}")).on_hover_text("More actions for this pair.");
         }
     });
     ui.end_row();
@@ -252,7 +252,7 @@ fn row(ui: &mut Ui, model: &Model, pair: usize, widths: RowWidths, commands: &mu
     }
 }
 
-/// What a person calls the pair.
+/// Shows the field with the user's name for the pair.
 fn name_field(ui: &mut Ui, model: &Model, pair: usize, width: f32, commands: &mut Vec<Command>) {
     let mut name = model.document.given_name(pair).unwrap_or_default().to_owned();
     let field = TextEdit::singleline(&mut name).desired_width(width).hint_text("name").frame(Frame::NONE);
@@ -267,11 +267,12 @@ fn name_field(ui: &mut Ui, model: &Model, pair: usize, width: f32, commands: &mu
     }
 }
 
-/// What the pair is for, with the switches that change it, and whether the result speaks against it.
+/// Shows the role of the pair, the switches that change it, and whether the result contradicts the
+/// pair.
 fn role(ui: &mut Ui, model: &Model, pair: usize, commands: &mut Vec<Command>) {
     let document = &model.document;
     if pair >= document.pairs.len() {
-        ui.weak("half done");
+        ui.weak("incomplete");
         return;
     }
     let name = pair_name(pair);
@@ -290,29 +291,31 @@ fn role(ui: &mut Ui, model: &Model, pair: usize, commands: &mut Vec<Command>) {
         for (only, is_chosen) in [(false, role == Role::Used), (true, role == Role::Check)] {
             let command = Command::CheckOnly(pair, only);
             let button = low(Button::selectable(is_chosen, command.name()));
-            let response = ui.add_enabled(role != Role::Excluded && (only || document.can_be_used(pair)), button);
+            let response =
+                ui.add_enabled(role != Role::Excluded && (only || document.can_be_used(pair)), button);
             let label = format!("{} pair {name}", command.name());
             response.widget_info(|| {
                 egui::WidgetInfo::selected(egui::Role::Button, response.enabled(), is_chosen, &label)
             });
             let response = response.on_disabled_hover_text(if role == Role::Excluded {
-                "The pair is left out: switch it on first."
+                "The pair is left out. Include it first."
             } else {
-                "The published method takes no more pairs: let another one check only, or choose the preset Robust."
+                "The published method takes no more pairs. Set another pair to check only, or choose the \
+                 preset Robust."
             });
             finish_button(ui, response, command, commands);
         }
         if let Some(distance) = model.outvoted(pair) {
             let text = RichText::new("outvoted").color(theme::palette(ui.visuals()).caution);
             ui.label(text).on_hover_text(format!(
-                "{distance:.1} px off its epipolar line (symmetric distance): the images speak against this pair. Check that it shows the same \
-                 scene point in both images.",
+                "The pair misses its epipolar line by {distance:.1} px (symmetric distance), although the \
+                 images support the geometry. Check that both points are the same scene point.",
             ));
         }
     });
 }
 
-/// The two coordinates of a point, to be typed or dragged. The point that keys act on has a line under them.
+/// Shows the fields for the coordinates of a point. The selected point is underlined.
 fn position(ui: &mut Ui, model: &Model, at: PointRef, wide: bool, commands: &mut Vec<Command>) {
     let document = &model.document;
     let Some((point, frame)) = document.point(at).zip(document.frame(at.side)) else { return };
@@ -330,11 +333,14 @@ fn position(ui: &mut Ui, model: &Model, at: PointRef, wide: bool, commands: &mut
                 .update_while_editing(false);
             let field = ui.add(field);
             let name = format!("{} {axis} of pair {}", capitalised(at.side.name()), pair_name(at.pair));
-            field.widget_info(|| WidgetInfo { label: Some(name.clone()), ..WidgetInfo::drag_value(true, before) });
+            field.widget_info(|| WidgetInfo {
+                label: Some(name.clone()),
+                ..WidgetInfo::drag_value(true, before)
+            });
             if field.gained_focus() || field.drag_started() {
                 commands.push(Command::Select(Some(at)));
             }
-            // The figure is rounded: what was only looked at stays as it is.
+            // The displayed figure is rounded; a value that was not edited must not change.
             if (typed - before).abs() >= HALF_A_DIGIT {
                 let to = if axis == "x" { Point::new(typed, point.y) } else { Point::new(point.x, typed) };
                 commands.push(Command::Drag(at, to));
@@ -346,7 +352,8 @@ fn position(ui: &mut Ui, model: &Model, at: PointRef, wide: bool, commands: &mut
                 commands.push(Command::EndDrag);
             }
             field.on_hover_text(format!(
-                "Click to type, drag to change; px, from -0.5 to {:.1}. The arrow keys move the point by 0.1 px.",
+                "Click to type, or drag to change, in px from -0.5 to {:.1}. The arrow keys move the point \
+                 by 0.1 px.",
                 size as f64 - 0.5
             ));
         }

@@ -1,4 +1,5 @@
-//! The intensities along the inspected line pair, before and after warping, with what the matching cost.
+//! The tab of the intensities along the inspected line pair, before and after warping, with the
+//! matching costs.
 
 use egui::{
     Align, Color32, ColorImage, Id, Label, Layout, Rect, RichText, ScrollArea, Sense, TextureHandle,
@@ -19,11 +20,11 @@ use crate::app::view::theme;
 /// Registered in [`super::TABS`].
 pub const TAB: Tab = Tab { id: TabId::Profiles, tools, show };
 
-/// The curves of the left and the right line.
+/// Colours of the curves.
 const LEFT: Color32 = theme::PAIRS[2];
 const RIGHT: Color32 = theme::PAIRS[0];
 
-/// With less height than this the plots are scrolled, screen points: lower ones would lie over each other.
+/// Height below which the plots scroll, screen points, since lower plots would overlap.
 const LEAST_HEIGHT: f32 = 176.0;
 
 fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
@@ -39,8 +40,8 @@ fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         } else if model.inspected().is_some() {
             "The two lines are being compared."
         } else {
-            "Intensities along the epipolar lines of p (of sequences, their motion barcodes) appear here, once there are enough point pairs. Pin a line \
-             pair in the matrix of the pencils to compare others."
+            "Intensities along the epipolar lines of p (for sequences, their motion barcodes) appear here \
+             once there are enough point pairs. Pin a line pair in the tab Pencils to compare other lines."
         };
         empty(ui, text);
         return;
@@ -56,7 +57,7 @@ fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     }
 }
 
-/// Shows the plots, two above two; returns the sample under the cursor.
+/// Shows the four plots. Returns the sample under the cursor.
 fn all_plots(ui: &mut Ui, model: &Model, inspection: &Inspection, area: Rect) -> Option<i32> {
     let marked = marked(model);
     let mut hovered = None;
@@ -91,22 +92,26 @@ fn all_plots(ui: &mut Ui, model: &Model, inspection: &Inspection, area: Rect) ->
     hovered
 }
 
-/// What a plot shows.
+/// Function that draws the content of a plot.
 type Content = fn(&mut PlotUi, &Inspection, &TextureHandle);
 
-/// The plots: title, tooltip, content.
+/// Title, tooltip and content of each plot.
 const PLOTS: [(&str, &str, Content); 4] = [
     ("Before warping", "Intensities of both lines at the same distance from the click.", before),
     (
         "Cost of each sample",
-        "What each sample costs, grey²: its difference and the change of disparity.",
+        "Cost of each sample, grey²: its intensity difference and the change of disparity.",
         costs,
     ),
-    ("After warping", "The right line brought onto the left one by the disparities that were found.", after),
+    (
+        "After warping",
+        "Intensities of the right line, warped onto the left line by the disparities found.",
+        after,
+    ),
     (
         "Disparities",
-        "Cost of matching each sample of the left line (across) at each shift along the right one (up): bright \
-         is alike. The line is the matching that was found.",
+        "Cost of matching each sample of the left line (horizontal) at each disparity (vertical). Bright \
+         means similar. The curve is the matching found.",
         band,
     ),
 ];
@@ -114,13 +119,13 @@ const PLOTS: [(&str, &str, Content); 4] = [
 /// A plot with its title.
 struct Titled<'a> {
     title: &'a str,
-    /// Whether the distance along the line is written below; the plots above it share its scale.
+    /// Whether the scale of the distance is shown. The plots above share the scale.
     has_scale: bool,
     content: Content,
 }
 
 impl Titled<'_> {
-    /// Shows it; returns the sample under the cursor.
+    /// Shows the plot. Returns the sample under the cursor.
     fn show(&self, ui: &mut Ui, inspection: &Inspection, marked: Option<i32>) -> Option<i32> {
         let step = inspection.step;
         let samples = inspection.samples();
@@ -157,21 +162,21 @@ impl Titled<'_> {
     }
 }
 
-/// Marks of an axis at round numbers, about so many in sight.
+/// Returns marks of an axis at round numbers, about `count` of them in view.
 fn marks(input: &GridInput, count: f64) -> Vec<GridMark> {
     let (low, high) = input.bounds;
     let wanted = ((high - low) / count).max(f64::MIN_POSITIVE);
     let power = 10f64.powf(wanted.log10().floor());
     let step = power * [1.0, 2.0, 5.0].into_iter().find(|round| round * power >= wanted).unwrap_or(10.0);
     let first = (low / step).ceil();
-    // The plot asks before it has bounds, too.
+    // The plot also asks before its bounds are known.
     let number = ((high / step).floor() - first).clamp(0.0, 100.0) as usize;
     (0..=number).map(|k| GridMark { value: (first + k as f64) * step, step_size: step }).collect()
 }
 
-/// Points of a curve over the distance from the anchor, px.
+/// Returns the points of a curve over the distance from the anchor, px.
 fn curve(inspection: &Inspection, value: impl Fn(usize) -> Option<f64>) -> Vec<Vec<[f64; 2]>> {
-    // A gap where there is no value.
+    // Missing values leave a gap.
     let mut pieces = vec![Vec::new()];
     for (k, sample) in inspection.samples().enumerate() {
         match (value(k), pieces.last_mut()) {
@@ -224,7 +229,7 @@ fn band(plot: &mut PlotUi, inspection: &Inspection, texture: &TextureHandle) {
     draw_curve(plot, "path", curve(inspection, path), Color32::WHITE);
 }
 
-/// The cost band as a picture, kept from frame to frame.
+/// Returns the cost band as a texture, kept from frame to frame.
 fn band_texture(ui: &Ui, inspection: &Inspection) -> TextureHandle {
     let id = Id::unique("cost band");
     if let Some((number, texture)) = ui.data(|data| data.get_temp::<(u64, TextureHandle)>(id))

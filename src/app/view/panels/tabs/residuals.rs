@@ -1,4 +1,5 @@
-//! How far points are from the result, from what other methods make of points, and from the truth.
+//! The tab of the distances of points from the result, from other methods, and from the ground
+//! truth.
 
 use egui::{Rect, ScrollArea, Sense, Ui, UiBuilder, vec2};
 
@@ -18,14 +19,14 @@ use crate::io::TruthOrigin;
 /// Registered in [`super::TABS`].
 pub const TAB: Tab = Tab { id: TabId::Residuals, tools, show };
 
-/// Where no folder with ground truth is open, whose pairs have these buttons beside them.
+/// Shows the truth buttons, unless the chooser of a folder with ground truth has them.
 fn tools(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     if model.folder().is_none_or(|(folder, _)| folder.known().is_none()) {
         truth_buttons(ui, model, commands);
     }
 }
 
-/// What there is to know about a method: whose it is, what it was made from, the spread of its distances.
+/// Properties of a geometry, each a column of the summary.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Part {
     Name,
@@ -39,7 +40,7 @@ enum Part {
 impl Part {
     const ALL: [Self; 6] = [Self::Name, Self::From, Self::Median, Self::Mean, Self::Largest, Self::BelowOne];
 
-    /// The columns of the summary; where it is narrow, a tooltip has what geometries were made from.
+    /// Returns the columns of the summary. A narrow summary shows `From` as a tooltip.
     fn columns(is_narrow: bool) -> Vec<Self> {
         Self::ALL.into_iter().filter(|part| !(is_narrow && *part == Self::From)).collect()
     }
@@ -49,19 +50,21 @@ impl Part {
             Self::Name => Column::words(
                 "Geometry",
                 92.0,
-                "Whose it is. Click a row, and the whole window shows that geometry.",
+                "Source of the geometry. Click a row to show that geometry in the whole window.",
             ),
-            Self::From => Column::words("From", 176.0, "What it was made from, or what is missing for it."),
-            Self::Median => Column::figures("Median, px", 76.0, "Half of the points are nearer than this."),
+            Self::From => Column::words(
+                "From",
+                176.0,
+                "Data from which the geometry was computed, or the data that are missing.",
+            ),
+            Self::Median => Column::figures("Median, px", 76.0, "Half of the points are closer than this."),
             Self::Mean => Column::figures("Mean, px", 70.0, "Mean distance over all points."),
             Self::Largest => Column::figures("Max, px", 70.0, "Distance of the worst point."),
-            Self::BelowOne => {
-                Column::figures("< 1 px", 56.0, "Which part of the points is nearer than 1 px.")
-            }
+            Self::BelowOne => Column::figures("< 1 px", 56.0, "Share of the points closer than 1 px."),
         }
     }
 
-    /// The figure of a spread, if it is one.
+    /// Returns the value in a spread, for columns of figures.
     fn of(self, spread: &Spread) -> Option<f64> {
         match self {
             Self::Name | Self::From => None,
@@ -73,19 +76,19 @@ impl Part {
     }
 }
 
-/// The geometries that have a row: an imported one only where there is one.
+/// Returns the geometries with a row. An imported geometry has a row only if there is one.
 fn contestants(model: &Model) -> Vec<Contestant> {
     let has_imported = model.document.imported.is_some();
     Contestant::ALL.into_iter().filter(|c| has_imported || *c != Contestant::Imported).collect()
 }
 
-/// A point and its distance to each of some geometries.
+/// Returns the columns of the points table: the point, and its distance to each geometry.
 fn point_columns(contestants: &[Contestant]) -> Vec<Column> {
     let point = Column::figures(
         "Point",
         84.0,
-        "The pair, or the number of the true match. Point at a row to find it in both images; click a pair to \
-                  select it, a true match to inspect its lines.",
+        "The pair, or the number of the true match. Point at a row to find it in both images. Click a pair \
+         to select it, or a true match to inspect its lines.",
     );
     let distance = |contestant: &Contestant| {
         let (title, tooltip) = match contestant {
@@ -95,36 +98,36 @@ fn point_columns(contestants: &[Contestant]) -> Vec<Column> {
             Contestant::Imported => ("Imported", "Distance from the imported geometry, px."),
             Contestant::Truth => ("Truth", "Distance from the true geometry, px."),
         };
-        // A longer name than the others have.
+        // This title is longer than the others.
         let width = if *contestant == Contestant::Imported { 86.0 } else { 68.0 };
         Column { title, tooltip, width, is_text: false }
     };
     std::iter::once(point).chain(contestants.iter().map(distance)).collect()
 }
 
-/// Share of the width that the summary takes, and where both tables are narrow.
+/// Share of the width for the summary, normally and in narrow tables.
 const SUMMARY_SHARE: [f32; 2] = [0.575, 0.53];
-/// With less room than this the summary does without its widest column, screen points.
+/// Width below which the summary leaves out its widest column, screen points.
 const ROOM_FOR_ALL: f32 = 900.0;
-/// Narrower than this, both tables are scrolled sideways, screen points.
+/// Width below which both tables scroll sideways, screen points.
 const LEAST_WIDTH: f32 = 660.0;
-/// Between the tables, screen points.
+/// Space between the tables, screen points.
 const BETWEEN: f32 = 18.0;
 
 fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     if model.document.pairs.is_empty() && model.truth().is_none() {
         empty(
             ui,
-            "How far your pairs are from the epipolar lines appears here, beside what the 7-point and 8-point \
-             algorithms make of them. Click point pairs; or open a VGG folder, or one of pairs with true matches, to \
-             measure at all true matches. The sample has ground truth, too: press Ground truth (G).",
+            "Distances of your pairs from the epipolar lines appear here, beside those of the 7-point and \
+             8-point algorithms. Click point pairs, or open a folder with ground truth (VGG, or pairs with \
+             true matches). The sample has ground truth, too: press Ground truth (G).",
         );
         return;
     }
     choices(ui, model, commands);
     let Some(comparison) = model.open.comparison.as_ref() else { return };
     if comparison.points == 0 {
-        empty(ui, "There are no points to measure at: click a point pair, or choose the true matches above.");
+        empty(ui, "There are no points to measure on. Click a point pair, or choose True matches above.");
         return;
     }
     let room = ui.available_size();
@@ -142,7 +145,7 @@ fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     });
 }
 
-/// What is compared.
+/// Shows the choices of points, measure and input.
 fn choices(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let now = model.look.compared;
     let has_truth = model.truth().is_some();
@@ -155,7 +158,7 @@ fn choices(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     };
     let sets = [(PointSet::Pairs, "Point pairs"), (PointSet::TrueMatches, "True matches")];
     let in_use = |set| if has_truth { set } else { PointSet::Pairs };
-    // Every row that this takes is one less of the tables.
+    // Every row of choices costs a row of the tables.
     let is_narrow = ui.available_width() < ROOM_FOR_ALL;
     ui.horizontal_wrapped(|ui| {
         let spacing = ui.spacing_mut();
@@ -163,35 +166,43 @@ fn choices(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         if is_narrow {
             (spacing.button_padding, spacing.interact_size.y) = (vec2(5.0, 1.0), 20.0);
         }
-        ui.weak("At");
+        ui.weak("Measure on");
         for (set, name) in sets {
             let then = Subject { measured: set, ..now };
             let enabled = has_truth || set == PointSet::Pairs;
             let chosen = in_use(now.measured) == set;
-            choice(ui, name, "Measure at these points.", chosen, enabled, then);
+            choice(ui, name, "Measure on these points.", chosen, enabled, then);
         }
         between(ui, is_narrow);
         ui.weak("Distance");
         for (measure, name, tooltip) in [
-            (Measure::Symmetric, "Symmetric", "Mean distance of two points from each other's epipolar lines."),
-            (Measure::Sampson, "Sampson", "How far the two points would have to move to fit exactly, to first order."),
+            (
+                Measure::Symmetric,
+                "Symmetric",
+                "Mean distance of the two points from each other's epipolar lines.",
+            ),
+            (
+                Measure::Sampson,
+                "Sampson",
+                "Distance that the two points would have to move to fit exactly, to first order.",
+            ),
         ] {
             choice(ui, name, tooltip, now.measure == measure, true, Subject { measure, ..now });
         }
         between(ui, is_narrow);
-        ui.weak("7 and 8 from").on_hover_text("What the 7-point and 8-point algorithms are given.");
+        ui.weak("7/8-point input").on_hover_text("Point pairs given to the 7-point and 8-point algorithms.");
         for set in [PointSet::Pairs, PointSet::TrueMatches] {
             let name = match set {
                 PointSet::Pairs => "Point pairs",
-                PointSet::TrueMatches => "Clicks and truth",
+                PointSet::TrueMatches => "My pairs + true matches",
             };
             let tooltip = match set {
                 PointSet::Pairs => {
-                    "All pairs that are not left out; the 7-point algorithm takes the first seven of them."
+                    "All pairs that are not left out. The 7-point algorithm takes the first seven."
                 }
                 PointSet::TrueMatches => {
-                    "Your own pairs of the estimate, with their errors, and as many true matches as it takes, drawn as \
-                     `epiline evaluate` does."
+                    "Your pairs of the estimate, with their errors, plus as many true matches as needed, \
+                     drawn as by `epiline evaluate`."
                 }
             };
             let then = Subject { fitted: set, ..now };
@@ -202,7 +213,7 @@ fn choices(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     });
 }
 
-/// Parts one choice from the next.
+/// Separates two groups of choices.
 fn between(ui: &mut Ui, is_narrow: bool) {
     if is_narrow {
         ui.add_space(5.0);
@@ -247,7 +258,7 @@ fn summary(
             let (contestant, part) = (contestants[row], parts[column]);
             let compared = comparison.of(contestant);
             match (part, compared.spread.as_ref().and_then(|spread| part.of(spread))) {
-                // Over the columns of the figures that there are not.
+                // The text continues over the empty columns of figures.
                 (Part::Name, _) if is_narrow && compared.fit.is_err() => {
                     format!("{}: {}", contestant.name(), from(model, comparison, contestant))
                 }
@@ -270,14 +281,14 @@ fn summary(
     .show(ui);
     if let Some(row) = touched.clicked {
         let contestant = contestants[row];
-        // Without a result there is nothing that the window shows another geometry in place of.
+        // Without a geometry shown, there is nothing to replace.
         if shown.is_some() && comparison.fundamental(contestant).is_some() {
             commands.push(Command::ChooseContestant(contestant));
         }
     }
 }
 
-/// What a geometry was made from, or what is missing for it.
+/// Describes the data a geometry was computed from, or the data missing.
 fn from(model: &Model, comparison: &Comparison, contestant: Contestant) -> String {
     let fit = match &comparison.of(contestant).fit {
         Ok(fit) => fit,
@@ -357,7 +368,7 @@ fn points(ui: &mut Ui, model: &Model, comparison: &Comparison, commands: &mut Ve
     }
 }
 
-/// A distance with as many digits as it deserves.
+/// Formats a distance: two decimals below 100 px, none from there on.
 fn px(distance: f64) -> String {
     match distance {
         d if !d.is_finite() => "infinite".to_owned(),

@@ -1,4 +1,4 @@
-//! The bisectors with the lines found for them: they give the maps H and G between the pencils.
+//! Overlay of the bisectors and the lines matched to them, which give the line maps H and G.
 
 use super::{Canvas, Overlay};
 use crate::app::model::document::Side;
@@ -8,8 +8,8 @@ use crate::app::view::theme;
 /// Registered in [`super::OVERLAYS`].
 pub const OVERLAY: Overlay = Overlay {
     id: OverlayId::Bisectors,
-    tooltip: "H: the bisector of the left lines with the right line most like it. G: the other way round. Both \
-              maps follow from them.",
+    tooltip: "H: the bisector of the left lines and its most similar right line. G: the same from right to \
+              left. They determine the line maps H and G.",
     color: theme::FORWARD,
     magnified: false,
     draw,
@@ -26,7 +26,7 @@ fn draw(canvas: &Canvas) {
         let Some(line) = lines.map(|lines| canvas.own(&lines)) else { continue };
         canvas.line(&line, theme::LINE_WIDTH, color);
         if let Some(segment) = canvas.frame.clip(&line) {
-            // Near the end where two lines of one pencil are apart.
+            // Near the ends, where the lines of a pencil are apart.
             let at =
                 segment.start + (segment.end - segment.start) * if name == "bisector" { 0.12 } else { 0.88 };
             canvas.label(canvas.transform.screen_from_image(at), name, color);

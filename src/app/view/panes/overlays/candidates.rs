@@ -1,4 +1,4 @@
-//! The candidate line pairs through the clicks: pairs of lines that find each other most similar.
+//! Overlay of the candidate line pairs through the clicks: mutually most similar lines.
 
 use egui::Color32;
 
@@ -10,18 +10,18 @@ use crate::geometry::AnchoredLine;
 /// Registered in [`super::OVERLAYS`].
 pub const OVERLAY: Overlay = Overlay {
     id: OverlayId::Candidates,
-    tooltip: "Candidate epipolar lines through p and q: pairs that look most alike, the best ones yellow, the \
-              last ones violet, as in the tab Pencils.",
+    tooltip: "Candidate epipolar lines through p and q: the most similar line pairs, from yellow (best) to \
+              violet, as in the tab Pencils.",
     color: Color32::from_rgb(92, 200, 99),
     magnified: false,
     draw,
 };
 
-/// Candidates drawn through each click, by rank.
+/// Number of candidates drawn through each click, by rank.
 const DRAWN: usize = 80;
 
 fn draw(canvas: &Canvas) {
-    // Those of earlier points would miss the points as they are.
+    // Candidates of earlier points would miss the present ones.
     let Some(pencils) =
         canvas.model.open.computation.pencils().filter(|_| canvas.model.has_current_pencils())
     else {
@@ -30,7 +30,7 @@ fn draw(canvas: &Canvas) {
     for pencil in pencils {
         let click = canvas.side.point(&pencil.click);
         let drawn = pencil.candidates.len().min(DRAWN);
-        // The best one last, on top.
+        // The best candidate comes last, on top.
         for (rank, candidate) in pencil.candidates.iter().take(drawn).enumerate().rev() {
             let likeness = 1.0 - rank as f32 / drawn.max(1) as f32;
             let line = AnchoredLine::at_angle(click, candidate.angles[canvas.side.index()]).line();

@@ -1,4 +1,4 @@
-//! The epipole of an image, where it is in sight: all epipolar lines pass through it.
+//! Overlay of the epipole of an image, if visible. All epipolar lines pass through it.
 
 use egui::{Color32, Stroke, vec2};
 
@@ -10,7 +10,8 @@ use crate::geometry::{FundamentalMatrix, finite_point};
 /// Registered in [`super::OVERLAYS`].
 pub const OVERLAY: Overlay = Overlay {
     id: OverlayId::Epipoles,
-    tooltip: "Where this image sees the other camera; all epipolar lines meet there. Blue: that of the ground truth.",
+    tooltip: "Position of the other camera in this image, where all epipolar lines meet. Blue: epipole of \
+              the ground truth.",
     color: theme::ESTIMATED,
     magnified: false,
     draw,

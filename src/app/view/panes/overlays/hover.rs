@@ -1,4 +1,4 @@
-//! The pair of epipolar lines of the cursor, both ways, whenever there is a fundamental matrix.
+//! Overlay of the epipolar line of the cursor in both images.
 
 use super::{Canvas, Overlay};
 use crate::app::model::ids::OverlayId;
@@ -16,12 +16,12 @@ pub const OVERLAY: Overlay = Overlay {
 fn draw(canvas: &Canvas) {
     let (Some((shown, opacity)), Some(hover)) = (canvas.shown(), canvas.model.open.hover) else { return };
     if hover.dragging {
-        // The dragged point has a line of its own.
+        // A dragged point has a line of its own.
         return;
     }
     let f = shown.fundamental;
     let (line, width, opacity) = if hover.side == canvas.side {
-        // Faint: here it only shows which line the cursor is on.
+        // Faint, since the cursor is in this image.
         (canvas.line_through(f, hover.point), theme::LINE_WIDTH * 0.75, opacity * 0.55)
     } else {
         (canvas.line_from_other(f, hover.point), theme::LINE_WIDTH, opacity)

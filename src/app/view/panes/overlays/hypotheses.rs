@@ -1,4 +1,5 @@
-//! Where the hypotheses have their epipoles: diamonds in the image, arrows at its edge for those outside.
+//! Overlay of the epipoles of hypotheses: diamonds in the image, arrows at its edge for those
+//! outside.
 
 use egui::{Color32, Pos2, Shape, Stroke, Vec2, vec2};
 
@@ -12,14 +13,14 @@ use crate::geometry::{HomogeneousPoint, Vector, finite_point};
 /// Registered in [`super::OVERLAYS`].
 pub const OVERLAY: Overlay = Overlay {
     id: OverlayId::Hypotheses,
-    tooltip: "Where the hypotheses have their epipoles, the best ones brightest; an arrow at the edge points to one \
-              outside.",
+    tooltip: "Epipoles of the hypotheses, the best ones brightest. An arrow at the edge points to an \
+              epipole outside.",
     color: theme::HYPOTHESIS,
     magnified: false,
     draw,
 };
 
-/// Hypotheses drawn, by rank.
+/// Number of hypotheses drawn, by rank.
 const DRAWN: usize = 20;
 
 fn draw(canvas: &Canvas) {
@@ -45,7 +46,7 @@ fn draw(canvas: &Canvas) {
     }
 }
 
-/// The hypothesis whose mark is at a place of the screen.
+/// Returns the hypothesis whose mark is at a screen position.
 pub fn at(canvas: &Canvas, position: Pos2) -> Option<Pointing> {
     let (shown, _) = canvas.shown()?;
     let hypotheses = shown.estimate.hypotheses().iter().take(DRAWN).enumerate();
@@ -59,7 +60,7 @@ pub fn at(canvas: &Canvas, position: Pos2) -> Option<Pointing> {
 
 fn mark(canvas: &Canvas, hypothesis: &Estimate, color: Color32, size: f32) {
     let (at, outwards) = place(canvas, hypothesis);
-    // An arrow at the edge says where to look in a window; on paper it would be a mark in the picture.
+    // Arrows belong to the window; in a figure they would be marks in the picture.
     if canvas.is_figure && outwards.is_some() {
         return;
     }
@@ -80,7 +81,7 @@ fn mark(canvas: &Canvas, hypothesis: &Estimate, color: Color32, size: f32) {
     }
 }
 
-/// Where its mark is; with a direction when it is an arrow at the edge.
+/// Returns the position of the mark, with a direction if it is an arrow at the edge.
 fn place(canvas: &Canvas, hypothesis: &Estimate) -> (Pos2, Option<Vec2>) {
     let epipole = canvas.side.epipole(hypothesis.fundamental());
     let visible = canvas.sight();
@@ -97,8 +98,8 @@ fn place(canvas: &Canvas, hypothesis: &Estimate) -> (Pos2, Option<Vec2>) {
     (centre + along * reach, Some(along))
 }
 
-/// The unit direction in which a homogeneous point lies from another place. Of a point at infinity both senses
-/// are right; one is taken.
+/// Returns the unit direction from a point to a homogeneous point. For a point at infinity, it is
+/// one of the two opposite directions.
 pub fn direction(point: &HomogeneousPoint, from: crate::geometry::Point) -> Vector {
     let sense = if point.z < 0.0 { -1.0 } else { 1.0 };
     let way = (point.xy() - from.coords * point.z) * sense;

@@ -1,4 +1,4 @@
-//! The epipolar lines of the clicked points: each point's line in the other image.
+//! Overlay of the epipolar lines of the clicked points.
 
 use super::{Canvas, Overlay};
 use crate::app::model::document::{PointRef, Role};
@@ -9,7 +9,7 @@ use crate::geometry::PointPair;
 /// Registered in [`super::OVERLAYS`].
 pub const OVERLAY: Overlay = Overlay {
     id: OverlayId::Lines,
-    tooltip: "Each clicked point's line in the other image. Its match must lie on it.",
+    tooltip: "The line of each clicked point in the other image, on which its match must lie.",
     color: theme::ESTIMATED,
     magnified: true,
     draw,
@@ -32,7 +32,7 @@ fn draw(canvas: &Canvas) {
         let strong = selected == Some(at.pair);
         let width = if strong { theme::STRONG_LINE_WIDTH } else { theme::LINE_WIDTH };
         canvas.line(&line, width, theme::ESTIMATED.gamma_multiply(opacity));
-        // How far the point is from where it should lie; seen when magnified.
+        // The distance of the point from its line, visible when magnified.
         let own = PointRef { side: canvas.side, ..at };
         if let Some(point) = document.point(own) {
             let color = theme::pair_color(at.pair).gamma_multiply(opacity);

@@ -1,4 +1,4 @@
-//! The matches that the refinement found along the epipolar lines.
+//! Overlay of the matches found by the refinement along the epipolar lines.
 
 use egui::Pos2;
 
@@ -12,7 +12,7 @@ use crate::geometry::Point;
 /// Registered in [`super::OVERLAYS`].
 pub const OVERLAY: Overlay = Overlay {
     id: OverlayId::Matches,
-    tooltip: "Patches that the refinement matched along the epipolar lines; the geometry rests on them.",
+    tooltip: "Patches that the refinement matched along the epipolar lines. The geometry is fitted to them.",
     color: theme::MATCH,
     magnified: true,
     draw,
@@ -33,7 +33,7 @@ fn draw(canvas: &Canvas) {
     }
 }
 
-/// The match at a place of the screen.
+/// Returns the match at a screen position.
 pub fn at(canvas: &Canvas, position: Pos2) -> Option<Pointing> {
     let (shown, _) = canvas.shown()?;
     let distances = shown.estimate.matches().iter().enumerate().map(|(number, matched)| {

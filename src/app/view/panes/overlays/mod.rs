@@ -1,4 +1,4 @@
-//! What is drawn over the images: one file each, registered in [`OVERLAYS`].
+//! Overlays of the images, one file each, registered in [`OVERLAYS`].
 
 mod bisectors;
 mod candidates;
@@ -36,21 +36,21 @@ use crate::app::model::shown::ShownGeometry;
 use crate::app::view::theme;
 use crate::geometry::{Frame, FundamentalMatrix, Line, LinePair, Point, PointPair};
 
-/// A layer over the images.
+/// An overlay of the images.
 pub struct Overlay {
-    /// Which one it is.
+    /// Which overlay it is.
     pub id: OverlayId,
-    /// One sentence about it.
+    /// One-sentence description.
     pub tooltip: &'static str,
     /// Colour in the legend.
     pub color: Color32,
-    /// Whether it helps to place a point, so that the loupe shows it too.
+    /// Whether the loupe shows the overlay, because it helps to place a point.
     pub magnified: bool,
-    /// Draws it over one image.
+    /// Function that draws the overlay on one image.
     pub draw: fn(&Canvas),
 }
 
-/// All overlays, from the lowest to the topmost, in the order of their names.
+/// All overlays from bottom to top, in the order of [`OverlayId`].
 pub const OVERLAYS: [Overlay; OverlayId::COUNT] = [
     candidates::OVERLAY,
     round_trip::OVERLAY,
@@ -73,19 +73,19 @@ pub const OVERLAYS: [Overlay; OverlayId::COUNT] = [
     points::OVERLAY,
 ];
 
-/// Something drawn that the cursor is at.
+/// An item under the cursor.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pointing {
-    /// What it is.
+    /// The item.
     pub target: Target,
-    /// How far from the cursor, screen points.
+    /// Distance from the cursor, screen points.
     distance: f32,
 }
 
-/// Says what of an overlay is at a place of the screen.
+/// Function that finds the item of an overlay at a screen position.
 type Finder = fn(&Canvas, Pos2) -> Option<Pointing>;
 
-/// What the cursor points at among what is shown: the nearest thing within reach.
+/// Returns the nearest visible item within reach of the cursor.
 pub fn pointed_at(canvas: &Canvas, position: Pos2) -> Option<Target> {
     let finders: [(OverlayId, Finder); 4] = [
         (OverlayId::Points, points::at),
@@ -95,34 +95,34 @@ pub fn pointed_at(canvas: &Canvas, position: Pos2) -> Option<Target> {
     ];
     let found = finders.iter().filter(|(overlay, _)| canvas.model.look.shows(*overlay));
     let found = found.filter_map(|(_, at)| at(canvas, position));
-    // The plot marks the sample under the cursor whether or not there are dots in the images.
+    // The plot marks the sample under the cursor even if its overlay is off.
     let found = found.chain(samples::at(canvas, position));
     found.min_by(|a, b| a.distance.total_cmp(&b.distance)).map(|pointing| pointing.target)
 }
 
-/// The true matches that are drawn over the images, with their places in the list.
+/// Returns the true matches drawn over the images, with their indices; none if the overlay is off.
 pub fn true_matches_shown(model: &Model) -> impl Iterator<Item = (usize, &PointPair)> {
     let shown = model.look.shows(OverlayId::TrueMatches);
     true_matches::drawn(model).filter(move |_| shown)
 }
 
-/// The texts that stand on an image already.
+/// Areas of an image occupied by text.
 #[derive(Debug, Default)]
 pub struct Labels(RefCell<Vec<Rect>>);
 
 impl Labels {
-    /// Whether no text stands there.
+    /// Returns whether an area is free of text.
     fn is_free(&self, area: Rect) -> bool {
         self.0.borrow().iter().all(|other| !other.intersects(area))
     }
 
-    /// Keeps a place for a text.
+    /// Marks an area as occupied.
     fn take(&self, area: Rect) {
         self.0.borrow_mut().push(area);
     }
 
-    /// A place for a text of this size beside `at`: above to the right, or where there is room in the pane and no other
-    /// text; among many texts the first place again.
+    /// Occupies and returns an area for a text of this size near `at`. It is the first area in the pane
+    /// that is free, or else the first one in the pane.
     fn place(&self, pane: Rect, at: Pos2, size: Vec2) -> Rect {
         let places = [1.0, 2.2, 3.4].into_iter().flat_map(|steps| {
             let away = 9.0 + (steps - 1.0) * size.y;
@@ -140,43 +140,43 @@ impl Labels {
     }
 }
 
-/// An image on the screen, to be drawn over.
+/// Drawing surface over an image.
 pub struct Canvas<'a> {
-    /// Clipped to the pane.
+    /// Painter, clipped to the pane.
     pub painter: &'a Painter,
-    /// Where image pixels appear.
+    /// Transform of the image.
     pub transform: &'a Transform,
-    /// Which image it is.
+    /// The image below.
     pub side: Side,
     /// Size of the image.
     pub frame: Frame,
-    /// The state to be shown.
+    /// The displayed state.
     pub model: &'a Model,
-    /// The names beside things, where they have names.
+    /// Occupied text areas; `None` if no labels are drawn.
     pub labels: Option<&'a Labels>,
-    /// Whether it goes into a figure rather than into the window.
+    /// Whether the surface is a figure instead of the window.
     pub is_figure: bool,
 }
 
 impl Canvas<'_> {
-    /// The geometry to be drawn and how opaque its lines are.
+    /// Returns the geometry shown and the opacity of its lines.
     fn shown(&self) -> Option<(ShownGeometry<'_>, f32)> {
         self.model.shown().map(|shown| {
             (shown, if shown.freshness == Freshness::Stale { theme::STALE_OPACITY } else { 1.0 })
         })
     }
 
-    /// What a person has under the cursor or has selected just now: a figure shows nothing of it.
+    /// Returns a cursor or selection state in the window, and nothing in a figure.
     fn at_hand<T>(&self, of_state: Option<T>) -> Option<T> {
         of_state.filter(|_| !self.is_figure)
     }
 
-    /// What of the image is in sight, on the screen.
+    /// Returns the visible area of the image on the screen.
     fn sight(&self) -> Rect {
         self.transform.rect.intersect(self.painter.clip_rect())
     }
 
-    /// The epipolar line in this image of a point of the other.
+    /// Returns the epipolar line in this image of a point in the other image.
     fn line_from_other(&self, f: &FundamentalMatrix, point: Point) -> Option<Line> {
         match self.side {
             Side::Left => f.line1_from_point2(point),
@@ -184,20 +184,20 @@ impl Canvas<'_> {
         }
     }
 
-    /// The epipolar line in this image through one of its own points.
+    /// Returns the epipolar line in this image through one of its points.
     fn line_through(&self, f: &FundamentalMatrix, point: Point) -> Option<Line> {
         let epipole = self.side.epipole(f);
         Line::joining(&epipole, &point.to_homogeneous())
     }
 
-    /// A line as far as it lies on the image, with a dark edge.
+    /// Draws the part of a line on the image, with a dark edge.
     fn line(&self, line: &Line, width: f32, color: Color32) {
         if let Some(segment) = self.frame.clip(line) {
             self.segment(segment.start, segment.end, width, color);
         }
     }
 
-    /// A line as far as it lies on the image, without an edge: for the many lines of a pencil.
+    /// Draws the part of a line on the image, without an edge, for the many lines of a pencil.
     fn thin_line(&self, line: &Line, width: f32, color: Color32) {
         if let Some(segment) = self.frame.clip(line) {
             let ends = [segment.start, segment.end].map(|point| self.transform.screen_from_image(point));
@@ -205,22 +205,22 @@ impl Canvas<'_> {
         }
     }
 
-    /// A dashed line as far as it lies on the visible part of the image, with a dark edge.
+    /// Draws the visible part of a line dashed, with a dark edge.
     fn dashed_line(&self, line: &Line, width: f32, color: Color32) {
-        // Dashes out of sight would be drawn one by one too: many thousands when magnified.
+        // Dashes out of view would cost time: many thousands when magnified.
         let Some(ends) = self.in_sight(line) else { return };
         self.painter.line_segment(ends, Stroke::new(width + 1.5, theme::HALO.gamma_multiply(0.5)));
         self.painter.extend(Shape::dashed_line(&ends, Stroke::new(width, color), 7.0, 5.0));
     }
 
-    /// The ends on the screen of a line as far as it lies on the visible part of the image.
+    /// Returns the screen ends of the visible part of a line.
     fn in_sight(&self, line: &Line) -> Option<[Pos2; 2]> {
         let segment = self.frame.clip(line)?;
         let ends = [segment.start, segment.end].map(|point| self.transform.screen_from_image(point));
         within(ends, self.sight())
     }
 
-    /// The line of a pair that lies in this image.
+    /// Returns the line of a pair that lies in this image.
     fn own(&self, lines: &LinePair) -> Line {
         match self.side {
             Side::Left => lines.line1,
@@ -228,7 +228,7 @@ impl Canvas<'_> {
         }
     }
 
-    /// A stretch between two image positions, with a dark edge.
+    /// Draws a segment between two image positions, with a dark edge.
     fn segment(&self, start: Point, end: Point, width: f32, color: Color32) {
         let ends = [self.transform.screen_from_image(start), self.transform.screen_from_image(end)];
         let opacity = f32::from(color.a()) / 255.0;
@@ -236,7 +236,7 @@ impl Canvas<'_> {
         self.painter.line_segment(ends, Stroke::new(width, color));
     }
 
-    /// A dot at an image position, with a dark edge.
+    /// Draws a dot at an image position, with a dark edge.
     fn dot(&self, at: Point, radius: f32, color: Color32) {
         let at = self.transform.screen_from_image(at);
         let opacity = f32::from(color.a()) / 255.0;
@@ -244,7 +244,7 @@ impl Canvas<'_> {
         self.painter.circle_filled(at, radius, color);
     }
 
-    /// A short text beside a place on the screen, kept inside the pane and off other texts.
+    /// Writes a short text near a screen position, inside the pane and clear of other texts.
     fn label(&self, at: Pos2, text: &str, color: Color32) {
         let Some(labels) = self.labels else { return };
         let galley = self.painter.layout_no_wrap(text.to_owned(), FontId::proportional(13.0), color);
@@ -256,7 +256,7 @@ impl Canvas<'_> {
     }
 }
 
-/// The part of a stretch that lies in a rectangle.
+/// Clips a segment to a rectangle.
 fn within([start, end]: [Pos2; 2], area: Rect) -> Option<[Pos2; 2]> {
     let (mut from, mut to) = (0.0f32, 1.0f32);
     let way = end - start;
@@ -278,7 +278,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_stretch_is_cut_at_the_edges_of_a_rectangle() {
+    fn a_segment_is_clipped_to_a_rectangle() {
         let area = Rect::from_min_max(Pos2::new(10.0, 10.0), Pos2::new(110.0, 60.0));
         let at = |x: f32, y: f32| Pos2::new(x, y);
         assert_eq!(within([at(0.0, 20.0), at(200.0, 20.0)], area), Some([at(10.0, 20.0), at(110.0, 20.0)]));

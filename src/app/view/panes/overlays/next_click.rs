@@ -1,4 +1,4 @@
-//! Where one more pair would help most while the result is in doubt.
+//! Overlay of the place where one more pair would help most, while the result is doubtful.
 
 use egui::{Shape, Stroke, vec2};
 
@@ -10,14 +10,14 @@ use crate::app::view::theme;
 /// Registered in [`super::OVERLAYS`].
 pub const OVERLAY: Overlay = Overlay {
     id: OverlayId::NextClick,
-    tooltip: "While the result is in doubt: the place in the left image where one more pair would tell most.",
+    tooltip: "The place in the left image where one more pair would help most, while the result is doubtful.",
     color: theme::SUGGESTED,
     magnified: false,
     draw,
 };
 
 const RADIUS: f32 = 11.0;
-/// Corners of the dashed ring.
+/// Number of vertices of the dashed ring.
 const CORNERS: usize = 36;
 
 fn draw(canvas: &Canvas) {
@@ -36,5 +36,5 @@ fn draw(canvas: &Canvas) {
             canvas.painter.line_segment([at - arm * 4.0, at + arm * 4.0], Stroke::new(width, color));
         }
     }
-    canvas.label(at, "A pair here would help most", theme::SUGGESTED);
+    canvas.label(at, "Add a pair here", theme::SUGGESTED);
 }

@@ -1,4 +1,5 @@
-//! Line pairs that were pinned: a colour each, the same in both images, and a number where there is room for it.
+//! Overlay of the pinned line pairs: one colour per pair in both images, and a number where there
+//! is room.
 
 use egui::{Align2, Color32, FontId, Pos2, Rect, vec2};
 
@@ -9,20 +10,21 @@ use crate::app::view::theme;
 /// Registered in [`super::OVERLAYS`].
 pub const OVERLAY: Overlay = Overlay {
     id: OverlayId::Pinned,
-    tooltip: "Line pairs pinned with the pin tool, each with a colour in both images, and with a number at the left where \
-              there is room. A right click on a line tells its number, too.",
+    tooltip: "Line pairs pinned with the pin tool, each in its own colour, with a number at the left where \
+              there is room. Right-click a line to see its number.",
     color: theme::PINNED[0],
     magnified: true,
     draw,
 };
 
-/// Places for a number from the border inwards, each as far from the one before as a number is wide.
+/// Number of places tried for a number, from the border inwards.
 const STEPS: usize = 7;
-/// Between two of these places, screen points.
+/// Space between these places, screen points.
 const BETWEEN: f32 = 3.0;
-/// Share of a line, from the border, along which its number may stand: farther in it would cover the image.
+/// Share of a line, from the border, on which its number may stand. Farther inwards it would cover
+/// the image.
 const BORDER: f32 = 0.4;
-/// How near to a line a right click means it, screen points.
+/// Distance within which a right click hits a line, screen points.
 const REACH: f64 = 5.0;
 
 fn draw(canvas: &Canvas) {
@@ -34,17 +36,17 @@ fn draw(canvas: &Canvas) {
         let width = if strong { theme::STRONG_LINE_WIDTH } else { theme::LINE_WIDTH };
         let line = pinned.lines[canvas.side.index()].line();
         canvas.line(&line, width, color);
-        // Where the line is in sight.
+        // Only where the line is visible.
         numbers.extend(canvas.in_sight(&line).map(|ends| (!strong, number, ends, color)));
     }
-    // Above all lines; the one that is looked at has its number before the others.
+    // Above all lines; the number of the inspected line comes first.
     numbers.sort_by_key(|(later, number, ..)| (*later, *number));
     for (_, number, ends, color) in numbers {
         write_on(canvas, ends, number, color);
     }
 }
 
-/// The pinned line under the cursor, by its number.
+/// Returns the number of the pinned line under the cursor.
 pub fn number_at(canvas: &Canvas, position: Pos2) -> Option<usize> {
     let at = canvas.transform.image_from_screen(position);
     let away = canvas.model.pinned().map(|(number, pinned)| {
@@ -55,8 +57,8 @@ pub fn number_at(canvas: &Canvas, position: Pos2) -> Option<usize> {
     near.min_by(|(_, a), (_, b)| a.total_cmp(b)).map(|(number, _)| number)
 }
 
-/// Writes a number onto its line, as near to the left border as no other text is in the way; a number that would cover
-/// another one is left out.
+/// Writes a number onto its line, as near to the left border as other texts allow. Leaves out a
+/// number that would cover another one.
 fn write_on(canvas: &Canvas, [a, b]: [Pos2; 2], number: usize, color: Color32) {
     let Some(labels) = canvas.labels else { return };
     let font = FontId::proportional(12.0);
@@ -68,7 +70,7 @@ fn write_on(canvas: &Canvas, [a, b]: [Pos2; 2], number: usize, color: Color32) {
     let step = size.x + BETWEEN;
     let ways =
         (0..STEPS).map(|k| (0.5 + k as f32) * step).take_while(|way| *way <= (BORDER * length).max(step));
-    // Of a line along the border the number is moved inside.
+    // The number of a line along the border is moved inside.
     let places = ways.map(|way| moved_into(Rect::from_center_size(start + along * way, size), sight));
     let Some(area) = places.into_iter().find(|area| sight.contains_rect(*area) && labels.is_free(*area))
     else {
@@ -80,7 +82,7 @@ fn write_on(canvas: &Canvas, [a, b]: [Pos2; 2], number: usize, color: Color32) {
     canvas.painter.galley(corner, galley, color);
 }
 
-/// Moves a rectangle as little as it takes to be inside another one.
+/// Moves a rectangle by the smallest distance that brings it inside another one.
 fn moved_into(area: Rect, other: Rect) -> Rect {
     let by = (other.min - area.min).max(vec2(0.0, 0.0)) + (other.max - area.max).min(vec2(0.0, 0.0));
     area.translate(by)

@@ -1,4 +1,4 @@
-//! What is pointed at elsewhere in the window: its place in the images lights up.
+//! Overlay of the item pointed at elsewhere in the window.
 
 use egui::Stroke;
 
@@ -12,7 +12,7 @@ use crate::geometry::Point;
 /// Registered in [`super::OVERLAYS`].
 pub const OVERLAY: Overlay = Overlay {
     id: OverlayId::PointedAt,
-    tooltip: "What the cursor points at in a table, a matrix or a plot, here in the images.",
+    tooltip: "The item under the cursor in a table, a matrix or a plot, highlighted in the images.",
     color: theme::SELECTED,
     magnified: false,
     draw,
@@ -63,7 +63,7 @@ fn draw(canvas: &Canvas) {
     }
 }
 
-/// A place in the rectified pictures: its pixel and its epipolar line in both images.
+/// Highlights the pixel and the epipolar line of a position in the rectified pictures.
 fn rectified(canvas: &Canvas, side: Option<Side>, at: Point) {
     let Some(rectified) = canvas.model.open.rectified.as_ref() else { return };
     let Ok(drawn) = &rectified.outcome else { return };

@@ -1,4 +1,5 @@
-//! The clicked points: rings, so that the pixel they mark stays in sight; squares for those that only check.
+//! Overlay of the clicked points: rings, which leave the marked pixel visible, and squares for
+//! pairs that only check.
 
 use egui::{Pos2, Rect, Stroke, StrokeKind, Vec2};
 
@@ -11,8 +12,8 @@ use crate::app::view::theme;
 /// Registered in [`super::OVERLAYS`].
 pub const OVERLAY: Overlay = Overlay {
     id: OverlayId::Points,
-    tooltip: "The clicked points: p orange, q pink, r blue, others light; squares only check, and ! marks a pair that the images \
-              speak against.",
+    tooltip: "The clicked points: p orange, q pink, r blue, others light. Squares only check, and ! marks a \
+              pair that the images contradict.",
     color: theme::PAIRS[0],
     magnified: false,
     draw,
@@ -48,7 +49,7 @@ fn draw(canvas: &Canvas) {
     }
 }
 
-/// The pair whose handle is at a place of the screen.
+/// Returns the pair with a point at a screen position.
 pub fn at(canvas: &Canvas, position: Pos2) -> Option<Pointing> {
     let distances = canvas
         .model

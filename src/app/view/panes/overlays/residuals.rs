@@ -1,4 +1,4 @@
-//! How far each refined match is from where it should lie, magnified.
+//! Overlay of the magnified distances of refined matches from their epipolar lines.
 
 use super::{Canvas, Overlay};
 use crate::app::model::ids::OverlayId;
@@ -7,16 +7,16 @@ use crate::app::view::theme;
 /// Registered in [`super::OVERLAYS`].
 pub const OVERLAY: Overlay = Overlay {
     id: OverlayId::MagnifiedResiduals,
-    tooltip: "From each refined match to its epipolar line, 50 times as long as in the image: one pixel off is a \
-              stroke of 50 pixels.",
+    tooltip: "Distance from each refined match to its epipolar line, magnified 50 times: 1 pixel is drawn \
+              as 50 pixels.",
     color: theme::RESIDUAL,
     magnified: false,
     draw,
 };
 
-/// How many times longer than it is a residual is drawn.
+/// Magnification of a residual.
 const MAGNIFICATION: f64 = 50.0;
-/// Strokes drawn at most, spread over the list, which is in the order of the corners.
+/// Largest number of residuals drawn, spread over the list, which is in the order of the corners.
 const DRAWN: usize = 300;
 
 fn draw(canvas: &Canvas) {
@@ -29,7 +29,7 @@ fn draw(canvas: &Canvas) {
             let end = point + (line.foot(point) - point) * MAGNIFICATION;
             let color = theme::RESIDUAL.gamma_multiply(opacity);
             canvas.segment(point, end, 2.0, color);
-            // Where it begins, so that its direction shows and a short one as well.
+            // A dot marks the start, so that the direction and short residuals are visible.
             canvas.dot(point, 2.0, color);
         }
     }

@@ -1,4 +1,5 @@
-//! Lines carried to the other image and back: where `l` and `GH l` differ, the two maps contradict each other.
+//! Overlay of lines mapped to the other image and back. Where `l` and `GH l` differ, the maps
+//! contradict each other.
 
 use egui::{Mesh, Shape};
 
@@ -11,14 +12,14 @@ use crate::geometry::{Point, regions_between_lines};
 /// Registered in [`super::OVERLAYS`].
 pub const OVERLAY: Overlay = Overlay {
     id: OverlayId::RoundTrip,
-    tooltip: "Left: lines l and what comes back of them, GH l (dashed), with the area between filled. Right: H l. \
-              The smaller the area, the better both directions agree.",
+    tooltip: "Left: lines l, and GH l (dashed) after mapping them to the right image and back. Right: H l. \
+              The smaller the filled area, the better both directions agree.",
     color: theme::BACKWARD,
     magnified: false,
     draw,
 };
 
-/// Lines carried over and back.
+/// Number of lines mapped.
 const LINES: usize = 14;
 
 fn draw(canvas: &Canvas) {
@@ -40,7 +41,7 @@ fn draw(canvas: &Canvas) {
     }
 }
 
-/// A convex region as a fan of triangles: a filled path would blur its long thin ends.
+/// Fills a convex region with a fan of triangles. A filled path would blur its long thin ends.
 fn fill(canvas: &Canvas, region: &[Point]) {
     let color = theme::BACKWARD.gamma_multiply(0.3);
     let mut mesh = Mesh::default();

@@ -1,4 +1,5 @@
-//! Samples of the inspected line pair, matched: the same colour in both images belongs together.
+//! Overlay of the matched samples of the inspected line pair. Matching samples have the same
+//! colour.
 
 use egui::{Pos2, Rect, Vec2};
 
@@ -14,8 +15,7 @@ use crate::geometry::Point;
 /// Registered in [`super::OVERLAYS`].
 pub const OVERLAY: Overlay = Overlay {
     id: OverlayId::Samples,
-    tooltip: "Places along the pinned line pair that stereo matching puts together: dots of one colour belong \
-              together.",
+    tooltip: "Matched samples along the pinned line pair. Dots of the same colour match.",
     color: theme::INSPECTED,
     magnified: false,
     draw,
@@ -23,11 +23,11 @@ pub const OVERLAY: Overlay = Overlay {
 
 /// Radius of a dot with its dark edge, screen points.
 const RADIUS: f32 = 5.0;
-/// Dots along a line, about.
+/// Approximate number of dots on a line.
 const DOTS: i32 = 32;
 
 fn draw(canvas: &Canvas) {
-    // The line pair that is inspected when none is pinned would be in the way all the time.
+    // A pair that is inspected without being pinned would be in the way all the time.
     let pinned = canvas.model.open.focus.inspected().is_some();
     let Some(inspection) = inspection(canvas).filter(|_| pinned) else { return };
     let samples = inspection.samples();
@@ -35,13 +35,13 @@ fn draw(canvas: &Canvas) {
     for sample in samples.step_by((count / DOTS).max(1) as usize) {
         if let [Some(own), other] = places(canvas, inspection, sample) {
             let at = canvas.transform.screen_from_image(own);
-            // The number of a line is more than one of its dots.
+            // The number of a line is more important than one of its dots.
             let area = Rect::from_center_size(at, Vec2::splat(2.0 * RADIUS));
             if canvas.labels.is_some_and(|labels| !labels.is_free(area)) {
                 continue;
             }
             canvas.painter.circle_filled(at, RADIUS, theme::HALO);
-            // One whose match falls outside the other image has none to be compared with.
+            // A sample whose match is outside the other image has no colour.
             if other.is_some() {
                 canvas.painter.circle_filled(
                     at,
@@ -53,13 +53,13 @@ fn draw(canvas: &Canvas) {
     }
 }
 
-/// The answer for the line pair that is inspected now.
+/// Returns the inspection of the present line pair.
 fn inspection<'a>(canvas: &Canvas<'a>) -> Option<&'a Inspection> {
     let lines = canvas.model.inspected()?.lines;
     canvas.model.open.inspection.as_ref().filter(|inspection| inspection.lines == lines)
 }
 
-/// Where a sample is in this image and in the other one.
+/// Returns the position of a sample in this image, and in the other one.
 fn places(canvas: &Canvas, inspection: &Inspection, sample: i32) -> [Option<Point>; 2] {
     let (left, right) = (inspection.point1(sample), inspection.point2(sample));
     match canvas.side {
@@ -68,12 +68,12 @@ fn places(canvas: &Canvas, inspection: &Inspection, sample: i32) -> [Option<Poin
     }
 }
 
-/// Where a sample is in this image.
+/// Returns the position of a sample in this image.
 pub fn place(canvas: &Canvas, sample: i32) -> Option<Point> {
     places(canvas, inspection(canvas)?, sample)[0]
 }
 
-/// The sample at a place of the screen.
+/// Returns the sample at a screen position.
 pub fn at(canvas: &Canvas, position: Pos2) -> Option<Pointing> {
     let inspection = inspection(canvas)?;
     let point = canvas.transform.image_from_screen(position);

@@ -1,4 +1,4 @@
-//! Where the match of a first click may be.
+//! Overlay of suggested matches of a first click.
 
 use egui::Stroke;
 
@@ -9,16 +9,16 @@ use crate::app::view::theme;
 /// Registered in [`super::OVERLAYS`].
 pub const OVERLAY: Overlay = Overlay {
     id: OverlayId::Suggestion,
-    tooltip: "After the first click of a pair: where the other image looks most alike, with the correlation of the \
-              patches. Enter accepts a clear one.",
+    tooltip: "After the first click of a pair: the most similar places in the other image, with their patch \
+              correlations. Enter accepts a clear match.",
     color: theme::SUGGESTED,
     magnified: true,
     draw,
 };
 
-/// Rivals drawn beside the best place.
+/// Number of rivals drawn beside the best match.
 const RIVALS: usize = 4;
-/// Nearer to a better place than this a rival has no label: it would cover the other one. Screen points.
+/// Distance from a better match within which a rival has no label, screen points.
 const LABEL_ROOM: f32 = 70.0;
 
 fn draw(canvas: &Canvas) {
@@ -42,8 +42,8 @@ fn draw(canvas: &Canvas) {
         }
         if rank == 0 {
             canvas.painter.circle_filled(*at, 2.0, color);
-            let text = if clear { "match? Enter accepts" } else { "not clear" };
-            canvas.label(*at, &format!("{correlation:.2}, {text}"), color);
+            let text = if clear { "Enter to accept" } else { "unclear" };
+            canvas.label(*at, &format!("{text} ({correlation:.2})"), color);
         } else if places[..rank].iter().all(|(_, better)| better.distance(*at) > LABEL_ROOM) {
             canvas.label(*at, &format!("{correlation:.2}"), theme::SUGGESTED.gamma_multiply(0.8));
         }

@@ -1,4 +1,4 @@
-//! The true epipolar lines of the same points that the estimated ones belong to.
+//! Overlay of the true epipolar lines of the same points.
 
 use super::{Canvas, Overlay};
 use crate::app::model::document::Role;
@@ -8,8 +8,8 @@ use crate::app::view::theme;
 /// Registered in [`super::OVERLAYS`].
 pub const OVERLAY: Overlay = Overlay {
     id: OverlayId::TrueLines,
-    tooltip: "Where the ground truth has the epipolar line of each clicked point, and of the cursor. Dashed, so that \
-              an estimated line shows through where the two agree.",
+    tooltip: "True epipolar lines of the clicked points and of the cursor, from the ground truth. Dashed, \
+              so that an estimated line below shows through.",
     color: theme::TRUE,
     magnified: true,
     draw,

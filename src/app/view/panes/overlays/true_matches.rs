@@ -1,4 +1,4 @@
-//! The true matches, the same ones in both images.
+//! Overlay of the true matches, the same ones in both images.
 
 use egui::{Pos2, Stroke};
 
@@ -12,21 +12,22 @@ use crate::geometry::PointPair;
 /// Registered in [`super::OVERLAYS`].
 pub const OVERLAY: Overlay = Overlay {
     id: OverlayId::TrueMatches,
-    tooltip: "Points whose match in the other image is known. Point at one to see the other; of more than 300 only \
-              some are drawn.",
+    tooltip: "Points whose match in the other image is known. Point at one to see its match. At most 300 \
+              are drawn.",
     color: theme::TRUE,
     magnified: false,
     draw,
 };
 
-/// Marks drawn at most, spread over the list.
+/// Largest number of matches drawn, spread over the list.
 const DRAWN: usize = 300;
-/// Half the width of a mark, screen points: of a few, and of many, which must not hide the image.
+/// Half-width of a mark, screen points, for few and for many matches. Many large marks would hide
+/// the image.
 const SIZES: [f32; 2] = [3.4, 2.2];
-/// More than this are many.
+/// Largest number of matches that counts as few.
 const FEW: usize = 80;
 
-/// True matches that are drawn, with their places in the list.
+/// Returns the true matches that are drawn, with their indices.
 pub fn drawn(model: &Model) -> impl Iterator<Item = (usize, &PointPair)> {
     let matches: &[PointPair] = model.truth().map_or(&[], |truth| &truth.matches);
     matches.iter().enumerate().step_by(matches.len().div_ceil(DRAWN).max(1))
@@ -43,7 +44,7 @@ fn draw(canvas: &Canvas) {
         }
         let lit = canvas.at_hand(canvas.model.open.focus.hovered()) == Some(Target::TrueMatch(number));
         let (size, color) = if lit { (usual + 3.0, theme::SELECTED) } else { (usual, theme::TRUE) };
-        // Crosses, so that they are not taken for the dots of what the program found.
+        // Crosses distinguish true matches from the dots of estimated ones.
         for (x, y) in [(1.0, 1.0), (1.0, -1.0)] {
             let arm = egui::vec2(x, y) * size;
             canvas.painter.line_segment([at - arm, at + arm], Stroke::new(2.6, theme::HALO));
@@ -55,7 +56,7 @@ fn draw(canvas: &Canvas) {
     }
 }
 
-/// The match at a place of the screen.
+/// Returns the match at a screen position.
 pub fn at(canvas: &Canvas, position: Pos2) -> Option<Pointing> {
     let distances = drawn(canvas.model).map(|(number, pair)| {
         (number, canvas.transform.screen_from_image(canvas.side.point(pair)).distance(position))

@@ -1,4 +1,4 @@
-//! How well the geometry is determined: bands around the epipolar lines, and the ellipse of the epipole.
+//! Overlay of the uncertainty: bands around epipolar lines, and the ellipse of the epipole.
 
 use egui::{Mesh, Shape, Stroke};
 
@@ -12,23 +12,23 @@ use crate::geometry::{Line, Point, Vector};
 /// Registered in [`super::OVERLAYS`].
 pub const OVERLAY: Overlay = Overlay {
     id: OverlayId::Uncertainty,
-    tooltip: "Two standard deviations around each epipolar line and epipole, as far as the matches leave it open; \
-              often narrower than the line until you zoom in.",
+    tooltip: "Uncertainty of each epipolar line and epipole: two standard deviations, from the matches. \
+              Often narrower than the line until you zoom in.",
     color: theme::BAND,
     magnified: true,
     draw,
 };
 
-/// Standard deviations to either side.
+/// Half-width of a band, in standard deviations.
 const REACH: f64 = 2.0;
-/// Pieces of a band: its edges are hyperbolas.
+/// Number of pieces of a band, whose edges are hyperbolas.
 const PIECES: usize = 24;
-/// A band narrower than this on the screen is hidden under its line, points.
+/// Width below which a band is hidden by its line, screen points.
 const LEAST: f32 = 1.2;
 
 fn draw(canvas: &Canvas) {
     let Some((shown, opacity)) = canvas.shown() else { return };
-    // The covariance belongs to the result.
+    // The covariance belongs to the result only.
     let (None, None, Some(uncertainty)) = (shown.hypothesis, shown.contestant, shown.estimate.uncertainty())
     else {
         return;
@@ -83,7 +83,7 @@ fn band(canvas: &Canvas, uncertainty: &Uncertainty, other: Point, line: &Line, o
 fn outline(canvas: &Canvas, ellipse: &EpipoleEllipse, opacity: f32) {
     let (sin, cos) = ellipse.angle.sin_cos();
     let [long, short] = ellipse.half_axes.map(|half| half * REACH);
-    // Far away it would be drawn as a line through everything.
+    // The ellipse of a distant epipole would look like a line through the image.
     if !canvas.frame.contains(ellipse.centre) {
         return;
     }

@@ -1,4 +1,4 @@
-//! What stands beside the rectified pictures: the choices, the method and its reason, warnings, measures.
+//! The column beside the rectified pictures: choices, method, warnings and quality measures.
 
 use std::fmt::Write;
 
@@ -12,13 +12,14 @@ use crate::app::model::rectified::{Blink, DrawnPair, Guides, Rectified, Rectifie
 use crate::app::view::theme;
 use crate::rectify::{Distortion, Measures, RectifyMethod, RectifyWarning};
 
-/// Disparity ranges are given in multiples of this, px: block matchers want it.
+/// Step of disparity ranges, px, as block matchers require.
 const RANGE_STEP: f64 = 16.0;
-/// What is added to the disparities of the matches on either side, px: other points may lie a little beyond.
+/// Margin added to the disparities of the matches on either side, px, as other points may lie
+/// beyond.
 const RANGE_MARGIN: f64 = 4.0;
 
-/// Shows it in a column beside the pictures or, where `wide`, in a strip below them; with a scroll bar where there is
-/// little room.
+/// Shows the column beside the pictures or, if `wide`, the strip below them. It scrolls where there
+/// is little room.
 pub fn show(
     ui: &mut Ui,
     wide: bool,
@@ -31,7 +32,7 @@ pub fn show(
         ui.spacing_mut().item_spacing.y = 4.0;
         ui.spacing_mut().button_padding.x = 7.0;
         if wide {
-            // Not in columns of egui, which spread the words of a text over their whole width.
+            // Columns of egui would justify the words of a text.
             let area = ui.available_rect_before_wrap();
             let (left, right) = area.split_left_right_at_fraction(0.44);
             ui.scope_builder(UiBuilder::new().max_rect(left.with_max_x(left.max.x - theme::GAP)), |ui| {
@@ -43,7 +44,7 @@ pub fn show(
                 measures(ui, rectified, drawn);
             });
         } else {
-            // Below what is clicked, which stays in its place.
+            // The choices stay in place, so the warnings come below them.
             choosers(ui, model, drawn, commands);
             warnings(ui, model, rectified, drawn);
             method(ui, drawn);
@@ -59,9 +60,9 @@ fn choosers(ui: &mut Ui, model: &Model, drawn: &DrawnPair, commands: &mut Vec<Co
     ui.horizontal(|ui| guide_chooser(ui, model, commands));
 }
 
-/// What to beware of.
+/// Shows the warnings.
 fn warnings(ui: &mut Ui, model: &Model, rectified: &Rectified, drawn: &DrawnPair) {
-    // The pair may still be of the geometry that was shown before.
+    // The pair may still belong to the previous geometry.
     let is_of_shown = model.shown().is_some_and(|shown| *shown.fundamental == rectified.fundamental);
     for warning in &drawn.full.warnings {
         let of_shown = match warning {
@@ -73,7 +74,7 @@ fn warnings(ui: &mut Ui, model: &Model, rectified: &Rectified, drawn: &DrawnPair
     }
 }
 
-/// Which method it is, and why.
+/// Shows the method and the reason for it.
 fn method(ui: &mut Ui, drawn: &DrawnPair) {
     let full = &drawn.full;
     ui.weak(format!("{}, because {}.", sentence(full.method.name()), full.reason));
@@ -87,19 +88,19 @@ fn measures(ui: &mut Ui, rectified: &Rectified, drawn: &DrawnPair) {
     if let Some((map, _)) = &drawn.disparity {
         let [least, most] = map.range;
         let [least, most] = [least, most].map(|v| format!("{v:.0}").replace('-', "−"));
-        ui.label(format!("Disparity preview: {least} to {most} px, {:.0} % of the pixels", map.matched() * 100.0))
+        ui.label(format!("Disparity preview: {least} to {most} px, {:.0} % matched", map.matched() * 100.0))
             .on_hover_text(
-                "What a coarse matching of the rows finds: the columns by which nearly everything is farther left in the \
-                 right picture, and how much of the left picture has a match. Above 70 % is good; below 40 % the \
-                 rows hardly correspond, or little overlaps.",
+                "Result of a coarse matching of the rows: the range of nearly all disparities, and the \
+                 share of the left picture that has a match. Above 70 % is good. Below 40 %, the rows \
+                 hardly correspond, or the pictures overlap little.",
             );
     }
     let size = full.size;
     ui.weak(format!("{} × {} px", size.width, size.height))
-        .on_hover_text("Size of each picture as it is written; on the screen it may be drawn smaller.");
+        .on_hover_text("Size of each exported picture. On the screen, it may be smaller.");
 }
 
-/// Auto, planar or polar.
+/// Shows the choice of the method.
 pub fn method_chooser(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     name(ui, "Method");
     for (method, title) in
@@ -120,7 +121,7 @@ fn layout_chooser(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     }
 }
 
-/// How far the right picture is shifted.
+/// Shows the shift of the right picture.
 fn shift_chooser(ui: &mut Ui, model: &Model, drawn: &DrawnPair, commands: &mut Vec<Command>) {
     name(ui, "Shift");
     let mut shift = model.open.viewing.shift;
@@ -128,8 +129,8 @@ fn shift_chooser(ui: &mut Ui, model: &Model, drawn: &DrawnPair, commands: &mut V
     ui.spacing_mut().slider_width = 84.0;
     let slider = ui.add(Slider::new(&mut shift, -reach..=reach).suffix(" px").fixed_decimals(0));
     let slider = slider.on_hover_text(
-        "How far to the right the right picture is shown, px as it is written. A click on the ring of a pair, or on the \
-         disparities, brings that depth into register: there blink, wipe and anaglyph agree.",
+        "Shift of the right picture to the right, in exported pixels. A click on the ring of a pair, or on \
+         the disparities, aligns both pictures at that depth in blink, wipe and anaglyph.",
     );
     if slider.changed() {
         commands.push(RectifiedCommand::Shift(shift).into());
@@ -138,7 +139,7 @@ fn shift_chooser(ui: &mut Ui, model: &Model, drawn: &DrawnPair, commands: &mut V
     finish_button(ui, none, RectifiedCommand::Shift(0.0).into(), commands);
 }
 
-/// The guide lines; and while pictures take turns, whose it is.
+/// Shows the choice of guide lines and, in blink layout, the controls of the alternation.
 fn guide_chooser(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     name(ui, "Guides");
     let now = model.look.rectified.guides;
@@ -160,7 +161,7 @@ fn guide_chooser(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     }
 }
 
-/// All names as wide, so that what they name lines up.
+/// Shows a label. Equal widths align the choices.
 fn name(ui: &mut Ui, text: &str) {
     ui.scope(|ui| {
         ui.set_min_width(52.0);
@@ -168,10 +169,13 @@ fn name(ui: &mut Ui, text: &str) {
     });
 }
 
-/// How well rows agree and, where they do, what that means for matching programs.
+/// Shows how well rows agree and, if they do, the disparities.
 fn rows(ui: &mut Ui, measures: &Measures, measured: &str, fits: bool) {
     let Some(rows) = measures.rows else {
-        ui.weak("No match is in both pictures, so nothing tells how well rows agree: click check pairs.");
+        ui.weak(
+            "No match is inside both pictures, so the rows cannot be checked. Click some pairs to check \
+             them.",
+        );
         return;
     };
     ui.label(format!(
@@ -184,26 +188,26 @@ fn rows(ui: &mut Ui, measures: &Measures, measured: &str, fits: bool) {
     }
     let (mut text, tooltip) = disparity_hint(rows.disparity);
     if rows.far_off > 0 {
-        let _ = write!(text, " Without {} that are far off all others.", rows.far_off);
+        let _ = write!(text, " Outliers ignored: {}.", rows.far_off);
     }
     ui.label(text).on_hover_text(tooltip);
 }
 
-/// The range of disparities, and what to search.
+/// Describes the range of disparities and the range to search.
 fn disparity_hint([low, high]: [f64; 2]) -> (String, &'static str) {
     let from = ((low - RANGE_MARGIN) / RANGE_STEP).floor() * RANGE_STEP;
     let to = ((high + RANGE_MARGIN) / RANGE_STEP).ceil() * RANGE_STEP;
     let sign = if high <= 0.0 {
-        "matching programs that expect positive disparities need the two pictures swapped"
+        "Swap the pictures for programs that expect positive disparities. "
     } else if low + high >= 0.0 {
-        "matching programs that expect positive disparities can use this order"
+        ""
     } else {
-        "mostly negative, so matching programs that expect positive disparities do better with the two pictures swapped"
+        "Most are negative: swap the pictures for programs that expect positive disparities. "
     };
-    // A minus sign as wide as the plus sign, and none before nought.
+    // A minus sign as wide as the plus sign, and no negative zero.
     let number = |v: f64| format!("{:.0}", v.round() + 0.0).replace('-', "−");
     let text = format!(
-        "Left x − right x is {} to {} px: {sign}. Search {} to {}.",
+        "Disparities {} to {} px. {sign}Suggested search range: {} to {}.",
         number(low),
         number(high),
         number(from),
@@ -211,22 +215,26 @@ fn disparity_hint([low, high]: [f64; 2]) -> (String, &'static str) {
     );
     (
         text,
-        "The smallest and the largest disparity of these matches. Other points may lie beyond, so the range to search \
-         is somewhat wider, in multiples of 16. With the pictures swapped, the signs change.",
+        "Smallest and largest disparity (left x − right x) of these matches. Other points may lie beyond, \
+         so the search range is wider, in multiples of 16. Swapping the pictures changes the signs.",
     )
 }
 
-/// How each picture was bent.
+/// Shows the distortion of each picture.
 fn shapes(ui: &mut Ui, distortion: &[Distortion; 2]) {
     const COLUMNS: [(&str, &str); 5] = [
-        ("Angle", "Between the middle lines of the image, once rectified; 90° keeps right angles."),
+        (
+            "Angle",
+            "Angle between the centre lines of the image after rectification. 90° preserves right angles.",
+        ),
         (
             "Proportions",
-            "Ratio of the image's diagonals, once rectified; 1 keeps them, far from 1 squeezes the image.",
+            "Ratio of the image's diagonals after rectification. 1 preserves proportions; far from 1, the \
+             image is squeezed.",
         ),
-        ("Cut", "Part of the image that is outside the picture."),
-        ("Shrunk", "Part of the image that is drawn on less than half its area: detail is lost there."),
-        ("Stretched", "Part of the image that is drawn on more than twice its area."),
+        ("Cut", "Share of the image outside the rectified picture."),
+        ("Shrunk", "Share of the image reduced to less than half its area, where detail is lost."),
+        ("Stretched", "Share of the image enlarged to more than twice its area."),
     ];
     Grid::new("shapes").num_columns(6).spacing([9.0, 2.0]).min_col_width(0.0).min_row_height(18.0).show(
         ui,
@@ -254,14 +262,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_hint_names_the_sign_and_a_range_that_holds_all() {
+    fn the_hint_gives_a_search_range_and_asks_for_a_swap_if_negative() {
         let (text, _) = disparity_hint([-12.0, 87.0]);
-        assert_eq!(
-            text,
-            "Left x − right x is −12 to 87 px: matching programs that expect positive disparities can use this order. \
-             Search −16 to 96."
-        );
+        assert_eq!(text, "Disparities −12 to 87 px. Suggested search range: −16 to 96.");
         let (text, _) = disparity_hint([-90.4, -14.2]);
-        assert!(text.contains("pictures swapped") && text.ends_with("Search −96 to 0."), "{text}");
+        assert!(text.contains("Swap the pictures") && text.ends_with("range: −96 to 0."), "{text}");
     }
 }

@@ -1,5 +1,5 @@
-//! The rectified pair: both images redrawn so that corresponding points are in the same row, with the measures of how
-//! well that went.
+//! The tab of the rectified pair: both images redrawn with corresponding points in the same row,
+//! with quality measures.
 
 mod figures;
 mod pictures;
@@ -21,13 +21,13 @@ pub const TAB: Tab = Tab { id: TabId::Rectified, tools, show };
 
 pub use pictures::forget_textures;
 
-/// Width of the figures beside the pictures, screen points.
+/// Width of the column beside the pictures, screen points.
 const FIGURES: f32 = 316.0;
-/// Half of the space between the pictures and the figures.
+/// Half of the space between pictures and column.
 const GAP: Vec2 = vec2(theme::GAP / 2.0, 3.0);
-/// Height of the figures below the pictures.
+/// Height of the strip below the pictures, screen points.
 const FIGURES_BELOW: f32 = 156.0;
-/// A panel as high as this has the figures below the pictures, which are wider than high.
+/// Height from which the panel has the strip below the pictures, screen points.
 const HIGH: f32 = 340.0;
 
 fn tools(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
@@ -43,11 +43,11 @@ fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         let text = if model.activity.rectifying {
             "The images are being rectified."
         } else if model.shown().is_some() {
-            "These images could not be rectified. Another method, or other point pairs, may help."
+            "These images could not be rectified. Try another method or other point pairs."
         } else if model.document.pictures.is_some() {
-            "Both images, redrawn so that corresponding points are in the same row, appear here once there are enough \
-             point pairs. Stereo matching needs them like this, and a wrong geometry shows at once: things in the two \
-             pictures are not at the same height then."
+            "Both images, redrawn with corresponding points in the same row, appear here once there are \
+             enough point pairs. Stereo matching needs such pictures. A wrong geometry shows at once: the \
+             same things are at different heights."
         } else {
             "The rectified pair appears here. Open two images and click point pairs."
         };
@@ -77,7 +77,7 @@ fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     }
 }
 
-/// Why there is no rectified pair, and what to do.
+/// Shows why there is no rectified pair, and how to get one.
 fn failure(ui: &mut Ui, model: &Model, error: &RectifyError, commands: &mut Vec<Command>) {
     ui.add_space(8.0);
     let color = theme::palette(ui.visuals()).caution;
@@ -90,7 +90,7 @@ fn failure(ui: &mut Ui, model: &Model, error: &RectifyError, commands: &mut Vec<
     ui.horizontal(|ui| figures::method_chooser(ui, model, commands));
 }
 
-/// The text with a capital letter.
+/// Capitalises the first letter.
 fn sentence(text: &str) -> String {
     let mut letters = text.chars();
     letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())

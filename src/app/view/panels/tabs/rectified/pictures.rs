@@ -1,4 +1,4 @@
-//! The rectified pictures: side by side, by turns, or both in one. They always show the same part.
+//! The rectified pictures in all layouts. All of them show the same part.
 
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
@@ -19,10 +19,10 @@ use crate::app::view::panes::{PictureTexture, Transform, halves};
 use crate::app::view::theme;
 use crate::geometry::Point;
 
-/// How near the cursor takes hold of the line of a wipe, screen points.
+/// Distance within which the cursor grabs the line of a wipe, screen points.
 const WIPE_REACH: f32 = 7.0;
 
-/// A picture and its place.
+/// A picture and its position.
 struct SheetPlace {
     sheet: RectifiedSheet,
     rect: Rect,
@@ -30,10 +30,10 @@ struct SheetPlace {
 }
 
 impl RectifiedSheet {
-    /// The side whose picture it is; `None` when it is of both.
+    /// Returns the side of the picture; `None` if it shows both.
     pub(super) fn side(self) -> Option<Side> {
         match self {
-            // The places of the disparities are those of the left picture.
+            // The disparity map has the geometry of the left picture.
             Self::Left | Self::Disparity => Some(Side::Left),
             Self::Right => Some(Side::Right),
             Self::Both => None,
@@ -47,7 +47,7 @@ impl RectifiedSheet {
         }
     }
 
-    /// Name for those who cannot see it, and for tests.
+    /// Returns the accessible name.
     fn name(self, layout: RectifiedLayout) -> &'static str {
         match self {
             Self::Left => "rectified left picture",
@@ -59,7 +59,7 @@ impl RectifiedSheet {
     }
 }
 
-/// Shows them in all the space there is.
+/// Shows the pictures in all available space.
 pub fn show(ui: &mut Ui, model: &Model, drawn: &DrawnPair, commands: &mut Vec<Command>) {
     let places: Vec<SheetPlace> = arranged(ui, model)
         .into_iter()
@@ -107,7 +107,7 @@ pub fn show(ui: &mut Ui, model: &Model, drawn: &DrawnPair, commands: &mut Vec<Co
     }
 }
 
-/// Where the pixels of an image's picture appear. The right one is shown where it was shifted to.
+/// Returns the transform of the picture of one image. The right picture is displaced by the shift.
 fn transform_of(model: &Model, drawn: &DrawnPair, rect: Rect, side: Side) -> Transform {
     let frame = drawn.frame();
     let mut view = model.open.viewing.view(frame, rect);
@@ -118,7 +118,7 @@ fn transform_of(model: &Model, drawn: &DrawnPair, rect: Rect, side: Side) -> Tra
     Transform::new(rect, view.centre, scale)
 }
 
-/// Draws the pixels of a place.
+/// Draws the pixels of a picture.
 fn paint(
     painter: &Painter,
     model: &Model,
@@ -154,7 +154,7 @@ fn paint(
             }
         }
         RectifiedSheet::Disparity => {
-            // Its pixels are coarse: as many times as large.
+            // Each pixel of the map covers several pixels of the picture.
             let Some((map, _)) = &drawn.disparity else { return };
             let transform = &transforms[Side::Left.index()];
             let times = drawn.frame().width as f64 / f64::from(map.picture.width());
@@ -166,7 +166,7 @@ fn paint(
     }
 }
 
-/// The line of a wipe, to be dragged; whether it is.
+/// Shows the line of a wipe. Returns whether it is dragged.
 fn wipe(ui: &Ui, rect: Rect, model: &Model, commands: &mut Vec<Command>) -> bool {
     let x = rect.min.x + rect.width() * model.open.viewing.wipe;
     let area = Rect::from_x_y_ranges(x - WIPE_REACH..=x + WIPE_REACH, rect.y_range());
@@ -182,7 +182,7 @@ fn wipe(ui: &Ui, rect: Rect, model: &Model, commands: &mut Vec<Command>) -> bool
     line.dragged()
 }
 
-/// A click on a point pair, or on the disparities, brings what is there into register.
+/// Returns the command that aligns the pictures at the clicked point pair or disparity.
 fn registering(place: &SheetPlace, model: &Model, drawn: &DrawnPair) -> Option<Command> {
     let position = place.response.interact_pointer_pos()?;
     let transforms = Side::BOTH.map(|side| transform_of(model, drawn, place.rect, side));
@@ -203,7 +203,7 @@ fn registering(place: &SheetPlace, model: &Model, drawn: &DrawnPair) -> Option<C
     Some(RectifiedCommand::Shift(pair.or_else(mapped)?).into())
 }
 
-/// A texture that is kept.
+/// A kept texture.
 #[derive(Debug, Clone, Copy)]
 enum Kept {
     Left,
@@ -233,19 +233,19 @@ impl Kept {
     }
 }
 
-/// The textures of a pair, uploaded when first drawn, with the number of the pair.
+/// Textures of the pair with this number, uploaded when first drawn.
 type KeptTextures = (u64, Arc<Mutex<[Option<PictureTexture>; Kept::COUNT]>>);
 
 fn kept_textures() -> Id {
     Id::unique("rectified textures")
 }
 
-/// Lets go of what was uploaded for pairs that nothing shows any more.
+/// Releases the textures of pairs that are no longer shown.
 pub fn forget_textures(ctx: &egui::Context) {
     ctx.data_mut(|data| data.remove::<KeptTextures>(kept_textures()));
 }
 
-/// Lets `draw` draw one of the pictures.
+/// Draws with one of the kept textures.
 fn with_texture(ctx: &egui::Context, drawn: &DrawnPair, which: Kept, draw: impl FnOnce(&mut PictureTexture)) {
     let kept = ctx.data(|data| data.get_temp::<KeptTextures>(kept_textures()));
     let (_, textures) = kept.filter(|(number, _)| *number == drawn.number).unwrap_or_else(|| {
@@ -253,7 +253,7 @@ fn with_texture(ctx: &egui::Context, drawn: &DrawnPair, which: Kept, draw: impl 
         ctx.data_mut(|data| data.insert_temp::<KeptTextures>(kept_textures(), fresh.clone()));
         fresh
     });
-    // Only this thread draws.
+    // Only this thread draws, so the lock is free.
     let mut textures = textures.lock().unwrap_or_else(PoisonError::into_inner);
     let texture = &mut textures[which as usize];
     if texture.is_none() {
@@ -264,7 +264,7 @@ fn with_texture(ctx: &egui::Context, drawn: &DrawnPair, which: Kept, draw: impl 
     }
 }
 
-/// Which pictures are shown where.
+/// Returns the pictures of the layout and their positions.
 fn arranged(ui: &Ui, model: &Model) -> Vec<(RectifiedSheet, Rect)> {
     let area = ui.available_rect_before_wrap();
     match model.look.rectified.layout {
@@ -283,7 +283,7 @@ fn arranged(ui: &Ui, model: &Model) -> Vec<(RectifiedSheet, Rect)> {
     }
 }
 
-/// Zooming and moving: the part of all pictures that is wanted now, if it is another one.
+/// Handles zooming and panning. Returns the new view if it changed.
 fn look(ui: &Ui, place: &SheetPlace, model: &Model, drawn: &DrawnPair) -> Option<Command> {
     let SheetPlace { rect, response, .. } = place;
     if response.double_clicked() {

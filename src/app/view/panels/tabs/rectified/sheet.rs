@@ -1,4 +1,4 @@
-//! What is drawn over a rectified picture: guide lines, the row of the cursor, the point pairs.
+//! Drawings over a rectified picture: guide lines, the row of the cursor, point pairs.
 
 use std::fmt::Write;
 
@@ -13,21 +13,21 @@ use crate::app::view::panes::overlays::true_matches_shown;
 use crate::app::view::theme;
 use crate::geometry::{Point, PointPair};
 
-/// Half the width of the mark of a point pair, screen points.
+/// Half-width of the mark of a point pair, screen points.
 const MARK: f32 = 4.0;
 
-/// The row of the cursor, wherever in the window that is.
+/// Row of the cursor, in whatever part of the window it is.
 pub struct SheetRow {
-    /// Place in the pictures, px of them.
+    /// Position in the pictures, px.
     at: Point,
-    /// The side whose picture the place belongs to; `None` for both.
+    /// Side of the picture; `None` for both.
     side: Option<Side>,
-    /// Where it is in words.
+    /// Description of the position.
     text: String,
 }
 
 impl SheetRow {
-    /// The row of a place in a rectified picture.
+    /// Returns the row at a position in a rectified picture.
     pub fn under_cursor(model: &Model, drawn: &DrawnPair, side: Option<Side>, at: Point) -> Self {
         let mut text = format!("Row {:.0}", row_number(drawn, at.y));
         for own in Side::BOTH.into_iter().filter(|own| side.is_none_or(|side| side == *own)) {
@@ -40,34 +40,35 @@ impl SheetRow {
         Self { at, side, text }
     }
 
-    /// The row of a place in an original image; `None` where the pictures do not go.
+    /// Returns the row of a point in an original image; `None` if it is outside the rectified
+    /// picture.
     pub fn of_original(drawn: &DrawnPair, side: Side, point: Point) -> Option<Self> {
         let at = drawn.shown.maps[side.index()].rectified_from_original(point)?;
         Some(Self { at, side: Some(side), text: format!("Row {:.0}", row_number(drawn, at.y)) })
     }
 }
 
-/// The row of the picture as it would be written.
+/// Returns the row in the exported picture.
 fn row_number(drawn: &DrawnPair, y: f64) -> f64 {
     y / drawn.reduction()
 }
 
-/// A picture on the screen, to be drawn over.
+/// Drawing surface over a rectified picture.
 pub struct SheetCanvas<'a> {
-    /// Clipped to the picture's place.
+    /// Painter, clipped to the picture.
     pub painter: &'a Painter,
-    /// Where the pixels of the left and of the right picture appear.
+    /// Transforms of the left and the right picture.
     pub transforms: &'a [Transform; 2],
-    /// Which picture it is.
+    /// The picture below.
     pub sheet: RectifiedSheet,
-    /// The pair.
+    /// The rectified pair.
     pub drawn: &'a DrawnPair,
-    /// The state to be shown.
+    /// The displayed state.
     pub model: &'a Model,
 }
 
 impl SheetCanvas<'_> {
-    /// Where its own pixels appear; those of the left picture where it is of both.
+    /// Returns the transform of the picture; of the left one if it shows both.
     fn transform(&self) -> &Transform {
         &self.transforms[self.sheet.side().map_or(0, Side::index)]
     }
@@ -83,7 +84,7 @@ impl SheetCanvas<'_> {
         self.title();
     }
 
-    /// Horizontal lines at the same rows in both pictures.
+    /// Draws horizontal lines at the same rows in both pictures.
     fn guides(&self) {
         let reduction = self.drawn.reduction();
         let Some(spacing) = self.model.look.rectified.guides.spacing(self.transform().scale * reduction)
@@ -103,7 +104,7 @@ impl SheetCanvas<'_> {
         }
     }
 
-    /// The row of the cursor, and its place in the row.
+    /// Draws the row of the cursor and its position in the row.
     fn row(&self, row: &SheetRow) {
         let at = self.transform().screen_from_image(row.at);
         let visible = self.painter.clip_rect();
@@ -114,7 +115,7 @@ impl SheetCanvas<'_> {
         if own {
             self.painter.circle_stroke(at, 5.0, Stroke::new(3.6, theme::HALO));
             self.painter.circle_stroke(at, 5.0, Stroke::new(1.8, theme::SELECTED));
-            // Away from the cursor.
+            // Keep the label away from the cursor.
             let low = at.y > visible.center().y;
             let (corner, align) = if low {
                 (visible.left_top() + vec2(6.0, 6.0), Align2::LEFT_TOP)
@@ -123,27 +124,27 @@ impl SheetCanvas<'_> {
             };
             self.label(corner, align, &row.text, theme::HOVER);
         } else {
-            // The same column, by which the disparity is read.
+            // Marks the same column, for reading the disparity.
             for (width, color) in [(3.4, theme::HALO), (1.4, theme::HOVER)] {
                 self.painter.vline(at.x, at.y - 6.0..=at.y + 6.0, Stroke::new(width, color));
             }
         }
     }
 
-    /// Where a pair's point of an image is; nothing where the picture does not go.
+    /// Returns the position of a pair's point; `None` if it is outside the rectified picture.
     fn place(&self, side: Side, pair: &PointPair) -> Option<Pos2> {
         let point = [pair.point1, pair.point2][side.index()];
         let at = self.drawn.shown.maps[side.index()].rectified_from_original(point)?;
         Some(self.transforms[side.index()].screen_from_image(at))
     }
 
-    /// The images whose points are drawn here.
+    /// Returns the sides whose points are drawn here.
     fn sides(&self) -> impl Iterator<Item = Side> + use<> {
         let own = self.sheet.side();
         Side::BOTH.into_iter().filter(move |side| own.is_none_or(|own| own == *side))
     }
 
-    /// The clicked pairs.
+    /// Draws the clicked pairs.
     fn pairs(&self) {
         let document = &self.model.document;
         for (number, pair) in document.pairs.iter().enumerate() {
@@ -159,7 +160,7 @@ impl SheetCanvas<'_> {
         }
     }
 
-    /// The true matches, while they are drawn over the images.
+    /// Draws the true matches while their overlay is on.
     fn true_matches(&self) {
         for (number, pair) in true_matches_shown(self.model) {
             let lit = self.model.open.focus.hovered() == Some(Target::TrueMatch(number));
@@ -177,13 +178,13 @@ impl SheetCanvas<'_> {
         }
     }
 
-    /// Which picture it is, where that cannot be seen from its place.
+    /// Draws a title in layouts that do not show which picture it is.
     fn title(&self) {
         let text = match (self.model.look.rectified.layout, self.sheet) {
             (RectifiedLayout::Blink, RectifiedSheet::Left) => "Left",
             (RectifiedLayout::Blink, _) => "Right",
             (RectifiedLayout::Anaglyph, _) => "Left red, right cyan",
-            (RectifiedLayout::Wipe, _) => "Left, then right of the line",
+            (RectifiedLayout::Wipe, _) => "Left image | right image",
             (RectifiedLayout::Disparity, _) if self.drawn.disparity.is_none() => "No rows match yet",
             (RectifiedLayout::Disparity, _) => "Disparities of the left picture",
             (RectifiedLayout::SideBySide, _) => return,
