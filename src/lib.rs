@@ -87,6 +87,7 @@ pub mod image;
 pub mod io;
 mod lanes;
 pub mod motion;
+pub mod presentation;
 #[cfg(feature = "evaluate")]
 pub mod publish;
 pub mod rectify;

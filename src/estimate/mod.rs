@@ -42,7 +42,7 @@ pub use verdict::assessment::{SMALLEST_SIDE, examine};
 pub use verdict::result::{
     Apart, Assessment, BarcodeFigures, Estimate, PlaneHomography, SearchCounts, SearchTrace, StageTiming,
 };
-pub use verdict::scale::Scale;
 pub use verdict::trust::{
-    CLEAR_MARGIN, CLICK_DEVIATIONS, ENOUGH_MATCHES, FAR_TOO_FEW, Reason, Suspect, Trust, Verdict,
+    CLEAR_MARGIN, CLICK_DEVIATIONS, CLICK_DEVIATIONS_WRONG, ENOUGH_MATCHES, FAR_TOO_FEW, GUESS_MARGIN,
+    Reason, Suspect, Trust, Verdict,
 };

@@ -3,6 +3,5 @@
 pub(super) mod assessment;
 mod poisson;
 pub(super) mod result;
-pub(super) mod scale;
 pub(super) mod selection;
 pub(super) mod trust;

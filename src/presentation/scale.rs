@@ -1,7 +1,8 @@
 //! What is good and bad of the figures that a result is judged by. The limits are those of the rules in `trust`.
 
-use crate::estimate::verdict::trust::{
-    CLEAR_MARGIN, CLICK_DEVIATIONS, CLICK_DEVIATIONS_WRONG, ENOUGH_MATCHES, FAR_TOO_FEW, GUESS, Verdict,
+use crate::estimate::{
+    CLEAR_MARGIN, CLICK_DEVIATIONS, CLICK_DEVIATIONS_WRONG, ENOUGH_MATCHES, FAR_TOO_FEW, GUESS_MARGIN,
+    Verdict,
 };
 
 /// Limits from where on a figure is good, and from where on bad; between them it leaves doubts.
@@ -17,7 +18,7 @@ impl Scale {
     /// Matches at full resolution.
     pub const MATCHES: Self = Self { good: ENOUGH_MATCHES as f64, bad: FAR_TOO_FEW as f64 };
     /// Advantage over the best clearly different geometry, as a fraction.
-    pub const MARGIN: Self = Self { good: CLEAR_MARGIN, bad: GUESS };
+    pub const MARGIN: Self = Self { good: CLEAR_MARGIN, bad: GUESS_MARGIN };
 
     /// The Sampson distance of a click with this standard deviation, px.
     pub fn click(sigma: f64) -> Self {
@@ -26,12 +27,12 @@ impl Scale {
 
     /// The support that is ahead of a rival by the margins of [`Scale::MARGIN`].
     pub fn support_beside(rival: f64) -> Self {
-        Self { good: rival / (1.0 - CLEAR_MARGIN), bad: rival / (1.0 - GUESS) }
+        Self { good: rival / (1.0 - CLEAR_MARGIN), bad: rival / (1.0 - GUESS_MARGIN) }
     }
 
     /// The line score that is ahead of a rival by the margins of [`Scale::MARGIN`].
     pub fn line_score_beside(rival: f64) -> Self {
-        Self { good: rival * (1.0 - CLEAR_MARGIN), bad: rival * (1.0 - GUESS) }
+        Self { good: rival * (1.0 - CLEAR_MARGIN), bad: rival * (1.0 - GUESS_MARGIN) }
     }
 
     /// Whether a larger figure is a better one.

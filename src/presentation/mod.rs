@@ -1,0 +1,10 @@
+//! Presentation of the estimator: sentences and scales for its codes and figures.
+//!
+//! The estimator itself gives only codes and figures. The command line, the window and the result
+//! files take their words from here.
+
+mod reasons;
+mod scale;
+
+pub use reasons::{reason_in_words, warning_in_words};
+pub use scale::Scale;
