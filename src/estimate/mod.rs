@@ -35,7 +35,7 @@ pub use monitor::{Monitor, Progress};
 pub use parameters::{
     LineScore, LinesAloneParameters, Method, PARAMETERS, ParameterEntry, ParameterValue, Parameters,
     PatchParameters, PencilParameters, Preset, RefinementParameters, Search, SearchPlan,
-    ValidationParameters, parameters_as_markdown,
+    ValidationParameters,
 };
 pub use stage::Stage;
 pub use verdict::assessment::{SMALLEST_SIDE, examine};

@@ -11,7 +11,7 @@ use crate::similarity::{LineMeasure, SimilarityParameters, StereoParameters};
 
 pub use entry::{ParameterEntry, ParameterValue};
 pub use plan::SearchPlan;
-pub use table::{PARAMETERS, parameters_as_markdown};
+pub use table::PARAMETERS;
 
 /// The choices of an estimate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
