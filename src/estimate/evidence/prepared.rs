@@ -28,9 +28,9 @@ pub struct PreparedPair {
     silhouettes: Option<[Arc<Silhouettes>; 2]>,
 }
 
-/// Levels smaller than this are never used, px.
+/// Least longer side of a pyramid level, px. Not measured.
 const SMALLEST_LEVEL: f64 = 48.0;
-/// Views kept besides the upright one: some ten megabytes each.
+/// Views kept besides the upright one. Each takes some ten megabytes. No result depends on it.
 const VIEWS_KEPT: usize = 4;
 
 impl PreparedPair {
@@ -167,7 +167,7 @@ struct PencilCache(Mutex<VecDeque<(PencilKey, Arc<ComparedPencils>)>>);
 /// What pencils depend on besides the images and the click.
 type PencilKey = (RelativeView, SimilarityParameters, PencilParameters);
 
-/// Compared pencils kept: some hundred kilobytes each.
+/// Compared pencils kept. Each takes some hundred kilobytes. No result depends on it.
 const COMPARISONS_KEPT: usize = 4;
 
 impl PencilCache {

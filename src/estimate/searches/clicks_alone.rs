@@ -4,9 +4,11 @@ use crate::geometry::{
     FundamentalMatrix, Observation, PointPair, eight_point, fit_fundamental, sampson_distance, seven_point,
 };
 
-/// Clicks that determine F by themselves, with one to tell that they agree.
+/// Clicks that determine `F` by themselves: the seven unknowns, and one click to tell that they
+/// agree.
 const CLICKS_ALONE: usize = 8;
-/// A geometry that contradicts the clicks has them this many times as far off their lines as one that the others determine.
+/// Median distance of the clicks from the found geometry, in multiples of that from the geometry of
+/// the other clicks, beyond which they contradict it. Not measured.
 const CONTRADICTED: f64 = 3.0;
 
 /// The geometry that the clicks determine by themselves, where they agree with each other and contradict `found`.
@@ -45,7 +47,8 @@ fn middle(mut distances: Vec<f64>) -> f64 {
     distances[distances.len() / 2]
 }
 
-/// Standard deviations from which on a click loses influence on a fit to clicks.
+/// Distance at which a click loses influence on a fit, in standard deviations: 99.7 % of Gaussian
+/// errors are below it.
 const ROBUST_CLICKS: f64 = 3.0;
 
 #[cfg(test)]

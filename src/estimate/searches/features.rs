@@ -18,7 +18,7 @@ use crate::features::FeatureViews;
 use crate::geometry::FundamentalMatrix;
 use crate::image::RelativeView;
 
-/// Views that are looked at beside the upright one.
+/// Largest number of views that features suggest. Not measured.
 const VIEWS: usize = 2;
 
 /// What covariant features propose, best first.

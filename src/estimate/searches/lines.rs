@@ -12,7 +12,8 @@ use crate::estimate::{Clicks, Estimate, EstimateError, Parameters, PreparedPair,
 use crate::geometry::{FundamentalMatrix, PointPair};
 use crate::similarity::SimilarityParameters;
 
-/// Disparities tried where no anchor shows the same scene point in both images: as a fraction of the longer side, at least.
+/// Least disparity tried where no click fixes the zero, as a share of the longer side: a quarter of
+/// the image. Not measured.
 const UNANCHORED_REACH: f64 = 0.25;
 
 /// Candidate pairs among all lines, two for the epipoles and a third for the map, counted by the candidates that agree.

@@ -8,18 +8,22 @@ use crate::estimate::evidence::patches::PatchLevels;
 use crate::estimate::stream::{Purpose, stream};
 use crate::geometry::{FundamentalMatrix, PointPair, apart_across_lines, sampson_distance};
 
-/// Searches with lines through drawn matches, at most.
+/// Largest number of searches through drawn matches. If half of the matches are right, one of four
+/// pairs is right with a probability of 68 %.
 const DRAWN: usize = 4;
-/// Matches among which two are chosen that stand in for clicks.
+/// Matches among which two stand-ins are chosen. All pairs of them are compared, so it bounds the
+/// time.
 const CHOSEN_FROM: usize = 120;
-/// A match that stands in is this near to its line, as a fraction of the longer side.
+/// Distance of a stand-in from its line, as a share of the longer side: the loosest line of a
+/// reliable result.
 const EXPLAINED: f64 = 0.002;
-/// Drawn matches are at least this far from each other, as a fraction of the longer side: lines through nearer ones turn
-/// far when one of them is a pixel off.
+/// Least distance between drawn matches, as a share of the longer side: lines through nearer ones
+/// turn far if one match is a pixel off.
 const APART: f64 = 0.2;
-/// Draws after which a search for two that are far enough apart is given up.
+/// Draws after which the search for two distant matches ends. It bounds the time.
 const TRIES: usize = 200;
-/// Features that are this much nearer to their match than to the next best stand out.
+/// Largest ratio of best to second-best distance of a distinctive feature: the limit of Lowe
+/// (2004).
 const DISTINCTIVE: f64 = 0.8;
 
 /// Matches that stand out whatever the geometry, those of features first.

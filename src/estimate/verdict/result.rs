@@ -17,7 +17,8 @@ use crate::features::FeatureViews;
 use crate::geometry::{EpipolarGeometry, FundamentalMatrix};
 use crate::image::RelativeView;
 
-/// Hypotheses reported with all their figures.
+/// Hypotheses reported with all their figures. Rivals are among them. It bounds the time and the
+/// size of a result.
 pub(in crate::estimate) const REPORTED: usize = 60;
 
 /// A geometry and what is known about it. All coordinates are full-size pixels.

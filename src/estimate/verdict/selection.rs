@@ -83,7 +83,8 @@ impl ClickedPairs<'_> {
     }
 }
 
-/// Clicks that have to speak for a lighter geometry: one may be a mistake.
+/// Minimum number of clicks that can overrule the best-supported geometry. One click may be a
+/// mistake.
 const SPEAK: usize = 2;
 
 /// The number of the result among several geometries, the first of equals; `None` without any.

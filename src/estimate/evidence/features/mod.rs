@@ -76,43 +76,58 @@ pub struct FeatureHypothesis {
     pub matches: Vec<PointPair>,
 }
 
-/// Least standard deviation of the place of a feature, px.
+/// Least standard deviation of a feature position, px: interpolation of the extremum is no better.
+/// Not measured.
 const LEAST_SIGMA: f64 = 0.4;
-/// What no F explains, for lack of a perfect camera: px per px of the longer side.
+/// Deviation from a pinhole camera, px per px of the longer side: 0.5 px in 1,000. Not measured.
 const CAMERA_SIGMA: f64 = 0.5e-3;
-/// What a click that is explained is worth: it is no accident.
+/// Log-likelihood of a click on its epipolar line, against one by accident. It exceeds that of
+/// several matches, since a person saw the point. Not measured.
 const CLICK_GAIN: f64 = 15.0;
-/// Samples of one task.
+/// Samples of one task: enough work for a thread. No result depends on the number of threads.
 const TASK: usize = 32;
-/// Clicks in one sample at most: one of many may be wrong.
+/// Largest number of clicks in one sample. One of many clicks may be wrong, so no sample needs all.
+/// Not measured.
 const CLICKS_A_SAMPLE: usize = 4;
-/// Bands, in multiples of the final one, in which a hypothesis is refitted.
+/// Bands in which a hypothesis is refitted, in multiples of the final band: a minimal sample is
+/// several deviations off. Not measured.
 const BANDS: [f64; 4] = [4.0, 2.0, 1.3, 1.0];
-/// Drawn matrices that are looked at for each that is refitted: most leaders are one geometry over and over.
+/// Drawn matrices examined for each one that is refitted. Most leaders are copies of one geometry.
+/// Not measured.
 const LEADERS: usize = 20;
-/// Rounds of local optimisation at most, samples of each, and how many of these are refitted.
+/// Largest number of rounds of local optimisation. Rounds end earlier when nothing improves. Not
+/// measured.
 const LOCAL_ROUNDS: u64 = 4;
+/// Samples of one round of local optimisation. Not measured.
 const LOCAL_DRAWS: usize = 200;
+/// Samples of one round of local optimisation that are refitted, best first. Not measured.
 const LOCAL_REFITTED: usize = 3;
-/// Matches that a refit takes, and the last one.
+/// Matches that a refit uses, the likeliest first. It bounds the time. Not measured.
 const FITTED: usize = 300;
+/// Matches that the last fit uses, the likeliest first. It bounds the time. Not measured.
 const FITTED_LAST: usize = 1500;
-/// Distance from its line, in standard deviations and bands, beyond which a witness loses influence on a fit: between
-/// where errors are still Gaussian and where false matches begin. A round number.
+/// Distance from its line, in standard deviations and bands, beyond which a witness loses influence
+/// on a fit: between the reach of Gaussian errors and the false matches. Not measured.
 const ROBUST: f64 = 1.5;
-/// Share of what two matrices explain together beyond which they are one geometry: matrices as they were drawn, of which
-/// there are many of each geometry, and refitted ones, of which few are left. Round numbers.
+/// Share of common explained matches beyond which two drawn matrices are one geometry. Many copies
+/// of each geometry are drawn, so the share is low. Not measured.
 const SAME_DRAWN: f64 = 0.8;
+/// Share of common explained matches beyond which two refitted matrices are one geometry. Not
+/// measured.
 const SAME_REFITTED: f64 = 0.9;
-/// Matches drawn for one sample at most, most of which may be too close to others: several times the seven that it takes.
+/// Largest number of matches drawn for one sample: several times the seven needed, since close ones
+/// are rejected.
 const DRAWN_A_SAMPLE: usize = 40;
-/// Matches of one sample nearer to each other than this share of the longer side say the same. A round number.
+/// Distance between matches of one sample, as a share of the longer side, below which they are
+/// redundant. Not measured.
 const TOO_CLOSE: f64 = 0.01;
-/// Band in which matches are likely to be right of a geometry that is optimised locally: it was refitted, but to a sample.
+/// Band of likely matches in local optimisation, in multiples of the final band: the geometry comes
+/// from a sample and is less precise. Not measured.
 const LOCAL_BAND: f64 = 2.0;
-/// Rounds of matching along the lines: the second has those of the geometry that the first one gave.
+/// Rounds of guided matching. The second uses the geometry of the first.
 const REMATCHED: usize = 2;
-/// Probability of being right below which a match is left out of a fit.
+/// Probability of being right below which a match is left out of a fit: its weight would be
+/// negligible.
 const LEAST_RIGHT: f64 = 0.05;
 
 /// Standard deviation of a coordinate of a feature of this scale, px.

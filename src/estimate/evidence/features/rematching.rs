@@ -9,7 +9,8 @@ use crate::features::{FeatureMatch, match_candidates};
 use crate::geometry::FundamentalMatrix;
 use crate::lanes::{LANES, SetLanes};
 
-/// Largest ratio of the distance to the best to that to the second best near the line.
+/// Largest ratio of best to second-best distance along the line. It is looser than 0.8, the usual
+/// limit, since only the features near one line compete. Not measured.
 const LARGEST_RATIO: f64 = 0.85;
 
 /// Sixteen features of image 2, or sixteen of their groups, single precision: lines have unit normals, so that is 10⁻³ px.
@@ -101,7 +102,7 @@ struct Bound {
 impl Bound {
     /// Bound of the first `count` lanes of a block.
     fn of(block: &FeatureBlock, count: usize) -> Self {
-        /// Rounding, px.
+        /// Allowance for rounding to single precision, px.
         const SLACK: f32 = 0.01;
         let largest = |values: &[f32]| values.iter().copied().fold(f32::NEG_INFINITY, f32::max);
         let smallest = |values: &[f32]| values.iter().copied().fold(f32::INFINITY, f32::min);

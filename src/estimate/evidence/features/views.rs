@@ -6,14 +6,16 @@ use crate::features::{FeatureMatch, FeatureViews};
 use crate::geometry::{Frame, FundamentalMatrix, sampson_distance, wrapped};
 use crate::image::RelativeView;
 
-/// A feature within this distance of its line is explained, as a fraction of the longer side: what a geometry that is
-/// not refined yet leaves open.
+/// Distance from its line within which a feature is explained, as a share of the longer side: the
+/// error of a geometry before refinement.
 const EXPLAINED: f64 = 0.005;
-/// Fewer explained features than this say nothing.
+/// Fewest explained features that determine a view. One more than the seven that any geometry
+/// explains.
 const LEAST: usize = 8;
-/// Turns and scales nearer than this to a view are covered by it: patches are compared under turns by 20° and scales of
-/// 4/3 either way.
+/// Difference of turns covered by one view, radians: patches are compared under turns by 20° either
+/// way, with some overlap.
 const SAME_TURN: f64 = 0.26;
+/// Ratio of scales covered by one view: patches are compared under scales of 4/3 either way.
 const SAME_SCALE: f64 = 1.25;
 
 /// The view under which the features that `f` explains look alike: medians of their turns and scales; `None` when it
@@ -64,9 +66,11 @@ fn view_shared(relations: &[(f64, f64)], agreeing: f64, frames: [Frame; 2]) -> O
     Some(if is_same_view(&view, &upright) { RelativeView::UPRIGHT } else { view })
 }
 
-/// Features that are this much nearer to their match than to the next best are counted where there is no geometry.
+/// Ratio of best to second-best distance below which features vote for a view without a geometry.
+/// Not measured.
 const DISTINCTIVE: f64 = 0.85;
-/// Smallest part of them that has to agree on a view.
+/// Smallest share of these features that agree on a view. Wrong matches spread over all turns and
+/// scales. Not measured.
 const AGREEING: f64 = 0.25;
 
 impl PreparedPair {

@@ -9,13 +9,16 @@ use crate::cancel::CancelFlag;
 use crate::geometry::{AnchoredLine, Frame, PencilMap, PointPair, area_between_lines};
 use crate::similarity::LineSimilarity;
 
-/// Distance of neighbouring lines tried for a bisector where the line that joins the clicks is crossed, px.
+/// Spacing of the lines tried for a bisector, px on the line that joins the clicks. Not measured.
 const STEP: f64 = 2.0;
-/// Fewest and most steps of a search, so that clicks side by side still give some lines, and far ones not too many.
+/// Fewest and most lines tried for a bisector: close clicks still get some lines, distant ones not
+/// too many. Not measured.
 const STEPS: [f64; 2] = [4.0, 96.0];
-/// Lines of image 1 whose round trip is measured.
+/// Lines of image 1 whose round trip is measured. The area is smooth across the pencil. Not
+/// measured.
 const ROUND_TRIPS: usize = 12;
-/// Hypotheses whose lines are compared at once: enough to fill the vector units, few enough to stop soon.
+/// Hypotheses whose lines are compared at once: enough to fill the vector units, few enough to stop
+/// soon. No result depends on it.
 const AT_ONCE: usize = 128;
 
 /// A line pair that would give κ.

@@ -51,15 +51,16 @@ fn keys_below(limit: f64, weights: &[Vec<f64>; 2], seed: u64) -> Vec<(f64, usize
     keys
 }
 
-/// Weights of a click that a limit is guessed from.
+/// Weights of a click from which a limit is estimated. It saves time only.
 const LOOKED_AT: usize = 24;
-/// Keys expected below the limit, for each one that is wanted.
+/// Keys expected below the limit, for each one wanted. It saves time only.
 const SPARE: f64 = 1.3;
 /// Share of all keys that is expected below the limit at most: no limit has all of them below it.
 const LARGEST_SHARE: f64 = 0.99;
-/// Limits between which the right one is looked for, wide enough for any number of candidates: the cheapest ones weigh 1, and
-/// their keys are about 1. The factor is from one to the next: a limit that is a quarter too high costs little.
+/// Smallest and largest limit tried, wide enough for any number of candidates: the cheapest ones
+/// weigh 1, and their keys are about 1.
 const LIMITS: [f64; 2] = [1e-6, 1e12];
+/// Factor from one limit to the next: a limit that is a quarter too high costs little.
 const NEXT_LIMIT: f64 = 1.25;
 
 /// A limit that is expected to have somewhat more keys than wanted below it: one of weight w is below t with probability

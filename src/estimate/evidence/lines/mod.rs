@@ -25,6 +25,6 @@ pub(in crate::estimate) use unanchored::{
     LineCandidate, LineConsensus, compare_lines, geometries_from_lines,
 };
 
-/// Lines that cross less of an image than this fraction of its shorter side are not compared: they hold too few samples
-/// to tell one line from another.
+/// Shortest line compared, as a share of the shorter side of the image. A shorter one has too few
+/// samples to tell lines apart. Not measured.
 const SHORTEST_LINE: f64 = 0.15;

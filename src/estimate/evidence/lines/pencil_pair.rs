@@ -221,8 +221,8 @@ impl PencilPair {
     }
 }
 
-/// Directions looked at for lines that cross the image: one degree apart where the epipole is in the middle, which is
-/// finer than the distance of the lines that are chosen.
+/// Directions tried for lines that cross the image: one degree apart if the epipole is in the
+/// middle, finer than the spacing of the chosen lines.
 const STEPS: usize = 192;
 
 #[cfg(test)]

@@ -14,7 +14,8 @@ use crate::estimate::LineScore;
 use crate::geometry::{AnchoredLine, Frame};
 use crate::similarity::LineSimilarity;
 
-/// Hypotheses whose lines are compared at once: enough to fill the vector units, few enough to stop soon.
+/// Hypotheses whose lines are compared at once: enough to fill the vector units, few enough to stop
+/// soon. No result depends on it.
 const AT_ONCE: usize = 64;
 
 /// A line pair, the length of its line in the image that it was spread over, px, and whether it is mismatched.

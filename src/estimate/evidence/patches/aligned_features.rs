@@ -20,7 +20,8 @@ pub(super) struct AlignedFeatures {
     aligned: Vec<OnceLock<LevelMatch>>,
 }
 
-/// Correlation from which on a patch is where it was moved to.
+/// Least correlation of an aligned patch: above that of chance matches after alignment. Not
+/// measured.
 const LEAST_CORRELATION: f32 = 0.8;
 
 impl AlignedFeatures {

@@ -5,7 +5,7 @@ use nalgebra::Matrix2;
 use super::near_lines::{NearLines, is_within};
 use crate::geometry::{FundamentalMatrix, PointPair};
 
-/// Correlations below this say nothing.
+/// Correlation below which a patch gives no support. Not measured.
 pub(super) const FLOOR: f32 = 0.6;
 
 /// The nearest of two descriptors is as many times as likely the right one as this power of their distances says. Fitted to

@@ -10,7 +10,7 @@ use super::near_lines::Places;
 use crate::geometry::Point;
 use crate::image::HALF;
 
-/// Patches that correlate less than this are no match.
+/// Least correlation of matched patches at full size. Not measured.
 pub(super) const LEAST_CORRELATION: f32 = 0.75;
 
 /// Two corners, by their numbers, and the warp under which they look alike.
@@ -30,10 +30,11 @@ pub(super) struct MutualMatch {
     pub prior: f32,
 }
 
-/// Corners nearer to each other than half a patch show the same place, px.
+/// Distance between corners, px, below which their patches overlap by more than half and show the
+/// same place.
 const ELSEWHERE: f64 = HALF as f64;
-/// By how much the correlation of a right match may fall short of the best one. A round number: of matches on facades with
-/// another place 0.02, 0.1 and 0.2 behind, some 40, 80 and 85 % are right.
+/// Noise of the correlation of a right match. Chosen by eye on facades: of matches with another
+/// place 0.02, 0.1 and 0.2 behind, some 40, 80 and 85 % are right.
 const CORRELATION_NOISE: f32 = 0.05;
 
 /// The corners of a level, and what is known of them.

@@ -17,15 +17,19 @@ use crate::features::FeatureViews;
 use crate::geometry::{FundamentalMatrix, Observation, PointPair, rescaling};
 use crate::image::{PairLevel, PyramidPair, RelativeView, warps_around};
 
-/// Longer side of the images patch support is computed on first, px.
+/// Longer side of the images at which patches first rank hypotheses, px: small enough for all
+/// corners to be compared with all. Not measured.
 const COARSE_SIDE: f64 = 384.0;
-/// Corners an image at that size.
+/// Corners of each image at the coarse size. The correlation matrix grows with their square. Not
+/// measured.
 const COARSE_CORNERS: usize = 600;
-/// Longer side where the right geometry stands out more clearly, px.
+/// Longer side of the images at which hypotheses are ranked again, px: the right geometry stands
+/// out more clearly than at half the size.
 const FINE_SIDE: f64 = 768.0;
-/// Look-alikes of a corner that vote.
+/// Look-alikes of a corner that vote for κ. More add mostly wrong votes. Not measured.
 const VOTES_PER_CORNER: usize = 3;
-/// Longer sides of the levels `F` is refined at, px; the last one is full size.
+/// Longer sides of the levels at which `F` is refined, px. The last is full size; the first brings
+/// `F` near enough for a narrow band there.
 const REFINEMENT_SIDES: [f64; 2] = [800.0, f64::INFINITY];
 
 /// The patches of an image pair under a view, at all sizes, each made when it is first needed.

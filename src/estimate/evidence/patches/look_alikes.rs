@@ -6,7 +6,7 @@ use super::feature_support::FLOOR;
 use crate::geometry::{FundamentalMatrix, Point};
 use crate::lanes::{LANES, SetLanes};
 
-/// What is added to the band where single precision looks first, px.
+/// Allowance for rounding to single precision, px. No result depends on it.
 const SLACK: f64 = 0.1;
 
 type Lanes = [f32; LANES];

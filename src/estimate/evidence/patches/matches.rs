@@ -24,5 +24,5 @@ pub(super) struct LevelMatch {
     pub prior: f32,
 }
 
-/// Standard deviation of a refined match, px of the level.
+/// Standard deviation of an aligned match, px of the level. Not measured.
 pub(super) const MATCH_SIGMA: f64 = 0.3;

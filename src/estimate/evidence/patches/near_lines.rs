@@ -5,7 +5,7 @@ use multiversion::multiversion;
 use crate::geometry::{FundamentalMatrix, Line, Point, PointPair};
 use crate::lanes::{LANES, SetLanes};
 
-/// What is added to the band where single precision looks first, px.
+/// Allowance for rounding to single precision, px. No result depends on it.
 const SLACK: f64 = 0.1;
 
 /// Positions of matches, laid out for the vector units.

@@ -73,9 +73,9 @@ impl Proposal {
     }
 }
 
-/// Combinations whose exact support is computed.
+/// Combinations whose exact support is computed. Not measured.
 const EXACT: usize = 240;
-/// Combinations kept for thinning, for each one that is scored exactly.
+/// Combinations kept before thinning, for each one whose exact support is computed. Not measured.
 const THINNING: usize = 12;
 /// Combinations whose directions differ by less than this, radians, and whose κ by less than this factor, are copies of
 /// each other: a line turned by it moves by 2 px, the width of the support band, within some 70 px of the click.

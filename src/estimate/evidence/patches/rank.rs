@@ -11,7 +11,7 @@ use crate::estimate::evidence::lines::{LineExaminer, LineFigures, PencilAngles};
 use crate::estimate::{EstimateError, Parameters};
 use crate::geometry::{PointPair, symmetric_epipolar_distance};
 
-/// Growth of the best support in a round of resampling below which it is the last one.
+/// Growth of the best support below which resampling ends: one match in a hundred.
 const SETTLED: f64 = 1.01;
 
 /// The proposals polished at the coarse and the fine level, with what resampling their matches adds; best first, in
@@ -74,10 +74,11 @@ pub(in crate::estimate) fn rank_fine(
     Ok(ranked)
 }
 
-/// Matches of a hypothesis that others are compared on.
+/// Matches of a hypothesis on which others are compared with it, evenly spread: enough to tell a
+/// majority.
 const COMPARED: usize = 60;
-/// A hypothesis that passes within this distance of most of them says nothing new, px of the level: what the band of
-/// support and the width of a corner leave open.
+/// Distance from its line, px of the level, at which a hypothesis passes a match: the band of
+/// support and the error of a corner.
 const NEAR: f64 = 3.0;
 
 /// The best `count` hypotheses of a ranked list that say something new: whoever explains four fifths of the

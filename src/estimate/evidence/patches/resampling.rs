@@ -24,23 +24,28 @@ use crate::estimate::EstimateError;
 use crate::estimate::stream::{Purpose, stream};
 use crate::geometry::{FundamentalMatrix, PointPair, eight_point, transfer_error};
 
-/// Hypotheses whose matches are pooled.
+/// Hypotheses whose matches are pooled. Not measured.
 const POOLED: usize = 6;
-/// Width of the band the pool is taken from, px.
+/// Width of the band of the pool, px: four times that of support, to include matches that the
+/// hypotheses only approach.
 const POOL_BAND: f64 = 8.0;
-/// Matches drawn from the pool into a sample.
+/// Matches drawn into a sample: with the two clicks, the eight that determine `F`.
 const DRAWN: usize = 6;
-/// Samples drawn of each kind.
+/// Samples of each kind. Not measured.
 const SAMPLES: usize = 1500;
-/// Best hypotheses whose largest plane is looked at.
+/// Best hypotheses whose largest plane is examined. Not measured.
 const PLANES: usize = 3;
-/// How near to where a plane maps it a match on that plane is, px of the level.
+/// Distance within which a match lies on a plane, px of the level: corners are found to a pixel in
+/// each image.
 const ON_PLANE: f64 = 2.0;
-/// How far from there a match off the plane is, px.
+/// Distance beyond which a match lies off a plane, px of the level: clearly more than the error of
+/// two corners.
 const OFF_PLANE: f64 = 5.0;
-/// Correlation of the matches off the plane that are drawn.
+/// Least correlation of the matches off the plane that are drawn: most of them are right. Not
+/// measured.
 const ALIKE: f32 = 0.8;
-/// Share of the leader's support that a geometry near a better one has before it is polished.
+/// Share of the leader's support from which a sample is polished, since polishing adds support. Not
+/// measured.
 const PROMISING: f64 = 0.4;
 
 /// How a round of samples is drawn.
@@ -103,7 +108,7 @@ struct Sampled {
     most: f64,
 }
 
-/// Samples measured at once, for each one that is wanted.
+/// Samples measured at once, for each one wanted. No result depends on the number of threads.
 const AT_ONCE: usize = 4;
 
 /// The `count` best of the samples that are promising beside the leader, best first, the first drawn of equals. They are

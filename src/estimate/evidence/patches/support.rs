@@ -48,10 +48,12 @@ pub(in crate::estimate) struct Support {
     features: FeatureMatches,
 }
 
-/// Correlation of a distinctive match, and how much less that of the next look-alike is.
+/// Least correlation of a distinctive match. Not measured.
 const DISTINCTIVE: f32 = 0.8;
+/// Least lead of a distinctive match over the next look-alike: twice the noise of a correlation.
 const DISTINCTIVE_BY: f32 = 0.1;
-/// Look-alikes kept for a corner, the best ones.
+/// Look-alikes kept for a corner, best first. It bounds the memory; later ones are rarely the best
+/// within a band. Not measured.
 const PER_CORNER: usize = 16;
 
 impl Support {

@@ -22,10 +22,12 @@ use crate::estimate::evidence::lines::{Candidate, PencilAngles};
 use crate::geometry::{Line, PointPair};
 use crate::lanes::{LANES, SetLanes};
 
-/// Bins of the histogram of ln κ and their width.
+/// Bins of the histogram of ln κ: a range of e^±3.5, beyond which a pencil is squeezed more than
+/// thirtyfold.
 const BINS: usize = 448;
+/// Width of a bin of ln κ: 1.6 %. Not measured.
 const BIN: f32 = 1.0 / 64.0;
-/// Widest vote that counts, half of it, in bins.
+/// Half of the widest vote that counts, in bins: beyond half an e-fold a match does not tell κ.
 const WIDEST: f32 = 32.0;
 const LOWEST: f32 = -(BINS as f32) * BIN / 2.0;
 

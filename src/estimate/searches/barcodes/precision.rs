@@ -6,15 +6,17 @@ use crate::estimate::EstimateError;
 use crate::geometry::{FundamentalMatrix, Point, rescaled};
 use crate::motion::{FEWEST_FRAMES, Silhouettes};
 
-/// Groups of frames that are left out in turn.
+/// Groups of frames left out in turn (jackknife). More take more time; fewer leave the deviation
+/// uncertain. Not measured.
 const GROUPS: usize = 5;
 /// Runs of frames that a group is made of: things that move stay about where they are from frame to frame, so frames are
 /// left out in runs, and each group has some from all over the sequence.
 const RUNS: usize = 3;
-/// Places of image 1 that the lines are measured at, at most.
+/// Largest number of places in image 1 at which lines are measured. It bounds the time.
 const PLACES: usize = 200;
-/// Frames in which they are looked for, evenly from all, and places of each: enough to choose from, round numbers.
+/// Frames in which these places are searched, evenly spread. Not measured.
 const LOOKED_AT: usize = 20;
+/// Places taken from one frame. Not measured.
 const PLACES_A_FRAME: usize = 10;
 
 /// Median standard deviation of the epipolar lines in image 2 of places where things move in image 1, px; `None` where too

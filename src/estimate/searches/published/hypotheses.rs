@@ -13,10 +13,10 @@ use crate::estimate::{EstimateError, Parameters};
 use crate::geometry::{Frame, FundamentalMatrix, LinePair, PointPair};
 use crate::similarity::{ScaledSimilarity, SimilaritySource};
 
-/// Each click keeps clear of the other's line by this fraction of the image diagonal: nearer than that the epipoles
-/// are undetermined.
+/// Least distance of a click from the line of the other, as a share of the image diagonal: the
+/// epipoles of nearer clicks are undetermined. Not measured.
 const CLEAR: f64 = 0.02;
-/// Hypotheses that go through full validation at least.
+/// Fewest hypotheses that are fully validated, however few were drawn. Not measured.
 const LEAST_VALIDATED: usize = 10;
 
 /// A hypothesis at the coarse level.

@@ -7,23 +7,25 @@ use crate::estimate::{Clicks, EstimateError, PreparedPair, SearchPlan, Warning};
 use crate::geometry::{Frame, FundamentalMatrix, PointPair, apart_across_lines};
 use crate::image::GrayPlane;
 
-/// Smallest image side in px that is worth comparing lines in.
+/// Smallest image side in which lines are compared, px. Not measured.
 pub const SMALLEST_SIDE: usize = 32;
-/// Clicks nearer than this, px, cannot hold a geometry apart.
+/// Least distance between clicks, px: a few times the error of a click.
 const CLOSEST: f64 = 4.0;
-/// Mean absolute difference below which two images are one picture, grey levels.
+/// Mean absolute difference below which two images are the same picture, grey levels. Not measured.
 const IDENTICAL: f64 = 0.8;
-/// Standard deviation below which an image is flat, grey levels.
+/// Standard deviation below which an image is flat, grey levels: about the rounding of its pixels.
+/// Not measured.
 const FLAT: f64 = 1.0;
-/// Longer side that images are looked at for this, px: noise of single pixels is averaged away.
+/// Longer side at which images are checked, px: the noise of single pixels is averaged away.
 const LOOK_SIDE: f64 = 256.0;
 /// A click nearer to the other's epipolar line than this fraction of the longer side leaves the epipoles loose: there an
 /// error of a click turns the lines twenty times as far as at the other end of the image.
 const SAME_LINE: f64 = 0.05;
-/// Clicks nearer to each other than this fraction of the longer side turn the lines a lot when they are off.
+/// Distance between clicks, as a share of the longer side, below which a small error turns the
+/// lines far: a pixel there is twelve at the far side.
 const CLOSE: f64 = 0.08;
-/// A pair has little texture where fewer than one in so many of its lines have some: then few lines can tell anything. A
-/// round number.
+/// A pair has little texture if fewer than one in this many of its lines have texture. Not
+/// measured.
 const LITTLE_TEXTURE: usize = 3;
 
 /// Checks the clicks against the images and each other, and that there are enough.

@@ -8,10 +8,10 @@ use crate::geometry::{Frame, PointPair};
 type Normal = SMatrix<f64, 9, 9>;
 type Right = SVector<f64, 9>;
 
-/// Widths of the robust cost, in tolerances, one step each: the lens draws matches in from the border of what the
-/// homography alone explains.
+/// Widths of the robust cost, in tolerances, one for each step: the lens gains matches from the
+/// border of those that the homography alone explains. Not measured.
 const WIDTHS: [f64; 12] = [32.0, 24.0, 16.0, 12.0, 8.0, 6.0, 4.0, 3.0, 2.0, 1.5, 1.0, 1.0];
-/// Matches looked at, evenly chosen from all.
+/// Matches examined, evenly spread over all: their share is known to 2 %.
 const LOOKED_AT: usize = 500;
 
 /// `x2 = p (1 + k |p|²)` with `p = H x1`, in units of half the longer side from the middle of each image (the first term

@@ -8,12 +8,14 @@ use crate::geometry::{
     Frame, FundamentalMatrix, PointPair, epipolar_difference, symmetric_epipolar_distance,
 };
 
-/// Geometries farther apart than this fraction of the longer side are clearly different: some ten times the error of a
-/// good result, and what a person sees at once.
+/// Mean distance between lines, as a share of the longer side, beyond which geometries are clearly
+/// different: some ten times the error of a good result.
 const DIFFERENT: f64 = 0.01;
-/// A match that is off its line by more than this share of that distance contradicts a geometry.
+/// Distance of a match from its line, in units of the largest distance of equal geometries, beyond
+/// which it contradicts a geometry. Not measured.
 const CONTRADICTING: f64 = 0.5;
-/// Differences are measured up to this many times that distance, beyond which they are all alike.
+/// Largest difference measured, in units of the largest distance of equal geometries. Beyond it all
+/// geometries are equally wrong.
 const LARGEST_DIFFERENCE: f64 = 10.0;
 
 /// How far hypotheses are from a geometry, as it is decided which of them are clearly different.

@@ -34,10 +34,11 @@ use parallax::{CORNER_SIGMA, OffPlane, precision};
 /// proportion in larger ones, where corners are found less precisely: three deviations of a refined match.
 const PLANE_TOLERANCE: f64 = 1.0;
 
-/// Parallax of matches that are looked for around a plane, at most, as a fraction of the longer side: what distinctive
-/// matches, found to a pixel, begin to see.
+/// Largest parallax of the matches searched near a plane, as a share of the longer side: larger
+/// ones are seen by distinctive matches, which are precise to a pixel.
 const NEAR_PLANE: f64 = 0.015;
-/// Rivals that are refined where the figures before refinement leave open which geometry is better.
+/// Rivals that are refined if the margin before refinement is too small to decide. Each takes as
+/// long as the result. Not measured.
 const RIVALS: usize = 3;
 
 /// What a geometry is judged by, besides itself.

@@ -56,29 +56,37 @@ pub(super) struct OffPlane {
 
 /// Standard deviation of a coordinate of a match between corners, px of the level: each is found to a pixel.
 pub(super) const CORNER_SIGMA: f64 = 0.7;
-/// Deviations of a match from which on it is off the plane, moves differently, and is off its line.
+/// Distance of a match from a plane, in deviations, beyond which it lies off the plane. Clearly
+/// more than noise, since many matches are tried.
 const OFF_PLANE: f64 = 6.0;
+/// Difference between motions, in deviations, below which they are alike. Not measured.
 const ALIKE: f64 = 4.0;
+/// Distance of a match from its line, in deviations, beyond which it disagrees: 99.7 % of Gaussian
+/// errors are below it.
 const OFF_LINE: f64 = 3.0;
-/// Motions that differ by less than this share of their length are one: against a homography that the moving things
-/// themselves have tilted, what is shifted as a whole seems to move a little differently from end to end.
+/// Difference between motions, as a share of their length, below which they are one. A homography
+/// tilted by moving objects makes one motion vary a little from end to end. Not measured.
 const ALIKE_SHARE: f64 = 0.1;
-/// Least deviation of an aligned match, px.
+/// Least deviation of an aligned match, px. Not measured.
 const ALIGNED: f64 = 0.15;
 /// Median absolute value of a normal distribution, in standard deviations.
 const MEDIAN: f64 = 0.6745;
-/// Matches of one group are no farther apart than this fraction of the longer side: what moves by itself is small, and
-/// surfaces that are seen in two places are seen twice.
+/// Largest distance between matches of one group, as a share of the longer side: moving objects are
+/// small, and a surface seen in two places counts twice. Not measured.
 const TOGETHER: f64 = 0.1;
-/// Neighbours of a match are within this fraction of the longer side, and so many of them have to move like it.
+/// Radius of the neighbourhood of a match, as a share of the longer side. Not measured.
 const NEIGHBOURS: f64 = 0.1;
+/// Neighbours that must move alike for a match to count. Wrong matches seldom have two such. Not
+/// measured.
 const LEAST_NEIGHBOURS: usize = 2;
-/// Neighbours move alike when their parallax differs by less than this share of their distance (a surface that is seen
-/// from the side), and px of the level.
+/// Difference between parallaxes of neighbours, as a share of their distance, below which they move
+/// alike: a surface at a slant.
 const SAME_MOTION: f64 = 0.15;
+/// Difference between parallaxes of neighbours, px of the level, below which they move alike: about
+/// two deviations of a corner.
 const SAME_MOTION_PX: f64 = 1.5;
-/// A match contradicts a geometry that is farther from its line than twice what corners and a good F leave open, px of
-/// the level.
+/// Distance of a match from its line, px of the level, beyond which it contradicts a geometry:
+/// twice the error of corners and of a good `F`.
 const CONTRADICTING: f64 = 2.0 * BAND;
 
 /// Matches off the plane that move alike.

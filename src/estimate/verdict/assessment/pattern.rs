@@ -17,7 +17,8 @@ use crate::geometry::{FundamentalMatrix, PointPair};
 /// Neighbours are at least this far from each other, as a fraction of the longer side, so that their patches share
 /// hardly a pixel, and at most so far.
 const APART: [f64; 2] = [0.015, 0.05];
-/// Matches whose neighbours are looked at, evenly chosen from all.
+/// Matches whose neighbours are examined, evenly spread over all: the share is known to a few per
+/// cent.
 const LOOKED_AT: usize = 500;
 
 /// What neighbouring matches are off their lines alike; `side` is the longer side of image 1, px.

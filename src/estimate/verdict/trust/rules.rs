@@ -10,47 +10,62 @@
 use super::{Reason, Suspect, Trust, Verdict};
 use crate::estimate::verdict::poisson::fewer_than;
 
-/// Fewer matches than this do not call a result reliable.
+/// Fewest matches of a reliable result. A round number from results of known truth
+/// (`lab/notes.md`).
 pub const ENOUGH_MATCHES: usize = 60;
-/// Fewer matches than this call a result unreliable.
+/// Number of matches below which a result is unreliable. A round number from results of known truth
+/// (`lab/notes.md`).
 pub const FAR_TOO_FEW: usize = 25;
-/// A click farther off its line than this many standard deviations (Sampson distance) is a mistake, or the result is.
+/// Sampson distance of a click, in standard deviations, beyond which the click or the result is
+/// wrong: one Gaussian error in 16,000.
 pub const CLICK_DEVIATIONS: f64 = 4.0;
-/// A click farther off than this makes the result unreliable unless everything else speaks for it.
+/// Sampson distance of a click, in standard deviations, beyond which it makes a result unreliable,
+/// unless all else supports the result. No click is that far off but by mistake.
 pub const CLICK_DEVIATIONS_WRONG: f64 = 12.0;
-/// Smallest advantage over a clearly different geometry with which a result is called reliable.
+/// Least margin of a reliable result over a clearly different geometry. A round number from results
+/// of known truth (`lab/notes.md`).
 pub const CLEAR_MARGIN: f64 = 0.2;
-/// Standard deviations of a difference of two weights that chance explains.
+/// Difference between two weights, in standard deviations, that chance explains: 95 % of Gaussian
+/// differences are below it.
 pub(in crate::estimate) const CHANCE_DEVIATIONS: f64 = 2.0;
-/// Below this advantage a result is a guess.
+/// Margin below which a result is a guess. It colours the gauge; no verdict depends on it.
 pub const GUESS_MARGIN: f64 = 0.05;
-/// Share of the matches on one plane from which on the epipoles hang on a handful of matches.
+/// Share of the matches on one plane beyond which a handful of matches would determine the
+/// epipoles.
 const ONE_PLANE: f64 = 0.95;
-/// Share from which on what lies off the plane has to hold the epipoles by itself.
+/// Share of the matches on one plane beyond which the matches off it must determine the epipoles by
+/// themselves: the majority.
 const MOSTLY_PLANE: f64 = 0.5;
-/// Share from which on what agrees has to move in more ways than any epipole fits: of two motions that share a picture,
-/// one has nearly half.
+/// Share of the matches on one plane beyond which the agreeing matches must move in more ways than
+/// any epipole fits: if two motions share a picture, one has nearly half.
 const HALF_PLANE: f64 = 0.4;
-/// Share of what the plane leaves that is explained through a lens, from which on that is the likelier story: matches of
-/// a scene with depth gain nothing by the one number more.
+/// Share of the matches off the plane that a lens explains, beyond which a lens is the likelier
+/// cause. One more unknown hardly helps in a scene with depth. Not measured.
 const BENT: f64 = 0.5;
-/// Epipoles that do as well by chance, at most: one of a thousand results without parallax may pass this test.
+/// Largest number of epipoles that do as well by chance: one in a thousand results without parallax
+/// passes.
 const BY_CHANCE: f64 = 1e-3;
-/// The same where what moves alike counts once: fewer than one. A surface in depth moves alike in some places, too.
+/// Largest number of epipoles that do as well by chance if each motion counts once. It is looser,
+/// as surfaces in depth move alike in some places, too.
 const MOTIONS_BY_CHANCE: f64 = 1.0;
-/// Motions beside the plane that any epipole fits: what agrees has to move in more ways.
+/// Number of motions off the plane that any epipole fits: two lines always meet.
 const ANY_EPIPOLE: usize = 2;
-/// Probability that matches which are wrong by chance contradict a right geometry, at most.
+/// Probability that matches wrong by chance contradict a right geometry, at most.
 const WRONG_BY_CHANCE: f64 = 1e-3;
-/// Share of the matches that stand out and move together, and are wrong all the same: repeated structure.
+/// Expected fraction of distinctive matches that agree on a wrong motion (repeated structure). Not
+/// measured.
 pub(in crate::estimate) const WRONG_TOGETHER: f64 = 0.005;
-/// Share of the variance of residuals from which on they are more a pattern than noise.
+/// Share of the variance of residuals that neighbours have in common, beyond which it is more a
+/// pattern than noise: one half.
 const PATTERN: f64 = 0.5;
-/// Size of a pattern that a good camera's lens leaves, px in images up to [`USUAL_SIDE`], more in proportion in larger ones.
+/// Size of a pattern that the lens of a good camera leaves, px in images of up to [`USUAL_SIDE`]
+/// px. It grows with larger images.
 const PATTERN_SIZE: f64 = 0.3;
-/// Longer side of images, px, up to which what is found in them is found as precisely; in larger ones errors grow in proportion.
+/// Longer side of an image, px, up to which positions are found equally precisely. In larger images
+/// errors grow in proportion.
 pub(in crate::estimate) const USUAL_SIDE: f64 = 800.0;
-/// Loosest epipolar lines, as a fraction of the longer side.
+/// Largest standard deviation of epipolar lines of a reliable result, as a share of the longer
+/// side: 2 px in 1,000. A round number from results of known truth (`lab/notes.md`).
 const LOOSEST: f64 = 0.002;
 
 /// What one homography explains of the matches, and what the rest says of the epipoles.
@@ -138,7 +153,7 @@ pub(in crate::estimate) struct BarcodeEvidence {
     pub lines: f64,
 }
 
-/// Twice as many lines as there are unknowns.
+/// Fewest independent lines of a reliable result: twice the seven unknowns.
 const ENOUGH_LINES: f64 = 14.0;
 
 /// What a result was refined on.
