@@ -33,9 +33,9 @@ pub use fit::{EpipoleEllipse, Match, MatchFit, MatchFitError, Noise, Uncertainty
 pub use follow::follow;
 pub use monitor::{Monitor, Progress};
 pub use parameters::{
-    LineScore, LinesAloneParameters, Method, PARAMETERS, ParameterEntry, ParameterValue, Parameters,
-    PatchParameters, PencilParameters, Preset, RefinementParameters, Search, SearchPlan,
-    ValidationParameters,
+    BarcodeParameters, FeatureParameters, LineRefinementParameters, LineScore, LinesAloneParameters, Method,
+    PARAMETERS, ParameterEntry, ParameterValue, Parameters, PatchParameters, PencilParameters, Preset,
+    RefinementParameters, Search, SearchPlan, ValidationParameters,
 };
 pub use stage::Stage;
 pub use verdict::assessment::{SMALLEST_SIDE, examine};

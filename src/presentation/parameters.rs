@@ -182,6 +182,60 @@ const WORDS: [Words; PARAMETERS.len()] = [
         2,
         "Standard deviation of a click: how far the refinement may move the lines away from the clicked points.",
     ),
+    number("supported", "Supported", 0, "Combinations of candidates whose exact patch support is computed."),
+    number("pooled", "Pooled", 0, "Best hypotheses whose matches are pooled for resampling."),
+    number("resampling_draws", "Resampling draws", 0, "Samples of each kind in a round of resampling."),
+    number(
+        "line_refinement_rounds",
+        "Line refinement",
+        0,
+        "Rounds of the refinement on lines at each image size.",
+    ),
+    number(
+        "line_refinement_step",
+        "First step",
+        1,
+        "First step of the refinement on lines, at the far side of the image.",
+    ),
+    number(
+        "line_refinement_lines",
+        "Lines refined",
+        0,
+        "Lines in each direction that the refinement on lines compares.",
+    ),
+    number(
+        "rivals",
+        "Rivals",
+        0,
+        "Rivals that are refined if the margin before refinement is too small to decide.",
+    ),
+    number("feature_draws", "Feature draws", 0, "Minimal samples of covariant features."),
+    number("features_refitted", "Features refitted", 0, "Hypotheses of features that are refitted."),
+    number(
+        "features_rematched",
+        "Features rematched",
+        0,
+        "Refitted hypotheses whose features are matched again along the epipolar lines.",
+    ),
+    number("feature_views", "Feature views", 0, "Largest number of relative views that features suggest."),
+    number(
+        "stand_in_searches",
+        "Stand-in searches",
+        0,
+        "Without clicks, largest number of searches through two drawn matches.",
+    ),
+    number(
+        "barcode_side",
+        "Barcode size",
+        0,
+        "Least longer side of the images in which barcodes are compared.",
+    ),
+    number(
+        "barcodes_refined",
+        "Barcodes refined",
+        0,
+        "Proposals refined on barcodes, of the clicks and of all lines each.",
+    ),
 ];
 
 /// Parameter with its name, tooltip and unit for people.
@@ -294,7 +348,7 @@ pub fn parameters_as_markdown() -> String {
             "| {} | `{}` | {} | {} | {} | {range} | {} |",
             shown.entry.stage.label(),
             shown.entry.key,
-            shown.name(),
+            if shown.entry.is_expert { "–" } else { shown.name() },
             shown.default_text(Preset::Paper),
             shown.default_text(Preset::Robust),
             shown.tooltip()

@@ -13,6 +13,8 @@ pub struct ParameterEntry {
     pub stage: Stage,
     /// Unit of a number, with the space before it. Angles are radians and have none.
     pub unit: &'static str,
+    /// Whether the window leaves it out.
+    pub is_expert: bool,
     /// Kind of its value.
     pub value: ParameterValue,
 }
@@ -47,6 +49,11 @@ pub enum ParameterValue {
 }
 
 impl ParameterEntry {
+    pub(super) const fn for_experts(mut self) -> Self {
+        self.is_expert = true;
+        self
+    }
+
     pub(super) const fn for_dragging(mut self) -> Self {
         if let ParameterValue::Number { enforced, .. } = &mut self.value {
             *enforced = false;

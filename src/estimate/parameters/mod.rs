@@ -154,12 +154,96 @@ pub struct ValidationParameters {
 
 /// How the search with patches goes on from its proposals.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct PatchParameters {
     /// Most rounds in which new hypotheses are drawn from the matches of the best ones; fewer when they stop
     /// bringing more support.
     pub resampling: usize,
     /// Also draw, in these rounds, epipoles from what lies off the largest planes.
     pub parallax: bool,
+    /// Combinations of candidates whose exact support is computed. Not measured.
+    pub supported: usize,
+    /// Hypotheses whose matches are pooled for resampling. Not measured.
+    pub pooled: usize,
+    /// Samples of each kind in a round of resampling. Not measured.
+    #[serde(rename = "resampling_draws")]
+    pub samples: usize,
+}
+
+impl Default for PatchParameters {
+    fn default() -> Self {
+        Self { resampling: 5, parallax: true, supported: 240, pooled: 6, samples: 1500 }
+    }
+}
+
+/// Search with covariant features. In files the names begin with `feature`.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct FeatureParameters {
+    /// Minimal samples. Not measured.
+    #[serde(rename = "feature_draws")]
+    pub draws: usize,
+    /// Hypotheses that are refitted. Not measured.
+    #[serde(rename = "features_refitted")]
+    pub refitted: usize,
+    /// Refitted hypotheses that are matched again along their lines. Not measured.
+    #[serde(rename = "features_rematched")]
+    pub rematched: usize,
+    /// Largest number of relative views that features suggest. Not measured.
+    #[serde(rename = "feature_views")]
+    pub views: usize,
+    /// Without clicks, largest number of searches through two drawn matches. If half of the matches
+    /// are right, one of four pairs is right with a probability of 68 %.
+    #[serde(rename = "stand_in_searches")]
+    pub stand_ins: usize,
+}
+
+impl Default for FeatureParameters {
+    fn default() -> Self {
+        Self { draws: 6000, refitted: 30, rematched: 8, views: 2, stand_ins: 4 }
+    }
+}
+
+/// Refinement of the five numbers of a geometry on lines (paper, section 5.1).
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct LineRefinementParameters {
+    /// Rounds at each image size. Not measured.
+    #[serde(rename = "line_refinement_rounds")]
+    pub rounds: usize,
+    /// First step: the turn that moves a line by this many pixels at the far side of the image,
+    /// somewhat less than the line spacing.
+    #[serde(rename = "line_refinement_step")]
+    pub first_step: f64,
+    /// Lines in each direction: fewer than in validation, since only neighbours are compared. Not
+    /// measured.
+    #[serde(rename = "line_refinement_lines")]
+    pub lines: usize,
+}
+
+impl Default for LineRefinementParameters {
+    fn default() -> Self {
+        Self { rounds: 8, first_step: 1.5, lines: 12 }
+    }
+}
+
+/// Search by motion barcodes (paper, section 2.3).
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct BarcodeParameters {
+    /// Least longer side of the images in which lines are compared, px. Barcodes cost less than
+    /// stereo, so it is larger. Not measured.
+    #[serde(rename = "barcode_side")]
+    pub side: f64,
+    /// Proposals refined of each kind: of the clicks, and of all lines. Not measured.
+    #[serde(rename = "barcodes_refined")]
+    pub refined: usize,
+}
+
+impl Default for BarcodeParameters {
+    fn default() -> Self {
+        Self { side: 384.0, refined: 3 }
+    }
 }
 
 /// How all seven degrees of freedom are refined.
@@ -169,6 +253,14 @@ pub struct RefinementParameters {
     pub refine: bool,
     /// Best hypotheses that are refined; the one that comes out best is the result.
     pub refined: usize,
+    /// Rivals refined if the margin before refinement is too small to decide. Each takes as long as
+    /// the result. Not measured.
+    #[serde(default = "three")]
+    pub rivals: usize,
+}
+
+fn three() -> usize {
+    3
 }
 
 /// All parameters of an estimate. [`Parameters::from`] a [`Preset`] gives its defaults;
@@ -202,6 +294,15 @@ pub struct Parameters {
     /// How the search with patches goes on.
     #[serde(flatten)]
     pub patches: PatchParameters,
+    /// How features propose.
+    #[serde(flatten)]
+    pub features: FeatureParameters,
+    /// How geometries are refined on lines.
+    #[serde(flatten)]
+    pub line_refinement: LineRefinementParameters,
+    /// How motion barcodes are searched.
+    #[serde(flatten)]
+    pub barcodes: BarcodeParameters,
     /// How the best hypotheses are refined.
     #[serde(flatten)]
     pub refinement: RefinementParameters,
@@ -248,8 +349,11 @@ impl From<Preset> for Parameters {
             lines_alone: LinesAloneParameters { draws: 2000, ..LinesAloneParameters::default() },
             validation: ValidationParameters { validated: 0.05, lines: 24, line_score: LineScore::Cost },
             search: Search::Lines,
-            patches: PatchParameters { resampling: 5, parallax: true },
-            refinement: RefinementParameters { refine: false, refined: 8 },
+            patches: PatchParameters::default(),
+            features: FeatureParameters::default(),
+            line_refinement: LineRefinementParameters::default(),
+            barcodes: BarcodeParameters::default(),
+            refinement: RefinementParameters { refine: false, refined: 8, rivals: three() },
             click_sigma: 1.0,
         };
         match preset {

@@ -17,11 +17,17 @@ const fn number(
     get: fn(&Parameters) -> f64,
     set: fn(&mut Parameters, f64),
 ) -> ParameterEntry {
-    ParameterEntry { key, stage, unit, value: ParameterValue::Number { range, enforced: true, get, set } }
+    ParameterEntry {
+        key,
+        stage,
+        unit,
+        is_expert: false,
+        value: ParameterValue::Number { range, enforced: true, get, set },
+    }
 }
 
-/// All parameters, in the order of the stages.
-pub const PARAMETERS: [ParameterEntry; 28] = [
+/// All parameters: those of the window in the order of the stages, then those for experts.
+pub const PARAMETERS: [ParameterEntry; 42] = [
     number(
         ("coarse_side", Stage::Pyramid, " px"),
         [32.0, 1024.0],
@@ -84,6 +90,7 @@ pub const PARAMETERS: [ParameterEntry; 28] = [
         key: "measure",
         stage: Stage::Pencils,
         unit: "",
+        is_expert: false,
         value: ParameterValue::Choice {
             get: |p| MEASURES.iter().position(|m| *m == p.similarity.measure).unwrap_or(0),
             set: |p, k| p.similarity.measure = MEASURES[k],
@@ -93,6 +100,7 @@ pub const PARAMETERS: [ParameterEntry; 28] = [
         key: "stereo.ordering",
         stage: Stage::Pencils,
         unit: "",
+        is_expert: false,
         value: ParameterValue::Choice {
             get: |p| ORDERINGS.iter().position(|o| *o == p.similarity.stereo.ordering).unwrap_or(0),
             set: |p, k| p.similarity.stereo.ordering = ORDERINGS[k],
@@ -102,6 +110,7 @@ pub const PARAMETERS: [ParameterEntry; 28] = [
         key: "normalise",
         stage: Stage::Pencils,
         unit: "",
+        is_expert: false,
         value: ParameterValue::Switch { get: |p| p.pencils.normalise, set: |p, v| p.pencils.normalise = v },
     },
     number(
@@ -140,6 +149,7 @@ pub const PARAMETERS: [ParameterEntry; 28] = [
         key: "search",
         stage: Stage::Hypotheses,
         unit: "",
+        is_expert: false,
         value: ParameterValue::Switch {
             get: |p| p.search == Search::Patches,
             set: |p, v| p.search = if v { Search::Patches } else { Search::Lines },
@@ -167,6 +177,7 @@ pub const PARAMETERS: [ParameterEntry; 28] = [
         key: "line_score",
         stage: Stage::Validation,
         unit: "",
+        is_expert: false,
         value: ParameterValue::Choice {
             get: |p| LINE_SCORES.iter().position(|s| *s == p.validation.line_score).unwrap_or(0),
             set: |p, k| p.validation.line_score = LINE_SCORES[k],
@@ -182,12 +193,14 @@ pub const PARAMETERS: [ParameterEntry; 28] = [
         key: "parallax",
         stage: Stage::Validation,
         unit: "",
+        is_expert: false,
         value: ParameterValue::Switch { get: |p| p.patches.parallax, set: |p, v| p.patches.parallax = v },
     },
     ParameterEntry {
         key: "refine",
         stage: Stage::Refinement,
         unit: "",
+        is_expert: false,
         value: ParameterValue::Switch { get: |p| p.refinement.refine, set: |p, v| p.refinement.refine = v },
     },
     number(
@@ -202,6 +215,104 @@ pub const PARAMETERS: [ParameterEntry; 28] = [
         |p| p.click_sigma,
         |p, v| p.click_sigma = v,
     ),
+    number(
+        ("supported", Stage::Hypotheses, ""),
+        [1.0, 100_000.0],
+        |p| p.patches.supported as f64,
+        |p, v| p.patches.supported = v as usize,
+    )
+    .for_experts(),
+    number(
+        ("pooled", Stage::Validation, ""),
+        [1.0, 60.0],
+        |p| p.patches.pooled as f64,
+        |p, v| p.patches.pooled = v as usize,
+    )
+    .for_experts(),
+    number(
+        ("resampling_draws", Stage::Validation, ""),
+        [1.0, 1e6],
+        |p| p.patches.samples as f64,
+        |p, v| p.patches.samples = v as usize,
+    )
+    .for_experts(),
+    number(
+        ("line_refinement_rounds", Stage::Refinement, " rounds"),
+        [0.0, 1000.0],
+        |p| p.line_refinement.rounds as f64,
+        |p, v| p.line_refinement.rounds = v as usize,
+    )
+    .for_experts(),
+    number(
+        ("line_refinement_step", Stage::Refinement, " px"),
+        [0.1, 20.0],
+        |p| p.line_refinement.first_step,
+        |p, v| p.line_refinement.first_step = v,
+    )
+    .for_experts(),
+    number(
+        ("line_refinement_lines", Stage::Refinement, " per image"),
+        [4.0, 1000.0],
+        |p| p.line_refinement.lines as f64,
+        |p, v| p.line_refinement.lines = v as usize,
+    )
+    .for_experts(),
+    number(
+        ("rivals", Stage::Refinement, ""),
+        [0.0, 60.0],
+        |p| p.refinement.rivals as f64,
+        |p, v| p.refinement.rivals = v as usize,
+    )
+    .for_experts(),
+    number(
+        ("feature_draws", Stage::Features, ""),
+        [1.0, 1e6],
+        |p| p.features.draws as f64,
+        |p, v| p.features.draws = v as usize,
+    )
+    .for_experts(),
+    number(
+        ("features_refitted", Stage::Features, ""),
+        [1.0, 1000.0],
+        |p| p.features.refitted as f64,
+        |p, v| p.features.refitted = v as usize,
+    )
+    .for_experts(),
+    number(
+        ("features_rematched", Stage::Features, ""),
+        [1.0, 1000.0],
+        |p| p.features.rematched as f64,
+        |p, v| p.features.rematched = v as usize,
+    )
+    .for_experts(),
+    number(
+        ("feature_views", Stage::Features, ""),
+        [1.0, 20.0],
+        |p| p.features.views as f64,
+        |p, v| p.features.views = v as usize,
+    )
+    .for_experts(),
+    number(
+        ("stand_in_searches", Stage::Features, ""),
+        [0.0, 100.0],
+        |p| p.features.stand_ins as f64,
+        |p, v| p.features.stand_ins = v as usize,
+    )
+    .for_experts(),
+    number(
+        ("barcode_side", Stage::Pencils, " px"),
+        [32.0, 1024.0],
+        |p| p.barcodes.side,
+        |p, v| p.barcodes.side = v,
+    )
+    .for_experts(),
+    number(
+        ("barcodes_refined", Stage::Refinement, ""),
+        [1.0, 60.0],
+        |p| p.barcodes.refined as f64,
+        |p, v| p.barcodes.refined = v as usize,
+    )
+    .for_experts(),
 ];
 
 impl Parameters {

@@ -13,13 +13,10 @@ use crate::estimate::evidence::features::{
 use crate::estimate::evidence::patches::{Proposal, rank_fine};
 use crate::estimate::evidence::viewed::ViewedPair;
 use crate::estimate::verdict::selection::{ClickedPairs, select};
-use crate::estimate::{Clicks, Estimate, EstimateError, Parameters, PreparedPair, Stage};
+use crate::estimate::{Clicks, Estimate, EstimateError, FeatureParameters, Parameters, PreparedPair, Stage};
 use crate::features::FeatureViews;
 use crate::geometry::FundamentalMatrix;
 use crate::image::RelativeView;
-
-/// Largest number of views that features suggest. Not measured.
-const VIEWS: usize = 2;
 
 /// What covariant features propose, best first.
 pub(in crate::estimate) struct FeatureProposals {
@@ -49,12 +46,21 @@ impl FeatureProposals {
             clicks: &observed,
             click_sigma: parameters.click_sigma,
         };
-        let search = FeatureSearchParameters { seed: parameters.seed, ..FeatureSearchParameters::default() };
+        let FeatureParameters { draws, refitted, rematched, .. } = parameters.features;
+        let search = FeatureSearchParameters {
+            draws,
+            refitted,
+            rematched,
+            seed: parameters.seed,
+            ..FeatureSearchParameters::default()
+        };
         let hypotheses = hypotheses_from_features(&evidence, &search);
         record.cancel().check()?;
         let mut views: Vec<RelativeView> = Vec::new();
         for view in hypotheses.iter().filter_map(|h| view_of(&h.fundamental, features, prepared.frames())) {
-            if views.len() < VIEWS && !views.iter().any(|known| is_same_view(known, &view)) {
+            if views.len() < parameters.features.views
+                && !views.iter().any(|known| is_same_view(known, &view))
+            {
                 views.push(view);
             }
         }

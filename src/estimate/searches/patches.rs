@@ -25,7 +25,7 @@ pub(super) fn search(
     record.enter(Stage::Hypotheses)?;
     let candidates = pencils.each_ref().map(|compared| compared.candidates.as_slice());
     let drawn = draw_pairs(candidates, parameters.hypotheses, parameters.seed);
-    let proposals = patches::propose(coarse, voting, &drawn, &anchors, cancel)?;
+    let proposals = patches::propose(coarse, voting, &drawn, &anchors, parameters.patches.supported, cancel)?;
     if let Some(first) = proposals.first()
         && let Some(fundamental) = first.full_size(coarse.scales)
     {

@@ -8,9 +8,6 @@ use crate::estimate::evidence::patches::PatchLevels;
 use crate::estimate::stream::{Purpose, stream};
 use crate::geometry::{FundamentalMatrix, PointPair, apart_across_lines, sampson_distance};
 
-/// Largest number of searches through drawn matches. If half of the matches are right, one of four
-/// pairs is right with a probability of 68 %.
-const DRAWN: usize = 4;
 /// Matches among which two stand-ins are chosen. All pairs of them are compared, so it bounds the
 /// time.
 const CHOSEN_FROM: usize = 120;
@@ -79,12 +76,13 @@ pub(super) fn farthest_apart(
 pub(super) fn drawn_stand_ins(
     prepared: &PreparedPair,
     putative: &[PointPair],
+    count: usize,
     seed: u64,
 ) -> Vec<[PointPair; 2]> {
     let mut random = stream(seed, Purpose::PutativePairs, 0);
     let least = prepared.frames().map(|frame| APART * frame.longer_side());
     let mut drawn = Vec::new();
-    if putative.len() < 2 {
+    if putative.len() < 2 || count == 0 {
         return drawn;
     }
     for _ in 0..TRIES {
@@ -92,7 +90,7 @@ pub(super) fn drawn_stand_ins(
         let apart = [(p.point1 - q.point1).norm(), (p.point2 - q.point2).norm()];
         if apart[0] > least[0] && apart[1] > least[1] {
             drawn.push([p, q]);
-            if drawn.len() == DRAWN {
+            if drawn.len() == count {
                 break;
             }
         }
@@ -111,12 +109,12 @@ mod tests {
         let prepared = scene.prepared();
         let putative = scene.pairs(60);
         let least = prepared.frames().map(|frame| APART * frame.longer_side());
-        let pairs = drawn_stand_ins(&prepared, &putative, 5);
-        assert_eq!(pairs.len(), DRAWN);
+        let pairs = drawn_stand_ins(&prepared, &putative, 4, 5);
+        assert_eq!(pairs.len(), 4);
         for [p, q] in &pairs {
             assert!((p.point1 - q.point1).norm() > least[0] && (p.point2 - q.point2).norm() > least[1]);
         }
-        assert_eq!(pairs, drawn_stand_ins(&prepared, &putative, 5), "the seed decides");
-        assert!(drawn_stand_ins(&prepared, &putative[..1], 5).is_empty());
+        assert_eq!(pairs, drawn_stand_ins(&prepared, &putative, 4, 5), "the seed decides");
+        assert!(drawn_stand_ins(&prepared, &putative[..1], 4, 5).is_empty());
     }
 }

@@ -38,7 +38,7 @@ pub(in crate::estimate) fn search(
     let patches = prepared.patches_with_features(view, FeatureViews::Slanted);
     let viewed = ViewedPair::new(prepared, patches, parameters);
     let putative = putative_matches(prepared, features, &viewed.patches);
-    for pair in drawn_stand_ins(prepared, &putative, parameters.seed) {
+    for pair in drawn_stand_ins(prepared, &putative, parameters.features.stand_ins, parameters.seed) {
         let found = match patches::search(&viewed, &clicks.with_chosen(pair), parameters, record) {
             Ok(found) => found,
             Err(EstimateError::NoCandidates { .. } | EstimateError::NoGeometry) => continue,

@@ -73,8 +73,6 @@ impl Proposal {
     }
 }
 
-/// Combinations whose exact support is computed. Not measured.
-const EXACT: usize = 240;
 /// Combinations kept before thinning, for each one whose exact support is computed. Not measured.
 const THINNING: usize = 12;
 /// Combinations whose directions differ by less than this, radians, and whose κ by less than this factor, are copies of
@@ -87,6 +85,7 @@ pub(in crate::estimate) fn propose(
     voting: &KappaVoting,
     drawn: &[(Candidate, Candidate)],
     clicks: &[PointPair; 2],
+    supported: usize,
     cancel: &CancelFlag,
 ) -> Result<Vec<Proposal>, EstimateError> {
     let clicks = clicks.each_ref().map(|click| click.rescaled(coarse.scales));
@@ -112,8 +111,8 @@ pub(in crate::estimate) fn propose(
         .collect();
     cancel.check()?;
     voted.sort_by(|a, b| b.votes.total_cmp(&a.votes));
-    voted.truncate(THINNING * EXACT);
-    let mut proposals: Vec<Proposal> = thinned(&voted, EXACT)
+    voted.truncate(THINNING * supported);
+    let mut proposals: Vec<Proposal> = thinned(&voted, supported)
         .par_iter()
         .filter_map(|voted| {
             let fundamental = PencilPair::new(&voted.angles, clicks)?.fundamental()?;
@@ -208,7 +207,7 @@ mod tests {
         let of = |angles: [f64; 2], turn: f64| Candidate { angles: [angles[0], angles[1] + turn], cost: 1.0 };
         let drawn: Vec<(Candidate, Candidate)> =
             turns.iter().flat_map(|a| turns.iter().map(|b| (of(truth.p, *a), of(truth.q, *b)))).collect();
-        propose(&coarse, &voting, &drawn, &scene.clicks(), cancel)
+        propose(&coarse, &voting, &drawn, &scene.clicks(), 240, cancel)
     }
 
     #[test]

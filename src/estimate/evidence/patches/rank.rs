@@ -59,7 +59,7 @@ pub(in crate::estimate) fn rank_fine(
         let before = ranked.first().map_or(0.0, |leader| leader.support.score);
         let drawing = Drawing {
             clicks: &at_level,
-            parallax: parameters.patches.parallax,
+            parameters: parameters.patches,
             // Rounds must not repeat each other, with any seed.
             seed: parameters.seed.wrapping_mul(64).wrapping_add(round),
         };

@@ -20,19 +20,15 @@ use super::Proposal;
 use super::plane::largest_plane;
 use super::support::{BAND, PatchSupport, Support};
 use crate::cancel::CancelFlag;
-use crate::estimate::EstimateError;
 use crate::estimate::stream::{Purpose, stream};
+use crate::estimate::{EstimateError, PatchParameters};
 use crate::geometry::{FundamentalMatrix, PointPair, eight_point, transfer_error};
 
-/// Hypotheses whose matches are pooled. Not measured.
-const POOLED: usize = 6;
 /// Width of the band of the pool, px: four times that of support, to include matches that the
 /// hypotheses only approach.
 const POOL_BAND: f64 = 8.0;
 /// Matches drawn into a sample: with the two clicks, the eight that determine `F`.
 const DRAWN: usize = 6;
-/// Samples of each kind. Not measured.
-const SAMPLES: usize = 1500;
 /// Best hypotheses whose largest plane is examined. Not measured.
 const PLANES: usize = 3;
 /// Distance within which a match lies on a plane, px of the level: corners are found to a pixel in
@@ -52,8 +48,8 @@ const PROMISING: f64 = 0.4;
 pub(in crate::estimate) struct Drawing<'a> {
     /// Clicks in pixels of the level.
     pub clicks: &'a [PointPair],
-    /// Whether planes are looked at, too.
-    pub parallax: bool,
+    /// Rounds, planes and numbers of samples.
+    pub parameters: PatchParameters,
     pub seed: u64,
 }
 
@@ -66,7 +62,7 @@ pub(in crate::estimate) fn resample(
     cancel: &CancelFlag,
 ) -> Result<Vec<Proposal>, EstimateError> {
     let Some(leader) = best.first() else { return Ok(Vec::new()) };
-    let Drawing { clicks, parallax, seed } = *drawing;
+    let Drawing { clicks, parameters, seed } = *drawing;
     let least = PROMISING * leader.support.score;
     // Most samples are wrong, which a bound on their support tells.
     let promising = |fundamental: FundamentalMatrix| {
@@ -74,7 +70,7 @@ pub(in crate::estimate) fn resample(
         (most > least).then_some(Sampled { fundamental, most })
     };
     let draw = |kind: u64, make: &(dyn Fn(&mut Pcg64Mcg) -> Option<FundamentalMatrix> + Sync)| {
-        let samples = SAMPLES as u64;
+        let samples = parameters.samples as u64;
         let found: Vec<Sampled> = (0..samples)
             .into_par_iter()
             .filter(|_| !cancel.is_cancelled())
@@ -86,11 +82,11 @@ pub(in crate::estimate) fn resample(
         found
     };
     let mut found = Vec::new();
-    let pool = pooled(support, best);
+    let pool = pooled(support, &best[..best.len().min(parameters.pooled)]);
     if pool.len() >= 2 * DRAWN {
         found.extend(draw(0, &|rng| sample(&pool, clicks, rng)));
     }
-    for (k, hypothesis) in best.iter().take(if parallax { PLANES } else { 0 }).enumerate() {
+    for (k, hypothesis) in best.iter().take(if parameters.parallax { PLANES } else { 0 }).enumerate() {
         let matches: Vec<PointPair> =
             support.matches(&hypothesis.fundamental, BAND).iter().map(|m| m.pair).collect();
         if let Some((h, _)) = largest_plane(&matches, ON_PLANE, seed) {
@@ -146,7 +142,7 @@ fn best_of(samples: &[Sampled], support: &Support, leader: &Proposal, count: usi
 /// The matches of the best hypotheses, each once.
 fn pooled(support: &Support, best: &[Proposal]) -> Vec<PointPair> {
     let mut known: HashSet<[u64; 4]> = HashSet::new();
-    let matches = best.iter().take(POOLED).flat_map(|own| support.matches(&own.fundamental, POOL_BAND));
+    let matches = best.iter().flat_map(|own| support.matches(&own.fundamental, POOL_BAND));
     let pairs = matches.map(|m| m.pair);
     let place =
         |pair: &PointPair| [pair.point1.x, pair.point1.y, pair.point2.x, pair.point2.y].map(f64::to_bits);
@@ -282,6 +278,9 @@ mod tests {
         (scene, support, leader)
     }
 
+    const ON_MATCHES: PatchParameters =
+        PatchParameters { resampling: 5, parallax: false, supported: 240, pooled: 6, samples: 1500 };
+
     fn drawn(support: &Support, leader: &Proposal, drawing: &Drawing) -> Vec<Proposal> {
         resample(support, std::slice::from_ref(leader), usize::MAX, drawing, &CancelFlag::default()).unwrap()
     }
@@ -290,14 +289,14 @@ mod tests {
     fn a_plane_and_what_lies_off_it_lead_out_of_a_trap() {
         let (scene, support, leader) = trap();
         let clicks = scene.clicks();
-        let all = Drawing { clicks: &clicks, parallax: true, seed: 1 };
+        let all = Drawing { clicks: &clicks, parameters: PatchParameters::default(), seed: 1 };
         let found = drawn(&support, &leader, &all);
         assert!(found.is_sorted_by(|a, b| a.support.score >= b.support.score));
         assert!(found.iter().all(|f| f.support.score > PROMISING * leader.support.score));
         assert_eq!(found[0].support.matches, 76);
         // Exact matches up to the plane, which is fitted.
         assert!(scene.error(&found[0].fundamental) < 0.5, "{}", scene.error(&found[0].fundamental));
-        let without = drawn(&support, &leader, &Drawing { parallax: false, ..all });
+        let without = drawn(&support, &leader, &Drawing { parameters: ON_MATCHES, ..all });
         let right = |list: &[Proposal]| list.iter().filter(|f| scene.error(&f.fundamental) < 0.5).count();
         assert!(right(&found) > 2 * right(&without).max(50), "{} {}", right(&found), right(&without));
     }
@@ -311,9 +310,9 @@ mod tests {
         let leader =
             Proposal { angles: Some(scene.angles()), support: support.measure(&fundamental), fundamental };
         let clicks = scene.clicks();
-        let found = drawn(&support, &leader, &Drawing { clicks: &clicks, parallax: false, seed: 2 });
+        let found = drawn(&support, &leader, &Drawing { clicks: &clicks, parameters: ON_MATCHES, seed: 2 });
         // Exact matches: every sample that determines a matrix gives the true one.
-        assert!(found.len() > SAMPLES / 2 && scene.error(&found[0].fundamental) < 1e-4);
+        assert!(found.len() > ON_MATCHES.samples / 2 && scene.error(&found[0].fundamental) < 1e-4);
         let pool = pooled(&support, &[leader.clone(), leader]);
         assert!(pool.len() <= 40 && pool.iter().enumerate().all(|(k, m)| !pool[..k].contains(m)));
     }
@@ -323,11 +322,11 @@ mod tests {
         let (scene, support, leader) = trap();
         let clicks = scene.clicks();
         let matrices = |seed: u64| -> Vec<FundamentalMatrix> {
-            let drawing = Drawing { clicks: &clicks, parallax: true, seed };
+            let drawing = Drawing { clicks: &clicks, parameters: PatchParameters::default(), seed };
             drawn(&support, &leader, &drawing).iter().map(|f| f.fundamental).collect()
         };
         assert!(matrices(1) == matrices(1) && matrices(1) != matrices(2));
-        let drawing = Drawing { clicks: &clicks, parallax: true, seed: 1 };
+        let drawing = Drawing { clicks: &clicks, parameters: PatchParameters::default(), seed: 1 };
         assert!(resample(&support, &[], 9, &drawing, &CancelFlag::default()).unwrap().is_empty());
         let flag = CancelFlag::default();
         flag.cancel();

@@ -32,11 +32,6 @@ use precision::deviation;
 use refinement::{Objective, RefinedByBarcodes, refine};
 use sharpening::sharpen;
 
-/// Longer side of the images in which lines are compared, px. Barcodes cost less than stereo, so it
-/// is larger. Not measured.
-const SIDE: f64 = 384.0;
-/// Proposals refined of each kind: of the clicks, and of all lines. Not measured.
-const REFINED: usize = 3;
 /// Mean distance between the lines of two geometries, as a share of the longer side, below which
 /// they are the same. Not measured.
 const SAME: f64 = 0.02;
@@ -46,8 +41,8 @@ const SAME: f64 = 0.02;
 fn adapted(parameters: &Parameters) -> Parameters {
     let mut adapted = parameters.clone();
     adapted.pencils.rotation = std::f64::consts::PI;
-    adapted.pencils.coarse_side = adapted.pencils.coarse_side.max(SIDE);
-    adapted.lines_alone.side = adapted.lines_alone.side.max(SIDE);
+    adapted.pencils.coarse_side = adapted.pencils.coarse_side.max(parameters.barcodes.side);
+    adapted.lines_alone.side = adapted.lines_alone.side.max(parameters.barcodes.side);
     adapted.search = Search::Lines;
     adapted.refinement.refine = false;
     adapted
@@ -81,7 +76,9 @@ pub(in crate::estimate) fn search(
         match published::find(viewed, clicks, &few, record) {
             Ok(found) => {
                 proposed.push(found.fundamental);
-                proposed.extend(found.hypotheses.iter().take(REFINED).map(Estimate::fundamental));
+                proposed.extend(
+                    found.hypotheses.iter().take(parameters.barcodes.refined).map(Estimate::fundamental),
+                );
                 hypotheses = found.hypotheses;
                 // Something to look at while all lines are compared.
                 report_preliminary(proposed[0], &hypotheses, None, viewed, clicks, parameters, record);
@@ -92,7 +89,7 @@ pub(in crate::estimate) fn search(
         }
     }
     let alone = from_all_lines(&*viewed.source, parameters, record)?;
-    proposed.extend(alone.iter().take(REFINED));
+    proposed.extend(alone.iter().take(parameters.barcodes.refined));
     hypotheses.extend(alone.into_iter().map(Estimate::from));
     hypotheses.truncate(REPORTED);
     if let Some(first) = proposed.first() {

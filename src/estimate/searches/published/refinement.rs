@@ -11,20 +11,12 @@ use rand_pcg::Pcg64Mcg;
 use crate::cancel::CancelFlag;
 use crate::estimate::evidence::lines::{PencilAngles, PencilPair, line_scores};
 use crate::estimate::stream::{Purpose, stream};
-use crate::estimate::{EstimateError, LineScore, Parameters};
+use crate::estimate::{EstimateError, Parameters};
 use crate::geometry::PointPair;
 use crate::similarity::{ScaledSimilarity, SimilaritySource};
 
 /// Steps tried at a time: enough for the vector units and the threads. Not measured.
 const POPULATION: usize = 8;
-/// Rounds at each level. Not measured.
-const ROUNDS: usize = 8;
-/// Lines in each direction during refinement: fewer than in validation, since only neighbours are
-/// compared. Not measured.
-const LINES: usize = 12;
-/// First step: the turn that moves a line by this many pixels at the far side of the image,
-/// somewhat less than the line spacing.
-const FIRST_STEP: f64 = 1.5;
 /// Length of a step after one that brought nothing, in lengths before. Not measured.
 const SHRINKING: f64 = 0.6;
 /// Longer side of the largest images in refinement on lines, px: beyond it lines are smoother than
@@ -47,7 +39,7 @@ pub(super) fn refine_on_lines(
         let level = source.at(side);
         if done != Some(level.scales) {
             done = Some(level.scales);
-            best = refine_at(&level, &best, clicks, parameters.validation.line_score, &mut rng, cancel)?;
+            best = refine_at(&level, &best, clicks, parameters, &mut rng, cancel)?;
         }
         if side >= FINEST {
             return Ok(best);
@@ -60,16 +52,24 @@ fn refine_at(
     level: &ScaledSimilarity,
     start: &PencilAngles,
     clicks: &[PointPair; 2],
-    kind: LineScore,
+    parameters: &Parameters,
     rng: &mut Pcg64Mcg,
     cancel: &CancelFlag,
 ) -> Result<PencilAngles, EstimateError> {
+    let how = &parameters.line_refinement;
     let clicks = clicks.each_ref().map(|click| level.resized(click));
     // Infinite where the lines degenerate.
     let scores = |all: &[PencilAngles]| -> Result<Vec<f64>, EstimateError> {
         let pencils: Vec<_> = all.iter().map(|angles| PencilPair::new(angles, clicks)).collect();
         let valid: Vec<PencilPair> = pencils.iter().flatten().cloned().collect();
-        let scores = line_scores(&*level.lines, &valid, level.frames, LINES, kind, cancel);
+        let scores = line_scores(
+            &*level.lines,
+            &valid,
+            level.frames,
+            how.lines,
+            parameters.validation.line_score,
+            cancel,
+        );
         cancel.check()?;
         let mut scores = scores.into_iter();
         let score = |valid: &Option<PencilPair>| valid.as_ref().and_then(|_| scores.next());
@@ -77,8 +77,8 @@ fn refine_at(
     };
     let mut best = *start;
     let mut lowest = scores(&[best])?[0];
-    let mut step = FIRST_STEP / level.frames[0].longer_side();
-    for _ in 0..ROUNDS {
+    let mut step = how.first_step / level.frames[0].longer_side();
+    for _ in 0..how.rounds {
         let trials: Vec<PencilAngles> = (0..POPULATION).map(|_| moved(&best, step, rng)).collect();
         let scores = scores(&trials)?;
         let winner = (0..POPULATION).min_by(|a, b| scores[*a].total_cmp(&scores[*b])).unwrap_or(0);

@@ -37,9 +37,6 @@ const PLANE_TOLERANCE: f64 = 1.0;
 /// Largest parallax of the matches searched near a plane, as a share of the longer side: larger
 /// ones are seen by distinctive matches, which are precise to a pixel.
 const NEAR_PLANE: f64 = 0.015;
-/// Rivals that are refined if the margin before refinement is too small to decide. Each takes as
-/// long as the result. Not measured.
-const RIVALS: usize = 3;
 
 /// What a geometry is judged by, besides itself.
 pub(in crate::estimate) struct Judge<'a> {
@@ -127,7 +124,7 @@ impl Judge<'_> {
             .iter()
             .map(Estimate::fundamental)
             .filter(|other| is_rival(other))
-            .take(RIVALS)
+            .take(parameters.refinement.rivals)
             .filter_map(|rival| {
                 viewed.patches.refine(
                     viewed.pyramids(),

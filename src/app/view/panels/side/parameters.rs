@@ -32,7 +32,7 @@ pub fn is_any_changed(stage: Stage, parameters: &Parameters) -> bool {
 }
 
 fn of(stage: Stage) -> impl Iterator<Item = ShownParameter> {
-    shown_parameters().filter(move |setting| setting.entry.stage == stage)
+    shown_parameters().filter(move |setting| setting.entry.stage == stage && !setting.entry.is_expert)
 }
 
 /// Shows the parameters of a step. Long names wrap, so that the field and its button stay in the
