@@ -16,7 +16,7 @@
 //! | validation | hypotheses | hypotheses scored on lines across both images, and on patches | [`estimate::SearchTrace`] |
 //! | refinement | the best hypotheses | `F` at full resolution | [`estimate::Estimate`] |
 //! | features | covariant features of both images, if the result is in doubt | further geometries and views, ranked and refined alike | [`features`], [`estimate::covariant`] |
-//! | judgement | the result, its matches, its rivals | a verdict with its reasons | [`estimate::Trust`] |
+//! | judgement | the result, its matches, its rivals | a verdict with its reasons | [`estimate::Trust`]; in words: [`presentation`] |
 //!
 //! Each stage is a pure function of its input, the parameters and a seed. [`estimate::Monitor`]
 //! receives progress reports and can stop an estimate. `docs/estimator.md` describes the stages in
@@ -58,7 +58,8 @@
 //! # Features
 //!
 //! With `default-features = false` the crate has the modules that an estimate needs ([`geometry`],
-//! [`image`], [`similarity`], [`mod@estimate`]), and [`suggest`], [`rectify`] and [`convention`].
+//! [`image`], [`similarity`], [`mod@estimate`], [`presentation`]), and [`suggest`], [`rectify`] and
+//! [`convention`].
 //! Further features, all on by default:
 //!
 //! | feature | modules | contents |

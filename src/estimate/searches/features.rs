@@ -18,12 +18,12 @@ use crate::features::FeatureViews;
 use crate::geometry::FundamentalMatrix;
 use crate::image::RelativeView;
 
-/// What covariant features propose, best first.
+/// Geometries proposed by covariant features, best first.
 pub(in crate::estimate) struct FeatureProposals {
     pub hypotheses: Vec<FeatureHypothesis>,
     /// Kind of features that propose.
     pub of: FeatureViews,
-    /// How the images are turned and scaled against each other by what these explain.
+    /// Relative views of the images, from the features that the hypotheses explain.
     pub views: Vec<RelativeView>,
 }
 
