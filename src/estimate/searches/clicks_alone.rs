@@ -1,7 +1,8 @@
 //! Geometry of the clicks alone, for clicks that agree with each other and contradict the images.
 
 use crate::geometry::{
-    FundamentalMatrix, Observation, PointPair, eight_point, fit_fundamental, sampson_distance, seven_point,
+    FundamentalMatrix, Observation, PointPair, eight_point, fit_fundamental, median, sampson_distance,
+    seven_point,
 };
 
 /// Clicks that determine `F` by themselves: the seven unknowns, and one click to tell that they
@@ -23,10 +24,10 @@ pub(super) fn of_clicks_alone(
     let observations: Vec<Observation> =
         clicks.iter().map(|pair| Observation { pair: *pair, sigma: click_sigma }).collect();
     let fitted = fit_fundamental(&eight_point(clicks).ok()?, &observations, ROBUST_CLICKS)?.fundamental;
-    let off_found = clicks.iter().map(|pair| sampson_distance(found, pair)).collect();
+    let off_found = clicks.iter().map(|pair| sampson_distance(found, pair));
     // A fit passes eight clicks that determine it badly, too: how far it can be trusted shows in a click it was not fitted to.
-    let off_others = (0..clicks.len()).map(|k| off_the_others(clicks, k)).collect();
-    (middle(off_found) > CONTRADICTED * middle(off_others).max(click_sigma)).then_some(fitted)
+    let off_others = (0..clicks.len()).map(|k| off_the_others(clicks, k));
+    (median(off_found) > CONTRADICTED * median(off_others).max(click_sigma)).then_some(fitted)
 }
 
 /// How far a click is off the geometry that the others determine by themselves, px; infinitely where they determine none.
@@ -40,11 +41,6 @@ fn off_the_others(clicks: &[PointPair], k: usize) -> f64 {
     };
     let distance = |f: &FundamentalMatrix| sampson_distance(f, &left_out);
     solutions.iter().map(distance).fold(f64::INFINITY, f64::min)
-}
-
-fn middle(mut distances: Vec<f64>) -> f64 {
-    distances.sort_by(f64::total_cmp);
-    distances[distances.len() / 2]
 }
 
 /// Distance at which a click loses influence on a fit, in standard deviations: 99.7 % of Gaussian
@@ -81,10 +77,11 @@ mod tests {
         for (k, pair) in (1..).zip(&mut clicks) {
             pair.point2.y += 8.0 * (12.9898 * f64::from(k) + 1.0).sin();
         }
-        let off = |f: &FundamentalMatrix| clicks.iter().map(|pair| sampson_distance(f, pair)).collect();
+        let off =
+            |f: &FundamentalMatrix| clicks.iter().map(|pair| sampson_distance(f, pair)).collect::<Vec<_>>();
         // A fit to eight passes all of them, whatever they are.
-        assert!(middle(off(&eight_point(&clicks).unwrap())) < 1.5);
-        assert!(middle(off(&scene.fundamental())) > CONTRADICTED);
+        assert!(median(off(&eight_point(&clicks).unwrap())) < 1.5);
+        assert!(median(off(&scene.fundamental())) > CONTRADICTED);
         assert!(of_clicks_alone(&clicks, &scene.fundamental(), 1.0).is_none());
     }
 
@@ -101,7 +98,7 @@ mod tests {
         let found =
             estimate_prepared(&prepared, &clicks, &Parameters::default(), &Monitor::silent()).unwrap();
         let off: Vec<f64> = clicks.iter().map(|pair| sampson_distance(found.fundamental(), pair)).collect();
-        assert!(middle(off) < 0.1);
+        assert!(median(off) < 0.1);
         let Assessment { trust, margin, support, refinement, .. } = &found.assessment;
         let reasons = &trust.as_ref().unwrap().reasons;
         assert!(reasons.contains(&Reason::ClicksAlone) && refinement.is_none(), "{reasons:?}");

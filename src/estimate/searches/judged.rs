@@ -14,32 +14,32 @@ use crate::estimate::verdict::trust::{Reason, Verdict};
 use crate::estimate::{Clicks, Estimate, EstimateError, Parameters, PatchSupport};
 use crate::geometry::{FundamentalMatrix, PointPair};
 
-/// What a search found.
+/// Result of a search before its judgement.
 pub(in crate::estimate) struct Found {
     /// The best geometry before refinement.
     pub fundamental: FundamentalMatrix,
-    /// Best first, as they were before refinement.
+    /// Hypotheses before refinement, best first.
     pub hypotheses: Vec<Estimate>,
     /// Matches on which rivals are compared with the result.
     pub supporting: Vec<PointPair>,
     /// The best refinement, if there is one.
     pub refined: Option<Refined>,
-    /// Whether it is what the clicks determine by themselves.
+    /// Whether the geometry follows from the clicks alone.
     pub clicks_alone: bool,
 }
 
-/// What was found under one view, with everything about it.
+/// Judged geometry, with the evidence of the view in which it was found.
 pub(in crate::estimate) struct Judged {
-    /// What it was found with.
+    /// Clicks of the search, stand-ins included.
     pub clicks: Clicks,
     pub fundamental: FundamentalMatrix,
     pub hypotheses: Vec<Estimate>,
     pub assessment: Assessment,
-    /// How much its refined matches weigh, and the standard deviation of that.
+    /// Weight of the refined matches, and its standard deviation.
     pub weight: f64,
     pub weight_deviation: f64,
     pub patches: Arc<PatchLevels>,
-    /// Through the anchors of `clicks`.
+    /// Pencils through the anchors of `clicks`.
     pub pencils: Vec<Arc<ComparedPencils>>,
 }
 
@@ -84,8 +84,8 @@ impl Judged {
         }
     }
 
-    /// Whether another search might change it: what it rests on is thin, or rivals come near. Doubts about the scene stay
-    /// whatever is searched.
+    /// Returns whether another search could change the result: too few matches, or a close rival.
+    /// Doubts about the scene remain after any search.
     pub fn is_open(&self) -> bool {
         let thin = |reason: &Reason| {
             !matches!(reason, Reason::OnePlane { .. } | Reason::Bent { .. } | Reason::Contradicted { .. })
@@ -94,7 +94,7 @@ impl Judged {
             || self.assessment.trust.as_ref().is_none_or(|trust| trust.reasons.iter().any(thin))
     }
 
-    /// Whether nothing speaks against it, and no rival had to be refined to tell.
+    /// Returns whether nothing speaks against the result, and no rival was refined to decide.
     pub fn is_clear(&self) -> bool {
         let assessment = &self.assessment;
         assessment.refined_margin.is_none()

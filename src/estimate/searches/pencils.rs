@@ -10,7 +10,7 @@ use crate::estimate::evidence::viewed::ViewedPair;
 use crate::estimate::{Clicks, EstimateError, Parameters, Stage};
 use crate::geometry::PointPair;
 
-/// The first two anchors and the pencils through them.
+/// Compares the pencils through the anchors. Returns the first two anchors and their pencils.
 pub(super) fn compare_pencils(
     viewed: &ViewedPair,
     clicks: &Clicks,

@@ -3,7 +3,7 @@
 use crate::estimate::PreparedPair;
 use crate::estimate::evidence::features::MatchedFeatures;
 use crate::features::{FeatureMatch, FeatureViews};
-use crate::geometry::{Frame, FundamentalMatrix, sampson_distance, wrapped};
+use crate::geometry::{Frame, FundamentalMatrix, median, sampson_distance, wrapped};
 use crate::image::RelativeView;
 
 /// Distance from its line within which a feature is explained, as a share of the longer side: the
@@ -55,11 +55,8 @@ fn view_shared(relations: &[(f64, f64)], agreeing: f64, frames: [Frame; 2]) -> O
     if (near_to(*mode).count() as f64) < agreeing * relations.len() as f64 {
         return None;
     }
-    let mut turns: Vec<f64> = near_to(*mode).map(|(turn, _)| apart(*turn, *mode)).collect();
-    let mut scales: Vec<f64> = near_to(*mode).map(|(_, scale)| *scale).collect();
-    turns.sort_by(f64::total_cmp);
-    scales.sort_by(f64::total_cmp);
-    let (turn, scale) = (mode + turns[turns.len() / 2], scales[scales.len() / 2].exp());
+    let turn = mode + median(near_to(*mode).map(|(turn, _)| apart(*turn, *mode)));
+    let scale = median(near_to(*mode).map(|(_, scale)| *scale)).exp();
     let like_sizes = frames[1].longer_side() / frames[0].longer_side();
     let view = RelativeView { scale: Some(scale), rotation: apart(turn, 0.0) };
     let upright = RelativeView { scale: Some(like_sizes), rotation: 0.0 };

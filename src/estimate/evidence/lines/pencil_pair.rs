@@ -8,7 +8,7 @@ use nalgebra::{Matrix3, Vector2};
 use super::SHORTEST_LINE;
 use crate::geometry::{
     AnchoredLine, Frame, FundamentalMatrix, HomogeneousPoint, Line, LinePair, PencilMap, Point, PointPair,
-    Vector,
+    Vector, median,
 };
 
 /// Directed angles of the epipolar lines through the clicks, and κ. None of them depends on the size of the
@@ -65,13 +65,12 @@ impl PencilAngles {
         let angles =
             Self { p: lines(&clicks[0], reference.p)?, q: lines(&clicks[1], reference.q)?, kappa: 1.0 };
         let map = PencilPair::new(&angles, *clicks)?.map;
-        let mut kappas: Vec<f64> =
+        let kappas: Vec<f64> =
             matches.filter_map(|pair| map.kappa_from_point_pair(&pair)).filter(|k| *k > 0.0).collect();
         if kappas.is_empty() {
             return Some(Self { kappa: reference.kappa, ..angles });
         }
-        kappas.sort_by(f64::total_cmp);
-        Some(Self { kappa: kappas[kappas.len() / 2], ..angles })
+        Some(Self { kappa: median(kappas), ..angles })
     }
 }
 

@@ -25,7 +25,7 @@ use crate::estimate::{
     Assessment, Clicks, Estimate, Parameters, PatchSupport, PlaneHomography, Refinement, Search, Trust,
     Warning,
 };
-use crate::geometry::{FundamentalMatrix, PointPair, sampson_distance, transfer_error};
+use crate::geometry::{FundamentalMatrix, PointPair, median, sampson_distance, transfer_error};
 use examination::Examiner;
 use margin::{all_apart, differs, least_clear, margin, rival};
 use parallax::{CORNER_SIGMA, OffPlane, precision};
@@ -220,15 +220,14 @@ impl Judge<'_> {
 
 /// A plane that was found, as it is told.
 fn plane_homography(h: &Matrix3<f64>, matches: &[PointPair], tolerance: f64) -> PlaneHomography {
-    let mut residuals: Vec<f64> =
+    let residuals: Vec<f64> =
         matches.iter().map(|m| transfer_error(h, m)).filter(|error| *error < tolerance).collect();
-    residuals.sort_by(f64::total_cmp);
     let last = h[(2, 2)];
     let divisor = if last.abs() > 1e-9 * h.norm() { last } else { h.norm() };
     PlaneHomography {
         homography21: h / divisor,
         matches: residuals.len(),
         share: residuals.len() as f64 / matches.len().max(1) as f64,
-        residual: residuals.get(residuals.len() / 2).copied().unwrap_or(0.0),
+        residual: median(residuals),
     }
 }
