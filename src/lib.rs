@@ -16,7 +16,7 @@
 //! | validation | hypotheses | hypotheses scored on lines across both images, and on patches | [`estimate::SearchTrace`] |
 //! | refinement | the best hypotheses | `F` at full resolution | [`estimate::Estimate`] |
 //! | features | covariant features of both images, if the result is in doubt | further geometries and views, ranked and refined alike | [`features`], [`estimate::covariant`] |
-//! | judgement | the result, its matches, its rivals | a verdict with its reasons | [`estimate::Trust`] |
+//! | judgement | the result, its matches, its rivals | a verdict with its reasons | [`estimate::Trust`]; in words: [`presentation`] |
 //!
 //! Each stage is a pure function of its input, the parameters and a seed. [`estimate::Monitor`]
 //! receives progress reports and can stop an estimate. `docs/estimator.md` describes the stages in
@@ -58,8 +58,8 @@
 //!
 //! With `default-features = false` the crate is the estimator for callers who have pixels already:
 //! [`geometry`], [`image`] (without files), [`features`], [`similarity`], [`motion`],
-//! [`mod@estimate`], [`suggest`], [`rectify`] and [`convention`]. Further features, all on by
-//! default:
+//! [`mod@estimate`], [`presentation`], [`suggest`], [`rectify`] and [`convention`]. Further features,
+//! all on by default:
 //!
 //! | feature | contents |
 //! |---|---|
@@ -89,6 +89,7 @@ pub mod internals;
 pub mod io;
 mod lanes;
 pub mod motion;
+pub mod presentation;
 pub mod rectify;
 pub mod similarity;
 pub mod suggest;

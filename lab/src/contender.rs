@@ -12,6 +12,7 @@ use epiline::estimate::{
 };
 use epiline::geometry::{FundamentalMatrix, PointPair, eight_point};
 use epiline::internals::comparison::fit_seven;
+use epiline::presentation::{reason_in_words, warning_in_words};
 
 /// Result of a contender in one trial.
 #[derive(Debug, Clone)]
@@ -209,7 +210,7 @@ impl Contender for Clicked {
         let (seconds, first_seconds) =
             found.trace.as_ref().map_or((0.0, 0.0), |t| (t.seconds, t.first_seconds));
         let assessment = &found.assessment;
-        let reasons = assessment.trust.iter().flat_map(|t| t.reasons.iter().map(ToString::to_string));
+        let reasons = assessment.trust.iter().flat_map(|t| t.reasons.iter().map(reason_in_words));
         Ok(Outcome {
             choice: self.choice(scene, clicks, &prepared, &found),
             fundamental: *found.fundamental(),
@@ -218,7 +219,7 @@ impl Contender for Clicked {
             score: found.line_score(),
             margin: assessment.margin,
             verdict: assessment.trust.as_ref().map(|t| t.verdict),
-            warnings: assessment.warnings.iter().map(ToString::to_string).chain(reasons).collect(),
+            warnings: assessment.warnings.iter().map(warning_in_words).chain(reasons).collect(),
         })
     }
 }

@@ -117,7 +117,8 @@ impl Clicks {
     }
 }
 
-/// The first two clicks are far enough from each other that are so by this share of the farthest two.
+/// Distance of the first two clicks, as a share of the largest distance between clicks, from which
+/// they are the anchors. The order of clicks decides among well-separated pairs. Not measured.
 const FAR_ENOUGH: f64 = 0.25;
 
 /// Numbers of two pairs that are far from each other in both images, from 0: the first two, unless others are farther

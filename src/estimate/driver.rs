@@ -7,16 +7,12 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use super::assess::{check_images, check_points};
-use super::barcodes::by_barcodes;
-use super::lines_alone::by_lines_alone;
-use super::record::SearchRecord;
-use super::search::{SearchInput, by_lines};
-use super::unclicked::without_clicks;
-use super::wider::wider;
+use super::searches::record::SearchRecord;
+use super::searches::{barcodes, features, lines, published, unclicked};
+use super::verdict::assessment::{check_images, check_points};
 use super::{Clicks, Estimate, EstimateError, Monitor, Parameters, PreparedPair, SearchPlan};
 use crate::geometry::PointPair;
-use crate::image::{GrayPlane, RelativeView};
+use crate::image::GrayPlane;
 
 /// Estimates the fundamental matrix of two images from clicked point pairs, full-size pixels, or from none.
 ///
@@ -56,25 +52,19 @@ fn run(
     let clicks = Clicks::for_plan(pairs, plan);
     check_points(prepared.frames(), &clicks, plan)?;
     check_images(prepared)?;
-    let source = prepared.similarity_source(RelativeView::UPRIGHT, parameters);
-    let patches = prepared.upright_patches();
-    let cancel = monitor.cancel();
-    let input =
-        SearchInput { prepared, source: &*source, patches: &patches, clicks: &clicks, parameters, cancel };
     let mut record = SearchRecord::new(begun, monitor);
     if matches!(plan, SearchPlan::Patches { .. } | SearchPlan::Unclicked) {
         record.counts.left_out = prepared.pyramids().left_out();
     }
     let best = match plan {
-        SearchPlan::Published { .. } => {
-            let found = by_lines(&input, &mut record)?;
-            input.judged(&record, found)
+        SearchPlan::Published { .. } => published::search(prepared, &clicks, parameters, &mut record),
+        SearchPlan::Patches { .. } => features::search(prepared, &clicks, parameters, &mut record),
+        SearchPlan::Unclicked => unclicked::search(prepared, &clicks, parameters, &mut record),
+        SearchPlan::LinesAlone { ranked_by } => {
+            lines::search(prepared, &clicks, ranked_by, parameters, &mut record)
         }
-        SearchPlan::Patches { .. } => wider(&input, &mut record)?,
-        SearchPlan::Unclicked => without_clicks(&input, &mut record)?,
-        SearchPlan::LinesAlone { ranked_by } => by_lines_alone(&input, ranked_by, &mut record)?,
-        SearchPlan::Barcodes => by_barcodes(&input, &mut record)?,
-    };
+        SearchPlan::Barcodes => barcodes::search(prepared, &clicks, parameters, &mut record),
+    }?;
     record.finish()?;
     let trace = record.trace(&best.clicks, &best.pencils, &best.patches, best.hypotheses, parameters);
     Ok(Estimate {

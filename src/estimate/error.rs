@@ -143,30 +143,21 @@ impl EstimateError {
     }
 }
 
-/// Something the user should know about a result. Each message is one sentence: what was seen, what to do.
-#[derive(Debug, Clone, PartialEq, Error, Serialize)]
+/// Something the user should know about a result. `presentation::reasons` has the sentences.
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum Warning {
     /// Both clicks lie (nearly) on one epipolar line, which leaves the epipoles undetermined.
-    #[error(
-        "the two clicks lie nearly on one epipolar line ({distance:.1} px apart from it): move one of them across the lines"
-    )]
     SameEpipolarLine {
         /// Smallest distance of a click from the other's epipolar line, px.
         distance: f64,
     },
     /// The clicks are close together, so small click errors turn the lines a lot.
-    #[error(
-        "the two clicks are only {distance:.0} px apart: points farther from each other give a steadier result"
-    )]
     CloseClicks {
         /// Distance of the clicks, px.
         distance: f64,
     },
     /// Few lines have texture.
-    #[error(
-        "only {textured} of {lines} lines through point pair {pair} have texture: a point in a textured part of the images is better"
-    )]
     LittleTexture {
         /// Number of the pair, from 1.
         pair: usize,

@@ -5,7 +5,7 @@ use nalgebra::{Matrix3, Point3, Vector3};
 use rayon::prelude::*;
 
 use super::PreparedPair;
-use super::lines::PencilAngles;
+use super::evidence::lines::PencilAngles;
 use crate::geometry::{
     AnchoredLine, Camera, Frame, FundamentalMatrix, Point, PointPair, area_between_lines,
     symmetric_epipolar_distance,

@@ -37,7 +37,7 @@ pub(super) fn stream(seed: u64, purpose: Purpose, index: u64) -> Pcg64Mcg {
     Pcg64Mcg::seed_from_u64(mixed(mixed(mixed(seed) ^ purpose as u64) ^ index))
 }
 
-/// The finaliser of SplitMix64 (Steele, Lea & Flood 2014): a bijection in which every bit of the input changes half of the
+/// The finaliser of `SplitMix64` (Steele, Lea & Flood 2014): a bijection in which every bit of the input changes half of the
 /// output.
 fn mixed(value: u64) -> u64 {
     let value = value.wrapping_add(0x9e37_79b9_7f4a_7c15);

@@ -10,6 +10,7 @@
 //! - Angles are in radians. No function divides by the third coordinate of an epipole.
 
 mod anchored;
+mod angle;
 mod area;
 mod camera;
 mod conditioning;
@@ -33,6 +34,7 @@ mod robust_fit;
 mod seven_point;
 
 pub use anchored::AnchoredLine;
+pub(crate) use angle::{angle_between, wrapped};
 pub use area::{area_between_lines, regions_between_lines};
 pub use camera::Camera;
 pub use difference::epipolar_difference;

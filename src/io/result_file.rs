@@ -13,6 +13,7 @@ use crate::estimate::{
 use crate::geometry::{
     FundamentalMatrix, PointPair, place_in_words, sampson_distance, symmetric_epipolar_distance,
 };
+use crate::presentation::{reason_in_words, warning_in_words};
 
 /// Content of a result file. As JSON it is also a geometry file ([`Format::Json`]).
 #[derive(Serialize)]
@@ -131,7 +132,7 @@ impl<'a> ResultFile<'a> {
             barcodes: assessment.barcodes,
             frame_offset: None,
             verdict: trust.map(|t| t.verdict),
-            reasons: trust.iter().flat_map(|t| t.reasons.iter().map(ToString::to_string)).collect(),
+            reasons: trust.iter().flat_map(|t| t.reasons.iter().map(reason_in_words)).collect(),
             covariance: refinement.and_then(|r| r.uncertainty.as_ref()).map(|uncertainty| {
                 uncertainty.covariance().row_iter().map(|row| std::array::from_fn(|k| row[k])).collect()
             }),
@@ -162,7 +163,7 @@ impl<'a> ResultFile<'a> {
             warnings: assessment
                 .warnings
                 .iter()
-                .map(|w| Told { message: w.to_string(), warning: w })
+                .map(|w| Told { message: warning_in_words(w), warning: w })
                 .collect(),
             images,
             pairs: pairs.iter().map(numbers).collect(),
@@ -219,7 +220,7 @@ pub fn result_in_words(found: &Estimate, images: &[ImageNote; 2]) -> String {
     if let Some(trust) = &assessment.trust {
         let _ = writeln!(text, "Verdict: {}", trust.verdict.label());
         for reason in &trust.reasons {
-            let _ = writeln!(text, "  {reason}");
+            let _ = writeln!(text, "  {}", reason_in_words(reason));
         }
     }
     if let Some(plane) = &assessment.plane {
@@ -269,7 +270,7 @@ pub fn result_in_words(found: &Estimate, images: &[ImageNote; 2]) -> String {
         let _ = writeln!(text, "Margin with the other geometries refined too: {margin:.3}");
     }
     for warning in &assessment.warnings {
-        let _ = writeln!(text, "Warning: {warning}");
+        let _ = writeln!(text, "Warning: {}", warning_in_words(warning));
     }
     let Some(trace) = &found.trace else { return text };
     let counts = &trace.counts;

@@ -1,55 +1,47 @@
-//! What the table says of a parameter, and what follows from that: its check, and its range in words.
+//! Entry of the table of parameters, with its check.
 
 use std::f64::consts::PI;
 
-use super::{Parameters, Preset};
+use super::Parameters;
 use crate::estimate::{EstimateError, Stage};
 
-/// A parameter as a person sets it.
+/// Parameter that a person may set.
 pub struct ParameterEntry {
-    /// Name in files and on the command line; `outer.inner` when it is nested.
+    /// Name in files and on the command line; `outer.inner` if nested.
     pub key: &'static str,
-    /// The step of the algorithm it belongs to.
+    /// Stage of the algorithm it belongs to.
     pub stage: Stage,
-    /// What it is called in the window.
-    pub name: &'static str,
-    /// Sentence about it.
-    pub tooltip: &'static str,
-    /// What kind of value it has.
+    /// Unit of a number, with the space before it. Angles are radians and have none.
+    pub unit: &'static str,
+    /// Whether the window leaves it out.
+    pub is_expert: bool,
+    /// Kind of its value.
     pub value: ParameterValue,
 }
 
-/// How a parameter is shown and changed.
+/// Kind of value of a parameter, with access to it.
 pub enum ParameterValue {
-    /// A number.
+    /// Number.
     Number {
-        /// The unit it is shown in, with the space before it.
-        unit: &'static str,
-        /// Value in files for one of that unit: `π/180` for an angle shown in degrees.
-        of_unit: f64,
-        /// Values that make sense, as in files.
+        /// Smallest and largest value.
         range: [f64; 2],
-        /// Whether other values are refused; else the range is what a drag reaches.
+        /// Whether values outside the range are refused. Otherwise the range is for dragging.
         enforced: bool,
-        /// Decimals shown.
-        decimals: usize,
-        /// Reads it, as in files.
+        /// Reads it.
         get: fn(&Parameters) -> f64,
-        /// Sets it, as in files.
+        /// Sets it.
         set: fn(&mut Parameters, f64),
     },
-    /// Something that is on or off.
+    /// On or off.
     Switch {
         /// Reads it.
         get: fn(&Parameters) -> bool,
         /// Sets it.
         set: fn(&mut Parameters, bool),
     },
-    /// A choice among a few.
+    /// One of a few choices, by number.
     Choice {
-        /// Names of the choices.
-        names: &'static [&'static str],
-        /// Reads which one it is.
+        /// Reads it.
         get: fn(&Parameters) -> usize,
         /// Sets it.
         set: fn(&mut Parameters, usize),
@@ -57,10 +49,8 @@ pub enum ParameterValue {
 }
 
 impl ParameterEntry {
-    pub(super) const fn in_degrees(mut self) -> Self {
-        if let ParameterValue::Number { of_unit, .. } = &mut self.value {
-            *of_unit = PI / 180.0;
-        }
+    pub(super) const fn for_experts(mut self) -> Self {
+        self.is_expert = true;
         self
     }
 
@@ -91,77 +81,18 @@ impl ParameterEntry {
 
     /// An error when the value these parameters have here is out of its range, or no number.
     pub fn check(&self, parameters: &Parameters) -> Result<(), EstimateError> {
-        let ParameterValue::Number { unit, range: [least, most], enforced: true, get, .. } = self.value
-        else {
+        let ParameterValue::Number { range: [least, most], enforced: true, get, .. } = self.value else {
             return Ok(());
         };
         let value = get(parameters);
         if value >= least && value <= most {
             return Ok(());
         }
-        // What is shown in another unit than in files has none there.
-        let unit = if self.is_converted() { "" } else { unit };
         Err(EstimateError::Parameter {
             name: self.key.replace('_', " "),
             value: value.to_string(),
-            allowed: format!("between {} and {}{unit}", in_words(least), in_words(most)),
+            allowed: format!("between {} and {}{}", in_words(least), in_words(most), self.unit),
         })
-    }
-
-    /// What is wrong with the value these parameters have here, if something is: a sentence in the units of the window.
-    pub fn problem(&self, parameters: &Parameters) -> Option<String> {
-        self.check(parameters).err()?;
-        let range = self.shown_range_text()?;
-        Some(format!("{} must be between {range}.", self.name))
-    }
-
-    /// What it may be and what it is when nobody changed it, as the user reads it.
-    pub fn range_text(&self, preset: Preset) -> String {
-        let default = self.default_text(preset);
-        match self.shown_range() {
-            Some([least, most]) => {
-                let unit = self.unit();
-                format!("From {least} to {most}{unit}, by default {default}.")
-            }
-            None => format!("By default {default}."),
-        }
-    }
-
-    /// What it is in a preset, as the user reads it.
-    pub fn default_text(&self, preset: Preset) -> String {
-        let defaults = Parameters::from(preset);
-        match self.value {
-            ParameterValue::Number { unit, of_unit, decimals, get, .. } => {
-                format!("{:.decimals$}{unit}", get(&defaults) / of_unit)
-            }
-            ParameterValue::Switch { get, .. } => if get(&defaults) { "on" } else { "off" }.to_owned(),
-            ParameterValue::Choice { names, get, .. } => names[get(&defaults)].to_owned(),
-        }
-    }
-
-    /// The range of a number in the unit it is shown in.
-    pub fn shown_range(&self) -> Option<[f64; 2]> {
-        match self.value {
-            ParameterValue::Number { of_unit, range, .. } => Some(range.map(|end| end / of_unit)),
-            _ => None,
-        }
-    }
-
-    /// Whether it is shown in another unit than it has in files.
-    pub fn is_converted(&self) -> bool {
-        matches!(self.value, ParameterValue::Number { of_unit, .. } if of_unit.to_bits() != 1f64.to_bits())
-    }
-
-    fn shown_range_text(&self) -> Option<String> {
-        let [least, most] = self.shown_range()?;
-        Some(format!("{least} and {most}{}", self.unit()))
-    }
-
-    pub(super) fn unit(&self) -> &'static str {
-        match self.value {
-            ParameterValue::Number { unit, .. } => unit,
-            _ => "",
-        }
     }
 }
 

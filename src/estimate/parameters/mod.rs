@@ -5,13 +5,13 @@ mod entry;
 mod plan;
 mod table;
 
-use serde::{Deserialize, Deserializer, Serialize};
+use serde::{Deserialize, Serialize};
 
 use crate::similarity::{LineMeasure, SimilarityParameters, StereoParameters};
 
 pub use entry::{ParameterEntry, ParameterValue};
 pub use plan::SearchPlan;
-pub use table::{PARAMETERS, parameters_as_markdown};
+pub use table::PARAMETERS;
 
 /// The choices of an estimate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
@@ -154,12 +154,96 @@ pub struct ValidationParameters {
 
 /// How the search with patches goes on from its proposals.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct PatchParameters {
     /// Most rounds in which new hypotheses are drawn from the matches of the best ones; fewer when they stop
     /// bringing more support.
     pub resampling: usize,
     /// Also draw, in these rounds, epipoles from what lies off the largest planes.
     pub parallax: bool,
+    /// Combinations of candidates whose exact support is computed. Not measured.
+    pub supported: usize,
+    /// Hypotheses whose matches are pooled for resampling. Not measured.
+    pub pooled: usize,
+    /// Samples of each kind in a round of resampling. Not measured.
+    #[serde(rename = "resampling_draws")]
+    pub samples: usize,
+}
+
+impl Default for PatchParameters {
+    fn default() -> Self {
+        Self { resampling: 5, parallax: true, supported: 240, pooled: 6, samples: 1500 }
+    }
+}
+
+/// Search with covariant features. In files the names begin with `feature`.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct FeatureParameters {
+    /// Minimal samples. Not measured.
+    #[serde(rename = "feature_draws")]
+    pub draws: usize,
+    /// Hypotheses that are refitted. Not measured.
+    #[serde(rename = "features_refitted")]
+    pub refitted: usize,
+    /// Refitted hypotheses that are matched again along their lines. Not measured.
+    #[serde(rename = "features_rematched")]
+    pub rematched: usize,
+    /// Largest number of relative views that features suggest. Not measured.
+    #[serde(rename = "feature_views")]
+    pub views: usize,
+    /// Without clicks, largest number of searches through two drawn matches. If half of the matches
+    /// are right, one of four pairs is right with a probability of 68 %.
+    #[serde(rename = "stand_in_searches")]
+    pub stand_ins: usize,
+}
+
+impl Default for FeatureParameters {
+    fn default() -> Self {
+        Self { draws: 6000, refitted: 30, rematched: 8, views: 2, stand_ins: 4 }
+    }
+}
+
+/// Refinement of the five numbers of a geometry on lines (paper, section 5.1).
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct LineRefinementParameters {
+    /// Rounds at each image size. Not measured.
+    #[serde(rename = "line_refinement_rounds")]
+    pub rounds: usize,
+    /// First step: the turn that moves a line by this many pixels at the far side of the image,
+    /// somewhat less than the line spacing.
+    #[serde(rename = "line_refinement_step")]
+    pub first_step: f64,
+    /// Lines in each direction: fewer than in validation, since only neighbours are compared. Not
+    /// measured.
+    #[serde(rename = "line_refinement_lines")]
+    pub lines: usize,
+}
+
+impl Default for LineRefinementParameters {
+    fn default() -> Self {
+        Self { rounds: 8, first_step: 1.5, lines: 12 }
+    }
+}
+
+/// Search by motion barcodes (paper, section 2.3).
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct BarcodeParameters {
+    /// Least longer side of the images in which lines are compared, px. Barcodes cost less than
+    /// stereo, so it is larger. Not measured.
+    #[serde(rename = "barcode_side")]
+    pub side: f64,
+    /// Proposals refined of each kind: of the clicks, and of all lines. Not measured.
+    #[serde(rename = "barcodes_refined")]
+    pub refined: usize,
+}
+
+impl Default for BarcodeParameters {
+    fn default() -> Self {
+        Self { side: 384.0, refined: 3 }
+    }
 }
 
 /// How all seven degrees of freedom are refined.
@@ -169,6 +253,14 @@ pub struct RefinementParameters {
     pub refine: bool,
     /// Best hypotheses that are refined; the one that comes out best is the result.
     pub refined: usize,
+    /// Rivals refined if the margin before refinement is too small to decide. Each takes as long as
+    /// the result. Not measured.
+    #[serde(default = "three")]
+    pub rivals: usize,
+}
+
+fn three() -> usize {
+    3
 }
 
 /// All parameters of an estimate. [`Parameters::from`] a [`Preset`] gives its defaults;
@@ -198,31 +290,24 @@ pub struct Parameters {
     #[serde(flatten)]
     pub validation: ValidationParameters,
     /// What chooses among the combinations of candidates.
-    #[serde(alias = "patch_support", deserialize_with = "search_or_flag")]
     pub search: Search,
     /// How the search with patches goes on.
     #[serde(flatten)]
     pub patches: PatchParameters,
+    /// How features propose.
+    #[serde(flatten)]
+    pub features: FeatureParameters,
+    /// How geometries are refined on lines.
+    #[serde(flatten)]
+    pub line_refinement: LineRefinementParameters,
+    /// How motion barcodes are searched.
+    #[serde(flatten)]
+    pub barcodes: BarcodeParameters,
     /// How the best hypotheses are refined.
     #[serde(flatten)]
     pub refinement: RefinementParameters,
     /// Standard deviation of a click, px.
     pub click_sigma: f64,
-}
-
-/// Earlier versions wrote whether patches choose, under the name `patch_support`.
-fn search_or_flag<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Search, D::Error> {
-    #[derive(Deserialize)]
-    #[serde(untagged, expecting = "expected lines or patches")]
-    enum SearchOrFlag {
-        Name(Search),
-        Flag(bool),
-    }
-    Ok(match SearchOrFlag::deserialize(deserializer)? {
-        SearchOrFlag::Name(search) => search,
-        SearchOrFlag::Flag(true) => Search::Patches,
-        SearchOrFlag::Flag(false) => Search::Lines,
-    })
 }
 
 impl Parameters {
@@ -264,8 +349,11 @@ impl From<Preset> for Parameters {
             lines_alone: LinesAloneParameters { draws: 2000, ..LinesAloneParameters::default() },
             validation: ValidationParameters { validated: 0.05, lines: 24, line_score: LineScore::Cost },
             search: Search::Lines,
-            patches: PatchParameters { resampling: 5, parallax: true },
-            refinement: RefinementParameters { refine: false, refined: 8 },
+            patches: PatchParameters::default(),
+            features: FeatureParameters::default(),
+            line_refinement: LineRefinementParameters::default(),
+            barcodes: BarcodeParameters::default(),
+            refinement: RefinementParameters { refine: false, refined: 8, rivals: three() },
             click_sigma: 1.0,
         };
         match preset {
@@ -307,20 +395,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn parameters_lie_flat_in_files_and_those_of_earlier_versions_are_read() {
+    fn parameters_lie_flat_in_files() {
         let parameters = Parameters { seed: u64::MAX - 5, ..Parameters::default() };
         let mut data = serde_json::to_value(&parameters).unwrap();
         assert_eq!(data["stereo"]["lambda"], 400);
         assert_eq!((&data["line_spacing"], &data["validation_lines"]), (&2.0.into(), &24.into()));
         assert_eq!(data["search"], "patches");
         assert_eq!(serde_json::from_value::<Parameters>(data.clone()).unwrap(), parameters);
-        let object = data.as_object_mut().unwrap();
-        object.remove("search");
-        for (flag, search) in [(true, Search::Patches), (false, Search::Lines)] {
-            data["patch_support"] = flag.into();
-            assert_eq!(serde_json::from_value::<Parameters>(data.clone()).unwrap().search, search);
-        }
-        data["patch_support"] = "maybe".into();
+        data["search"] = "maybe".into();
         assert!(serde_json::from_value::<Parameters>(data).is_err());
     }
 

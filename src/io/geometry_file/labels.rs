@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::estimate::Trust;
+use crate::presentation::reason_in_words;
 
 /// Origin of the points of a pair.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Default, Serialize, Deserialize)]
@@ -71,7 +72,7 @@ impl TrustNote {
 
 impl From<&Trust> for TrustNote {
     fn from(trust: &Trust) -> Self {
-        let reasons = trust.reasons.iter().map(ToString::to_string).collect();
+        let reasons = trust.reasons.iter().map(reason_in_words).collect();
         Self { verdict: trust.verdict.label().to_owned(), reasons }
     }
 }

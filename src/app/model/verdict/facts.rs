@@ -6,8 +6,9 @@ use super::gauge::{Gauge, HypothesisFigure, HypothesisScales, line_score_text, r
 use super::tone::Tone;
 use crate::app::model::computation::Freshness;
 use crate::app::model::document::{Document, Imported};
-use crate::estimate::{Estimate, LineScore, Reason, Scale};
+use crate::estimate::{Estimate, LineScore, Reason};
 use crate::geometry::{Frame, FundamentalMatrix, HomogeneousPoint, finite_point};
+use crate::presentation::Scale;
 
 /// A figure with its name.
 #[derive(Debug, Clone, PartialEq)]

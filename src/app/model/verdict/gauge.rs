@@ -2,8 +2,9 @@
 //! Without limits, the bar runs from the worst to the best hypothesis and has no colour.
 
 use super::tone::Tone;
-use crate::estimate::{self, Construction, Estimate, LineScore, Scale};
+use crate::estimate::{self, Construction, Estimate, LineScore};
 use crate::geometry::{FundamentalMatrix, PointPair, sampson_distance};
+use crate::presentation::Scale;
 
 /// A bar: bad on the left, good on the right.
 #[derive(Debug, Clone, PartialEq)]

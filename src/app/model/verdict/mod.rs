@@ -11,6 +11,7 @@ use crate::app::model::computation::{Computation, EstimateFailure, Freshness};
 use crate::app::model::document::{Document, Imported, Role, pair_name};
 use crate::estimate::{self, CLICK_DEVIATIONS, Reason};
 use crate::geometry::{FundamentalMatrix, sampson_distance, symmetric_epipolar_distance};
+use crate::presentation::{reason_in_words, warning_in_words};
 
 use facts::facts;
 pub use facts::{Fact, epipole_text, epipoles, hypothesis_facts, import_facts};
@@ -78,8 +79,8 @@ pub fn verdict(document: &Document, computation: &Computation) -> VerdictInWords
     // Warnings about an unfinished result could be outdated a moment later.
     let finished = matches!(freshness, Freshness::Final | Freshness::Stopped);
     let warnings: Vec<_> = reasons
-        .chain(assessment.warnings.iter().map(ToString::to_string))
-        .map(|sentence| format!("{}.", capitalised(&in_names(&sentence, document))))
+        .chain(assessment.warnings.iter().map(warning_in_words))
+        .map(|sentence| in_names(&sentence, document))
         .chain(checked)
         .filter(|_| finished)
         .collect();
@@ -168,10 +169,9 @@ fn contradicting_check(document: &Document, f: &FundamentalMatrix) -> Option<Str
     ))
 }
 
-/// Converts a reason to the units of the window: symmetric distances of pairs, and margins in
-/// percent.
+/// Converts a reason to the units of the window: symmetric distances of pairs.
 fn in_units(reason: &Reason, document: &Document, f: &FundamentalMatrix) -> String {
-    let sentence = reason.to_string();
+    let sentence = reason_in_words(reason);
     match reason {
         Reason::ClickOff { pair, distance, .. } => {
             let clicked = pair.checked_sub(1).and_then(|pair| document.used().nth(pair));
@@ -183,9 +183,6 @@ fn in_units(reason: &Reason, document: &Document, f: &FundamentalMatrix) -> Stri
                 &format!("{symmetric:.1} px (symmetric distance)"),
                 1,
             )
-        }
-        Reason::Ambiguous { margin } => {
-            sentence.replacen(&format!("margin {margin:.2}"), &format!("margin {:.0} %", margin * 100.0), 1)
         }
         _ => sentence,
     }

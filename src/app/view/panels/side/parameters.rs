@@ -4,7 +4,8 @@ use egui::{Button, ComboBox, DragValue, Grid, Label, RichText, Ui, Vec2, vec2};
 
 use crate::app::model::command::Command;
 use crate::app::view::theme;
-use crate::estimate::{PARAMETERS, ParameterEntry, ParameterValue, Parameters, Stage};
+use crate::estimate::{ParameterValue, Parameters, Stage};
+use crate::presentation::{ShownParameter, shown_parameters};
 
 /// Size of a number field.
 const FIELD: Vec2 = vec2(88.0, 22.0);
@@ -27,21 +28,21 @@ fn defaults(parameters: &Parameters) -> Parameters {
 /// Returns whether a parameter of a step differs from the preset.
 pub fn is_any_changed(stage: Stage, parameters: &Parameters) -> bool {
     let defaults = defaults(parameters);
-    of(stage).any(|setting| !setting.is_same(parameters, &defaults))
+    of(stage).any(|setting| !setting.entry.is_same(parameters, &defaults))
 }
 
-fn of(stage: Stage) -> impl Iterator<Item = &'static ParameterEntry> {
-    PARAMETERS.iter().filter(move |setting| setting.stage == stage)
+fn of(stage: Stage) -> impl Iterator<Item = ShownParameter> {
+    shown_parameters().filter(move |setting| setting.entry.stage == stage && !setting.entry.is_expert)
 }
 
 /// Shows the parameters of a step. Long names wrap, so that the field and its button stay in the
 /// panel. In a narrow panel, both stand below the name.
 pub fn show(ui: &mut Ui, stage: Stage, parameters: &Parameters, commands: &mut Vec<Command>) {
-    let name = |ui: &mut Ui, setting: &ParameterEntry, width: f32| {
-        let tooltip = format!("{} {}", setting.tooltip, setting.range_text(parameters.preset));
+    let name = |ui: &mut Ui, setting: &ShownParameter, width: f32| {
+        let tooltip = format!("{} {}", setting.tooltip(), setting.range_text(parameters.preset));
         let label = ui.scope(|ui| {
             ui.set_width(width);
-            ui.add(Label::new(setting.name).wrap())
+            ui.add(Label::new(setting.name()).wrap())
         });
         (label.inner.on_hover_text(tooltip.as_str()).id, tooltip)
     };
@@ -52,19 +53,19 @@ pub fn show(ui: &mut Ui, stage: Stage, parameters: &Parameters, commands: &mut V
     if room < LEAST_NAME {
         let field = (width - RESET - GAP).clamp(FIELD.x, LARGEST_CHOICE);
         for setting in of(stage) {
-            let (label, tooltip) = name(ui, setting, width);
+            let (label, tooltip) = name(ui, &setting, width);
             ui.horizontal(|ui| {
-                edit(ui, setting, parameters, label, &tooltip, field, commands);
-                reset(ui, setting, parameters, commands);
+                edit(ui, &setting, parameters, label, &tooltip, field, commands);
+                reset(ui, &setting, parameters, commands);
             });
         }
     } else {
         let grid = Grid::new(("parameters", stage.label())).num_columns(3).spacing([GAP, 3.0]);
         grid.min_col_width(0.0).show(ui, |ui| {
             for setting in of(stage) {
-                let (label, tooltip) = name(ui, setting, room);
-                edit(ui, setting, parameters, label, &tooltip, field, commands);
-                reset(ui, setting, parameters, commands);
+                let (label, tooltip) = name(ui, &setting, room);
+                edit(ui, &setting, parameters, label, &tooltip, field, commands);
+                reset(ui, &setting, parameters, commands);
                 ui.end_row();
             }
         });
@@ -79,7 +80,7 @@ pub fn show(ui: &mut Ui, stage: Stage, parameters: &Parameters, commands: &mut V
 /// any other change is a step of its own.
 fn edit(
     ui: &mut Ui,
-    setting: &ParameterEntry,
+    setting: &ShownParameter,
     parameters: &Parameters,
     label: egui::Id,
     tooltip: &str,
@@ -87,13 +88,14 @@ fn edit(
     commands: &mut Vec<Command>,
 ) {
     let mut changed = parameters.clone();
-    let (response, is_changed) = match setting.value {
-        ParameterValue::Number { unit, of_unit, range: [least, most], decimals, get, set, .. } => {
+    let (response, is_changed) = match setting.entry.value {
+        ParameterValue::Number { range: [least, most], get, set, .. } => {
+            let (of_unit, decimals) = (setting.of_unit(), setting.decimals());
             let before = get(parameters) / of_unit;
             let mut value = before;
             let speed = (before.abs() / 100.0).max(0.1f64.powi(decimals as i32));
             let field = DragValue::new(&mut value)
-                .suffix(unit)
+                .suffix(setting.unit())
                 .speed(speed)
                 .fixed_decimals(decimals)
                 .min_size(FIELD)
@@ -115,11 +117,12 @@ fn edit(
             set(&mut changed, on);
             (response, on != get(parameters))
         }
-        ParameterValue::Choice { names, get, set } => {
+        ParameterValue::Choice { get, set } => {
+            let names = setting.choices();
             let before = get(parameters);
             let mut chosen = before;
             // Truncated names can be read in the list.
-            let list = ComboBox::from_id_salt(setting.name).width(largest).truncate();
+            let list = ComboBox::from_id_salt(setting.name()).width(largest).truncate();
             let shown = ui.scope(|ui| {
                 // The list is truncated only at the end of its room.
                 ui.set_max_width(largest);
@@ -142,25 +145,25 @@ fn edit(
     response.labelled_by(label).on_hover_text(tooltip);
 }
 
-fn set_parameters(setting: &ParameterEntry, to: Parameters, commands: &mut Vec<Command>) {
-    commands.push(Command::SetParameters { setting: setting.name, to: Box::new(to) });
+fn set_parameters(setting: &ShownParameter, to: Parameters, commands: &mut Vec<Command>) {
+    commands.push(Command::SetParameters { setting: setting.name(), to: Box::new(to) });
 }
 
 /// Shows the button that resets a parameter to its default.
-fn reset(ui: &mut Ui, setting: &ParameterEntry, parameters: &Parameters, commands: &mut Vec<Command>) {
+fn reset(ui: &mut Ui, setting: &ShownParameter, parameters: &Parameters, commands: &mut Vec<Command>) {
     let defaults = defaults(parameters);
-    if setting.is_same(parameters, &defaults) {
+    if setting.entry.is_same(parameters, &defaults) {
         ui.label("");
         return;
     }
     let response = ui.add(Button::new("Reset").small());
     response.widget_info(|| {
-        egui::WidgetInfo::labeled(egui::Role::Button, true, format!("Reset {}", setting.name))
+        egui::WidgetInfo::labeled(egui::Role::Button, true, format!("Reset {}", setting.name()))
     });
     let tooltip = format!("Reset to {}.", setting.default_text(parameters.preset));
     if response.on_hover_text(tooltip).clicked() {
         let mut changed = parameters.clone();
-        setting.copy(&defaults, &mut changed);
+        setting.entry.copy(&defaults, &mut changed);
         set_parameters(setting, changed, commands);
         commands.push(Command::EndDrag);
     }

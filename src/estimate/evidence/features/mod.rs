@@ -1,0 +1,442 @@
+//! Geometries proposed by covariant features, held together by the clicks.
+//!
+//! Matches of features (mutual nearest neighbours) are each given odds of being right; minimal samples are drawn by those
+//! odds, with the clicks in every one; each F is scored by the likelihood of all matches; the best are refitted to what
+//! they explain, matched again along their epipolar lines, and refitted to that.
+//!
+//! Any number of clicks: none leaves seven matches to be drawn, seven or more determine F by themselves.
+
+mod matched;
+mod reliability;
+mod rematching;
+mod views;
+
+pub(in crate::estimate) use matched::MatchedFeatures;
+pub(in crate::estimate) use views::{is_same_view, view_of};
+
+use std::f64::consts::TAU;
+
+use nalgebra::Matrix3;
+use rand::RngExt;
+use rand_pcg::Pcg64Mcg;
+use rayon::prelude::*;
+
+use crate::estimate::fit::{BAND, Consensus, Units, Witness, residual};
+use crate::estimate::stream::{Purpose, stream};
+use crate::features::{Feature, FeatureMatch, FeatureSet, SIGMA_PER_SCALE};
+use crate::geometry::{
+    Equation, Frame, FundamentalMatrix, Observation, PointPair, eight_point, fit_fundamental, frame_equation,
+    point_equation, solve_seven,
+};
+
+/// Features of both images, their matches, and what was clicked.
+#[derive(Debug, Clone, Copy)]
+pub struct FeatureEvidence<'a> {
+    /// Features of each image.
+    pub sets: [&'a FeatureSet; 2],
+    /// Mutual nearest neighbours.
+    pub matches: &'a [FeatureMatch],
+    /// Sizes of the images.
+    pub frames: [Frame; 2],
+    /// Pairs that were clicked, any number.
+    pub clicks: &'a [PointPair],
+    /// Standard deviation of a clicked coordinate, px.
+    pub click_sigma: f64,
+}
+
+/// How much is tried.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FeatureSearchParameters {
+    /// Minimal samples.
+    pub draws: usize,
+    /// Share of samples that use the features' frames instead of more points.
+    pub framed: f64,
+    /// Hypotheses that are refitted.
+    pub refitted: usize,
+    /// Refitted hypotheses that are matched again along their lines.
+    pub rematched: usize,
+    /// Seed of all draws.
+    pub seed: u64,
+}
+
+impl Default for FeatureSearchParameters {
+    fn default() -> Self {
+        Self { draws: 6000, framed: 0.7, refitted: 30, rematched: 8, seed: 0 }
+    }
+}
+
+/// A geometry that features support.
+#[derive(Debug, Clone)]
+pub struct FeatureHypothesis {
+    /// The geometry.
+    pub fundamental: FundamentalMatrix,
+    /// Logarithm of how much likelier the matches are than by chance.
+    pub score: f64,
+    /// Matches found along the lines of the geometry before the last fit, which is to these and the clicks.
+    pub matches: Vec<PointPair>,
+}
+
+/// Least standard deviation of a feature position, px: interpolation of the extremum is no better.
+/// Not measured.
+const LEAST_SIGMA: f64 = 0.4;
+/// Deviation from a pinhole camera, px per px of the longer side: 0.5 px in 1,000. Not measured.
+const CAMERA_SIGMA: f64 = 0.5e-3;
+/// Log-likelihood of a click on its epipolar line, against one by accident. It exceeds that of
+/// several matches, since a person saw the point. Not measured.
+const CLICK_GAIN: f64 = 15.0;
+/// Samples of one task: enough work for a thread. No result depends on the number of threads.
+const TASK: usize = 32;
+/// Largest number of clicks in one sample. One of many clicks may be wrong, so no sample needs all.
+/// Not measured.
+const CLICKS_A_SAMPLE: usize = 4;
+/// Bands in which a hypothesis is refitted, in multiples of the final band: a minimal sample is
+/// several deviations off. Not measured.
+const BANDS: [f64; 4] = [4.0, 2.0, 1.3, 1.0];
+/// Drawn matrices examined for each one that is refitted. Most leaders are copies of one geometry.
+/// Not measured.
+const LEADERS: usize = 20;
+/// Largest number of rounds of local optimisation. Rounds end earlier when nothing improves. Not
+/// measured.
+const LOCAL_ROUNDS: u64 = 4;
+/// Samples of one round of local optimisation. Not measured.
+const LOCAL_DRAWS: usize = 200;
+/// Samples of one round of local optimisation that are refitted, best first. Not measured.
+const LOCAL_REFITTED: usize = 3;
+/// Matches that a refit uses, the likeliest first. It bounds the time. Not measured.
+const FITTED: usize = 300;
+/// Matches that the last fit uses, the likeliest first. It bounds the time. Not measured.
+const FITTED_LAST: usize = 1500;
+/// Distance from its line, in standard deviations and bands, beyond which a witness loses influence
+/// on a fit: between the reach of Gaussian errors and the false matches. Not measured.
+const ROBUST: f64 = 1.5;
+/// Share of common explained matches beyond which two drawn matrices are one geometry. Many copies
+/// of each geometry are drawn, so the share is low. Not measured.
+const SAME_DRAWN: f64 = 0.8;
+/// Share of common explained matches beyond which two refitted matrices are one geometry. Not
+/// measured.
+const SAME_REFITTED: f64 = 0.9;
+/// Largest number of matches drawn for one sample: several times the seven needed, since close ones
+/// are rejected.
+const DRAWN_A_SAMPLE: usize = 40;
+/// Distance between matches of one sample, as a share of the longer side, below which they are
+/// redundant. Not measured.
+const TOO_CLOSE: f64 = 0.01;
+/// Band of likely matches in local optimisation, in multiples of the final band: the geometry comes
+/// from a sample and is less precise. Not measured.
+const LOCAL_BAND: f64 = 2.0;
+/// Rounds of guided matching. The second uses the geometry of the first.
+const REMATCHED: usize = 2;
+/// Probability of being right below which a match is left out of a fit: its weight would be
+/// negligible.
+const LEAST_RIGHT: f64 = 0.05;
+
+/// Standard deviation of a coordinate of a feature of this scale, px.
+fn sigma(scale: f64, frame: Frame) -> f64 {
+    let camera = CAMERA_SIGMA * frame.longer_side();
+    (LEAST_SIGMA.powi(2) + (SIGMA_PER_SCALE * scale).powi(2) + camera * camera).sqrt()
+}
+
+/// A place drawn by weights, of which these are the running sums; `None` when nothing weighs anything.
+fn drawn_by_weight(cumulative: &[f64], random: &mut Pcg64Mcg) -> Option<usize> {
+    let total = cumulative.last().copied().filter(|total| *total > 0.0)?;
+    // One number for the whole search: one a comparison would draw from no distribution anybody asked for.
+    let at = random.random_range(0.0..total);
+    Some(cumulative.partition_point(|sum| *sum <= at).min(cumulative.len() - 1))
+}
+
+/// Matches as witnesses, with what each is worth.
+fn witnesses(evidence: &FeatureEvidence, matches: &[FeatureMatch], log_odds: &[f64]) -> Vec<Witness> {
+    let range = evidence.frames.iter().map(Frame::longer_side).fold(0.0, f64::max);
+    matches
+        .iter()
+        .zip(log_odds)
+        .map(|(m, log_odds)| {
+            let [a, b] = [m.feature1, m.feature2];
+            let [a, b] = [&evidence.sets[0].features()[a], &evidence.sets[1].features()[b]];
+            let sigmas = [sigma(a.scale, evidence.frames[0]), sigma(b.scale, evidence.frames[1])];
+            let density = TAU.sqrt() * sigmas[0].hypot(sigmas[1]) / range;
+            Witness { pair: m.pair, sigmas, gain: (log_odds.exp() / density).ln_1p(), clicked: false }
+        })
+        .collect()
+}
+
+/// Probability that a witness is right, given its residual from a geometry that is itself off by some bands.
+fn likely_right(witness: &Witness, residual: f64, band: f64) -> f64 {
+    let odds = witness.gain.exp_m1() * (-0.5 * (residual / band).powi(2)).exp() / band;
+    odds / (1.0 + odds)
+}
+
+/// A robust fit to those witnesses that lie within some bands of the matrix, at most so many of them besides the clicks.
+/// Each counts as much as it is likely to be right, given its place: a false one is anywhere.
+fn fitted(f: &FundamentalMatrix, witnesses: &[Witness], band: f64, most: usize) -> Option<FundamentalMatrix> {
+    let near: Vec<(bool, Observation)> = witnesses
+        .iter()
+        .filter_map(|w| {
+            let r = residual(f.matrix(), w);
+            let right = likely_right(w, r, band);
+            let sigma = (0.5 * (w.sigmas[0].powi(2) + w.sigmas[1].powi(2)) / right).sqrt();
+            let counts = r < band * BAND && right > LEAST_RIGHT;
+            counts.then_some((w.clicked, Observation { pair: w.pair, sigma }))
+        })
+        .collect();
+    // Evenly from all of them: the likeliest ones crowd where there is most texture.
+    let share = (most as f64 / near.len() as f64).min(1.0);
+    let step = |k: usize| (k as f64 * share) as usize;
+    let observations: Vec<Observation> = near
+        .iter()
+        .enumerate()
+        .filter(|(k, (clicked, _))| *clicked || step(*k) != step(k + 1))
+        .map(|(_, (_, observation))| *observation)
+        .collect();
+    fit_fundamental(f, &observations, band.max(1.0) * ROBUST).map(|fit| fit.fundamental)
+}
+
+struct FeatureSearch<'a> {
+    evidence: &'a FeatureEvidence<'a>,
+    parameters: &'a FeatureSearchParameters,
+    units: Units,
+    /// Matches, then clicks.
+    witnesses: Vec<Witness>,
+    consensus: Consensus,
+    /// Point and frame equation of each match.
+    equations: Vec<[Equation; 2]>,
+    click_equations: Vec<Equation>,
+    /// Running sums of the probabilities of being right.
+    cumulative: Vec<f64>,
+}
+
+/// The best geometries for this evidence, best first. The same on any number of threads.
+pub fn hypotheses_from_features(
+    evidence: &FeatureEvidence,
+    parameters: &FeatureSearchParameters,
+) -> Vec<FeatureHypothesis> {
+    let search = FeatureSearch::new(evidence, parameters);
+    let drawn = search.drawn();
+    let mut refitted: Vec<(FundamentalMatrix, f64)> =
+        drawn.par_iter().filter_map(|f| search.refitted(f)).collect();
+    refitted.sort_by(|a, b| b.1.total_cmp(&a.1));
+    let distinct = search.distinct(refitted, FundamentalMatrix::matrix, SAME_REFITTED, parameters.rematched);
+    let mut improved: Vec<(FundamentalMatrix, f64)> = distinct
+        .into_par_iter()
+        .enumerate()
+        .map(|(k, start)| search.locally_optimised(start, k as u64))
+        .collect();
+    improved.sort_by(|a, b| b.1.total_cmp(&a.1));
+    let distinct = search.distinct(improved, FundamentalMatrix::matrix, SAME_REFITTED, parameters.rematched);
+    let mut found: Vec<FeatureHypothesis> =
+        distinct.into_par_iter().map(|(f, score)| search.rematched(f, score)).collect();
+    found.sort_by(|a, b| b.score.total_cmp(&a.score));
+    found
+}
+
+impl<'a> FeatureSearch<'a> {
+    fn new(evidence: &'a FeatureEvidence<'a>, parameters: &'a FeatureSearchParameters) -> Self {
+        let FeatureEvidence { sets, matches, frames, clicks, click_sigma } = *evidence;
+        let log_odds = reliability::log_odds(sets, matches, frames, clicks);
+        let units = Units::new(frames);
+        let mut witnesses = witnesses(evidence, matches, &log_odds);
+        let equations = matches
+            .iter()
+            .map(|m| {
+                let (a, b) = (&sets[0].features()[m.feature1], &sets[1].features()[m.feature2]);
+                let pair = units.pair(&m.pair);
+                let along = |image: usize, f: &Feature| {
+                    let axis = f.axis();
+                    [axis.x, axis.y].map(|v| units.length(image, v))
+                };
+                [point_equation(pair), frame_equation(pair, along(0, a), along(1, b))]
+            })
+            .collect();
+        let mut sum = 0.0;
+        let cumulative = log_odds
+            .iter()
+            .map(|l| {
+                sum += 1.0 / (1.0 + (-l).exp());
+                sum
+            })
+            .collect();
+        witnesses.extend(clicks.iter().map(|pair| Witness {
+            pair: *pair,
+            sigmas: [click_sigma; 2],
+            gain: CLICK_GAIN,
+            clicked: true,
+        }));
+        let consensus = Consensus::new(units, &witnesses);
+        let click_equations = clicks.iter().map(|c| point_equation(units.pair(c))).collect();
+        Self { evidence, parameters, units, witnesses, consensus, equations, click_equations, cumulative }
+    }
+
+    /// The best of many matrices from minimal samples, for pixels.
+    fn drawn(&self) -> Vec<Matrix3<f64>> {
+        let clicks = self.evidence.clicks;
+        let mut all: Vec<(f64, Matrix3<f64>)> = (0..self.parameters.draws.div_ceil(TASK))
+            .into_par_iter()
+            .flat_map_iter(|task| {
+                self.scored_samples(&self.cumulative, TASK, Purpose::FeatureSamples, task as u64)
+            })
+            .collect();
+        all.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let leaders = all.into_iter().take(LEADERS * self.parameters.refitted);
+        let leaders = leaders.map(|(score, f)| (self.units.in_pixels(&f), score)).collect();
+        let mut best: Vec<Matrix3<f64>> = self
+            .distinct(leaders, |f| f, SAME_DRAWN, self.parameters.refitted)
+            .into_iter()
+            .map(|(f, _)| f)
+            .collect();
+        if let Ok(f) = eight_point(clicks) {
+            best.push(*f.matrix());
+        }
+        best
+    }
+
+    /// The matrices of some samples, for conditioned coordinates, each with its score.
+    fn scored_samples(
+        &self,
+        cumulative: &[f64],
+        count: usize,
+        purpose: Purpose,
+        index: u64,
+    ) -> Vec<(f64, Matrix3<f64>)> {
+        let mut random = stream(self.parameters.seed, purpose, index);
+        (0..count)
+            .filter_map(|_| self.sample(cumulative, &mut random))
+            .flat_map(|equations| solve_seven(&equations))
+            .map(|f| (self.consensus.score_conditioned(&f), f))
+            .collect()
+    }
+
+    /// Seven equations: of the clicks, and of matches drawn by their probability of being right.
+    fn sample(&self, cumulative: &[f64], random: &mut Pcg64Mcg) -> Option<[Equation; 7]> {
+        let mut rows: Vec<Equation> = Vec::with_capacity(7);
+        let clicks = self.click_equations.len();
+        let mut order: Vec<usize> = (0..clicks).collect();
+        // One of three or more may be wrong, so some samples do without it.
+        let most = clicks.min(CLICKS_A_SAMPLE);
+        let taken = if most > 2 { random.random_range(2..=most) } else { most };
+        for k in 0..taken {
+            let other = random.random_range(k..clicks);
+            order.swap(k, other);
+            rows.push(self.click_equations[order[k]]);
+        }
+        let framed = random.random_bool(self.parameters.framed);
+        // Two equations a match, as long as there is room for both.
+        let mut drawn: Vec<usize> = Vec::new();
+        for _ in 0..DRAWN_A_SAMPLE {
+            let at = drawn_by_weight(cumulative, random)?;
+            if drawn.iter().any(|d| self.too_close(*d, at)) {
+                continue;
+            }
+            drawn.push(at);
+            rows.push(self.equations[at][0]);
+            if rows.len() < 7 && framed && drawn.len() <= 2 {
+                rows.push(self.equations[at][1]);
+            }
+            if rows.len() == 7 {
+                return rows.try_into().ok();
+            }
+        }
+        None
+    }
+
+    /// Whether two matches say the same.
+    fn too_close(&self, i: usize, j: usize) -> bool {
+        let (a, b) = (&self.witnesses[i].pair, &self.witnesses[j].pair);
+        let near = |k: usize| TOO_CLOSE * self.evidence.frames[k].longer_side();
+        (a.point1 - b.point1).norm() < near(0) || (a.point2 - b.point2).norm() < near(1)
+    }
+
+    /// Fits a matrix to what it explains, in narrower and narrower bands.
+    fn refitted(&self, start: &Matrix3<f64>) -> Option<(FundamentalMatrix, f64)> {
+        let mut best = FundamentalMatrix::nearest_rank_two(*start)?;
+        let mut score = self.consensus.score(best.matrix());
+        let mut current = best;
+        for band in BANDS {
+            let Some(next) = fitted(&current, &self.witnesses, band, FITTED) else { break };
+            current = next;
+            let reached = self.consensus.score(current.matrix());
+            if reached > score {
+                (best, score) = (current, reached);
+            }
+        }
+        Some((best, score))
+    }
+
+    /// The best that can be reached from a matrix by samples of what it explains, refitted (Chum, Matas & Kittler 2003).
+    fn locally_optimised(&self, start: (FundamentalMatrix, f64), number: u64) -> (FundamentalMatrix, f64) {
+        let mut best = start;
+        for round in 0..LOCAL_ROUNDS {
+            let mut sum = 0.0;
+            let cumulative: Vec<f64> = self.witnesses[..self.equations.len()]
+                .iter()
+                .map(|w| {
+                    sum += likely_right(w, residual(best.0.matrix(), w), LOCAL_BAND);
+                    sum
+                })
+                .collect();
+            let mut drawn = {
+                let index = number * LOCAL_ROUNDS + round;
+                self.scored_samples(&cumulative, LOCAL_DRAWS, Purpose::FeatureOptimisation, index)
+            };
+            drawn.sort_by(|a, b| b.0.total_cmp(&a.0));
+            let reached = drawn
+                .iter()
+                .take(LOCAL_REFITTED)
+                .filter_map(|(_, f)| self.refitted(&self.units.in_pixels(f)))
+                .max_by(|a, b| a.1.total_cmp(&b.1));
+            match reached {
+                Some(better) if better.1 > best.1 => best = better,
+                _ => break,
+            }
+        }
+        best
+    }
+
+    /// The first few that differ in what they explain: of what two of them explain together, they share less than
+    /// `alike`.
+    fn distinct<T>(
+        &self,
+        sorted: Vec<(T, f64)>,
+        matrix: impl Fn(&T) -> &Matrix3<f64>,
+        alike: f64,
+        most: usize,
+    ) -> Vec<(T, f64)> {
+        let mut kept: Vec<((T, f64), Vec<bool>)> = Vec::new();
+        for one in sorted {
+            let mine: Vec<bool> = self.witnesses.iter().map(|w| residual(matrix(&one.0), w) < BAND).collect();
+            let same = |other: &[bool]| {
+                let count = |both: fn(bool, bool) -> bool| {
+                    mine.iter().zip(other).filter(|(a, b)| both(**a, **b)).count() as f64
+                };
+                count(|a, b| a && b) > alike * count(|a, b| a || b)
+            };
+            if !kept.iter().any(|(_, other)| same(other)) {
+                kept.push((one, mine));
+                if kept.len() == most {
+                    break;
+                }
+            }
+        }
+        kept.into_iter().map(|(one, _)| one).collect()
+    }
+
+    /// Matches again along the lines, and fits to that.
+    fn rematched(&self, f: FundamentalMatrix, score: f64) -> FeatureHypothesis {
+        let mut best = (f, score);
+        let mut matches = Vec::new();
+        for _ in 0..REMATCHED {
+            let guided = rematching::guided_matches(self.evidence, &best.0);
+            let FeatureEvidence { sets, frames, clicks, .. } = *self.evidence;
+            let log_odds = reliability::log_odds(sets, &guided, frames, clicks);
+            let mut witnesses = witnesses(self.evidence, &guided, &log_odds);
+            witnesses.extend(&self.witnesses[self.evidence.matches.len()..]);
+            matches = guided.iter().map(|m| m.pair).collect();
+            let Some(next) = fitted(&best.0, &witnesses, 1.0, FITTED_LAST) else { break };
+            let reached = self.consensus.score(next.matrix());
+            best = (next, reached);
+        }
+        FeatureHypothesis { fundamental: best.0, score: best.1, matches }
+    }
+}
+
+#[cfg(test)]
+mod tests;

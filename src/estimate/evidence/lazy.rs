@@ -1,0 +1,91 @@
+//! What is made when it is first needed, by work that is done on all threads.
+
+use std::sync::{Mutex, OnceLock, PoisonError};
+
+/// A value that is made at its first use and kept.
+///
+/// Making one takes the threads of the pool, and these may be the ones that ask for it: a `OnceLock` would let them wait for
+/// the thread that makes it while it waits for them, and a thread of the pool that takes up other work in between would meet
+/// its own lock. So a thread of the pool never waits here: it makes the value itself, and whichever is ready first is kept.
+/// Other threads wait for the one that makes it. Every making must give the same.
+#[derive(Debug)]
+pub(in crate::estimate) struct Lazy<T> {
+    value: OnceLock<T>,
+    making: Mutex<()>,
+}
+
+impl<T> Default for Lazy<T> {
+    fn default() -> Self {
+        Self { value: OnceLock::new(), making: Mutex::default() }
+    }
+}
+
+impl<T> Lazy<T> {
+    pub fn get_or_make(&self, make: impl FnOnce() -> T) -> &T {
+        if let Some(made) = self.value.get() {
+            return made;
+        }
+        let is_of_the_pool = rayon::current_thread_index().is_some();
+        // The lock keeps nothing but the turn, which a panic does not spoil.
+        let _turn = (!is_of_the_pool).then(|| self.making.lock().unwrap_or_else(PoisonError::into_inner));
+        if let Some(made) = self.value.get() {
+            return made;
+        }
+        let fresh = make();
+        self.value.get_or_init(|| fresh)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::atomic::{AtomicUsize, Ordering};
+    use std::thread;
+    use std::time::Duration;
+
+    use rayon::prelude::*;
+
+    use super::*;
+
+    #[test]
+    fn threads_outside_the_pool_wait_instead_of_making_it_again() {
+        let (once, makings) = (Lazy::default(), AtomicUsize::new(0));
+        let make = || {
+            thread::sleep(Duration::from_millis(20));
+            makings.fetch_add(1, Ordering::Relaxed)
+        };
+        let found: Vec<usize> = thread::scope(|scope| {
+            let asking: Vec<_> = (0..4).map(|_| scope.spawn(|| *once.get_or_make(make))).collect();
+            asking.into_iter().map(|thread| thread.join().unwrap()).collect()
+        });
+        assert_eq!((found, makings.into_inner()), (vec![0; 4], 1));
+    }
+
+    #[test]
+    fn threads_of_the_pool_never_wait_for_it() {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().unwrap();
+        let once = Lazy::default();
+        // Every making is asked for by a thread of the pool and needs both.
+        let make = || (0..64_u64).into_par_iter().map(|k| thread::sleep(Duration::from_micros(k))).count();
+        let found: Vec<usize> =
+            pool.install(|| (0..64).into_par_iter().map(|_| *once.get_or_make(make)).collect());
+        assert_eq!(found, vec![64; 64]);
+    }
+
+    #[test]
+    fn all_are_given_the_one_that_was_ready_first() {
+        let once = Lazy::default();
+        let addresses: Vec<usize> = (0..64)
+            .into_par_iter()
+            .map(|_| std::ptr::from_ref(once.get_or_make(|| [0_u8; 8])).addr())
+            .collect();
+        assert!(addresses.iter().all(|address| *address == addresses[0]));
+    }
+
+    #[test]
+    fn after_a_panic_it_is_made_by_the_next() {
+        let once = Lazy::<u8>::default();
+        let panics = thread::scope(|scope| scope.spawn(|| *once.get_or_make(|| panic!("on purpose"))).join());
+        assert!(panics.is_err());
+        assert_eq!(*once.get_or_make(|| 7), 7);
+    }
+}

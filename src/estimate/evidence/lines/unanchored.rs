@@ -1,0 +1,374 @@
+//! A geometry from lines alone, without any point (paper, section 4): candidate pairs among all lines of both images, two of
+//! them give the epipoles, a third one the map between the pencils, and the candidates that agree count.
+//!
+//! All lines here are in pixels of the size that they are compared at.
+//!
+//! # Where this is more definite than the paper
+//! - "All lines" are a grid over direction and distance from the middle of the image, evenly spaced in both: what moves a
+//!   line by one step moves it by at most the spacing anywhere in the image.
+//! - A line has no anchor here that shows the same scene point in both images: index 0 is the foot of the middle of the
+//!   image, and disparities reach as far as the caller's similarity lets them.
+//! - The area between short lines is small wherever they are, so a threshold for all lines would have every geometry agree
+//!   with those that cut off a corner. It is that for a line as long as the image is wide, and less for shorter ones.
+//! - The map is between pencils, so it takes lines through the epipole. A candidate line that misses it is taken for the
+//!   line of the pencil through its middle, if the area between these two is below the threshold, too.
+
+use std::cmp::Reverse;
+
+use rand::RngExt;
+use rand_pcg::Pcg64Mcg;
+use rayon::prelude::*;
+
+use super::SHORTEST_LINE;
+use super::pencils::{have_texture, mutual_best};
+use crate::cancel::CancelFlag;
+use crate::estimate::stream::{Purpose, stream};
+use crate::estimate::{EstimateError, PencilParameters};
+use crate::geometry::{
+    AnchoredLine, Frame, FundamentalMatrix, HomogeneousPoint, Line, Observation, Point, PointPair, Segment,
+    angle_between, area_between_lines, fit_fundamental, line_grid,
+};
+use crate::similarity::{CostMatrix, ScaledSimilarity};
+
+/// Shortest line, as a share of the shorter side: twice that of a pencil, since no click confirms a
+/// short one. Not measured.
+const SHORTEST: f64 = 2.0 * SHORTEST_LINE;
+/// Lines of image 1 compared in one batch. A stop is noticed between batches. No result depends on
+/// it.
+const BATCH: usize = 64;
+/// Pairs through both epipoles that are tried as the third pair of a draw. Not measured.
+const THIRD: usize = 3;
+/// Largest number of candidates examined for a third pair. If few pass through both epipoles, the
+/// draw was bad. Not measured.
+const LOOKED_THROUGH: usize = 400;
+/// Largest number of candidates examined for a third pair, in multiples of all candidates. Not
+/// measured.
+const TIMES_OVER: usize = 4;
+/// Draws of one task: the same on any number of threads.
+const TASK: usize = 64;
+/// Candidates on which hypotheses are first counted, evenly spread over all. A share of them is
+/// known to 2 %.
+const COUNTED: usize = 700;
+/// Hypotheses that are counted on all candidates and refitted. Not measured.
+const REFITTED: usize = 60;
+/// Rounds of refitting. Inliers hardly change after a few. Not measured.
+const ROUNDS: usize = 6;
+/// Distance at which a candidate loses influence on a fit, in standard deviations. Not measured.
+const ROBUST: f64 = 1.5;
+
+/// Two lines that may be corresponding epipolar lines, directed alike.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LineCandidate {
+    /// The line of image 1.
+    pub line1: AnchoredLine,
+    /// The line of image 2.
+    pub line2: AnchoredLine,
+    /// Cost of the pair, normalised if the parameters say so; lower is more similar.
+    pub cost: f32,
+}
+
+/// The lines of an image that were compared.
+#[derive(Debug, Clone)]
+pub(in crate::estimate) struct LineCandidates {
+    /// Mutual best pairs, cheapest first.
+    pub pairs: Vec<LineCandidate>,
+    /// Lines of each image that have texture.
+    pub lines: [usize; 2],
+}
+
+/// Compares about `count` lines of each image with each other. `rotation` is how far image 2 is turned, about.
+///
+/// Of `n` lines with texture in one image and `m` in the other `2 n m` costs of 4 bytes are kept, and one batch
+/// besides: 32 MB at 2,000, and as much again while they are normalised.
+pub(in crate::estimate) fn compare_lines(
+    level: &ScaledSimilarity,
+    count: usize,
+    rotation: f64,
+    parameters: &PencilParameters,
+    cancel: &CancelFlag,
+) -> Result<LineCandidates, EstimateError> {
+    let similarity = &*level.lines;
+    let [lines1, half2] = [0, 1].map(|image| {
+        let frame = level.frames[image];
+        let lines = line_grid(frame, count);
+        let kept = have_texture(similarity, image, frame, &lines, parameters.texture, SHORTEST);
+        lines.into_iter().zip(kept).filter(|(_, kept)| *kept).map(|(line, _)| line).collect::<Vec<_>>()
+    });
+    // Lines have no sense of their own, so those of image 2 are compared in both.
+    let reversed = half2.iter().map(|line| AnchoredLine { direction: -line.direction, ..*line });
+    let lines2: Vec<AnchoredLine> = half2.iter().copied().chain(reversed).collect();
+    let [angles1, angles2] =
+        [&lines1, &lines2].map(|lines| lines.iter().map(AnchoredLine::angle).collect::<Vec<f64>>());
+    let mut costs: Vec<f32> = Vec::with_capacity(lines1.len() * lines2.len());
+    for (batch, few) in lines1.chunks(BATCH).enumerate() {
+        let allowed = |i: usize, j: usize| {
+            let turn = angle_between(angles2[j] - angles1[batch * BATCH + i], rotation);
+            turn <= parameters.rotation + 1e-9
+        };
+        let part = similarity.cost_matrix(few, &lines2, &allowed, &|| cancel.is_cancelled());
+        cancel.check()?;
+        (0..part.rows()).for_each(|row| costs.extend_from_slice(part.row(row)));
+    }
+    let costs = CostMatrix::new(lines1.len(), lines2.len(), costs);
+    let costs = if parameters.normalise { costs.normalised() } else { costs };
+    let mut pairs: Vec<LineCandidate> = mutual_best(&costs, parameters.mutual)
+        .into_iter()
+        .map(|(i, j)| LineCandidate { line1: lines1[i], line2: lines2[j], cost: costs.at(i, j) })
+        .collect();
+    pairs.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+    Ok(LineCandidates { pairs, lines: [lines1.len(), half2.len()] })
+}
+
+/// A candidate with what its consistency is measured with.
+struct Measured {
+    lines: [Line; 2],
+    segments: [Segment; 2],
+}
+
+impl Measured {
+    fn new(candidate: &LineCandidate, frames: [Frame; 2]) -> Option<Self> {
+        let lines = [candidate.line1.line(), candidate.line2.line()];
+        let segments = [frames[0].clip(&lines[0])?, frames[1].clip(&lines[1])?];
+        Some(Self { lines, segments })
+    }
+
+    fn middles(&self) -> [Point; 2] {
+        [self.segments[0].midpoint(), self.segments[1].midpoint()]
+    }
+
+    /// Every point of one line corresponds to some point of the other, so their ends hold all that the pair says about F.
+    fn as_pairs(&self) -> [PointPair; 4] {
+        let [a, b] = self.segments;
+        [(a.start, b.start), (a.start, b.end), (a.end, b.start), (a.end, b.end)]
+            .map(|(point1, point2)| PointPair { point1, point2 })
+    }
+}
+
+/// How hypotheses are drawn and counted.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::estimate) struct LineConsensus {
+    /// Draws of two candidates.
+    pub draws: usize,
+    /// Largest area between a line and the one it is mapped to, in px times the width of the image.
+    pub area: f64,
+    /// Seed of the draws.
+    pub seed: u64,
+}
+
+/// A geometry with the candidates that agree with it.
+#[derive(Debug, Clone)]
+pub(in crate::estimate) struct LineGeometry {
+    /// The matrix for pixels of the size that the lines were compared at.
+    pub fundamental: FundamentalMatrix,
+    /// Numbers of the candidates that agree.
+    pub agreeing: Vec<usize>,
+}
+
+struct Counting<'a> {
+    measured: Vec<Measured>,
+    cumulative: Vec<f64>,
+    frames: [Frame; 2],
+    how: &'a LineConsensus,
+}
+
+/// Geometries that candidates agree with, most agreed with first; those that differ only.
+pub(in crate::estimate) fn geometries_from_lines(
+    candidates: &[LineCandidate],
+    frames: [Frame; 2],
+    how: &LineConsensus,
+    cancel: &CancelFlag,
+) -> Result<Vec<LineGeometry>, EstimateError> {
+    let counting = Counting::new(candidates, frames, how);
+    let mut drawn: Vec<(usize, FundamentalMatrix)> = (0..how.draws.div_ceil(TASK))
+        .into_par_iter()
+        .filter(|_| !cancel.is_cancelled())
+        .flat_map_iter(|task| counting.draw(task as u64))
+        .collect();
+    cancel.check()?;
+    drawn.sort_by_key(|(count, _)| Reverse(*count));
+    let mut refitted: Vec<LineGeometry> =
+        drawn.par_iter().take(REFITTED).map(|(_, f)| counting.refitted(f)).collect();
+    refitted.sort_by_key(|one| Reverse(one.agreeing.len()));
+    let mut different: Vec<LineGeometry> = Vec::new();
+    for one in refitted {
+        let shares = |other: &LineGeometry| {
+            let both = one.agreeing.iter().filter(|k| other.agreeing.binary_search(k).is_ok()).count();
+            2 * both > one.agreeing.len()
+        };
+        if !one.agreeing.is_empty() && !different.iter().any(shares) {
+            different.push(one);
+        }
+    }
+    Ok(different)
+}
+
+impl<'a> Counting<'a> {
+    fn new(candidates: &[LineCandidate], frames: [Frame; 2], how: &'a LineConsensus) -> Self {
+        let mut measured = Vec::new();
+        let mut cumulative = Vec::new();
+        let mut sum = 0.0;
+        let cheapest = candidates.iter().map(|c| f64::from(c.cost)).fold(f64::INFINITY, f64::min).max(1e-9);
+        for candidate in candidates {
+            if let Some(one) = Measured::new(candidate, frames) {
+                sum += (cheapest / f64::from(candidate.cost).max(1e-9)).powi(2);
+                measured.push(one);
+                cumulative.push(sum);
+            }
+        }
+        Self { measured, cumulative, frames, how }
+    }
+
+    fn one(&self, random: &mut Pcg64Mcg) -> Option<&Measured> {
+        let total = *self.cumulative.last()?;
+        let at = random.random_range(0.0..total);
+        self.measured.get(self.cumulative.partition_point(|c| *c <= at))
+    }
+
+    /// The best hypothesis of each draw of one task, with the number of candidates that agree with it.
+    fn draw(&self, task: u64) -> Vec<(usize, FundamentalMatrix)> {
+        let mut random = stream(self.how.seed, Purpose::LineConsensus, task);
+        (0..TASK).filter_map(|_| self.hypothesis(&mut random)).collect()
+    }
+
+    /// Two candidates give the epipoles, a third through both the map.
+    fn hypothesis(&self, random: &mut Pcg64Mcg) -> Option<(usize, FundamentalMatrix)> {
+        let (p, q) = (self.one(random)?, self.one(random)?);
+        let epipoles: [HomogeneousPoint; 2] = [0, 1].map(|i| p.lines[i].intersection(&q.lines[i]));
+        let third = (0..self.measured.len() * TIMES_OVER)
+            .filter_map(|_| self.one(random))
+            .take(LOOKED_THROUGH)
+            .filter(|r| (0..2).all(|i| self.is_near(i, &r.lines[i], &epipoles[i], r.middles()[i])))
+            .take(THIRD);
+        third
+            .filter_map(|r| through(p, q, r))
+            .map(|f| (self.agreeing_few(&f), f))
+            .max_by_key(|(count, _)| *count)
+    }
+
+    /// Whether a line passes the epipole so near that the area between it and the line of the pencil through its middle is
+    /// below the threshold.
+    fn is_near(&self, image: usize, line: &Line, epipole: &HomogeneousPoint, middle: Point) -> bool {
+        let length = self.frames[image].clip(line).map_or(0.0, |segment| segment.length());
+        Line::joining(epipole, &middle.to_homogeneous())
+            .is_some_and(|own| self.is_same(image, line, length, &own))
+    }
+
+    fn is_same(&self, image: usize, line: &Line, length: f64, other: &Line) -> bool {
+        let frame = self.frames[image];
+        area_between_lines(line, other, frame) < self.how.area * length.min(frame.width as f64)
+    }
+
+    /// The candidates that agree with a geometry (paper, section 4.2).
+    fn agreeing(&self, f: &FundamentalMatrix) -> Vec<usize> {
+        (0..self.measured.len()).filter(|k| self.agrees(f, &self.measured[*k])).collect()
+    }
+
+    /// How many of a part of the candidates agree with a geometry.
+    fn agreeing_few(&self, f: &FundamentalMatrix) -> usize {
+        let step = self.measured.len().div_ceil(COUNTED).max(1);
+        self.measured.iter().step_by(step).filter(|one| self.agrees(f, one)).count()
+    }
+
+    fn agrees(&self, f: &FundamentalMatrix, one: &Measured) -> bool {
+        let [middle1, middle2] = one.middles();
+        let Some(line2) = f.line2_from_point1(middle1) else { return false };
+        // Most candidates are far off, which their middles tell: the area is at least half the distance there times the
+        // length.
+        let [length1, length2] = [0, 1].map(|image| one.segments[image].length());
+        if 0.5 * line2.distance(middle2) > self.how.area || !self.is_same(1, &one.lines[1], length2, &line2) {
+            return false;
+        }
+        f.line1_from_point2(middle2).is_some_and(|line1| self.is_same(0, &one.lines[0], length1, &line1))
+    }
+
+    /// Fits a geometry to the candidates that agree with it, as long as more do.
+    fn refitted(&self, f: &FundamentalMatrix) -> LineGeometry {
+        let mut best = LineGeometry { fundamental: *f, agreeing: self.agreeing(f) };
+        for _ in 0..ROUNDS {
+            let observations: Vec<Observation> = best
+                .agreeing
+                .iter()
+                .flat_map(|k| self.measured[*k].as_pairs())
+                .map(|pair| Observation { pair, sigma: self.how.area })
+                .collect();
+            let Some(fit) = fit_fundamental(&best.fundamental, &observations, ROBUST) else { break };
+            let agreeing = self.agreeing(&fit.fundamental);
+            if agreeing.len() < best.agreeing.len() {
+                break;
+            }
+            let is_settled = agreeing == best.agreeing;
+            best = LineGeometry { fundamental: fit.fundamental, agreeing };
+            if is_settled {
+                break;
+            }
+        }
+        best
+    }
+}
+
+/// The geometry of three line pairs, of which the first two give the epipoles.
+fn through(p: &Measured, q: &Measured, r: &Measured) -> Option<FundamentalMatrix> {
+    let coordinates = |i: usize| {
+        let middle = r.middles()[i];
+        [q.lines[i].signed_distance(middle), -p.lines[i].signed_distance(middle)]
+    };
+    let (c1, c2) = (coordinates(0), coordinates(1));
+    let kappa = (c2[1] * c1[0]) / (c2[0] * c1[1]);
+    if !kappa.is_finite() || kappa == 0.0 {
+        return None;
+    }
+    let [lines_p, lines_q] = [p, q].map(|pair| pair.lines.map(|line| *line.coefficients()));
+    let f = lines_p[1] * lines_q[0].transpose() - lines_q[1] * lines_p[0].transpose() * kappa;
+    FundamentalMatrix::from_rank_two(f)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::estimate::exact::{ExactScene, FRAME};
+
+    /// Corresponding lines of a scene and twice as many pairs that are none.
+    fn candidates(scene: &ExactScene) -> Vec<LineCandidate> {
+        let f = scene.fundamental();
+        let anchored =
+            |line: Line, point: Point| AnchoredLine { anchor: line.foot(point), direction: line.direction() };
+        let pairs = scene.pairs(60);
+        let of = |k: usize, other: usize, cost: f32| {
+            let (a, b) = (pairs[k].point1, pairs[other].point2);
+            let line1 = anchored(f.line1_from_point2(pairs[k].point2).unwrap(), a);
+            let line2 = anchored(f.line2_from_point1(pairs[other].point1).unwrap(), b);
+            LineCandidate { line1, line2, cost }
+        };
+        (0..60).map(|k| of(k, k, 1.0)).chain((0..120).map(|k| of(k % 60, (k * 7 + 11) % 60, 1.4))).collect()
+    }
+
+    fn consensus(seed: u64) -> LineConsensus {
+        LineConsensus { draws: 1000, area: 1.0, seed }
+    }
+
+    #[test]
+    fn a_third_of_true_line_pairs_gives_the_geometry() {
+        for scene in [ExactScene::aside(), ExactScene::forward()] {
+            let candidates = candidates(&scene);
+            let find = || {
+                geometries_from_lines(&candidates, [FRAME; 2], &consensus(3), &CancelFlag::default()).unwrap()
+            };
+            let found = find();
+            let error = scene.error(&found[0].fundamental);
+            assert!(error < 0.1, "{error} px");
+            assert!((0..60).all(|k| found[0].agreeing.contains(&k)));
+            assert!(found.is_sorted_by(|a, b| a.agreeing.len() >= b.agreeing.len()));
+            assert_eq!(found[0].fundamental, find()[0].fundamental, "the seed decides");
+        }
+    }
+
+    #[test]
+    fn a_stop_and_nothing_to_compare_are_no_panic() {
+        let flag = CancelFlag::default();
+        let none = geometries_from_lines(&[], [FRAME; 2], &consensus(0), &flag).unwrap();
+        assert!(none.is_empty());
+        flag.cancel();
+        let stopped = geometries_from_lines(&[], [FRAME; 2], &consensus(0), &flag);
+        assert_eq!(stopped.unwrap_err(), EstimateError::Cancelled);
+    }
+}

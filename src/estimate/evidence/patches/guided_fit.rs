@@ -1,0 +1,185 @@
+//! The final fit at full size: guided matching and consensus in turns.
+//!
+//! Matches along the lines of a geometry speak for that geometry: where windows or tiles repeat, they slide along until they
+//! fit. Such a geometry has more matches than the right one, but looser ones. Three things tell them apart:
+//!
+//! - **the noise** of the matches is estimated with each geometry ([`Noise`](crate::estimate::fit::Noise)), so that precise
+//!   matches outvote loose ones;
+//! - **ambiguous matches** count less: a match that has an equal elsewhere along its line is right half of the time;
+//! - geometries are compared by **how much likelier their own matches are than chance**. Matches of a wrong geometry lie
+//!   anywhere within the band in which they were looked for, so the likelihood beside that of a uniform distribution over the
+//!   band is 0 for chance and grows with the number and with the precision of the matches.
+
+use std::collections::HashSet;
+
+use rayon::prelude::*;
+
+use super::aligned_features::AlignedFeatures;
+use super::matches::{LevelMatch, MATCH_SIGMA};
+use super::refinement::{Refined, RefinementLevel};
+use crate::cancel::CancelFlag;
+use crate::estimate::fit::{Evidence, Fitted, Match};
+use crate::geometry::{FundamentalMatrix, Observation, PointPair, sampson_distance};
+use crate::image::{GrayPlane, PairLevel, RelativeView};
+
+/// Widest band in which matches are looked for, px of the level: that of the first refinement.
+const WIDEST: f64 = 4.0;
+/// Rounds of consensus at most; each begins with the best geometry of the one before.
+const ROUNDS: u64 = 3;
+/// Least gain in log-likelihood for another round.
+const LEAST_GAIN: f64 = 1.0;
+/// Fewer matches than this determine nothing.
+const LEAST_MATCHES: usize = 16;
+
+/// Finds matches along epipolar lines at one level.
+pub(super) struct GuidedMatcher<'a> {
+    pub stage: &'a RefinementLevel,
+    pub level: &'a PairLevel<'a>,
+    pub view: RelativeView,
+    pub features: &'a AlignedFeatures,
+}
+
+/// Input of the final fit besides its matches.
+pub(in crate::estimate) struct Settling<'a> {
+    /// Clicked pairs with their standard deviation, full-size pixels.
+    pub clicks: &'a [Observation],
+    /// Returns whether the clicks leave another geometry (full size) open.
+    pub allows: &'a (dyn Fn(&FundamentalMatrix) -> bool + Sync),
+    pub seed: u64,
+}
+
+/// A geometry fitted to the matches along its own lines.
+struct Followed {
+    matches: Vec<LevelMatch>,
+    fitted: Fitted,
+}
+
+impl GuidedMatcher<'_> {
+    /// Fits `start` (full size) and its rivals; returns the likeliest.
+    pub fn settled(
+        &self,
+        start: &FundamentalMatrix,
+        settling: &Settling,
+        cancel: &CancelFlag,
+    ) -> Option<Refined> {
+        let [s1, s2] = self.level.scales;
+        let clicks: Vec<Observation> = settling
+            .clicks
+            .iter()
+            .map(|c| Observation {
+                pair: self.level.resized(&c.pair),
+                // Never below the level's own precision.
+                sigma: (c.sigma * s1).max(MATCH_SIGMA),
+            })
+            .collect();
+        let start = start.rescaled(s1, s2)?;
+        let mut pool = Pool::default();
+        pool.add(self.matches(&start, WIDEST));
+        let noise = self.evidence(&pool.observed(), &clicks, WIDEST).fitted(&start)?.noise;
+        // One band for all, as likelihoods are compared.
+        let band = noise.reach().min(WIDEST);
+        let mut best = self.followed(&start, &clicks, band)?;
+        for round in 0..ROUNDS {
+            if cancel.is_cancelled() {
+                return None;
+            }
+            pool.add(self.matches(&best.fitted.fundamental, WIDEST));
+            let matches = pool.observed();
+            let evidence = self.evidence(&matches, &clicks, WIDEST);
+            let (start, scales) = ([best.fitted.fundamental], best.fitted.rival_scales());
+            let agreed = evidence.consensus(&start, &scales, settling.seed, round, cancel);
+            let rivals: Vec<Followed> = agreed
+                .par_iter()
+                .map(|agreed| &agreed.fundamental)
+                .filter(|f| evidence.tells_apart(f, &best.fitted))
+                .filter(|f| f.rescaled(1.0 / s1, 1.0 / s2).is_some_and(|f| (settling.allows)(&f)))
+                .filter_map(|f| self.followed(f, &clicks, band))
+                .collect();
+            let likelier =
+                |a: &Followed, b: &Followed| a.fitted.log_likelihood.total_cmp(&b.fitted.log_likelihood);
+            let Some(rival) = rivals.into_iter().max_by(likelier) else { break };
+            let gain = rival.fitted.log_likelihood - best.fitted.log_likelihood;
+            if gain > 0.0 {
+                best = rival;
+            }
+            if gain < LEAST_GAIN {
+                break;
+            }
+        }
+        self.refined(best, &clicks, band)
+    }
+
+    fn matches(&self, f: &FundamentalMatrix, band: f64) -> Vec<LevelMatch> {
+        self.stage.matches_along_lines(self.level, self.view, self.features, f, band)
+    }
+
+    fn evidence<'e>(&self, matches: &'e [Match], clicks: &'e [Observation], band: f64) -> Evidence<'e> {
+        let frames = self.level.planes.map(GrayPlane::frame);
+        Evidence { matches, clicks, frames, spread: 2.0 * band }
+    }
+
+    /// Fits a geometry to the matches along its lines, with bands that narrow to `band`.
+    fn followed(&self, f: &FundamentalMatrix, clicks: &[Observation], band: f64) -> Option<Followed> {
+        let mut current = *f;
+        for band in [WIDEST, band] {
+            let matches = observed(&self.matches(&current, band));
+            if matches.len() < LEAST_MATCHES {
+                return None;
+            }
+            current = self.evidence(&matches, clicks, band).fitted(&current)?.fundamental;
+        }
+        let matches = self.matches(&current, band);
+        if matches.len() < LEAST_MATCHES {
+            return None;
+        }
+        let fitted = self.evidence(&observed(&matches), clicks, band).fitted(&current)?;
+        Some(Followed { matches, fitted })
+    }
+
+    /// The geometry with the matches that count as right and its covariance.
+    fn refined(&self, followed: Followed, clicks: &[Observation], band: f64) -> Option<Refined> {
+        let Followed { mut matches, fitted } = followed;
+        let evidence_matches = observed(&matches);
+        let covariance = self.evidence(&evidence_matches, clicks, band).covariance(&fitted);
+        let (f, noise) = (fitted.fundamental, fitted.noise);
+        let right =
+            |m: &LevelMatch| sampson_distance(&f, &m.found.pair) < noise.reach() * m.sigma / MATCH_SIGMA;
+        matches.retain(right);
+        if matches.len() < LEAST_MATCHES {
+            return None;
+        }
+        Refined::new(self.level, &f, &matches, Some(noise.scale), covariance.as_ref())
+    }
+}
+
+/// Matches relative to an aligned one.
+fn observed(matches: &[LevelMatch]) -> Vec<Match> {
+    let of = |m: &LevelMatch| Match {
+        pair: m.found.pair,
+        sigma: m.sigma / MATCH_SIGMA,
+        prior: f64::from(m.prior),
+    };
+    matches.iter().map(of).collect()
+}
+
+/// The matches along the lines of several geometries, each once.
+#[derive(Default)]
+struct Pool {
+    matches: Vec<LevelMatch>,
+    known: HashSet<[u64; 4]>,
+}
+
+impl Pool {
+    fn add(&mut self, found: Vec<LevelMatch>) {
+        for m in found {
+            let PointPair { point1, point2 } = m.found.pair;
+            if self.known.insert([point1.x, point1.y, point2.x, point2.y].map(f64::to_bits)) {
+                self.matches.push(m);
+            }
+        }
+    }
+
+    fn observed(&self) -> Vec<Match> {
+        observed(&self.matches)
+    }
+}

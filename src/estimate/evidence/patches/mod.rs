@@ -1,0 +1,38 @@
+//! What small patches say about a geometry: look-alike corners vote for κ, their support chooses among combinations of
+//! candidate lines, refitting and resampling improve the best, and matches along the epipolar lines refine all of F.
+//!
+//! Line similarity proposes (see [`super::lines`]), patches dispose.
+
+mod aligned_features;
+mod corner_patches;
+mod feature_support;
+mod guided_fit;
+mod level_corners;
+mod levels;
+mod look_alikes;
+mod matches;
+mod near_lines;
+mod plane;
+mod polish;
+mod proposals;
+mod rank;
+mod refinement;
+mod resampling;
+
+mod support;
+mod voting;
+
+pub use matches::RefinedMatch;
+pub use refinement::Refinement;
+pub use support::PatchSupport;
+
+pub(in crate::estimate) use feature_support::FeatureSupport;
+pub(in crate::estimate) use guided_fit::Settling;
+pub(in crate::estimate) use levels::{PatchLevels, resized};
+pub(in crate::estimate) use plane::largest_plane;
+pub(in crate::estimate) use polish::LEAST_CLICK_SIGMA;
+pub(in crate::estimate) use proposals::{Hypothesis, Proposal, propose};
+pub(in crate::estimate) use rank::{different, hypotheses, rank, rank_fine};
+pub(in crate::estimate) use refinement::Refined;
+pub(in crate::estimate) use support::{BAND, SupportLevel};
+pub(in crate::estimate) use voting::KappaVoting;

@@ -1,0 +1,255 @@
+//! Which of many matches lie near their epipolar lines, asked of one geometry after another.
+
+use multiversion::multiversion;
+
+use crate::geometry::{FundamentalMatrix, Line, Point, PointPair};
+use crate::lanes::{LANES, SetLanes};
+
+/// Allowance for rounding to single precision, px. No result depends on it.
+const SLACK: f64 = 0.1;
+
+/// Positions of matches, laid out for the vector units.
+#[derive(Debug, Clone, Default)]
+pub(super) struct NearLines {
+    blocks: Vec<PointBlock>,
+}
+
+/// Positions of some matches in both images; not a number in lanes without a match.
+#[derive(Debug, Clone, Copy)]
+struct PointBlock {
+    x1: [f32; LANES],
+    y1: [f32; LANES],
+    x2: [f32; LANES],
+    y2: [f32; LANES],
+}
+
+impl NearLines {
+    /// Matches, which are numbered as they come.
+    pub fn new(pairs: impl IntoIterator<Item = PointPair>) -> Self {
+        let mut blocks: Vec<PointBlock> = Vec::new();
+        for (k, PointPair { point1, point2 }) in pairs.into_iter().enumerate() {
+            if k % LANES == 0 {
+                let [x1, y1, x2, y2] = [[f32::NAN; LANES]; 4];
+                blocks.push(PointBlock { x1, y1, x2, y2 });
+            }
+            let lane = k % LANES;
+            if let Some(block) = blocks.last_mut() {
+                (block.x1[lane], block.y1[lane]) = (point1.x as f32, point1.y as f32);
+                (block.x2[lane], block.y2[lane]) = (point2.x as f32, point2.y as f32);
+            }
+        }
+        Self { blocks }
+    }
+
+    /// Numbers of all matches within `band` px of each other's epipolar lines, ascending, and of some a little farther off.
+    /// Nearly all are far from them, which single precision tells: lines are good to some thousandths of a pixel.
+    pub fn candidates(&self, f: &FundamentalMatrix, band: f64) -> Vec<usize> {
+        let scaled = f.matrix() / f.matrix().amax();
+        let rows = std::array::from_fn(|k| scaled[(k / 3, k % 3)] as f32);
+        near_lines(&self.blocks, &rows, (band + SLACK) as f32)
+    }
+}
+
+/// Numbers of the matches whose points are within `band` px of their lines in both images.
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq+avx2", "x86_64+avx2", "aarch64+neon"))]
+fn near_lines(blocks: &[PointBlock], f: &[f32; 9], band: f32) -> Vec<usize> {
+    let mut found = Vec::with_capacity(256);
+    let band = band * band;
+    for (index, block) in blocks.iter().enumerate() {
+        let mut is_near = [0u8; LANES];
+        for (k, is_near) in is_near.iter_mut().enumerate() {
+            let (x1, y1, x2, y2) = (block.x1[k], block.y1[k], block.x2[k], block.y2[k]);
+            let (a2, b2) = (f[0] * x1 + f[1] * y1 + f[2], f[3] * x1 + f[4] * y1 + f[5]);
+            let (a1, b1) = (f[0] * x2 + f[3] * y2 + f[6], f[1] * x2 + f[4] * y2 + f[7]);
+            let c2 = f[6] * x1 + f[7] * y1 + f[8];
+            let e = a2 * x2 + b2 * y2 + c2;
+            let (n1, n2) = (a1 * a1 + b1 * b1, a2 * a2 + b2 * b2);
+            *is_near = u8::from(e * e <= band * if n1 < n2 { n1 } else { n2 });
+        }
+        for lane in SetLanes::of(is_near) {
+            found.push(index * LANES + lane);
+        }
+    }
+    found
+}
+
+/// Whether both points of a pair are within `band` px of each other's epipolar lines.
+pub(super) fn is_within(f: &FundamentalMatrix, pair: &PointPair, band: f64) -> bool {
+    let (x1, x2) = (pair.point1.to_homogeneous(), pair.point2.to_homogeneous());
+    let (line2, line1) = (f.matrix() * x1, f.matrix().tr_mul(&x2));
+    let error = x2.dot(&line2).powi(2);
+    // An epipole has no line.
+    let is_near = |normal: f64| normal > 0.0 && error <= band * band * normal;
+    is_near(line1.xy().norm_squared()) && is_near(line2.xy().norm_squared())
+}
+
+/// Points of one image, of which those near a line or another point are looked for.
+#[derive(Debug)]
+pub(super) struct Places {
+    /// The points.
+    pub points: Vec<Point>,
+    /// Neighbours together: what is looked for is far from most of them.
+    blocks: Vec<PlaceBlock>,
+    /// Circles around the blocks.
+    circles: Vec<Circles>,
+}
+
+/// Positions of some points; not a number in lanes without one.
+#[derive(Debug, Clone, Copy)]
+struct PlaceBlock {
+    x: [f32; LANES],
+    y: [f32; LANES],
+    /// Numbers of the points.
+    numbers: [u32; LANES],
+}
+
+/// Circles; not a number in lanes without one.
+#[derive(Debug, Clone, Copy)]
+struct Circles {
+    x: [f32; LANES],
+    y: [f32; LANES],
+    radius: [f32; LANES],
+}
+
+impl Places {
+    pub fn new(points: Vec<Point>) -> Self {
+        let mut order: Vec<usize> = (0..points.len()).collect();
+        order.sort_by(|a, b| points[*a].y.total_cmp(&points[*b].y));
+        // Strips as high as the blocks in them are wide, about.
+        let blocks = points.len().div_ceil(LANES);
+        let strip = blocks.isqrt().max(1) * LANES;
+        for few in order.chunks_mut(strip) {
+            few.sort_by(|a, b| points[*a].x.total_cmp(&points[*b].x));
+        }
+        let blocks: Vec<PlaceBlock> = order.chunks(LANES).map(|few| PlaceBlock::new(few, &points)).collect();
+        let circles = blocks.chunks(LANES).map(Circles::around).collect();
+        Self { points, blocks, circles }
+    }
+
+    /// Adds the numbers of the points within `band` px of a line, neighbours after each other.
+    pub fn near_line(&self, line: &Line, band: f64, near: &mut Vec<usize>) {
+        let coefficients = [0, 1, 2].map(|k| line.coefficients()[k] as f32);
+        self.near(&Shape::Line(coefficients), band, near);
+        near.retain(|j| line.distance(self.points[*j]) <= band);
+    }
+
+    /// Adds the numbers of the points within `radius` px of a point, neighbours after each other.
+    pub fn near_point(&self, point: Point, radius: f64, near: &mut Vec<usize>) {
+        self.near(&Shape::Point([point.x as f32, point.y as f32]), radius, near);
+        near.retain(|j| (self.points[*j] - point).norm() <= radius);
+    }
+
+    fn near(&self, shape: &Shape, reach: f64, near: &mut Vec<usize>) {
+        points_near(&self.circles, &self.blocks, shape, (reach + SLACK) as f32, near);
+    }
+}
+
+impl PlaceBlock {
+    fn new(numbers: &[usize], points: &[Point]) -> Self {
+        let [x, y] = [[f32::NAN; LANES]; 2];
+        let mut block = Self { x, y, numbers: [0; LANES] };
+        for (lane, number) in numbers.iter().enumerate() {
+            (block.x[lane], block.y[lane]) = (points[*number].x as f32, points[*number].y as f32);
+            block.numbers[lane] = *number as u32;
+        }
+        block
+    }
+}
+
+impl Circles {
+    fn around(blocks: &[PlaceBlock]) -> Self {
+        let [x, y, radius] = [[f32::NAN; LANES]; 3];
+        let mut circles = Self { x, y, radius };
+        for (lane, block) in blocks.iter().enumerate() {
+            // Lanes without a point change neither.
+            let middle = |all: &[f32; LANES]| {
+                let least = all.iter().copied().fold(f32::INFINITY, f32::min);
+                0.5 * (least + all.iter().copied().fold(f32::NEG_INFINITY, f32::max))
+            };
+            let (x, y) = (middle(&block.x), middle(&block.y));
+            let distances = block.x.iter().zip(&block.y).map(|(u, v)| (u - x).hypot(v - y));
+            (circles.x[lane], circles.y[lane]) = (x, y);
+            circles.radius[lane] = distances.fold(0.0, f32::max);
+        }
+        circles
+    }
+}
+
+/// What points are near to.
+enum Shape {
+    Line([f32; 3]),
+    Point([f32; 2]),
+}
+
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq+avx2", "x86_64+avx2", "aarch64+neon"))]
+fn points_near(circles: &[Circles], blocks: &[PlaceBlock], shape: &Shape, reach: f32, near: &mut Vec<usize>) {
+    for (index, Circles { x, y, radius }) in circles.iter().enumerate() {
+        let mut is_reached = [0u8; LANES];
+        match shape {
+            Shape::Line([a, b, c]) => {
+                for k in 0..LANES {
+                    is_reached[k] = u8::from((a * x[k] + b * y[k] + c).abs() <= reach + radius[k]);
+                }
+            }
+            Shape::Point([u, v]) => {
+                for k in 0..LANES {
+                    let (dx, dy, far) = (x[k] - u, y[k] - v, reach + radius[k]);
+                    is_reached[k] = u8::from(dx * dx + dy * dy <= far * far);
+                }
+            }
+        }
+        for lane in SetLanes::of(is_reached) {
+            let PlaceBlock { x, y, numbers } = &blocks[index * LANES + lane];
+            let mut is_near = [0u8; LANES];
+            match shape {
+                Shape::Line([a, b, c]) => {
+                    for k in 0..LANES {
+                        is_near[k] = u8::from((a * x[k] + b * y[k] + c).abs() <= reach);
+                    }
+                }
+                Shape::Point([u, v]) => {
+                    for k in 0..LANES {
+                        let (dx, dy) = (x[k] - u, y[k] - v);
+                        is_near[k] = u8::from(dx * dx + dy * dy <= reach * reach);
+                    }
+                }
+            }
+            for lane in SetLanes::of(is_near) {
+                near.push(numbers[lane] as usize);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn places_near_a_line_or_a_point_are_those_that_one_by_one_are_near() {
+        // Fewer than a block, some blocks, and more than one block of circles.
+        for count in [0, 5, 100, 700] {
+            let at = |k: u32| f64::from(k.wrapping_mul(2_654_435_761) >> 12) / f64::from(1u32 << 20);
+            let points: Vec<Point> =
+                (0..count).map(|k| Point::new(800.0 * at(2 * k), 600.0 * at(2 * k + 1))).collect();
+            let places = Places::new(points.clone());
+            for k in 0..40 {
+                let (from, to) =
+                    (Point::new(20.0 * f64::from(k), 0.0), Point::new(790.0, 15.0 * f64::from(k)));
+                let line = Line::through(from, to).unwrap();
+                for reach in [0.5, 4.0, 60.0] {
+                    let by_one = |is_near: &dyn Fn(&Point) -> bool| -> Vec<usize> {
+                        (0..points.len()).filter(|j| is_near(&points[*j])).collect()
+                    };
+                    let [mut of_line, mut of_point] = [Vec::new(), Vec::new()];
+                    places.near_line(&line, reach, &mut of_line);
+                    of_line.sort_unstable();
+                    assert_eq!(of_line, by_one(&|p| line.distance(*p) <= reach));
+                    places.near_point(to, reach, &mut of_point);
+                    of_point.sort_unstable();
+                    assert_eq!(of_point, by_one(&|p| (p - to).norm() <= reach));
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,132 @@
+//! Whether one plane, or a turn of the camera alone, explains the matches: then a homography maps them all, and
+//! every epipole fits (Hartley & Zisserman, §11.9.2).
+
+use nalgebra::Matrix3;
+use rand::RngExt;
+use rayon::prelude::*;
+
+use crate::estimate::stream::{Purpose, stream};
+use crate::geometry::{PointPair, homography};
+
+/// Samples drawn: four matches of a plane that holds a third of them are among 300 with a probability of 97 %.
+const SAMPLES: u64 = 300;
+/// Rounds of refitting to the matches within the tolerance. The set hardly changes after two. Not
+/// measured.
+const REFITS: usize = 3;
+/// Matches that samples are drawn from and looked at by, evenly chosen from all: enough for the share of a plane to be
+/// known to 5 %. Of all matches there can be thousands.
+const LOOKED_AT: usize = 400;
+
+/// Fewest matches to be looked at, and to be refitted to if there are more: twice the four that give a homography, which
+/// any four follow.
+const FEWEST: usize = 8;
+
+/// The homography that most matches follow within `tolerance` px in image 2, and how many do; `None` for fewer than
+/// eight matches.
+pub(in crate::estimate) fn largest_plane(
+    matches: &[PointPair],
+    tolerance: f64,
+    seed: u64,
+) -> Option<(Matrix3<f64>, usize)> {
+    if matches.len() < FEWEST {
+        return None;
+    }
+    let few: Vec<PointPair> = if matches.len() > LOOKED_AT {
+        (0..LOOKED_AT).map(|k| matches[k * matches.len() / LOOKED_AT]).collect()
+    } else {
+        matches.to_vec()
+    };
+    let from_sample = |k: u64| -> Option<(Matrix3<f64>, usize)> {
+        let mut rng = stream(seed, Purpose::PlaneSamples, k);
+        let sample: [PointPair; 4] = std::array::from_fn(|_| few[rng.random_range(0..few.len())]);
+        refitted(homography(&sample)?, &few, tolerance)
+    };
+    let planes: Vec<_> = (0..SAMPLES).into_par_iter().map(from_sample).collect();
+    // The first of the best ones, whatever the threads.
+    let best = planes.into_iter().flatten().reduce(|best, next| if next.1 > best.1 { next } else { best });
+    if few.len() < matches.len() { refitted(best?.0, matches, tolerance) } else { best }
+}
+
+/// The homography that most matches follow, starting at `h` and fitted again and again to those that follow it.
+fn refitted(mut h: Matrix3<f64>, matches: &[PointPair], tolerance: f64) -> Option<(Matrix3<f64>, usize)> {
+    let mut best = None;
+    for _ in 0..=REFITS {
+        let on_plane: Vec<PointPair> =
+            matches.iter().filter(|m| is_on_plane(&h, m, tolerance)).copied().collect();
+        if best.is_none_or(|(_, most)| on_plane.len() > most) {
+            best = Some((h, on_plane.len()));
+        }
+        match (on_plane.len() > FEWEST).then(|| homography(&on_plane)).flatten() {
+            Some(better) => h = better,
+            None => break,
+        }
+    }
+    best
+}
+
+/// Whether [`transfer_error`](crate::geometry::transfer_error) is below a tolerance, without a division or a root.
+fn is_on_plane(h: &Matrix3<f64>, pair: &PointPair, tolerance: f64) -> bool {
+    let mapped = h * pair.point1.to_homogeneous();
+    let off = mapped.xy() - pair.point2.coords * mapped.z;
+    off.norm_squared() < (tolerance * mapped.z).powi(2)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Camera;
+    use crate::geometry::random_scene::RandomScene;
+    use crate::geometry::transfer_error;
+    use nalgebra::Point3;
+
+    fn scene(depth: impl Fn(f64) -> f64) -> Vec<PointPair> {
+        let (camera1, camera2) = Camera::example_pair();
+        (0..80)
+            .map(|k| {
+                let t = f64::from(k);
+                let x = Point3::new((t * 0.9).sin() * 2.0, (t * 1.7).cos() * 1.5, depth(t));
+                PointPair { point1: camera1.project(&x).unwrap(), point2: camera2.project(&x).unwrap() }
+            })
+            .collect()
+    }
+
+    #[test]
+    fn a_plane_is_recognised_and_depth_is_not_one() {
+        let plane = scene(|t| 5.0 + 0.3 * (t * 0.9).sin());
+        let share = |matches: &[PointPair]| {
+            largest_plane(matches, 1.0, 0).map_or(0.0, |(_, most)| most as f64 / matches.len() as f64)
+        };
+        assert!(share(&plane) > 0.99);
+        let deep = scene(|t| 5.0 + 2.0 * (t * 2.3).sin());
+        assert!(share(&deep) < 0.5);
+        assert!(share(&plane[..4]) < 0.01, "too few to say");
+    }
+
+    #[test]
+    fn of_two_planes_the_larger_one_is_found_whole_whatever_the_seed() {
+        let mut random = RandomScene::new(4);
+        let (wall, elsewhere) = (random.planar_pairs(40), random.pairs(25));
+        let all: Vec<PointPair> = elsewhere.iter().chain(&wall).copied().collect();
+        let truth = homography(&wall).unwrap();
+        // A few of the others are near the plane by chance.
+        let on_wall = all.iter().filter(|m| transfer_error(&truth, m) < 0.5).count();
+        assert!((40..46).contains(&on_wall), "{on_wall}");
+        for seed in 0..5 {
+            let (h, most) = largest_plane(&all, 0.5, seed).unwrap();
+            assert_eq!(most, on_wall, "seed {seed}");
+            assert!(wall.iter().all(|m| transfer_error(&h, m) < 0.5), "seed {seed}");
+        }
+        assert!(largest_plane(&wall[..7], 0.5, 0).is_none() && largest_plane(&wall[..8], 0.5, 0).is_some());
+    }
+
+    #[test]
+    fn the_tolerance_decides_what_a_plane_explains() {
+        let mut random = RandomScene::new(8);
+        let wall = random.planar_pairs(60);
+        let noisy = random.disturbed(&wall, 1.0);
+        // The transfer error holds the noise of both images: √2 px a coordinate, beyond 5 px one in 500.
+        let [loose, tight] =
+            [5.0, 0.5].map(|tolerance| largest_plane(&noisy, tolerance, 0).map_or(0, |(_, most)| most));
+        assert!(loose > 57 && tight < 30, "{loose} {tight} of 60");
+    }
+}

@@ -1,0 +1,234 @@
+//! Proposals: line similarity proposes, patches dispose.
+//!
+//! 1. Many combinations of candidate line pairs are scored by the κ votes of look-alike corners.
+//! 2. The best, thinned so that no two are near-copies, are scored by exact patch support.
+//!
+//! [`super::rank`] refits those with most support; what their matches lead to is looked for by [`super::resampling`].
+
+use std::cmp::Ordering;
+
+use rayon::prelude::*;
+
+use super::support::{BAND, PatchSupport, SupportLevel};
+use super::voting::{CandidateVotes, KappaVoting, VotedKappa};
+use crate::cancel::CancelFlag;
+use crate::estimate::EstimateError;
+use crate::estimate::evidence::lines::{
+    Candidate, LineFigures, PencilAngles, PencilPair, unvalidated_figures,
+};
+use crate::geometry::{FundamentalMatrix, PointPair};
+
+/// A hypothesis at one level.
+#[derive(Debug, Clone)]
+pub(in crate::estimate) struct Proposal {
+    /// The line pairs through two clicks and κ that it was proposed with; `None` where no lines proposed it.
+    pub angles: Option<PencilAngles>,
+    /// The matrix, in pixels of the level.
+    pub fundamental: FundamentalMatrix,
+    /// What agrees with it at the level.
+    pub support: PatchSupport,
+}
+
+/// A proposal in full-size pixels.
+#[derive(Debug, Clone)]
+pub(in crate::estimate) struct Hypothesis {
+    /// The matrix.
+    pub fundamental: FundamentalMatrix,
+    /// What the lines through two clicks say of it, where it has such.
+    pub lines: Option<LineFigures>,
+    /// What agrees with it at the level it was proposed at.
+    pub support: PatchSupport,
+}
+
+impl Proposal {
+    /// Brings those with most support to the front; equals keep their order.
+    pub fn sort(list: &mut [Self]) {
+        list.sort_by(|a, b| b.support.score.total_cmp(&a.support.score));
+    }
+
+    /// A matrix in full-size pixels as a proposal of a level; `None` where its lines at the clicks, if there are two,
+    /// degenerate. `turn` is about how far image 2 is rotated against image 1, radians.
+    pub fn of(
+        f: &FundamentalMatrix,
+        clicks: Option<&[PointPair; 2]>,
+        turn: f64,
+        level: &SupportLevel,
+    ) -> Option<Self> {
+        let fundamental = f.rescaled(level.scales[0], level.scales[1])?;
+        let support = level.support.measure(&fundamental);
+        let angles = clicks.map_or(Some(None), |clicks| PencilAngles::of(f, clicks, turn).map(Some))?;
+        Some(Self { angles, fundamental, support })
+    }
+
+    /// Itself before its lines are compared. `clicks` are in full-size pixels, `scales` those of the level.
+    pub fn unvalidated(&self, scales: [f64; 2], clicks: [PointPair; 2]) -> Option<Hypothesis> {
+        let lines =
+            self.angles.map_or(Some(None), |angles| unvalidated_figures(&angles, clicks).map(Some))?;
+        Some(Hypothesis { fundamental: self.full_size(scales)?, lines, support: self.support })
+    }
+
+    /// The matrix in full-size pixels.
+    pub fn full_size(&self, scales: [f64; 2]) -> Option<FundamentalMatrix> {
+        self.fundamental.rescaled(1.0 / scales[0], 1.0 / scales[1])
+    }
+}
+
+/// Combinations kept before thinning, for each one whose exact support is computed. Not measured.
+const THINNING: usize = 12;
+/// Combinations whose directions differ by less than this, radians, and whose κ by less than this factor, are copies of
+/// each other: a line turned by it moves by 2 px, the width of the support band, within some 70 px of the click.
+const COPY: f64 = 0.03;
+
+/// Scores combinations by votes and exact support; best first. All clicks are in full-size pixels.
+pub(in crate::estimate) fn propose(
+    coarse: &SupportLevel,
+    voting: &KappaVoting,
+    drawn: &[(Candidate, Candidate)],
+    clicks: &[PointPair; 2],
+    supported: usize,
+    cancel: &CancelFlag,
+) -> Result<Vec<Proposal>, EstimateError> {
+    let clicks = clicks.each_ref().map(|click| click.rescaled(coarse.scales));
+    let [p, q] = &clicks;
+    let prepare = |mut list: Vec<Candidate>, own: &PointPair, other: &PointPair, first: bool| {
+        list.sort_by(by_directions);
+        list.dedup();
+        let votes: Vec<CandidateVotes> =
+            list.par_iter().map(|c| voting.candidate_votes(c, own, other, first)).collect();
+        (list, votes)
+    };
+    let votes_p = prepare(drawn.iter().map(|(p, _)| *p).collect(), p, q, true);
+    let votes_q = prepare(drawn.iter().map(|(_, q)| *q).collect(), q, p, false);
+    let mut voted: Vec<VotedKappa> = drawn
+        .par_iter()
+        .map(|(p, q)| {
+            if cancel.is_cancelled() {
+                return None;
+            }
+            Some(voting.count(votes_of(p, &votes_p), votes_of(q, &votes_q), BAND as f32))
+        })
+        .flatten()
+        .collect();
+    cancel.check()?;
+    voted.sort_by(|a, b| b.votes.total_cmp(&a.votes));
+    voted.truncate(THINNING * supported);
+    let mut proposals: Vec<Proposal> = thinned(&voted, supported)
+        .par_iter()
+        .filter_map(|voted| {
+            let fundamental = PencilPair::new(&voted.angles, clicks)?.fundamental()?;
+            Some(Proposal {
+                angles: Some(voted.angles),
+                fundamental,
+                support: coarse.support.measure(&fundamental),
+            })
+        })
+        .collect();
+    cancel.check()?;
+    Proposal::sort(&mut proposals);
+    Ok(proposals)
+}
+
+fn by_directions(a: &Candidate, b: &Candidate) -> Ordering {
+    a.angles[0].total_cmp(&b.angles[0]).then(a.angles[1].total_cmp(&b.angles[1]))
+}
+
+/// Votes of a candidate in a list sorted by directions.
+fn votes_of<'a>(
+    candidate: &Candidate,
+    (list, votes): &'a (Vec<Candidate>, Vec<CandidateVotes>),
+) -> &'a CandidateVotes {
+    &votes[list.partition_point(|other| by_directions(other, candidate).is_lt())]
+}
+
+/// The best ones of a list sorted by votes, none nearly the same as one before it.
+fn thinned(voted: &[VotedKappa], count: usize) -> Vec<VotedKappa> {
+    let near = |a: f64, b: f64| (a - b).abs() < COPY;
+    let is_copy = |a: &PencilAngles, b: &PencilAngles| {
+        (0..2).all(|i| near(a.p[i], b.p[i]) && near(a.q[i], b.q[i])) && near(a.kappa.ln(), b.kappa.ln())
+    };
+    let mut kept: Vec<VotedKappa> = Vec::with_capacity(count);
+    for candidate in voted {
+        if kept.len() == count {
+            break;
+        }
+        if !kept.iter().any(|k| is_copy(&k.angles, &candidate.angles)) {
+            kept.push(*candidate);
+        }
+    }
+    kept
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::estimate::evidence::patches::support::Support;
+    use crate::estimate::exact::ExactScene;
+
+    #[test]
+    fn near_copies_of_better_combinations_are_left_out() {
+        let voted = |turn: f64, kappa: f64, votes: f32| VotedKappa {
+            angles: PencilAngles { p: [0.1 + turn, 0.2], q: [0.3, 0.4], kappa },
+            votes,
+        };
+        let all = [voted(0.0, 1.0, 9.0), voted(0.02, 1.01, 8.0), voted(0.04, 1.0, 7.0), voted(0.0, 1.2, 6.0)];
+        let kept: Vec<f32> = thinned(&all, 10).iter().map(|voted| voted.votes).collect();
+        assert_eq!(kept, [9.0, 7.0, 6.0]);
+        assert_eq!(thinned(&all, 1).len(), 1);
+    }
+
+    #[test]
+    fn a_copy_is_near_in_all_five_numbers() {
+        let first = PencilAngles { p: [0.1, 0.2], q: [0.3, 0.4], kappa: 2.0 };
+        let moved = |by: f64| {
+            let PencilAngles { p: [a, b], q: [c, d], kappa } = first;
+            [
+                PencilAngles { p: [a + by, b], ..first },
+                PencilAngles { p: [a, b - by], ..first },
+                PencilAngles { q: [c - by, d], ..first },
+                PencilAngles { q: [c, d + by], ..first },
+                PencilAngles { kappa: kappa * by.exp(), ..first },
+            ]
+        };
+        for (by, kept) in [(0.99 * COPY, 1), (1.01 * COPY, 2)] {
+            for angles in moved(by) {
+                let voted = [first, angles].map(|angles| VotedKappa { angles, votes: 1.0 });
+                assert_eq!(thinned(&voted, 10).len(), kept, "{angles:?}");
+            }
+        }
+    }
+
+    /// Exact matches at half size, and candidates among which the true directions are the last but one.
+    fn proposed(scene: &ExactScene, cancel: &CancelFlag) -> Result<Vec<Proposal>, EstimateError> {
+        let matches: Vec<_> = scene.pairs(60).iter().map(|m| (m.rescaled([0.5; 2]), 0.9)).collect();
+        let coarse = SupportLevel { scales: [0.5; 2], support: Support::of_matches(&matches) };
+        let voting = KappaVoting::new(&coarse.support, 3);
+        let truth = scene.angles();
+        let turns = [-0.4, -0.2, 0.2, 0.0, 0.4];
+        let of = |angles: [f64; 2], turn: f64| Candidate { angles: [angles[0], angles[1] + turn], cost: 1.0 };
+        let drawn: Vec<(Candidate, Candidate)> =
+            turns.iter().flat_map(|a| turns.iter().map(|b| (of(truth.p, *a), of(truth.q, *b)))).collect();
+        propose(&coarse, &voting, &drawn, &scene.clicks(), 240, cancel)
+    }
+
+    #[test]
+    fn the_combination_that_matches_support_comes_first() {
+        for scene in [ExactScene::aside(), ExactScene::forward()] {
+            let found = proposed(&scene, &CancelFlag::default()).unwrap();
+            assert!(found.len() > 5 && found.is_sorted_by(|a, b| a.support.score >= b.support.score));
+            let (best, truth) = (&found[0], scene.angles());
+            assert_eq!(best.angles.map(|angles| (angles.p, angles.q)), Some((truth.p, truth.q)));
+            assert!(best.support.matches > 55 && best.support.score > 1.5 * found[1].support.score);
+            // κ to a bin of the votes, 1.6 %: of lines some hundred pixels apart about a pixel.
+            let error = scene.error(&best.full_size([0.5; 2]).unwrap());
+            assert!(error < 1.5, "{error} px");
+        }
+    }
+
+    #[test]
+    fn a_stopped_search_proposes_nothing() {
+        let flag = CancelFlag::default();
+        flag.cancel();
+        let stopped = proposed(&ExactScene::aside(), &flag);
+        assert_eq!(stopped.unwrap_err(), EstimateError::Cancelled);
+    }
+}

@@ -1,0 +1,406 @@
+//! Refinement of all seven degrees of freedom at full resolution, on patches matched along the epipolar lines.
+//!
+//! With `F` known to a few pixels, each corner of image 1 is compared only with the corners of image 2 near its
+//! epipolar line. Mutual best matches are moved to sub-pixel positions, `F` is refitted to them with a robust
+//! cost, and the same again with a narrower band. The clicks take part with their own uncertainty.
+
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use nalgebra::Matrix3;
+use rayon::prelude::*;
+
+use super::aligned_features::AlignedFeatures;
+use super::corner_patches::CornerPatches;
+use super::feature_support::FLOOR;
+use super::level_corners::{Alike, LevelCorners, MutualMatch};
+use super::matches::{LevelMatch, MATCH_SIGMA, RefinedMatch};
+use crate::cancel::CancelFlag;
+use crate::estimate::evidence::lazy::Lazy;
+use crate::estimate::fit::Uncertainty;
+use crate::geometry::{
+    FundamentalMatrix, Line, Matrix9, Observation, Point, PointPair, finite_point, fit_fundamental,
+    sampson_distance,
+};
+use crate::image::{Alignment, PairLevel, Placement, RelativeView, align, warps_around};
+
+/// What a geometry was refined on.
+#[derive(Debug, Clone)]
+pub struct Refinement {
+    /// Patches matched along the epipolar lines.
+    pub matches: Vec<RefinedMatch>,
+    /// How well they determine the geometry; `None` when they do not.
+    pub uncertainty: Option<Uncertainty>,
+    /// Noise of the matches: half of the right ones have a Sampson distance below this, px. `None` where too few matches tell.
+    pub noise: Option<f64>,
+}
+
+/// Corners and patches of one level, computed once per image pair.
+#[derive(Debug, Default)]
+pub(in crate::estimate) struct RefinementLevel {
+    /// What others use, too, where they look at the same size.
+    patches: SharedPatches,
+    corners: Lazy<LevelCorners>,
+    /// Where in image 2 the surroundings of a corner of image 1 fit best, starting at a corner of image 2 under a
+    /// warp: the same whatever `F`, and most matches of one refinement are those of the next.
+    aligned: Mutex<HashMap<Alike, Option<Point>>>,
+}
+
+/// Corners of each image. With 2,500 the accuracy is the same and the time twice as long
+/// (`lab/notes.md`).
+const CORNERS: usize = 1500;
+/// Widths of the band, px of the level, one for each round: the error of a ranked geometry, then
+/// that of a refined one. Not measured.
+const BANDS: [f64; 3] = [4.0, 2.0, 1.2];
+/// Width of a band in standard deviations of a match: 99.7 % of Gaussian errors are within it.
+const BAND_DEVIATIONS: f64 = 3.0;
+/// Least scale of the robust fit, in standard deviations of a match: nearer matches are equally
+/// good. Not measured.
+const LEAST_SCALE: f64 = 1.5;
+/// Fewest matches of a refinement: twice the seven unknowns, and two more. Not measured.
+const LEAST_MATCHES: usize = 16;
+
+/// What a refinement found.
+#[derive(Debug, Clone)]
+pub(in crate::estimate) struct Refined {
+    pub fundamental: FundamentalMatrix,
+    pub refinement: Refinement,
+    /// How much speaks for it: summed over the matches, correlation excess times how well the match fits
+    /// (1 on the epipolar line, ½ at the deviation of a match, falling with the square of the distance). Of
+    /// several refinements the one with most of it is the right one, on nearly every pair measured.
+    pub weight: f64,
+    /// Standard deviation of the weight as a sum of so many independent matches (that of a Poisson process).
+    pub weight_deviation: f64,
+}
+
+impl Refined {
+    /// A geometry that was fitted to matches at a level, all in its pixels, with their noise and the covariance of the fit.
+    pub(super) fn new(
+        level: &PairLevel,
+        f: &FundamentalMatrix,
+        matches: &[LevelMatch],
+        noise: Option<f64>,
+        covariance: Option<&Matrix9>,
+    ) -> Option<Self> {
+        let [s1, s2] = level.scales;
+        let weight = |m: &LevelMatch| {
+            let deviations = sampson_distance(f, &m.found.pair) / m.sigma;
+            f64::from(m.found.correlation - FLOOR) / (1.0 + deviations.powi(2))
+        };
+        let weights: Vec<f64> = matches.iter().map(weight).collect();
+        let full_size = [1.0 / s1, 1.0 / s2];
+        let at_full_size =
+            |m: &LevelMatch| RefinedMatch { pair: m.found.pair.rescaled(full_size), ..m.found };
+        Some(Self {
+            fundamental: f.rescaled(1.0 / s1, 1.0 / s2)?,
+            refinement: Refinement {
+                matches: matches.iter().map(at_full_size).collect(),
+                uncertainty: covariance.map(|c| Uncertainty::new(f, c, level.scales)),
+                noise: noise.map(|noise| noise / s1),
+            },
+            weight: weights.iter().sum(),
+            weight_deviation: weights.iter().map(|weight| weight * weight).sum::<f64>().sqrt(),
+        })
+    }
+}
+
+/// Corners and patches under one view, for each size made by who comes first.
+#[derive(Debug, Clone, Default)]
+pub(super) struct SharedPatches(Arc<Mutex<Vec<PatchesOfScales>>>);
+
+type PatchesOfScales = ([f64; 2], PatchesOfSize);
+type PatchesOfSize = Arc<Lazy<Arc<CornerPatches>>>;
+
+impl SharedPatches {
+    pub fn get(&self, level: &PairLevel, view: RelativeView) -> Arc<CornerPatches> {
+        let patches = || CornerPatches::new(level, CORNERS, warps_around(&level.warp(view)));
+        Arc::clone(self.of_size(level.scales).get_or_make(|| Arc::new(patches())))
+    }
+
+    fn of_size(&self, scales: [f64; 2]) -> PatchesOfSize {
+        // Entries are whole whatever happened to a thread that held the lock.
+        let mut sizes = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        // Equal sizes have equal scales, to the bit.
+        let same = |of: &[f64; 2]| of.map(f64::to_bits) == scales.map(f64::to_bits);
+        if let Some((_, known)) = sizes.iter().find(|(of, _)| same(of)) {
+            return Arc::clone(known);
+        }
+        let fresh = PatchesOfSize::default();
+        sizes.push((scales, Arc::clone(&fresh)));
+        fresh
+    }
+}
+
+impl RefinementLevel {
+    /// A level that looks at these patches.
+    pub fn on(patches: &SharedPatches) -> Self {
+        Self { patches: patches.clone(), ..Self::default() }
+    }
+
+    /// Finds the corners.
+    pub fn prepare(&self, level: &PairLevel, view: RelativeView) {
+        self.corners(level, view);
+    }
+
+    fn corners(&self, level: &PairLevel, view: RelativeView) -> &LevelCorners {
+        self.corners.get_or_make(|| LevelCorners::new(self.patches.get(level, view)))
+    }
+
+    /// Refines `f` (full size) at this level; `None` when too few matches support it there. Clicks and
+    /// features are in full-size pixels.
+    pub fn refine(
+        &self,
+        level: &PairLevel,
+        view: RelativeView,
+        features: &AlignedFeatures,
+        f: &FundamentalMatrix,
+        clicks: &[Observation],
+        cancel: &CancelFlag,
+    ) -> Option<Refined> {
+        let [s1, s2] = level.scales;
+        let mut current = f.rescaled(s1, s2)?;
+        let mut matches: Vec<LevelMatch> = Vec::new();
+        let mut covariance = None;
+        for band in BANDS {
+            if cancel.is_cancelled() {
+                return None;
+            }
+            matches = self.matches_along_lines(level, view, features, &current, band);
+            if matches.len() < LEAST_MATCHES {
+                return None;
+            }
+            let observations: Vec<Observation> = matches
+                .iter()
+                .map(|m| Observation { pair: m.found.pair, sigma: m.sigma })
+                .chain(clicks.iter().map(|c| Observation {
+                    pair: level.resized(&c.pair),
+                    // Never below the level's own precision.
+                    sigma: (c.sigma * s1).max(MATCH_SIGMA),
+                }))
+                .collect();
+            let scale = (band / BAND_DEVIATIONS / MATCH_SIGMA).max(LEAST_SCALE);
+            let fitted = fit_fundamental(&current, &observations, scale)?;
+            (current, covariance) = (fitted.fundamental, fitted.covariance);
+        }
+        matches.retain(|m| sampson_distance(&current, &m.found.pair) < BANDS[BANDS.len() - 1]);
+        Refined::new(level, &current, &matches, None, covariance.as_ref())
+    }
+
+    /// Matches of corners and features within `band` px of the epipolar lines of `f`, all in the level's pixels.
+    pub fn matches_along_lines(
+        &self,
+        level: &PairLevel,
+        view: RelativeView,
+        features: &AlignedFeatures,
+        f: &FundamentalMatrix,
+        band: f64,
+    ) -> Vec<LevelMatch> {
+        let mut matches = self.guided_matches(level, self.corners(level, view), f, band);
+        matches.extend(features.near(level, f, band));
+        matches
+    }
+
+    /// Mutual best matches among corners within `band` px of each other's epipolar lines, sub-pixel positions
+    /// in image 2; all in the level's pixels.
+    fn guided_matches(
+        &self,
+        level: &PairLevel,
+        corners: &LevelCorners,
+        f: &FundamentalMatrix,
+        band: f64,
+    ) -> Vec<LevelMatch> {
+        let lines1: Vec<Option<Line>> =
+            corners.places2.points.iter().map(|point2| f.line1_from_point2(*point2)).collect();
+        self.mutual_matches(level, corners, |point1, near| {
+            let Some(line2) = f.line2_from_point1(point1) else { return };
+            corners.places2.near_line(&line2, band, near);
+            near.retain(|j| lines1[*j].as_ref().is_some_and(|line1| line1.distance(point1) <= band));
+        })
+    }
+
+    /// Mutual best matches within `radius` px of where a homography maps them, wherever in that circle they are; sub-pixel
+    /// positions in image 2, all in the level's pixels. No epipolar geometry takes part.
+    pub fn matches_near_plane(
+        &self,
+        level: &PairLevel,
+        view: RelativeView,
+        h: &Matrix3<f64>,
+        radius: f64,
+    ) -> Vec<RefinedMatch> {
+        let corners = self.corners(level, view);
+        let found = self.mutual_matches(level, corners, |point1, near| {
+            if let Some(expected) = finite_point(&(h * point1.to_homogeneous())) {
+                corners.places2.near_point(expected, radius, near);
+            }
+        });
+        found.into_iter().map(|m| m.found).collect()
+    }
+
+    /// Mutual best matches among corners where `find` looks for them, at sub-pixel positions.
+    fn mutual_matches(
+        &self,
+        level: &PairLevel,
+        corners: &LevelCorners,
+        find: impl Fn(Point, &mut Vec<usize>) + Sync,
+    ) -> Vec<LevelMatch> {
+        let mutual = corners.mutual(find);
+        let positions = self.positions(level, corners, &mutual);
+        mutual
+            .iter()
+            .zip(positions)
+            .filter_map(|(mutual, point2)| {
+                let point1 = corners.patches.points1[mutual.alike.corner1 as usize];
+                let pair = PointPair { point1, point2: point2? };
+                let found = RefinedMatch { pair, correlation: mutual.correlation };
+                Some(LevelMatch { found, sigma: MATCH_SIGMA, prior: mutual.prior })
+            })
+            .collect()
+    }
+
+    /// Sub-pixel positions in image 2, those not known yet computed in parallel; `None` where the surroundings do
+    /// not fit after all.
+    fn positions(
+        &self,
+        level: &PairLevel,
+        corners: &LevelCorners,
+        mutual: &[MutualMatch],
+    ) -> Vec<Option<Point>> {
+        let fresh: Vec<Alike> = {
+            let known = self.known();
+            mutual.iter().map(|m| m.alike).filter(|alike| !known.contains_key(alike)).collect()
+        };
+        let found: Vec<(Alike, Option<Point>)> = fresh
+            .into_par_iter()
+            .map(|alike| {
+                let point1 = corners.patches.points1[alike.corner1 as usize];
+                let at = corners.places2.points[alike.corner2 as usize];
+                let start = Placement { at, affine: corners.patches.warps[alike.warp as usize] };
+                let found = align(level.planes, point1, start, &Alignment::STRICT);
+                (alike, found.map(|placement| placement.at))
+            })
+            .collect();
+        let mut known = self.known();
+        known.extend(found);
+        mutual.iter().map(|m| known.get(&m.alike).copied().flatten()).collect()
+    }
+
+    fn known(&self) -> MutexGuard<'_, HashMap<Alike, Option<Point>>> {
+        // Entries are whole whatever happened to a thread that held the lock.
+        self.aligned.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::level_corners::LEAST_CORRELATION;
+    use super::*;
+    use crate::estimate::exact::{ExactScene, FRAME};
+    use crate::image::{GrayPlane, PyramidPair};
+
+    fn refined(
+        pyramids: &PyramidPair,
+        side: f64,
+        f: &FundamentalMatrix,
+        clicks: &[PointPair],
+    ) -> Option<Refined> {
+        let clicks: Vec<_> = clicks.iter().map(|pair| Observation { pair: *pair, sigma: 1.0 }).collect();
+        let (level, view) = (pyramids.level(side), RelativeView::UPRIGHT);
+        RefinementLevel::default().refine(
+            &level,
+            view,
+            &AlignedFeatures::default(),
+            f,
+            &clicks,
+            &CancelFlag::default(),
+        )
+    }
+
+    #[test]
+    fn a_textured_pair_gives_its_geometry_and_matches_to_a_fraction_of_a_pixel() {
+        let scene = ExactScene::aside();
+        let [plane1, plane2] = scene.planes();
+        let pyramids = PyramidPair::new(&plane1, &plane2, 48.0);
+        let start = scene.disturbed(1.0);
+        let before = scene.error(&start);
+        assert!(before > 1.0, "{before} px");
+        let found = refined(&pyramids, f64::INFINITY, &start, &scene.clicks()).unwrap();
+        let after = scene.error(&found.fundamental);
+        // Some hundred matches to a tenth of a pixel each.
+        assert!(after < 0.1, "{before} px before, {after} px after");
+        let matches = &found.refinement.matches;
+        assert!(matches.len() > 100, "{}", matches.len());
+        let mut off: Vec<f64> =
+            matches.iter().map(|m| (scene.partner(m.pair.point1) - m.pair.point2).norm()).collect();
+        off.sort_by(f64::total_cmp);
+        assert!(off[off.len() / 2] < 0.1, "median {} px", off[off.len() / 2]);
+        let right = off.iter().filter(|distance| **distance < 0.5).count();
+        assert!(10 * right > 9 * off.len(), "{right} of {}", off.len());
+        let in_band = |m: &RefinedMatch| sampson_distance(&found.fundamental, &m.pair) < BANDS[2];
+        assert!(matches.iter().all(|m| m.correlation > LEAST_CORRELATION && in_band(m)));
+        // What it says of itself: the lines are off by about their deviation.
+        let pairs: Vec<PointPair> = matches.iter().map(|m| m.pair).collect();
+        let uncertainty = found.refinement.uncertainty.as_ref().unwrap();
+        let deviation = uncertainty.median_line2_deviation(&pairs).unwrap();
+        assert!(deviation > 0.1 * after && deviation < 10.0 * after, "{deviation} px said, {after} px seen");
+        // The right geometry weighs more than one that no depth explains, if that finds matches at all.
+        let columns = Matrix3::new(0.0, 0.0, -1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 40.0);
+        let columns = FundamentalMatrix::from_rank_two(columns).unwrap();
+        let wrong = refined(&pyramids, f64::INFINITY, &columns, &[]).map_or(0.0, |r| r.weight);
+        assert!(found.weight > 2.0 * wrong, "{} {wrong}", found.weight);
+    }
+
+    #[test]
+    fn results_are_in_full_size_pixels_at_every_level() {
+        let scene = ExactScene::aside();
+        let [plane1, plane2] = scene.planes();
+        let pyramids = PyramidPair::new(&plane1, &plane2, 48.0);
+        let found = refined(&pyramids, 160.0, &scene.disturbed(0.5), &scene.clicks()).unwrap();
+        let after = scene.error(&found.fundamental);
+        assert!(after < 0.5, "{after} px");
+        let matches = &found.refinement.matches;
+        assert!(matches.iter().all(|m| FRAME.contains(m.pair.point1) && FRAME.contains(m.pair.point2)));
+        let right =
+            matches.iter().filter(|m| (scene.partner(m.pair.point1) - m.pair.point2).norm() < 1.0).count();
+        assert!(10 * right > 8 * matches.len(), "{right} of {}", matches.len());
+        assert!(matches.iter().any(|m| m.pair.point1.x > 200.0), "not of the level");
+    }
+
+    #[test]
+    fn what_was_aligned_once_stays_the_same_whatever_came_between() {
+        let scene = ExactScene::aside();
+        let [plane1, plane2] = scene.planes();
+        let pyramids = PyramidPair::new(&plane1, &plane2, 48.0);
+        let level = pyramids.level(f64::INFINITY);
+        let shared = RefinementLevel::default();
+        let view = RelativeView::UPRIGHT;
+        let run = |f: &FundamentalMatrix| {
+            shared.refine(&level, view, &AlignedFeatures::default(), f, &[], &CancelFlag::default()).unwrap()
+        };
+        let start = scene.disturbed(0.5);
+        let first = run(&start);
+        run(&scene.disturbed(-1.0));
+        let again = run(&start);
+        assert_eq!(first.fundamental, again.fundamental);
+        assert_eq!(first.refinement.matches, again.refinement.matches);
+    }
+
+    #[test]
+    fn without_matches_or_when_stopped_there_is_no_refinement() {
+        let scene = ExactScene::aside();
+        let flat = GrayPlane::from_fn(FRAME, |_, _| 80.0);
+        let nothing = PyramidPair::new(&flat, &flat, 48.0);
+        assert!(refined(&nothing, f64::INFINITY, &scene.fundamental(), &scene.clicks()).is_none());
+        let [plane1, plane2] = scene.planes();
+        let pyramids = PyramidPair::new(&plane1, &plane2, 48.0);
+        let flag = CancelFlag::default();
+        flag.cancel();
+        let stopped = flag;
+        let level = pyramids.level(f64::INFINITY);
+        let (f, view) = (scene.fundamental(), RelativeView::UPRIGHT);
+        assert!(
+            RefinementLevel::default()
+                .refine(&level, view, &AlignedFeatures::default(), &f, &[], &stopped)
+                .is_none()
+        );
+    }
+}

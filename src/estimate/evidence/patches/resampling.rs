@@ -1,0 +1,336 @@
+//! New hypotheses from the matches that support the best ones so far.
+//!
+//! A geometry that fits a dominant plane and a few chance matches has almost as much support as the right one,
+//! and refitting it to its own matches leads nowhere else. Two ways lead out:
+//!
+//! - **small samples** of the pooled matches of the best hypotheses, together with the clicks, solved by the
+//!   eight-point algorithm;
+//! - **plane and parallax** (Hartley & Zisserman, section 13.3; Chum, Werner & Matas 2005): with the homography
+//!   `H` of the largest plane known, every point off the plane gives a line through the epipole of image 2,
+//!   `Hx1 × x2`, so two of them determine `F = [e2]× H`.
+
+use std::collections::HashSet;
+
+use nalgebra::{Matrix3, Vector3};
+use rand::{Rng, RngExt};
+use rand_pcg::Pcg64Mcg;
+use rayon::prelude::*;
+
+use super::Proposal;
+use super::plane::largest_plane;
+use super::support::{BAND, PatchSupport, Support};
+use crate::cancel::CancelFlag;
+use crate::estimate::stream::{Purpose, stream};
+use crate::estimate::{EstimateError, PatchParameters};
+use crate::geometry::{FundamentalMatrix, PointPair, eight_point, transfer_error};
+
+/// Width of the band of the pool, px: four times that of support, to include matches that the
+/// hypotheses only approach.
+const POOL_BAND: f64 = 8.0;
+/// Matches drawn into a sample: with the two clicks, the eight that determine `F`.
+const DRAWN: usize = 6;
+/// Best hypotheses whose largest plane is examined. Not measured.
+const PLANES: usize = 3;
+/// Distance within which a match lies on a plane, px of the level: corners are found to a pixel in
+/// each image.
+const ON_PLANE: f64 = 2.0;
+/// Distance beyond which a match lies off a plane, px of the level: clearly more than the error of
+/// two corners.
+const OFF_PLANE: f64 = 5.0;
+/// Least correlation of the matches off the plane that are drawn: most of them are right. Not
+/// measured.
+const ALIKE: f32 = 0.8;
+/// Share of the leader's support from which a sample is polished, since polishing adds support. Not
+/// measured.
+const PROMISING: f64 = 0.4;
+
+/// How a round of samples is drawn.
+pub(in crate::estimate) struct Drawing<'a> {
+    /// Clicks in pixels of the level.
+    pub clicks: &'a [PointPair],
+    /// Rounds, planes and numbers of samples.
+    pub parameters: PatchParameters,
+    pub seed: u64,
+}
+
+/// The best `count` hypotheses from small samples and from planes, best first, in pixels of the level of `support`.
+pub(in crate::estimate) fn resample(
+    support: &Support,
+    best: &[Proposal],
+    count: usize,
+    drawing: &Drawing,
+    cancel: &CancelFlag,
+) -> Result<Vec<Proposal>, EstimateError> {
+    let Some(leader) = best.first() else { return Ok(Vec::new()) };
+    let Drawing { clicks, parameters, seed } = *drawing;
+    let least = PROMISING * leader.support.score;
+    // Most samples are wrong, which a bound on their support tells.
+    let promising = |fundamental: FundamentalMatrix| {
+        let most = support.most(&fundamental);
+        (most > least).then_some(Sampled { fundamental, most })
+    };
+    let draw = |kind: u64, make: &(dyn Fn(&mut Pcg64Mcg) -> Option<FundamentalMatrix> + Sync)| {
+        let samples = parameters.samples as u64;
+        let found: Vec<Sampled> = (0..samples)
+            .into_par_iter()
+            .filter(|_| !cancel.is_cancelled())
+            .filter_map(|k| {
+                let mut rng = stream(seed, Purpose::PatchSamples, kind * samples + k);
+                promising(make(&mut rng)?)
+            })
+            .collect();
+        found
+    };
+    let mut found = Vec::new();
+    let pool = pooled(support, &best[..best.len().min(parameters.pooled)]);
+    if pool.len() >= 2 * DRAWN {
+        found.extend(draw(0, &|rng| sample(&pool, clicks, rng)));
+    }
+    for (k, hypothesis) in best.iter().take(if parameters.parallax { PLANES } else { 0 }).enumerate() {
+        let matches: Vec<PointPair> =
+            support.matches(&hypothesis.fundamental, BAND).iter().map(|m| m.pair).collect();
+        if let Some((h, _)) = largest_plane(&matches, ON_PLANE, seed) {
+            let parallax = Parallax::new(support, h, clicks);
+            found.extend(draw(1 + k as u64, &|rng| parallax.sample(rng)));
+        }
+    }
+    cancel.check()?;
+    Ok(best_of(&found, support, leader, count))
+}
+
+/// A geometry from a sample, and a bound on the score of its support.
+struct Sampled {
+    fundamental: FundamentalMatrix,
+    most: f64,
+}
+
+/// Samples measured at once, for each one wanted. No result depends on the number of threads.
+const AT_ONCE: usize = 4;
+
+/// The `count` best of the samples that are promising beside the leader, best first, the first drawn of equals. They are
+/// measured in the order of their bounds until these leave nothing open, or until four times as many as are wanted bring
+/// none among the best: of a geometry that is right there are hundreds of samples alike.
+fn best_of(samples: &[Sampled], support: &Support, leader: &Proposal, count: usize) -> Vec<Proposal> {
+    let mut order: Vec<usize> = (0..samples.len()).collect();
+    order.sort_by(|a, b| samples[*b].most.total_cmp(&samples[*a].most));
+    let mut best: Vec<(usize, PatchSupport)> = Vec::new();
+    for few in order.chunks(AT_ONCE.saturating_mul(count).max(1)) {
+        let is_full = best.len() >= count;
+        if is_full && best.last().is_none_or(|(_, last)| last.score > samples[few[0]].most) {
+            break;
+        }
+        let measured: Vec<(usize, PatchSupport)> =
+            few.par_iter().map(|k| (*k, support.measure(&samples[*k].fundamental))).collect();
+        let last = best.last().map_or(0.0, |(_, last)| last.score);
+        let least = if is_full { last } else { PROMISING * leader.support.score };
+        let before = best.len();
+        best.extend(measured.into_iter().filter(|(_, own)| own.score > least));
+        if is_full && best.len() == before {
+            break;
+        }
+        best.sort_by(|(a, of_a), (b, of_b)| of_b.score.total_cmp(&of_a.score).then(a.cmp(b)));
+        best.truncate(count);
+    }
+    let proposal = |(k, support): (usize, PatchSupport)| Proposal {
+        fundamental: samples[k].fundamental,
+        support,
+        angles: leader.angles,
+    };
+    best.into_iter().map(proposal).collect()
+}
+
+/// The matches of the best hypotheses, each once.
+fn pooled(support: &Support, best: &[Proposal]) -> Vec<PointPair> {
+    let mut known: HashSet<[u64; 4]> = HashSet::new();
+    let matches = best.iter().flat_map(|own| support.matches(&own.fundamental, POOL_BAND));
+    let pairs = matches.map(|m| m.pair);
+    let place =
+        |pair: &PointPair| [pair.point1.x, pair.point1.y, pair.point2.x, pair.point2.y].map(f64::to_bits);
+    pairs.filter(|pair| known.insert(place(pair))).collect()
+}
+
+fn sample(pool: &[PointPair], clicks: &[PointPair], rng: &mut impl Rng) -> Option<FundamentalMatrix> {
+    let mut sample: Vec<PointPair> = clicks.to_vec();
+    while sample.len() < DRAWN + clicks.len() {
+        let pair = pool[rng.random_range(0..pool.len())];
+        if !sample.contains(&pair) {
+            sample.push(pair);
+        }
+    }
+    eight_point(&sample).ok()
+}
+
+/// A plane and what may lie off it.
+struct Parallax {
+    homography: Matrix3<f64>,
+    /// Lines of image 2 through the epipole, if the match is right: those of the look-alikes.
+    lines: Vec<Vector3<f64>>,
+    /// Lines of image 2 through the epipole: those of the clicks.
+    clicks: Vec<Vector3<f64>>,
+}
+
+impl Parallax {
+    fn new(support: &Support, homography: Matrix3<f64>, clicks: &[PointPair]) -> Self {
+        let mut matches: Vec<PointPair> = Vec::new();
+        for group in support.pairs().chunk_by(|a, b| a.corner1 == b.corner1) {
+            // A corner with any look-alike where the plane maps it is taken to lie on the plane.
+            let off = group.iter().all(|m| transfer_error(&homography, &support.pair(m)) > OFF_PLANE);
+            // Grouped by corner, the best look-alike first.
+            if let Some(first) = group.first().filter(|m| off && m.correlation > ALIKE) {
+                matches.push(support.pair(first));
+            }
+        }
+        let clicks: Vec<PointPair> =
+            clicks.iter().filter(|c| transfer_error(&homography, c) > OFF_PLANE).copied().collect();
+        Self::of_matches(homography, &matches, &clicks)
+    }
+
+    /// The plane with the lines of matches and clicks off it.
+    fn of_matches(homography: Matrix3<f64>, matches: &[PointPair], clicks: &[PointPair]) -> Self {
+        let line = |m: &PointPair| {
+            (homography * m.point1.to_homogeneous()).cross(&m.point2.to_homogeneous()).normalize()
+        };
+        Self {
+            homography,
+            lines: matches.iter().map(line).collect(),
+            clicks: clicks.iter().map(line).collect(),
+        }
+    }
+
+    /// `F` of two lines, one of them of a click in every other sample, if one is off the plane.
+    fn sample(&self, rng: &mut impl Rng) -> Option<FundamentalMatrix> {
+        let from = |list: &[Vector3<f64>], rng: &mut dyn FnMut(usize) -> usize| {
+            (!list.is_empty()).then(|| list[rng(list.len())])
+        };
+        let mut below = |n: usize| rng.random_range(0..n);
+        let first = if below(2) == 0 { from(&self.clicks, &mut below) } else { None };
+        let first = first.or_else(|| from(&self.lines, &mut below))?;
+        let epipole2 = first.cross(&from(&self.lines, &mut below)?);
+        FundamentalMatrix::from_rank_two(epipole2.try_normalize(1e-9)?.cross_matrix() * self.homography)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use rand::SeedableRng;
+
+    use super::*;
+    use crate::estimate::exact::ExactScene;
+    use crate::geometry::homography;
+    use crate::geometry::{Camera, symmetric_epipolar_distance};
+    use nalgebra::Point3;
+
+    /// The match of the scene point above (k, l) at a depth.
+    fn seen(k: u32, l: u32, depth: f64) -> PointPair {
+        let (camera1, camera2) = Camera::example_pair();
+        let x = Point3::new(f64::from(k) * 0.4 - 1.2, f64::from(l) * 0.3 - 0.8, depth);
+        PointPair { point1: camera1.project(&x).unwrap(), point2: camera2.project(&x).unwrap() }
+    }
+
+    #[test]
+    fn a_plane_and_two_matches_off_it_are_the_whole_geometry() {
+        let wall: Vec<PointPair> = (0..36).map(|k| seen(k % 6, k / 6, 6.0)).collect();
+        let (homography, on_wall) = largest_plane(&wall, 0.1, 0).unwrap();
+        assert_eq!(on_wall, wall.len());
+        let (one, other) = (seen(1, 4, 4.0), seen(5, 2, 4.5));
+        assert!(transfer_error(&homography, &one) > OFF_PLANE);
+        // Samples of one match twice give nothing; all others give the geometry.
+        for clicks in [&[][..], &[other][..]] {
+            let parallax = Parallax::of_matches(homography, &[one, other], clicks);
+            let mut rng = Pcg64Mcg::seed_from_u64(3);
+            let found: Vec<_> = (0..20).filter_map(|_| parallax.sample(&mut rng)).collect();
+            assert!((3..20).contains(&found.len()), "{}", found.len());
+            for f in found {
+                for probe in [seen(3, 3, 3.5), seen(0, 5, 9.0), wall[17]] {
+                    assert!(symmetric_epipolar_distance(&f, &probe) < 1e-4);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn without_matches_off_the_plane_there_is_nothing_to_draw() {
+        let parallax = Parallax::of_matches(Matrix3::identity(), &[], &[]);
+        assert!(parallax.sample(&mut Pcg64Mcg::seed_from_u64(0)).is_none());
+    }
+
+    /// A scene that is mostly one wall, what lies off it, and a geometry that fits the wall alone.
+    fn trap() -> (ExactScene, Support, Proposal) {
+        let scene = ExactScene::aside();
+        let wall: Vec<PointPair> = (0..60)
+            .map(|k| {
+                let (x, y) = (f64::from(k % 10) * 0.3 - 1.4, f64::from(k / 10) * 0.35 - 0.9);
+                scene.seen(x, y, 6.0 + 0.1 * x)
+            })
+            .collect();
+        let off = (0..16).map(|k| {
+            let (x, y) = (f64::from(k % 4) * 0.5 - 0.7, f64::from(k / 4) * 0.4 - 0.5);
+            scene.seen(x, y, 4.0 + 0.05 * f64::from(k))
+        });
+        let all: Vec<_> = wall.iter().copied().chain(off).map(|pair| (pair, 0.9)).collect();
+        let support = Support::of_matches(&all);
+        // Every epipole fits a plane: any will do.
+        let h = homography(&wall).unwrap();
+        let f = Vector3::new(100.0, -700.0, 1.0).cross_matrix() * h;
+        let fundamental = FundamentalMatrix::from_rank_two(f).unwrap();
+        let leader = Proposal { angles: None, support: support.measure(&fundamental), fundamental };
+        assert!((60..68).contains(&leader.support.matches), "{}", leader.support.matches);
+        (scene, support, leader)
+    }
+
+    const ON_MATCHES: PatchParameters =
+        PatchParameters { resampling: 5, parallax: false, supported: 240, pooled: 6, samples: 1500 };
+
+    fn drawn(support: &Support, leader: &Proposal, drawing: &Drawing) -> Vec<Proposal> {
+        resample(support, std::slice::from_ref(leader), usize::MAX, drawing, &CancelFlag::default()).unwrap()
+    }
+
+    #[test]
+    fn a_plane_and_what_lies_off_it_lead_out_of_a_trap() {
+        let (scene, support, leader) = trap();
+        let clicks = scene.clicks();
+        let all = Drawing { clicks: &clicks, parameters: PatchParameters::default(), seed: 1 };
+        let found = drawn(&support, &leader, &all);
+        assert!(found.is_sorted_by(|a, b| a.support.score >= b.support.score));
+        assert!(found.iter().all(|f| f.support.score > PROMISING * leader.support.score));
+        assert_eq!(found[0].support.matches, 76);
+        // Exact matches up to the plane, which is fitted.
+        assert!(scene.error(&found[0].fundamental) < 0.5, "{}", scene.error(&found[0].fundamental));
+        let without = drawn(&support, &leader, &Drawing { parameters: ON_MATCHES, ..all });
+        let right = |list: &[Proposal]| list.iter().filter(|f| scene.error(&f.fundamental) < 0.5).count();
+        assert!(right(&found) > 2 * right(&without).max(50), "{} {}", right(&found), right(&without));
+    }
+
+    #[test]
+    fn small_samples_of_the_pool_are_solved_with_the_clicks() {
+        let scene = ExactScene::aside();
+        let matches: Vec<_> = scene.pairs(40).into_iter().map(|pair| (pair, 0.9)).collect();
+        let support = Support::of_matches(&matches);
+        let fundamental = scene.disturbed(1.5);
+        let leader =
+            Proposal { angles: Some(scene.angles()), support: support.measure(&fundamental), fundamental };
+        let clicks = scene.clicks();
+        let found = drawn(&support, &leader, &Drawing { clicks: &clicks, parameters: ON_MATCHES, seed: 2 });
+        // Exact matches: every sample that determines a matrix gives the true one.
+        assert!(found.len() > ON_MATCHES.samples / 2 && scene.error(&found[0].fundamental) < 1e-4);
+        let pool = pooled(&support, &[leader.clone(), leader]);
+        assert!(pool.len() <= 40 && pool.iter().enumerate().all(|(k, m)| !pool[..k].contains(m)));
+    }
+
+    #[test]
+    fn the_seed_decides_and_nothing_comes_of_nothing() {
+        let (scene, support, leader) = trap();
+        let clicks = scene.clicks();
+        let matrices = |seed: u64| -> Vec<FundamentalMatrix> {
+            let drawing = Drawing { clicks: &clicks, parameters: PatchParameters::default(), seed };
+            drawn(&support, &leader, &drawing).iter().map(|f| f.fundamental).collect()
+        };
+        assert!(matrices(1) == matrices(1) && matrices(1) != matrices(2));
+        let drawing = Drawing { clicks: &clicks, parameters: PatchParameters::default(), seed: 1 };
+        assert!(resample(&support, &[], 9, &drawing, &CancelFlag::default()).unwrap().is_empty());
+        let flag = CancelFlag::default();
+        flag.cancel();
+        let stopped = resample(&support, &[leader], 9, &drawing, &flag);
+        assert_eq!(stopped.unwrap_err(), EstimateError::Cancelled);
+    }
+}

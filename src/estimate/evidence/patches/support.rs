@@ -1,0 +1,337 @@
+//! Patch support: what small patches say of a geometry, beside the lines.
+//!
+//! One-dimensional intensities along a line can be matched wrongly; two-dimensional patches much less often.
+//! Corners of both images and the correlation of the patches around them are computed once per image pair;
+//! then the support of any `F` is what agrees with it: the mutual best matches among corners within a few
+//! pixels of each other's epipolar lines, each counting by how far its correlation exceeds a threshold.
+
+use rayon::prelude::*;
+
+use super::corner_patches::CornerPatches;
+use super::feature_support::{FLOOR, FeatureMatches, SupportingMatch};
+use super::look_alikes::{LookAlikes, Putative};
+use super::near_lines::is_within;
+use crate::geometry::{FundamentalMatrix, Point, PointPair};
+use serde::Serialize;
+
+/// How far a supporting corner may be from the epipolar line of its partner, px of the level: corners are found to a
+/// pixel in each image, and the geometry is not refined yet.
+pub(in crate::estimate) const BAND: f64 = 2.0;
+
+/// Patches that agree with a geometry.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+pub struct PatchSupport {
+    /// Mutual best matches along the epipolar lines.
+    pub matches: usize,
+    /// Sum over them of the correlation in excess of 0.6.
+    pub score: f64,
+}
+
+/// Patch support at one size of the images.
+#[derive(Debug)]
+pub(in crate::estimate) struct SupportLevel {
+    /// Size over full size, of each image.
+    pub scales: [f64; 2],
+    /// Corners and look-alikes, in pixels of that size.
+    pub support: Support,
+}
+
+/// Corners of two images and which of their patches look alike.
+#[derive(Debug, Clone)]
+pub(in crate::estimate) struct Support {
+    corners: [Vec<Point>; 2],
+    /// Pairs of corner indices with their correlation, those above [`FLOOR`], grouped by corner of image 1.
+    pairs: Vec<Putative>,
+    /// The same pairs, laid out for the vector units.
+    look_alikes: LookAlikes,
+    /// Matches of covariant features, which stand beside those of the corners.
+    features: FeatureMatches,
+}
+
+/// Least correlation of a distinctive match. Not measured.
+const DISTINCTIVE: f32 = 0.8;
+/// Least lead of a distinctive match over the next look-alike: twice the noise of a correlation.
+const DISTINCTIVE_BY: f32 = 0.1;
+/// Look-alikes kept for a corner, best first. It bounds the memory; later ones are rarely the best
+/// within a band. Not measured.
+const PER_CORNER: usize = 16;
+
+impl Support {
+    /// Compares all corners: nothing looks like most of them.
+    pub fn new(patches: &CornerPatches) -> Self {
+        let corners = [patches.points1.clone(), patches.points2.clone()];
+        let found: Vec<Vec<Putative>> = (0..corners[1].len())
+            .into_par_iter()
+            .map_init(Vec::new, |room, j| {
+                let putative = |(corner1, correlation)| Putative { corner1, corner2: j as u32, correlation };
+                patches.alike(j, FLOOR, room).into_iter().map(putative).collect()
+            })
+            .collect();
+        let pairs = best_look_alikes(&found, corners[0].len());
+        Self::of_pairs(corners, pairs)
+    }
+
+    fn of_pairs(corners: [Vec<Point>; 2], pairs: Vec<Putative>) -> Self {
+        let look_alikes = LookAlikes::new(&corners, &pairs);
+        Self { corners, pairs, look_alikes, features: FeatureMatches::default() }
+    }
+
+    /// Support with matches of covariant features beside those of the corners.
+    #[must_use]
+    pub fn with_features(self, features: Vec<SupportingMatch>) -> Self {
+        Self { features: FeatureMatches::new(features), ..self }
+    }
+
+    pub fn pairs(&self) -> &[Putative] {
+        &self.pairs
+    }
+
+    /// Matches that stand out whatever the geometry: each corner looks like the other, and like no other as much.
+    pub fn distinctive(&self) -> Vec<PointPair> {
+        let mut best2 = vec![(0.0, u32::MAX); self.corners[1].len()];
+        for pair in &self.pairs {
+            let best = &mut best2[pair.corner2 as usize];
+            if pair.correlation > best.0 {
+                *best = (pair.correlation, pair.corner1);
+            }
+        }
+        self.pairs
+            .chunk_by(|a, b| a.corner1 == b.corner1)
+            .filter_map(|group| {
+                // The best look-alike comes first.
+                let (best, next) = (group.first()?, group.get(1).map_or(FLOOR, |m| m.correlation));
+                let stands_out = best.correlation > DISTINCTIVE && best.correlation > next + DISTINCTIVE_BY;
+                let is_mutual = best2[best.corner2 as usize].1 == best.corner1;
+                (stands_out && is_mutual).then(|| self.pair(best))
+            })
+            .collect()
+    }
+
+    /// Where the two corners of a putative match are.
+    pub fn pair(&self, m: &Putative) -> PointPair {
+        PointPair { point1: self.corners[0][m.corner1 as usize], point2: self.corners[1][m.corner2 as usize] }
+    }
+
+    /// The mutual best matches within `band` px of each other's epipolar lines.
+    pub fn matches(&self, f: &FundamentalMatrix, band: f64) -> Vec<SupportingMatch> {
+        let mut found = Vec::new();
+        self.for_each_mutual(f, band, |m| {
+            found.push(SupportingMatch { pair: self.pair(m), correlation: m.correlation });
+        });
+        found.extend(self.features.within(f, band));
+        found
+    }
+
+    /// Calls with those of corners, in the order of the corners of image 1.
+    fn for_each_mutual(&self, f: &FundamentalMatrix, band: f64, mut found: impl FnMut(&Putative)) {
+        const NONE: u32 = u32::MAX;
+        // Numbers of the best pair of each corner of either image.
+        let [mut best1, mut best2] = self.corners.each_ref().map(|corners| vec![NONE; corners.len()]);
+        for k in self.look_alikes.near(f, band) {
+            let pair = &self.pairs[k as usize];
+            if !is_within(f, &self.pair(pair), band) {
+                continue;
+            }
+            for best in [&mut best1[pair.corner1 as usize], &mut best2[pair.corner2 as usize]] {
+                if *best == NONE || pair.correlation > self.pairs[*best as usize].correlation {
+                    *best = k;
+                }
+            }
+        }
+        for k in best1 {
+            if k != NONE && best2[self.pairs[k as usize].corner2 as usize] == k {
+                found(&self.pairs[k as usize]);
+            }
+        }
+    }
+
+    /// A score that [`Self::measure`] does not exceed, in a fraction of its time.
+    pub fn most(&self, f: &FundamentalMatrix) -> f64 {
+        let sum = self.look_alikes.most_support(f, BAND) + self.features.most_support(f, BAND);
+        // Far more than sums of some thousand numbers in single precision are off.
+        f64::from(sum) * 1.001
+    }
+
+    /// How many matches agree with a geometry, and by how much their correlation exceeds the floor in all.
+    pub fn measure(&self, f: &FundamentalMatrix) -> PatchSupport {
+        let mut support = PatchSupport::default();
+        let mut count = |correlation: f32| {
+            support.matches += 1;
+            support.score += f64::from(correlation - FLOOR);
+        };
+        self.for_each_mutual(f, BAND, |m| count(m.correlation));
+        self.features.within(f, BAND).for_each(|m| count(m.correlation));
+        support
+    }
+}
+
+/// The best look-alikes of each corner of image 1, best first.
+fn best_look_alikes(found: &[Vec<Putative>], corners1: usize) -> Vec<Putative> {
+    let mut alike: Vec<Vec<Putative>> = vec![Vec::new(); corners1];
+    for pair in found.iter().flatten() {
+        alike[pair.corner1 as usize].push(*pair);
+    }
+    alike.par_iter_mut().for_each(|group| {
+        group.sort_by(|a, b| b.correlation.total_cmp(&a.correlation).then(a.corner2.cmp(&b.corner2)));
+        group.truncate(PER_CORNER);
+    });
+    alike.concat()
+}
+
+#[cfg(test)]
+impl Support {
+    /// Corners of which those at these indices look alike, to test without pictures.
+    pub fn of_look_alikes(corners: [Vec<Point>; 2], pairs: Vec<Putative>) -> Self {
+        Self::of_pairs(corners, pairs)
+    }
+
+    /// Corners of which each has one look-alike.
+    pub fn of_matches(matches: &[(PointPair, f32)]) -> Self {
+        let corners = [
+            matches.iter().map(|(m, _)| m.point1).collect(),
+            matches.iter().map(|(m, _)| m.point2).collect(),
+        ];
+        let putative = |(k, (_, correlation)): (usize, &(PointPair, f32))| Putative {
+            corner1: k as u32,
+            corner2: k as u32,
+            correlation: *correlation,
+        };
+        Self::of_look_alikes(corners, matches.iter().enumerate().map(putative).collect())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::estimate::exact::rows as rows_below;
+    use crate::geometry::Frame;
+    use crate::image::{GrayPlane, PyramidPair, Warp};
+    use nalgebra::Matrix3;
+
+    /// Two views of one texture, the second shifted along the rows by 6 px.
+    fn planes() -> [GrayPlane; 2] {
+        let texture = |x: usize, y: usize| {
+            let cell =
+                ((x / 5) as u64).wrapping_mul(0x9E37_79B9) ^ ((y / 6) as u64).wrapping_mul(0x85EB_CA6B);
+            (cell.wrapping_mul(0xC2B2_AE35_85EB_CA77) >> 56) as f32
+        };
+        let frame = Frame::new(160, 120);
+        [GrayPlane::from_fn(frame, texture), GrayPlane::from_fn(frame, |x, y| texture(x + 6, y))]
+    }
+
+    fn rows(shift: f64) -> FundamentalMatrix {
+        let m = Matrix3::new(0.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 1.0, shift);
+        FundamentalMatrix::from_rank_two(m).unwrap()
+    }
+
+    #[test]
+    fn the_right_geometry_has_most_support_and_its_matches_are_right() {
+        let [a, b] = planes();
+        let pair = PyramidPair::new(&a, &b, 48.0);
+        let support =
+            Support::new(&CornerPatches::new(&pair.level(f64::INFINITY), 200, vec![Warp::identity()]));
+        let right = support.measure(&rows(0.0)).score;
+        for wrong in [rows(7.0), rows(-15.0)] {
+            let other = support.measure(&wrong).score;
+            assert!(right > 1.5 * other, "{right} against {other}");
+        }
+        let matches = support.matches(&rows(0.0), 2.0);
+        let true_matches =
+            matches.iter().filter(|m| (m.pair.point1.x - m.pair.point2.x - 6.0).abs() < 0.5).count();
+        assert!(true_matches * 10 > matches.len() * 8, "{true_matches} of {}", matches.len());
+    }
+
+    #[test]
+    fn images_without_corners_have_no_support() {
+        let flat = GrayPlane::from_fn(Frame::new(60, 60), |_, _| 9.0);
+        let pair = PyramidPair::new(&flat, &flat, 48.0);
+        let support =
+            Support::new(&CornerPatches::new(&pair.level(f64::INFINITY), 50, vec![Warp::identity()]));
+        assert!(support.matches(&rows(0.0), 3.0).is_empty());
+    }
+
+    /// Look-alikes by the heights of their corners: index and y in both images, correlation.
+    fn at_heights(y1: &[f64], y2: &[f64], alike: &[(u32, u32, f32)]) -> Support {
+        let corners = [y1, y2].map(|all| all.iter().map(|y| Point::new(90.0 + 0.1 * y, *y)).collect());
+        let putative = |(corner1, corner2, correlation): &(u32, u32, f32)| Putative {
+            corner1: *corner1,
+            corner2: *corner2,
+            correlation: *correlation,
+        };
+        Support::of_look_alikes(corners, alike.iter().map(putative).collect())
+    }
+
+    #[test]
+    fn a_match_counts_up_to_the_band_and_no_farther() {
+        // Positions are compared in 32 bits: a thousandth of a pixel is far more than their rounding.
+        for (offset, expected) in
+            [(0.0, 1), (BAND - 1e-3, 1), (BAND + 1e-3, 0), (1e-3 - BAND, 1), (-1e-3 - BAND, 0)]
+        {
+            let support = at_heights(&[140.0], &[140.0 + 5.0 + offset], &[(0, 0, 0.85)]);
+            let found = support.measure(&rows_below(5.0));
+            assert_eq!(found.matches, expected, "{offset} px off");
+            let score = expected as f64 * f64::from(0.85 - FLOOR);
+            assert!((found.score - score).abs() < 1e-12);
+            assert_eq!(support.matches(&rows_below(5.0), BAND + 1.0).len(), 1, "a wider band holds it");
+        }
+    }
+
+    #[test]
+    fn the_band_holds_in_both_images() {
+        // y1 = 2 y2: what is 1.5 px off in image 2 is 3 px off in image 1.
+        let zoomed = Matrix3::new(0.0, 0.0, 0.0, 0.0, 0.0, -2.0, 0.0, 1.0, 0.0);
+        let f = FundamentalMatrix::from_rank_two(zoomed).unwrap();
+        for (y2, expected) in [(20.9, 1), (21.5, 0)] {
+            let support = at_heights(&[40.0], &[y2], &[(0, 0, 0.9)]);
+            assert_eq!(support.matches(&f, BAND).len(), expected);
+            let swapped = at_heights(&[y2], &[40.0], &[(0, 0, 0.9)]);
+            assert_eq!(swapped.matches(&f.swapped(), BAND).len(), expected);
+        }
+    }
+
+    #[test]
+    fn matches_are_the_best_of_both_their_corners() {
+        let heights = [100.0, 101.0, 200.0];
+        // The first corner's best partner prefers the second one; its next best is not taken instead.
+        let alike = [(0, 0, 0.9), (0, 1, 0.95), (1, 1, 0.97), (2, 2, 0.7)];
+        let support = at_heights(&heights, &heights, &alike);
+        let found = support.measure(&rows_below(0.0));
+        assert_eq!(found.matches, 2);
+        assert!((found.score - f64::from(0.97 - FLOOR) - f64::from(0.7 - FLOOR)).abs() < 1e-12);
+        // Where the better look-alike is off the line, the next one counts.
+        let support = at_heights(&heights, &[100.0, 150.0, 200.0], &alike);
+        let pairs: Vec<PointPair> = support.matches(&rows_below(0.0), BAND).iter().map(|m| m.pair).collect();
+        assert_eq!(pairs.iter().map(|m| m.point2.y as i32).collect::<Vec<_>>(), [100, 200]);
+    }
+
+    #[test]
+    fn every_look_alike_of_a_corner_is_looked_at() {
+        // More than the vector units take at a time, the last one alone on the line.
+        let count = 2 * 16 + 3;
+        let heights: Vec<f64> = (0..count).map(|k| 200.0 - 10.0 * f64::from(k)).collect();
+        let alike: Vec<_> = (0..count).map(|k| (0, k, 0.9 - 0.01 * k as f32)).collect();
+        let support = at_heights(&[heights[count as usize - 1]], &heights, &alike);
+        let found = support.matches(&rows_below(0.0), BAND);
+        assert_eq!(found.len(), 1);
+        assert!((found[0].correlation - (0.9 - 0.01 * (count - 1) as f32)).abs() < 1e-6);
+    }
+
+    #[test]
+    fn a_corner_keeps_a_few_best_look_alikes_from_wherever_they_were_found() {
+        let alike = |corner1: u32, corner2: u32| Putative {
+            corner1,
+            corner2,
+            correlation: 0.61 + 0.01 * (corner2 % 7) as f32,
+        };
+        let halves = [0..PER_CORNER as u32, PER_CORNER as u32..PER_CORNER as u32 + 6];
+        let mut found: Vec<Vec<Putative>> =
+            halves.map(|half| half.map(|corner2| alike(2, corner2)).collect()).into();
+        found[1].push(alike(0, 3));
+        let best = best_look_alikes(&found, 3);
+        assert_eq!(best.len(), 1 + PER_CORNER);
+        assert_eq!(best[0], alike(0, 3));
+        let key = |m: &Putative| (-m.correlation, m.corner2);
+        assert!(best[1..].is_sorted_by(|a, b| a.corner1 == 2 && key(a) < key(b)));
+        assert_eq!(best[1].corner2, 6);
+    }
+}

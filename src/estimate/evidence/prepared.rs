@@ -1,0 +1,289 @@
+//! What is computed once per image pair, whatever the clicks: pyramids, what patches need, compared pencils.
+
+use std::collections::VecDeque;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use crate::estimate::evidence::features::MatchedFeatures;
+use crate::estimate::evidence::lazy::Lazy;
+use crate::estimate::evidence::lines::ComparedPencils;
+use crate::estimate::evidence::patches::PatchLevels;
+use crate::estimate::{CancelFlag, EstimateError, Parameters, PencilParameters};
+use crate::features::FeatureViews;
+use crate::geometry::{Frame, PointPair};
+use crate::image::{GrayPlane, PyramidPair, RelativeView};
+use crate::motion::{MotionError, Silhouettes};
+use crate::similarity::{BarcodeSource, LineMeasure, PictureSource, SimilarityParameters, SimilaritySource};
+
+/// Two images made ready for estimates. Keep it while the images stay the same: moving a click then costs only
+/// what depends on the click.
+#[derive(Debug)]
+pub struct PreparedPair {
+    pyramids: PyramidPair,
+    upright: Arc<PatchLevels>,
+    features: Lazy<MatchedFeatures>,
+    slanted: Lazy<MatchedFeatures>,
+    /// The latest views with features, newest first.
+    views: Mutex<VecDeque<Arc<PatchLevels>>>,
+    pencils: PencilCache,
+    silhouettes: Option<[Arc<Silhouettes>; 2]>,
+}
+
+/// Least longer side of a pyramid level, px. Not measured.
+const SMALLEST_LEVEL: f64 = 48.0;
+/// Views kept besides the upright one. Each takes some ten megabytes. No result depends on it.
+const VIEWS_KEPT: usize = 4;
+
+impl PreparedPair {
+    /// Builds the pyramids, in parallel; everything else when it is first needed.
+    pub fn new(image1: &GrayPlane, image2: &GrayPlane) -> Self {
+        Self {
+            pyramids: PyramidPair::new(image1, image2, SMALLEST_LEVEL),
+            upright: Arc::new(PatchLevels::new(RelativeView::UPRIGHT)),
+            features: Lazy::default(),
+            slanted: Lazy::default(),
+            views: Mutex::default(),
+            pencils: PencilCache::default(),
+            silhouettes: None,
+        }
+    }
+
+    /// The same two cameras with what moves in front of them, in as many frames of either, of the size of the images.
+    #[must_use]
+    pub fn with_silhouettes(self, silhouettes: [Arc<Silhouettes>; 2]) -> Self {
+        Self { silhouettes: Some(silhouettes), ..self }
+    }
+
+    /// Two static cameras by what moves in front of them. The images are what they see, of the size of their frames; frame
+    /// `k` of the first sequence was taken together with frame `k + offset` of the second.
+    pub fn of_sequences(
+        image1: &GrayPlane,
+        image2: &GrayPlane,
+        silhouettes: [&Silhouettes; 2],
+        offset: i32,
+    ) -> Result<Self, MotionError> {
+        let together = Silhouettes::overlapping(silhouettes, offset)?;
+        Ok(Self::new(image1, image2).with_silhouettes(together.map(Arc::new)))
+    }
+
+    /// Makes what every search by patches needs and no click changes: done while a person still looks at the images, it is
+    /// there at the click. A search that begins meanwhile waits for the part under way instead of making it again.
+    pub fn make_ready(&self, cancel: &CancelFlag) {
+        let is_wanted = || !cancel.is_cancelled();
+        if is_wanted() {
+            self.upright.coarse(&self.pyramids);
+        }
+        if is_wanted() {
+            self.upright.voting(&self.pyramids);
+        }
+        if is_wanted() {
+            self.upright.fine(&self.pyramids);
+        }
+        if is_wanted() {
+            self.upright.prepare_refinement(&self.pyramids);
+        }
+    }
+
+    /// What moves in the sequences of the two cameras, if that is what they are.
+    pub fn silhouettes(&self) -> Option<[&Silhouettes; 2]> {
+        self.silhouettes.as_ref().map(|[first, second]| [&**first, &**second])
+    }
+
+    /// Sizes of the two images.
+    pub fn frames(&self) -> [Frame; 2] {
+        self.pyramids.frames()
+    }
+
+    /// Both images at the sizes of their pyramids.
+    pub fn pyramids(&self) -> &PyramidPair {
+        &self.pyramids
+    }
+
+    /// The covariant features of both images and their matches.
+    pub(in crate::estimate) fn features(&self, views: FeatureViews) -> &MatchedFeatures {
+        let frontal = || self.features.get_or_make(|| MatchedFeatures::frontal(&self.pyramids));
+        match views {
+            FeatureViews::Frontal => frontal(),
+            FeatureViews::Slanted => self.slanted.get_or_make(|| frontal().with_slanted(&self.pyramids)),
+        }
+    }
+
+    /// Patches compared upright, without features.
+    pub(in crate::estimate) fn upright_patches(&self) -> Arc<PatchLevels> {
+        Arc::clone(&self.upright)
+    }
+
+    /// The patches under a view with the matches of features beside them.
+    pub(in crate::estimate) fn patches_with_features(
+        &self,
+        view: RelativeView,
+        of: FeatureViews,
+    ) -> Arc<PatchLevels> {
+        // Before the lock is taken: finding them takes threads that may ask for it.
+        let matched = self.features(of);
+        // Entries are whole whatever happened to a thread that held the lock.
+        let mut views = self.views.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut under_view = views.iter().filter(|patches| patches.view() == view);
+        if let Some(kept) = under_view.clone().find(|patches| patches.features() == Some(of)) {
+            return Arc::clone(kept);
+        }
+        // Corners that were compared under this view are not compared once more.
+        let corners = if view == RelativeView::UPRIGHT { Some(&self.upright) } else { under_view.next() };
+        let patches = corners.map_or_else(|| Arc::new(PatchLevels::new(view)), Arc::clone);
+        let patches = Arc::new(patches.with_features(of, matched.supports()));
+        views.truncate(VIEWS_KEPT - 1);
+        views.push_front(Arc::clone(&patches));
+        patches
+    }
+
+    /// What lines are compared in, under a view.
+    pub(in crate::estimate) fn similarity_source(
+        &self,
+        view: RelativeView,
+        parameters: &Parameters,
+    ) -> Box<dyn SimilaritySource + '_> {
+        if let (LineMeasure::Barcodes, Some(silhouettes)) = (parameters.similarity.measure, &self.silhouettes)
+        {
+            return Box::new(BarcodeSource { silhouettes: silhouettes.clone() });
+        }
+        Box::new(PictureSource { pyramids: &self.pyramids, view, parameters: parameters.similarity })
+    }
+
+    /// The pencils through a click (full-size pixels): those compared before, or what `compare` finds.
+    pub(in crate::estimate) fn pencils(
+        &self,
+        click: &PointPair,
+        view: RelativeView,
+        parameters: &Parameters,
+        compare: impl FnOnce() -> Result<ComparedPencils, EstimateError>,
+    ) -> Result<Arc<ComparedPencils>, EstimateError> {
+        self.pencils.get((view, parameters.similarity, parameters.pencils), click, compare)
+    }
+}
+
+/// The latest compared pencils, newest first: while one click is dragged, those of the others stay.
+#[derive(Debug, Default)]
+struct PencilCache(Mutex<VecDeque<(PencilKey, Arc<ComparedPencils>)>>);
+
+/// What pencils depend on besides the images and the click.
+type PencilKey = (RelativeView, SimilarityParameters, PencilParameters);
+
+/// Compared pencils kept. Each takes some hundred kilobytes. No result depends on it.
+const COMPARISONS_KEPT: usize = 4;
+
+impl PencilCache {
+    fn get(
+        &self,
+        key: PencilKey,
+        click: &PointPair,
+        compare: impl FnOnce() -> Result<ComparedPencils, EstimateError>,
+    ) -> Result<Arc<ComparedPencils>, EstimateError> {
+        // Entries are whole whatever happened to a thread that held the lock.
+        let kept = || self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, found)) = kept().iter().find(|(of, pencils)| *of == key && pencils.click == *click) {
+            return Ok(Arc::clone(found));
+        }
+        let pencils = Arc::new(compare()?);
+        let mut kept = kept();
+        kept.truncate(COMPARISONS_KEPT - 1);
+        kept.push_front((key, Arc::clone(&pencils)));
+        Ok(pencils)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use rayon::prelude::*;
+
+    use super::*;
+
+    #[test]
+    fn what_no_click_changes_can_be_made_beforehand_and_changes_nothing() {
+        let scene = crate::estimate::exact::ExactScene::aside();
+        let [plane1, plane2] = scene.planes();
+        let estimate = |prepared: &PreparedPair| {
+            let (clicks, parameters) = (scene.clicks(), Parameters::default());
+            let monitor = crate::estimate::Monitor::silent();
+            *crate::estimate::estimate_prepared(prepared, &clicks, &parameters, &monitor)
+                .unwrap()
+                .fundamental()
+        };
+        let ready = PreparedPair::new(&plane1, &plane2);
+        ready.make_ready(&CancelFlag::default());
+        assert_eq!(estimate(&ready), estimate(&PreparedPair::new(&plane1, &plane2)));
+        // Nobody wants it any more.
+        let cancel = CancelFlag::default();
+        cancel.cancel();
+        PreparedPair::new(&plane1, &plane2).make_ready(&cancel);
+    }
+
+    #[test]
+    fn what_is_prepared_while_it_is_estimated_waits_for_nobody_for_ever() {
+        // Whoever fails here waits for threads that wait for it.
+        let scene = crate::estimate::exact::ExactScene::aside();
+        let (planes, clicks) = (scene.planes(), scene.clicks());
+        let (done, finished) = std::sync::mpsc::channel();
+        std::thread::spawn(move || {
+            for _ in 0..12 {
+                let prepared = PreparedPair::new(&planes[0], &planes[1]);
+                std::thread::scope(|scope| {
+                    scope.spawn(|| prepared.make_ready(&CancelFlag::default()));
+                    scope.spawn(|| {
+                        let (parameters, monitor) =
+                            (Parameters::default(), crate::estimate::Monitor::silent());
+                        crate::estimate::estimate_prepared(&prepared, &clicks, &parameters, &monitor)
+                            .unwrap();
+                    });
+                });
+            }
+            done.send(()).unwrap();
+        });
+        finished.recv_timeout(std::time::Duration::from_mins(5)).expect("both end");
+    }
+
+    #[test]
+    fn searches_of_one_pair_may_run_beside_each_other_on_the_threads_of_a_pool() {
+        let scene = crate::estimate::exact::ExactScene::aside();
+        let [plane1, plane2] = scene.planes();
+        let prepared = PreparedPair::new(&plane1, &plane2);
+        let estimate = |_| {
+            let (parameters, monitor) = (Parameters::default(), crate::estimate::Monitor::silent());
+            *crate::estimate::estimate_prepared(&prepared, &scene.clicks(), &parameters, &monitor)
+                .unwrap()
+                .fundamental()
+        };
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().unwrap();
+        let found: Vec<_> = pool.install(|| (0..4).into_par_iter().map(estimate).collect());
+        assert!(found.iter().all(|f| *f == estimate(0)));
+    }
+
+    #[test]
+    fn pencils_are_compared_once_for_a_click_and_what_they_depend_on() {
+        let plane = GrayPlane::from_fn(Frame::new(64, 64), |x, y| ((x * y) % 251) as f32);
+        let prepared = PreparedPair::new(&plane, &plane);
+        let mut compared = 0;
+        let mut ask = |x: f64, parameters: &Parameters| {
+            let click = PointPair::new(x, 1.0, 2.0, 3.0);
+            let found = prepared.pencils(&click, RelativeView::UPRIGHT, parameters, || {
+                compared += 1;
+                Ok(ComparedPencils::of_so_many(click, 0, 0))
+            });
+            assert_eq!(found.unwrap().click, click);
+            compared
+        };
+        let usual = Parameters::default();
+        let mut coarser = usual.clone();
+        coarser.pencils.coarse_side = 64.0;
+        let elsewhere = Parameters { seed: 9, hypotheses: 5, click_sigma: 2.0, ..usual.clone() };
+        let asked = [ask(0.0, &usual), ask(0.0, &elsewhere), ask(0.0, &coarser), ask(0.0, &usual)];
+        assert_eq!(asked, [1, 1, 2, 2]);
+        // Others push the first one out.
+        for x in 1..5 {
+            ask(f64::from(x), &usual);
+        }
+        assert_eq!(ask(0.0, &usual), 7);
+        let click = PointPair::new(9.0, 9.0, 9.0, 9.0);
+        let stopped =
+            prepared.pencils(&click, RelativeView::UPRIGHT, &usual, || Err(EstimateError::Cancelled));
+        assert_eq!(stopped.unwrap_err(), EstimateError::Cancelled);
+    }
+}

@@ -1,0 +1,299 @@
+//! Geometry from the motion barcodes of lines (paper, sections 2.3 and 4): two synchronised sequences instead of two
+//! pictures, with clicks or without.
+//!
+//! The line similarity behind [`crate::similarity::BarcodeSource`] serves the searches of `lines` as stereo matching does:
+//! pencils through clicks, and all lines of both images. What they propose is refined here on the barcodes themselves, all
+//! seven numbers at once, and judged by what barcodes can tell: patches of cameras far apart do not match.
+
+mod agreement;
+#[cfg(test)]
+mod exact;
+mod precision;
+mod refinement;
+mod sharpening;
+
+use crate::estimate::evidence::lines::{LineConsensus, compare_lines, geometries_from_lines};
+use crate::estimate::evidence::viewed::ViewedPair;
+use crate::estimate::searches::judged::{Judged, report_preliminary};
+use crate::estimate::searches::published;
+use crate::estimate::searches::record::SearchRecord;
+use crate::estimate::verdict::assessment::little_texture;
+use crate::estimate::verdict::result::{BarcodeFigures, REPORTED};
+use crate::estimate::verdict::trust::{BarcodeEvidence, Evidence, RefinedOn, Together};
+use crate::estimate::{
+    Assessment, Clicks, Estimate, EstimateError, Parameters, PreparedPair, Preset, Search, Stage, Trust,
+};
+use crate::geometry::{FundamentalMatrix, PointPair, epipolar_difference, line_spacing, sampson_distance};
+use crate::motion::Silhouettes;
+use crate::similarity::SimilaritySource;
+
+use agreement::Pencils;
+use precision::deviation;
+use refinement::{Objective, RefinedByBarcodes, refine};
+use sharpening::sharpen;
+
+/// Mean distance between the lines of two geometries, as a share of the longer side, below which
+/// they are the same. Not measured.
+const SAME: f64 = 0.02;
+
+/// Parameters as barcodes take them: a barcode is the same whichever way its line is read, cameras may stand anywhere
+/// around the scene, and there are no patches.
+fn adapted(parameters: &Parameters) -> Parameters {
+    let mut adapted = parameters.clone();
+    adapted.pencils.rotation = std::f64::consts::PI;
+    adapted.pencils.coarse_side = adapted.pencils.coarse_side.max(parameters.barcodes.side);
+    adapted.lines_alone.side = adapted.lines_alone.side.max(parameters.barcodes.side);
+    adapted.search = Search::Lines;
+    adapted.refinement.refine = false;
+    adapted
+}
+
+/// No more hypotheses through the clicks than the published search draws and compares: the best of them are refined on the
+/// barcodes of many more lines.
+fn as_published(parameters: &Parameters) -> Parameters {
+    let published = Parameters::from(Preset::Paper);
+    let mut few = parameters.clone();
+    few.hypotheses = few.hypotheses.min(published.hypotheses);
+    few.validation.validated = few.validation.validated.min(published.validation.validated);
+    few
+}
+
+/// Proposals from the pencils of the clicks, where there are two, and from all lines; the best one refined and judged.
+pub(in crate::estimate) fn search(
+    prepared: &PreparedPair,
+    clicks: &Clicks,
+    parameters: &Parameters,
+    record: &mut SearchRecord,
+) -> Result<Judged, EstimateError> {
+    let silhouettes = prepared.silhouettes().ok_or(EstimateError::NoSequences)?;
+    let parameters = &adapted(parameters);
+    let viewed = &ViewedPair::upright(prepared, parameters);
+    let cancel = record.cancel();
+    let mut proposed: Vec<FundamentalMatrix> = Vec::new();
+    let mut hypotheses: Vec<Estimate> = Vec::new();
+    if clicks.anchors().len() >= 2 {
+        let few = as_published(parameters);
+        match published::find(viewed, clicks, &few, record) {
+            Ok(found) => {
+                proposed.push(found.fundamental);
+                proposed.extend(
+                    found.hypotheses.iter().take(parameters.barcodes.refined).map(Estimate::fundamental),
+                );
+                hypotheses = found.hypotheses;
+                // Something to look at while all lines are compared.
+                report_preliminary(proposed[0], &hypotheses, None, viewed, clicks, parameters, record);
+            }
+            // Lines through the clicks that nothing crosses leave all other lines.
+            Err(EstimateError::NoCandidates { .. } | EstimateError::NoGeometry) => {}
+            Err(error) => return Err(error),
+        }
+    }
+    let alone = from_all_lines(&*viewed.source, parameters, record)?;
+    proposed.extend(alone.iter().take(parameters.barcodes.refined));
+    hypotheses.extend(alone.into_iter().map(Estimate::from));
+    hypotheses.truncate(REPORTED);
+    if let Some(first) = proposed.first() {
+        report_preliminary(*first, &hypotheses, None, viewed, clicks, parameters, record);
+    }
+
+    record.enter(Stage::Refinement)?;
+    let events =
+        proposed.first().and_then(|f| Pencils::new(silhouettes, f)).map_or(1.0, |pencils| pencils.events());
+    let objective = Objective::new(silhouettes, &clicks.observed(), parameters.click_sigma, events);
+    let mut refined = Vec::new();
+    // Half the size is fine enough to tell proposals apart, and for how much the result depends on single frames.
+    let half = silhouettes.map(Silhouettes::halved);
+    let coarse = objective.with([&half[0], &half[1]]);
+    for start in &proposed {
+        refined.extend(refine(&coarse, start, refinement::FROM_AFAR, parameters.seed, 0, cancel)?);
+    }
+    refined.sort_by(|a: &RefinedByBarcodes, b| a.value.total_cmp(&b.value));
+    let best = refined.first().ok_or(EstimateError::NothingFromBarcodes)?;
+    let best = refine(&objective, &best.fundamental, refinement::NEARBY, parameters.seed, 0, cancel)?
+        .unwrap_or_else(|| best.clone());
+
+    record.enter(Stage::Validation)?;
+    let pencils = Pencils::new(silhouettes, &best.fundamental).ok_or(EstimateError::NothingFromBarcodes)?;
+    let margin = refined
+        .iter()
+        .filter(|rival| apart(&best.fundamental, &rival.fundamental, silhouettes) > SAME)
+        .filter_map(|rival| {
+            Some(1.0 - pencils.cost() / Pencils::new(silhouettes, &rival.fundamental)?.cost())
+        })
+        .min_by(f64::total_cmp);
+    let figures = BarcodeFigures {
+        correlation: 1.0 - pencils.cost(),
+        by_chance: pencils.correlation_by_chance(),
+        lines: pencils.independent_lines(),
+        deviation: deviation(&coarse, &best.fundamental, parameters.seed, cancel)?,
+        frames: silhouettes[0].len(),
+    };
+    let assessment = assessed(&best.fundamental, figures, margin, prepared, clicks, parameters, record);
+    Ok(Judged {
+        clicks: clicks.clone(),
+        fundamental: best.fundamental,
+        hypotheses,
+        assessment,
+        weight: 0.0,
+        weight_deviation: 0.0,
+        patches: std::sync::Arc::clone(&viewed.patches),
+        pencils: record.present_pencils().to_vec(),
+    })
+}
+
+/// Geometries that pairs of all lines agree on (paper, section 4), full-size pixels.
+fn from_all_lines(
+    source: &dyn SimilaritySource,
+    parameters: &Parameters,
+    record: &mut SearchRecord,
+) -> Result<Vec<FundamentalMatrix>, EstimateError> {
+    record.enter(Stage::Pencils)?;
+    let cancel = record.cancel();
+    let alone = &parameters.lines_alone;
+    let level = source.at(alone.side);
+    let compared = compare_lines(&level, alone.lines, source.rotation(), &parameters.pencils, cancel)?;
+    record.lines_alone(compared.lines, compared.pairs.len());
+    record.enter(Stage::Hypotheses)?;
+    let pairs = sharpen(
+        &level,
+        &compared.pairs,
+        line_spacing(level.frames[0], alone.lines),
+        parameters.seed,
+        cancel,
+    )?;
+    let how = LineConsensus { draws: alone.draws, area: alone.agreement, seed: parameters.seed };
+    let found = geometries_from_lines(&pairs, level.frames, &how, cancel)?;
+    record.counts.hypotheses += alone.draws;
+    let full_size = level.scales.map(f64::recip);
+    Ok(found.iter().filter_map(|one| one.fundamental.rescaled(full_size[0], full_size[1])).collect())
+}
+
+/// How far the lines of two geometries are apart on average, as a fraction of the longer side of image 2.
+fn apart(a: &FundamentalMatrix, b: &FundamentalMatrix, silhouettes: [&Silhouettes; 2]) -> f64 {
+    let frames = silhouettes.map(Silhouettes::full_size);
+    let side = frames[1].longer_side();
+    epipolar_difference(a, b, frames, side) / side
+}
+
+fn assessed(
+    f: &FundamentalMatrix,
+    figures: BarcodeFigures,
+    margin: Option<f64>,
+    prepared: &PreparedPair,
+    clicks: &Clicks,
+    parameters: &Parameters,
+    record: &SearchRecord,
+) -> Assessment {
+    let distances: Vec<f64> =
+        clicks.observed().iter().map(|pair: &PointPair| sampson_distance(f, pair)).collect();
+    let trust = Trust::judge(&Evidence {
+        patches: false,
+        barcodes: Some(BarcodeEvidence {
+            correlation: figures.correlation,
+            by_chance: figures.by_chance,
+            lines: figures.lines,
+        }),
+        refined_on: RefinedOn::Nothing,
+        clicks: &distances,
+        click_sigma: parameters.click_sigma,
+        margin,
+        deviation: figures.deviation,
+        plane: None,
+        together: Together::default(),
+        pattern: None,
+        side: prepared.frames()[0].longer_side(),
+    });
+    Assessment {
+        barcodes: Some(figures),
+        margin,
+        warnings: little_texture(clicks, record.present_pencils()),
+        trust: Some(trust),
+        ..Assessment::default()
+    }
+}
+
+#[cfg(test)]
+#[cfg(feature = "pictures")]
+mod tests {
+    use super::*;
+    use crate::estimate::{CancelFlag, Monitor, Verdict, estimate_prepared};
+    use crate::geometry::{Frame, symmetric_epipolar_distance};
+    use crate::image::GrayPlane;
+    use crate::similarity::LineMeasure;
+    use crate::synthetic::{BallScene, ThrownBalls};
+
+    const SMALL: ThrownBalls = ThrownBalls {
+        frame: Frame { width: 320, height: 240 },
+        frames: 200,
+        balls: 8,
+        offset: 0,
+        noise: 0.0,
+        brightening: 0.0,
+        seed: 1,
+    };
+
+    fn prepared(scene: &BallScene, thrown: &ThrownBalls, offset: i32) -> PreparedPair {
+        let [first, second] = [0, 1].map(|camera| {
+            let masks: Vec<Vec<bool>> = (0..thrown.frames).map(|number| scene.mask(camera, number)).collect();
+            Silhouettes::from_masks("made", thrown.frame, thrown.frame, masks).unwrap()
+        });
+        let plane = |k: usize| GrayPlane::from_fn(thrown.frame, |x, y| ((x * (7 + k) + y * 13) % 97) as f32);
+        PreparedPair::of_sequences(&plane(0), &plane(4), [&first, &second], offset).unwrap()
+    }
+
+    fn parameters() -> Parameters {
+        let mut parameters = Parameters::default();
+        parameters.similarity.measure = LineMeasure::Barcodes;
+        parameters
+    }
+
+    fn found(prepared: &PreparedPair, clicks: &[PointPair]) -> Result<Estimate, EstimateError> {
+        estimate_prepared(prepared, clicks, &parameters(), &Monitor::silent())
+    }
+
+    #[test]
+    fn balls_seen_from_far_apart_give_the_geometry_with_clicks_and_without() {
+        let scene = BallScene::new(SMALL).unwrap();
+        let (prepared, matches) = (prepared(&scene, &SMALL, 0), scene.matches(200));
+        for clicks in [&[][..], &matches[..2]] {
+            let found = found(&prepared, clicks).unwrap();
+            let f = found.fundamental();
+            let sum: f64 = matches.iter().map(|m| symmetric_epipolar_distance(f, m)).sum();
+            let error = sum / matches.len() as f64;
+            assert!(error < 1.0, "{} clicks: {error} px", clicks.len());
+            assert_eq!(found.assessment.trust.as_ref().unwrap().verdict, Verdict::Reliable);
+            let figures = found.assessment.barcodes.unwrap();
+            assert!(figures.correlation > 0.9 && figures.by_chance < 0.5, "{figures:?}");
+            assert!(figures.deviation.unwrap() < 1.0 && figures.frames == 200, "{figures:?}");
+            assert!(!found.hypotheses().is_empty() && found.matches().is_empty());
+        }
+    }
+
+    #[test]
+    fn what_was_not_recorded_together_or_moves_too_little_is_not_reliable() {
+        let scene = BallScene::new(SMALL).unwrap();
+        let shifted = found(&prepared(&scene, &SMALL, 60), &[]);
+        let is_reliable = |found: &Estimate| {
+            found.assessment.trust.as_ref().is_some_and(|trust| trust.verdict == Verdict::Reliable)
+        };
+        assert!(shifted.is_err() || !is_reliable(&shifted.unwrap()));
+        let lonely = ThrownBalls { balls: 1, frames: 60, ..SMALL };
+        let scene = BallScene::new(lonely).unwrap();
+        let one = found(&prepared(&scene, &lonely, 0), &[]);
+        assert!(one.is_err() || !is_reliable(&one.unwrap()));
+    }
+
+    #[test]
+    fn pictures_without_frames_are_refused_and_a_stop_is_one() {
+        let plane = GrayPlane::from_fn(SMALL.frame, |x, y| ((x * 7 + y * 13) % 97) as f32);
+        let other = GrayPlane::from_fn(SMALL.frame, |x, y| ((x * 11 + y * 5) % 89) as f32);
+        let pictures = PreparedPair::new(&plane, &other);
+        assert_eq!(found(&pictures, &[]).unwrap_err(), EstimateError::NoSequences);
+        let scene = BallScene::new(ThrownBalls { frames: 40, ..SMALL }).unwrap();
+        let prepared = prepared(&scene, &ThrownBalls { frames: 40, ..SMALL }, 0);
+        let flag = CancelFlag::default();
+        flag.cancel();
+        let stopped = estimate_prepared(&prepared, &[], &parameters(), &Monitor::new(flag, |_| ()));
+        assert_eq!(stopped.unwrap_err(), EstimateError::Cancelled);
+    }
+}

@@ -1,0 +1,189 @@
+//! All seven numbers of `F`, moved so that the barcodes of corresponding lines agree best.
+//!
+//! Which pixels a line crosses changes in steps, so the search uses no derivatives: steps are drawn from a Gaussian, the
+//! best of them give the next one (the cross-entropy method: Rubinstein 1999). They are drawn from the seed; the order
+//! of threads changes nothing.
+
+use rand::RngExt;
+use rand_pcg::Pcg64Mcg;
+use rayon::prelude::*;
+
+use super::agreement::Pencils;
+use crate::cancel::CancelFlag;
+use crate::estimate::EstimateError;
+use crate::estimate::stream::{Purpose, stream};
+use crate::geometry::{Frame, FundamentalMatrix, PointPair, Vector7, sampson_distance};
+use crate::motion::Silhouettes;
+
+/// How far and how long is searched.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Steps {
+    /// Deviation of the first steps, of half a diagonal.
+    pub first: f64,
+    /// Rounds.
+    pub rounds: usize,
+}
+
+/// Steps from a proposal of lines: some per cent of the side. Not measured.
+pub(super) const FROM_AFAR: Steps = Steps { first: 0.015, rounds: 8 };
+/// Steps from a refined geometry: a fifth of those from a proposal. Not measured.
+pub(super) const NEARBY: Steps = Steps { first: 0.003, rounds: 10 };
+
+/// Samples of one round of the cross-entropy method: some six for each of seven unknowns. Not
+/// measured.
+const POPULATION: usize = 40;
+/// Best samples of a round, from which the next is drawn. Not measured.
+const ELITE: usize = 8;
+/// Share of the previous deviation that is kept, so that the search does not settle too early. Not
+/// measured.
+const INERTIA: f64 = 0.3;
+
+/// What is made small: how badly barcodes agree, and how far clicks are off.
+pub(super) struct Objective<'a> {
+    pub silhouettes: [&'a Silhouettes; 2],
+    clicks: Vec<PointPair>,
+    click_sigma: f64,
+    events: f64,
+}
+
+/// A refined geometry, full-size pixels, and its value; lower is better.
+#[derive(Debug, Clone)]
+pub(super) struct RefinedByBarcodes {
+    pub fundamental: FundamentalMatrix,
+    pub value: f64,
+}
+
+impl<'a> Objective<'a> {
+    pub(super) fn new(
+        silhouettes: [&'a Silhouettes; 2],
+        clicks: &[PointPair],
+        click_sigma: f64,
+        events: f64,
+    ) -> Self {
+        Self { silhouettes, clicks: clicks.to_vec(), click_sigma, events }
+    }
+
+    /// The same clicks with some of the frames.
+    pub(super) fn with<'b>(&self, silhouettes: [&'b Silhouettes; 2]) -> Objective<'b> {
+        Objective {
+            silhouettes,
+            clicks: self.clicks.clone(),
+            click_sigma: self.click_sigma,
+            events: self.events,
+        }
+    }
+
+    pub(super) fn frames(&self) -> [Frame; 2] {
+        self.silhouettes.map(Silhouettes::full_size)
+    }
+
+    /// The negative logarithm of the likelihood up to a constant: each event is a time that is off by a Laplace-distributed
+    /// error of unknown spread, which leaves `events · ln cost`; clicks are Gaussian, with influence bounded at four
+    /// deviations. `events` are counted once, where the search begins.
+    fn value(&self, f: &FundamentalMatrix) -> f64 {
+        let Some(pencils) = Pencils::new(self.silhouettes, f) else { return f64::INFINITY };
+        let off = |pair: &PointPair| (sampson_distance(f, pair) / self.click_sigma).powi(2).min(16.0);
+        self.events * pencils.cost().max(1e-9).ln() + 0.5 * self.clicks.iter().map(off).sum::<f64>()
+    }
+}
+
+/// The best geometry around a start; `None` where the start has no lines.
+pub(super) fn refine(
+    objective: &Objective,
+    start: &FundamentalMatrix,
+    search: Steps,
+    seed: u64,
+    task: u64,
+    cancel: &CancelFlag,
+) -> Result<Option<RefinedByBarcodes>, EstimateError> {
+    let frames = objective.frames();
+    let mut random = stream(seed, Purpose::BarcodeRefinement, task);
+    let mut best = RefinedByBarcodes { fundamental: *start, value: objective.value(start) };
+    let (mut mean, mut deviation) = (Vector7::zeros(), Vector7::repeat(search.first));
+    for _ in 0..search.rounds {
+        let steps: Vec<Vector7> =
+            (0..POPULATION).map(|_| mean + deviation.component_mul(&gaussian(&mut random))).collect();
+        let mut tried: Vec<(f64, Vector7, FundamentalMatrix)> = steps
+            .into_par_iter()
+            .filter_map(|step| {
+                let moved = start.moved(&step, frames)?;
+                Some((objective.value(&moved), step, moved))
+            })
+            .collect();
+        cancel.check()?;
+        tried.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let Some((value, _, fundamental)) = tried.first().copied() else { return Ok(None) };
+        if value < best.value {
+            best = RefinedByBarcodes { fundamental, value };
+        }
+        tried.truncate(ELITE);
+        let count = tried.len() as f64;
+        mean = tried.iter().map(|t| t.1).sum::<Vector7>() / count;
+        let spread = tried.iter().map(|t| (t.1 - mean).map(|v| v * v)).sum::<Vector7>() / count;
+        deviation = deviation * INERTIA + spread.map(f64::sqrt) * (1.0 - INERTIA);
+    }
+    Ok(Some(best))
+}
+
+/// Seven nearly Gaussian numbers: sums of twelve.
+fn gaussian(random: &mut Pcg64Mcg) -> Vector7 {
+    Vector7::from_fn(|_, _| (0..12).map(|_| random.random::<f64>()).sum::<f64>() - 6.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::exact::{FRAME, bands, by_itself};
+    use rand::SeedableRng;
+
+    use super::*;
+    use crate::estimate::exact::rows;
+
+    #[test]
+    fn clicks_count_by_their_deviations_up_to_four_and_barcodes_by_their_events() {
+        let seen = bands(100, by_itself);
+        let value = |clicks: &[PointPair], events: f64, shift: f64| {
+            Objective::new([&seen, &seen], clicks, 2.0, events).value(&rows(shift))
+        };
+        // The Sampson distance of a click 3 px off a row is 3/√2.
+        let off = |by: f64| PointPair::new(10.0, 10.0, 20.0, 10.0 + by);
+        assert!((value(&[off(3.0)], 0.0, 0.0) - 0.5 * 4.5 / 4.0).abs() < 1e-9);
+        assert!((value(&[off(0.0), off(30.0)], 0.0, 0.0) - 8.0).abs() < 1e-9, "bounded");
+        let cost = Pencils::new([&seen, &seen], &rows(9.0)).unwrap().cost();
+        assert!((value(&[], 7.0, 9.0) - 7.0 * cost.ln()).abs() < 1e-9);
+        assert!(value(&[], 7.0, 0.0).is_finite(), "equal barcodes");
+    }
+
+    #[test]
+    fn steps_lead_from_a_few_pixels_off_to_where_barcodes_agree() {
+        let seen = bands(200, by_itself);
+        let objective = Objective::new([&seen, &seen], &[], 1.0, 50.0);
+        let search = |seed: u64| {
+            let far = Steps { first: 0.05, ..FROM_AFAR };
+            refine(&objective, &rows(2.0), far, seed, 0, &CancelFlag::default()).unwrap().unwrap()
+        };
+        let found = search(1);
+        assert!(found.value < objective.value(&rows(2.0)) - 50.0, "{}", found.value);
+        for x in [0.0, FRAME.right()] {
+            for y in [2.0, 22.0, 42.0] {
+                let off = sampson_distance(&found.fundamental, &PointPair::new(x, y, 32.0, y));
+                assert!(off < 1.5, "{off} px at {x}, {y}");
+            }
+        }
+        assert_eq!(found.fundamental, search(1).fundamental, "the seed decides");
+        let stopped = CancelFlag::default();
+        stopped.cancel();
+        let stopped = refine(&objective, &rows(2.0), NEARBY, 1, 0, &stopped);
+        assert_eq!(stopped.unwrap_err(), EstimateError::Cancelled);
+    }
+
+    #[test]
+    fn drawn_steps_have_unit_deviation() {
+        let mut random = Pcg64Mcg::seed_from_u64(4);
+        let drawn: Vec<f64> =
+            (0..1000).flat_map(|_| gaussian(&mut random).iter().copied().collect::<Vec<_>>()).collect();
+        let mean = drawn.iter().sum::<f64>() / drawn.len() as f64;
+        let variance = drawn.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / drawn.len() as f64;
+        // Of 7000 numbers: 1/84 and √2/84, four times.
+        assert!(mean.abs() < 0.05 && (variance - 1.0).abs() < 0.07, "{mean} {variance}");
+    }
+}

@@ -1,0 +1,109 @@
+//! Geometry of the clicks alone, for clicks that agree with each other and contradict the images.
+
+use crate::geometry::{
+    FundamentalMatrix, Observation, PointPair, eight_point, fit_fundamental, median, sampson_distance,
+    seven_point,
+};
+
+/// Clicks that determine `F` by themselves: the seven unknowns, and one click to tell that they
+/// agree.
+const CLICKS_ALONE: usize = 8;
+/// Median distance of the clicks from the found geometry, in multiples of that from the geometry of
+/// the other clicks, beyond which they contradict it. Not measured.
+const CONTRADICTED: f64 = 3.0;
+
+/// The geometry that the clicks determine by themselves, where they agree with each other and contradict `found`.
+pub(super) fn of_clicks_alone(
+    clicks: &[PointPair],
+    found: &FundamentalMatrix,
+    click_sigma: f64,
+) -> Option<FundamentalMatrix> {
+    if clicks.len() < CLICKS_ALONE {
+        return None;
+    }
+    let observations: Vec<Observation> =
+        clicks.iter().map(|pair| Observation { pair: *pair, sigma: click_sigma }).collect();
+    let fitted = fit_fundamental(&eight_point(clicks).ok()?, &observations, ROBUST_CLICKS)?.fundamental;
+    let off_found = clicks.iter().map(|pair| sampson_distance(found, pair));
+    // A fit passes eight clicks that determine it badly, too: how far it can be trusted shows in a click it was not fitted to.
+    let off_others = (0..clicks.len()).map(|k| off_the_others(clicks, k));
+    (median(off_found) > CONTRADICTED * median(off_others).max(click_sigma)).then_some(fitted)
+}
+
+/// How far a click is off the geometry that the others determine by themselves, px; infinitely where they determine none.
+fn off_the_others(clicks: &[PointPair], k: usize) -> f64 {
+    let mut others = clicks.to_vec();
+    let left_out = others.remove(k);
+    let solutions = if others.len() < 8 {
+        seven_point(&others).unwrap_or_default()
+    } else {
+        eight_point(&others).into_iter().collect()
+    };
+    let distance = |f: &FundamentalMatrix| sampson_distance(f, &left_out);
+    solutions.iter().map(distance).fold(f64::INFINITY, f64::min)
+}
+
+/// Distance at which a click loses influence on a fit, in standard deviations: 99.7 % of Gaussian
+/// errors are below it.
+const ROBUST_CLICKS: f64 = 3.0;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::estimate::exact::ExactScene;
+    use crate::estimate::{Assessment, Monitor, Parameters, Reason, estimate_prepared};
+
+    #[test]
+    fn clicks_that_agree_overrule_a_geometry_that_contradicts_them() {
+        let scene = ExactScene::aside();
+        let (truth, wrong) = (scene.fundamental(), scene.disturbed(30.0));
+        let mut clicks = scene.pairs(12);
+        let error = |f: &FundamentalMatrix| scene.error(f);
+        let alone = |clicks: &[PointPair], found: &FundamentalMatrix| of_clicks_alone(clicks, found, 1.0);
+        assert!(error(&alone(&clicks, &wrong).unwrap()) < 1e-3);
+        assert!(alone(&clicks, &truth).is_none(), "nothing contradicts them");
+        assert!(alone(&clicks, &scene.disturbed(0.5)).is_none(), "within what clicks are off");
+        assert!(alone(&clicks[..CLICKS_ALONE], &wrong).is_some());
+        assert!(alone(&clicks[..CLICKS_ALONE - 1], &wrong).is_none(), "nothing tells that seven agree");
+        // A single slip of a click is outvoted.
+        clicks[4].point2.y += 6.0;
+        assert!(error(&alone(&clicks, &wrong).unwrap()) < 2.0);
+    }
+
+    #[test]
+    fn eight_clicks_that_do_not_agree_overrule_nothing() {
+        let scene = ExactScene::aside();
+        let mut clicks = scene.pairs(CLICKS_ALONE);
+        for (k, pair) in (1..).zip(&mut clicks) {
+            pair.point2.y += 8.0 * (12.9898 * f64::from(k) + 1.0).sin();
+        }
+        let off =
+            |f: &FundamentalMatrix| clicks.iter().map(|pair| sampson_distance(f, pair)).collect::<Vec<_>>();
+        // A fit to eight passes all of them, whatever they are.
+        assert!(median(off(&eight_point(&clicks).unwrap())) < 1.5);
+        assert!(median(off(&scene.fundamental())) > CONTRADICTED);
+        assert!(of_clicks_alone(&clicks, &scene.fundamental(), 1.0).is_none());
+    }
+
+    #[test]
+    fn a_geometry_of_clicks_alone_is_called_that_and_compared_with_what_was_found() {
+        let scene = ExactScene::aside();
+        let prepared = scene.prepared();
+        // All of them are off what the images show, by the same.
+        let mut clicks = scene.pairs(60);
+        for pair in &mut clicks {
+            pair.point2.y += 40.0;
+        }
+        clicks.retain(|pair| prepared.frames()[1].contains(pair.point2));
+        let found =
+            estimate_prepared(&prepared, &clicks, &Parameters::default(), &Monitor::silent()).unwrap();
+        let off: Vec<f64> = clicks.iter().map(|pair| sampson_distance(found.fundamental(), pair)).collect();
+        assert!(median(off) < 0.1);
+        let Assessment { trust, margin, support, refinement, .. } = &found.assessment;
+        let reasons = &trust.as_ref().unwrap().reasons;
+        assert!(reasons.contains(&Reason::ClicksAlone) && refinement.is_none(), "{reasons:?}");
+        let [own, rival] = [&found.hypotheses()[0], &found.hypotheses()[1]].map(|h| h.assessment.support);
+        assert_eq!(own, *support, "measured, like that of the others");
+        assert!(own.unwrap().score < rival.unwrap().score && margin.is_some_and(|m| m < 0.0 && m > -1.0));
+    }
+}

@@ -1,0 +1,200 @@
+//! Search with patches, then, if doubts remain, with covariant features under the views they suggest.
+
+use super::clicks_alone::of_clicks_alone;
+use super::judged::{Found, Judged, distinct_hypotheses};
+use super::patches;
+use super::pencils::compare_pencils;
+use super::record::SearchRecord;
+use super::refinement::refine_ranked;
+use crate::estimate::evidence::features::{
+    FeatureEvidence, FeatureHypothesis, FeatureSearchParameters, hypotheses_from_features, is_same_view,
+    view_of,
+};
+use crate::estimate::evidence::patches::{Proposal, rank_fine};
+use crate::estimate::evidence::viewed::ViewedPair;
+use crate::estimate::verdict::selection::{ClickedPairs, select};
+use crate::estimate::{Clicks, Estimate, EstimateError, FeatureParameters, Parameters, PreparedPair, Stage};
+use crate::features::FeatureViews;
+use crate::geometry::FundamentalMatrix;
+use crate::image::RelativeView;
+
+/// Geometries proposed by covariant features, best first.
+pub(in crate::estimate) struct FeatureProposals {
+    pub hypotheses: Vec<FeatureHypothesis>,
+    /// Kind of features that propose.
+    pub of: FeatureViews,
+    /// Relative views of the images, from the features that the hypotheses explain.
+    pub views: Vec<RelativeView>,
+}
+
+impl FeatureProposals {
+    /// Proposes geometries from features and the clicks, however many.
+    pub fn new(
+        prepared: &PreparedPair,
+        of: FeatureViews,
+        clicks: &Clicks,
+        parameters: &Parameters,
+        record: &mut SearchRecord,
+    ) -> Result<Self, EstimateError> {
+        record.enter(Stage::Features)?;
+        let features = prepared.features(of);
+        let observed = clicks.observed();
+        let evidence = FeatureEvidence {
+            sets: features.sets.each_ref(),
+            matches: &features.matches,
+            frames: prepared.frames(),
+            clicks: &observed,
+            click_sigma: parameters.click_sigma,
+        };
+        let FeatureParameters { draws, refitted, rematched, .. } = parameters.features;
+        let search = FeatureSearchParameters {
+            draws,
+            refitted,
+            rematched,
+            seed: parameters.seed,
+            ..FeatureSearchParameters::default()
+        };
+        let hypotheses = hypotheses_from_features(&evidence, &search);
+        record.cancel().check()?;
+        let mut views: Vec<RelativeView> = Vec::new();
+        for view in hypotheses.iter().filter_map(|h| view_of(&h.fundamental, features, prepared.frames())) {
+            if views.len() < parameters.features.views
+                && !views.iter().any(|known| is_same_view(known, &view))
+            {
+                views.push(view);
+            }
+        }
+        Ok(Self { hypotheses, of, views })
+    }
+
+    /// Ranks, refines and judges the proposals under each of their views, and adds the results to
+    /// `all`. Ends with the first result that settles the search, and returns whether one does.
+    pub fn judge_under_views(
+        &self,
+        prepared: &PreparedPair,
+        clicks: &Clicks,
+        is_settled: impl Fn(&Judged) -> bool,
+        parameters: &Parameters,
+        record: &mut SearchRecord,
+        all: &mut Vec<Judged>,
+    ) -> Result<bool, EstimateError> {
+        let proposed: Vec<FundamentalMatrix> = self.hypotheses.iter().map(|h| h.fundamental).collect();
+        for view in &self.views {
+            let patches = prepared.patches_with_features(*view, self.of);
+            let viewed = ViewedPair::new(prepared, patches, parameters);
+            if all.is_empty() && !clicks.chosen().is_empty() {
+                // Pencils through stand-ins are shown; the geometry does not depend on them.
+                match compare_pencils(&viewed, clicks, parameters, record) {
+                    Ok(_) | Err(EstimateError::NoCandidates { .. }) => {}
+                    Err(error) => return Err(error),
+                }
+            }
+            record.enter(Stage::Validation)?;
+            let rivals = all.first().map_or(&[][..], |first| &first.hypotheses);
+            if let Some(found) = judge_proposed(&proposed, rivals, &viewed, clicks, parameters, record)? {
+                let settled = is_settled(&found);
+                all.push(found);
+                if settled {
+                    return Ok(true);
+                }
+            }
+        }
+        Ok(false)
+    }
+}
+
+/// Searches through the clicks with patches and, if the result is not clear, with covariant
+/// features. The geometries that are not selected are rivals of the selected one.
+pub(in crate::estimate) fn search(
+    prepared: &PreparedPair,
+    clicks: &Clicks,
+    parameters: &Parameters,
+    record: &mut SearchRecord,
+) -> Result<Judged, EstimateError> {
+    let mut all: Vec<Judged> = Vec::new();
+    let mut failure = EstimateError::NoGeometry;
+    let upright = ViewedPair::upright(prepared, parameters);
+    match patches::search(&upright, clicks, parameters, record) {
+        Ok(found) if found.is_clear() => return Ok(found),
+        Ok(found) => all.push(found),
+        Err(error @ (EstimateError::NoCandidates { .. } | EstimateError::NoGeometry)) => failure = error,
+        Err(error) => return Err(error),
+    }
+    for of in [FeatureViews::Frontal, FeatureViews::Slanted] {
+        let proposals = FeatureProposals::new(prepared, of, clicks, parameters, record)?;
+        if proposals.judge_under_views(prepared, clicks, Judged::is_clear, parameters, record, &mut all)? {
+            break;
+        }
+    }
+    let observed = clicks.observed();
+    let clicked = ClickedPairs { pairs: &observed, sigma: parameters.click_sigma };
+    let best = select(&all, &clicked).map(|k| all.swap_remove(k)).ok_or(failure)?;
+    let Some(f) = of_clicks_alone(&observed, &best.fundamental, parameters.click_sigma) else {
+        return Ok(best);
+    };
+    // Judged under the view of the geometry that it replaces, beside the same rivals.
+    let viewed = ViewedPair::new(prepared, best.patches, parameters);
+    let support = viewed.patches.measure(viewed.pyramids(), &f);
+    let mut hypotheses = vec![Estimate::proposed(f, None, support)];
+    hypotheses.extend(best.hypotheses);
+    let found = Found { fundamental: f, hypotheses, supporting: observed, refined: None, clicks_alone: true };
+    Ok(Judged::of(found, &viewed, &best.clicks, parameters, record))
+}
+
+/// Ranks proposed geometries by patches and features under a view, refines and judges them. `rivals`
+/// compete under the same support. `None` if none passes through the clicks, of which there may be
+/// any number.
+pub(super) fn judge_proposed(
+    proposed: &[FundamentalMatrix],
+    rivals: &[Estimate],
+    viewed: &ViewedPair,
+    clicks: &Clicks,
+    parameters: &Parameters,
+    record: &SearchRecord,
+) -> Result<Option<Judged>, EstimateError> {
+    let anchors = clicks.anchors();
+    let anchors = anchors.first_chunk::<2>();
+    let (fine, cancel) = (viewed.fine(), record.cancel());
+    let turn = viewed.patches.view().rotation;
+    let starts: Vec<Proposal> =
+        proposed.iter().filter_map(|f| Proposal::of(f, anchors, turn, fine)).collect();
+    // What was found upright competes under the same support.
+    let rivals = rivals.iter().filter_map(|h| Proposal::of(h.fundamental(), anchors, h.turn(), fine));
+    let ranked = rank_fine(fine, starts, rivals.collect(), &clicks.observed(), parameters, cancel)?;
+    if ranked.is_empty() {
+        return Ok(None);
+    }
+    let (hypotheses, _) = distinct_hypotheses(&ranked, viewed, anchors, parameters, cancel)?;
+    let found = refine_ranked(&ranked, hypotheses, viewed, clicks, parameters, cancel)?;
+    Ok(Some(Judged::of(found, viewed, clicks, parameters, record)))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::Instant;
+
+    use super::*;
+    use crate::estimate::exact::ExactScene;
+    use crate::estimate::{Monitor, SearchPlan};
+
+    #[test]
+    fn features_need_no_click_to_be_ranked_and_lines_only_where_there_are_two() {
+        let scene = ExactScene::aside();
+        let (prepared, parameters) = (scene.prepared(), Parameters::default());
+        let patches = prepared.patches_with_features(RelativeView::UPRIGHT, FeatureViews::Frontal);
+        let viewed = ViewedPair::new(&prepared, patches, &parameters);
+        let proposed = [scene.disturbed(2.0), scene.disturbed(-3.0)];
+        for pairs in [&[][..], &scene.clicks()] {
+            let clicks = Clicks::for_plan(pairs, SearchPlan::Patches { clicks: 2 });
+            let monitor = Monitor::silent();
+            let record = SearchRecord::new(Instant::now(), &monitor);
+            let found =
+                judge_proposed(&proposed, &[], &viewed, &clicks, &parameters, &record).unwrap().unwrap();
+            let error = scene.error(&found.fundamental);
+            assert!(error < 0.3, "{error} px with {} clicks", pairs.len());
+            let best = &found.hypotheses[0].assessment;
+            assert_eq!(best.lines.is_some(), pairs.len() == 2);
+            assert!(best.support.is_some_and(|support| support.matches > 50));
+        }
+    }
+}

@@ -1,0 +1,149 @@
+//! Judged geometries, preliminary reports, and the hypotheses shown with them.
+
+use std::sync::Arc;
+
+use super::record::SearchRecord;
+use crate::cancel::CancelFlag;
+use crate::estimate::evidence::lines::{ComparedPencils, LineExaminer};
+use crate::estimate::evidence::patches::{self, PatchLevels, Proposal, Refined};
+use crate::estimate::evidence::viewed::ViewedPair;
+use crate::estimate::verdict::assessment::Judge;
+use crate::estimate::verdict::result::{Assessment, REPORTED};
+use crate::estimate::verdict::selection::Weighed;
+use crate::estimate::verdict::trust::{Reason, Verdict};
+use crate::estimate::{Clicks, Estimate, EstimateError, Parameters, PatchSupport};
+use crate::geometry::{FundamentalMatrix, PointPair};
+
+/// Result of a search before its judgement.
+pub(in crate::estimate) struct Found {
+    /// The best geometry before refinement.
+    pub fundamental: FundamentalMatrix,
+    /// Hypotheses before refinement, best first.
+    pub hypotheses: Vec<Estimate>,
+    /// Matches on which rivals are compared with the result.
+    pub supporting: Vec<PointPair>,
+    /// The best refinement, if there is one.
+    pub refined: Option<Refined>,
+    /// Whether the geometry follows from the clicks alone.
+    pub clicks_alone: bool,
+}
+
+/// Judged geometry, with the evidence of the view in which it was found.
+pub(in crate::estimate) struct Judged {
+    /// Clicks of the search, stand-ins included.
+    pub clicks: Clicks,
+    pub fundamental: FundamentalMatrix,
+    pub hypotheses: Vec<Estimate>,
+    pub assessment: Assessment,
+    /// Weight of the refined matches, and its standard deviation.
+    pub weight: f64,
+    pub weight_deviation: f64,
+    pub patches: Arc<PatchLevels>,
+    /// Pencils through the anchors of `clicks`.
+    pub pencils: Vec<Arc<ComparedPencils>>,
+}
+
+impl Weighed for Judged {
+    fn fundamental(&self) -> &FundamentalMatrix {
+        &self.fundamental
+    }
+
+    fn weight(&self) -> f64 {
+        self.weight
+    }
+
+    fn weight_deviation(&self) -> f64 {
+        self.weight_deviation
+    }
+}
+
+impl Judged {
+    /// Judges a geometry found under a view with these clicks.
+    pub fn of(
+        found: Found,
+        viewed: &ViewedPair,
+        clicks: &Clicks,
+        parameters: &Parameters,
+        record: &SearchRecord,
+    ) -> Self {
+        let Found { fundamental, hypotheses, supporting, refined, clicks_alone } = found;
+        let (weight, weight_deviation) =
+            refined.as_ref().map_or((0.0, 0.0), |refined| (refined.weight, refined.weight_deviation));
+        let fundamental = refined.as_ref().map_or(fundamental, |refined| refined.fundamental);
+        let judge = Judge { clicks_alone, ..judge(viewed, clicks, parameters, &hypotheses, record) };
+        let assessment = judge.result(&fundamental, &supporting, refined);
+        Self {
+            clicks: clicks.clone(),
+            fundamental,
+            hypotheses,
+            assessment,
+            weight,
+            weight_deviation,
+            patches: Arc::clone(&viewed.patches),
+            pencils: record.present_pencils().to_vec(),
+        }
+    }
+
+    /// Returns whether another search could change the result: too few matches, or a close rival.
+    /// Doubts about the scene remain after any search.
+    pub fn is_open(&self) -> bool {
+        let thin = |reason: &Reason| {
+            !matches!(reason, Reason::OnePlane { .. } | Reason::Bent { .. } | Reason::Contradicted { .. })
+        };
+        self.assessment.refined_margin.is_some()
+            || self.assessment.trust.as_ref().is_none_or(|trust| trust.reasons.iter().any(thin))
+    }
+
+    /// Returns whether nothing speaks against the result, and no rival was refined to decide.
+    pub fn is_clear(&self) -> bool {
+        let assessment = &self.assessment;
+        assessment.refined_margin.is_none()
+            && assessment.trust.as_ref().is_some_and(|trust| trust.verdict == Verdict::Reliable)
+    }
+}
+
+/// Reports a geometry good enough to draw.
+pub(super) fn report_preliminary(
+    f: FundamentalMatrix,
+    hypotheses: &[Estimate],
+    support: Option<PatchSupport>,
+    viewed: &ViewedPair,
+    clicks: &Clicks,
+    parameters: &Parameters,
+    record: &mut SearchRecord,
+) {
+    let assessment = judge(viewed, clicks, parameters, hypotheses, record).preliminary(&f, support);
+    let found = Estimate { geometry: f.into(), assessment, trace: None };
+    record.preliminary(found, &viewed.patches, hypotheses, clicks, parameters);
+}
+
+fn judge<'a>(
+    viewed: &'a ViewedPair,
+    clicks: &'a Clicks,
+    parameters: &'a Parameters,
+    hypotheses: &'a [Estimate],
+    record: &'a SearchRecord,
+) -> Judge<'a> {
+    let (pencils, cancel) = (record.present_pencils(), record.cancel());
+    Judge { viewed, clicks, parameters, hypotheses, pencils, clicks_alone: false, cancel }
+}
+
+/// Returns the ranked proposals that differ, with their line figures if there are two anchors, and
+/// the first of all proposals.
+pub(super) fn distinct_hypotheses<'p>(
+    ranked: &'p [Proposal],
+    viewed: &ViewedPair,
+    anchors: Option<&[PointPair; 2]>,
+    parameters: &Parameters,
+    cancel: &CancelFlag,
+) -> Result<(Vec<Estimate>, &'p Proposal), EstimateError> {
+    let fine = viewed.fine();
+    let different = patches::different(&fine.support, ranked, REPORTED);
+    cancel.check()?;
+    let examiner = anchors.map(|anchors| LineExaminer::new(&*viewed.source, *anchors, parameters, cancel));
+    let hypotheses = patches::hypotheses(examiner.as_ref(), &different, fine);
+    let hypotheses: Vec<Estimate> = hypotheses.into_iter().map(Estimate::from).collect();
+    cancel.check()?;
+    let leader = ranked.first().filter(|_| !hypotheses.is_empty());
+    Ok((hypotheses, leader.ok_or(EstimateError::NoGeometry)?))
+}

@@ -1,0 +1,84 @@
+//! The search with lines and nothing else (paper, section 4): no point is known.
+
+use super::features::judge_proposed;
+use super::judged::{Found, Judged, report_preliminary};
+use super::record::SearchRecord;
+use super::refinement::refine_best;
+use super::stand_ins::farthest_apart;
+use crate::estimate::evidence::lines::{LineConsensus, compare_lines, geometries_from_lines};
+use crate::estimate::evidence::viewed::ViewedPair;
+use crate::estimate::verdict::result::REPORTED;
+use crate::estimate::{Clicks, Estimate, EstimateError, Parameters, PreparedPair, Search, Stage};
+use crate::geometry::{FundamentalMatrix, PointPair};
+use crate::similarity::SimilarityParameters;
+
+/// Least disparity tried where no click fixes the zero, as a share of the longer side: a quarter of
+/// the image. Not measured.
+const UNANCHORED_REACH: f64 = 0.25;
+
+/// Candidate pairs among all lines, two for the epipoles and a third for the map, counted by the candidates that agree.
+pub(in crate::estimate) fn search(
+    prepared: &PreparedPair,
+    clicks: &Clicks,
+    ranked_by: Search,
+    parameters: &Parameters,
+    record: &mut SearchRecord,
+) -> Result<Judged, EstimateError> {
+    record.enter(Stage::Pencils)?;
+    let cancel = record.cancel();
+    let viewed = ViewedPair::upright(prepared, parameters);
+    let reach = parameters.similarity.disparity_reach.max(UNANCHORED_REACH);
+    let similarity = SimilarityParameters { disparity_reach: reach, ..parameters.similarity };
+    let unanchored = Parameters { similarity, ..parameters.clone() };
+    let source = prepared.similarity_source(viewed.patches.view(), &unanchored);
+    let alone = &parameters.lines_alone;
+    let level = source.at(alone.side);
+    let compared = compare_lines(&level, alone.lines, source.rotation(), &parameters.pencils, cancel)?;
+    record.lines_alone(compared.lines, compared.pairs.len());
+
+    record.enter(Stage::Hypotheses)?;
+    let how = LineConsensus { draws: alone.draws, area: alone.agreement, seed: parameters.seed };
+    let found = geometries_from_lines(&compared.pairs, level.frames, &how, cancel)?;
+    record.counts.hypotheses = alone.draws;
+    let full_size = level.scales.map(f64::recip);
+    let geometries: Vec<FundamentalMatrix> = found
+        .iter()
+        .filter_map(|one| one.fundamental.rescaled(full_size[0], full_size[1]))
+        .take(REPORTED)
+        .collect();
+    let hypotheses: Vec<Estimate> = geometries.iter().map(|f| Estimate::from(*f)).collect();
+    let fundamental = *geometries.first().ok_or(EstimateError::NothingWithoutClicks)?;
+    report_preliminary(fundamental, &hypotheses, None, &viewed, clicks, parameters, record);
+
+    if ranked_by == Search::Patches
+        && let Some(found) = by_their_patches(&geometries, &viewed, clicks, parameters, record)?
+    {
+        return Ok(found);
+    }
+    record.enter(Stage::Refinement)?;
+    let refined = refine_best(geometries.into_iter(), &viewed, clicks, parameters, cancel)?;
+    let matches = refined.iter().flat_map(|refined| &refined.refinement.matches);
+    let supporting = matches.map(|m| m.pair).collect();
+    let found = Found { fundamental, hypotheses, supporting, refined, clicks_alone: false };
+    Ok(Judged::of(found, &viewed, clicks, parameters, record))
+}
+
+/// What lines proposed, ranked and refined by patches; `None` where patches find nothing to hold on to.
+fn by_their_patches(
+    geometries: &[FundamentalMatrix],
+    viewed: &ViewedPair,
+    clicks: &Clicks,
+    parameters: &Parameters,
+    record: &mut SearchRecord,
+) -> Result<Option<Judged>, EstimateError> {
+    record.enter(Stage::Validation)?;
+    let fine = viewed.fine();
+    let full_size = fine.scales.map(f64::recip);
+    let putative: Vec<PointPair> =
+        fine.support.distinctive().into_iter().map(|m| m.rescaled(full_size)).collect();
+    let Some(chosen) = geometries.iter().find_map(|f| farthest_apart(viewed.prepared, f, &[], &putative))
+    else {
+        return Ok(None);
+    };
+    judge_proposed(geometries, &[], viewed, &clicks.with_chosen(chosen), parameters, record)
+}

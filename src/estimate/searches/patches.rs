@@ -1,0 +1,51 @@
+//! Search with patches: votes for κ propose, patch support ranks, matches along the epipolar lines
+//! refine.
+
+use super::judged::{Judged, distinct_hypotheses, report_preliminary};
+use super::pencils::compare_pencils;
+use super::record::SearchRecord;
+use super::refinement::refine_ranked;
+use crate::estimate::evidence::lines::draw_pairs;
+use crate::estimate::evidence::patches;
+use crate::estimate::evidence::viewed::ViewedPair;
+use crate::estimate::verdict::result::REPORTED;
+use crate::estimate::{Clicks, Estimate, EstimateError, Parameters, Stage};
+
+/// Searches through two clicks, or two matches in their place, under one view.
+pub(super) fn search(
+    viewed: &ViewedPair,
+    clicks: &Clicks,
+    parameters: &Parameters,
+    record: &mut SearchRecord,
+) -> Result<Judged, EstimateError> {
+    let cancel = record.cancel();
+    let (coarse, voting) = (viewed.coarse(), viewed.voting());
+    let (anchors, pencils) = compare_pencils(viewed, clicks, parameters, record)?;
+
+    record.enter(Stage::Hypotheses)?;
+    let candidates = pencils.each_ref().map(|compared| compared.candidates.as_slice());
+    let drawn = draw_pairs(candidates, parameters.hypotheses, parameters.seed);
+    let proposals = patches::propose(coarse, voting, &drawn, &anchors, parameters.patches.supported, cancel)?;
+    if let Some(first) = proposals.first()
+        && let Some(fundamental) = first.full_size(coarse.scales)
+    {
+        let to_draw = proposals.iter().take(REPORTED);
+        let hypotheses: Vec<Estimate> =
+            to_draw.filter_map(|p| Some(p.unvalidated(coarse.scales, anchors)?.into())).collect();
+        let support = Some(first.support);
+        report_preliminary(fundamental, &hypotheses, support, viewed, clicks, parameters, record);
+    }
+    record.counts.hypotheses = drawn.len();
+    record.counts.validated = proposals.len();
+
+    record.enter(Stage::Validation)?;
+    let fine = viewed.fine();
+    let ranked = patches::rank(coarse, fine, &proposals, &clicks.observed(), parameters, cancel)?;
+    let (hypotheses, leader) = distinct_hypotheses(&ranked, viewed, Some(&anchors), parameters, cancel)?;
+    let (best, support) = (*hypotheses[0].fundamental(), Some(leader.support));
+    report_preliminary(best, &hypotheses, support, viewed, clicks, parameters, record);
+
+    record.enter(Stage::Refinement)?;
+    let found = refine_ranked(&ranked, hypotheses, viewed, clicks, parameters, cancel)?;
+    Ok(Judged::of(found, viewed, clicks, parameters, record))
+}

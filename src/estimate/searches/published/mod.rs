@@ -1,0 +1,63 @@
+//! Search of the paper (section 5.1): bisectors and round trips propose, lines over both images
+//! rank, and the five numbers of the best geometry are refined on lines.
+
+mod hypotheses;
+mod refinement;
+
+use super::judged::{Found, Judged, report_preliminary};
+use super::pencils::compare_pencils;
+use super::record::SearchRecord;
+use super::refinement::refine_best;
+use crate::estimate::evidence::lines::LineFigures;
+use crate::estimate::evidence::viewed::ViewedPair;
+use crate::estimate::verdict::result::REPORTED;
+use crate::estimate::{Clicks, Estimate, EstimateError, Parameters, PreparedPair, Stage};
+use crate::geometry::FundamentalMatrix;
+
+/// Searches through two or three clicks by lines.
+pub(in crate::estimate) fn search(
+    prepared: &PreparedPair,
+    clicks: &Clicks,
+    parameters: &Parameters,
+    record: &mut SearchRecord,
+) -> Result<Judged, EstimateError> {
+    let viewed = ViewedPair::upright(prepared, parameters);
+    let found = find(&viewed, clicks, parameters, record)?;
+    Ok(Judged::of(found, &viewed, clicks, parameters, record))
+}
+
+/// Proposes, ranks and refines, without a judgement.
+pub(super) fn find(
+    viewed: &ViewedPair,
+    clicks: &Clicks,
+    parameters: &Parameters,
+    record: &mut SearchRecord,
+) -> Result<Found, EstimateError> {
+    let (source, cancel) = (&*viewed.source, record.cancel());
+    let similarity = source.at(parameters.pencils.coarse_side);
+    let (anchors, pencils) = compare_pencils(viewed, clicks, parameters, record)?;
+
+    record.enter(Stage::Hypotheses)?;
+    let third = clicks.third();
+    let pencils = pencils.each_ref().map(AsRef::as_ref);
+    let mut drafts = hypotheses::propose(&similarity, pencils, third.as_ref(), parameters, cancel)?;
+    record.counts.hypotheses = drafts.len();
+    drafts.truncate(hypotheses::validated(&drafts, third.is_some(), parameters));
+    record.counts.validated = drafts.len();
+
+    record.enter(Stage::Validation)?;
+    let ranked = hypotheses::rank(&similarity, drafts, anchors, REPORTED, parameters, cancel)?;
+    let proposed =
+        |(f, lines): &(FundamentalMatrix, LineFigures)| Estimate::proposed(*f, Some(lines.clone()), None);
+    let hypotheses: Vec<Estimate> = ranked.hypotheses.iter().map(proposed).collect();
+    let best = ranked.hypotheses[0].0;
+    report_preliminary(best, &hypotheses, None, viewed, clicks, parameters, record);
+
+    record.enter(Stage::Refinement)?;
+    let fundamental = hypotheses::refine(source, &ranked, anchors, parameters, cancel)?;
+    let starts = std::iter::once(fundamental).chain(ranked.hypotheses.iter().map(|(f, _)| *f));
+    let refined = refine_best(starts, viewed, clicks, parameters, cancel)?;
+    let matches = refined.iter().flat_map(|refined| &refined.refinement.matches);
+    let supporting = matches.map(|m| m.pair).collect();
+    Ok(Found { fundamental, hypotheses, supporting, refined, clicks_alone: false })
+}

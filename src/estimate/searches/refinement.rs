@@ -1,0 +1,146 @@
+//! Refinement of the leading geometries at full resolution, and the selection of one of them.
+
+use rayon::prelude::*;
+
+use super::judged::Found;
+use crate::cancel::CancelFlag;
+use crate::estimate::evidence::patches::{self, Proposal, Refined, Settling};
+use crate::estimate::evidence::viewed::ViewedPair;
+use crate::estimate::verdict::selection::{ClickedPairs, select};
+use crate::estimate::verdict::trust::FAR_TOO_FEW;
+use crate::estimate::{Clicks, Estimate, EstimateError, Parameters};
+use crate::geometry::{FundamentalMatrix, Observation};
+
+/// Refines the ranked proposals. `hypotheses` are the ones to report.
+pub(super) fn refine_ranked(
+    ranked: &[Proposal],
+    hypotheses: Vec<Estimate>,
+    viewed: &ViewedPair,
+    clicks: &Clicks,
+    parameters: &Parameters,
+    cancel: &CancelFlag,
+) -> Result<Found, EstimateError> {
+    let fine = viewed.fine();
+    let full_size = fine.scales.map(f64::recip);
+    let matches = ranked.first().map(|leader| fine.support.matches(&leader.fundamental, patches::BAND));
+    let supporting = matches.iter().flatten().map(|m| m.pair.rescaled(full_size)).collect();
+    // Where nothing is refined, the best one that most of the clicks do not refuse.
+    let observed = clicks.observed();
+    let clicked = ClickedPairs { pairs: &observed, sigma: parameters.click_sigma };
+    let first = hypotheses.iter().find(|h| !clicked.refuse(h.fundamental())).or(hypotheses.first());
+    let fundamental = *first.ok_or(EstimateError::NoGeometry)?.fundamental();
+    // Near-copies of the leader, too: refined, one of them may come out better.
+    let starts = ranked.iter().filter_map(|proposal| proposal.full_size(fine.scales));
+    let refined = refine_best(starts, viewed, clicks, parameters, cancel)?;
+    Ok(Found { fundamental, hypotheses, supporting, refined, clicks_alone: false })
+}
+
+/// Refines the first starts at full resolution and returns the best. `None` if none has enough
+/// matches, or if refinement is off.
+pub(super) fn refine_best(
+    starts: impl Iterator<Item = FundamentalMatrix>,
+    viewed: &ViewedPair,
+    clicks: &Clicks,
+    parameters: &Parameters,
+    cancel: &CancelFlag,
+) -> Result<Option<Refined>, EstimateError> {
+    let (patches, refinement) = (&viewed.patches, &parameters.refinement);
+    let observed = clicks.observed();
+    let clicked = ClickedPairs { pairs: &observed, sigma: parameters.click_sigma };
+    let refine = |f: &FundamentalMatrix| {
+        if cancel.is_cancelled() {
+            return None;
+        }
+        patches.refine(viewed.pyramids(), f, &observed, parameters.click_sigma, cancel)
+    };
+    // A handful of matches does not overrule the clicks.
+    let is_of_this_scene = |refined: &Refined| {
+        refined.refinement.matches.len() >= FAR_TOO_FEW || !clicked.refuse(&refined.fundamental)
+    };
+    let count = if refinement.refine { refinement.refined } else { 0 };
+    let starts: Vec<FundamentalMatrix> = if count == 0 { Vec::new() } else { starts.collect() };
+    let (leaders, rest) = starts.split_at(count.min(starts.len()));
+    let Some((first, others)) = leaders.split_first() else { return Ok(None) };
+    // What the first compares and aligns most others need too: at the same time it would be done twice.
+    let first = refine(first);
+    cancel.check()?;
+    // Where the first failed early, corners of the later sizes may be missing. A thread that makes them inside the others'
+    // loop may take up one of these while it waits, which would wait for the same corners, for ever.
+    patches.prepare_refinement(viewed.pyramids());
+    let others: Vec<Option<Refined>> = others.par_iter().map(refine).collect();
+    cancel.check()?;
+    let mut all: Vec<Refined> =
+        std::iter::once(first).chain(others).flatten().filter(is_of_this_scene).collect();
+    let best = select(&all, &clicked).map(|k| all[k].fundamental);
+    // Where clicks speak against what came out, what they prefer gets its chance, however little supports it.
+    if !observed.is_empty() && best.is_none_or(|best| clicked.speak_against(&best)) {
+        let mut preferred = clicked.preferred(rest, best.as_ref());
+        preferred.truncate(count);
+        let more: Vec<Option<Refined>> = preferred.par_iter().map(refine).collect();
+        cancel.check()?;
+        all.extend(more.into_iter().flatten().filter(is_of_this_scene));
+    }
+    let Some(best) = select(&all, &clicked).map(|k| all.swap_remove(k)) else { return Ok(None) };
+    let settling = Settling {
+        clicks: &observed
+            .iter()
+            .map(|pair| Observation { pair: *pair, sigma: parameters.click_sigma })
+            .collect::<Vec<_>>(),
+        allows: &|f| !clicked.prefer(&best.fundamental, f),
+        seed: parameters.seed,
+    };
+    let settled = patches.settle(viewed.pyramids(), &best.fundamental, &settling, cancel);
+    cancel.check()?;
+    Ok(Some(settled.unwrap_or(best)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::estimate::exact::ExactScene;
+    use crate::estimate::{PreparedPair, SearchPlan};
+    use crate::features::FeatureViews;
+    use crate::geometry::PointPair;
+    use crate::image::RelativeView;
+
+    /// The best of these starts after refinement, with these clicks, on so many threads.
+    fn refined(
+        prepared: &PreparedPair,
+        starts: &[FundamentalMatrix],
+        pairs: &[PointPair],
+        threads: usize,
+    ) -> Option<FundamentalMatrix> {
+        let parameters = Parameters::default();
+        let patches = prepared.patches_with_features(RelativeView::UPRIGHT, FeatureViews::Frontal);
+        let viewed = ViewedPair::new(prepared, patches, &parameters);
+        let clicks = Clicks::for_plan(pairs, SearchPlan::Patches { clicks: 2 });
+        let starts = starts.iter().copied();
+        let cancel = CancelFlag::default();
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let found = pool.install(|| refine_best(starts, &viewed, &clicks, &parameters, &cancel)).unwrap();
+        found.map(|refined| refined.fundamental)
+    }
+
+    #[test]
+    fn a_first_start_that_leads_nowhere_keeps_no_thread_and_no_other_start_waiting() {
+        let scene = ExactScene::aside();
+        let mut starts = vec![scene.disturbed(150.0)];
+        starts.extend((1..8).map(|k| scene.disturbed(0.4 * f64::from(k))));
+        // Fresh each time, so that whoever comes first finds the corners.
+        let found = [1, 2, 4].map(|threads| refined(&scene.prepared(), &starts, &scene.clicks(), threads));
+        assert!(scene.error(&found[0].unwrap()) < 0.2);
+        assert!(found.iter().all(|f| *f == found[0]), "the same on any number of threads");
+    }
+
+    #[test]
+    fn what_several_clicks_prefer_is_refined_though_it_ranks_far_behind() {
+        let scene = ExactScene::aside();
+        let mut starts: Vec<FundamentalMatrix> =
+            (0..20).map(|k| scene.disturbed(60.0 + f64::from(k))).collect();
+        starts.push(scene.disturbed(2.0));
+        let prepared = scene.prepared();
+        let error = |clicks: &[PointPair]| refined(&prepared, &starts, clicks, 2).map(|f| scene.error(&f));
+        assert!(error(&scene.pairs(5)).unwrap() < 0.3);
+        assert!(error(&[]).is_none_or(|error| error > 10.0), "nothing tells it from the others");
+    }
+}

@@ -1,0 +1,113 @@
+//! Search without clicks, or with one: covariant features, then lines through two of their matches.
+//!
+//! Proposals of features are ranked by patches and features and refined, as after clicks. If doubts remain, searches with
+//! lines follow, each through two putative matches: two right ones are enough, where features need
+//! five or more (paper, section 1: at half of the matches right, 17 draws of two where eight points need 1,177).
+//!
+//! The pairs that stand in are no observations: no fit rests on them, and no verdict counts them.
+
+use super::features::FeatureProposals;
+use super::judged::Judged;
+use super::patches;
+use super::record::SearchRecord;
+use super::stand_ins::{drawn_stand_ins, farthest_apart, putative_matches};
+use crate::estimate::evidence::viewed::ViewedPair;
+use crate::estimate::verdict::selection::{ClickedPairs, select};
+use crate::estimate::{Clicks, EstimateError, Parameters, PreparedPair};
+use crate::features::FeatureViews;
+use crate::image::RelativeView;
+
+/// Searches with features, and if the result leaves doubts, with lines through drawn matches.
+pub(in crate::estimate) fn search(
+    prepared: &PreparedPair,
+    clicks: &Clicks,
+    parameters: &Parameters,
+    record: &mut SearchRecord,
+) -> Result<Judged, EstimateError> {
+    let mut all: Vec<Judged> = Vec::new();
+    for of in [FeatureViews::Frontal, FeatureViews::Slanted] {
+        let proposals = FeatureProposals::new(prepared, of, clicks, parameters, record)?;
+        let held = with_stand_ins(prepared, clicks, &proposals);
+        let is_settled = |found: &Judged| !found.is_open();
+        if proposals.judge_under_views(prepared, &held, is_settled, parameters, record, &mut all)? {
+            return all.pop().ok_or(EstimateError::NothingWithoutClicks);
+        }
+    }
+    let features = prepared.features(FeatureViews::Slanted);
+    let view = all.first().map_or(RelativeView::UPRIGHT, |found| found.patches.view());
+    let patches = prepared.patches_with_features(view, FeatureViews::Slanted);
+    let viewed = ViewedPair::new(prepared, patches, parameters);
+    let putative = putative_matches(prepared, features, &viewed.patches);
+    for pair in drawn_stand_ins(prepared, &putative, parameters.features.stand_ins, parameters.seed) {
+        let found = match patches::search(&viewed, &clicks.with_chosen(pair), parameters, record) {
+            Ok(found) => found,
+            Err(EstimateError::NoCandidates { .. } | EstimateError::NoGeometry) => continue,
+            Err(error) => return Err(error),
+        };
+        let is_open = found.is_open();
+        all.push(found);
+        if !is_open {
+            break;
+        }
+    }
+    let clicked = ClickedPairs { pairs: &clicks.observed(), sigma: parameters.click_sigma };
+    let best = select(&all, &clicked).map(|k| all.swap_remove(k));
+    best.ok_or(EstimateError::NothingWithoutClicks)
+}
+
+/// Returns the clicks with two matches of the leading proposal in place of the missing ones, if it
+/// explains any.
+fn with_stand_ins(prepared: &PreparedPair, clicks: &Clicks, proposals: &FeatureProposals) -> Clicks {
+    let view = proposals.views.first().copied().unwrap_or(RelativeView::UPRIGHT);
+    let patches = prepared.patches_with_features(view, proposals.of);
+    let putative = putative_matches(prepared, prepared.features(proposals.of), &patches);
+    let leader = proposals.hypotheses.first();
+    let pair =
+        leader.and_then(|leader| farthest_apart(prepared, &leader.fundamental, &leader.matches, &putative));
+    pair.map_or_else(|| clicks.clone(), |pair| clicks.with_chosen(pair))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::estimate::exact::ExactScene;
+    use crate::estimate::{ClickRole, Method, Monitor, Preset, estimate_prepared};
+    use crate::geometry::PointPair;
+
+    #[test]
+    fn nobody_has_to_click_and_what_stands_in_is_no_observation() {
+        let scene = ExactScene::aside();
+        let prepared = scene.prepared();
+        let run = |pairs: &[PointPair]| {
+            estimate_prepared(&prepared, pairs, &Parameters::default(), &Monitor::silent()).unwrap()
+        };
+        let [click, _] = scene.clicks();
+        for pairs in [&[][..], &[click]] {
+            let found = run(pairs);
+            let error = scene.error(found.fundamental());
+            assert!(error < 0.3, "{error} px with {} clicks", pairs.len());
+            let trace = found.trace.as_ref().unwrap();
+            let roles: Vec<ClickRole> = trace.clicks.iter().map(|click| click.role).collect();
+            let expected = [ClickRole::Observed, ClickRole::Chosen, ClickRole::Chosen];
+            assert_eq!(roles, expected[1 - pairs.len()..]);
+            assert_eq!((trace.clicks.observed(), trace.clicks.chosen().len()), (pairs.to_vec(), 2));
+            let shown: Vec<PointPair> = trace.pencils.iter().map(|pencils| pencils.click).collect();
+            assert_eq!(shown, trace.clicks.chosen(), "to look at");
+            assert_eq!(found.fundamental(), run(pairs).fundamental(), "the seed decides");
+        }
+    }
+
+    #[test]
+    fn lines_alone_need_no_click_either() {
+        let scene = ExactScene::aside();
+        let prepared = scene.prepared();
+        let mut parameters = Parameters { method: Method::LinesAlone, ..Parameters::from(Preset::Paper) };
+        parameters.lines_alone.lines = 600;
+        let found = estimate_prepared(&prepared, &[], &parameters, &Monitor::silent()).unwrap();
+        let trace = found.trace.as_ref().unwrap();
+        assert!(trace.clicks.is_empty() && trace.counts.candidates[0] > 50, "{:?}", trace.counts);
+        assert!(found.assessment.trust.is_some());
+        let error = scene.error(found.fundamental());
+        assert!(error < 10.0, "{error} px");
+    }
+}

@@ -1,0 +1,128 @@
+//! The figures of any geometry, as if it had been among the hypotheses.
+
+use crate::cancel::CancelFlag;
+use crate::estimate::evidence::lines::{LineExaminer, LineFigures, PencilAngles};
+use crate::estimate::evidence::patches::{BAND, SupportLevel};
+use crate::estimate::evidence::viewed::ViewedPair;
+use crate::estimate::{Assessment, Estimate, Parameters, PatchSupport, PreparedPair, Search};
+use crate::geometry::{FundamentalMatrix, PointPair};
+
+/// What figures are computed from.
+pub(super) struct Examiner<'a> {
+    pub viewed: &'a ViewedPair<'a>,
+    pub parameters: &'a Parameters,
+}
+
+impl Examiner<'_> {
+    /// The patches that agree with `f` (full size), where the search looks at patches.
+    pub fn patch_support(&self, f: &FundamentalMatrix) -> Option<PatchSupport> {
+        match self.parameters.search {
+            Search::Patches => self.viewed.patches.measure(self.viewed.pyramids(), f),
+            Search::Lines => None,
+        }
+    }
+
+    /// What the lines through two clicks say of `f` (full size); `None` where they degenerate. `turn` is about how far
+    /// image 2 is rotated against image 1, radians.
+    pub fn line_figures(
+        &self,
+        clicks: [PointPair; 2],
+        f: &FundamentalMatrix,
+        turn: f64,
+    ) -> Option<LineFigures> {
+        let mut angles = PencilAngles::of(f, &clicks, turn)?;
+        if let Some(fine) = self.fine() {
+            let at_fine = f.rescaled(fine.scales[0], fine.scales[1])?;
+            let matches = fine.support.matches(&at_fine, BAND);
+            let own = clicks.map(|click| click.rescaled(fine.scales));
+            // κ where the scene is, as for every other hypothesis.
+            let pairs = matches.iter().map(|m| m.pair);
+            angles = PencilAngles::nearest(&at_fine, &own, &angles, pairs).unwrap_or(angles);
+        }
+        let cancel = CancelFlag::default();
+        let examiner = LineExaminer::new(&*self.viewed.source, clicks, self.parameters, &cancel);
+        examiner.figures(&[angles]).pop().flatten()
+    }
+
+    fn fine(&self) -> Option<&SupportLevel> {
+        match self.parameters.search {
+            Search::Patches => Some(self.viewed.fine()),
+            Search::Lines => None,
+        }
+    }
+}
+
+/// What the estimator would say of `f` (full size), had it been among the hypotheses of the search that found `beside`
+/// on the same images with these clicks and parameters: to rank a matrix from elsewhere, the true one say.
+///
+/// `None` where the epipolar lines of `f` degenerate at the clicks.
+pub fn examine(
+    prepared: &PreparedPair,
+    clicks: [PointPair; 2],
+    f: &FundamentalMatrix,
+    beside: &Estimate,
+    parameters: &Parameters,
+) -> Option<Estimate> {
+    let viewed = ViewedPair::new(prepared, prepared.patches_of(beside), parameters);
+    let examiner = Examiner { viewed: &viewed, parameters };
+    let turn = beside.hypotheses().first().map_or(beside.view().rotation, Estimate::turn);
+    let assessment = Assessment {
+        lines: Some(examiner.line_figures(clicks, f, turn)?),
+        support: examiner.patch_support(f),
+        ..Assessment::default()
+    };
+    Some(Estimate { geometry: (*f).into(), assessment, trace: None })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::estimate::Preset;
+    use crate::estimate::exact::{ExactScene, ExactSource};
+    use crate::geometry::finite_point;
+
+    #[test]
+    fn figures_tell_the_truth_from_what_is_near_it() {
+        let scene = ExactScene::aside();
+        let prepared = scene.prepared();
+        let viewed = ViewedPair {
+            prepared: &prepared,
+            source: Box::new(ExactSource(scene.fundamental())),
+            patches: prepared.upright_patches(),
+        };
+        let (truth, wrong) = (scene.fundamental(), scene.disturbed(12.0));
+        for (preset, by_patches) in [(Preset::Paper, false), (Preset::Robust, true)] {
+            let parameters = Parameters::from(preset);
+            let examiner = Examiner { viewed: &viewed, parameters: &parameters };
+            let score = |f: &FundamentalMatrix| {
+                examiner.line_figures(scene.clicks(), f, 0.0).and_then(|figures| figures.score).unwrap()
+            };
+            assert!(score(&truth) < 0.5 * score(&wrong), "{} {}", score(&truth), score(&wrong));
+            let [of_truth, of_wrong] = [truth, wrong].map(|f| examiner.patch_support(&f));
+            assert_eq!(of_truth.is_some(), by_patches, "published figures know no patches");
+            if let (Some(right), Some(wrong)) = (of_truth, of_wrong) {
+                assert!(right.score > 1.5 * wrong.score, "{right:?} {wrong:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_matrix_from_elsewhere_is_examined_as_beside_the_search() {
+        let scene = ExactScene::aside();
+        let prepared = scene.prepared();
+        let parameters = Parameters::default();
+        let beside = Estimate::from(scene.disturbed(1.0));
+        let examined = |clicks, f: &FundamentalMatrix| examine(&prepared, clicks, f, &beside, &parameters);
+        let of_truth = examined(scene.clicks(), &scene.fundamental()).unwrap();
+        assert_eq!(of_truth.fundamental(), &scene.fundamental());
+        assert!(of_truth.line_score().is_some() && of_truth.support_score().is_some());
+        assert!(of_truth.trace.is_none() && of_truth.assessment.trust.is_none());
+        // At the epipole there is no line.
+        let forward = ExactScene::forward();
+        let epipole = PointPair {
+            point1: finite_point(&forward.fundamental().epipole1()).unwrap(),
+            point2: finite_point(&forward.fundamental().epipole2()).unwrap(),
+        };
+        assert!(examined([epipole, forward.clicks()[1]], &forward.fundamental()).is_none());
+    }
+}

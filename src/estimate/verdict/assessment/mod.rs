@@ -1,0 +1,233 @@
+//! How far a geometry is to be trusted: what its lines, patches, matches and rivals say, and a verdict in words.
+
+mod degeneracy;
+mod examination;
+mod lens;
+mod margin;
+mod parallax;
+mod pattern;
+
+pub use degeneracy::SMALLEST_SIDE;
+pub use examination::examine;
+
+pub(in crate::estimate) use degeneracy::{check_images, check_points, little_texture};
+
+use std::sync::Arc;
+
+use nalgebra::Matrix3;
+
+use crate::cancel::CancelFlag;
+use crate::estimate::evidence::lines::ComparedPencils;
+use crate::estimate::evidence::patches::{Refined, largest_plane, resized};
+use crate::estimate::evidence::viewed::ViewedPair;
+use crate::estimate::verdict::trust::{Evidence, PlaneEvidence, RefinedOn, Together, USUAL_SIDE};
+use crate::estimate::{
+    Assessment, Clicks, Estimate, Parameters, PatchSupport, PlaneHomography, Refinement, Search, Trust,
+    Warning,
+};
+use crate::geometry::{FundamentalMatrix, PointPair, median, sampson_distance, transfer_error};
+use examination::Examiner;
+use margin::{all_apart, differs, least_clear, margin, rival};
+use parallax::{CORNER_SIGMA, OffPlane, precision};
+
+/// How near a match must be to a homography to be explained by it, px in an image of up to [`USUAL_SIDE`] px, more in
+/// proportion in larger ones, where corners are found less precisely: three deviations of a refined match.
+const PLANE_TOLERANCE: f64 = 1.0;
+
+/// Largest parallax of the matches searched near a plane, as a share of the longer side: larger
+/// ones are seen by distinctive matches, which are precise to a pixel.
+const NEAR_PLANE: f64 = 0.015;
+
+/// What a geometry is judged by, besides itself.
+pub(in crate::estimate) struct Judge<'a> {
+    pub viewed: &'a ViewedPair<'a>,
+    pub clicks: &'a Clicks,
+    pub parameters: &'a Parameters,
+    /// The geometries that were found, best first.
+    pub hypotheses: &'a [Estimate],
+    /// Through the anchors of `clicks`.
+    pub pencils: &'a [Arc<ComparedPencils>],
+    /// Whether the geometry is what the clicks determine by themselves.
+    pub clicks_alone: bool,
+    pub cancel: &'a CancelFlag,
+}
+
+impl Judge<'_> {
+    /// What is known about a geometry before everything has been looked at.
+    pub fn preliminary(&self, f: &FundamentalMatrix, support: Option<PatchSupport>) -> Assessment {
+        Assessment {
+            lines: self.hypotheses.first().and_then(|best| best.assessment.lines.clone()),
+            support,
+            margin: margin(
+                self.hypotheses,
+                rival(f, self.hypotheses, &[], self.viewed.prepared.frames()),
+                self.parameters.search,
+            ),
+            refined_margin: None,
+            apart: None,
+            barcodes: None,
+            refinement: None,
+            warnings: self.warnings(f),
+            trust: None,
+            plane: None,
+        }
+    }
+
+    /// Everything about a final geometry, with the verdict. `supporting` are the matches on which rivals are compared
+    /// with it.
+    pub fn result(
+        &self,
+        f: &FundamentalMatrix,
+        supporting: &[PointPair],
+        refined: Option<Refined>,
+    ) -> Assessment {
+        let Self { viewed, parameters, .. } = *self;
+        let examiner = Examiner { viewed, parameters };
+        // The figures of the result itself, not of the hypothesis it was refined from.
+        let turn = self.hypotheses.first().map_or(0.0, Estimate::turn);
+        let anchors = self.clicks.anchors();
+        let lines = anchors.first_chunk::<2>().and_then(|anchors| examiner.line_figures(*anchors, f, turn));
+        let support = examiner.patch_support(f);
+        let apart = all_apart(f, self.hypotheses, supporting, viewed.prepared.frames());
+        let margin = margin(self.hypotheses, apart.rival(), parameters.search);
+        let least = |refined: &Refined| least_clear(refined.weight, refined.weight_deviation);
+        let has_rival = apart.rival().is_some();
+        // Where figures before refinement are missing, those after it tell.
+        let is_open = |refined: &&Refined| has_rival && margin.is_none_or(|margin| margin < least(refined));
+        let open = refined.as_ref().filter(is_open);
+        let refined_margin = open.map(|refined| self.refined_margin(f, refined.weight, supporting));
+        let refinement = refined.map(|refined| refined.refinement);
+        let (trust, plane) = self.trust(f, refined_margin.or(margin), refinement.as_ref());
+        let (trust, warnings) = (Some(trust), self.warnings(f));
+        Assessment {
+            lines,
+            support,
+            margin,
+            refined_margin,
+            apart: Some(apart),
+            barcodes: None,
+            refinement,
+            warnings,
+            trust,
+            plane,
+        }
+    }
+
+    /// Advantage of a refined geometry, whose matches weigh `weight`, over the rivals when these are refined, too: those
+    /// that stay different have to find matches of their own at full resolution.
+    fn refined_margin(&self, f: &FundamentalMatrix, weight: f64, supporting: &[PointPair]) -> f64 {
+        let Self { viewed, parameters, .. } = *self;
+        let observed = self.clicks.observed();
+        let is_rival = |other: &FundamentalMatrix| differs(f, other, supporting, viewed.prepared.frames());
+        let heaviest = self
+            .hypotheses
+            .iter()
+            .map(Estimate::fundamental)
+            .filter(|other| is_rival(other))
+            .take(parameters.refinement.rivals)
+            .filter_map(|rival| {
+                viewed.patches.refine(
+                    viewed.pyramids(),
+                    rival,
+                    &observed,
+                    parameters.click_sigma,
+                    self.cancel,
+                )
+            })
+            .filter(|refined| is_rival(&refined.fundamental))
+            .map(|refined| refined.weight)
+            .fold(0.0, f64::max);
+        margin::relative(weight, heaviest)
+    }
+
+    fn warnings(&self, f: &FundamentalMatrix) -> Vec<Warning> {
+        let of_clicks = degeneracy::click_warnings(f, self.viewed.prepared.frames(), self.clicks);
+        let mut warnings = little_texture(self.clicks, self.pencils);
+        warnings.extend(of_clicks);
+        warnings
+    }
+
+    /// The largest plane, what it explains, what lies off it, and what stands out whatever the geometry.
+    fn plane(
+        &self,
+        f: &FundamentalMatrix,
+        matches: &[PointPair],
+        tolerance: f64,
+    ) -> Option<(PlaneHomography, PlaneEvidence, Together)> {
+        let frames = self.viewed.prepared.frames();
+        let (h, most) = largest_plane(matches, tolerance, self.parameters.seed)?;
+        let share = most as f64 / matches.len() as f64;
+        let bent_share = lens::share_through_a_lens(matches, &h, frames, tolerance);
+        let fine = self.viewed.fine();
+        let [s1, s2] = fine.scales;
+        let (h_fine, f_fine) = (resized(&h, fine.scales)?, f.rescaled(s1, s2)?);
+        let (side, side_fine) = (frames[0].longer_side(), s1 * frames[0].longer_side());
+        let distinctive = fine.support.distinctive();
+        let afar = OffPlane::new(&distinctive, &f_fine, &h_fine, side_fine, CORNER_SIGMA);
+        let near = self.viewed.patches.matches_near_plane(self.viewed.pyramids(), &h, NEAR_PLANE);
+        let closely = OffPlane::new(&near, f, &h, side, precision(&near, f));
+        // What somebody says is one point of the scene in both images.
+        let clicked = OffPlane::new(&self.clicks.observed(), f, &h, side, self.parameters.click_sigma);
+        // Any of them may hold the epipoles: what is seen from afar, what is seen finely, or what was clicked.
+        let evidence = [afar, closely, clicked].map(|off| {
+            let OffPlane { groups, agreeing, motions, by_chance, motions_by_chance } = off;
+            PlaneEvidence { share, bent_share, groups, agreeing, motions, by_chance, motions_by_chance }
+        });
+        let evidence = evidence.into_iter().reduce(PlaneEvidence::or_stronger)?;
+        let together = parallax::together(&distinctive, &f_fine, &h_fine, side_fine);
+        Some((plane_homography(&h, matches, tolerance), evidence, together))
+    }
+
+    /// The verdict, and the plane where it says that there is no more.
+    fn trust(
+        &self,
+        f: &FundamentalMatrix,
+        margin: Option<f64>,
+        refinement: Option<&Refinement>,
+    ) -> (Trust, Option<PlaneHomography>) {
+        let parameters = self.parameters;
+        let distances: Vec<f64> =
+            self.clicks.observed().iter().map(|pair| sampson_distance(f, pair)).collect();
+        let matches: Vec<PointPair> =
+            refinement.iter().flat_map(|r| r.matches.iter().map(|m| m.pair)).collect();
+        let uncertainty = refinement.and_then(|r| r.uncertainty.as_ref());
+        let deviation = uncertainty.and_then(|uncertainty| uncertainty.median_line2_deviation(&matches));
+        let side = self.viewed.prepared.frames()[0].longer_side();
+        let tolerance = PLANE_TOLERANCE * (side / USUAL_SIDE).max(1.0);
+        let found = self.plane(f, &matches, tolerance);
+        let trust = Trust::judge(&Evidence {
+            patches: parameters.search == Search::Patches,
+            barcodes: None,
+            refined_on: match refinement {
+                Some(refinement) => RefinedOn::Matches(refinement.matches.len()),
+                None if self.clicks_alone => RefinedOn::Clicks,
+                None if !parameters.refinement.refine => RefinedOn::Nothing,
+                None => RefinedOn::TooFewMatches,
+            },
+            clicks: &distances,
+            click_sigma: parameters.click_sigma,
+            margin,
+            deviation,
+            plane: found.as_ref().map(|(_, evidence, _)| *evidence),
+            together: found.as_ref().map(|(.., together)| *together).unwrap_or_default(),
+            pattern: pattern::residual_pattern(&matches, f, side),
+            side,
+        });
+        let plane = found.map(|(plane, ..)| plane).filter(|_| trust.says_one_plane());
+        (trust, plane)
+    }
+}
+
+/// A plane that was found, as it is told.
+fn plane_homography(h: &Matrix3<f64>, matches: &[PointPair], tolerance: f64) -> PlaneHomography {
+    let residuals: Vec<f64> =
+        matches.iter().map(|m| transfer_error(h, m)).filter(|error| *error < tolerance).collect();
+    let last = h[(2, 2)];
+    let divisor = if last.abs() > 1e-9 * h.norm() { last } else { h.norm() };
+    PlaneHomography {
+        homography21: h / divisor,
+        matches: residuals.len(),
+        share: residuals.len() as f64 / matches.len().max(1) as f64,
+        residual: median(residuals),
+    }
+}

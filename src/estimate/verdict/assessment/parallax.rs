@@ -1,0 +1,369 @@
+//! Whether the epipole is held by parallax: what a camera that stands still or only turns lacks while things move.
+//!
+//! Where one homography explains most matches, those matches say nothing about where the epipolar lines meet. What lies
+//! off it moves against it along the line through the epipole. A thing that moves by itself does too, for the one
+//! epipole on the line of its own motion, and an epipole has two degrees of freedom: it fits any **two** independent
+//! motions. So the matches off the plane are taken in groups that move alike, whether or not they agree with F. If a
+//! group has nothing to do with F, its parallax of `d` px has any direction, and it is as near as `e` px to the line with
+//! probability
+//!
+//! ```text
+//!     p = 2/π · asin(e / d).
+//! ```
+//!
+//! Then `−ln p` is exponentially distributed, and a sum of `n` of them has the gamma distribution (Fisher 1932). Each two
+//! of `n` groups determine an epipole, which the others are held against:
+//!
+//! ```text
+//!     N = n (n − 1) / 2 · P(Γ(n − 2) ≥ − Σ ln p of all but the two best)
+//! ```
+//!
+//! is the number of epipoles that do as well as that of F, if nothing has to do with any (a number of false alarms:
+//! Desolneux, Moisan & Morel 2000; Moisan & Stival 2004 for F itself). Groups that move alike in several places may be one
+//! body: the halves of a picture that are pulled apart agree wherever one looks. So N is also taken of motions, each of
+//! which counts once, with its mean. A few matches are wrong wherever they come from, and where patterns repeat (lines of
+//! print, the teeth of a chip) they are shifted along the pattern as if they were deeper: a motion is held by more matches
+//! than are wrong on the whole, or it says nothing for F.
+//!
+//! Distinctive matches are found to a pixel, so parallax of less than some pixels does not show in them. Nearer to the
+//! plane, matches are looked for around where the plane puts them and aligned to a fraction of a pixel. Neither kind
+//! knows anything of F. Clicked pairs are a third kind: somebody says that they are points of the scene. F was fitted to them,
+//! but that takes no more than the two which N leaves out.
+//!
+//! What moves by itself as several parts at once (something that turns) shows as matches that stand out, move together,
+//! and contradict F: see [`together`].
+
+use nalgebra::Matrix3;
+
+use crate::estimate::evidence::patches::BAND;
+use crate::estimate::verdict::poisson::fewer_than;
+use crate::estimate::verdict::trust::{Together, WRONG_TOGETHER};
+use crate::geometry::{FundamentalMatrix, PointPair, Vector, finite_point};
+
+/// What lies off the largest plane.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct OffPlane {
+    /// Groups of matches that move alike, and how many of them agree with F.
+    pub groups: usize,
+    pub agreeing: usize,
+    /// Motions among those that agree, wherever they are seen, with more matches than are wrong.
+    pub motions: usize,
+    /// Epipoles, of those that two groups determine, which do as well if nothing has to do with any: N above.
+    pub by_chance: f64,
+    /// The same of motions, each of which counts once wherever it is seen.
+    pub motions_by_chance: f64,
+}
+
+/// Standard deviation of a coordinate of a match between corners, px of the level: each is found to a pixel.
+pub(super) const CORNER_SIGMA: f64 = 0.7;
+/// Distance of a match from a plane, in deviations, beyond which it lies off the plane. Clearly
+/// more than noise, since many matches are tried.
+const OFF_PLANE: f64 = 6.0;
+/// Difference between motions, in deviations, below which they are alike. Not measured.
+const ALIKE: f64 = 4.0;
+/// Distance of a match from its line, in deviations, beyond which it disagrees: 99.7 % of Gaussian
+/// errors are below it.
+const OFF_LINE: f64 = 3.0;
+/// Difference between motions, as a share of their length, below which they are one. A homography
+/// tilted by moving objects makes one motion vary a little from end to end. Not measured.
+const ALIKE_SHARE: f64 = 0.1;
+/// Least deviation of an aligned match, px. Not measured.
+const ALIGNED: f64 = 0.15;
+/// Median absolute value of a normal distribution, in standard deviations.
+const MEDIAN: f64 = 0.6745;
+/// Largest distance between matches of one group, as a share of the longer side: moving objects are
+/// small, and a surface seen in two places counts twice. Not measured.
+const TOGETHER: f64 = 0.1;
+/// Radius of the neighbourhood of a match, as a share of the longer side. Not measured.
+const NEIGHBOURS: f64 = 0.1;
+/// Neighbours that must move alike for a match to count. Wrong matches seldom have two such. Not
+/// measured.
+const LEAST_NEIGHBOURS: usize = 2;
+/// Difference between parallaxes of neighbours, as a share of their distance, below which they move
+/// alike: a surface at a slant.
+const SAME_MOTION: f64 = 0.15;
+/// Difference between parallaxes of neighbours, px of the level, below which they move alike: about
+/// two deviations of a corner.
+const SAME_MOTION_PX: f64 = 1.5;
+/// Distance of a match from its line, px of the level, beyond which it contradicts a geometry:
+/// twice the error of corners and of a good `F`.
+const CONTRADICTING: f64 = 2.0 * BAND;
+
+/// Matches off the plane that move alike.
+#[derive(Debug, Clone, Copy)]
+struct MotionGroup {
+    matches: usize,
+    parallax: Vector,
+    /// How far it is off its epipolar line, px.
+    off_line: f64,
+    /// The least distance that means anything, px.
+    precision: f64,
+}
+
+/// Standard deviation of a coordinate of matches most of which agree with `f`, px: that of their distances from their
+/// lines. Where most lie on one plane this says nothing for F, as any epipole has the lines of a plane pass its matches.
+pub(super) fn precision(matches: &[PointPair], f: &FundamentalMatrix) -> f64 {
+    let distance = |m: &PointPair| Some(f.line2_from_point1(m.point1)?.distance(m.point2));
+    let mut distances: Vec<f64> = matches.iter().filter_map(distance).collect();
+    distances.sort_by(f64::total_cmp);
+    distances.get(distances.len() / 2).map_or(ALIGNED, |median| (median / MEDIAN).max(ALIGNED))
+}
+
+impl MotionGroup {
+    /// `− ln p` above.
+    fn surprise(&self) -> f64 {
+        let ratio = (self.off_line.max(self.precision) / self.parallax.norm()).min(1.0);
+        -(ratio.asin() * std::f64::consts::FRAC_2_PI).ln()
+    }
+}
+
+impl OffPlane {
+    /// The matches off the plane with homography `h`, and how `f` agrees with them. `sigma` is the standard deviation of
+    /// a coordinate, `side` the longer side of image 1, px.
+    pub fn new(
+        matches: &[PointPair],
+        f: &FundamentalMatrix,
+        h: &Matrix3<f64>,
+        side: f64,
+        sigma: f64,
+    ) -> Self {
+        let off = parallaxes(matches, h, OFF_PLANE * sigma);
+        let group = |members: Vec<usize>| {
+            let count = members.len() as f64;
+            let mut distances: Vec<f64> = members
+                .iter()
+                .filter_map(|k| Some((f.line2_from_point1(off[*k].0.point1)?, off[*k].0.point2)))
+                .map(|(line, point2)| line.signed_distance(point2))
+                .collect();
+            distances.sort_by(f64::total_cmp);
+            MotionGroup {
+                matches: members.len(),
+                parallax: members.iter().map(|k| off[*k].1).sum::<Vector>() / count,
+                // A point without a line is the epipole itself.
+                off_line: distances.get(distances.len() / 2).map_or(0.0, |distance| distance.abs()),
+                precision: sigma / count.sqrt(),
+            }
+        };
+        let groups: Vec<MotionGroup> =
+            moving_alike(&off, ALIKE * sigma, TOGETHER * side).into_iter().map(group).collect();
+        Self::of(&groups, sigma, WRONG_TOGETHER * matches.len() as f64)
+    }
+
+    /// What groups say; so many of their matches are wrong.
+    fn of(groups: &[MotionGroup], sigma: f64, wrong: f64) -> Self {
+        let agrees = |group: &&MotionGroup| group.off_line <= OFF_LINE * sigma;
+        let motions = motions(groups, ALIKE * sigma);
+        let is_held = |motion: &&Vec<&MotionGroup>| {
+            motion.iter().map(|group| group.matches).sum::<usize>() as f64 > wrong
+        };
+        let agreeing_motions = motions.iter().filter(is_held).filter(|motion| motion.iter().any(&agrees));
+        let by_chance = |motions: &mut dyn Iterator<Item = &Vec<&MotionGroup>>| {
+            number_by_chance(motions.map(|motion| mean_surprise(motion)).collect())
+        };
+        Self {
+            groups: groups.len(),
+            agreeing: groups.iter().filter(agrees).count(),
+            motions: agreeing_motions.count(),
+            by_chance: number_by_chance(groups.iter().map(MotionGroup::surprise).collect()),
+            // What contradicts F does so however little it is.
+            motions_by_chance: by_chance(&mut motions.iter())
+                .max(by_chance(&mut motions.iter().filter(is_held))),
+        }
+    }
+}
+
+/// Distinctive matches that move like others around them, and how many contradict `f`; `h` is the largest plane, in
+/// pixels of the level, against which motions are alike.
+pub(super) fn together(
+    distinctive: &[PointPair],
+    f: &FundamentalMatrix,
+    h: &Matrix3<f64>,
+    side: f64,
+) -> Together {
+    let all = parallaxes(distinctive, h, 0.0);
+    let mut found = Together::default();
+    for (k, (pair, parallax)) in all.iter().enumerate() {
+        let alike = |(other, (near, its)): (usize, &(PointPair, Vector))| {
+            let distance = (near.point1 - pair.point1).norm();
+            other != k
+                && distance < NEIGHBOURS * side
+                && (its - parallax).norm() < SAME_MOTION * distance + SAME_MOTION_PX
+        };
+        if all.iter().enumerate().filter(|other| alike(*other)).count() < LEAST_NEIGHBOURS {
+            continue;
+        }
+        found.matches += 1;
+        let off =
+            f.line2_from_point1(pair.point1).is_none_or(|line| line.distance(pair.point2) > CONTRADICTING);
+        found.contradicting += usize::from(off);
+    }
+    found
+}
+
+/// Matches that are more than `least` px off the plane, each with its parallax.
+fn parallaxes(matches: &[PointPair], h: &Matrix3<f64>, least: f64) -> Vec<(PointPair, Vector)> {
+    let parallax = |pair: &PointPair| {
+        let parallax = pair.point2 - finite_point(&(h * pair.point1.to_homogeneous()))?;
+        (parallax.norm() > least).then_some((*pair, parallax))
+    };
+    matches.iter().filter_map(parallax).collect()
+}
+
+/// Numbers of the matches that belong to one group each: those that move like the first of them, near it. A surface that
+/// runs in depth moves differently from end to end, which nothing does that is only shifted.
+fn moving_alike(off: &[(PointPair, Vector)], alike: f64, together: f64) -> Vec<Vec<usize>> {
+    let mut is_grouped = vec![false; off.len()];
+    let mut groups: Vec<Vec<usize>> = Vec::new();
+    for (seed, (pair, parallax)) in off.iter().enumerate() {
+        if is_grouped[seed] {
+            continue;
+        }
+        let is_alike = |(other, its): &(PointPair, Vector)| {
+            (its - parallax).norm() < alike && (other.point1 - pair.point1).norm() < together
+        };
+        let members: Vec<usize> =
+            (seed..off.len()).filter(|k| !is_grouped[*k] && is_alike(&off[*k])).collect();
+        for k in &members {
+            is_grouped[*k] = true;
+        }
+        groups.push(members);
+    }
+    groups
+}
+
+/// Groups that move alike, wherever they are seen.
+fn motions(groups: &[MotionGroup], alike: f64) -> Vec<Vec<&MotionGroup>> {
+    let mut motions: Vec<Vec<&MotionGroup>> = Vec::new();
+    for group in groups {
+        let is_alike = |motion: &&mut Vec<&MotionGroup>| {
+            let first = motion[0].parallax;
+            (first - group.parallax).norm() <= alike.max(ALIKE_SHARE * first.norm())
+        };
+        match motions.iter_mut().find(is_alike) {
+            Some(motion) => motion.push(group),
+            None => motions.push(vec![group]),
+        }
+    }
+    motions
+}
+
+fn mean_surprise(motion: &[&MotionGroup]) -> f64 {
+    motion.iter().map(|group| group.surprise()).sum::<f64>() / motion.len() as f64
+}
+
+/// N above, of `− ln p`.
+fn number_by_chance(mut surprises: Vec<f64>) -> f64 {
+    let count = surprises.len();
+    if count < 3 {
+        return f64::INFINITY;
+    }
+    surprises.sort_by(f64::total_cmp);
+    let others = &surprises[..count - 2];
+    (count * (count - 1) / 2) as f64 * gamma_tail(others.len(), others.iter().sum())
+}
+
+/// Probability that a sum of `n` numbers, each exponentially distributed with mean 1, is at least `sum`.
+fn gamma_tail(n: usize, sum: f64) -> f64 {
+    fewer_than(n, sum).min(1.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tails_of_the_gamma_distribution() {
+        assert!((gamma_tail(1, 2.0) - (-2f64).exp()).abs() < 1e-12);
+        assert!((gamma_tail(3, 2.0) - (-2f64).exp() * 5.0).abs() < 1e-12);
+        assert!((gamma_tail(5, 0.0) - 1.0).abs() < 1e-12);
+        assert!(gamma_tail(40, 160.0) < 1e-20);
+    }
+
+    #[test]
+    fn what_moves_alike_nearby_is_one_group() {
+        let moved =
+            |x: f64, y: f64, dx: f64, dy: f64| (PointPair::new(x, y, x + dx, y + dy), Vector::new(dx, dy));
+        let off = [
+            moved(10.0, 10.0, 8.0, 0.0),
+            moved(40.0, 10.0, 9.0, 1.0),
+            moved(70.0, 12.0, 10.0, 1.5),
+            moved(20.0, 10.0, -8.0, 0.0),
+            moved(400.0, 10.0, 8.0, 0.0),
+        ];
+        assert_eq!(moving_alike(&off, 3.0, 100.0), [vec![0, 1, 2], vec![3], vec![4]]);
+        let deeper =
+            [moved(10.0, 10.0, 8.0, 0.0), moved(20.0, 10.0, 10.0, 0.0), moved(30.0, 10.0, 12.0, 0.0)];
+        assert_eq!(moving_alike(&deeper, 3.0, 100.0).len(), 2, "a surface in depth");
+    }
+
+    /// Groups of different parallax, those that agree 0.3 px off their lines, the others half their parallax.
+    fn groups(agreeing: usize, other: usize) -> Vec<MotionGroup> {
+        let group = |k: usize| {
+            let parallax = Vector::new(8.0 + 5.0 * k as f64, 0.0);
+            let off_line = if k < agreeing { 0.3 } else { 0.7 * parallax.x };
+            MotionGroup { matches: 3, parallax, off_line, precision: 0.3 }
+        };
+        (0..agreeing + other).map(group).collect()
+    }
+
+    #[test]
+    fn any_epipole_fits_two_motions_and_more_hold_one() {
+        for (agreeing, other) in [(0, 9), (2, 0), (2, 20), (3, 20)] {
+            let found = OffPlane::of(&groups(agreeing, other), 0.3, 0.5);
+            assert_eq!((found.groups, found.agreeing), (agreeing + other, agreeing));
+            assert_eq!(found.motions, agreeing);
+            assert!(found.by_chance > 0.1, "{agreeing} of {}: {}", agreeing + other, found.by_chance);
+        }
+        let held = OffPlane::of(&groups(8, 4), 0.3, 0.5);
+        assert!(held.by_chance < 1e-3, "{}", held.by_chance);
+    }
+
+    #[test]
+    fn two_halves_move_in_one_way_wherever_one_looks() {
+        let half = |k: u32| MotionGroup {
+            matches: 40,
+            parallax: Vector::new(18.0 + 0.1 * f64::from(k), 2.0),
+            off_line: 0.1,
+            precision: 0.15,
+        };
+        // One half, seen in twelve places, and three false matches, one of which happens to agree.
+        let halves: Vec<MotionGroup> = (0..12).map(half).chain(groups(1, 2)).collect();
+        let found = OffPlane::of(&halves, 0.3, 0.5);
+        assert_eq!((found.groups, found.agreeing, found.motions), (15, 13, 2));
+        assert!(found.by_chance < 1e-3 && found.motions_by_chance > 1.0, "{found:?}");
+        let alone = OffPlane::of(&halves[..12], 0.3, 0.5);
+        assert!(alone.motions_by_chance.is_infinite() && alone.motions == 1, "{alone:?}");
+    }
+
+    #[test]
+    fn motions_of_no_more_matches_than_are_wrong_say_nothing() {
+        // One body that is seen everywhere, and matches along a pattern that repeats.
+        let body = MotionGroup { matches: 900, ..groups(1, 0)[0] };
+        let scrolled: Vec<MotionGroup> = std::iter::once(body).chain(groups(9, 0).split_off(1)).collect();
+        let motions = |wrong: f64| OffPlane::of(&scrolled, 0.3, wrong);
+        assert_eq!((motions(2.9).motions, motions(3.0).motions), (9, 1));
+        assert!(motions(2.9).motions_by_chance < 1e-3 && motions(3.0).motions_by_chance > 1.0);
+        // What contradicts is not left out.
+        let contradicted = |wrong: f64| OffPlane::of(&groups(6, 30), 0.3, wrong).motions_by_chance;
+        assert!(contradicted(4.0) >= contradicted(0.0));
+    }
+
+    #[test]
+    fn matches_that_move_together_contradict_what_they_are_far_from() {
+        let f = crate::estimate::exact::rows(0.0);
+        let plane = Matrix3::identity();
+        let row = |x: f64, y: f64, dy: f64| PointPair::new(x, y, x + 10.0, y + dy);
+        let mut all: Vec<PointPair> = (0..20).map(|k| row(15.0 * f64::from(k), 50.0, 0.0)).collect();
+        let found = together(&all, &f, &plane, 768.0);
+        assert_eq!(found, Together { matches: 20, contradicting: 0 });
+        // Three that move down together, and one alone, which may be a false match.
+        all.extend([
+            row(100.0, 300.0, 8.0),
+            row(110.0, 300.0, 8.5),
+            row(120.0, 305.0, 8.0),
+            row(500.0, 500.0, 9.0),
+        ]);
+        let found = together(&all, &f, &plane, 768.0);
+        assert_eq!(found, Together { matches: 23, contradicting: 3 });
+    }
+}

@@ -1,0 +1,214 @@
+//! Which of several refined geometries is the result: what the images say of them, and the clicks where these leave it open.
+//!
+//! Of refinements the one whose matches weigh most is the right one, on nearly every pair measured. Where another weighs
+//! about as much (by less than the margin from which on a verdict calls the advantage clear, or by less than weights of so
+//! few matches scatter), the images leave it open, and one that at least two clicks fewer contradict is taken: one click may
+//! be a mistake, two do not agree by mistake. A geometry that most of the clicks are far from is none of this scene, whatever
+//! chance matches it has.
+
+use crate::estimate::evidence::patches::Refined;
+use crate::estimate::verdict::trust::{
+    CHANCE_DEVIATIONS, CLEAR_MARGIN, CLICK_DEVIATIONS, CLICK_DEVIATIONS_WRONG,
+};
+use crate::geometry::{FundamentalMatrix, PointPair, sampson_distance};
+
+/// A geometry and how much its refined matches weigh.
+pub(in crate::estimate) trait Weighed {
+    fn fundamental(&self) -> &FundamentalMatrix;
+    fn weight(&self) -> f64;
+    /// Standard deviation of the weight: by how much that of as many matches of this kind scatters by chance.
+    fn weight_deviation(&self) -> f64;
+}
+
+impl Weighed for Refined {
+    fn fundamental(&self) -> &FundamentalMatrix {
+        &self.fundamental
+    }
+
+    fn weight(&self) -> f64 {
+        self.weight
+    }
+
+    fn weight_deviation(&self) -> f64 {
+        self.weight_deviation
+    }
+}
+
+/// What clicks say of geometries.
+pub(in crate::estimate) struct ClickedPairs<'a> {
+    /// The pairs, full-size pixels.
+    pub pairs: &'a [PointPair],
+    /// Standard deviation of a click, px.
+    pub sigma: f64,
+}
+
+impl ClickedPairs<'_> {
+    /// How many are farther than so many deviations from their lines.
+    fn contradicting(&self, f: &FundamentalMatrix, deviations: f64) -> usize {
+        self.pairs.iter().filter(|pair| sampson_distance(f, pair) > deviations * self.sigma).count()
+    }
+
+    /// Whether at least two contradict a refined geometry.
+    pub fn speak_against(&self, f: &FundamentalMatrix) -> bool {
+        self.contradicting(f, CLICK_DEVIATIONS) >= SPEAK
+    }
+
+    /// Whether they speak for a refined geometry against another: at least two fewer contradict it.
+    pub fn prefer(&self, f: &FundamentalMatrix, other: &FundamentalMatrix) -> bool {
+        self.contradicting(f, CLICK_DEVIATIONS) + SPEAK <= self.contradicting(other, CLICK_DEVIATIONS)
+    }
+
+    /// Geometries, not refined yet, that clicks prefer to a refined one: at least two fewer are far from their lines.
+    /// Ones that the fewest are far from come first, and otherwise the order stays. Without a refined one all are preferred
+    /// that not most of them refuse.
+    pub fn preferred(
+        &self,
+        all: &[FundamentalMatrix],
+        refined: Option<&FundamentalMatrix>,
+    ) -> Vec<FundamentalMatrix> {
+        let against = refined.map(|f| self.contradicting(f, CLICK_DEVIATIONS));
+        let far = |f: &FundamentalMatrix| self.contradicting(f, CLICK_DEVIATIONS_WRONG);
+        let is_preferred = |f: &&FundamentalMatrix| match against {
+            Some(against) => far(f) + SPEAK <= against,
+            None => !self.refuse(f),
+        };
+        let mut preferred: Vec<FundamentalMatrix> = all.iter().filter(is_preferred).copied().collect();
+        preferred.sort_by_cached_key(far);
+        preferred
+    }
+
+    /// Whether most of them are far from their lines.
+    pub fn refuse(&self, f: &FundamentalMatrix) -> bool {
+        2 * self.contradicting(f, CLICK_DEVIATIONS_WRONG) > self.pairs.len()
+    }
+}
+
+/// Minimum number of clicks that can overrule the best-supported geometry. One click may be a
+/// mistake.
+const SPEAK: usize = 2;
+
+/// The number of the result among several geometries, the first of equals; `None` without any.
+pub(in crate::estimate) fn select<T: Weighed>(all: &[T], clicks: &ClickedPairs) -> Option<usize> {
+    let weight = |k: &usize| all[*k].weight();
+    let lighter = |a: &usize, b: &usize| weight(a).total_cmp(&weight(b)).then(b.cmp(a));
+    let heaviest = (0..all.len()).max_by(lighter)?;
+    let contradicting = |k: &usize| clicks.contradicting(all[*k].fundamental(), CLICK_DEVIATIONS);
+    let against = contradicting(&heaviest);
+    // As if no match belonged to both.
+    let scatter =
+        |k: &usize| CHANCE_DEVIATIONS * all[*k].weight_deviation().hypot(all[heaviest].weight_deviation());
+    let open = |k: &usize| scatter(k).max(CLEAR_MARGIN * weight(&heaviest));
+    let best = (0..all.len())
+        .filter(|k| weight(&heaviest) - weight(k) <= open(k))
+        .filter(|k| contradicting(k) + SPEAK <= against)
+        .max_by(|a, b| contradicting(b).cmp(&contradicting(a)).then(lighter(a, b)));
+    best.or(Some(heaviest))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::estimate::exact::rows;
+
+    /// A geometry among others.
+    struct Rival {
+        weight: f64,
+        deviation: f64,
+        fundamental: FundamentalMatrix,
+    }
+
+    impl Weighed for Rival {
+        fn fundamental(&self) -> &FundamentalMatrix {
+            &self.fundamental
+        }
+
+        fn weight(&self) -> f64 {
+            self.weight
+        }
+
+        fn weight_deviation(&self) -> f64 {
+            self.deviation
+        }
+    }
+
+    /// The chosen one among weights with shifts of the rows, where a weight scatters by so much.
+    fn among(all: &[(f64, f64)], deviation: f64, pairs: &[PointPair]) -> Option<f64> {
+        let rival =
+            |(weight, shift): &(f64, f64)| Rival { weight: *weight, deviation, fundamental: rows(*shift) };
+        let all_rivals: Vec<Rival> = all.iter().map(rival).collect();
+        select(&all_rivals, &ClickedPairs { pairs, sigma: 1.0 }).map(|k| all[k].1)
+    }
+
+    /// The same for clicks that agree with no shift, and weights that scatter little.
+    fn shift(all: &[(f64, f64)]) -> Option<f64> {
+        among(all, 0.5, &[10.0, 90.0, 200.0].map(|y| PointPair::new(20.0, y, 30.0, y)))
+    }
+
+    #[test]
+    fn the_heaviest_is_the_result_and_of_equals_the_first() {
+        assert_eq!(shift(&[(10.0, 1.0), (12.0, 2.0), (12.0, 3.0)]), Some(2.0));
+        assert_eq!(shift(&[]), None);
+        // Without clicks, too.
+        assert_eq!(among(&[(9.0, 50.0), (8.9, 0.0)], 0.5, &[]), Some(50.0));
+    }
+
+    #[test]
+    fn clicks_decide_where_the_images_do_not() {
+        // Sampson distances are shorter by √2.
+        assert_eq!(shift(&[(10.0, 9.0), (8.1, 2.0)]), Some(2.0), "within the margin");
+        assert_eq!(shift(&[(10.0, 9.0), (8.1, 2.0), (8.3, 1.0)]), Some(1.0), "of several the heaviest");
+        assert_eq!(shift(&[(10.0, 9.0), (7.9, 2.0)]), Some(9.0), "beaten by more");
+        assert_eq!(shift(&[(10.0, 5.0), (9.0, 0.0)]), Some(5.0), "no click contradicts it");
+        assert_eq!(shift(&[(10.0, 9.0), (9.0, 8.0)]), Some(9.0), "both are contradicted");
+    }
+
+    #[test]
+    fn weights_of_few_matches_leave_more_to_the_clicks() {
+        let pairs = [10.0, 90.0].map(|y| PointPair::new(20.0, y, 30.0, y));
+        // A difference of 4 and its deviation, √2 times that of each.
+        for (deviation, expected) in [(1.4, 9.0), (1.5, 0.0)] {
+            let found = among(&[(10.0, 9.0), (6.0, 0.0)], deviation, &pairs);
+            assert_eq!(found, Some(expected), "{deviation}");
+        }
+    }
+
+    #[test]
+    fn what_clicks_prefer_is_found_however_far_behind() {
+        let pairs = [10.0, 60.0, 90.0, 200.0].map(|y| PointPair::new(20.0, y, 30.0, y));
+        let clicks = ClickedPairs { pairs: &pairs, sigma: 1.0 };
+        assert!(clicks.speak_against(&rows(9.0)) && !clicks.speak_against(&rows(3.0)));
+        let one_off = [pairs[0], PointPair::new(20.0, 50.0, 30.0, 70.0)];
+        let doubtful = ClickedPairs { pairs: &one_off, sigma: 1.0 };
+        assert!(!doubtful.speak_against(&rows(0.0)), "one may be a mistake");
+        // Before refinement a geometry may be off by more than after it.
+        let ranked = [40.0, 10.0, 30.0, 0.0].map(rows);
+        assert_eq!(clicks.preferred(&ranked, Some(&rows(9.0))), [rows(10.0), rows(0.0)]);
+        assert_eq!(clicks.preferred(&ranked, Some(&rows(1.0))), []);
+        assert_eq!(clicks.preferred(&ranked, None), [rows(10.0), rows(0.0)]);
+        // Those that fewest clicks are far from come first.
+        let mixed = [0.0, 0.0, 0.0, 30.0].map(|off| PointPair::new(20.0, 50.0, 30.0, 50.0 + off));
+        let mixed = ClickedPairs { pairs: &mixed, sigma: 1.0 };
+        assert_eq!(mixed.preferred(&[rows(30.0), rows(0.0)], Some(&rows(60.0))), [rows(0.0)]);
+    }
+
+    #[test]
+    fn one_click_may_be_a_mistake() {
+        for (mistaken, expected) in [(1, 0.0), (2, 5.0)] {
+            let pairs: Vec<PointPair> = (0..5)
+                .map(|k| (f64::from(k) * 40.0, if k < mistaken { 9.0 } else { 2.0 }))
+                .map(|(y, off)| PointPair::new(20.0, y, 30.0, y + off))
+                .collect();
+            let found = among(&[(10.0, 0.0), (9.0, 5.0)], 0.5, &pairs);
+            assert_eq!(found, Some(expected), "{mistaken} clicks");
+        }
+    }
+
+    #[test]
+    fn most_of_the_clicks_refuse_what_is_far_from_them() {
+        let pairs = [0.0, 0.0, 30.0, 30.0].map(|off| PointPair::new(20.0, 50.0, 30.0, 50.0 + off));
+        let refuse = |few: &[PointPair]| ClickedPairs { pairs: few, sigma: 1.0 }.refuse(&rows(0.0));
+        assert!(!refuse(&pairs), "half of them");
+        assert!(refuse(&pairs[1..]) && !refuse(&[]));
+        assert!(!ClickedPairs { pairs: &pairs[1..], sigma: 3.0 }.refuse(&rows(0.0)));
+    }
+}

@@ -1,0 +1,498 @@
+//! What a verdict follows from, and the thresholds.
+//!
+//! What a wrong geometry usually fails: how many patches match along the epipolar lines at full resolution, whether the
+//! clicks lie on their lines, how much better the result is than the best clearly different geometry, how firmly the
+//! matches hold the lines, whether something beside the largest plane holds the epipoles, and whether what stands out in
+//! both images whatever the geometry agrees. A result is called reliable when none of them speaks against it. The
+//! thresholds of counts and distances are round numbers from results whose truth is known, right and wrong clicks alike
+//! (`lab/notes.md` has the figures); those of chance are probabilities.
+
+use super::{Reason, Suspect, Trust, Verdict};
+use crate::estimate::verdict::poisson::fewer_than;
+
+/// Fewest matches of a reliable result. A round number from results of known truth
+/// (`lab/notes.md`).
+pub const ENOUGH_MATCHES: usize = 60;
+/// Number of matches below which a result is unreliable. A round number from results of known truth
+/// (`lab/notes.md`).
+pub const FAR_TOO_FEW: usize = 25;
+/// Sampson distance of a click, in standard deviations, beyond which the click or the result is
+/// wrong: one Gaussian error in 16,000.
+pub const CLICK_DEVIATIONS: f64 = 4.0;
+/// Sampson distance of a click, in standard deviations, beyond which it makes a result unreliable,
+/// unless all else supports the result. No click is that far off but by mistake.
+pub const CLICK_DEVIATIONS_WRONG: f64 = 12.0;
+/// Least margin of a reliable result over a clearly different geometry. A round number from results
+/// of known truth (`lab/notes.md`).
+pub const CLEAR_MARGIN: f64 = 0.2;
+/// Difference between two weights, in standard deviations, that chance explains: 95 % of Gaussian
+/// differences are below it.
+pub(in crate::estimate) const CHANCE_DEVIATIONS: f64 = 2.0;
+/// Margin below which a result is a guess. It colours the gauge; no verdict depends on it.
+pub const GUESS_MARGIN: f64 = 0.05;
+/// Share of the matches on one plane beyond which a handful of matches would determine the
+/// epipoles.
+const ONE_PLANE: f64 = 0.95;
+/// Share of the matches on one plane beyond which the matches off it must determine the epipoles by
+/// themselves: the majority.
+const MOSTLY_PLANE: f64 = 0.5;
+/// Share of the matches on one plane beyond which the agreeing matches must move in more ways than
+/// any epipole fits: if two motions share a picture, one has nearly half.
+const HALF_PLANE: f64 = 0.4;
+/// Share of the matches off the plane that a lens explains, beyond which a lens is the likelier
+/// cause. One more unknown hardly helps in a scene with depth. Not measured.
+const BENT: f64 = 0.5;
+/// Largest number of epipoles that do as well by chance: one in a thousand results without parallax
+/// passes.
+const BY_CHANCE: f64 = 1e-3;
+/// Largest number of epipoles that do as well by chance if each motion counts once. It is looser,
+/// as surfaces in depth move alike in some places, too.
+const MOTIONS_BY_CHANCE: f64 = 1.0;
+/// Number of motions off the plane that any epipole fits: two lines always meet.
+const ANY_EPIPOLE: usize = 2;
+/// Probability that matches wrong by chance contradict a right geometry, at most.
+const WRONG_BY_CHANCE: f64 = 1e-3;
+/// Expected fraction of distinctive matches that agree on a wrong motion (repeated structure). Not
+/// measured.
+pub(in crate::estimate) const WRONG_TOGETHER: f64 = 0.005;
+/// Share of the variance of residuals that neighbours have in common, beyond which it is more a
+/// pattern than noise: one half.
+const PATTERN: f64 = 0.5;
+/// Size of a pattern that the lens of a good camera leaves, px in images of up to [`USUAL_SIDE`]
+/// px. It grows with larger images.
+const PATTERN_SIZE: f64 = 0.3;
+/// Longer side of an image, px, up to which positions are found equally precisely. In larger images
+/// errors grow in proportion.
+pub(in crate::estimate) const USUAL_SIDE: f64 = 800.0;
+/// Largest standard deviation of epipolar lines of a reliable result, as a share of the longer
+/// side: 2 px in 1,000. A round number from results of known truth (`lab/notes.md`).
+const LOOSEST: f64 = 0.002;
+
+/// What one homography explains of the matches, and what the rest says of the epipoles.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::estimate) struct PlaneEvidence {
+    /// Share of the matches that it explains, 0 to 1.
+    pub share: f64,
+    /// Share that it explains when seen through a lens.
+    pub bent_share: f64,
+    /// Groups of distinctive matches off it that move alike, and how many of them agree with F.
+    pub groups: usize,
+    pub agreeing: usize,
+    /// Motions among those that agree.
+    pub motions: usize,
+    /// Epipoles that do as well by chance, and the same where what moves alike counts once.
+    pub by_chance: f64,
+    pub motions_by_chance: f64,
+}
+
+impl PlaneEvidence {
+    /// Whether what lies off the plane holds the epipoles by itself.
+    fn holds_the_epipoles(&self) -> bool {
+        self.by_chance <= BY_CHANCE
+            && self.motions_by_chance <= MOTIONS_BY_CHANCE
+            && self.motions > ANY_EPIPOLE
+    }
+
+    /// The one of two kinds of evidence beside a plane that holds the epipoles, else that which chance explains least.
+    pub fn or_stronger(self, other: Self) -> Self {
+        let rank = |one: &Self| (!one.holds_the_epipoles(), one.by_chance);
+        if rank(&other) < rank(&self) { other } else { self }
+    }
+
+    /// Whether the epipoles hang on the plane alone.
+    fn leaves_the_epipoles_open(&self) -> bool {
+        self.share > ONE_PLANE
+            || self.share > MOSTLY_PLANE && !self.holds_the_epipoles()
+            || self.share > HALF_PLANE && self.motions <= ANY_EPIPOLE
+    }
+
+    /// Whether a lens explains what the plane does not.
+    fn is_bent(&self) -> bool {
+        self.bent_share > MOSTLY_PLANE && self.bent_share - self.share > BENT * (1.0 - self.share)
+    }
+}
+
+/// Matches that stand out whatever the geometry and move like others around them, and how many of them contradict F.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(in crate::estimate) struct Together {
+    pub matches: usize,
+    pub contradicting: usize,
+}
+
+impl Together {
+    /// Whether more contradict F than are wrong by chance: a tail of the Poisson distribution.
+    fn contradict(self) -> bool {
+        let expected = WRONG_TOGETHER * self.matches as f64;
+        1.0 - fewer_than(self.contradicting, expected) < WRONG_BY_CHANCE
+    }
+}
+
+/// What neighbouring matches are off their lines alike.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(in crate::estimate) struct ResidualPattern {
+    /// Share of the variance that neighbours share, 0 to 1.
+    pub share: f64,
+    /// Size of what they share, px.
+    pub size: f64,
+}
+
+impl ResidualPattern {
+    /// Whether the matches are off their lines more by a pattern than each for itself; `side` px.
+    fn is_bent(self, side: f64) -> bool {
+        self.share > PATTERN && self.size > PATTERN_SIZE * (side / USUAL_SIDE).max(1.0)
+    }
+}
+
+/// What motion barcodes say of a geometry.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::estimate) struct BarcodeEvidence {
+    /// Agreement of corresponding lines, and the best one at shifts in time.
+    pub correlation: f64,
+    pub by_chance: f64,
+    /// Lines that tell something of their own.
+    pub lines: f64,
+}
+
+/// Fewest independent lines of a reliable result: twice the seven unknowns.
+const ENOUGH_LINES: f64 = 14.0;
+
+/// What a result was refined on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(in crate::estimate) enum RefinedOn {
+    /// Refinement was switched off, or there is nothing that patches could refine.
+    Nothing,
+    /// What the clicks determine by themselves.
+    Clicks,
+    /// Patches were to match along the epipolar lines, and too few did.
+    TooFewMatches,
+    /// So many matches.
+    Matches(usize),
+}
+
+/// What a verdict rests on.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::estimate) struct Evidence<'a> {
+    /// Whether patches were looked at.
+    pub patches: bool,
+    /// What barcodes say, where sequences were compared.
+    pub barcodes: Option<BarcodeEvidence>,
+    /// What the result was refined on.
+    pub refined_on: RefinedOn,
+    /// Sampson distances of the clicks, px.
+    pub clicks: &'a [f64],
+    /// Standard deviation of a click, px.
+    pub click_sigma: f64,
+    /// Advantage over the best clearly different geometry.
+    pub margin: Option<f64>,
+    /// Median standard deviation of the epipolar lines at the matches, px.
+    pub deviation: Option<f64>,
+    /// The largest plane, where there are matches.
+    pub plane: Option<PlaneEvidence>,
+    /// What stands out whatever the geometry.
+    pub together: Together,
+    /// What neighbouring matches are off their lines alike, where there are some.
+    pub pattern: Option<ResidualPattern>,
+    /// Longer side of image 1, px.
+    pub side: f64,
+}
+
+impl Trust {
+    pub(in crate::estimate) fn judge(evidence: &Evidence) -> Self {
+        let mut reasons = Vec::new();
+        let mut unreliable = false;
+        if let Some(BarcodeEvidence { correlation, by_chance, lines }) = evidence.barcodes {
+            if correlation <= by_chance {
+                unreliable = true;
+                reasons.push(Reason::BarcodesByChance { correlation, by_chance });
+            }
+            if lines < ENOUGH_LINES {
+                reasons.push(Reason::FewBarcodes { lines: lines as usize });
+            }
+        } else if !evidence.patches {
+            reasons.push(Reason::NotChecked);
+        }
+        match evidence.refined_on {
+            RefinedOn::Nothing if evidence.patches => reasons.push(Reason::RefinementOff),
+            RefinedOn::Clicks => reasons.push(Reason::ClicksAlone),
+            RefinedOn::TooFewMatches if evidence.patches => reasons.push(Reason::NotRefined),
+            RefinedOn::Matches(matches) if matches < ENOUGH_MATCHES => {
+                unreliable |= matches < FAR_TOO_FEW;
+                reasons.push(Reason::FewMatches { matches });
+            }
+            _ => {}
+        }
+        if let Some(margin) = evidence.margin.filter(|m| *m < CLEAR_MARGIN) {
+            reasons.push(Reason::Ambiguous { margin });
+        }
+        if let Some(deviation) = evidence.deviation.filter(|d| *d > LOOSEST * evidence.side) {
+            reasons.push(match evidence.barcodes {
+                Some(_) => Reason::LooseBarcodes { deviation },
+                None => Reason::Loose { deviation },
+            });
+        }
+        let Together { matches, contradicting } = evidence.together;
+        if evidence.together.contradict() {
+            reasons.push(Reason::Contradicted { contradicting, matches });
+        }
+        if let Some(plane) = evidence.plane.filter(PlaneEvidence::leaves_the_epipoles_open) {
+            let PlaneEvidence { share, groups, agreeing, .. } = plane;
+            reasons.push(Reason::OnePlane { percent: (100.0 * share) as u32, groups, agreeing });
+        } else if let Some(plane) = evidence.plane.filter(PlaneEvidence::is_bent) {
+            reasons.push(Reason::Bent { percent: (100.0 * plane.bent_share) as u32 });
+        } else if let Some(pattern) = evidence.pattern.filter(|pattern| pattern.is_bent(evidence.side)) {
+            reasons.push(Reason::Pattern { size: pattern.size });
+        }
+        let but_clicks = !reasons.is_empty();
+        let suspect = if but_clicks { Suspect::Geometry } else { Suspect::Click };
+        let mut far_off = false;
+        for (k, distance) in evidence.clicks.iter().enumerate() {
+            let deviations = distance / evidence.click_sigma;
+            if deviations > CLICK_DEVIATIONS {
+                far_off |= deviations > CLICK_DEVIATIONS_WRONG;
+                reasons.push(Reason::ClickOff { pair: k + 1, distance: *distance, suspect });
+            }
+        }
+        // A mistaken click beside a geometry that everything else speaks for is no more than that: patches have
+        // outvoted it. With anything else against it, the result is unreliable.
+        unreliable |= far_off && but_clicks;
+        let verdict = match (reasons.is_empty(), unreliable) {
+            (true, _) => Verdict::Reliable,
+            (false, false) => Verdict::Doubtful,
+            (false, true) => Verdict::Unreliable,
+        };
+        Self { verdict, reasons }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const GOOD: Evidence = Evidence {
+        patches: true,
+        barcodes: None,
+        refined_on: RefinedOn::Matches(300),
+        clicks: &[0.5, 1.2],
+        click_sigma: 1.0,
+        margin: Some(0.5),
+        deviation: Some(0.05),
+        plane: Some(PlaneEvidence {
+            share: 0.3,
+            bent_share: 0.3,
+            groups: 9,
+            agreeing: 1,
+            motions: 1,
+            by_chance: 1.0,
+            motions_by_chance: 1.0,
+        }),
+        together: Together { matches: 200, contradicting: 2 },
+        pattern: Some(ResidualPattern { share: 0.1, size: 0.1 }),
+        side: 768.0,
+    };
+
+    fn verdict(evidence: Evidence) -> Verdict {
+        Trust::judge(&evidence).verdict
+    }
+
+    #[test]
+    fn a_result_is_reliable_only_when_nothing_speaks_against_it() {
+        assert_eq!(Trust::judge(&GOOD), Trust { verdict: Verdict::Reliable, reasons: Vec::new() });
+        assert_eq!(verdict(Evidence { margin: None, ..GOOD }), Verdict::Reliable);
+        let plane = |share, by_chance| {
+            let motions_by_chance = by_chance;
+            Some(PlaneEvidence {
+                share,
+                bent_share: share,
+                groups: 9,
+                agreeing: 7,
+                motions: 5,
+                by_chance,
+                motions_by_chance,
+            })
+        };
+        assert_eq!(verdict(Evidence { plane: plane(0.6, 1e-4), ..GOOD }), Verdict::Reliable);
+        for worse in [
+            Evidence { patches: false, refined_on: RefinedOn::TooFewMatches, ..GOOD },
+            Evidence { refined_on: RefinedOn::TooFewMatches, ..GOOD },
+            Evidence { refined_on: RefinedOn::Matches(50), ..GOOD },
+            Evidence { clicks: &[0.5, 5.0], ..GOOD },
+            Evidence { margin: Some(0.05), ..GOOD },
+            Evidence { deviation: Some(3.0), ..GOOD },
+            Evidence { plane: plane(0.98, 0.0), ..GOOD },
+            Evidence { plane: plane(0.6, 0.1), ..GOOD },
+        ] {
+            assert_eq!(verdict(worse), Verdict::Doubtful);
+        }
+        assert_eq!(verdict(Evidence { refined_on: RefinedOn::Matches(12), ..GOOD }), Verdict::Unreliable);
+        assert_eq!(verdict(Evidence { clicks: &[40.0, 0.1], ..GOOD }), Verdict::Doubtful, "outvoted");
+        assert_eq!(
+            verdict(Evidence { clicks: &[40.0, 0.1], margin: Some(0.1), ..GOOD }),
+            Verdict::Unreliable
+        );
+        assert_eq!(
+            verdict(Evidence { clicks: &[40.0, 0.1], refined_on: RefinedOn::TooFewMatches, ..GOOD }),
+            Verdict::Unreliable
+        );
+    }
+
+    #[test]
+    fn what_holds_the_epipoles_counts_before_what_is_least_by_chance() {
+        let plane = |motions, by_chance| PlaneEvidence {
+            share: 0.6,
+            bent_share: 0.6,
+            groups: 9,
+            agreeing: 7,
+            motions,
+            by_chance,
+            motions_by_chance: by_chance,
+        };
+        let (one_motion, held, open) = (plane(1, 1e-9), plane(5, 1e-4), plane(5, 0.1));
+        for (a, b) in [(one_motion, held), (held, one_motion)] {
+            assert_eq!(a.or_stronger(b).motions, 5);
+            assert_eq!(verdict(Evidence { plane: Some(a.or_stronger(b)), ..GOOD }), Verdict::Reliable);
+        }
+        assert_eq!(one_motion.or_stronger(open).motions, 1, "neither holds them");
+        assert_eq!(
+            verdict(Evidence { plane: Some(one_motion.or_stronger(open)), ..GOOD }),
+            Verdict::Doubtful
+        );
+    }
+
+    #[test]
+    fn a_click_is_blamed_only_if_nothing_else_speaks_against_the_geometry() {
+        let trust = Trust::judge(&Evidence { clicks: &[0.5, 5.04], ..GOOD });
+        assert_eq!(trust.reasons, [Reason::ClickOff { pair: 2, distance: 5.04, suspect: Suspect::Click }]);
+        let trust = Trust::judge(&Evidence { clicks: &[0.5, 5.04], margin: Some(0.1), ..GOOD });
+        assert_eq!(
+            trust.reasons[1],
+            Reason::ClickOff { pair: 2, distance: 5.04, suspect: Suspect::Geometry }
+        );
+    }
+
+    /// Both sides of every threshold, as near as the kind of number allows.
+    #[test]
+    fn each_threshold_is_where_its_constant_says() {
+        let reasons = |evidence: Evidence| Trust::judge(&evidence).reasons;
+        let plane = |share, by_chance| {
+            Some(PlaneEvidence {
+                share,
+                bent_share: share,
+                groups: 9,
+                agreeing: 2,
+                motions: ANY_EPIPOLE + 1,
+                by_chance,
+                motions_by_chance: MOTIONS_BY_CHANCE,
+            })
+        };
+        let bent = |bent_share| plane(0.4, 0.0).map(|plane| PlaneEvidence { bent_share, ..plane });
+        let together = |matches, contradicting| Together { matches, contradicting };
+        let pattern = |share, size| Some(ResidualPattern { share, size });
+        let next = |v: f64| v * (1.0 + 1e-12);
+        let before = |v: f64| v * (1.0 - 1e-12);
+        let silent = [
+            Evidence { refined_on: RefinedOn::Matches(ENOUGH_MATCHES), ..GOOD },
+            Evidence { clicks: &[CLICK_DEVIATIONS], ..GOOD },
+            Evidence { clicks: &[2.0 * CLICK_DEVIATIONS], click_sigma: 2.0, ..GOOD },
+            Evidence { margin: Some(CLEAR_MARGIN), ..GOOD },
+            Evidence { deviation: Some(LOOSEST * GOOD.side), ..GOOD },
+            Evidence { deviation: None, ..GOOD },
+            Evidence { plane: plane(ONE_PLANE, BY_CHANCE), ..GOOD },
+            Evidence { plane: plane(MOSTLY_PLANE, 1.0), ..GOOD },
+            Evidence { plane: bent(0.69), ..GOOD },
+            Evidence { plane: bent(MOSTLY_PLANE).map(|p| PlaneEvidence { share: 0.0, ..p }), ..GOOD },
+            Evidence { plane: None, ..GOOD },
+            // One of 200 is expected, so six happen less than once in a thousand times.
+            Evidence { together: together(200, 5), ..GOOD },
+            Evidence { together: Together::default(), ..GOOD },
+            Evidence { pattern: pattern(PATTERN, 3.0), ..GOOD },
+            Evidence { pattern: pattern(0.9, PATTERN_SIZE), ..GOOD },
+            Evidence { pattern: pattern(0.9, 2.0 * PATTERN_SIZE), side: 2.0 * USUAL_SIDE, ..GOOD },
+            Evidence { pattern: None, ..GOOD },
+        ];
+        for evidence in silent {
+            assert_eq!(reasons(evidence), [], "{evidence:?}");
+        }
+        let off = next(CLICK_DEVIATIONS);
+        let few = ENOUGH_MATCHES - 1;
+        let (margin, deviation) = (before(CLEAR_MARGIN), next(LOOSEST * GOOD.side));
+        let told = [
+            (Evidence { refined_on: RefinedOn::Matches(few), ..GOOD }, Reason::FewMatches { matches: few }),
+            (
+                Evidence { clicks: &[0.1, off], ..GOOD },
+                Reason::ClickOff { pair: 2, distance: off, suspect: Suspect::Click },
+            ),
+            (
+                Evidence { clicks: &[0.5 * off], click_sigma: 0.5, ..GOOD },
+                Reason::ClickOff { pair: 1, distance: 0.5 * off, suspect: Suspect::Click },
+            ),
+            (Evidence { margin: Some(margin), ..GOOD }, Reason::Ambiguous { margin }),
+            (Evidence { deviation: Some(deviation), ..GOOD }, Reason::Loose { deviation }),
+            (
+                Evidence { plane: plane(next(ONE_PLANE), 0.0), ..GOOD },
+                Reason::OnePlane { percent: 95, groups: 9, agreeing: 2 },
+            ),
+            (
+                Evidence { plane: plane(next(MOSTLY_PLANE), next(BY_CHANCE)), ..GOOD },
+                Reason::OnePlane { percent: 50, groups: 9, agreeing: 2 },
+            ),
+            (
+                Evidence {
+                    plane: plane(next(MOSTLY_PLANE), 0.0)
+                        .map(|p| PlaneEvidence { motions_by_chance: next(MOTIONS_BY_CHANCE), ..p }),
+                    ..GOOD
+                },
+                Reason::OnePlane { percent: 50, groups: 9, agreeing: 2 },
+            ),
+            (
+                Evidence {
+                    plane: plane(next(MOSTLY_PLANE), 0.0)
+                        .map(|p| PlaneEvidence { motions: ANY_EPIPOLE, ..p }),
+                    ..GOOD
+                },
+                Reason::OnePlane { percent: 50, groups: 9, agreeing: 2 },
+            ),
+            (
+                Evidence {
+                    plane: plane(next(HALF_PLANE), 0.0).map(|p| PlaneEvidence { motions: ANY_EPIPOLE, ..p }),
+                    ..GOOD
+                },
+                Reason::OnePlane { percent: 40, groups: 9, agreeing: 2 },
+            ),
+            (Evidence { plane: bent(0.71), ..GOOD }, Reason::Bent { percent: 71 }),
+            (Evidence { pattern: pattern(next(PATTERN), 0.4), ..GOOD }, Reason::Pattern { size: 0.4 }),
+            (
+                Evidence { pattern: pattern(0.9, next(PATTERN_SIZE)), ..GOOD },
+                Reason::Pattern { size: next(PATTERN_SIZE) },
+            ),
+            (
+                Evidence { together: together(200, 6), ..GOOD },
+                Reason::Contradicted { contradicting: 6, matches: 200 },
+            ),
+        ];
+        for (evidence, reason) in told {
+            assert_eq!(reasons(evidence), [reason], "{evidence:?}");
+            assert_eq!(verdict(evidence), Verdict::Doubtful, "{evidence:?}");
+        }
+    }
+
+    #[test]
+    fn too_few_matches_and_far_clicks_with_anything_else_are_unreliable() {
+        assert_eq!(
+            verdict(Evidence { refined_on: RefinedOn::Matches(FAR_TOO_FEW), ..GOOD }),
+            Verdict::Doubtful
+        );
+        assert_eq!(
+            verdict(Evidence { refined_on: RefinedOn::Matches(FAR_TOO_FEW - 1), ..GOOD }),
+            Verdict::Unreliable
+        );
+        let [at, beyond] = [CLICK_DEVIATIONS_WRONG, CLICK_DEVIATIONS_WRONG * (1.0 + 1e-12)];
+        for (distance, expected) in [(at, Verdict::Doubtful), (beyond, Verdict::Unreliable)] {
+            let clicks = [distance, 0.0];
+            assert_eq!(verdict(Evidence { clicks: &clicks, margin: Some(0.1), ..GOOD }), expected);
+            assert_eq!(verdict(Evidence { clicks: &clicks, ..GOOD }), Verdict::Doubtful, "outvoted");
+        }
+        // Lines alone: not refined is what is expected there, and no second reason.
+        let lines = Evidence { patches: false, refined_on: RefinedOn::TooFewMatches, ..GOOD };
+        assert_eq!(Trust::judge(&lines).reasons, [Reason::NotChecked]);
+    }
+}

@@ -1,0 +1,13 @@
+//! Presentation of the estimator: sentences, tooltips and scales for its codes and figures.
+//!
+//! The estimator itself gives only codes and figures. The command line, the window and the result
+//! files take their words from here.
+
+mod parameters;
+mod reasons;
+mod scale;
+
+#[doc(hidden)]
+pub use parameters::{ShownParameter, parameters_as_markdown, shown_parameters};
+pub use reasons::{reason_in_words, warning_in_words};
+pub use scale::Scale;

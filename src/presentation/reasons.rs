@@ -1,0 +1,171 @@
+//! Sentences for the reasons of a verdict and for the warnings about a result.
+//!
+//! Each message states the fact, then the consequence, then the action, in at most three short
+//! sentences. Pairs of points are numbered from 1, as `pair 2`.
+
+use crate::estimate::{ENOUGH_MATCHES, Reason, Suspect, Warning};
+
+/// Returns the message of a reason.
+pub fn reason_in_words(reason: &Reason) -> String {
+    match *reason {
+        Reason::NotChecked => {
+            "Only lines were compared, no image patches. Nothing else confirms this geometry. \
+             Use the preset robust to compare patches too."
+                .into()
+        }
+        Reason::NotRefined => "Too few image patches match along the epipolar lines at full resolution. \
+             The geometry may be wrong. Check the point pairs, or add one."
+            .into(),
+        Reason::RefinementOff => "Refinement is off. No matches at full resolution confirm this geometry. \
+             Turn refinement on to check it."
+            .into(),
+        Reason::ClicksAlone => {
+            "The point pairs agree with each other, but not with the matches found in the images. \
+             This geometry follows from the point pairs alone. \
+             Check that each pair shows the same scene point in both images."
+                .into()
+        }
+        Reason::FewMatches { matches } => format!(
+            "Only {matches} image patches match along the epipolar lines. \
+             Fewer than {ENOUGH_MATCHES} matches may be chance. \
+             Add a point pair, or use images that overlap more."
+        ),
+        Reason::BarcodesByChance { correlation, by_chance } => format!(
+            "Motion on corresponding lines correlates by {correlation:.2}, no better than with one \
+             sequence shifted in time ({by_chance:.2}). \
+             The recordings may not be simultaneous, or too little moves. \
+             Check the frame offset, or record more motion."
+        ),
+        Reason::FewBarcodes { lines } => format!(
+            "Motion tells only about {lines} epipolar lines apart. That is too few for a reliable geometry. \
+             Record more frames, or motion in more places."
+        ),
+        Reason::LooseBarcodes { deviation } => format!(
+            "The recorded motion leaves the epipolar lines uncertain by {deviation:.1} px. \
+             Record more frames, or motion in more places."
+        ),
+        Reason::ClickOff { pair, distance, suspect } => {
+            let advice = match suspect {
+                Suspect::Click => {
+                    "The images support the geometry, so the pair is probably misplaced. \
+                     Check that both points show the same scene point."
+                }
+                Suspect::Geometry => {
+                    "The geometry has other faults, so the pair may be right. Add another pair to decide."
+                }
+            };
+            format!("Point pair {pair} is {distance:.1} px off its epipolar line. {advice}")
+        }
+        Reason::Contradicted { contradicting, matches } => format!(
+            "{contradicting} of {matches} distinctive matches that move together contradict the geometry. \
+             Either something moves by itself, a lens bends the images, or the geometry is wrong. \
+             Check the lines at points that you recognise."
+        ),
+        Reason::Bent { percent } => format!(
+            "{percent} % of the matches fit one plane, or a rotation of the camera, through a lens that bends straight \
+             lines. The epipole is uncertain. Remove the lens distortion, or use views farther apart."
+        ),
+        Reason::Pattern { size } => format!(
+            "In whole regions of the image, the matches are off their lines by the same {size:.1} px. \
+             A lens bends the images, something moves, or the geometry is only approximate. \
+             Remove the lens distortion, or use images of a still scene."
+        ),
+        Reason::Ambiguous { margin } => {
+            let support = if margin < 0.0 { "more" } else { "nearly as much" };
+            format!(
+                "A clearly different geometry has {support} support (margin {:.0} %). \
+                 Either may be right. Add a point pair to decide.",
+                100.0 * margin
+            )
+        }
+        Reason::OnePlane { percent, groups, agreeing } => format!(
+            "{percent} % of the matches fit one plane or a rotation of the camera, so the epipole is uncertain. \
+             {} Use views farther apart, or a scene with more depth.",
+            off_the_plane(agreeing, groups)
+        ),
+        Reason::Loose { deviation } => format!(
+            "The matches leave the epipolar lines uncertain by {deviation:.1} px. \
+             Add point pairs, or use images that overlap more."
+        ),
+    }
+}
+
+/// Returns a sentence on the matches off the plane.
+fn off_the_plane(agreeing: usize, groups: usize) -> String {
+    match (agreeing, groups) {
+        (_, 0) => "No match off the plane determines it.".into(),
+        (0, 1) => "The one motion off the plane does not agree with it.".into(),
+        (0, _) => format!("None of {groups} motions off the plane agrees with it."),
+        _ => {
+            format!("Only {agreeing} of {groups} motions off the plane agree with it, which could be chance.")
+        }
+    }
+}
+
+/// Returns the message of a warning.
+pub fn warning_in_words(warning: &Warning) -> String {
+    match *warning {
+        Warning::SameEpipolarLine { distance } => format!(
+            "The two clicks lie nearly on one epipolar line, only {distance:.1} px apart across it. \
+             They hardly determine the epipole. Move one of them across the lines."
+        ),
+        Warning::CloseClicks { distance } => format!(
+            "The two clicks are only {distance:.0} px apart. A small error of one turns the lines far. \
+             Choose points farther apart."
+        ),
+        Warning::LittleTexture { pair, textured, lines } => format!(
+            "Only {textured} of {lines} lines through point pair {pair} have texture. The others cannot be compared. \
+             Choose a point in a textured part of the images."
+        ),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_message_has_at_most_three_short_sentences() {
+        let reasons = [
+            Reason::NotChecked,
+            Reason::NotRefined,
+            Reason::RefinementOff,
+            Reason::ClicksAlone,
+            Reason::FewMatches { matches: 12 },
+            Reason::BarcodesByChance { correlation: 0.31, by_chance: 0.4 },
+            Reason::FewBarcodes { lines: 9 },
+            Reason::LooseBarcodes { deviation: 3.2 },
+            Reason::ClickOff { pair: 2, distance: 40.0, suspect: Suspect::Click },
+            Reason::ClickOff { pair: 2, distance: 40.0, suspect: Suspect::Geometry },
+            Reason::Contradicted { contradicting: 7, matches: 90 },
+            Reason::Bent { percent: 97 },
+            Reason::Pattern { size: 1.5 },
+            Reason::Ambiguous { margin: 0.1 },
+            Reason::OnePlane { percent: 50, groups: 37, agreeing: 19 },
+            Reason::OnePlane { percent: 98, groups: 0, agreeing: 0 },
+            Reason::Loose { deviation: 2.0 },
+        ];
+        let warnings = [
+            Warning::SameEpipolarLine { distance: 1.0 },
+            Warning::CloseClicks { distance: 9.0 },
+            Warning::LittleTexture { pair: 3, textured: 4, lines: 60 },
+        ];
+        let messages = reasons.iter().map(reason_in_words).chain(warnings.iter().map(warning_in_words));
+        for message in messages {
+            assert!(message.ends_with('.') && !message.contains("  "), "{message}");
+            let sentences: Vec<&str> = message.split(". ").collect();
+            assert!(sentences.len() <= 3, "{message}");
+            for sentence in sentences {
+                assert!(sentence.split(' ').count() <= 25, "{sentence}");
+                assert!(sentence.starts_with(|c: char| c.is_uppercase() || c.is_ascii_digit()), "{sentence}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_rival_with_more_support_is_called_that() {
+        let rival = |margin| reason_in_words(&Reason::Ambiguous { margin });
+        assert!(rival(0.1).contains("nearly as much support (margin 10 %)"), "{}", rival(0.1));
+        assert!(rival(-0.96).contains("has more support (margin -96 %)"), "{}", rival(-0.96));
+    }
+}

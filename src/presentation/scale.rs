@@ -1,0 +1,88 @@
+//! What is good and bad of the figures that a result is judged by. The limits are those of the rules in `trust`.
+
+use crate::estimate::{
+    CLEAR_MARGIN, CLICK_DEVIATIONS, CLICK_DEVIATIONS_WRONG, ENOUGH_MATCHES, FAR_TOO_FEW, GUESS_MARGIN,
+    Verdict,
+};
+
+/// Limits from where on a figure is good, and from where on bad; between them it leaves doubts.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Scale {
+    /// A figure as good as this has nothing against the result.
+    pub good: f64,
+    /// A figure worse than this speaks against the result by itself.
+    pub bad: f64,
+}
+
+impl Scale {
+    /// Matches at full resolution.
+    pub const MATCHES: Self = Self { good: ENOUGH_MATCHES as f64, bad: FAR_TOO_FEW as f64 };
+    /// Advantage over the best clearly different geometry, as a fraction.
+    pub const MARGIN: Self = Self { good: CLEAR_MARGIN, bad: GUESS_MARGIN };
+
+    /// The Sampson distance of a click with this standard deviation, px.
+    pub fn click(sigma: f64) -> Self {
+        Self { good: CLICK_DEVIATIONS * sigma, bad: CLICK_DEVIATIONS_WRONG * sigma }
+    }
+
+    /// The support that is ahead of a rival by the margins of [`Scale::MARGIN`].
+    pub fn support_beside(rival: f64) -> Self {
+        Self { good: rival / (1.0 - CLEAR_MARGIN), bad: rival / (1.0 - GUESS_MARGIN) }
+    }
+
+    /// The line score that is ahead of a rival by the margins of [`Scale::MARGIN`].
+    pub fn line_score_beside(rival: f64) -> Self {
+        Self { good: rival * (1.0 - CLEAR_MARGIN), bad: rival * (1.0 - GUESS_MARGIN) }
+    }
+
+    /// Whether a larger figure is a better one.
+    pub fn more_is_better(self) -> bool {
+        self.good > self.bad
+    }
+
+    /// What a figure alone makes of a result.
+    pub fn judge(self, figure: f64) -> Verdict {
+        let reaches = |limit: f64| if self.more_is_better() { figure >= limit } else { figure <= limit };
+        if reaches(self.good) {
+            Verdict::Reliable
+        } else if reaches(self.bad) {
+            Verdict::Doubtful
+        } else {
+            Verdict::Unreliable
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn figures_are_judged_in_both_directions() {
+        for (figure, verdict) in
+            [(60.0, Verdict::Reliable), (59.0, Verdict::Doubtful), (24.0, Verdict::Unreliable)]
+        {
+            assert_eq!(Scale::MATCHES.judge(figure), verdict, "{figure} matches");
+        }
+        for (figure, verdict) in
+            [(8.0, Verdict::Reliable), (8.1, Verdict::Doubtful), (24.1, Verdict::Unreliable)]
+        {
+            assert_eq!(Scale::click(2.0).judge(figure), verdict, "{figure} px");
+        }
+        assert_eq!(Scale::MARGIN.judge(f64::NAN), Verdict::Unreliable);
+    }
+
+    #[test]
+    fn beside_a_rival_the_margin_decides() {
+        for rival in [3.0, 200.0] {
+            for own in [0.5 * rival, 1.04 * rival, 1.1 * rival, 1.3 * rival] {
+                let margin = (own - rival) / own;
+                assert_eq!(Scale::support_beside(rival).judge(own), Scale::MARGIN.judge(margin));
+            }
+            for own in [0.5 * rival, 0.9 * rival, 0.96 * rival, 2.0 * rival] {
+                let margin = (rival - own) / rival;
+                assert_eq!(Scale::line_score_beside(rival).judge(own), Scale::MARGIN.judge(margin));
+            }
+        }
+    }
+}
