@@ -30,6 +30,8 @@ pub(crate) struct Placement {
 /// Settings of an alignment.
 #[derive(Debug)]
 pub(crate) struct Alignment {
+    /// Pixels of the patch on each side of its centre.
+    half: usize,
     iterations: usize,
     /// Convergence threshold: a shorter step ends the iteration, px.
     settled: f64,
@@ -59,8 +61,10 @@ enum Hold {
 }
 
 impl Alignment {
-    /// Settings for pairs of similar corners, from starts within about a pixel.
+    /// Settings for pairs of similar corners, from starts within about a pixel. The patch is larger than the one that is
+    /// compared: the error of a position falls with the side of the patch.
     pub(crate) const STRICT: Self = Self {
+        half: LARGEST,
         iterations: 10,
         settled: 0.01,
         must_settle: true,
@@ -75,6 +79,7 @@ impl Alignment {
 
     /// Settings for any place of an image, borders included, from starts found at a coarser level.
     pub(crate) const LENIENT: Self = Self {
+        half: HALF,
         iterations: 8,
         settled: 0.02,
         must_settle: false,
@@ -104,13 +109,14 @@ pub(crate) fn align(
     how: &Alignment,
 ) -> Option<Placement> {
     let counts = |image: usize, p: Point| how.least_inside.is_none() || planes[image].frame().contains(p);
-    let mut reference: Vec<(Vector, f64)> = Vec::with_capacity(AREA);
-    for x in offsets() {
+    let area = (2 * how.half + 1).pow(2);
+    let mut reference: Vec<(Vector, f64)> = Vec::with_capacity(area);
+    for x in offsets(how.half) {
         if counts(0, point1 + x) {
             reference.push((x, f64::from(planes[0].sample(point1 + x)) - how.middle));
         }
     }
-    let least = how.least_inside.unwrap_or(0.0) * AREA as f64;
+    let least = how.least_inside.unwrap_or(0.0) * area as f64;
     let mut placed = start;
     let mut equations = Equations::default();
     for _ in 0..how.iterations {
@@ -135,7 +141,7 @@ pub(crate) fn align(
             match how.hold {
                 Hold::Step(penalty) => normal[(k, k)] += penalty,
                 Hold::Start(share) => {
-                    let penalty = share * gradient * (HALF as f64 / how.unit).powi(2);
+                    let penalty = share * gradient * (how.half as f64 / how.unit).powi(2);
                     let drift = how.unit * (placed.affine - start.affine)[((k - 2) / 2, (k - 2) % 2)];
                     normal[(k, k)] += penalty;
                     right[k] -= penalty * drift;
@@ -184,7 +190,10 @@ fn value_and_slopes(plane: &GrayPlane, p: Point) -> [f64; 3] {
     [f64::from(middle), 0.5 * f64::from(right - left), 0.5 * f64::from(lower - upper)]
 }
 
-const AREA: usize = (2 * HALF + 1) * (2 * HALF + 1);
+/// Largest `half` of an alignment.
+const LARGEST: usize = 10;
+/// Samples of the largest patch.
+const AREA: usize = (2 * LARGEST + 1) * (2 * LARGEST + 1);
 /// Numbers added in parallel.
 const LANES: usize = 8;
 const PADDED: usize = AREA.next_multiple_of(LANES);

@@ -13,10 +13,11 @@ pub(super) const AREA: usize = SIDE * SIDE;
 /// Number of patch values, padded to a multiple of the vector lanes.
 pub(super) const PADDED: usize = 128;
 
-/// Returns the offsets of a patch's pixels from its centre, row by row.
-pub(crate) fn offsets() -> impl Iterator<Item = Vector> {
-    let from_middle = |k: usize| k as f64 - HALF as f64;
-    (0..AREA).map(move |k| Vector::new(from_middle(k % SIDE), from_middle(k / SIDE)))
+/// Returns the offsets from the centre of a square of `2 half + 1` pixels a side, row by row.
+pub(crate) fn offsets(half: usize) -> impl Iterator<Item = Vector> {
+    let side = 2 * half + 1;
+    let from_middle = move |k: usize| k as f64 - half as f64;
+    (0..side * side).map(move |k| Vector::new(from_middle(k % side), from_middle(k / side)))
 }
 
 /// A patch with zero mean and unit norm, padded with zeros.
@@ -95,7 +96,7 @@ impl<'a> PatchSampler<'a> {
         let [left, up] = reach.map(f64::ceil);
         let width = plane.frame().width;
         let (mut offsets, mut right, mut down) = ([0; AREA], [0.0; AREA], [0.0; AREA]);
-        for (k, offset) in self::offsets().enumerate() {
+        for (k, offset) in self::offsets(HALF).enumerate() {
             let q = warp * offset + nalgebra::Vector2::new(left, up);
             offsets[k] = q.y.floor() as usize * width + q.x.floor() as usize;
             (right[k], down[k]) = ((q.x - q.x.floor()) as f32, (q.y - q.y.floor()) as f32);
@@ -118,7 +119,7 @@ impl<'a> PatchSampler<'a> {
                 *value = a + (b - a) * self.down[k];
             }
         } else {
-            for (value, offset) in patch.iter_mut().zip(offsets()) {
+            for (value, offset) in patch.iter_mut().zip(offsets(HALF)) {
                 *value = self.plane.sample(centre + self.warp * offset);
             }
         }
@@ -192,7 +193,7 @@ pub(super) mod tests {
                 Point::new(19.5, 17.25),
             ] {
                 let mut expected = [0.0; PADDED];
-                for (value, offset) in expected.iter_mut().zip(offsets()) {
+                for (value, offset) in expected.iter_mut().zip(offsets(HALF)) {
                     *value = plane.sample(at + warp * offset);
                 }
                 let (found, expected) = (sampler.patch(at).unwrap(), normalised(&expected).unwrap());

@@ -3,7 +3,7 @@
 //! Samples outside either image are ignored, so patches at borders use the visible part.
 
 use crate::geometry::Point;
-use crate::image::{Alignment, GrayPlane, LEAST_INSIDE, Placement, align, offsets};
+use crate::image::{Alignment, GrayPlane, HALF, LEAST_INSIDE, Placement, align, offsets};
 
 /// Patch of the clicked plane around `at`, and the plane to align it in.
 #[derive(Clone, Copy)]
@@ -24,7 +24,7 @@ impl Aligner<'_> {
     /// or mostly outside.
     pub fn correlation(&self, placed: &Placement) -> f64 {
         let (mut n, mut a, mut b, mut aa, mut bb, mut ab) = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
-        for x in offsets() {
+        for x in offsets(HALF) {
             let (p, q) = (self.at + x, placed.at + placed.affine * x);
             if !self.from.frame().contains(p) || !self.to.frame().contains(q) {
                 continue;
@@ -37,7 +37,7 @@ impl Aligner<'_> {
             bb += v * v;
             ab += u * v;
         }
-        if n < LEAST_INSIDE * offsets().count() as f64 {
+        if n < LEAST_INSIDE * offsets(HALF).count() as f64 {
             return 0.0;
         }
         let variances = [aa - a * a / n, bb - b * b / n];

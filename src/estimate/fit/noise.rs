@@ -17,9 +17,9 @@ use std::f64::consts::PI;
 use super::Match;
 use crate::geometry::{FundamentalMatrix, sampson_distance};
 
-/// Smallest scale, px: bilinear interpolation alone leaves errors of this size. Without a floor a
-/// geometry that passes a few matches exactly would outweigh all others.
-pub(super) const LEAST_SCALE: f64 = 0.02;
+/// Smallest scale, px. Without a floor a geometry that passes a few matches exactly would outweigh all
+/// others. Real matches are several times less precise, so the value decides nothing else.
+pub(super) const LEAST_SCALE: f64 = 0.005;
 /// Shares of inliers stay away from 0 and 1, where the likelihood has no bound.
 const LEAST_SHARE: f64 = 0.01;
 const ITERATIONS: usize = 30;
