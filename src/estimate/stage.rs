@@ -12,7 +12,7 @@ pub enum Stage {
     Pencils,
     /// Epipole hypotheses from candidate pairs, with the forward and backward maps.
     Hypotheses,
-    /// Full validation of the best ones.
+    /// Full validation of the best hypotheses.
     Validation,
     /// Local refinement, coarse to fine.
     Refinement,

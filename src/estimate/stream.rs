@@ -20,11 +20,11 @@ pub(super) enum Purpose {
     PatchSamples,
     /// Matches from which a homography is made.
     PlaneSamples,
-    /// Putative matches that stand in for clicks.
+    /// Putative matches that replace clicks.
     PutativePairs,
     /// Minimal samples of the final fit.
     MatchSamples,
-    /// Lines moved at random in the barcode method.
+    /// Random lines of the search by barcodes.
     BarcodeLines,
     /// Steps of the refinement by barcodes.
     BarcodeRefinement,

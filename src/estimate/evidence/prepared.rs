@@ -125,7 +125,7 @@ impl PreparedPair {
     ) -> Arc<PatchLevels> {
         // Features are found before the lock is taken: their threads may ask for it.
         let matched = self.features(of);
-        // Entries are whole whatever happened to a thread that held the lock.
+        // A panic of a thread that held the lock leaves all entries complete.
         let mut views = self.views.lock().unwrap_or_else(PoisonError::into_inner);
         let mut under_view = views.iter().filter(|patches| patches.view() == view);
         if let Some(kept) = under_view.clone().find(|patches| patches.features() == Some(of)) {
@@ -184,7 +184,7 @@ impl PencilCache {
         click: &PointPair,
         compare: impl FnOnce() -> Result<ComparedPencils, EstimateError>,
     ) -> Result<Arc<ComparedPencils>, EstimateError> {
-        // Entries are whole whatever happened to a thread that held the lock.
+        // A panic of a thread that held the lock leaves all entries complete.
         let kept = || self.0.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some((_, found)) = kept().iter().find(|(of, pencils)| *of == key && pencils.click == *click) {
             return Ok(Arc::clone(found));

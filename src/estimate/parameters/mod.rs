@@ -28,7 +28,7 @@ impl Preset {
     /// Both presets.
     pub const ALL: [Self; 2] = [Self::Paper, Self::Robust];
 
-    /// Name on the command line and in files.
+    /// Returns the name on the command line and in files.
     pub fn name(self) -> &'static str {
         match self {
             Self::Paper => "paper",
@@ -55,7 +55,7 @@ impl Method {
     /// All methods.
     pub const ALL: [Self; 3] = [Self::TwoPoint, Self::ThreePoint, Self::LinesAlone];
 
-    /// Name on the command line and in files.
+    /// Returns the name on the command line and in files.
     pub fn name(self) -> &'static str {
         match self {
             Self::TwoPoint => "two-point",

@@ -19,7 +19,7 @@ pub enum SearchPlan {
         /// Number of pairs without which the search is refused.
         clicks: usize,
     },
-    /// Features propose, and two of their matches stand in for the clicks.
+    /// Features propose, and two of their matches replace the clicks.
     Unclicked,
     /// All lines of both images propose.
     LinesAlone {

@@ -70,7 +70,7 @@ impl Default for FeatureSearchParameters {
 /// A geometry that features support.
 #[derive(Debug, Clone)]
 pub struct FeatureHypothesis {
-    /// The geometry.
+    /// Fundamental matrix.
     pub fundamental: FundamentalMatrix,
     /// Log-likelihood ratio of the matches, against matches by chance.
     pub score: f64,
@@ -98,9 +98,10 @@ const LEADERS: usize = 20;
 /// Largest number of rounds of local optimisation. Rounds end earlier when nothing improves. Not
 /// measured.
 const LOCAL_ROUNDS: u64 = 4;
-/// Samples of one round of local optimisation. Not measured.
+/// Number of samples in one round of local optimisation. Not measured.
 const LOCAL_DRAWS: usize = 200;
-/// Samples of one round of local optimisation that are refitted, best first. Not measured.
+/// Number of samples in one round of local optimisation that are refitted, best first. Not
+/// measured.
 const LOCAL_REFITTED: usize = 3;
 /// Largest number of matches in a refit, evenly chosen. It bounds the time. Not measured.
 const FITTED: usize = 300;

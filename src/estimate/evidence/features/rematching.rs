@@ -56,7 +56,7 @@ struct FeatureMap {
     /// Groups of sixteen blocks.
     groups: Vec<FeatureBlock>,
     blocks: Vec<FeatureBlock>,
-    /// Numbers of the features, block by block.
+    /// Indices of the features, block by block.
     order: Vec<usize>,
 }
 

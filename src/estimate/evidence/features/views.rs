@@ -145,6 +145,9 @@ mod tests {
         );
         assert!(!is_same_view(&view(1.0, 0.0), &view(1.0, 0.27)));
         assert!(is_same_view(&RelativeView::UPRIGHT, &RelativeView::UPRIGHT));
-        assert!(!is_same_view(&RelativeView::UPRIGHT, &view(1.0, 0.0)), "in proportion is no number");
+        assert!(
+            !is_same_view(&RelativeView::UPRIGHT, &view(1.0, 0.0)),
+            "a scale in proportion differs from any number"
+        );
     }
 }

@@ -23,9 +23,9 @@ const AT_ONCE: usize = 128;
 /// A line pair with the κ that it gives.
 type TriedPair = (f64, (AnchoredLine, AnchoredLine));
 
-/// Returns κ of H (bisector in image 1, best line of image 2) and κ of G (bisector in image 2, best
-/// line of image 1) for each hypothesis through the clicks. They are `None` where no line could be
-/// compared. When stopped, returns fewer.
+/// Returns κ of H and of G for each hypothesis through the clicks. H comes from the bisector in
+/// image 1 and its best line of image 2, G from the bisector in image 2. The result is `None` where
+/// no line could be compared. When stopped, returns fewer.
 ///
 /// The search runs over the sector between the clicks, the only one possible for points in front of
 /// both cameras. Neighbouring lines are about 2 px apart on the line that joins the clicks.

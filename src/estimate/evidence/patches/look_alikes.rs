@@ -94,8 +94,8 @@ impl LookAlikes {
         found
     }
 
-    /// Returns an upper bound on the summed excess of the mutual best matches within `band` px: the
-    /// sum over the best look-alike near its line of each corner of image 1.
+    /// Returns an upper bound on the summed excess of the mutual best matches within `band` px. For
+    /// each corner of image 1, the bound counts the best look-alike near its line.
     pub fn most_support(&self, f: &FundamentalMatrix, band: f64) -> f32 {
         most_support(&self.groups, &self.places, &self.excesses, &single(f), (band + SLACK) as f32)
     }

@@ -88,7 +88,7 @@ pub(super) fn is_within(f: &FundamentalMatrix, pair: &PointPair, band: f64) -> b
 /// Points of one image, laid out for queries by lines and points.
 #[derive(Debug)]
 pub(super) struct Places {
-    /// The points.
+    /// Points in their given order.
     pub points: Vec<Point>,
     /// Blocks of neighbours. Most blocks are far from a query.
     blocks: Vec<PlaceBlock>,

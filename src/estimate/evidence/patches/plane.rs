@@ -101,7 +101,7 @@ mod tests {
         assert!(share(&plane) > 0.99);
         let deep = scene(|t| 5.0 + 2.0 * (t * 2.3).sin());
         assert!(share(&deep) < 0.5);
-        assert!(share(&plane[..4]) < 0.01, "too few to say");
+        assert!(share(&plane[..4]) < 0.01, "too few matches");
     }
 
     #[test]

@@ -138,7 +138,7 @@ mod tests {
         let found = polished(&level, &starts, &scene.clicks(), 1.0);
         assert_eq!(found.len(), 2);
         assert!(found[0].support.score > 10.0);
-        assert_eq!(found[1].fundamental, hopeless.fundamental, "without matches it stays what it was");
+        assert_eq!(found[1].fundamental, hopeless.fundamental, "without matches the geometry stays");
         let first = Polishing { count: 1, ..COARSE };
         let of_one = polish(&level, &starts, &first, &scene.clicks(), 1.0, &CancelFlag::default()).unwrap();
         assert_eq!(of_one.len(), 1);

@@ -19,7 +19,7 @@ use crate::estimate::evidence::lines::{
 };
 use crate::geometry::{FundamentalMatrix, PointPair};
 
-/// A hypothesis at one level.
+/// Hypothesis at one level.
 #[derive(Debug, Clone)]
 pub(in crate::estimate) struct Proposal {
     /// Line pairs through two clicks and κ of the proposal. `None` if no lines proposed it.
@@ -33,7 +33,7 @@ pub(in crate::estimate) struct Proposal {
 /// A proposal in full-size pixels.
 #[derive(Debug, Clone)]
 pub(in crate::estimate) struct Hypothesis {
-    /// The matrix.
+    /// Fundamental matrix.
     pub fundamental: FundamentalMatrix,
     /// Figures of the lines through two clicks, if there are two.
     pub lines: Option<LineFigures>,

@@ -111,8 +111,8 @@ const AT_ONCE: usize = 4;
 /// Returns the `count` best of the promising samples, best first. Of equals, the first drawn wins.
 ///
 /// Samples are measured in the order of their bounds. The search ends when no bound reaches the
-/// kept samples, or when a batch of four times `count` brings no better sample: a right geometry
-/// has hundreds of similar samples.
+/// kept samples. It also ends when a batch of four times `count` brings no better sample, since a
+/// right geometry has hundreds of similar samples.
 fn best_of(samples: &[Sampled], support: &Support, leader: &Proposal, count: usize) -> Vec<Proposal> {
     let mut order: Vec<usize> = (0..samples.len()).collect();
     order.sort_by(|a, b| samples[*b].most.total_cmp(&samples[*a].most));
