@@ -6,8 +6,8 @@
 //! method fits the clicks exactly and uses lines only, so there the lines turn with the clicks.
 //!
 //! # Pitfalls
-//! - Following never leaves a wrong geometry; only a search can. So several starts are given, the
-//!   one with most patch support is followed, and there is no verdict.
+//! - A refit cannot correct a wrong geometry; only a search can. So several starts are given, the
+//!   start with most patch support is followed, and there is no verdict.
 
 use super::evidence::lines::Construction;
 use super::evidence::patches::{BAND, LEAST_CLICK_SIGMA};
