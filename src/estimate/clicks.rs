@@ -1,38 +1,39 @@
-//! The clicked point pairs and what each of them is for.
+//! Clicked point pairs and their roles.
 
 use super::SearchPlan;
 use crate::geometry::PointPair;
 
-/// What a clicked pair is for.
+/// Role of a clicked pair.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum ClickRole {
-    /// A pair that pencils of lines pass through, and that takes part in every fit.
+    /// Pencils pass through the pair, and the pair takes part in every fit.
     Anchor,
-    /// A pair that takes part in every fit, and gives κ where a search needs it.
+    /// The pair takes part in every fit, and gives κ where a search needs it.
     Observed,
-    /// A pair that is only measured.
+    /// The pair is only measured.
     Check,
-    /// A match of the program's own that pencils pass through, for want of clicks; no fit and no verdict counts it.
+    /// Pencils pass through the pair, a match of the program that replaces a click. No fit and no
+    /// verdict counts it.
     Chosen,
 }
 
-/// A clicked pair, full-size pixels, and its role.
+/// A clicked pair with its role.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Click {
-    /// Where the scene point is seen.
+    /// The clicked points, full-size pixels.
     pub pair: PointPair,
-    /// What it is for.
+    /// Role of the pair.
     pub role: ClickRole,
 }
 
-/// Any number of clicks in the order they were made.
+/// Any number of clicks, in the order in which they were made.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Clicks(Vec<Click>);
 
 impl Clicks {
-    /// The roles that a search gives to pairs. One that takes no more than it needs passes its pencils through the first two
-    /// and only measures those beyond; one in which each takes part passes them through two that are far enough from each
-    /// other.
+    /// Assigns the roles of a search. A search that takes a limited number of pairs anchors its
+    /// pencils at the first two, and only measures the pairs beyond its limit. A search in which
+    /// all pairs take part anchors its pencils at two that are far enough from each other.
     pub fn for_plan(pairs: &[PointPair], plan: SearchPlan) -> Self {
         let most = plan.most_clicks();
         let anchors = if most.is_none() { apart(pairs) } else { [0, 1] };
@@ -44,8 +45,8 @@ impl Clicks {
         Self(pairs.iter().enumerate().map(|(k, pair)| Click { pair: *pair, role: role(k) }).collect())
     }
 
-    /// Numbers of the clicks that a search cannot do without, from 0: those that pencils pass through, and the observed ones
-    /// of a search that takes no more than it needs.
+    /// Returns the indices of the clicks that a search cannot do without: the anchors, and the
+    /// observed clicks of a search that takes a limited number.
     pub fn indispensable(&self, plan: SearchPlan) -> Vec<usize> {
         let is_needed = |click: &Click| match click.role {
             ClickRole::Anchor => true,
@@ -55,22 +56,23 @@ impl Clicks {
         self.0.iter().zip(0..).filter(|(click, _)| is_needed(click)).map(|(_, k)| k).collect()
     }
 
-    /// The clicks in their order.
+    /// Returns the clicks in their order.
     pub fn iter(&self) -> impl Iterator<Item = &Click> {
         self.0.iter()
     }
 
-    /// How many there are.
+    /// Returns the number of clicks.
     pub fn len(&self) -> usize {
         self.0.len()
     }
 
-    /// Whether there is none.
+    /// Returns whether there are no clicks.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
 
-    /// The same clicks, with two matches that stand in for anchors: a clicked anchor becomes an observed pair.
+    /// Returns the clicks with two matches that replace the anchors. Clicked anchors become
+    /// observed pairs.
     #[must_use]
     pub fn with_chosen(&self, chosen: [PointPair; 2]) -> Self {
         let observed = self.0.iter().map(|click| match click.role {
@@ -81,13 +83,13 @@ impl Clicks {
         Self(observed.chain(chosen).collect())
     }
 
-    /// The pairs that pencils pass through: clicked ones, or those that stand in for them.
+    /// Returns the pairs through which pencils pass: clicks, or the matches that replace them.
     pub fn anchors(&self) -> Vec<PointPair> {
         self.with_role(|role| matches!(role, ClickRole::Anchor | ClickRole::Chosen))
     }
 
-    /// Numbers of the clicks that pencils pass through, from 1, in the order of [`Clicks::anchors`]; `None` for a match that
-    /// stands in for one.
+    /// Returns the numbers of the anchors, from 1, in the order of [`Clicks::anchors`]; `None` for
+    /// a match that replaces a click.
     pub fn anchor_numbers(&self) -> Vec<Option<usize>> {
         let number = |(click, number): (&Click, usize)| match click.role {
             ClickRole::Anchor => Some(Some(number)),
@@ -97,17 +99,17 @@ impl Clicks {
         self.0.iter().zip(1..).filter_map(number).collect()
     }
 
-    /// The pairs that take part in fits: the clicked anchors and the observed ones.
+    /// Returns the pairs that take part in fits: clicked anchors and observed pairs.
     pub fn observed(&self) -> Vec<PointPair> {
         self.with_role(|role| matches!(role, ClickRole::Anchor | ClickRole::Observed))
     }
 
-    /// The matches that stand in for clicks.
+    /// Returns the matches that replace clicks.
     pub fn chosen(&self) -> Vec<PointPair> {
         self.with_role(|role| role == ClickRole::Chosen)
     }
 
-    /// The observed pair that gives κ to a search which has both epipoles from two anchors.
+    /// Returns the observed pair that gives κ, if a search has both epipoles from two anchors.
     pub fn third(&self) -> Option<PointPair> {
         self.with_role(|role| role == ClickRole::Observed).first().copied()
     }
@@ -118,17 +120,18 @@ impl Clicks {
 }
 
 /// Distance of the first two clicks, as a share of the largest distance between clicks, from which
-/// they are the anchors. The order of clicks decides among well-separated pairs. Not measured.
+/// they are the anchors. Not measured.
 const FAR_ENOUGH: f64 = 0.25;
 
-/// Numbers of two pairs that are far from each other in both images, from 0: the first two, unless others are farther
-/// apart by a multiple. An error of a click turns the lines through it and another the more, the nearer they are.
+/// Returns the indices of two pairs that are far from each other in both images: the first two, or
+/// the farthest if the first two are too close. The closer two clicks are, the more their errors
+/// turn the lines.
 fn apart(pairs: &[PointPair]) -> [usize; 2] {
     let distance = |j: usize, k: usize| {
         let (a, b) = (&pairs[j], &pairs[k]);
         (a.point1 - b.point1).norm().min((a.point2 - b.point2).norm())
     };
-    // What is no number is refused later, by its number.
+    // Coordinates that are not finite are refused later, with the number of their pair.
     if pairs.len() < 3 || pairs.iter().any(|pair| !pair.is_finite()) {
         return [0, 1];
     }
@@ -148,7 +151,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_published_search_takes_what_its_method_needs_and_the_one_with_patches_takes_all() {
+    fn the_published_search_takes_a_fixed_number_of_pairs_and_the_patch_search_all() {
         let pairs: Vec<PointPair> = (0..4).map(|k| PointPair::new(f64::from(k), 0.0, 0.0, 0.0)).collect();
         let two = Clicks::for_plan(&pairs, SearchPlan::Published { clicks: 2 });
         assert_eq!((two.len(), two.anchors(), two.observed()), (4, pairs[..2].to_vec(), pairs[..2].to_vec()));
@@ -162,7 +165,7 @@ mod tests {
     }
 
     #[test]
-    fn pencils_pass_through_clicks_that_are_far_from_each_other() {
+    fn anchors_are_far_from_each_other() {
         let at = |x: f64, y: f64| PointPair::new(x, y, x + 9.0, y);
         let (published, by_patches) =
             (SearchPlan::Published { clicks: 2 }, SearchPlan::Patches { clicks: 2 });
@@ -172,7 +175,7 @@ mod tests {
         let near = [at(10.0, 10.0), at(11.0, 10.0), at(100.0, 10.0), at(300.0, 200.0)];
         assert_eq!(anchors(&near, by_patches), [near[0], near[3]]);
         assert_eq!(anchors(&near, published), near[..2], "as published");
-        // In one image is enough.
+        // Too close in one image counts.
         let merged = [good[0], PointPair { point2: good[0].point2, ..good[1] }, good[2]];
         assert_eq!(anchors(&merged, by_patches), [merged[0], merged[2]]);
         let clicks = Clicks::for_plan(&near, by_patches);

@@ -1,8 +1,8 @@
-//! The estimator: propose → rank → refine → judge (paper, section 5.1).
+//! Driver of the estimator: propose, rank, refine, judge (paper, section 5.1).
 //!
-//! Lines through the clicks are compared, and their candidates propose epipoles. What ranks the proposals depends on the plan:
-//! lines, patches with features where they leave doubts, features without clicks, all lines, or motion barcodes. The best
-//! ones are refined, and the result is judged.
+//! Lines through the clicks are compared, and their candidates propose epipoles. The [`SearchPlan`]
+//! decides what else proposes and what ranks. The best hypotheses are refined, and the result is
+//! judged.
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -14,11 +14,13 @@ use super::{Clicks, Estimate, EstimateError, Monitor, Parameters, PreparedPair, 
 use crate::geometry::PointPair;
 use crate::image::GrayPlane;
 
-/// Estimates the fundamental matrix of two images from clicked point pairs, full-size pixels, or from none.
+/// Estimates the fundamental matrix of two images from clicked point pairs, full-size pixels, or
+/// without any.
 ///
-/// The published search takes as many pairs as its method needs and ignores further ones; the search with patches uses
-/// all of them, and does without where there are fewer than two. The same images, pairs, parameters and seed give the same result on any number of
-/// threads. To estimate again on the same images, prepare them once and call [`estimate_prepared`].
+/// The published search takes as many pairs as its method needs and ignores further ones. The
+/// search with patches uses all pairs, and starts from features if there are fewer than two. The
+/// result does not depend on the number of threads. For repeated estimates on the same images,
+/// prepare them once and call [`estimate_prepared`].
 pub fn estimate(
     image1: &GrayPlane,
     image2: &GrayPlane,
@@ -30,7 +32,7 @@ pub fn estimate(
     run(&PreparedPair::new(image1, image2), pairs, parameters, monitor, begun)
 }
 
-/// [`estimate`] on images that were prepared before.
+/// Runs [`estimate`] on prepared images.
 pub fn estimate_prepared(
     prepared: &PreparedPair,
     pairs: &[PointPair],
@@ -82,11 +84,11 @@ mod tests {
     use crate::geometry::symmetric_epipolar_distance;
 
     #[test]
-    fn a_third_pair_takes_part_whatever_searches() {
+    fn a_third_pair_takes_part_in_every_search() {
         let scene = ExactScene::aside();
         let prepared = scene.prepared();
         let [p, q] = scene.clicks();
-        // A fourth pair that is wrong is only measured, or outvoted.
+        // The fourth pair is wrong. It is only measured, or outvoted.
         let pairs = [p, q, scene.seen(0.3, -0.5, 6.59), PointPair::new(30.0, 30.0, 200.0, 200.0)];
         for (preset, largest) in [(Preset::Paper, 6.0), (Preset::Robust, 0.3)] {
             let parameters =
@@ -100,7 +102,8 @@ mod tests {
             assert_eq!(roles, [ClickRole::Anchor, ClickRole::Anchor, ClickRole::Observed, fourth]);
             assert_eq!(trace.pencils.len(), 2);
             if preset == Preset::Paper {
-                // Not refined on the third, but every hypothesis passes through all three.
+                // The third pair is not used in the refinement, but every hypothesis passes through
+                // all three.
                 for hypothesis in found.hypotheses() {
                     let off =
                         pairs[..3].iter().map(|m| symmetric_epipolar_distance(hypothesis.fundamental(), m));

@@ -1,4 +1,4 @@
-//! What can be wrong with the input, and what the user should know about a result.
+//! Errors of an estimate, and warnings about a result.
 
 use serde::Serialize;
 use thiserror::Error;
@@ -6,13 +6,11 @@ use thiserror::Error;
 use crate::cancel::Cancelled;
 use crate::motion::MotionError;
 
-/// Why no fundamental matrix was estimated. Each message is one sentence: what happened, what to do.
+/// Reason why no fundamental matrix was estimated. The message is shown to the user.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum EstimateError {
     /// Fewer point pairs than the method needs.
-    #[error(
-        "{needed} point pairs are needed, {found} given: mark the same scene point in both images, once more"
-    )]
+    #[error("{needed} point pairs are needed, {found} given. Mark more scene points in both images")]
     TooFewPairs {
         /// Pairs given.
         found: usize,
@@ -43,7 +41,7 @@ pub enum EstimateError {
     },
     /// Two clicks (nearly) coincide in one image.
     #[error(
-        "point pairs {first} and {second} are only {distance:.1} px apart in image {image}: choose points farther from each other"
+        "point pairs {first} and {second} are only {distance:.1} px apart in image {image}. Choose points farther from each other"
     )]
     TooClose {
         /// Number of the first pair, from 1.
@@ -56,7 +54,7 @@ pub enum EstimateError {
         distance: f64,
     },
     /// The image is too small for lines to be compared.
-    #[error("image {image} is {width}×{height} pixels, too small: at least {smallest}×{smallest} are needed")]
+    #[error("image {image} is {width}×{height} pixels, too small. At least {smallest}×{smallest} are needed")]
     TooSmall {
         /// Number of the image, 1 or 2.
         image: usize,
@@ -68,7 +66,7 @@ pub enum EstimateError {
         smallest: usize,
     },
     /// An image of (nearly) one intensity.
-    #[error("image {image} is (nearly) uniform, so lines cannot be compared: use an image with texture")]
+    #[error("image {image} is (nearly) uniform, so lines cannot be compared. Use an image with texture")]
     Flat {
         /// Number of the image, 1 or 2.
         image: usize,
@@ -78,43 +76,43 @@ pub enum EstimateError {
     Parameter {
         /// Name of the parameter.
         name: String,
-        /// The value given.
+        /// Value given.
         value: String,
-        /// What is allowed.
+        /// Allowed values, in words.
         allowed: String,
     },
     /// The two images are (nearly) the same picture.
     #[error(
-        "the two images are nearly identical, so there is no parallax and every geometry fits: use images from different places"
+        "the two images are nearly identical, so there is no parallax and every geometry fits. Use images taken from different places"
     )]
     NoParallax,
     /// No pencil lines with enough texture pass through a click.
     #[error(
-        "no textured lines pass through point pair {pair}: choose a point in a textured part of the images"
+        "no textured lines pass through point pair {pair}. Choose a point in a textured part of the images"
     )]
     NoCandidates {
         /// Number of the pair, from 1.
         pair: usize,
     },
     /// No hypothesis survived.
-    #[error("no epipolar geometry was found: check that the point pairs match, or choose other points")]
+    #[error("no epipolar geometry was found. Check that the point pairs match, or choose other points")]
     NoGeometry,
-    /// No hypothesis survived, and nobody had clicked.
+    /// No hypothesis survived, and there were no clicks.
     #[error(
-        "no epipolar geometry was found without clicks: mark two scene points in both images, and try again with these"
+        "no epipolar geometry was found without clicks. Mark two scene points in both images and try again"
     )]
     NothingWithoutClicks,
-    /// Lines are to be compared by motion barcodes, and there are only pictures.
+    /// Motion barcodes are asked for, but there are only pictures.
     #[error(
-        "motion barcodes need two sequences of frames, not two pictures: open sequences, or compare lines by stereo"
+        "motion barcodes need two sequences of frames, not two pictures. Open sequences, or compare lines by stereo"
     )]
     NoSequences,
     /// The sequences cannot be compared.
     #[error(transparent)]
     Motion(#[from] MotionError),
-    /// No geometry that barcodes agree on.
+    /// No geometry agrees with enough barcodes.
     #[error(
-        "no epipolar geometry was found from motion barcodes: too few lines are crossed in ways of their own, so more has to move in more places, or more frames are needed"
+        "no epipolar geometry was found from motion barcodes, since too few lines have a distinctive motion. Use longer recordings, or recordings with motion in more places"
     )]
     NothingFromBarcodes,
     /// A newer request or the user stopped the computation.
@@ -129,7 +127,8 @@ impl From<Cancelled> for EstimateError {
 }
 
 impl EstimateError {
-    /// Whether the input was at fault (exit status 2) rather than the computation (exit status 1).
+    /// Returns whether the input was at fault (exit status 2) rather than the computation (exit
+    /// status 1).
     pub fn is_bad_input(&self) -> bool {
         !matches!(
             self,
@@ -143,16 +142,16 @@ impl EstimateError {
     }
 }
 
-/// Something the user should know about a result. `presentation::reasons` has the sentences.
+/// Warning about a result. `presentation::reasons` has the sentences.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum Warning {
-    /// Both clicks lie (nearly) on one epipolar line, which leaves the epipoles undetermined.
+    /// Both clicks lie (nearly) on one epipolar line, so the epipoles are undetermined.
     SameEpipolarLine {
         /// Smallest distance of a click from the other's epipolar line, px.
         distance: f64,
     },
-    /// The clicks are close together, so small click errors turn the lines a lot.
+    /// The clicks are close together, so small errors turn the lines a lot.
     CloseClicks {
         /// Distance of the clicks, px.
         distance: f64,

@@ -1,5 +1,5 @@
-//! Geometry known exactly, for tests: two cameras, points and textured walls that both see, and a line similarity that
-//! knows the truth.
+//! Exactly known geometry for tests: two cameras, points and textured walls that both see, and a
+//! line similarity that knows the truth.
 
 use nalgebra::{Matrix3, Point3, Vector3};
 use rayon::prelude::*;
@@ -17,10 +17,11 @@ use crate::similarity::{CostMatrix, LineSimilarity, ScaledSimilarity, Similarity
 pub(super) const FRAME: Frame = Frame { width: 320, height: 240 };
 const FOCAL: f64 = 340.0;
 
-/// Two cameras before a far wall, slanted, and a near one that covers a part of the lower half.
+/// Two cameras in front of a slanted far wall, and of a near wall that covers a part of the lower
+/// half.
 pub(super) struct ExactScene([Camera; 2]);
 
-/// `z = depth + slope x`, for those `x` and `y`.
+/// A wall `z = depth + slope x`, for these `x` and `y`.
 struct Wall {
     depth: f64,
     slope: f64,
@@ -34,17 +35,18 @@ const WALLS: [Wall; 2] = [
 ];
 
 impl ExactScene {
-    /// Camera 2 to the right of camera 1 and turned towards it: epipoles outside the images.
+    /// Returns a scene with camera 2 to the right of camera 1 and turned towards it. The epipoles
+    /// are outside the images.
     pub fn aside() -> Self {
         Self::moved([0.5, -0.15, 0.3])
     }
 
-    /// Camera 2 before camera 1: epipoles in the images.
+    /// Returns a scene with camera 2 in front of camera 1. The epipoles are in the images.
     pub fn forward() -> Self {
         Self::moved([-0.25, 0.12, 1.2])
     }
 
-    /// Camera 2 at this place.
+    /// Returns a scene with camera 2 at this place.
     pub fn moved(place: [f64; 3]) -> Self {
         let camera = |place: [f64; 3]| {
             let (target, up) = (Point3::new(0.05, 0.0, 6.0), Vector3::new(0.0, -1.0, 0.05));
@@ -57,18 +59,18 @@ impl ExactScene {
         Camera::fundamental(&self.0[0], &self.0[1]).unwrap()
     }
 
-    /// Where a scene point is seen.
+    /// Returns the images of a scene point.
     pub fn seen(&self, x: f64, y: f64, z: f64) -> PointPair {
         let [point1, point2] = self.0.each_ref().map(|camera| camera.project(&Point3::new(x, y, z)).unwrap());
         PointPair { point1, point2 }
     }
 
-    /// Two clicks far apart.
+    /// Returns two clicks far apart.
     pub fn clicks(&self) -> [PointPair; 2] {
         [self.seen(-0.7, -0.8, 5.8), self.seen(0.8, 0.7, 4.4)]
     }
 
-    /// Points all over the common field of view, at depths from 4 to 8.
+    /// Returns points spread over the common field of view, at depths from 4 to 8.
     pub fn pairs(&self, count: usize) -> Vec<PointPair> {
         // Multiples of the square roots of primes spread evenly.
         let spread =
@@ -83,31 +85,31 @@ impl ExactScene {
             .collect()
     }
 
-    /// Directions of the true epipolar lines at the clicks, and κ.
+    /// Returns the directions of the true epipolar lines at the clicks, and κ.
     pub fn angles(&self) -> PencilAngles {
         PencilAngles::of(&self.fundamental(), &self.clicks(), 0.0).unwrap()
     }
 
-    /// Mean distance of exact matches from the lines of `f`, px.
+    /// Returns the mean distance of exact matches from the lines of `f`, px.
     pub fn error(&self, f: &FundamentalMatrix) -> f64 {
         let pairs = self.pairs(60);
         pairs.iter().map(|pair| symmetric_epipolar_distance(f, pair)).sum::<f64>() / pairs.len() as f64
     }
 
-    /// A geometry whose lines are some `size` px off.
+    /// Returns a geometry whose lines are off by about `size` px.
     pub fn disturbed(&self, size: f64) -> FundamentalMatrix {
         let moved = |s: f64| Matrix3::new(1.0, s * 0.006, 2.0 * s, -s * 0.006, 1.0, -1.5 * s, 0.0, 0.0, 1.0);
         let f = moved(0.5 * size).transpose() * self.fundamental().matrix() * moved(-0.5 * size);
         FundamentalMatrix::from_rank_two(f).unwrap()
     }
 
-    /// The rendered pair, prepared.
+    /// Returns the rendered pair, prepared.
     pub fn prepared(&self) -> PreparedPair {
         let [plane1, plane2] = self.planes();
         PreparedPair::new(&plane1, &plane2)
     }
 
-    /// The walls as both cameras see them.
+    /// Renders the walls as both cameras see them.
     pub fn planes(&self) -> [GrayPlane; 2] {
         [0, 1].map(|image| {
             GrayPlane::from_fn(FRAME, |x, y| {
@@ -118,19 +120,19 @@ impl ExactScene {
         })
     }
 
-    /// Where what is seen at a point of image 1 is in image 2.
+    /// Returns the place in image 2 of the wall point seen at a point of image 1.
     pub fn partner(&self, point1: Point) -> Point {
         let (_, at) = self.wall_at(0, point1);
         self.0[1].project(&at).unwrap()
     }
 
-    /// The wall seen at a point of an image, and where on it.
+    /// Returns the index of the wall seen at a point of an image, and the seen point.
     fn wall_at(&self, image: usize, point: Point) -> (usize, Point3<f64>) {
         let centre = self.0[image].centre();
         let from = Point3::from(centre.xyz() / centre.w);
         let inverse = self.0[image].matrix().fixed_columns::<3>(0).try_inverse().unwrap();
         let ray = inverse * point.to_homogeneous();
-        // The near one comes first.
+        // The near wall comes first.
         let hit = WALLS.iter().enumerate().find_map(|(k, wall)| {
             let t = (wall.depth + wall.slope * from.x - from.z) / (ray.z - wall.slope * ray.x);
             let at = from + ray * t;
@@ -141,7 +143,7 @@ impl ExactScene {
     }
 }
 
-/// Smooth noise, 0 to 1: random values at whole numbers, blended between them.
+/// Returns smooth noise, 0 to 1: random values at integer positions, blended between them.
 fn noise([x, y]: [f64; 2], salt: u64) -> f64 {
     let value = |i: f64, j: f64| {
         let mixed = (i as i64 as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15)
@@ -156,7 +158,7 @@ fn noise([x, y]: [f64; 2], salt: u64) -> f64 {
     blend(blend(value(i, j), value(i + 1.0, j), u), blend(value(i, j + 1.0), value(i + 1.0, j + 1.0), u), v)
 }
 
-/// Rows that are epipolar lines of each other, those of image 2 `shift` px lower.
+/// Returns the geometry of corresponding rows, `shift` px lower in image 2.
 pub(super) fn rows(shift: f64) -> FundamentalMatrix {
     let m = Matrix3::new(0.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 1.0, shift);
     FundamentalMatrix::from_rank_two(m).unwrap()
@@ -165,7 +167,7 @@ pub(super) fn rows(shift: f64) -> FundamentalMatrix {
 /// A line similarity that is a function of two lines.
 pub(super) struct LinesBy<F>(pub F);
 
-/// What a line that misses its image costs.
+/// Cost of a line that misses its image.
 pub(super) const OUTSIDE: f32 = 50.0;
 
 impl<F: Fn(&AnchoredLine, &AnchoredLine) -> f32 + Sync> LineSimilarity for LinesBy<F> {
@@ -197,8 +199,8 @@ impl<F: Fn(&AnchoredLine, &AnchoredLine) -> f32 + Sync> LineSimilarity for Lines
     }
 }
 
-/// Lines cost how far the line of image 2 is from where the points of the line of image 1 belong, px: area between them
-/// over the width, at three points.
+/// Returns a similarity that knows the truth. The cost is the area between the line of image 2 and
+/// the true partners of three points of the line of image 1, over the width, px.
 pub(super) fn exact_lines(f: FundamentalMatrix, frames: [Frame; 2]) -> impl LineSimilarity {
     LinesBy(move |line1: &AnchoredLine, line2: &AnchoredLine| {
         let (Some(on1), Some(_)) = (frames[0].clip(&line1.line()), frames[1].clip(&line2.line())) else {
@@ -213,7 +215,7 @@ pub(super) fn exact_lines(f: FundamentalMatrix, frames: [Frame; 2]) -> impl Line
     })
 }
 
-/// Images of [`FRAME`] of which only the geometry is known.
+/// Images of size [`FRAME`] of which only the geometry is known.
 pub(super) struct ExactSource(pub FundamentalMatrix);
 
 impl SimilaritySource for ExactSource {

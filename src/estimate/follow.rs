@@ -1,13 +1,13 @@
 //! A geometry that follows moved clicks at once, without a search.
 //!
-//! The fundamental matrix belongs to the two images, not to the clicks, so an earlier one of the same images is
-//! a start: it is refitted to the matches that support it, together with the clicks where they are now. That
-//! takes milliseconds where the search takes a second, and is right as long as the earlier geometry was. The
-//! published method looks at lines only and holds the clicks for exact, so there the lines turn with the clicks.
+//! The fundamental matrix belongs to the two images, not to the clicks, so an earlier matrix of the
+//! same images is a good start. It is refitted to its supporting matches and the moved clicks, in
+//! milliseconds instead of a second. The result is right if the earlier geometry was. The published
+//! method fits the clicks exactly and uses lines only, so there the lines turn with the clicks.
 //!
 //! # Pitfalls
-//! - It cannot leave a wrong geometry; only the search can. Hence several starts, of which the one with most
-//!   patch support is followed, and no verdict.
+//! - A refit cannot correct a wrong geometry; only a search can. So several starts are given, the
+//!   start with most patch support is followed, and there is no verdict.
 
 use super::evidence::lines::Construction;
 use super::evidence::patches::{BAND, LEAST_CLICK_SIGMA};
@@ -16,20 +16,17 @@ use crate::geometry::{FundamentalMatrix, Observation, PointPair, fit_fundamental
 
 /// Standard deviation of a supporting match, px of the level: corners are found to a pixel.
 const MATCH_SIGMA: f64 = 1.0;
-/// Sampson distance beyond which a match loses influence, in its standard deviations: 95 % of
-/// Gaussian errors are below it.
+/// Sampson distance beyond which a match loses influence, in standard deviations. Not measured.
 const ROBUST: f64 = 2.0;
-/// Fewest supporting matches to follow a geometry: twice the seven unknowns, and two more. Not
-/// measured.
+/// Fewest supporting matches for following a geometry. Not measured.
 const LEAST_MATCHES: usize = 16;
 
-/// A geometry for the clicks where they are now, from earlier estimates of the same images, the newest last. What
-/// was found out about the earlier one, for clicks that were elsewhere, does not come along: it has its patch support
-/// and nothing else.
+/// Returns a geometry for the present clicks, from earlier estimates of the same images, the newest
+/// last. The returned estimate has patch support only: other findings held for the earlier clicks.
 ///
-/// Where patches count, the start with most support is refitted to its matches and the clicks; where only lines do,
-/// the newest start has its lines turned to pass through the clicks. `None` when there are too few clicks, no start,
-/// or too few matches that support one. Takes some 10 ms at 768×576.
+/// With patches, the start with most support is refitted to its matches and the clicks. With lines
+/// alone, the lines of the newest start turn to pass through the clicks. Returns `None` when there
+/// are too few clicks, no start, or too few supporting matches. Takes some 10 ms at 768×576.
 pub fn follow<'a>(
     prepared: &PreparedPair,
     starts: impl IntoIterator<Item = &'a Estimate>,
@@ -51,7 +48,7 @@ pub fn follow<'a>(
     Some(Estimate { geometry: fundamental.into(), assessment, trace: None })
 }
 
-/// The most supported start, refitted to its matches and the clicks.
+/// Returns the most supported start, refitted to its matches and the clicks.
 fn refitted<'a>(
     prepared: &PreparedPair,
     starts: impl IntoIterator<Item = &'a Estimate>,
@@ -62,7 +59,7 @@ fn refitted<'a>(
     let (patches, at_level, support) = starts
         .into_iter()
         .filter_map(|start| {
-            // Patches are compared as the search that found it did.
+            // Patches are compared under the view of the search that found the start.
             let patches = prepared.patches_of(start);
             let fine = patches.fine(pyramids);
             let at_level: FundamentalMatrix = start.fundamental().rescaled(fine.scales[0], fine.scales[1])?;
@@ -75,7 +72,7 @@ fn refitted<'a>(
     if support.matches < LEAST_MATCHES {
         return None;
     }
-    // No click is more precise than the level can show.
+    // A click is no more precise than the level can show.
     let click_sigma = (click_sigma * s1).max(LEAST_CLICK_SIGMA);
     let clicks = clicks.iter().map(|click| click.rescaled(fine.scales));
     let matches = fine.support.matches(&at_level, BAND);
@@ -88,7 +85,8 @@ fn refitted<'a>(
     Some((fitted.fundamental.rescaled(1.0 / s1, 1.0 / s2)?, support))
 }
 
-/// The geometry nearest to an earlier one that fits two clicks exactly, as the published method has it.
+/// Returns the geometry nearest to an earlier one that fits two clicks exactly, as the published
+/// method does.
 fn through_clicks(start: &Estimate, clicks: &Clicks) -> Option<FundamentalMatrix> {
     let anchors = *clicks.anchors().first_chunk::<2>()?;
     Construction::of(start.fundamental(), anchors, start.turn())?.fundamental()
@@ -106,14 +104,14 @@ mod tests {
         scene.prepared()
     }
 
-    /// The clicks, the first one moved away in image 2.
+    /// Returns the clicks, the first one moved in image 2.
     fn moved(scene: &ExactScene, by: Vector) -> Vec<PointPair> {
         let [p, q] = scene.clicks();
         vec![PointPair { point2: p.point2 + by, ..p }, q]
     }
 
     #[test]
-    fn the_most_supported_start_is_refitted_and_claims_nothing_else() {
+    fn the_most_supported_start_is_refitted_and_has_no_other_findings() {
         let scene = ExactScene::aside();
         let prepared = prepared(&scene);
         let [near, wrong] = [scene.disturbed(0.7), rows(0.0)].map(Estimate::from);
@@ -122,7 +120,7 @@ mod tests {
         for starts in [[&near, &wrong], [&wrong, &near]] {
             let found = follow(&prepared, starts, &scene.clicks(), &parameters).unwrap();
             let after = scene.error(found.fundamental());
-            // Corners are found to a pixel; some hundred of them.
+            // Corners are found to a pixel, and there are some hundred.
             assert!(after < 0.5 && after < 0.5 * before, "{before} px before, {after} px after");
             let Assessment {
                 lines,
@@ -141,7 +139,7 @@ mod tests {
             assert!(margin.is_none() && refined_margin.is_none() && apart.is_none() && barcodes.is_none());
             assert!(warnings.is_empty());
         }
-        // A click that is mistaken by far does not take the geometry along, but has its say.
+        // A click that is far off does not take the geometry along, but has an influence.
         let far = moved(&scene, Vector::new(0.0, 30.0));
         let [still, dragged] = [&scene.clicks()[..], &far]
             .map(|clicks| *follow(&prepared, [&near], clicks, &parameters).unwrap().fundamental());
@@ -150,7 +148,7 @@ mod tests {
     }
 
     #[test]
-    fn lines_alone_turn_with_the_clicks_from_the_newest_start() {
+    fn lines_of_the_newest_start_turn_with_the_clicks() {
         let scene = ExactScene::aside();
         let prepared = prepared(&scene);
         let parameters = Parameters::from(Preset::Paper);
@@ -169,7 +167,7 @@ mod tests {
     }
 
     #[test]
-    fn too_few_clicks_starts_or_matches_leave_it_to_the_search() {
+    fn too_few_clicks_starts_or_matches_give_none() {
         let scene = ExactScene::aside();
         let (prepared, start) = (prepared(&scene), Estimate::from(scene.fundamental()));
         let parameters = Parameters::default();
@@ -179,7 +177,7 @@ mod tests {
         assert!(follow(&prepared, [], &clicks, &parameters).is_none());
         let three = Parameters { method: super::super::Method::ThreePoint, ..parameters.clone() };
         assert!(follow(&prepared, [&start], &clicks, &three).is_none());
-        // Texture in one small part only: nothing supports anything.
+        // With texture in one small part only, nothing is supported.
         let [plane1, plane2] = scene.planes().map(|plane| {
             GrayPlane::from_fn(FRAME, |x, y| if x < 40 && y < 40 { plane.at(x, y) } else { 90.0 })
         });

@@ -1,10 +1,11 @@
-//! From clicked point pairs to a fundamental matrix, with everything that led to it.
+//! Estimation of a fundamental matrix from clicked point pairs, with a record of the search.
 //!
-//! [`estimate`] is the driver: propose → rank → refine → judge. `searches` has one search a file,
-//! `evidence` what lines, patches and features say, `fit` the fit of matches, `verdict` how far a result is to be trusted. An
-//! [`Estimate`] is a geometry with what was found out about it and, if a search found it, the trace of that search.
+//! [`estimate`] is the driver: propose, rank, refine, judge. `searches` has one search per file,
+//! `evidence` the evidence of lines, patches and features, `fit` the fits of matches, and `verdict`
+//! the reliability of a result. An [`Estimate`] is a geometry with its assessment and, if a search
+//! found it, the trace of the search.
 //!
-//! The method in equations is `docs/estimator.md`; `docs/parameters.md` lists every parameter.
+//! `docs/estimator.md` has the method in equations; `docs/parameters.md` lists every parameter.
 
 mod clicks;
 mod driver;

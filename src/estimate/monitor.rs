@@ -1,11 +1,11 @@
-//! Watching and stopping a computation.
+//! Progress reports and cancellation of a computation.
 
 use std::sync::Arc;
 
 use super::{ComparedPencils, Estimate, Stage};
 use crate::cancel::CancelFlag;
 
-/// News from a running computation.
+/// Progress of a running computation.
 #[derive(Debug)]
 pub enum Progress {
     /// A stage has begun.
@@ -16,19 +16,19 @@ pub enum Progress {
     Preliminary(Box<Estimate>),
 }
 
-/// Where a computation reports to and who may stop it.
+/// Receiver of progress reports, with the flag that stops the computation.
 pub struct Monitor<'a> {
     cancel: CancelFlag,
     sink: Box<dyn Fn(Progress) + Sync + Send + 'a>,
 }
 
 impl<'a> Monitor<'a> {
-    /// A monitor that calls `sink` with each piece of news, from whichever thread has it.
+    /// Creates a monitor that calls `sink` with each report, from any thread.
     pub fn new(cancel: CancelFlag, sink: impl Fn(Progress) + Sync + Send + 'a) -> Self {
         Self { cancel, sink: Box::new(sink) }
     }
 
-    /// A monitor nobody watches.
+    /// Creates a monitor that ignores all reports.
     pub fn silent() -> Self {
         Self::new(CancelFlag::default(), |_| ())
     }
@@ -37,7 +37,7 @@ impl<'a> Monitor<'a> {
         (self.sink)(progress);
     }
 
-    /// What long loops ask whether to go on.
+    /// Returns the flag that long loops check.
     pub(crate) fn cancel(&self) -> &CancelFlag {
         &self.cancel
     }

@@ -1,8 +1,8 @@
-//! The steps of the algorithm, by which it reports, counts time and groups its parameters.
+//! Stages of the algorithm, used for progress, timings and groups of parameters.
 
 use serde::Serialize;
 
-/// The steps of the algorithm in their order.
+/// Stages of the algorithm, in order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Stage {
@@ -12,11 +12,12 @@ pub enum Stage {
     Pencils,
     /// Epipole hypotheses from candidate pairs, with the forward and backward maps.
     Hypotheses,
-    /// Full validation of the best ones.
+    /// Full validation of the best hypotheses.
     Validation,
     /// Local refinement, coarse to fine.
     Refinement,
-    /// Covariant features and the views that they suggest: where the steps before leave doubts, and where nobody has clicked.
+    /// Covariant features and the views that they suggest. This stage runs if the others leave
+    /// doubts, or without clicks.
     Features,
 }
 
@@ -25,7 +26,7 @@ impl Stage {
     pub const ALL: [Self; 6] =
         [Self::Pyramid, Self::Pencils, Self::Hypotheses, Self::Validation, Self::Refinement, Self::Features];
 
-    /// What the user reads while it runs.
+    /// Returns the name shown to the user.
     pub fn label(self) -> &'static str {
         match self {
             Self::Pyramid => "Image pyramid",

@@ -3,7 +3,7 @@
 use rand::SeedableRng;
 use rand_pcg::Pcg64Mcg;
 
-/// Use of a stream: two purposes never share random numbers.
+/// Purpose of a stream. Two purposes never share random numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Purpose {
     /// Pairs of candidate lines, one of each click.
@@ -20,25 +20,25 @@ pub(super) enum Purpose {
     PatchSamples,
     /// Matches from which a homography is made.
     PlaneSamples,
-    /// Putative matches that stand in for clicks.
+    /// Putative matches that replace clicks.
     PutativePairs,
     /// Minimal samples of the final fit.
     MatchSamples,
-    /// Lines moved at random in the barcode method.
+    /// Random lines of the search by barcodes.
     BarcodeLines,
     /// Steps of the refinement by barcodes.
     BarcodeRefinement,
 }
 
-/// Returns the stream of one task of one purpose. Tasks that run in parallel take one stream each, so that the result is the
-/// same on any number of threads.
+/// Returns the stream of one task of one purpose. Tasks that run in parallel take one stream each,
+/// so that the result is the same on any number of threads.
 pub(super) fn stream(seed: u64, purpose: Purpose, index: u64) -> Pcg64Mcg {
-    // Adding or combining by XOR would give seed 1, task 0 the stream of seed 0, task 1.
+    // With a sum or XOR, seed 1 and task 0 would share a stream with seed 0 and task 1.
     Pcg64Mcg::seed_from_u64(mixed(mixed(mixed(seed) ^ purpose as u64) ^ index))
 }
 
-/// The finaliser of `SplitMix64` (Steele, Lea & Flood 2014): a bijection in which every bit of the input changes half of the
-/// output.
+/// The finaliser of `SplitMix64` (Steele, Lea & Flood 2014): a bijection in which every bit of the
+/// input changes half of the output.
 fn mixed(value: u64) -> u64 {
     let value = value.wrapping_add(0x9e37_79b9_7f4a_7c15);
     let value = (value ^ (value >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);

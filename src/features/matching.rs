@@ -3,7 +3,7 @@
 //! Descriptor distances are Euclidean, computed in integers so that every machine ranks alike. A
 //! match joins two features that are each other's nearest neighbour.
 //!
-//! The **ratio** of a match is the distance to the nearest neighbour over that to the next
+//! The **ratio** of a match is the distance to the nearest neighbour over the distance to the next
 //! neighbour *at another place* (Lowe 2004, section 7.1). Mishkin, Matas & Perdoch (2015) call this
 //! neighbour "first geometrically inconsistent". The larger ratio of both directions counts. The
 //! ratio is near zero for distinctive features and near one for repeated structure. No ratio test
@@ -45,8 +45,8 @@ type Neighbours = [(i32, u32); KEPT];
 const NONE: Neighbours = [(i32::MAX, u32::MAX); KEPT];
 type Wide = [i16; ENTRIES];
 
-/// Returns all mutual nearest neighbours, lowest ratio first. Of several matches at the same two
-/// places the first is kept.
+/// Returns all mutual nearest neighbours, lowest ratio first. Keeps the first of several matches at
+/// the same two places.
 pub fn match_features(set1: &FeatureSet, set2: &FeatureSet) -> Vec<FeatureMatch> {
     let [near2, near1] = neighbours(set1.descriptors(), set2.descriptors());
     let (features1, features2) = (set1.features(), set2.features());
@@ -298,7 +298,7 @@ mod tests {
     }
 
     #[test]
-    fn few_or_no_features_are_no_trouble() {
+    fn few_or_no_features_are_handled() {
         let none = FeatureSet::default();
         assert!(match_features(&none, &none).is_empty());
         assert!(match_features(&set(3, 1), &none).is_empty());
@@ -306,7 +306,7 @@ mod tests {
     }
 
     #[test]
-    fn a_twin_at_the_same_place_is_no_rival_but_one_elsewhere_is() {
+    fn only_neighbours_at_another_place_affect_the_ratio() {
         let one = set(1, 5);
         let (feature, descriptor) = (one.features()[0], one.descriptors()[0]);
         let mut nearly = descriptor;
@@ -327,7 +327,7 @@ mod tests {
     }
 
     #[test]
-    fn of_what_is_matched_twice_at_one_place_the_first_stays() {
+    fn the_first_of_repeated_matches_is_kept() {
         let (descriptor, mut set) = ([0; ENTRIES], FeatureSet::default());
         for (x, scale) in [(10.0, 2.0), (11.0, 3.0), (13.0, 2.0), (60.0, 2.0), (60.5, 0.4)] {
             let feature = Feature {

@@ -230,7 +230,7 @@ mod tests {
 
     /// A Gaussian damps a wave of frequency k by exp(−k²σ²/2) in each direction.
     #[test]
-    fn a_wave_is_damped_as_gauss_says() {
+    fn a_wave_is_damped_like_under_a_gaussian() {
         let k = std::f64::consts::PI / 10.0;
         // The sides hold 30 and 10 half waves, so mirroring leaves no kink. The width is no
         // multiple of a block.

@@ -87,7 +87,7 @@ fn angle_between(a: f64, b: f64) -> f64 {
 }
 
 #[test]
-fn a_blob_is_found_where_it_is_as_large_and_as_turned_as_it_is() {
+fn a_blob_is_found_with_its_position_scale_and_orientation() {
     let frame = Frame::new(161, 141);
     for (k, sigma) in [2.0, 3.3, 5.0, 8.0, 12.0].into_iter().enumerate() {
         let centre = Point::new(79.3 + 0.13 * k as f64, 70.6);
@@ -157,7 +157,7 @@ fn repeated(angle: f64, scale: f64) -> [f64; 2] {
 }
 
 #[test]
-fn features_are_found_again_under_any_turn_and_at_twice_or_half_the_size() {
+fn features_repeat_at_any_rotation_and_at_twice_or_half_the_size() {
     for (degrees, scale) in [
         (0.0, 2.0),
         (30.0, 1.0),
@@ -177,7 +177,7 @@ fn features_are_found_again_under_any_turn_and_at_twice_or_half_the_size() {
 }
 
 #[test]
-fn the_number_is_bounded_the_strongest_are_kept_and_threads_do_not_matter() {
+fn the_strongest_features_are_kept_on_any_number_of_threads() {
     let blobs = texture(260.0, 1000, 5);
     let frame = Frame::new(240, 230);
     let plane = View::new(260.0, frame, 0.0, 1.0).draw(frame, &blobs);
@@ -229,7 +229,7 @@ fn compressed(angle: f64, by: f64, find: impl Fn(&GrayPlane) -> FeatureSet) -> (
 }
 
 #[test]
-fn what_is_seen_at_a_slant_is_found_again_with_the_map_that_the_slant_makes() {
+fn features_of_slanted_views_match_with_the_right_affine_maps() {
     let parameters = FeatureParameters::default();
     let frontal = |plane: &GrayPlane| find_features(plane, &parameters);
     let all = |plane: &GrayPlane| {
@@ -251,7 +251,7 @@ fn what_is_seen_at_a_slant_is_found_again_with_the_map_that_the_slant_makes() {
 }
 
 #[test]
-fn slanted_features_lie_in_the_picture_on_any_number_of_threads_and_flat_ones_have_none() {
+fn slanted_features_lie_in_the_picture_on_any_number_of_threads() {
     let blobs = texture(260.0, 1000, 5);
     let frame = Frame::new(240, 131);
     let plane = View::new(260.0, frame, 0.0, 1.0).draw(frame, &blobs);

@@ -141,7 +141,7 @@ mod tests {
     }
 
     #[test]
-    fn the_place_is_where_the_lines_are_farthest_apart_and_both_seen() {
+    fn the_next_click_is_where_both_lines_are_visible_and_farthest_apart() {
         // The rows differ by a fifth of the distance from row 100. Below row 316 the rival leaves
         // the image.
         let rival = Rival { fundamental: rows(1.2, -20.0), weight: 1.0 };
@@ -155,7 +155,7 @@ mod tests {
     }
 
     #[test]
-    fn a_weak_rival_counts_little_and_one_that_agrees_not_at_all() {
+    fn weak_rivals_count_little_and_agreeing_rivals_not_at_all() {
         let near = Rival { fundamental: rows(1.2, -20.0), weight: 1.0 };
         let weak = Rival { fundamental: rows(0.2, 270.0), weight: 1e-4 };
         let found = next_click(&prepared(), &rows(1.0, 0.0), &[near, weak], &[]).unwrap();

@@ -55,7 +55,7 @@ fn free(prepared: &PreparedPair, point: Point, clicked: ClickedImage) -> Result<
 }
 
 #[test]
-fn turned_resized_and_darker_pictures_are_matched_to_a_fraction_of_a_pixel() {
+fn rotated_resized_and_darker_pictures_are_matched_to_subpixel_accuracy() {
     for (degrees, scale) in [(0.0, 1.0), (30.0, 1.0), (-30.0, 1.0), (0.0, 0.7), (0.0, 1.4), (-22.0, 1.2)] {
         let (prepared, there) = turned(degrees, scale);
         for point in [Point::new(240.0, 180.0), Point::new(200.0, 140.0), Point::new(290.0, 225.0)] {
@@ -71,7 +71,7 @@ fn turned_resized_and_darker_pictures_are_matched_to_a_fraction_of_a_pixel() {
 }
 
 #[test]
-fn any_turn_and_scale_is_found_by_features_by_a_view_and_by_a_placed_pair() {
+fn large_rotations_and_scales_are_found_by_features_a_view_or_a_placed_pair() {
     for (degrees, scale) in [(90.0, 1.0), (-140.0, 0.8), (180.0, 0.5), (50.0, 2.0)] {
         let (prepared, there) = turned(degrees, scale);
         let point = Point::new(250.0, 170.0);
@@ -92,7 +92,7 @@ fn any_turn_and_scale_is_found_by_features_by_a_view_and_by_a_placed_pair() {
 }
 
 #[test]
-fn a_placed_pair_is_aligned_around_where_it_is_and_left_alone_where_nothing_is_alike() {
+fn refining_moves_a_similar_pair_and_leaves_a_dissimilar_one() {
     for (degrees, scale) in [(0.0, 1.0), (20.0, 0.8), (120.0, 1.0), (-75.0, 0.6)] {
         let (prepared, there) = turned(degrees, scale);
         let point = Point::new(240.0, 190.0);
@@ -112,7 +112,7 @@ fn a_placed_pair_is_aligned_around_where_it_is_and_left_alone_where_nothing_is_a
 }
 
 #[test]
-fn points_at_the_border_are_matched_with_what_is_inside() {
+fn points_at_the_border_are_matched() {
     let frame = Frame::new(480, 360);
     let image1 = GrayPlane::from_fn(frame, |x, y| blobs(x as f64, y as f64));
     let image2 = GrayPlane::from_fn(frame, |x, y| blobs(x as f64 - 40.0, y as f64 - 30.0));
@@ -127,7 +127,7 @@ fn points_at_the_border_are_matched_with_what_is_inside() {
 }
 
 #[test]
-fn rendered_scenes_are_matched_and_clear_ones_are_right() {
+fn clear_suggestions_on_rendered_scenes_are_right() {
     for (motion, least_clear) in
         [(Motion::Sideways, 0.5), (Motion::Roll, 0.3), (Motion::Scale, 0.2), (Motion::Forward, 0.5)]
     {
@@ -154,7 +154,7 @@ fn rendered_scenes_are_matched_and_clear_ones_are_right() {
 }
 
 #[test]
-fn repeated_things_are_called_ambiguous_and_flat_ones_flat() {
+fn repeated_and_flat_surroundings_are_reported() {
     let frame = Frame::new(400, 300);
     let tiles = GrayPlane::from_fn(frame, |x, y| blobs((x % 80) as f64, (y % 60) as f64));
     let prepared = PreparedPair::new(&tiles, &tiles);

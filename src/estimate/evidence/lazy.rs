@@ -1,13 +1,14 @@
-//! What is made when it is first needed, by work that is done on all threads.
+//! Values that are made at their first use, by work on all threads of the pool.
 
 use std::sync::{Mutex, OnceLock, PoisonError};
 
 /// A value that is made at its first use and kept.
 ///
-/// Making one takes the threads of the pool, and these may be the ones that ask for it: a `OnceLock` would let them wait for
-/// the thread that makes it while it waits for them, and a thread of the pool that takes up other work in between would meet
-/// its own lock. So a thread of the pool never waits here: it makes the value itself, and whichever is ready first is kept.
-/// Other threads wait for the one that makes it. Every making must give the same.
+/// No thread of the pool waits here. It makes the value itself, and the first finished value is
+/// kept. With a `OnceLock`, threads of the pool could wait for the thread that makes the value,
+/// which in turn needs threads of the pool. A thread could even meet its own lock when it takes up
+/// other work in between. Threads outside the pool wait for the one that makes the value. Every
+/// call must make the same value.
 #[derive(Debug)]
 pub(in crate::estimate) struct Lazy<T> {
     value: OnceLock<T>,
@@ -26,7 +27,7 @@ impl<T> Lazy<T> {
             return made;
         }
         let is_of_the_pool = rayon::current_thread_index().is_some();
-        // The lock keeps nothing but the turn, which a panic does not spoil.
+        // The lock guards no data, so a panic of its holder does no harm.
         let _turn = (!is_of_the_pool).then(|| self.making.lock().unwrap_or_else(PoisonError::into_inner));
         if let Some(made) = self.value.get() {
             return made;
@@ -47,7 +48,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn threads_outside_the_pool_wait_instead_of_making_it_again() {
+    fn threads_outside_the_pool_wait_instead_of_making_the_value_again() {
         let (once, makings) = (Lazy::default(), AtomicUsize::new(0));
         let make = || {
             thread::sleep(Duration::from_millis(20));
@@ -61,10 +62,10 @@ mod tests {
     }
 
     #[test]
-    fn threads_of_the_pool_never_wait_for_it() {
+    fn threads_of_the_pool_never_wait() {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().unwrap();
         let once = Lazy::default();
-        // Every making is asked for by a thread of the pool and needs both.
+        // Each request comes from a thread of the pool, and its work needs both threads.
         let make = || (0..64_u64).into_par_iter().map(|k| thread::sleep(Duration::from_micros(k))).count();
         let found: Vec<usize> =
             pool.install(|| (0..64).into_par_iter().map(|_| *once.get_or_make(make)).collect());
@@ -72,7 +73,7 @@ mod tests {
     }
 
     #[test]
-    fn all_are_given_the_one_that_was_ready_first() {
+    fn all_threads_get_the_first_finished_value() {
         let once = Lazy::default();
         let addresses: Vec<usize> = (0..64)
             .into_par_iter()
@@ -82,7 +83,7 @@ mod tests {
     }
 
     #[test]
-    fn after_a_panic_it_is_made_by_the_next() {
+    fn after_a_panic_the_next_call_makes_the_value() {
         let once = Lazy::<u8>::default();
         let panics = thread::scope(|scope| scope.spawn(|| *once.get_or_make(|| panic!("on purpose"))).join());
         assert!(panics.is_err());

@@ -1,4 +1,5 @@
-//! What is computed once per image pair, whatever the clicks: pyramids, what patches need, compared pencils.
+//! Everything that is computed once for an image pair and serves any clicks: pyramids, patches,
+//! features, compared pencils.
 
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -14,8 +15,8 @@ use crate::image::{GrayPlane, PyramidPair, RelativeView};
 use crate::motion::{MotionError, Silhouettes};
 use crate::similarity::{BarcodeSource, LineMeasure, PictureSource, SimilarityParameters, SimilaritySource};
 
-/// Two images made ready for estimates. Keep it while the images stay the same: moving a click then costs only
-/// what depends on the click.
+/// Two images made ready for estimates. Keep it while the images stay the same. A moved click then
+/// costs only the work that depends on the clicks.
 #[derive(Debug)]
 pub struct PreparedPair {
     pyramids: PyramidPair,
@@ -30,11 +31,12 @@ pub struct PreparedPair {
 
 /// Least longer side of a pyramid level, px. Not measured.
 const SMALLEST_LEVEL: f64 = 48.0;
-/// Views kept besides the upright one. Each takes some ten megabytes. No result depends on it.
+/// Number of views kept, besides the upright one. Each takes some ten megabytes. No result depends
+/// on it.
 const VIEWS_KEPT: usize = 4;
 
 impl PreparedPair {
-    /// Builds the pyramids, in parallel; everything else when it is first needed.
+    /// Builds the pyramids in parallel. Everything else is made when it is first needed.
     pub fn new(image1: &GrayPlane, image2: &GrayPlane) -> Self {
         Self {
             pyramids: PyramidPair::new(image1, image2, SMALLEST_LEVEL),
@@ -47,14 +49,16 @@ impl PreparedPair {
         }
     }
 
-    /// The same two cameras with what moves in front of them, in as many frames of either, of the size of the images.
+    /// Adds the silhouettes of moving objects in front of two static cameras. Both sequences have
+    /// the same number of frames, of the size of the images.
     #[must_use]
     pub fn with_silhouettes(self, silhouettes: [Arc<Silhouettes>; 2]) -> Self {
         Self { silhouettes: Some(silhouettes), ..self }
     }
 
-    /// Two static cameras by what moves in front of them. The images are what they see, of the size of their frames; frame
-    /// `k` of the first sequence was taken together with frame `k + offset` of the second.
+    /// Prepares the sequences of two static cameras. The images show the views of the cameras and
+    /// have the size of the frames. Frame `k` of the first sequence was taken at the same time as
+    /// frame `k + offset` of the second.
     pub fn of_sequences(
         image1: &GrayPlane,
         image2: &GrayPlane,
@@ -65,8 +69,9 @@ impl PreparedPair {
         Ok(Self::new(image1, image2).with_silhouettes(together.map(Arc::new)))
     }
 
-    /// Makes what every search by patches needs and no click changes: done while a person still looks at the images, it is
-    /// there at the click. A search that begins meanwhile waits for the part under way instead of making it again.
+    /// Makes everything that a search by patches needs and that no click changes. Called before the
+    /// first click, it shortens the first search. A search that begins meanwhile waits for the part
+    /// under way and does not make it again.
     pub fn make_ready(&self, cancel: &CancelFlag) {
         let is_wanted = || !cancel.is_cancelled();
         if is_wanted() {
@@ -83,22 +88,22 @@ impl PreparedPair {
         }
     }
 
-    /// What moves in the sequences of the two cameras, if that is what they are.
+    /// Returns the silhouettes of both cameras, if the pair has sequences.
     pub fn silhouettes(&self) -> Option<[&Silhouettes; 2]> {
         self.silhouettes.as_ref().map(|[first, second]| [&**first, &**second])
     }
 
-    /// Sizes of the two images.
+    /// Returns the sizes of the two images.
     pub fn frames(&self) -> [Frame; 2] {
         self.pyramids.frames()
     }
 
-    /// Both images at the sizes of their pyramids.
+    /// Returns the pyramids of both images.
     pub fn pyramids(&self) -> &PyramidPair {
         &self.pyramids
     }
 
-    /// The covariant features of both images and their matches.
+    /// Returns the covariant features of both images and their matches.
     pub(in crate::estimate) fn features(&self, views: FeatureViews) -> &MatchedFeatures {
         let frontal = || self.features.get_or_make(|| MatchedFeatures::frontal(&self.pyramids));
         match views {
@@ -107,26 +112,26 @@ impl PreparedPair {
         }
     }
 
-    /// Patches compared upright, without features.
+    /// Returns the patches of the upright view, without features.
     pub(in crate::estimate) fn upright_patches(&self) -> Arc<PatchLevels> {
         Arc::clone(&self.upright)
     }
 
-    /// The patches under a view with the matches of features beside them.
+    /// Returns the patches of a view, with the matches of features.
     pub(in crate::estimate) fn patches_with_features(
         &self,
         view: RelativeView,
         of: FeatureViews,
     ) -> Arc<PatchLevels> {
-        // Before the lock is taken: finding them takes threads that may ask for it.
+        // Features are found before the lock is taken: their threads may ask for it.
         let matched = self.features(of);
-        // Entries are whole whatever happened to a thread that held the lock.
+        // A panic of a thread that held the lock leaves all entries complete.
         let mut views = self.views.lock().unwrap_or_else(PoisonError::into_inner);
         let mut under_view = views.iter().filter(|patches| patches.view() == view);
         if let Some(kept) = under_view.clone().find(|patches| patches.features() == Some(of)) {
             return Arc::clone(kept);
         }
-        // Corners that were compared under this view are not compared once more.
+        // Corners already compared under this view are used again.
         let corners = if view == RelativeView::UPRIGHT { Some(&self.upright) } else { under_view.next() };
         let patches = corners.map_or_else(|| Arc::new(PatchLevels::new(view)), Arc::clone);
         let patches = Arc::new(patches.with_features(of, matched.supports()));
@@ -135,7 +140,7 @@ impl PreparedPair {
         patches
     }
 
-    /// What lines are compared in, under a view.
+    /// Returns the similarity in which lines are compared under a view.
     pub(in crate::estimate) fn similarity_source(
         &self,
         view: RelativeView,
@@ -148,7 +153,8 @@ impl PreparedPair {
         Box::new(PictureSource { pyramids: &self.pyramids, view, parameters: parameters.similarity })
     }
 
-    /// The pencils through a click (full-size pixels): those compared before, or what `compare` finds.
+    /// Returns the compared pencils through a click, full-size pixels. Calls `compare` when none
+    /// are kept.
     pub(in crate::estimate) fn pencils(
         &self,
         click: &PointPair,
@@ -160,14 +166,15 @@ impl PreparedPair {
     }
 }
 
-/// The latest compared pencils, newest first: while one click is dragged, those of the others stay.
+/// Latest compared pencils, newest first. While one click is dragged, the pencils of the others
+/// stay.
 #[derive(Debug, Default)]
 struct PencilCache(Mutex<VecDeque<(PencilKey, Arc<ComparedPencils>)>>);
 
-/// What pencils depend on besides the images and the click.
+/// Everything that pencils depend on, besides the images and the click.
 type PencilKey = (RelativeView, SimilarityParameters, PencilParameters);
 
-/// Compared pencils kept. Each takes some hundred kilobytes. No result depends on it.
+/// Number of compared pencils kept. Each takes some hundred kilobytes. No result depends on it.
 const COMPARISONS_KEPT: usize = 4;
 
 impl PencilCache {
@@ -177,7 +184,7 @@ impl PencilCache {
         click: &PointPair,
         compare: impl FnOnce() -> Result<ComparedPencils, EstimateError>,
     ) -> Result<Arc<ComparedPencils>, EstimateError> {
-        // Entries are whole whatever happened to a thread that held the lock.
+        // A panic of a thread that held the lock leaves all entries complete.
         let kept = || self.0.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some((_, found)) = kept().iter().find(|(of, pencils)| *of == key && pencils.click == *click) {
             return Ok(Arc::clone(found));
@@ -197,7 +204,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_no_click_changes_can_be_made_beforehand_and_changes_nothing() {
+    fn making_ready_changes_no_result() {
         let scene = crate::estimate::exact::ExactScene::aside();
         let [plane1, plane2] = scene.planes();
         let estimate = |prepared: &PreparedPair| {
@@ -210,15 +217,15 @@ mod tests {
         let ready = PreparedPair::new(&plane1, &plane2);
         ready.make_ready(&CancelFlag::default());
         assert_eq!(estimate(&ready), estimate(&PreparedPair::new(&plane1, &plane2)));
-        // Nobody wants it any more.
+        // A cancelled preparation returns.
         let cancel = CancelFlag::default();
         cancel.cancel();
         PreparedPair::new(&plane1, &plane2).make_ready(&cancel);
     }
 
     #[test]
-    fn what_is_prepared_while_it_is_estimated_waits_for_nobody_for_ever() {
-        // Whoever fails here waits for threads that wait for it.
+    fn preparation_and_estimates_side_by_side_do_not_deadlock() {
+        // A deadlock shows as a timeout.
         let scene = crate::estimate::exact::ExactScene::aside();
         let (planes, clicks) = (scene.planes(), scene.clicks());
         let (done, finished) = std::sync::mpsc::channel();
@@ -241,7 +248,7 @@ mod tests {
     }
 
     #[test]
-    fn searches_of_one_pair_may_run_beside_each_other_on_the_threads_of_a_pool() {
+    fn searches_of_one_pair_run_side_by_side_on_a_pool() {
         let scene = crate::estimate::exact::ExactScene::aside();
         let [plane1, plane2] = scene.planes();
         let prepared = PreparedPair::new(&plane1, &plane2);
@@ -257,7 +264,7 @@ mod tests {
     }
 
     #[test]
-    fn pencils_are_compared_once_for_a_click_and_what_they_depend_on() {
+    fn pencils_are_compared_once_for_a_click_and_its_parameters() {
         let plane = GrayPlane::from_fn(Frame::new(64, 64), |x, y| ((x * y) % 251) as f32);
         let prepared = PreparedPair::new(&plane, &plane);
         let mut compared = 0;
@@ -276,7 +283,7 @@ mod tests {
         let elsewhere = Parameters { seed: 9, hypotheses: 5, click_sigma: 2.0, ..usual.clone() };
         let asked = [ask(0.0, &usual), ask(0.0, &elsewhere), ask(0.0, &coarser), ask(0.0, &usual)];
         assert_eq!(asked, [1, 1, 2, 2]);
-        // Others push the first one out.
+        // Four other clicks push the first one out.
         for x in 1..5 {
             ask(f64::from(x), &usual);
         }

@@ -28,22 +28,22 @@ impl<'a> ViewedPair<'a> {
         Self::new(prepared, prepared.upright_patches(), parameters)
     }
 
-    /// Both images at the sizes of their pyramids.
+    /// Returns the pyramids of both images.
     pub fn pyramids(&self) -> &'a PyramidPair {
         self.prepared.pyramids()
     }
 
-    /// Corners and their correlations at the coarse size.
+    /// Returns the corners and their correlations at the coarse size.
     pub fn coarse(&self) -> &SupportLevel {
         self.patches.coarse(self.pyramids())
     }
 
-    /// Votes of look-alike corners for κ, at the coarse size.
+    /// Returns the votes of look-alike corners for κ, at the coarse size.
     pub fn voting(&self) -> &KappaVoting {
         self.patches.voting(self.pyramids())
     }
 
-    /// Corners and their correlations at the fine size.
+    /// Returns the corners and their correlations at the fine size.
     pub fn fine(&self) -> &SupportLevel {
         self.patches.fine(self.pyramids())
     }

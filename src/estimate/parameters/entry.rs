@@ -5,27 +5,27 @@ use std::f64::consts::PI;
 use super::Parameters;
 use crate::estimate::{EstimateError, Stage};
 
-/// Parameter that a person may set.
+/// A parameter that a person can set.
 pub struct ParameterEntry {
     /// Name in files and on the command line; `outer.inner` if nested.
     pub key: &'static str,
-    /// Stage of the algorithm it belongs to.
+    /// Stage of the algorithm to which the parameter belongs.
     pub stage: Stage,
-    /// Unit of a number, with the space before it. Angles are radians and have none.
+    /// Unit of a number, with a space before it. Angles are in radians and have no unit.
     pub unit: &'static str,
-    /// Whether the window leaves it out.
+    /// Whether the window hides the parameter.
     pub is_expert: bool,
-    /// Kind of its value.
+    /// Kind of value.
     pub value: ParameterValue,
 }
 
-/// Kind of value of a parameter, with access to it.
+/// Kind of value of a parameter, with functions to read and set the value.
 pub enum ParameterValue {
     /// Number.
     Number {
         /// Smallest and largest value.
         range: [f64; 2],
-        /// Whether values outside the range are refused. Otherwise the range is for dragging.
+        /// Whether values outside the range are refused. Otherwise, the range only limits dragging.
         enforced: bool,
         /// Reads it.
         get: fn(&Parameters) -> f64,
@@ -61,7 +61,7 @@ impl ParameterEntry {
         self
     }
 
-    /// Whether two sets of parameters have the same value here.
+    /// Returns whether two sets of parameters have the same value here.
     pub fn is_same(&self, a: &Parameters, b: &Parameters) -> bool {
         match self.value {
             ParameterValue::Number { get, .. } => get(a).to_bits() == get(b).to_bits(),
@@ -70,7 +70,7 @@ impl ParameterEntry {
         }
     }
 
-    /// Gives `to` the value that `from` has here.
+    /// Copies the value of this parameter from `from` to `to`.
     pub fn copy(&self, from: &Parameters, to: &mut Parameters) {
         match self.value {
             ParameterValue::Number { get, set, .. } => set(to, get(from)),
@@ -79,7 +79,7 @@ impl ParameterEntry {
         }
     }
 
-    /// An error when the value these parameters have here is out of its range, or no number.
+    /// Checks that the value is a number within its range.
     pub fn check(&self, parameters: &Parameters) -> Result<(), EstimateError> {
         let ParameterValue::Number { range: [least, most], enforced: true, get, .. } = self.value else {
             return Ok(());
@@ -96,7 +96,7 @@ impl ParameterEntry {
     }
 }
 
-/// A number as in sentences: thousands apart, π by its name.
+/// Formats a number for sentences: with commas between thousands, and π by name.
 fn in_words(value: f64) -> String {
     if value.to_bits() == PI.to_bits() {
         return "π".to_owned();
@@ -118,7 +118,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn numbers_in_sentences() {
+    fn numbers_are_formatted_for_sentences() {
         assert_eq!([0.005, 60.0, 1000.0, 1e6, PI].map(in_words), ["0.005", "60", "1,000", "1,000,000", "π"]);
     }
 }

@@ -1,5 +1,5 @@
-//! Every number the estimator can be given, in groups that belong to its stages, and its default in each preset. Unit,
-//! range and a sentence about each stand in the [table](PARAMETERS).
+//! Parameters of the estimator, in groups by stage, with their defaults in each preset. The
+//! [table](PARAMETERS) has their units and ranges.
 
 mod entry;
 mod plan;
@@ -13,13 +13,13 @@ pub use entry::{ParameterEntry, ParameterValue};
 pub use plan::SearchPlan;
 pub use table::PARAMETERS;
 
-/// The choices of an estimate.
+/// Preset of all parameters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Preset {
-    /// The published choices, with the corrections of `docs/estimator.md`.
+    /// The published method, with the corrections of `docs/estimator.md`.
     Paper,
-    /// What measured best on real images.
+    /// The values that measured best on real images.
     #[default]
     Robust,
 }
@@ -28,7 +28,7 @@ impl Preset {
     /// Both presets.
     pub const ALL: [Self; 2] = [Self::Paper, Self::Robust];
 
-    /// Name on the command line and in files.
+    /// Returns the name on the command line and in files.
     pub fn name(self) -> &'static str {
         match self {
             Self::Paper => "paper",
@@ -37,7 +37,7 @@ impl Preset {
     }
 }
 
-/// How the geometry is found.
+/// Input from which the geometry is found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Method {
@@ -46,7 +46,7 @@ pub enum Method {
     TwoPoint,
     /// Three point pairs; the third gives the third line pair.
     ThreePoint,
-    /// No point pair: all lines of both images are compared (section 4).
+    /// No point pair; all lines of both images are compared (paper, section 4).
     #[serde(rename = "lines")]
     LinesAlone,
 }
@@ -55,7 +55,7 @@ impl Method {
     /// All methods.
     pub const ALL: [Self; 3] = [Self::TwoPoint, Self::ThreePoint, Self::LinesAlone];
 
-    /// Name on the command line and in files.
+    /// Returns the name on the command line and in files.
     pub fn name(self) -> &'static str {
         match self {
             Self::TwoPoint => "two-point",
@@ -64,7 +64,7 @@ impl Method {
         }
     }
 
-    /// Point pairs it takes.
+    /// Returns the number of point pairs that the method needs.
     pub fn pairs_needed(self) -> usize {
         match self {
             Self::TwoPoint => 2,
@@ -74,13 +74,13 @@ impl Method {
     }
 }
 
-/// What chooses among the combinations of candidate line pairs.
+/// Evidence that ranks the combinations of candidate line pairs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Search {
-    /// Lines alone, as published: bisectors, round trip, validation over both images.
+    /// Lines alone, as published: bisectors, round trips, and validation over both images.
     Lines,
-    /// Small image patches: they vote for κ, and their support ranks.
+    /// Small image patches, which vote for κ and whose support ranks.
     Patches,
 }
 
@@ -89,48 +89,50 @@ impl Search {
     pub const ALL: [Self; 2] = [Self::Lines, Self::Patches];
 }
 
-/// How a hypothesis is scored by the lines of its two pencils.
+/// Score of a hypothesis by the lines of its two pencils.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum LineScore {
     /// Summed stereo cost per sample, as published.
     Cost,
-    /// Stereo cost divided by that of deliberately mismatched lines of the same pencils.
+    /// Stereo cost divided by the cost of deliberately mismatched lines of the same pencils.
     AgainstMismatched,
 }
 
-/// What the pencils through a click depend on, besides the line similarity.
+/// Parameters of the pencils through a click, besides the line similarity.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct PencilParameters {
-    /// Longer side of the images the pencils are compared at, px: the pyramid level nearest to it is taken.
+    /// Longer side of the images in which pencils are compared, px. The nearest pyramid level is
+    /// used.
     pub coarse_side: f64,
-    /// Neighbouring lines of a pencil are at most this far apart at the farthest corner, px of that level.
+    /// Distance of neighbouring lines of a pencil at the farthest corner, px of that level.
     pub line_spacing: f64,
     /// Largest in-plane rotation between the images, radians.
     pub rotation: f64,
-    /// Lines with less texture than this fraction of the pencil's median are dropped.
+    /// Fraction of the pencil's median texture below which a line is dropped.
     pub texture: f64,
-    /// Divide the costs of the pencil × pencil matrix by the medians of their row and column.
+    /// Whether each cost is divided by the medians of its row and column.
     pub normalise: bool,
-    /// Candidates are line pairs that are among each other's `mutual` best.
+    /// Number of best partners: two lines are a candidate if each is among this many best of the
+    /// other.
     pub mutual: usize,
 }
 
-/// How lines alone give a geometry (paper, section 4).
+/// Search with lines alone (paper, section 4).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct LinesAloneParameters {
-    /// About how many lines of each image are compared.
+    /// Approximate number of lines of each image that are compared.
     #[serde(rename = "all_lines")]
     pub lines: usize,
-    /// Longer side of the images they are compared at, px.
+    /// Longer side of the images in which the lines are compared, px.
     #[serde(rename = "all_lines_side")]
     pub side: f64,
-    /// How often two candidates and a third are drawn.
+    /// Number of draws of two candidates and a third.
     #[serde(rename = "all_lines_draws")]
     pub draws: usize,
-    /// A candidate agrees with a geometry when the area between its line and the one it is mapped to is below this many px
-    /// times the width of the images that were compared.
+    /// Largest area between a line and its mapped partner for a candidate to agree with a geometry,
+    /// in px times the width of the compared images.
     pub agreement: f64,
 }
 
@@ -140,32 +142,32 @@ impl Default for LinesAloneParameters {
     }
 }
 
-/// How the lines of a hypothesis are validated.
+/// Validation of hypotheses on lines.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct ValidationParameters {
-    /// Fraction of the hypotheses, by round-trip area, that goes through full validation.
+    /// Fraction of the hypotheses that is fully validated, by smallest round-trip area.
     pub validated: f64,
-    /// Lines per direction in full validation.
+    /// Number of lines per image in full validation.
     #[serde(rename = "validation_lines")]
     pub lines: usize,
-    /// How full validation scores a hypothesis.
+    /// Score of full validation.
     pub line_score: LineScore,
 }
 
-/// How the search with patches goes on from its proposals.
+/// Search with patches.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct PatchParameters {
-    /// Most rounds in which new hypotheses are drawn from the matches of the best ones; fewer when they stop
-    /// bringing more support.
+    /// Largest number of rounds in which new hypotheses are drawn from the matches of the best.
+    /// Rounds end earlier when support no longer grows.
     pub resampling: usize,
-    /// Also draw, in these rounds, epipoles from what lies off the largest planes.
+    /// Whether these rounds also draw epipoles from matches off the largest planes.
     pub parallax: bool,
-    /// Combinations of candidates whose exact support is computed. Not measured.
+    /// Number of combinations of candidates whose exact support is computed. Not measured.
     pub supported: usize,
-    /// Hypotheses whose matches are pooled for resampling. Not measured.
+    /// Number of hypotheses whose matches are pooled for resampling. Not measured.
     pub pooled: usize,
-    /// Samples of each kind in a round of resampling. Not measured.
+    /// Number of samples of each kind in a round of resampling. Not measured.
     #[serde(rename = "resampling_draws")]
     pub samples: usize,
 }
@@ -180,20 +182,20 @@ impl Default for PatchParameters {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct FeatureParameters {
-    /// Minimal samples. Not measured.
+    /// Number of minimal samples. Not measured.
     #[serde(rename = "feature_draws")]
     pub draws: usize,
-    /// Hypotheses that are refitted. Not measured.
+    /// Number of hypotheses that are refitted. Not measured.
     #[serde(rename = "features_refitted")]
     pub refitted: usize,
-    /// Refitted hypotheses that are matched again along their lines. Not measured.
+    /// Number of refitted hypotheses that are matched again along their lines. Not measured.
     #[serde(rename = "features_rematched")]
     pub rematched: usize,
     /// Largest number of relative views that features suggest. Not measured.
     #[serde(rename = "feature_views")]
     pub views: usize,
-    /// Without clicks, largest number of searches through two drawn matches. If half of the matches
-    /// are right, one of four pairs is right with a probability of 68 %.
+    /// Largest number of searches through two drawn matches, without clicks. If half of the matches
+    /// are right, at least one of four pairs is right with a probability of 68 %.
     #[serde(rename = "stand_in_searches")]
     pub stand_ins: usize,
 }
@@ -208,15 +210,15 @@ impl Default for FeatureParameters {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct LineRefinementParameters {
-    /// Rounds at each image size. Not measured.
+    /// Number of rounds at each image size. Not measured.
     #[serde(rename = "line_refinement_rounds")]
     pub rounds: usize,
-    /// First step: the turn that moves a line by this many pixels at the far side of the image,
-    /// somewhat less than the line spacing.
+    /// First step: the rotation that moves a line by this many pixels at the far side of the image.
+    /// Somewhat less than the line spacing. Not measured.
     #[serde(rename = "line_refinement_step")]
     pub first_step: f64,
-    /// Lines in each direction: fewer than in validation, since only neighbours are compared. Not
-    /// measured.
+    /// Number of lines per image. Fewer than in validation, since only similar geometries are
+    /// compared. Not measured.
     #[serde(rename = "line_refinement_lines")]
     pub lines: usize,
 }
@@ -235,7 +237,7 @@ pub struct BarcodeParameters {
     /// stereo, so it is larger. Not measured.
     #[serde(rename = "barcode_side")]
     pub side: f64,
-    /// Proposals refined of each kind: of the clicks, and of all lines. Not measured.
+    /// Number of refined proposals of each kind: from the clicks, and from all lines. Not measured.
     #[serde(rename = "barcodes_refined")]
     pub refined: usize,
 }
@@ -246,15 +248,15 @@ impl Default for BarcodeParameters {
     }
 }
 
-/// How all seven degrees of freedom are refined.
+/// Refinement of all seven degrees of freedom.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct RefinementParameters {
-    /// Refine at full resolution on patches matched along the epipolar lines.
+    /// Whether `F` is refined at full resolution, on patches matched along the epipolar lines.
     pub refine: bool,
-    /// Best hypotheses that are refined; the one that comes out best is the result.
+    /// Number of best hypotheses that are refined. The best refined one is the result.
     pub refined: usize,
-    /// Rivals refined if the margin before refinement is too small to decide. Each takes as long as
-    /// the result. Not measured.
+    /// Number of rivals that are refined if the margin before refinement is too small to decide.
+    /// Each takes as long as the result. Not measured.
     #[serde(default = "three")]
     pub rivals: usize,
 }
@@ -263,47 +265,47 @@ fn three() -> usize {
     3
 }
 
-/// All parameters of an estimate. [`Parameters::from`] a [`Preset`] gives its defaults;
-/// `docs/parameters.md` lists them, `docs/estimator.md` explains where the presets differ and why.
+/// All parameters of an estimate. [`Parameters::from`] a [`Preset`] gives its defaults.
+/// `docs/parameters.md` lists the parameters; `docs/estimator.md` explains the presets.
 ///
-/// In files the groups lie flat: `line_spacing`, not `pencils.line_spacing`.
+/// In files the groups are flat: `line_spacing`, not `pencils.line_spacing`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Parameters {
-    /// The preset these started from.
+    /// Preset from which these parameters started.
     pub preset: Preset,
-    /// How the geometry is found.
+    /// Input from which the geometry is found.
     pub method: Method,
     /// Seed of every random choice.
     pub seed: u64,
-    /// How two lines are compared.
+    /// Comparison of two lines.
     #[serde(flatten)]
     pub similarity: SimilarityParameters,
-    /// Which lines are compared.
+    /// Pencils of lines.
     #[serde(flatten)]
     pub pencils: PencilParameters,
-    /// Epipole hypotheses drawn from the candidates.
+    /// Number of epipole hypotheses drawn from the candidates.
     pub hypotheses: usize,
-    /// How lines alone give a geometry.
+    /// Search with lines alone.
     #[serde(flatten)]
     pub lines_alone: LinesAloneParameters,
-    /// How hypotheses are validated on lines.
+    /// Validation of hypotheses on lines.
     #[serde(flatten)]
     pub validation: ValidationParameters,
-    /// What chooses among the combinations of candidates.
+    /// Evidence that ranks the combinations of candidates.
     pub search: Search,
-    /// How the search with patches goes on.
+    /// Search with patches.
     #[serde(flatten)]
     pub patches: PatchParameters,
-    /// How features propose.
+    /// Search with features.
     #[serde(flatten)]
     pub features: FeatureParameters,
-    /// How geometries are refined on lines.
+    /// Refinement on lines.
     #[serde(flatten)]
     pub line_refinement: LineRefinementParameters,
-    /// How motion barcodes are searched.
+    /// Search by motion barcodes.
     #[serde(flatten)]
     pub barcodes: BarcodeParameters,
-    /// How the best hypotheses are refined.
+    /// Refinement of the best hypotheses.
     #[serde(flatten)]
     pub refinement: RefinementParameters,
     /// Standard deviation of a click, px.
@@ -311,7 +313,8 @@ pub struct Parameters {
 }
 
 impl Parameters {
-    /// The parameters of a preset with what no preset chooses: the method, the seed, and what lines are compared by.
+    /// Returns the parameters of another preset. Keeps the method, the seed and the line measure,
+    /// which no preset chooses.
     #[must_use]
     pub fn with_preset(&self, preset: Preset) -> Self {
         let Self { method, seed, similarity: SimilarityParameters { measure, .. }, .. } = *self;
@@ -320,7 +323,7 @@ impl Parameters {
         parameters
     }
 
-    /// Point pairs without which there is no estimate.
+    /// Returns the number of point pairs without which no estimate is possible.
     pub fn pairs_needed(&self) -> usize {
         SearchPlan::of(self, 0).least_clicks()
     }
@@ -395,7 +398,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn parameters_lie_flat_in_files() {
+    fn parameters_are_flat_in_files() {
         let parameters = Parameters { seed: u64::MAX - 5, ..Parameters::default() };
         let mut data = serde_json::to_value(&parameters).unwrap();
         assert_eq!(data["stereo"]["lambda"], 400);
@@ -407,7 +410,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_out_of_range_are_named_with_what_is_allowed() {
+    fn errors_name_the_parameter_and_its_range() {
         let mut parameters = Parameters::default();
         assert_eq!(parameters.check(), Ok(()));
         parameters.pencils.line_spacing = 100.0;

@@ -1,27 +1,29 @@
-//! Which search runs: the one place where what lines are compared by, the method, what ranks and the number of clicks come
-//! to a decision.
+//! Choice of the search, made only here: by line measure, method, ranking evidence and number of
+//! clicks.
 
 use super::{Method, Parameters, Search};
 use crate::similarity::LineMeasure;
 
-/// A search with what it takes.
+/// Search with the number of pairs it needs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SearchPlan {
-    /// Lines through two clicks propose, and lines over both images rank, as published; a third click may give κ.
+    /// Lines through two clicks propose, and lines over both images rank, as published. A third
+    /// click can give κ.
     Published {
-        /// Pairs that it takes.
+        /// Number of pairs that the search takes.
         clicks: usize,
     },
-    /// Lines through two clicks propose, and patches rank; features and the views they suggest where that leaves doubts.
+    /// Lines through two clicks propose, and patches rank. Where doubts remain, features and the
+    /// views they suggest propose too.
     Patches {
-        /// Pairs without which it is refused.
+        /// Number of pairs without which the search is refused.
         clicks: usize,
     },
-    /// Features propose, and two of their matches stand in for the clicks.
+    /// Features propose, and two of their matches replace the clicks.
     Unclicked,
     /// All lines of both images propose.
     LinesAlone {
-        /// What ranks the proposals.
+        /// Evidence that ranks the proposals.
         ranked_by: Search,
     },
     /// Motion barcodes of lines propose and refine.
@@ -29,7 +31,7 @@ pub enum SearchPlan {
 }
 
 impl SearchPlan {
-    /// What the parameters come to for so many pairs.
+    /// Returns the search that the parameters choose for this number of pairs.
     pub fn of(parameters: &Parameters, pairs: usize) -> Self {
         let Parameters { method, search, .. } = *parameters;
         let clicks = method.pairs_needed();
@@ -42,7 +44,7 @@ impl SearchPlan {
         }
     }
 
-    /// Pairs without which it is refused.
+    /// Returns the number of pairs without which the search is refused.
     pub fn least_clicks(self) -> usize {
         match self {
             Self::Published { clicks } | Self::Patches { clicks } => clicks,
@@ -50,7 +52,8 @@ impl SearchPlan {
         }
     }
 
-    /// Pairs that it takes at most, the first ones: `None` where each takes part.
+    /// Returns the largest number of pairs that the search takes, the first ones. Returns `None` if
+    /// all pairs take part.
     pub fn most_clicks(self) -> Option<usize> {
         match self {
             Self::Published { clicks } => Some(clicks),
@@ -69,7 +72,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_choices_and_the_clicks_come_to_one_search() {
+    fn parameters_and_clicks_determine_the_search() {
         let plan = |preset, method, measure, pairs| {
             let mut parameters = Parameters { method, ..Parameters::from(preset) };
             parameters.similarity.measure = measure;
@@ -85,7 +88,7 @@ mod tests {
                 unclicked,
                 if pairs < 2 { SearchPlan::Unclicked } else { SearchPlan::Patches { clicks: 2 } }
             );
-            // Three that were asked for are never none.
+            // If three pairs are asked for, none is not enough.
             let three = of_pictures(Preset::Robust, Method::ThreePoint, pairs);
             assert_eq!(three, SearchPlan::Patches { clicks: 3 });
             for (preset, ranked_by) in [(Preset::Paper, Search::Lines), (Preset::Robust, Search::Patches)] {
@@ -99,7 +102,7 @@ mod tests {
     }
 
     #[test]
-    fn only_the_published_searches_leave_clicks_aside() {
+    fn only_the_published_searches_ignore_clicks() {
         let taken = |plan: SearchPlan| (plan.least_clicks(), plan.most_clicks());
         assert_eq!(taken(SearchPlan::Published { clicks: 3 }), (3, Some(3)));
         assert_eq!(taken(SearchPlan::Patches { clicks: 2 }), (2, None));

@@ -1,4 +1,5 @@
-//! Table of all parameters: key, stage, unit and range. `presentation::parameters` has their names and tooltips.
+//! Table of all parameters: key, stage, unit and range. `presentation::parameters` has their names
+//! and tooltips.
 
 use std::f64::consts::PI;
 
@@ -26,7 +27,8 @@ const fn number(
     }
 }
 
-/// All parameters: those of the window in the order of the stages, then those for experts.
+/// All parameters: first the parameters in the window, in the order of the stages, then the
+/// parameters for experts.
 pub const PARAMETERS: [ParameterEntry; 42] = [
     number(
         ("coarse_side", Stage::Pyramid, " px"),

@@ -4,7 +4,7 @@ use super::*;
 use crate::estimate::Preset;
 
 #[test]
-fn every_number_is_allowed_at_both_ends_of_its_range_and_kept() {
+fn both_ends_of_every_range_are_allowed_and_kept() {
     for entry in &PARAMETERS {
         let ParameterValue::Number { range, get, set, .. } = entry.value else { continue };
         for end in range {
@@ -29,7 +29,7 @@ fn copying_every_entry_carries_all_parameters_but_preset_and_method() {
 }
 
 #[test]
-fn keys_are_those_of_files() {
+fn keys_are_the_keys_in_files() {
     let data = serde_json::to_value(Parameters::default()).unwrap();
     for entry in &PARAMETERS {
         let place = format!("/{}", entry.key.replace('.', "/"));

@@ -1,4 +1,4 @@
-//! Covariant features of two images and their matches, as the images are and as they look at a slant.
+//! Covariant features of two images and their matches, with or without features of slanted views.
 
 use crate::estimate::evidence::patches::FeatureSupport;
 use crate::features::{
@@ -7,7 +7,7 @@ use crate::features::{
 };
 use crate::image::PyramidPair;
 
-/// Covariant features of both images, and which of them are each other's nearest.
+/// Covariant features of both images and their mutual nearest neighbours.
 #[derive(Debug)]
 pub(in crate::estimate) struct MatchedFeatures {
     pub sets: [FeatureSet; 2],
@@ -15,7 +15,7 @@ pub(in crate::estimate) struct MatchedFeatures {
 }
 
 impl MatchedFeatures {
-    /// Features of the images as they are.
+    /// Finds and matches the features of the images as they are.
     pub fn frontal(pyramids: &PyramidPair) -> Self {
         let parameters = FeatureParameters::default();
         let planes = pyramids.level(f64::INFINITY).planes;
@@ -26,11 +26,11 @@ impl MatchedFeatures {
         Self { sets, matches }
     }
 
-    /// These features and those of the images at a slant, matched all with all.
+    /// Adds the features of slanted views and matches all features again.
     pub fn with_slanted(&self, pyramids: &PyramidPair) -> Self {
         let parameters = FeatureParameters::default();
         let planes = pyramids.level(f64::INFINITY).planes;
-        // One after the other, as its views are: so that never more than one of these is held.
+        // One image after the other, to hold the views of one image only.
         let slanted = planes.map(|plane| find_slanted_features(plane, &parameters));
         let mut sets = self.sets.clone();
         for (set, more) in sets.iter_mut().zip(without_fixed(slanted, pyramids)) {
@@ -41,7 +41,7 @@ impl MatchedFeatures {
         Self { sets, matches }
     }
 
-    /// What the matches are worth beside those of corners.
+    /// Returns the weights of the matches as patch support.
     pub fn supports(&self) -> Vec<FeatureSupport> {
         let support = |m: &FeatureMatch| {
             let (a, b) = (&self.sets[0].features()[m.feature1], &self.sets[1].features()[m.feature2]);
@@ -51,7 +51,7 @@ impl MatchedFeatures {
     }
 }
 
-/// The features that do not stay at their place though the scene does not.
+/// Removes the features on fixed parts of the pictures, such as captions.
 fn without_fixed(mut sets: [FeatureSet; 2], pyramids: &PyramidPair) -> [FeatureSet; 2] {
     if let Some(fixed) = pyramids.fixed() {
         for set in &mut sets {
@@ -68,7 +68,7 @@ mod tests {
     use crate::image::RelativeView;
 
     #[test]
-    fn slanted_features_stand_behind_the_frontal_ones_and_support_of_one_kind_is_not_that_of_the_other() {
+    fn slanted_features_follow_the_frontal_ones_and_the_support_of_both_is_kept_apart() {
         let prepared = ExactScene::aside().prepared();
         let [frontal, slanted] =
             [FeatureViews::Frontal, FeatureViews::Slanted].map(|views| prepared.features(views));

@@ -1,10 +1,12 @@
-//! Geometries proposed by covariant features, held together by the clicks.
+//! Geometries proposed by covariant features and constrained by the clicks.
 //!
-//! Matches of features (mutual nearest neighbours) are each given odds of being right; minimal samples are drawn by those
-//! odds, with the clicks in every one; each F is scored by the likelihood of all matches; the best are refitted to what
-//! they explain, matched again along their epipolar lines, and refitted to that.
+//! Each match of features (mutual nearest neighbours) gets a probability of being right. Minimal
+//! samples are drawn by these probabilities, with clicks in each sample. Every `F` is scored by the
+//! likelihood of all matches. The best are refitted to the matches that they explain, matched again
+//! along their epipolar lines, and refitted once more.
 //!
-//! Any number of clicks: none leaves seven matches to be drawn, seven or more determine F by themselves.
+//! Any number of clicks is allowed. Without clicks, seven matches are drawn. Seven or more clicks
+//! determine `F` alone.
 
 mod matched;
 mod reliability;
@@ -29,7 +31,7 @@ use crate::geometry::{
     point_equation, solve_seven,
 };
 
-/// Features of both images, their matches, and what was clicked.
+/// Features of both images, their matches, and the clicks.
 #[derive(Debug, Clone, Copy)]
 pub struct FeatureEvidence<'a> {
     /// Features of each image.
@@ -38,22 +40,22 @@ pub struct FeatureEvidence<'a> {
     pub matches: &'a [FeatureMatch],
     /// Sizes of the images.
     pub frames: [Frame; 2],
-    /// Pairs that were clicked, any number.
+    /// Clicked pairs, any number.
     pub clicks: &'a [PointPair],
     /// Standard deviation of a clicked coordinate, px.
     pub click_sigma: f64,
 }
 
-/// How much is tried.
+/// Parameters of the search with features.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FeatureSearchParameters {
-    /// Minimal samples.
+    /// Number of minimal samples.
     pub draws: usize,
-    /// Share of samples that use the features' frames instead of more points.
+    /// Share of the samples that use the local frames of features in place of further points.
     pub framed: f64,
-    /// Hypotheses that are refitted.
+    /// Number of hypotheses that are refitted.
     pub refitted: usize,
-    /// Refitted hypotheses that are matched again along their lines.
+    /// Number of refitted hypotheses that are matched again along their lines.
     pub rematched: usize,
     /// Seed of all draws.
     pub seed: u64,
@@ -68,83 +70,80 @@ impl Default for FeatureSearchParameters {
 /// A geometry that features support.
 #[derive(Debug, Clone)]
 pub struct FeatureHypothesis {
-    /// The geometry.
+    /// Fundamental matrix.
     pub fundamental: FundamentalMatrix,
-    /// Logarithm of how much likelier the matches are than by chance.
+    /// Log-likelihood ratio of the matches, against matches by chance.
     pub score: f64,
-    /// Matches found along the lines of the geometry before the last fit, which is to these and the clicks.
+    /// Matches found along the epipolar lines. The last fit used these and the clicks.
     pub matches: Vec<PointPair>,
 }
 
-/// Least standard deviation of a feature position, px: interpolation of the extremum is no better.
-/// Not measured.
+/// Least standard deviation of a feature position, px. Not measured.
 const LEAST_SIGMA: f64 = 0.4;
 /// Deviation from a pinhole camera, px per px of the longer side: 0.5 px in 1,000. Not measured.
 const CAMERA_SIGMA: f64 = 0.5e-3;
-/// Log-likelihood of a click on its epipolar line, against one by accident. It exceeds that of
-/// several matches, since a person saw the point. Not measured.
+/// Log-likelihood ratio of a click on its epipolar line, against one by accident. It exceeds the
+/// ratio of a match, since a person saw the point. Not measured.
 const CLICK_GAIN: f64 = 15.0;
-/// Samples of one task: enough work for a thread. No result depends on the number of threads.
+/// Samples of one task. The streams of random numbers depend on it.
 const TASK: usize = 32;
 /// Largest number of clicks in one sample. One of many clicks may be wrong, so no sample needs all.
 /// Not measured.
 const CLICKS_A_SAMPLE: usize = 4;
-/// Bands in which a hypothesis is refitted, in multiples of the final band: a minimal sample is
-/// several deviations off. Not measured.
+/// Bands in which a hypothesis is refitted, in multiples of the final band. Not measured.
 const BANDS: [f64; 4] = [4.0, 2.0, 1.3, 1.0];
-/// Drawn matrices examined for each one that is refitted. Most leaders are copies of one geometry.
-/// Not measured.
+/// Drawn matrices examined for each one that is refitted. Many are copies of one geometry. Not
+/// measured.
 const LEADERS: usize = 20;
 /// Largest number of rounds of local optimisation. Rounds end earlier when nothing improves. Not
 /// measured.
 const LOCAL_ROUNDS: u64 = 4;
-/// Samples of one round of local optimisation. Not measured.
+/// Number of samples in one round of local optimisation. Not measured.
 const LOCAL_DRAWS: usize = 200;
-/// Samples of one round of local optimisation that are refitted, best first. Not measured.
+/// Number of samples in one round of local optimisation that are refitted, best first. Not
+/// measured.
 const LOCAL_REFITTED: usize = 3;
-/// Matches that a refit uses, the likeliest first. It bounds the time. Not measured.
+/// Largest number of matches in a refit, evenly chosen. It bounds the time. Not measured.
 const FITTED: usize = 300;
-/// Matches that the last fit uses, the likeliest first. It bounds the time. Not measured.
+/// Largest number of matches in the last fit, evenly chosen. It bounds the time. Not measured.
 const FITTED_LAST: usize = 1500;
-/// Distance from its line, in standard deviations and bands, beyond which a witness loses influence
-/// on a fit: between the reach of Gaussian errors and the false matches. Not measured.
+/// Distance from its line beyond which a witness loses influence on a fit, in standard deviations
+/// and bands. Not measured.
 const ROBUST: f64 = 1.5;
-/// Share of common explained matches beyond which two drawn matrices are one geometry. Many copies
-/// of each geometry are drawn, so the share is low. Not measured.
+/// Share of commonly explained matches beyond which two drawn matrices are one geometry. Not
+/// measured.
 const SAME_DRAWN: f64 = 0.8;
-/// Share of common explained matches beyond which two refitted matrices are one geometry. Not
+/// Share of commonly explained matches beyond which two refitted matrices are one geometry. Not
 /// measured.
 const SAME_REFITTED: f64 = 0.9;
-/// Largest number of matches drawn for one sample: several times the seven needed, since close ones
-/// are rejected.
+/// Largest number of matches drawn for one sample: several times the seven needed, since matches
+/// near others are rejected.
 const DRAWN_A_SAMPLE: usize = 40;
-/// Distance between matches of one sample, as a share of the longer side, below which they are
-/// redundant. Not measured.
+/// Distance, as a share of the longer side, below which two matches of a sample are redundant. Not
+/// measured.
 const TOO_CLOSE: f64 = 0.01;
-/// Band of likely matches in local optimisation, in multiples of the final band: the geometry comes
-/// from a sample and is less precise. Not measured.
+/// Band of likely matches in local optimisation, in multiples of the final band. Not measured.
 const LOCAL_BAND: f64 = 2.0;
-/// Rounds of guided matching. The second uses the geometry of the first.
+/// Number of rounds of guided matching. The second uses the geometry of the first.
 const REMATCHED: usize = 2;
-/// Probability of being right below which a match is left out of a fit: its weight would be
-/// negligible.
+/// Probability of being right below which a match is left out of a fit. Not measured.
 const LEAST_RIGHT: f64 = 0.05;
 
-/// Standard deviation of a coordinate of a feature of this scale, px.
+/// Returns the standard deviation of a coordinate of a feature of this scale, px.
 fn sigma(scale: f64, frame: Frame) -> f64 {
     let camera = CAMERA_SIGMA * frame.longer_side();
     (LEAST_SIGMA.powi(2) + (SIGMA_PER_SCALE * scale).powi(2) + camera * camera).sqrt()
 }
 
-/// A place drawn by weights, of which these are the running sums; `None` when nothing weighs anything.
+/// Draws an index by weights, given their running sums. Returns `None` when all weights are zero.
 fn drawn_by_weight(cumulative: &[f64], random: &mut Pcg64Mcg) -> Option<usize> {
     let total = cumulative.last().copied().filter(|total| *total > 0.0)?;
-    // One number for the whole search: one a comparison would draw from no distribution anybody asked for.
+    // Drawn once: a number for each comparison would give another distribution.
     let at = random.random_range(0.0..total);
     Some(cumulative.partition_point(|sum| *sum <= at).min(cumulative.len() - 1))
 }
 
-/// Matches as witnesses, with what each is worth.
+/// Returns the matches as witnesses, each with its gain.
 fn witnesses(evidence: &FeatureEvidence, matches: &[FeatureMatch], log_odds: &[f64]) -> Vec<Witness> {
     let range = evidence.frames.iter().map(Frame::longer_side).fold(0.0, f64::max);
     matches
@@ -160,14 +159,16 @@ fn witnesses(evidence: &FeatureEvidence, matches: &[FeatureMatch], log_odds: &[f
         .collect()
 }
 
-/// Probability that a witness is right, given its residual from a geometry that is itself off by some bands.
+/// Returns the probability that a witness is right, given its residual. The geometry is itself
+/// uncertain by `band` bands.
 fn likely_right(witness: &Witness, residual: f64, band: f64) -> f64 {
     let odds = witness.gain.exp_m1() * (-0.5 * (residual / band).powi(2)).exp() / band;
     odds / (1.0 + odds)
 }
 
-/// A robust fit to those witnesses that lie within some bands of the matrix, at most so many of them besides the clicks.
-/// Each counts as much as it is likely to be right, given its place: a false one is anywhere.
+/// Fits robustly to the witnesses within `band` bands of the matrix: to all clicks and at most
+/// `most` matches. Each match is weighted by its probability of being right. A false match may lie
+/// anywhere.
 fn fitted(f: &FundamentalMatrix, witnesses: &[Witness], band: f64, most: usize) -> Option<FundamentalMatrix> {
     let near: Vec<(bool, Observation)> = witnesses
         .iter()
@@ -179,7 +180,7 @@ fn fitted(f: &FundamentalMatrix, witnesses: &[Witness], band: f64, most: usize) 
             counts.then_some((w.clicked, Observation { pair: w.pair, sigma }))
         })
         .collect();
-    // Evenly from all of them: the likeliest ones crowd where there is most texture.
+    // Chosen evenly: the likeliest matches crowd in the most textured part.
     let share = (most as f64 / near.len() as f64).min(1.0);
     let step = |k: usize| (k as f64 * share) as usize;
     let observations: Vec<Observation> = near
@@ -195,17 +196,18 @@ struct FeatureSearch<'a> {
     evidence: &'a FeatureEvidence<'a>,
     parameters: &'a FeatureSearchParameters,
     units: Units,
-    /// Matches, then clicks.
+    /// Witnesses: first the matches, then the clicks.
     witnesses: Vec<Witness>,
     consensus: Consensus,
-    /// Point and frame equation of each match.
+    /// Equations of the point and of the frame of each match.
     equations: Vec<[Equation; 2]>,
     click_equations: Vec<Equation>,
-    /// Running sums of the probabilities of being right.
+    /// Running sums of the probabilities that the matches are right.
     cumulative: Vec<f64>,
 }
 
-/// The best geometries for this evidence, best first. The same on any number of threads.
+/// Returns the best geometries for this evidence, best first. The result does not depend on the
+/// number of threads.
 pub fn hypotheses_from_features(
     evidence: &FeatureEvidence,
     parameters: &FeatureSearchParameters,
@@ -266,7 +268,7 @@ impl<'a> FeatureSearch<'a> {
         Self { evidence, parameters, units, witnesses, consensus, equations, click_equations, cumulative }
     }
 
-    /// The best of many matrices from minimal samples, for pixels.
+    /// Returns the best of many matrices from minimal samples, for pixels.
     fn drawn(&self) -> Vec<Matrix3<f64>> {
         let clicks = self.evidence.clicks;
         let mut all: Vec<(f64, Matrix3<f64>)> = (0..self.parameters.draws.div_ceil(TASK))
@@ -289,7 +291,7 @@ impl<'a> FeatureSearch<'a> {
         best
     }
 
-    /// The matrices of some samples, for conditioned coordinates, each with its score.
+    /// Returns the matrices of `count` samples with their scores, for conditioned coordinates.
     fn scored_samples(
         &self,
         cumulative: &[f64],
@@ -305,12 +307,12 @@ impl<'a> FeatureSearch<'a> {
             .collect()
     }
 
-    /// Seven equations: of the clicks, and of matches drawn by their probability of being right.
+    /// Returns seven equations, of clicks and of matches drawn by their probability of being right.
     fn sample(&self, cumulative: &[f64], random: &mut Pcg64Mcg) -> Option<[Equation; 7]> {
         let mut rows: Vec<Equation> = Vec::with_capacity(7);
         let clicks = self.click_equations.len();
         let mut order: Vec<usize> = (0..clicks).collect();
-        // One of three or more may be wrong, so some samples do without it.
+        // Some samples use fewer clicks than given, since one of three or more may be wrong.
         let most = clicks.min(CLICKS_A_SAMPLE);
         let taken = if most > 2 { random.random_range(2..=most) } else { most };
         for k in 0..taken {
@@ -319,7 +321,7 @@ impl<'a> FeatureSearch<'a> {
             rows.push(self.click_equations[order[k]]);
         }
         let framed = random.random_bool(self.parameters.framed);
-        // Two equations a match, as long as there is room for both.
+        // The first two matches of a framed sample give two equations each, if both fit in.
         let mut drawn: Vec<usize> = Vec::new();
         for _ in 0..DRAWN_A_SAMPLE {
             let at = drawn_by_weight(cumulative, random)?;
@@ -338,14 +340,14 @@ impl<'a> FeatureSearch<'a> {
         None
     }
 
-    /// Whether two matches say the same.
+    /// Returns whether two matches are redundant.
     fn too_close(&self, i: usize, j: usize) -> bool {
         let (a, b) = (&self.witnesses[i].pair, &self.witnesses[j].pair);
         let near = |k: usize| TOO_CLOSE * self.evidence.frames[k].longer_side();
         (a.point1 - b.point1).norm() < near(0) || (a.point2 - b.point2).norm() < near(1)
     }
 
-    /// Fits a matrix to what it explains, in narrower and narrower bands.
+    /// Fits a matrix to the matches that it explains, in ever narrower bands.
     fn refitted(&self, start: &Matrix3<f64>) -> Option<(FundamentalMatrix, f64)> {
         let mut best = FundamentalMatrix::nearest_rank_two(*start)?;
         let mut score = self.consensus.score(best.matrix());
@@ -361,7 +363,8 @@ impl<'a> FeatureSearch<'a> {
         Some((best, score))
     }
 
-    /// The best that can be reached from a matrix by samples of what it explains, refitted (Chum, Matas & Kittler 2003).
+    /// Improves a matrix by samples of the matches that it explains, each refitted (Chum, Matas &
+    /// Kittler 2003).
     fn locally_optimised(&self, start: (FundamentalMatrix, f64), number: u64) -> (FundamentalMatrix, f64) {
         let mut best = start;
         for round in 0..LOCAL_ROUNDS {
@@ -391,8 +394,8 @@ impl<'a> FeatureSearch<'a> {
         best
     }
 
-    /// The first few that differ in what they explain: of what two of them explain together, they share less than
-    /// `alike`.
+    /// Returns the first `most` matrices that differ. Two matrices are alike when they share more
+    /// than a fraction `alike` of all matches that either explains.
     fn distinct<T>(
         &self,
         sorted: Vec<(T, f64)>,
@@ -419,7 +422,7 @@ impl<'a> FeatureSearch<'a> {
         kept.into_iter().map(|(one, _)| one).collect()
     }
 
-    /// Matches again along the lines, and fits to that.
+    /// Matches again along the epipolar lines and fits to these matches.
     fn rematched(&self, f: FundamentalMatrix, score: f64) -> FeatureHypothesis {
         let mut best = (f, score);
         let mut matches = Vec::new();

@@ -1,11 +1,12 @@
-//! How likely a match of covariant features is right, before any geometry is known.
+//! Probability that a match of covariant features is right, before any geometry is known.
 //!
-//! Three witnesses, each worth its own factor of the odds (what right and wrong matches were seen to have):
+//! Three observations contribute, each with its own factor of the odds:
 //!
-//! - the **ratio** of its distance to that of the next best elsewhere;
-//! - **local support**: a match says, by its two frames, where its neighbours should be; how
-//!   many of the matches around are there, turned and scaled alike (as in `AdaLAM`, Cavalli et al. 2020);
-//! - **the clicks**, which say the same as neighbours and are certain.
+//! - the **ratio** of best to second-best distance;
+//! - **local support**: the two frames of a match predict the positions of its neighbours.
+//!   Neighbouring matches count if they lie there and have a similar rotation and scale (as in
+//!   `AdaLAM`, Cavalli et al. 2020);
+//! - **the clicks**, which count like several neighbours.
 
 use nalgebra::Matrix2;
 use rayon::prelude::*;
@@ -13,49 +14,49 @@ use rayon::prelude::*;
 use crate::features::{Feature, FeatureMatch, FeatureSet};
 use crate::geometry::{Frame, PointPair, angle_between};
 
-/// Radius of the neighbourhood of a match, as a share of the longer side of either image. Surfaces
-/// are often smooth over a tenth of the image. Not measured.
+/// Radius of the neighbourhood of a match, as a share of the longer side of either image. Not
+/// measured.
 const REACH: f64 = 0.1;
-/// Largest deviation from the predicted position, in distances of the neighbour: perspective, and
-/// the errors of one orientation and one scale.
+/// Largest deviation from the predicted position, as a share of the neighbour's distance. It allows
+/// for perspective and for the errors of one orientation and scale. Not measured.
 const STRAY: f64 = 0.35;
-/// Largest difference between turns of neighbours, radians. Not measured.
+/// Largest difference between the rotations of neighbours, radians. Not measured.
 const TURN: f64 = 0.6;
-/// Largest difference between logarithms of scales of neighbours: a factor of 1.6. Not measured.
+/// Largest difference between the logarithms of scale of neighbours: a factor of 1.6. Not measured.
 const ZOOM: f64 = 0.5;
-/// Matches that a nearby click is worth: a click is right more often than a match. Not measured.
+/// Number of matches that a nearby click counts as. Not measured.
 const CLICK_VOTES: f64 = 3.0;
 
-/// What the logarithm of the odds of a match is made of, `base + clamp(by_ratio · (even_ratio − ratio)) +
-/// by_support · ln(1 + support)`.
+/// Model of the log-odds of a match:
+/// `base + clamp(by_ratio · (even_ratio − ratio)) + by_support · ln(1 + support)`.
 struct Odds {
-    /// Logarithm of the odds at the even ratio, of a match without support.
+    /// Log-odds of a match without support at the even ratio.
     base: f64,
-    /// By how much the logarithm grows when the ratio falls by 1.
+    /// Gain of the log-odds when the ratio falls by 1.
     by_ratio: f64,
-    /// Ratio that speaks neither for a match nor against it.
+    /// Ratio that changes nothing.
     even_ratio: f64,
-    /// What a ratio adds at least and at most: there are few matches with an extreme one to fit to.
+    /// Smallest and largest contribution of the ratio. Extreme ratios are too rare to fit.
     limits: [f64; 2],
-    /// By how much the logarithm grows with that of one more than the support.
+    /// Factor of `ln(1 + support)`.
     by_support: f64,
 }
 
-/// Odds fitted to shares of right matches, counted by ratio and by number of neighbours where the geometry was known: at a
-/// ratio of 0.86 and two neighbours a match is about as likely right as wrong.
+/// Odds fitted to shares of right matches where the geometry was known, by ratio and number of
+/// neighbours. A match with a ratio of 0.86 and two neighbours is about as likely right as wrong.
 const ODDS: Odds = Odds { base: -1.5, by_ratio: 6.5, even_ratio: 0.86, limits: [-1.4, 4.0], by_support: 1.2 };
 
-/// A match with what its features say about the map around it.
+/// A match with the local map that its features determine.
 #[derive(Debug, Clone, Copy)]
 struct LocalMap {
     pair: PointPair,
     /// Scales of the features, px.
     scales: [f64; 2],
-    /// Maps offsets in image 1 to offsets in image 2, as the two frames say.
+    /// Map of offsets in image 1 to offsets in image 2, from the two frames.
     affine: Matrix2<f64>,
-    /// Turn from image 1 to image 2, radians.
+    /// Rotation from image 1 to image 2, radians.
     turn: f64,
-    /// Scale of image 2 over that of image 1, logarithm.
+    /// Logarithm of the scale in image 2 over the scale in image 1.
     zoom: f64,
 }
 
@@ -65,12 +66,12 @@ impl LocalMap {
         Self { pair: m.pair, scales: [a.scale, b.scale], affine: a.affine_to(b), turn, zoom }
     }
 
-    /// Whether another pair is where this match expects it, at a distance that says something.
+    /// Returns whether another pair lies where this match predicts it, at an informative distance.
     fn expects(&self, other: &PointPair, sides: [f64; 2]) -> bool {
         let v = other.point1 - self.pair.point1;
         let w = other.point2 - self.pair.point2;
         let (dv, dw) = (v.norm(), w.norm());
-        // The same blob once more is no neighbour.
+        // The same blob found twice is no neighbour.
         if dv < 2.0 * self.scales[0] || dw < 2.0 * self.scales[1] {
             return false;
         }
@@ -86,7 +87,7 @@ impl LocalMap {
     }
 }
 
-/// The logarithm of the odds that each match is right, given the features of both images and what was clicked.
+/// Returns the log-odds that each match is right, given the features of both images and the clicks.
 pub(super) fn log_odds(
     sets: [&FeatureSet; 2],
     matches: &[FeatureMatch],

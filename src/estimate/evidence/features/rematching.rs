@@ -1,4 +1,5 @@
-//! Matching again along epipolar lines: what looks alike elsewhere in the picture no longer matters.
+//! Guided matching: features are matched again, only near their epipolar lines. Similar features
+//! elsewhere no longer compete.
 
 use multiversion::multiversion;
 use rayon::prelude::*;
@@ -9,31 +10,34 @@ use crate::features::{FeatureMatch, match_candidates};
 use crate::geometry::FundamentalMatrix;
 use crate::lanes::{LANES, SetLanes};
 
-/// Largest ratio of best to second-best distance along the line. It is looser than 0.8, the usual
-/// limit, since only the features near one line compete. Not measured.
+/// Largest ratio of best to second-best distance along the line. It is looser than the usual 0.8,
+/// since only features near one line compete. Not measured.
 const LARGEST_RATIO: f64 = 0.85;
 
-/// Sixteen features of image 2, or sixteen of their groups, single precision: lines have unit normals, so that is 10⁻³ px.
+/// Sixteen features of image 2, or sixteen groups of them. Lines have unit normals, so single
+/// precision is good to 10⁻³ px.
 #[derive(Debug, Clone, Copy)]
 struct FeatureBlock {
     x: [f32; LANES],
     y: [f32; LANES],
-    /// How far those of a group are from its middle, px.
+    /// Largest distance of the features of a group from its middle, px.
     reach: [f32; LANES],
-    /// Variance of the distance to a line, by the feature's own error, px²; of a group the largest.
+    /// Variance of the distance to a line due to the feature's own error, px². For a group, the
+    /// largest.
     variance: [f32; LANES],
-    /// Squared length of the normal of its line in image 1, `(Fᵀ x2)₁₂`; of a group the largest.
+    /// Squared length of the normal of the feature's line in image 1, `(Fᵀ x2)₁₂`. For a group, the
+    /// largest.
     pull: [f32; LANES],
 }
 
 impl FeatureBlock {
-    /// Lanes without a feature are nowhere.
+    /// A block without features: empty lanes are infinitely far.
     const EMPTY: Self = {
         let [nowhere, nothing] = [[f32::INFINITY; LANES], [0.0; LANES]];
         Self { x: nowhere, y: nowhere, reach: nothing, variance: nothing, pull: nothing }
     };
 
-    /// Lanes within the band of a line.
+    /// Returns the lanes within the band of a line.
     #[inline]
     fn near(&self, line: [f32; 3], pulled: f32) -> SetLanes {
         let limit = (BAND * BAND) as f32;
@@ -47,19 +51,19 @@ impl FeatureBlock {
     }
 }
 
-/// The features of image 2 in blocks of neighbours, so that a line passes most blocks by.
+/// Features of image 2 in blocks of neighbours. Most blocks are far from a line and skipped.
 struct FeatureMap {
-    /// Sixteen blocks each.
+    /// Groups of sixteen blocks.
     groups: Vec<FeatureBlock>,
     blocks: Vec<FeatureBlock>,
-    /// Numbers of the features, block by block.
+    /// Indices of the features, block by block.
     order: Vec<usize>,
 }
 
 impl FeatureMap {
     fn new(evidence: &FeatureEvidence, f: &FundamentalMatrix) -> Self {
         let (features, frame) = (evidence.sets[1].features(), evidence.frames[1]);
-        // Strips about as high as the blocks in them are wide.
+        // Strips are about as high as their blocks are wide.
         let strips = (features.len() as f64 / LANES as f64).sqrt().ceil().max(1.0);
         let strip = |k: &usize| (strips * features[*k].position.y / frame.height as f64) as usize;
         let mut order: Vec<usize> = (0..features.len()).collect();
@@ -90,7 +94,7 @@ impl FeatureMap {
     }
 }
 
-/// What holds for all features of a block.
+/// Bounds of all features of a block.
 #[derive(Clone, Copy)]
 struct Bound {
     middle: [f32; 2],
@@ -100,7 +104,7 @@ struct Bound {
 }
 
 impl Bound {
-    /// Bound of the first `count` lanes of a block.
+    /// Returns the bound of the first `count` lanes of a block.
     fn of(block: &FeatureBlock, count: usize) -> Self {
         /// Allowance for rounding to single precision, px.
         const SLACK: f32 = 0.01;
@@ -126,7 +130,7 @@ impl Bound {
     }
 }
 
-/// Mutual nearest neighbours among the features whose residual is within the band.
+/// Returns the mutual nearest neighbours among the features whose residual is within the band.
 pub(super) fn guided_matches(evidence: &FeatureEvidence, f: &FundamentalMatrix) -> Vec<FeatureMatch> {
     let map = FeatureMap::new(evidence, f);
     let features1 = evidence.sets[0].features();
@@ -143,8 +147,8 @@ pub(super) fn guided_matches(evidence: &FeatureEvidence, f: &FundamentalMatrix) 
     match_candidates(evidence.sets, &candidates, LARGEST_RATIO)
 }
 
-/// Numbers of the features near a line with a unit normal, in the order of the map; `pulled` times a feature's pull is the
-/// variance that the point in image 1 brings.
+/// Returns the indices of the features near a line with a unit normal, in the order of the map.
+/// `pulled` times the pull of a feature is the variance due to the point in image 1.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq+avx2", "x86_64+avx2", "aarch64+neon"))]
 fn near_line(map: &FeatureMap, line: [f32; 3], pulled: f32) -> Vec<usize> {
     let mut found = Vec::new();
@@ -169,10 +173,10 @@ mod tests {
 
     const FRAME: Frame = Frame { width: 900, height: 600 };
 
-    /// Nobody looks at what they look like.
+    /// Descriptors do not matter here.
     const ALIKE: Descriptor = [0; size_of::<Descriptor>()];
 
-    /// Features all over a picture.
+    /// Features spread over an image.
     fn scattered(count: usize) -> FeatureSet {
         let value = |k: usize, step: f64| (k as f64 * step).fract();
         let mut set = FeatureSet::default();
@@ -188,7 +192,7 @@ mod tests {
     }
 
     #[test]
-    fn lines_pass_blocks_by_and_no_feature_near_them() {
+    fn far_blocks_are_skipped_and_no_near_feature_is_lost() {
         let (camera1, camera2) = Camera::example_pair();
         let f = Camera::fundamental(&camera1, &camera2).unwrap();
         let limit = BAND * BAND;
@@ -220,7 +224,7 @@ mod tests {
                 near += found.len();
                 looked_at += map.groups.iter().flat_map(|group| group.near(unit, pulled)).count();
             }
-            // A strip is as high as a block is wide, so of 44 blocks a line crosses some ten.
+            // A strip is as high as a block is wide, so a line crosses some ten of 44 blocks.
             assert!(count < 700 || near > 100 && 3 * looked_at < 40 * map.blocks.len(), "{near} {looked_at}");
         }
     }

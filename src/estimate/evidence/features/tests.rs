@@ -1,4 +1,4 @@
-//! Exact cameras, features made up of what they see, and as many false matches as a test likes.
+//! Tests with exact cameras, synthetic features of the points that they see, and false matches.
 
 use nalgebra::Point3;
 use rand::SeedableRng;
@@ -15,7 +15,8 @@ struct Scene {
     exact: Vec<PointPair>,
 }
 
-/// Points seen by both cameras, with noise of this σ, and false matches among them; ratios tell them apart a little.
+/// Points seen by both cameras, with noise of this σ, and false matches among them. The ratios of
+/// right matches are somewhat lower.
 fn scene(right: usize, wrong: usize, sigma: f64) -> Scene {
     let (camera1, camera2) = Camera::example_pair();
     let mut random = Pcg64Mcg::seed_from_u64(8);
@@ -73,7 +74,7 @@ impl Scene {
 }
 
 #[test]
-fn seven_equations_of_points_give_what_the_seven_point_algorithm_gives() {
+fn seven_equations_of_points_agree_with_the_seven_point_algorithm() {
     let scene = scene(60, 0, 0.0);
     let units = Units::new([FRAME; 2]);
     for first in 0..50 {
@@ -92,9 +93,9 @@ fn seven_equations_of_points_give_what_the_seven_point_algorithm_gives() {
     }
 }
 
-/// The second equation is the difference of two points' equations, to first order.
+/// The second equation is the first-order difference between the equations of two points.
 #[test]
-fn the_equation_of_a_frame_is_the_derivative_of_that_of_a_point() {
+fn the_equation_of_a_frame_is_the_derivative_of_the_equation_of_a_point() {
     let at = [0.3, -0.2, 0.5, 0.4];
     let (v1, v2) = ([0.6, 0.1], [-0.2, 0.9]);
     let h = 1e-6;
@@ -107,7 +108,7 @@ fn the_equation_of_a_frame_is_the_derivative_of_that_of_a_point() {
 }
 
 #[test]
-fn the_score_is_the_sum_of_its_definition() {
+fn the_score_is_the_sum_over_all_witnesses() {
     let scene = scene(90, 30, 1.0);
     let witnesses: Vec<Witness> = scene
         .matches
@@ -122,7 +123,7 @@ fn the_score_is_the_sum_of_its_definition() {
 }
 
 #[test]
-fn one_right_match_in_five_is_enough_whatever_was_clicked() {
+fn one_right_match_in_five_is_enough_with_any_clicks() {
     let scene = scene(80, 320, 0.5);
     for clicks in [0, 1, 2, 4, 9] {
         let found = scene.search(&scene.exact[..clicks]);
@@ -133,7 +134,7 @@ fn one_right_match_in_five_is_enough_whatever_was_clicked() {
 }
 
 #[test]
-fn clicks_alone_are_enough_from_eight_on_and_nothing_gives_nothing() {
+fn eight_clicks_are_enough_and_no_evidence_gives_no_geometry() {
     let empty = Scene { matches: Vec::new(), ..scene(60, 0, 0.0) };
     assert!(empty.search(&[]).is_empty());
     assert!(empty.search(&empty.exact[..2]).is_empty());
@@ -142,7 +143,7 @@ fn clicks_alone_are_enough_from_eight_on_and_nothing_gives_nothing() {
 }
 
 #[test]
-fn a_click_that_is_wrong_among_five_is_outvoted() {
+fn one_wrong_click_of_five_is_outvoted() {
     let scene = scene(120, 200, 0.5);
     let mut clicks = scene.exact[..5].to_vec();
     clicks[2].point2.y += 60.0;
@@ -151,7 +152,7 @@ fn a_click_that_is_wrong_among_five_is_outvoted() {
 }
 
 #[test]
-fn threads_do_not_matter() {
+fn the_number_of_threads_does_not_matter() {
     let scene = scene(60, 200, 0.5);
     let run = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
@@ -166,8 +167,8 @@ fn threads_do_not_matter() {
 }
 
 #[test]
-fn matching_along_lines_finds_what_the_definition_of_the_residual_finds() {
-    // Fewer than 97: beyond, the made-up descriptors repeat.
+fn guided_matching_finds_all_matches_within_the_band() {
+    // Fewer than 97: the synthetic descriptors repeat beyond.
     let scene = scene(60, 30, 1.0);
     let f = eight_point(&scene.exact).unwrap();
     let evidence = FeatureEvidence {
@@ -179,7 +180,7 @@ fn matching_along_lines_finds_what_the_definition_of_the_residual_finds() {
     };
     let guided = rematching::guided_matches(&evidence, &f);
     let all = witnesses(&evidence, &scene.matches, &vec![0.0; scene.matches.len()]);
-    // Descriptors of a match are equal, so each that is near its line is found.
+    // The descriptors of a match are equal, so each match near its line is found.
     let expected: Vec<usize> = (0..all.len()).filter(|k| residual(f.matrix(), &all[*k]) < BAND).collect();
     let found: Vec<usize> = guided.iter().filter(|m| m.feature1 == m.feature2).map(|m| m.feature1).collect();
     assert_eq!(found, expected);
@@ -187,7 +188,7 @@ fn matching_along_lines_finds_what_the_definition_of_the_residual_finds() {
 }
 
 #[test]
-fn matches_are_drawn_as_often_as_they_weigh() {
+fn matches_are_drawn_in_proportion_to_their_weights() {
     let weights = [5.0, 0.0, 1.0, 3.0, 0.5, 0.5];
     let mut sum = 0.0;
     let cumulative: Vec<f64> = weights
@@ -207,7 +208,7 @@ fn matches_are_drawn_as_often_as_they_weigh() {
         // Five standard deviations.
         assert!((found - expected).abs() <= 5.0 * (expected / f64::from(draws)).sqrt(), "{expected} {found}");
     }
-    // Nothing that is likely at all, and nothing.
+    // Weights of zero, and no weights.
     assert_eq!(drawn_by_weight(&[0.0, 0.0], &mut random), None);
     assert_eq!(drawn_by_weight(&[], &mut random), None);
 }

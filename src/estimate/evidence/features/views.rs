@@ -1,4 +1,4 @@
-//! How the two images are turned and scaled against each other, from the features that a geometry explains.
+//! Relative rotation and scale of the two images, from the features that a geometry explains.
 
 use crate::estimate::PreparedPair;
 use crate::estimate::evidence::features::MatchedFeatures;
@@ -6,20 +6,20 @@ use crate::features::{FeatureMatch, FeatureViews};
 use crate::geometry::{Frame, FundamentalMatrix, median, sampson_distance, wrapped};
 use crate::image::RelativeView;
 
-/// Distance from its line within which a feature is explained, as a share of the longer side: the
-/// error of a geometry before refinement.
+/// Distance from its line within which a feature is explained, as a share of the longer side. Not
+/// measured.
 const EXPLAINED: f64 = 0.005;
-/// Fewest explained features that determine a view. One more than the seven that any geometry
+/// Fewest explained features that determine a view: one more than the seven that any geometry
 /// explains.
 const LEAST: usize = 8;
-/// Difference of turns covered by one view, radians: patches are compared under turns by 20° either
-/// way, with some overlap.
+/// Difference of rotations covered by one view, radians: patches are compared under rotations by
+/// 20° either way.
 const SAME_TURN: f64 = 0.26;
 /// Ratio of scales covered by one view: patches are compared under scales of 4/3 either way.
 const SAME_SCALE: f64 = 1.25;
 
-/// The view under which the features that `f` explains look alike: medians of their turns and scales; `None` when it
-/// explains too few.
+/// Returns the view under which the features that `f` explains look alike: medians of their
+/// rotations and scales. Returns `None` when `f` explains too few.
 pub(in crate::estimate) fn view_of(
     f: &FundamentalMatrix,
     features: &MatchedFeatures,
@@ -30,7 +30,7 @@ pub(in crate::estimate) fn view_of(
     view_shared(&relations(features, explained), 0.0, frames)
 }
 
-/// How features are turned against their matches, and the logarithm of how much larger they are there.
+/// Returns the rotation from each feature to its match, and the logarithm of the ratio of scales.
 fn relations<'a>(
     features: &MatchedFeatures,
     matches: impl Iterator<Item = &'a FeatureMatch>,
@@ -42,12 +42,12 @@ fn relations<'a>(
     matches.map(relation).collect()
 }
 
-/// The view that most features have, if at least a part of them has it.
+/// Returns the view shared by most features, if at least a fraction `agreeing` shares it.
 fn view_shared(relations: &[(f64, f64)], agreeing: f64, frames: [Frame; 2]) -> Option<RelativeView> {
     if relations.len() < LEAST {
         return None;
     }
-    // The turn that most others are near, then the median of those near it: angles have no order.
+    // The mode, then the median around it: angles have no order.
     let apart = |a: f64, b: f64| wrapped(a - b);
     let near_to =
         |turn: f64| relations.iter().filter(move |(other, _)| apart(*other, turn).abs() < SAME_TURN);
@@ -63,17 +63,16 @@ fn view_shared(relations: &[(f64, f64)], agreeing: f64, frames: [Frame; 2]) -> O
     Some(if is_same_view(&view, &upright) { RelativeView::UPRIGHT } else { view })
 }
 
-/// Ratio of best to second-best distance below which features vote for a view without a geometry.
-/// Not measured.
+/// Ratio of best to second-best distance below which a feature votes for a view when no geometry is
+/// known. Not measured.
 const DISTINCTIVE: f64 = 0.85;
-/// Smallest share of these features that agree on a view. Wrong matches spread over all turns and
-/// scales. Not measured.
+/// Smallest share of the voting features that must agree on a view. Not measured.
 const AGREEING: f64 = 0.25;
 
 impl PreparedPair {
-    /// How the images are turned and scaled against each other by the features that a geometry explains, or without one
-    /// by those that many others agree with; `None` when there are too few. Finds the features the first time, which
-    /// takes some tenths of a second.
+    /// Returns the relative view of the images, from the features that a geometry explains. Without
+    /// a geometry, from the distinctive features that agree with many others. Returns `None` when
+    /// there are too few. The first call finds the features, which takes some tenths of a second.
     pub fn view_of_features(&self, fundamental: Option<&FundamentalMatrix>) -> Option<RelativeView> {
         let features = self.features(FeatureViews::Frontal);
         if let Some(f) = fundamental {
@@ -84,7 +83,7 @@ impl PreparedPair {
     }
 }
 
-/// Whether patches compared under one view are compared well under the other.
+/// Returns whether patches compared under one view cover the other view.
 pub(in crate::estimate) fn is_same_view(a: &RelativeView, b: &RelativeView) -> bool {
     let turn = wrapped(a.rotation - b.rotation).abs();
     let scale = match (a.scale, b.scale) {
@@ -103,11 +102,11 @@ mod tests {
     const FRAMES: [Frame; 2] = [Frame { width: 400, height: 300 }, Frame { width: 800, height: 600 }];
 
     #[test]
-    fn the_view_is_that_of_most_features_however_angles_are_counted() {
-        // Half a turn is half a turn either way.
+    fn the_view_of_most_features_wins_across_the_wrap_of_angles() {
+        // Half a turn to the left is half a turn to the right.
         let mut relations: Vec<(f64, f64)> =
             (0..9).map(|k| (if k % 2 == 0 { PI - 0.01 } else { 0.01 - PI }, 3f64.ln())).collect();
-        // More than have it either way alone.
+        // More features than have either sign alone.
         relations.extend([(1.0, 0.1); 6]);
         let view = view_shared(&relations, 0.0, FRAMES).unwrap();
         assert!(view.rotation.abs() > PI - 0.011, "{view:?}");
@@ -117,8 +116,8 @@ mod tests {
     }
 
     #[test]
-    fn features_that_agree_with_too_few_others_have_no_view() {
-        // No two of sixteen turns are near each other, but for four.
+    fn too_few_agreeing_features_give_no_view() {
+        // Of sixteen rotations, four agree.
         let mut relations: Vec<(f64, f64)> = (0..12).map(|k| (0.4 * f64::from(k) - 1.0, 0.0)).collect();
         relations.extend([(-2.0, 0.5); 4]);
         assert!((view_shared(&relations, 0.25, FRAMES).unwrap().rotation + 2.0).abs() < 1e-12);
@@ -126,17 +125,17 @@ mod tests {
     }
 
     #[test]
-    fn images_that_differ_only_in_their_sizes_are_seen_upright() {
+    fn images_that_differ_only_in_size_are_upright() {
         let of = |turn: f64, scale: f64| view_shared(&[(turn, scale.ln()); 10], 0.0, FRAMES).unwrap();
         assert_eq!(of(0.0, 2.0), RelativeView::UPRIGHT);
         assert_eq!(of(SAME_TURN - 0.01, 2.0 * (SAME_SCALE - 0.01)), RelativeView::UPRIGHT);
         assert_eq!(of(SAME_TURN + 0.01, 2.0).scale, Some(2.0));
-        // As large in both: half the share of the second image.
+        // Features of equal size in both images: half the share of the second image.
         assert!((of(0.0, 1.0).scale.unwrap() - 1.0).abs() < 1e-12);
     }
 
     #[test]
-    fn views_are_the_same_within_what_patches_are_compared_under() {
+    fn views_are_the_same_within_the_warps_of_patches() {
         let view = |scale: f64, rotation: f64| RelativeView { scale: Some(scale), rotation };
         assert!(is_same_view(&view(1.0, PI - 0.1), &view(1.24, 0.1 - PI)));
         assert!(is_same_view(&view(1.24, 0.0), &view(1.0, 0.25)));
@@ -146,6 +145,9 @@ mod tests {
         );
         assert!(!is_same_view(&view(1.0, 0.0), &view(1.0, 0.27)));
         assert!(is_same_view(&RelativeView::UPRIGHT, &RelativeView::UPRIGHT));
-        assert!(!is_same_view(&RelativeView::UPRIGHT, &view(1.0, 0.0)), "in proportion is no number");
+        assert!(
+            !is_same_view(&RelativeView::UPRIGHT, &view(1.0, 0.0)),
+            "a scale in proportion differs from any number"
+        );
     }
 }

@@ -1,5 +1,6 @@
-//! The bisectors of a hypothesis and the round trip they make (paper, section 5.1, step 2 b–c): a bisector in each
-//! direction, with its best match in the other image, gives κ twice; for the right epipoles both agree.
+//! Bisectors of a hypothesis and their round trip (paper, section 5.1, step 2 b–c). A bisector in
+//! each direction, with its best match in the other image, gives κ. For the right epipoles the two
+//! values agree.
 
 use nalgebra::Vector2;
 use rayon::prelude::*;
@@ -11,24 +12,23 @@ use crate::similarity::LineSimilarity;
 
 /// Spacing of the lines tried for a bisector, px on the line that joins the clicks. Not measured.
 const STEP: f64 = 2.0;
-/// Fewest and most lines tried for a bisector: close clicks still get some lines, distant ones not
-/// too many. Not measured.
+/// Fewest and most lines tried for a bisector, for close and for distant clicks. Not measured.
 const STEPS: [f64; 2] = [4.0, 96.0];
-/// Lines of image 1 whose round trip is measured. The area is smooth across the pencil. Not
-/// measured.
+/// Number of lines of image 1 whose round trip is measured. Not measured.
 const ROUND_TRIPS: usize = 12;
-/// Hypotheses whose lines are compared at once: enough to fill the vector units, few enough to stop
-/// soon. No result depends on it.
+/// Number of hypotheses whose lines are compared in one call. A stop is noticed between calls. No
+/// result depends on it.
 const AT_ONCE: usize = 128;
 
-/// A line pair that would give κ.
+/// A line pair with the κ that it gives.
 type TriedPair = (f64, (AnchoredLine, AnchoredLine));
 
-/// κ of H (bisector in image 1, best line of image 2) and of G (bisector in image 2, best line of image 1), of each
-/// hypothesis through the clicks; `None` where no line could be compared. Fewer when stopped.
+/// Returns κ of H and of G for each hypothesis through the clicks. H comes from the bisector in
+/// image 1 and its best line of image 2, G from the bisector in image 2. The result is `None` where
+/// no line could be compared. When stopped, returns fewer.
 ///
-/// The search runs over the sector between the clicks, the only one that points in front of both cameras
-/// allow, in steps of 2 px where the line that joins the clicks is crossed.
+/// The search runs over the sector between the clicks, the only one possible for points in front of
+/// both cameras. Neighbouring lines are about 2 px apart on the line that joins the clicks.
 pub(in crate::estimate) fn bisector_kappas(
     similarity: &dyn LineSimilarity,
     hypotheses: &[PencilPair],
@@ -57,7 +57,7 @@ pub(in crate::estimate) fn bisector_kappas(
     kappas
 }
 
-/// The line pairs tried for H, and those for G.
+/// Returns the line pairs tried for H and for G.
 fn trials(pencils: &PencilPair, clicks: &[PointPair; 2]) -> Option<[Vec<TriedPair>; 2]> {
     let [a, b] = clicks;
     let map = pencils.map();
@@ -87,8 +87,9 @@ fn trials(pencils: &PencilPair, clicks: &[PointPair; 2]) -> Option<[Vec<TriedPai
     Some([forward, backward])
 }
 
-/// Mean area between lines of image 1 and where `GH` brings them, over the image width: px. `ratio` is
-/// `κ_H / κ_G`; the composite map is `diag(1, ratio)` in the basis of the two line pairs.
+/// Returns the mean area between lines of image 1 and their images under `GH`, divided by the image
+/// width, px. `ratio` is `κ_H / κ_G`: the composite map is `diag(1, ratio)` in the basis of the two
+/// line pairs.
 pub(in crate::estimate) fn round_trip_area(pencils: &PencilPair, ratio: f64, frame1: Frame) -> f64 {
     let lines = pencils.coordinates_over_image1(frame1, ROUND_TRIPS);
     let areas: Vec<f64> = lines
@@ -112,7 +113,7 @@ mod tests {
     use crate::estimate::exact::{ExactScene, FRAME, LinesBy, exact_lines};
     use crate::geometry::{FundamentalMatrix, Line, Point};
 
-    /// Both κ on exact lines.
+    /// Returns both κ for exact lines.
     fn kappas(
         f: FundamentalMatrix,
         hypotheses: &[PencilPair],
@@ -121,7 +122,7 @@ mod tests {
         bisector_kappas(&exact_lines(f, [FRAME; 2]), hypotheses, clicks, &CancelFlag::default())
     }
 
-    /// The true pencils with a κ that says nothing, and the same with the lines of the first click turned in image 2.
+    /// Returns the true pencils with κ = 1, the lines of the first click turned in image 2.
     fn hypotheses(scene: &ExactScene, turns: &[f64]) -> Vec<PencilPair> {
         let of = |turn: &f64| {
             let angles = scene.angles();
@@ -131,7 +132,7 @@ mod tests {
         turns.iter().map(of).collect()
     }
 
-    /// Where a line crosses the one that joins two points.
+    /// Returns the intersection of a line with the line that joins two points.
     fn crossing(line: &Line, a: Point, b: Point) -> Point {
         let (da, db) = (line.signed_distance(a), line.signed_distance(b));
         assert!(da * db < 0.0, "between the clicks");
@@ -139,7 +140,7 @@ mod tests {
     }
 
     #[test]
-    fn both_bisectors_find_the_true_line_between_those_tried() {
+    fn both_bisectors_find_the_true_line_to_a_step() {
         for scene in [ExactScene::aside(), ExactScene::forward()] {
             let (f, clicks) = (scene.fundamental(), scene.clicks());
             let [a, b] = clicks;
@@ -154,7 +155,7 @@ mod tests {
             let true1 = f.line1_from_point2(crossing(&line2, a.point2, b.point2)).unwrap();
             let found1 = pencils.with_kappa(backward).map().line1_from_line2(bisector).unwrap();
             let off1 = crossing(&true1, a.point1, b.point1) - crossing(&found1, a.point1, b.point1);
-            // Half a step, and a little more because the area between lines grows unevenly to the two sides.
+            // Half a step and some more: the area between lines grows unevenly to the two sides.
             let step = |join: f64, near: f64, far: f64| join / (near.max(far) / STEP).ceil();
             let [p, q] = [*pencils.map().p(), *pencils.map().q()];
             let join = [(b.point1 - a.point1).norm(), (b.point2 - a.point2).norm()];
@@ -166,7 +167,7 @@ mod tests {
     }
 
     #[test]
-    fn wrong_epipoles_come_back_elsewhere() {
+    fn round_trips_of_wrong_epipoles_have_larger_areas() {
         let scene = ExactScene::aside();
         let all = hypotheses(&scene, &[0.0, 0.25, -0.25, 0.5, -0.5]);
         let kappas = kappas(scene.fundamental(), &all, &scene.clicks());
@@ -178,7 +179,7 @@ mod tests {
                 round_trip_area(&pencils.with_kappa(forward), forward / backward, FRAME)
             })
             .collect();
-        // The steps of both searches leave a pixel or two.
+        // The steps of both searches cause an error of a pixel or two.
         assert!(areas[0] < 2.0, "{areas:?}");
         assert!(areas[1..].iter().all(|area| *area > 2.0 * areas[0]), "{areas:?}");
     }
@@ -197,10 +198,10 @@ mod tests {
     }
 
     #[test]
-    fn without_lines_to_compare_there_is_no_kappa_and_when_stopped_nothing() {
+    fn without_comparable_lines_there_is_no_kappa() {
         let scene = ExactScene::aside();
         let (all, clicks) = (hypotheses(&scene, &[0.0, 0.1, 0.2]), scene.clicks());
-        // All lines of image 2 that belong to the second hypothesis miss their images: they pass through its epipole.
+        // All lines through the second hypothesis' epipole in image 2 count as outside.
         let map = all[1].map();
         let epipole2 = map.p().line2.intersection(&map.q().line2).normalize();
         let similarity = LinesBy(|_: &AnchoredLine, line2: &AnchoredLine| {
@@ -214,7 +215,7 @@ mod tests {
     }
 
     #[test]
-    fn the_area_of_a_round_trip_is_that_between_the_lines() {
+    fn the_round_trip_area_is_the_area_between_the_lines() {
         // Rows: the line at y comes back at y′ with (q − y)(y′ − p) = ratio (y − p)(q − y′).
         let (p, q, ratio) = (60.0, 180.0, 1.5);
         let clicks = [PointPair::new(100.0, p, 80.0, p), PointPair::new(200.0, q, 190.0, q)];

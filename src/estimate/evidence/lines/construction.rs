@@ -1,36 +1,39 @@
-//! How a hypothesis is built from lines, in full-size pixels: what the figures of the paper show of it.
+//! Construction of a hypothesis from lines, in full-size pixels, as the figures of the paper show
+//! it.
 //!
-//! A line pair through each click gives the epipoles. The bisector of the two lines of image 1, with its best
-//! match in image 2, gives the map H from the pencil of image 1 to that of image 2; the bisector in image 2, with
-//! its best match in image 1, gives G the other way. For the right epipoles `GH` leaves every line where it is.
+//! A line pair through each click gives the epipoles. The bisector of the two lines of image 1,
+//! with its best match in image 2, gives the map H from the pencil of image 1 to the pencil of
+//! image 2. The bisector in image 2, with its best match in image 1, gives the map G back. For the
+//! right epipoles, `GH` is the identity.
 
 use nalgebra::Vector2;
 
 use super::pencil_pair::{PencilAngles, PencilPair};
 use crate::geometry::{AnchoredLine, Frame, FundamentalMatrix, Line, LinePair, PencilMap, PointPair};
 
-/// The lines a hypothesis is built from.
+/// Lines from which a hypothesis is built.
 #[derive(Debug, Clone)]
 pub struct Construction {
     pencils: PencilPair,
     turn: f64,
-    /// κ of G, if G was looked for.
+    /// κ of G, if G was searched.
     kappa_backward: Option<f64>,
 }
 
-/// A line of image 1 on its way to image 2 and back.
+/// A line of image 1 mapped to image 2 and back.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RoundTrip {
-    /// l, in image 1.
+    /// The line l in image 1.
     pub line1: Line,
-    /// H l, in image 2.
+    /// The line H l in image 2.
     pub line2: Line,
-    /// GH l, in image 1: the same as l if both maps agree.
+    /// The line GH l in image 1. It equals l if both maps agree.
     pub back1: Line,
 }
 
 impl Construction {
-    /// The construction from the directions at the clicks, full-size pixels, with κ of H, and κ of G if it is known.
+    /// Returns the construction from the directions at the clicks, full-size pixels. The directions
+    /// contain κ of H.
     pub(crate) fn new(
         angles: &PencilAngles,
         clicks: [PointPair; 2],
@@ -40,60 +43,63 @@ impl Construction {
         Some(Self { pencils, turn: angles.p[1] - angles.p[0], kappa_backward })
     }
 
-    /// What a matrix that nobody built from lines would be built from: its epipolar lines at the clicks. `turn`
-    /// is about how far image 2 is rotated against image 1, radians: lines have no direction of their own, and it
-    /// tells which ends belong together. `None` where the lines degenerate.
+    /// Returns the construction that corresponds to a matrix: its epipolar lines at the clicks.
+    /// `turn` is the approximate rotation of image 2 against image 1, radians, which tells the
+    /// sense of the lines. Returns `None` where the lines degenerate.
     pub fn of(f: &FundamentalMatrix, clicks: [PointPair; 2], turn: f64) -> Option<Self> {
         let angles = PencilAngles::of(f, &clicks, turn)?;
         Self::new(&angles, clicks, Some(angles.kappa))
     }
 
-    /// The matrix of the line pairs and H.
+    /// Returns the matrix of the line pairs and H.
     pub(crate) fn fundamental(&self) -> Option<FundamentalMatrix> {
         self.pencils.fundamental()
     }
 
-    /// κ of the paper's H: bisector chosen in image 1, matching line found in image 2.
+    /// Returns κ of the paper's H: bisector chosen in image 1, matching line found in image 2.
     pub fn kappa_line2_from_line1(&self) -> f64 {
         self.pencils.map().kappa()
     }
 
-    /// κ of the paper's G: bisector chosen in image 2, matching line found in image 1; `None` when it was not looked for.
+    /// Returns κ of the paper's G: bisector chosen in image 2, matching line found in image 1.
+    /// Returns `None` when G was not searched.
     pub fn kappa_line1_from_line2(&self) -> Option<f64> {
         self.kappa_backward
     }
 
-    /// The lines through the first click.
+    /// Returns the lines through the first click.
     pub fn p(&self) -> &LinePair {
         self.pencils.map().p()
     }
 
-    /// The lines through the second click.
+    /// Returns the lines through the second click.
     pub fn q(&self) -> &LinePair {
         self.pencils.map().q()
     }
 
-    /// How far the line of image 2 through the first click is turned against that of image 1, radians.
+    /// Returns the rotation of the line of image 2 through the first click against the line of
+    /// image 1, radians.
     pub fn turn(&self) -> f64 {
         self.turn
     }
 
-    /// The bisector of image 1 and the line of image 2 that was found for it: they give H.
+    /// Returns the bisector of image 1 and the matching line of image 2, which give H.
     pub fn forward(&self) -> Option<LinePair> {
         let map = self.pencils.map();
         let bisector = PencilMap::bisector1();
         Some(LinePair { line1: map.line1(bisector)?, line2: map.line2_from_line1(bisector)? })
     }
 
-    /// The bisector of image 2 and the line of image 1 that was found for it: they give G.
+    /// Returns the bisector of image 2 and the matching line of image 1, which give G. Returns
+    /// `None` when G was not searched.
     pub fn backward(&self) -> Option<LinePair> {
         let map = self.pencils.map().with_kappa(self.kappa_backward?);
         let bisector = PencilMap::bisector1();
         Some(LinePair { line1: map.line1_from_line2(bisector)?, line2: map.line2(bisector)? })
     }
 
-    /// About `count` lines spread evenly over image 1, carried to image 2 by H and back by G; none when G is not
-    /// known.
+    /// Returns about `count` lines spread evenly over image 1, mapped to image 2 by H and back by
+    /// G. Returns none when G is not known.
     pub fn round_trips(&self, frame1: Frame, count: usize) -> Vec<RoundTrip> {
         let Some(kappa_backward) = self.kappa_backward else { return Vec::new() };
         let map = self.pencils.map();
@@ -109,8 +115,8 @@ impl Construction {
         coordinates.into_iter().filter_map(round_trip).collect()
     }
 
-    /// Two corresponding lines of this geometry, or of one near it, directed alike and anchored at nearly the same
-    /// scene point, as stereo matching needs them.
+    /// Returns two corresponding lines of this geometry or of a similar one, ready for stereo
+    /// matching: directed alike and anchored at nearly the same scene point.
     pub fn corresponding(&self, line1: &Line, line2: &Line) -> Option<(AnchoredLine, AnchoredLine)> {
         self.pencils.anchored(line1, line2)
     }
@@ -134,7 +140,7 @@ mod tests {
     }
 
     #[test]
-    fn a_matrix_is_built_from_its_own_lines() {
+    fn a_matrix_is_constructed_from_its_own_lines() {
         let (f, clicks) = example();
         let construction = Construction::of(&f, clicks, 0.0).unwrap();
         assert!((construction.pencils.fundamental().unwrap().matrix() - f.matrix()).norm() < 1e-9);
@@ -155,9 +161,9 @@ mod tests {
     }
 
     #[test]
-    fn lines_run_the_same_way_however_far_the_images_are_turned() {
+    fn lines_run_the_same_way_at_any_rotation() {
         let (f, clicks) = example();
-        // Turning image 2 by half a turn about its centre reverses all of its lines.
+        // Rotating image 2 by half a turn reverses all of its lines.
         let half_turn = nalgebra::Matrix3::new(-1.0, 0.0, 767.0, 0.0, -1.0, 575.0, 0.0, 0.0, 1.0);
         let turned = FundamentalMatrix::from_rank_two(half_turn.tr_mul(f.matrix())).unwrap();
         let turned_clicks = clicks.map(|c| PointPair {
@@ -172,7 +178,7 @@ mod tests {
             assert!(
                 (l1.anchor - clicks[0].point1).norm() < 1e-6 && (l2.anchor - clicks[0].point2).norm() < 1e-6
             );
-            // The example cameras hardly turn against each other.
+            // The example cameras are hardly rotated against each other.
             assert!(l1.direction.dot(&l2.direction) * turn.cos() > 0.5);
         }
     }

@@ -1,11 +1,12 @@
-//! Combinations of one candidate per click, drawn with a preference for cheap ones.
+//! Random combinations of one candidate per click, cheap ones more often.
 
 use rand::RngExt;
 
 use super::Candidate;
 use crate::estimate::stream::{Purpose, stream};
 
-/// Draws `count` different pairs of candidates, cheap ones more often; all of them when there are fewer.
+/// Draws `count` different pairs of candidates, cheap ones more often. Returns all pairs when there
+/// are fewer.
 pub(in crate::estimate) fn draw_pairs(
     candidates: [&[Candidate]; 2],
     count: usize,
@@ -16,7 +17,8 @@ pub(in crate::estimate) fn draw_pairs(
     if total <= count {
         return p.iter().flat_map(|a| q.iter().map(move |b| (*a, *b))).collect();
     }
-    // Weighted sampling without replacement (Efraimidis & Spirakis 2006): the smallest −ln(u)/w win.
+    // Weighted sampling without replacement (Efraimidis & Spirakis 2006): the smallest −ln(u)/w
+    // win.
     let weights = [weights(p), weights(q)];
     let mut limit = limit(&weights, count);
     let mut keys = keys_below(limit, &weights, seed);
@@ -32,7 +34,7 @@ pub(in crate::estimate) fn draw_pairs(
     keys.into_iter().map(|(_, k)| (p[k / q.len()], q[k % q.len()])).collect()
 }
 
-/// The keys below a limit, with the numbers of their pairs.
+/// Returns the keys below a limit, with the indices of their pairs.
 fn keys_below(limit: f64, weights: &[Vec<f64>; 2], seed: u64) -> Vec<(f64, usize)> {
     let mut rng = stream(seed, Purpose::CandidatePairs, 0);
     let mut keys = Vec::new();
@@ -51,20 +53,20 @@ fn keys_below(limit: f64, weights: &[Vec<f64>; 2], seed: u64) -> Vec<(f64, usize
     keys
 }
 
-/// Weights of a click from which a limit is estimated. It saves time only.
+/// Number of weights of each click from which a limit is estimated. It affects the time only.
 const LOOKED_AT: usize = 24;
-/// Keys expected below the limit, for each one wanted. It saves time only.
+/// Expected number of keys below the limit, for each key wanted. It affects the time only.
 const SPARE: f64 = 1.3;
-/// Share of all keys that is expected below the limit at most: no limit has all of them below it.
+/// Largest expected share of keys below the limit. No finite limit has all keys below it.
 const LARGEST_SHARE: f64 = 0.99;
-/// Smallest and largest limit tried, wide enough for any number of candidates: the cheapest ones
-/// weigh 1, and their keys are about 1.
+/// Smallest and largest limit tried, far enough apart for any number of candidates. The cheapest
+/// pairs weigh 1, so their keys are about 1.
 const LIMITS: [f64; 2] = [1e-6, 1e12];
-/// Factor from one limit to the next: a limit that is a quarter too high costs little.
+/// Factor from one limit to the next. It affects the time only.
 const NEXT_LIMIT: f64 = 1.25;
 
-/// A limit that is expected to have somewhat more keys than wanted below it: one of weight w is below t with probability
-/// `1 − exp(−w t)`.
+/// Returns a limit with slightly more keys below it than wanted, in expectation. A key of weight w
+/// is below t with probability `1 − exp(−w t)`.
 fn limit(weights: &[Vec<f64>; 2], count: usize) -> f64 {
     let [few_p, few_q] = weights
         .each_ref()
@@ -82,7 +84,7 @@ fn limit(weights: &[Vec<f64>; 2], count: usize) -> f64 {
     limit
 }
 
-/// Weight of each candidate: inverse square of its cost in units of the cheapest.
+/// Returns the weight of each candidate: the inverse square of its cost in units of the cheapest.
 fn weights(candidates: &[Candidate]) -> Vec<f64> {
     let cheapest = candidates.iter().map(|c| f64::from(c.cost)).fold(f64::INFINITY, f64::min).max(1e-9);
     candidates.iter().map(|c| (cheapest / f64::from(c.cost).max(1e-9)).powi(2)).collect()
@@ -101,7 +103,7 @@ mod tests {
     }
 
     #[test]
-    fn few_combinations_are_all_taken_and_many_are_drawn_once_each_cheap_ones_more_often() {
+    fn draws_do_not_repeat_and_prefer_cheap_candidates() {
         let (p, q) = (candidates(&[1.0, 2.0, 4.0]), candidates(&[1.0; 40]));
         assert_eq!(draw_pairs([&p, &q], 120, 5).len(), 120);
         let mut of_each = [0; 3];
@@ -121,7 +123,7 @@ mod tests {
     }
 
     #[test]
-    fn keys_that_are_passed_over_are_none_of_the_smallest() {
+    fn the_smallest_keys_win() {
         let costs =
             |turn: f32| -> Vec<f32> { (0..70).map(|k| 1.0 + (k as f32 * turn).sin().abs() * 3.0).collect() };
         let (p, q) = (candidates(&costs(0.7)), candidates(&costs(1.1)));

@@ -1,4 +1,4 @@
-//! What the lines say of a geometry: the figures that a hypothesis is ranked and shown by, whoever proposed it.
+//! Figures of a geometry from its lines, by which hypotheses are ranked and shown.
 
 use super::bisectors::{bisector_kappas, round_trip_area};
 use super::score::line_scores;
@@ -8,19 +8,21 @@ use crate::estimate::{Parameters, ValidationParameters};
 use crate::geometry::PointPair;
 use crate::similarity::{ScaledSimilarity, SimilaritySource};
 
-/// The lines of a geometry at two clicks, and how well lines match there.
+/// Lines of a geometry at two clicks, and how well lines match there.
 #[derive(Debug, Clone)]
 pub struct LineFigures {
-    /// Full-validation score, lower is better (paper, section 5.1, step 4): squared grey levels a sample, or that
-    /// divided by the cost of mismatched lines, as [`crate::estimate::LineScore`] says. `None` before validation.
+    /// Full-validation score (paper, section 5.1, step 4); lower is better. Squared grey levels per
+    /// sample, or their ratio to the cost of mismatched lines, see [`crate::estimate::LineScore`].
+    /// `None` before validation.
     pub score: Option<f64>,
-    /// Mean epipolar area between `l` and `GH l`, divided by the image width: px. `None` before G is known.
+    /// Mean epipolar area between `l` and `GH l`, divided by the image width, px. `None` before G
+    /// is known.
     pub round_trip_area: Option<f64>,
-    /// The lines it is built from, with κ of H and of G.
+    /// Lines of the construction, with κ of H and of G.
     pub construction: Construction,
 }
 
-/// Figures of a hypothesis whose lines have not been compared.
+/// Returns the figures of a hypothesis whose lines were not compared.
 pub(in crate::estimate) fn unvalidated_figures(
     angles: &PencilAngles,
     clicks: [PointPair; 2],
@@ -29,7 +31,7 @@ pub(in crate::estimate) fn unvalidated_figures(
     Some(LineFigures { score: None, round_trip_area: None, construction })
 }
 
-/// What the figures are computed from.
+/// Everything that the figures are computed from.
 pub(in crate::estimate) struct LineExaminer<'a> {
     similarity: ScaledSimilarity<'a>,
     clicks: [PointPair; 2],
@@ -38,7 +40,8 @@ pub(in crate::estimate) struct LineExaminer<'a> {
 }
 
 impl<'a> LineExaminer<'a> {
-    /// Examines at the size where pencils are compared. The clicks are in full-size pixels.
+    /// Creates an examiner at the size where pencils are compared. The clicks are in full-size
+    /// pixels.
     pub fn new(
         source: &'a dyn SimilaritySource,
         clicks: [PointPair; 2],
@@ -49,13 +52,13 @@ impl<'a> LineExaminer<'a> {
         Self { similarity, clicks, parameters: &parameters.validation, cancel }
     }
 
-    /// The clicks, full-size pixels.
+    /// Returns the clicks, full-size pixels.
     pub fn clicks(&self) -> [PointPair; 2] {
         self.clicks
     }
 
-    /// The figures of geometries whose epipolar lines at the clicks have these directions; `None` where they
-    /// degenerate, and where the computation was stopped.
+    /// Returns the figures of geometries with these directions at the clicks. They are `None` where
+    /// the geometry degenerates, and for the rest when stopped.
     pub fn figures(&self, geometries: &[PencilAngles]) -> Vec<Option<LineFigures>> {
         let ScaledSimilarity { lines: similarity, frames, scales } = &self.similarity;
         let clicks = self.clicks.map(|click| self.similarity.resized(&click));
@@ -130,13 +133,15 @@ mod tests {
                     assert!(off < 1e-9, "the lines pass through the clicks in full size");
                 }
                 assert!((construction.turn() - (angles.p[1] - angles.p[0])).abs() < 1e-12);
-                // The same lines at full size: an area over a width is a length, and scales as one.
+                // The area over the width is a length, so it is compared with the area at full
+                // size.
                 let frame = crate::estimate::exact::FRAME;
                 let pencils = PencilPair::new(&angles, clicks).unwrap();
                 let forward = construction.kappa_line2_from_line1();
                 let ratio = forward / construction.kappa_line1_from_line2().unwrap();
                 let expected = round_trip_area(&pencils, ratio, frame);
-                // Pixel centres, not corners, bound the sampled part: half a pixel of 160 at the ends.
+                // Pixel centres, not corners, bound the sampled part: half a pixel of 160 at the
+                // ends.
                 let area = area.unwrap();
                 assert!((area - expected).abs() < 0.02 * expected + 1e-9, "{area} {expected} at {side}");
             }
@@ -148,7 +153,7 @@ mod tests {
     }
 
     #[test]
-    fn before_validation_only_the_lines_are_known() {
+    fn before_validation_there_are_no_scores() {
         let scene = ExactScene::aside();
         let figures = unvalidated_figures(&scene.angles(), scene.clicks()).unwrap();
         assert!(figures.score.is_none() && figures.round_trip_area.is_none());

@@ -1,7 +1,8 @@
-//! What line similarity says about a geometry (paper, section 5.1): pencils and candidates, epipole hypotheses with
-//! their bisectors and round trips, validation over whole images, refinement on lines.
+//! Evidence of line similarity for a geometry (paper, section 5.1): pencils and their candidates,
+//! epipole hypotheses with bisectors and round trips, validation over whole images.
 //!
-//! Everything here asks a [`crate::similarity::LineSimilarity`], many lines at a time, and looks at no pixels.
+//! Everything here compares lines through a [`crate::similarity::LineSimilarity`], many at a time,
+//! and reads no pixels.
 
 mod bisectors;
 mod construction;
@@ -25,6 +26,6 @@ pub(in crate::estimate) use unanchored::{
     LineCandidate, LineConsensus, compare_lines, geometries_from_lines,
 };
 
-/// Shortest line compared, as a share of the shorter side of the image. A shorter one has too few
-/// samples to tell lines apart. Not measured.
+/// Shortest line compared, as a share of the shorter side of the image. Shorter lines have too few
+/// samples to be told apart. Not measured.
 const SHORTEST_LINE: f64 = 0.15;

@@ -1,5 +1,5 @@
-//! A geometry held by two clicks: the five numbers that parametrise every `F` that fits them exactly, and the two
-//! pencils of corresponding epipolar lines that follow from them.
+//! Geometries that fit two clicks exactly: the five numbers that parametrise them, and the two
+//! pencils of corresponding epipolar lines.
 
 use std::f64::consts::PI;
 
@@ -11,8 +11,8 @@ use crate::geometry::{
     Vector, median,
 };
 
-/// Directed angles of the epipolar lines through the clicks, and κ. None of them depends on the size of the
-/// images, so the same numbers serve every level of a pyramid.
+/// Directed angles of the epipolar lines through the clicks, and κ. They do not depend on the size
+/// of the images, so they serve every level of a pyramid.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct PencilAngles {
     /// Directions of the line through the first click in image 1 and 2, radians.
@@ -24,8 +24,9 @@ pub(crate) struct PencilAngles {
 }
 
 impl PencilAngles {
-    /// Directions and κ of a matrix: its epipolar lines at the clicks. Of the two ways to direct the lines of image 2,
-    /// the one that is turned by about `turn` radians against image 1. `None` when `f` degenerates at a click.
+    /// Returns the directions of the epipolar lines of `f` at the clicks, and κ. The lines of image
+    /// 2 are directed such that they are rotated by about `turn` radians against image 1. Returns
+    /// `None` when `f` degenerates at a click.
     pub fn of(f: &FundamentalMatrix, clicks: &[PointPair; 2], turn: f64) -> Option<Self> {
         let (e1, e2) = (f.epipole1(), f.epipole2());
         let angle = |epipole: &HomogeneousPoint, point: Point| {
@@ -36,16 +37,17 @@ impl PencilAngles {
         let agreement: f64 = angles.iter().map(|[a1, a2]| (a2 - a1 - turn).cos()).sum();
         let back = if agreement < 0.0 { PI } else { 0.0 };
         let [p, q] = angles.map(|[a1, a2]| [a1, a2 + back]);
-        // κ from the line half way between the clicks.
+        // κ of the line half way between the clicks.
         let between = nalgebra::center(&clicks[0].point1, &clicks[1].point1);
         let beside = nalgebra::center(&clicks[0].point2, &clicks[1].point2);
         let third = PointPair { point1: between, point2: f.line2_from_point1(between)?.foot(beside) };
         Self::nearest(f, clicks, &Self { p, q, kappa: 1.0 }, std::iter::once(third))
     }
 
-    /// The geometry through the clicks nearest to `f`: directions of its epipolar lines at the clicks, κ the
-    /// median over `matches`, or that of `reference` when there are none. `reference` tells
-    /// which way the lines are directed. `None` when `f` degenerates at a click.
+    /// Returns the geometry through the clicks nearest to `f`: the directions of its epipolar lines
+    /// at the clicks, and the median κ over `matches`. Without matches, κ is taken from
+    /// `reference`. `reference` also tells the sense of the lines. Returns `None` when `f`
+    /// degenerates at a click.
     pub fn nearest(
         f: &FundamentalMatrix,
         clicks: &[PointPair; 2],
@@ -74,7 +76,7 @@ impl PencilAngles {
     }
 }
 
-/// The geometry at one level: [`PencilAngles`] with the clicks in that level's pixels.
+/// Geometry at one level: [`PencilAngles`] with the clicks in pixels of the level.
 #[derive(Debug, Clone)]
 pub(crate) struct PencilPair {
     clicks: [PointPair; 2],
@@ -83,15 +85,16 @@ pub(crate) struct PencilPair {
     epipoles: [HomogeneousPoint; 2],
 }
 
-/// The direction of the epipolar line at `point`, of the orientation that belongs to the sign of `epipole`:
-/// continuous over the plane and through epipoles at infinity.
+/// Returns the direction of the epipolar line at `point`, oriented by the sign of `epipole`. It is
+/// continuous over the plane and for epipoles that pass through infinity.
 fn direction(epipole: &HomogeneousPoint, point: Point) -> Vector {
     epipole.xy() - point.coords * epipole.z
 }
 
 impl PencilPair {
-    /// `None` when the lines do not define epipoles, or when the directions of the four lines contradict each
-    /// other: no scene in front of both cameras has them.
+    /// Returns the pencils at the clicks. Returns `None` when the lines do not define epipoles, or
+    /// when the four directions contradict each other: no scene in front of both cameras has such
+    /// lines.
     pub fn new(angles: &PencilAngles, clicks: [PointPair; 2]) -> Option<Self> {
         let [p, q] = clicks;
         let line = |point, angle| Line::through_at_angle(point, angle);
@@ -109,8 +112,8 @@ impl PencilPair {
             oriented(&pair_p.line1, &pair_q.line1, p.point1, angles.p[0], q.point1, angles.q[0])?;
         let (e2, alike2) =
             oriented(&pair_p.line2, &pair_q.line2, p.point2, angles.p[1], q.point2, angles.q[1])?;
-        // Of an epipole between the clicks one line points to it and the other away, in both images: the second pair of
-        // lines is then meant the other way round.
+        // If an epipole lies between the clicks, one line points to it and the other away, in both
+        // images. The second pair of lines then has the opposite sense.
         (alike1 == alike2).then_some(Self { clicks, map, epipoles: [e1, e2] })
     }
 
@@ -127,11 +130,11 @@ impl PencilPair {
         Self { map: self.map.with_kappa(kappa), ..self.clone() }
     }
 
-    /// Two corresponding lines, directed and anchored at (nearly) the same scene point.
+    /// Returns two corresponding lines, directed and anchored at (nearly) the same scene point.
     ///
-    /// Between the clicks the anchor is the intersection with the line that joins the clicks: both are images
-    /// of one point of the 3-D line through the two scene points. Beyond a click that point may be anywhere,
-    /// so there it is the foot of the nearer click.
+    /// Between the clicks, the anchor is the intersection with the line that joins the clicks: both
+    /// are images of one point of the 3-D line through the two scene points. Beyond a click that
+    /// point may lie anywhere, so there the anchor is the foot of the nearer click.
     pub fn anchored(&self, line1: &Line, line2: &Line) -> Option<(AnchoredLine, AnchoredLine)> {
         let [p, q] = &self.clicks;
         let at_join = |line: &Line, p: Point, q: Point| {
@@ -152,7 +155,8 @@ impl PencilPair {
         pair.0.anchor.coords.iter().chain(pair.1.anchor.coords.iter()).all(|v| v.is_finite()).then_some(pair)
     }
 
-    /// About `count` epipolar lines of image 1, spread evenly over it, each with its partner in image 2.
+    /// Returns about `count` epipolar lines of image 1, spread evenly over the image, each with its
+    /// partner in image 2.
     pub fn spread_over_image1(&self, frame1: Frame, count: usize) -> Vec<(AnchoredLine, AnchoredLine)> {
         self.coordinates_over_image1(frame1, count)
             .into_iter()
@@ -160,8 +164,8 @@ impl PencilPair {
             .collect()
     }
 
-    /// About `count` epipolar lines of image 2, spread evenly over it, each with its partner: the first of each pair is
-    /// still the line of image 1.
+    /// Returns about `count` epipolar lines of image 2, spread evenly over the image, each with its
+    /// partner. The first line of each pair is still the line of image 1.
     pub fn spread_over_image2(&self, frame2: Frame, count: usize) -> Vec<(AnchoredLine, AnchoredLine)> {
         self.swapped()
             .spread_over_image1(frame2, count)
@@ -182,8 +186,9 @@ impl PencilPair {
         Self { clicks, map, epipoles: [self.epipoles[1], self.epipoles[0]] }
     }
 
-    /// Pencil coordinates of lines that cross the image, spread evenly by angle as seen from the epipole in
-    /// coordinates centred on the image: for an epipole inside by direction, for one at infinity by offset.
+    /// Returns pencil coordinates of lines that cross the image, spread evenly by angle as seen
+    /// from the epipole in coordinates centred on the image. For an epipole inside the image, this
+    /// spreads directions; for an epipole at infinity, offsets.
     pub fn coordinates_over_image1(&self, frame: Frame, count: usize) -> Vec<Vector2<f64>> {
         let half = 0.5 * frame.diagonal();
         let centre = frame.centre();
@@ -210,8 +215,8 @@ impl PencilPair {
             .collect()
     }
 
-    /// Pencil coordinates of a line of image 1's pencil, from the one of two points on it that is farther from
-    /// the epipole.
+    /// Returns the pencil coordinates of a line of image 1. Of two points on the line, they are
+    /// computed from the one farther from the epipole.
     fn coordinates_of_line1(&self, line: &Line, frame: Frame) -> Vector2<f64> {
         let foot = line.foot(frame.centre());
         let offset = line.direction() * frame.diagonal();
@@ -220,8 +225,8 @@ impl PencilPair {
     }
 }
 
-/// Directions tried for lines that cross the image: one degree apart if the epipole is in the
-/// middle, finer than the spacing of the chosen lines.
+/// Number of directions tried for lines that cross the image: about one degree apart if the epipole
+/// is in the middle. Not measured.
 const STEPS: usize = 192;
 
 #[cfg(test)]
@@ -277,13 +282,13 @@ mod tests {
     }
 
     #[test]
-    fn contradicting_directions_are_refused() {
+    fn contradictory_directions_are_refused() {
         let clicks = [PointPair::new(100.0, 100.0, 90.0, 100.0), PointPair::new(120.0, 300.0, 100.0, 300.0)];
         let angles = PencilAngles { p: [0.1, 0.1], q: [-0.1, -0.1], kappa: 1.0 };
         assert!(PencilPair::new(&angles, clicks).is_some());
         let reversed = PencilAngles { p: [0.1, 0.1], q: [-0.1, -0.1 + PI], kappa: 1.0 };
         assert!(PencilPair::new(&reversed, clicks).is_none());
-        // A line pair has no direction of its own: both of one click turned round are the same geometry.
+        // A line pair has no sense of its own: reversing both lines of a click changes nothing.
         let turned = PencilAngles { p: [0.1, 0.1], q: [-0.1 + PI, -0.1 + PI], kappa: 1.0 };
         let [same, other] =
             [angles, turned].map(|a| PencilPair::new(&a, clicks).unwrap().fundamental().unwrap());
@@ -291,7 +296,7 @@ mod tests {
     }
 
     #[test]
-    fn lines_spread_over_an_epipole_inside_the_image() {
+    fn lines_through_an_epipole_inside_the_image_are_spread() {
         let clicks = [PointPair::new(300.0, 200.0, 280.0, 190.0), PointPair::new(500.0, 400.0, 520.0, 420.0)];
         let towards = |c: Point, e: Point| (e.y - c.y).atan2(e.x - c.x);
         let e = Point::new(390.0, 330.0);

@@ -17,20 +17,24 @@ pub struct Candidate {
     pub cost: f32,
 }
 
-/// The two pencils through one click, compared line by line: the cost of each line of image 1 (a row) against each of
-/// image 2 (a column). Directions do not depend on the size of the images, so the lines are given in full-size pixels,
-/// though they were compared at a small size.
+/// Two pencils through one click, compared line by line: the cost of each line of image 1 (a row)
+/// against each line of image 2 (a column).
+///
+/// The lines are given in full-size pixels, though they were compared at a small size. Directions
+/// do not depend on the size.
 #[derive(Debug, Clone)]
 pub struct ComparedPencils {
-    /// The click they pass through, full-size pixels.
+    /// The click, full-size pixels.
     pub click: PointPair,
     /// Directions of the rows, radians in `[0, π)`, ascending.
     pub angles1: Vec<f64>,
-    /// Directions of the columns, radians in `[0, 2π)`, ascending: both senses, since the images may be rotated.
+    /// Directions of the columns, radians in `[0, 2π)`, ascending. Each line has both senses, since
+    /// the images may be rotated.
     pub angles2: Vec<f64>,
-    /// Lines of each pencil before those without texture were dropped, evenly spread over half a turn.
+    /// Number of lines of each pencil before untextured lines were dropped, evenly spread over half
+    /// a turn.
     pub lines_before: [usize; 2],
-    /// The costs; infinite where two lines were not compared.
+    /// Costs of the line pairs, infinite where two lines were not compared.
     pub costs: CostMatrix,
     /// Mutual best pairs, cheapest first.
     pub candidates: Vec<Candidate>,
@@ -58,7 +62,8 @@ impl ComparedPencils {
         };
         let allowed = |i: usize, j: usize| {
             let turn = angle_between(angles2[j] - angles1[i], source.rotation());
-            // The lines are evenly spread, so that a turn may equal the limit but for rounding.
+            // Directions are multiples of a step, so a rotation may equal the limit but for
+            // rounding.
             turn <= parameters.rotation + 1e-9
         };
         let (lines1, lines2) = (lines(at.point1, &angles1), lines(at.point2, &angles2));
@@ -75,28 +80,29 @@ impl ComparedPencils {
         Ok(Self { click: *click, angles1, angles2, lines_before, costs, candidates })
     }
 
-    /// Row and column of a candidate.
+    /// Returns the row and column of a candidate.
     pub fn cell(&self, candidate: &Candidate) -> Option<[usize; 2]> {
         self.cell_at(candidate.angles)
     }
 
-    /// Row and column of the lines with exactly these directions.
+    /// Returns the row and column of the lines with exactly these directions.
     pub fn cell_at(&self, angles: [f64; 2]) -> Option<[usize; 2]> {
         let find = |all: &[f64], angle: f64| all.binary_search_by(|a| a.total_cmp(&angle)).ok();
         Some([find(&self.angles1, angles[0])?, find(&self.angles2, angles[1])?])
     }
 
-    /// Directions of the lines of a cell, radians; `None` outside the matrix.
+    /// Returns the directions of the lines of a cell, radians; `None` outside the matrix.
     pub fn angles(&self, row: usize, column: usize) -> Option<[f64; 2]> {
         Some([*self.angles1.get(row)?, *self.angles2.get(column)?])
     }
 
-    /// The two lines of a cell, anchored at the click, full-size pixels; `None` outside the matrix.
+    /// Returns the two lines of a cell, anchored at the click, full-size pixels; `None` outside the
+    /// matrix.
     pub fn lines(&self, row: usize, column: usize) -> Option<[AnchoredLine; 2]> {
         Some(lines_at(&self.click, self.angles(row, column)?))
     }
 
-    /// Lines that were compared: those of image 1, and those of image 2 without regard to their sense.
+    /// Returns the number of lines compared in each image, regardless of their sense.
     pub fn lines_compared(&self) -> [usize; 2] {
         [self.angles1.len(), self.angles2.len() / 2]
     }
@@ -104,7 +110,8 @@ impl ComparedPencils {
 
 #[cfg(test)]
 impl ComparedPencils {
-    /// Pencils as if of so many lines only these had texture, with as many candidates as that.
+    /// Returns pencils of `lines_before` lines of which `textured` have texture, with as many
+    /// candidates.
     pub(crate) fn of_so_many(click: PointPair, textured: usize, lines_before: usize) -> Self {
         let angles: Vec<f64> = (0..textured).map(|k| 0.01 * k as f64).collect();
         let candidates = angles.iter().map(|a| Candidate { angles: [*a; 2], cost: 0.5 }).collect();
@@ -119,12 +126,12 @@ impl ComparedPencils {
     }
 }
 
-/// The lines through a click with the given directions, anchored at it.
+/// Returns the lines through a click with the given directions, anchored at the click.
 pub fn lines_at(click: &PointPair, angles: [f64; 2]) -> [AnchoredLine; 2] {
     [AnchoredLine::at_angle(click.point1, angles[0]), AnchoredLine::at_angle(click.point2, angles[1])]
 }
 
-/// The lines of a pencil that are long enough and cross enough texture.
+/// Returns the directions of the lines that are long enough and cross enough texture.
 fn textured(
     similarity: &dyn LineSimilarity,
     image: usize,
@@ -138,8 +145,8 @@ fn textured(
     angles.iter().zip(kept).filter(|(_, kept)| *kept).map(|(angle, _)| *angle).collect()
 }
 
-/// Which lines cross texture, at least a fraction of their median, and as much of the image as `shortest` times its
-/// shorter side.
+/// Returns which lines are kept: textured by at least a fraction of the median, and at least as
+/// long as `shortest` times the shorter side.
 pub(super) fn have_texture(
     similarity: &dyn LineSimilarity,
     image: usize,
@@ -160,7 +167,7 @@ pub(super) fn have_texture(
     lines.iter().zip(information).map(is_kept).collect()
 }
 
-/// Pairs that are among the `k` cheapest of their row and of their column.
+/// Returns the pairs that are among the `k` cheapest of their row and of their column.
 pub(super) fn mutual_best(costs: &CostMatrix, k: usize) -> Vec<(usize, usize)> {
     let kth = |values: &mut Vec<f32>| -> f32 {
         values.retain(|v| v.is_finite());

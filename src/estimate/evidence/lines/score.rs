@@ -1,10 +1,10 @@
-//! Full validation: how well corresponding lines of a hypothesis match, over the whole of both images (paper,
-//! section 5.1, step 4).
+//! Full validation (paper, section 5.1, step 4): how well corresponding lines of a hypothesis
+//! match, over the whole of both images.
 //!
-//! The score is the stereo cost per sample over many epipolar lines of both images, each line weighted by its
-//! length. As published that is all ([`LineScore::Cost`]); the raw cost prefers geometries whose lines cross
-//! little texture, so [`LineScore::AgainstMismatched`] divides it by the cost of deliberately mismatched lines
-//! of the same pencils.
+//! The score is the stereo cost per sample over many epipolar lines of both images, weighted by
+//! length. The paper uses this cost ([`LineScore::Cost`]). It prefers geometries whose lines cross
+//! little texture, so [`LineScore::AgainstMismatched`] divides by the cost of deliberately
+//! mismatched lines of the same pencils.
 
 use rayon::prelude::*;
 
@@ -14,19 +14,20 @@ use crate::estimate::LineScore;
 use crate::geometry::{AnchoredLine, Frame};
 use crate::similarity::LineSimilarity;
 
-/// Hypotheses whose lines are compared at once: enough to fill the vector units, few enough to stop
-/// soon. No result depends on it.
+/// Number of hypotheses whose lines are compared in one call. A stop is noticed between calls. No
+/// result depends on it.
 const AT_ONCE: usize = 64;
 
-/// A line pair, the length of its line in the image that it was spread over, px, and whether it is mismatched.
+/// A line pair with its weight: the length of the line in the image over which it was spread, px.
 struct Weighed {
     pair: (AnchoredLine, AnchoredLine),
     length: f64,
     mismatched: bool,
 }
 
-/// Full-validation score of each geometry, lower is better; infinite when its lines cannot be compared. `lines` are
-/// compared an image. Fewer scores when stopped.
+/// Returns the full-validation score of each geometry; lower is better. A score is infinite when
+/// the lines cannot be compared. `lines` is the number of lines per image. When stopped, returns
+/// fewer scores.
 pub(in crate::estimate) fn line_scores(
     similarity: &dyn LineSimilarity,
     geometries: &[PencilPair],
@@ -47,7 +48,7 @@ pub(in crate::estimate) fn line_scores(
             let [mut matched, mut mismatched] = [(0.0, 0.0); 2];
             for (weighed, cost) in own.iter().zip(&mut costs) {
                 let (sum, weight) = if weighed.mismatched { &mut mismatched } else { &mut matched };
-                // A line without a partner in the other image is outside it in every sample.
+                // A line without a partner counts as outside the other image in every sample.
                 *sum += weighed.length * f64::from(if cost.is_finite() { *cost } else { outside });
                 *weight += weighed.length;
             }
@@ -63,7 +64,7 @@ pub(in crate::estimate) fn line_scores(
     scores
 }
 
-/// The line pairs that a geometry is scored on.
+/// Returns the line pairs on which a geometry is scored.
 fn spread(pencils: &PencilPair, frames: [Frame; 2], lines: usize, kind: LineScore) -> Vec<Weighed> {
     let mut all = Vec::new();
     let of_images =
@@ -75,7 +76,7 @@ fn spread(pencils: &PencilPair, frames: [Frame; 2], lines: usize, kind: LineScor
             Weighed { pair, length, mismatched }
         };
         all.extend(pairs.iter().map(|pair| weighed(*pair, false)));
-        // A third of the way round the list: far enough to be unrelated, near enough to overlap.
+        // Mismatched by a third of the list: far enough to be unrelated, near enough to overlap.
         let shift = if kind == LineScore::AgainstMismatched { pairs.len() / 3 } else { 0 };
         all.extend((0..pairs.len()).filter(|_| shift > 0).map(|k| {
             let other = pairs[(k + shift) % pairs.len()];
@@ -94,7 +95,7 @@ mod tests {
     const FRAMES: [Frame; 2] = [FRAME; 2];
     const LINES: usize = 24;
 
-    /// The true geometry, and others with directions turned or κ changed.
+    /// Returns the true geometry, and others with directions turned or κ changed.
     fn geometries(scene: &ExactScene) -> Vec<PencilPair> {
         let PencilAngles { p, q, kappa } = scene.angles();
         let all = [
@@ -125,10 +126,10 @@ mod tests {
     }
 
     #[test]
-    fn lines_count_by_their_length_and_those_without_partner_as_outside() {
+    fn lines_are_weighted_by_length_and_count_as_outside_without_a_partner() {
         let scene = ExactScene::aside();
         let pencils = &geometries(&scene)[0];
-        // What lies left of the middle costs 3, the rest is seen in one image only.
+        // Lines left of the middle cost 3; the others have no partner.
         let is_left = |line: &AnchoredLine| line.anchor.x < FRAME.centre().x;
         let similarity = LinesBy(
             |line1: &AnchoredLine, _: &AnchoredLine| {
@@ -154,7 +155,7 @@ mod tests {
     }
 
     #[test]
-    fn mismatched_lines_are_of_the_same_pencils_but_do_not_belong_together() {
+    fn mismatched_lines_belong_to_the_same_pencils() {
         let scene = ExactScene::aside();
         let f = scene.fundamental();
         let all = spread(&geometries(&scene)[0], FRAMES, LINES, LineScore::AgainstMismatched);
@@ -162,7 +163,7 @@ mod tests {
         let pairs: Vec<_> = all.iter().map(|weighed| weighed.pair).collect();
         let (mut matched, mut mismatched) = (0, 0);
         for (weighed, cost) in all.iter().zip(similarity.pair_costs(&pairs)) {
-            // A third of the image away, or nowhere.
+            // A third of the image away, or outside.
             let is_as_told = if weighed.mismatched { cost > 20.0 } else { cost < 1e-3 };
             assert!(is_as_told, "{cost} px, mismatched: {}", weighed.mismatched);
             *if weighed.mismatched { &mut mismatched } else { &mut matched } += 1;
@@ -174,7 +175,7 @@ mod tests {
     }
 
     #[test]
-    fn lines_that_cannot_be_compared_never_win() {
+    fn lines_that_cannot_be_compared_score_infinitely() {
         let scene = ExactScene::aside();
         let (all, similarity) = (geometries(&scene), exact_lines(scene.fundamental(), FRAMES));
         for kind in [LineScore::Cost, LineScore::AgainstMismatched] {
@@ -182,7 +183,7 @@ mod tests {
             let none = scores(&similarity, &all, 0, kind);
             assert!(none.iter().all(|score| score.is_infinite()), "{kind:?}: {none:?}");
         }
-        // Two lines have none a third of the way round to be mismatched with.
+        // Two lines are too few to mismatch.
         let two = scores(&similarity, &all, 2, LineScore::AgainstMismatched);
         assert!(two.iter().all(|score| score.is_infinite()), "{two:?}");
         let flag = crate::cancel::CancelFlag::default();
@@ -192,7 +193,7 @@ mod tests {
     }
 
     #[test]
-    fn geometries_are_scored_apart_from_each_other() {
+    fn geometries_are_scored_independently() {
         let scene = ExactScene::aside();
         let similarity = exact_lines(scene.fundamental(), FRAMES);
         let few = geometries(&scene);

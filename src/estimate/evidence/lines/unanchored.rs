@@ -1,17 +1,20 @@
-//! A geometry from lines alone, without any point (paper, section 4): candidate pairs among all lines of both images, two of
-//! them give the epipoles, a third one the map between the pencils, and the candidates that agree count.
+//! Geometry from lines alone, without any point (paper, section 4). Candidates are pairs of similar
+//! lines of both images. Two candidates give the epipoles, a third gives the map between the
+//! pencils, and the number of agreeing candidates decides.
 //!
-//! All lines here are in pixels of the size that they are compared at.
+//! All lines here are in pixels of the size at which they are compared.
 //!
-//! # Where this is more definite than the paper
-//! - "All lines" are a grid over direction and distance from the middle of the image, evenly spaced in both: what moves a
-//!   line by one step moves it by at most the spacing anywhere in the image.
-//! - A line has no anchor here that shows the same scene point in both images: index 0 is the foot of the middle of the
-//!   image, and disparities reach as far as the caller's similarity lets them.
-//! - The area between short lines is small wherever they are, so a threshold for all lines would have every geometry agree
-//!   with those that cut off a corner. It is that for a line as long as the image is wide, and less for shorter ones.
-//! - The map is between pencils, so it takes lines through the epipole. A candidate line that misses it is taken for the
-//!   line of the pencil through its middle, if the area between these two is below the threshold, too.
+//! # Choices that the paper leaves open
+//! - "All lines" are a grid over direction and distance from the middle of the image. One step
+//!   moves a line by at most the spacing, anywhere in the image.
+//! - A line has no anchor that shows the same scene point in both images. Index 0 is the foot of
+//!   the middle of the image, and the similarity limits the disparities.
+//! - The area between short lines is always small, so with one threshold every geometry would agree
+//!   with lines that cut off a corner. The threshold holds for a line as long as the image is wide,
+//!   and falls in proportion for shorter ones.
+//! - The map is between pencils, so it takes lines through the epipole. A candidate that misses the
+//!   epipole is replaced by the pencil's line through its middle, if the area between the two is
+//!   below the threshold.
 
 use std::cmp::Reverse;
 
@@ -30,13 +33,13 @@ use crate::geometry::{
 };
 use crate::similarity::{CostMatrix, ScaledSimilarity};
 
-/// Shortest line, as a share of the shorter side: twice that of a pencil, since no click confirms a
-/// short one. Not measured.
+/// Shortest line, as a share of the shorter side: twice as long as in a pencil, since no click
+/// confirms it. Not measured.
 const SHORTEST: f64 = 2.0 * SHORTEST_LINE;
 /// Lines of image 1 compared in one batch. A stop is noticed between batches. No result depends on
 /// it.
 const BATCH: usize = 64;
-/// Pairs through both epipoles that are tried as the third pair of a draw. Not measured.
+/// Number of candidates through both epipoles that are tried as the third of a draw. Not measured.
 const THIRD: usize = 3;
 /// Largest number of candidates examined for a third pair. If few pass through both epipoles, the
 /// draw was bad. Not measured.
@@ -44,14 +47,14 @@ const LOOKED_THROUGH: usize = 400;
 /// Largest number of candidates examined for a third pair, in multiples of all candidates. Not
 /// measured.
 const TIMES_OVER: usize = 4;
-/// Draws of one task: the same on any number of threads.
+/// Draws of one task. The streams of random numbers depend on it.
 const TASK: usize = 64;
-/// Candidates on which hypotheses are first counted, evenly spread over all. A share of them is
-/// known to 2 %.
+/// Number of candidates on which hypotheses are first counted, evenly spread over all. It
+/// determines a share with a standard deviation of at most 2 %.
 const COUNTED: usize = 700;
-/// Hypotheses that are counted on all candidates and refitted. Not measured.
+/// Number of hypotheses that are counted on all candidates and refitted. Not measured.
 const REFITTED: usize = 60;
-/// Rounds of refitting. Inliers hardly change after a few. Not measured.
+/// Largest number of rounds of refitting. Not measured.
 const ROUNDS: usize = 6;
 /// Distance at which a candidate loses influence on a fit, in standard deviations. Not measured.
 const ROBUST: f64 = 1.5;
@@ -67,19 +70,20 @@ pub struct LineCandidate {
     pub cost: f32,
 }
 
-/// The lines of an image that were compared.
+/// Candidates, and the number of lines compared.
 #[derive(Debug, Clone)]
 pub(in crate::estimate) struct LineCandidates {
     /// Mutual best pairs, cheapest first.
     pub pairs: Vec<LineCandidate>,
-    /// Lines of each image that have texture.
+    /// Number of lines of each image that have texture.
     pub lines: [usize; 2],
 }
 
-/// Compares about `count` lines of each image with each other. `rotation` is how far image 2 is turned, about.
+/// Compares about `count` lines of each image with each other. `rotation` is the approximate
+/// rotation of image 2 against image 1, radians.
 ///
-/// Of `n` lines with texture in one image and `m` in the other `2 n m` costs of 4 bytes are kept, and one batch
-/// besides: 32 MB at 2,000, and as much again while they are normalised.
+/// With `n` and `m` textured lines, the `2 n m` costs of 4 bytes take 32 MB at 2,000 lines each,
+/// and twice that while they are normalised.
 pub(in crate::estimate) fn compare_lines(
     level: &ScaledSimilarity,
     count: usize,
@@ -94,7 +98,7 @@ pub(in crate::estimate) fn compare_lines(
         let kept = have_texture(similarity, image, frame, &lines, parameters.texture, SHORTEST);
         lines.into_iter().zip(kept).filter(|(_, kept)| *kept).map(|(line, _)| line).collect::<Vec<_>>()
     });
-    // Lines have no sense of their own, so those of image 2 are compared in both.
+    // Lines have no sense, so the lines of image 2 are compared in both.
     let reversed = half2.iter().map(|line| AnchoredLine { direction: -line.direction, ..*line });
     let lines2: Vec<AnchoredLine> = half2.iter().copied().chain(reversed).collect();
     let [angles1, angles2] =
@@ -119,7 +123,7 @@ pub(in crate::estimate) fn compare_lines(
     Ok(LineCandidates { pairs, lines: [lines1.len(), half2.len()] })
 }
 
-/// A candidate with what its consistency is measured with.
+/// A candidate with its lines and their segments inside the images.
 struct Measured {
     lines: [Line; 2],
     segments: [Segment; 2],
@@ -136,7 +140,8 @@ impl Measured {
         [self.segments[0].midpoint(), self.segments[1].midpoint()]
     }
 
-    /// Every point of one line corresponds to some point of the other, so their ends hold all that the pair says about F.
+    /// Returns the pairs of the ends. Every point of one line corresponds to some point of the
+    /// other, so the ends carry all information about `F`.
     fn as_pairs(&self) -> [PointPair; 4] {
         let [a, b] = self.segments;
         [(a.start, b.start), (a.start, b.end), (a.end, b.start), (a.end, b.end)]
@@ -144,12 +149,12 @@ impl Measured {
     }
 }
 
-/// How hypotheses are drawn and counted.
+/// Settings of the consensus.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::estimate) struct LineConsensus {
-    /// Draws of two candidates.
+    /// Number of draws.
     pub draws: usize,
-    /// Largest area between a line and the one it is mapped to, in px times the width of the image.
+    /// Largest area between a line and its mapped partner, in px times the width of the image.
     pub area: f64,
     /// Seed of the draws.
     pub seed: u64,
@@ -158,9 +163,9 @@ pub(in crate::estimate) struct LineConsensus {
 /// A geometry with the candidates that agree with it.
 #[derive(Debug, Clone)]
 pub(in crate::estimate) struct LineGeometry {
-    /// The matrix for pixels of the size that the lines were compared at.
+    /// The matrix, for pixels of the size at which the lines were compared.
     pub fundamental: FundamentalMatrix,
-    /// Numbers of the candidates that agree.
+    /// Indices of the candidates that agree.
     pub agreeing: Vec<usize>,
 }
 
@@ -171,7 +176,8 @@ struct Counting<'a> {
     how: &'a LineConsensus,
 }
 
-/// Geometries that candidates agree with, most agreed with first; those that differ only.
+/// Returns the geometries with the most agreeing candidates, best first. Of similar geometries,
+/// only the best is returned.
 pub(in crate::estimate) fn geometries_from_lines(
     candidates: &[LineCandidate],
     frames: [Frame; 2],
@@ -224,13 +230,15 @@ impl<'a> Counting<'a> {
         self.measured.get(self.cumulative.partition_point(|c| *c <= at))
     }
 
-    /// The best hypothesis of each draw of one task, with the number of candidates that agree with it.
+    /// Returns the best hypothesis of each draw of one task, with the number of agreeing
+    /// candidates.
     fn draw(&self, task: u64) -> Vec<(usize, FundamentalMatrix)> {
         let mut random = stream(self.how.seed, Purpose::LineConsensus, task);
         (0..TASK).filter_map(|_| self.hypothesis(&mut random)).collect()
     }
 
-    /// Two candidates give the epipoles, a third through both the map.
+    /// Returns the best hypothesis of one draw. Two candidates give the epipoles, and a third
+    /// through both gives the map.
     fn hypothesis(&self, random: &mut Pcg64Mcg) -> Option<(usize, FundamentalMatrix)> {
         let (p, q) = (self.one(random)?, self.one(random)?);
         let epipoles: [HomogeneousPoint; 2] = [0, 1].map(|i| p.lines[i].intersection(&q.lines[i]));
@@ -245,8 +253,8 @@ impl<'a> Counting<'a> {
             .max_by_key(|(count, _)| *count)
     }
 
-    /// Whether a line passes the epipole so near that the area between it and the line of the pencil through its middle is
-    /// below the threshold.
+    /// Returns whether a line passes near the epipole: the area to the pencil's line through its
+    /// middle is below the threshold.
     fn is_near(&self, image: usize, line: &Line, epipole: &HomogeneousPoint, middle: Point) -> bool {
         let length = self.frames[image].clip(line).map_or(0.0, |segment| segment.length());
         Line::joining(epipole, &middle.to_homogeneous())
@@ -258,12 +266,12 @@ impl<'a> Counting<'a> {
         area_between_lines(line, other, frame) < self.how.area * length.min(frame.width as f64)
     }
 
-    /// The candidates that agree with a geometry (paper, section 4.2).
+    /// Returns the candidates that agree with a geometry (paper, section 4.2).
     fn agreeing(&self, f: &FundamentalMatrix) -> Vec<usize> {
         (0..self.measured.len()).filter(|k| self.agrees(f, &self.measured[*k])).collect()
     }
 
-    /// How many of a part of the candidates agree with a geometry.
+    /// Counts the agreeing candidates among an evenly spread part of all.
     fn agreeing_few(&self, f: &FundamentalMatrix) -> usize {
         let step = self.measured.len().div_ceil(COUNTED).max(1);
         self.measured.iter().step_by(step).filter(|one| self.agrees(f, one)).count()
@@ -272,8 +280,8 @@ impl<'a> Counting<'a> {
     fn agrees(&self, f: &FundamentalMatrix, one: &Measured) -> bool {
         let [middle1, middle2] = one.middles();
         let Some(line2) = f.line2_from_point1(middle1) else { return false };
-        // Most candidates are far off, which their middles tell: the area is at least half the distance there times the
-        // length.
+        // Most candidates are far off at their middles. The area is at least half the distance
+        // there times the length.
         let [length1, length2] = [0, 1].map(|image| one.segments[image].length());
         if 0.5 * line2.distance(middle2) > self.how.area || !self.is_same(1, &one.lines[1], length2, &line2) {
             return false;
@@ -281,7 +289,7 @@ impl<'a> Counting<'a> {
         f.line1_from_point2(middle2).is_some_and(|line1| self.is_same(0, &one.lines[0], length1, &line1))
     }
 
-    /// Fits a geometry to the candidates that agree with it, as long as more do.
+    /// Fits a geometry to the agreeing candidates, repeatedly while their number does not fall.
     fn refitted(&self, f: &FundamentalMatrix) -> LineGeometry {
         let mut best = LineGeometry { fundamental: *f, agreeing: self.agreeing(f) };
         for _ in 0..ROUNDS {
@@ -306,7 +314,7 @@ impl<'a> Counting<'a> {
     }
 }
 
-/// The geometry of three line pairs, of which the first two give the epipoles.
+/// Returns the geometry of three line pairs. The first two give the epipoles.
 fn through(p: &Measured, q: &Measured, r: &Measured) -> Option<FundamentalMatrix> {
     let coordinates = |i: usize| {
         let middle = r.middles()[i];
@@ -327,7 +335,7 @@ mod tests {
     use super::*;
     use crate::estimate::exact::{ExactScene, FRAME};
 
-    /// Corresponding lines of a scene and twice as many pairs that are none.
+    /// Returns corresponding lines of a scene, and twice as many wrong pairs.
     fn candidates(scene: &ExactScene) -> Vec<LineCandidate> {
         let f = scene.fundamental();
         let anchored =
@@ -347,7 +355,7 @@ mod tests {
     }
 
     #[test]
-    fn a_third_of_true_line_pairs_gives_the_geometry() {
+    fn one_third_of_correct_line_pairs_is_enough() {
         for scene in [ExactScene::aside(), ExactScene::forward()] {
             let candidates = candidates(&scene);
             let find = || {
@@ -363,7 +371,7 @@ mod tests {
     }
 
     #[test]
-    fn a_stop_and_nothing_to_compare_are_no_panic() {
+    fn stops_and_missing_candidates_are_handled() {
         let flag = CancelFlag::default();
         let none = geometries_from_lines(&[], [FRAME; 2], &consensus(0), &flag).unwrap();
         assert!(none.is_empty());

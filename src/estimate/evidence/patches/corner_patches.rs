@@ -1,4 +1,4 @@
-//! The corners of both images at one size, with the patches around them.
+//! Corners of both images at one size, with the patches around them.
 
 use rayon::prelude::*;
 
@@ -8,7 +8,8 @@ use crate::image::{
     most_correlations,
 };
 
-/// Corners of two images with their patches: one of each in image 1, those under all warps in image 2.
+/// Corners of two images with their patches: one patch for each corner of image 1, one under each
+/// warp for each corner of image 2.
 #[derive(Debug)]
 pub(in crate::estimate) struct CornerPatches {
     /// Corners of image 1 whose surroundings are not flat.
@@ -20,7 +21,7 @@ pub(in crate::estimate) struct CornerPatches {
     pub warps: Vec<Warp>,
 }
 
-/// How alike two corners are under the best of all warps, and which one that is.
+/// Correlation of two corners under the best warp, and the index of that warp.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::estimate) struct Likeness {
     pub correlation: f32,
@@ -28,7 +29,7 @@ pub(in crate::estimate) struct Likeness {
 }
 
 impl Likeness {
-    /// What is said of corners that are no match, however alike they are.
+    /// Likeness of corners that do not match. Their correlation is not computed.
     const NONE: Self = Self { correlation: -1.0, warp: 0 };
 
     fn best(correlations: &[f32]) -> Self {
@@ -43,14 +44,14 @@ impl Likeness {
 }
 
 impl CornerPatches {
-    /// Finds up to `count` corners an image and takes their patches.
+    /// Finds up to `count` corners in each image and samples their patches.
     pub fn new(level: &PairLevel, count: usize, warps: Vec<Warp>) -> Self {
         let find = |image: usize| level.corners(image, count, HALF + 1);
         let (corners1, points2) = rayon::join(|| find(0), || find(1));
         Self::around(level.planes, corners1, points2, warps)
     }
 
-    /// The patches around these corners.
+    /// Samples the patches around these corners.
     pub fn around(
         planes: [&GrayPlane; 2],
         corners1: Vec<Point>,
@@ -67,7 +68,8 @@ impl CornerPatches {
         Self { sketches1: Sketch::of_all(patches1.iter()), points1, patches1, points2, blocks2, warps }
     }
 
-    /// How alike corner `i` of image 1 and corner `j` of image 2 are; less than `least` says no more than that.
+    /// Returns the likeness of corner `i` of image 1 and corner `j` of image 2; [`Likeness::NONE`]
+    /// if an upper bound on the correlation is not above `least`.
     pub fn likeness(&self, i: usize, j: usize, least: f32) -> Likeness {
         let block = &self.blocks2[j];
         let mut may_be = false;
@@ -77,8 +79,8 @@ impl CornerPatches {
         if may_be { self.exact(i, block) } else { Likeness::NONE }
     }
 
-    /// The corners of image 1 that look like corner `j` of image 2 by more than `least`, ascending, with their correlations.
-    /// `room` is for what is looked at.
+    /// Returns the corners of image 1 that correlate with corner `j` of image 2 by more than
+    /// `least`, in ascending order, with their correlations. `room` is a buffer for candidates.
     pub fn alike(&self, j: usize, least: f32, room: &mut Vec<u32>) -> Vec<(u32, f32)> {
         let block = &self.blocks2[j];
         may_correlate(&self.sketches1, block, least, room);

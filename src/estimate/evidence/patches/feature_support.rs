@@ -1,4 +1,5 @@
-//! Support by matches of covariant features, beside that of corners: each counts where it is near its epipolar lines.
+//! Support by matches of covariant features, beside the support of corners. A match counts where it
+//! lies near its epipolar line.
 
 use nalgebra::Matrix2;
 
@@ -8,8 +9,9 @@ use crate::geometry::{FundamentalMatrix, PointPair};
 /// Correlation below which a patch gives no support. Not measured.
 pub(super) const FLOOR: f32 = 0.6;
 
-/// The nearest of two descriptors is as many times as likely the right one as this power of their distances says. Fitted to
-/// facades by eye: of matches with ratios of 0.5, 0.7 and 0.9 some 90, 60 and 45 % are right there.
+/// Exponent of the odds between the nearest descriptor and the next: their ratio of distances to
+/// this power. Fitted to facades by eye: of matches with ratios of 0.5, 0.7 and 0.9, about 90, 60
+/// and 45 % are right.
 const RATIO_POWER: i32 = 4;
 
 /// A supporting match and its correlation.
@@ -19,24 +21,24 @@ pub(in crate::estimate) struct SupportingMatch {
     pub correlation: f32,
 }
 
-/// A match of covariant features that supports a geometry beside those of corners.
+/// A match of covariant features that supports a geometry beside corners.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(in crate::estimate) struct FeatureSupport {
-    /// Full-size pixels.
+    /// The matched points, full-size pixels.
     pub pair: PointPair,
     /// Standard deviation of a coordinate, px of image 1.
     pub sigma: f64,
-    /// How offsets in image 1 become offsets in image 2, as the two frames say.
+    /// Map of offsets in image 1 to offsets in image 2, from the two frames.
     pub affine: Matrix2<f64>,
-    /// What it is worth, on the scale of correlations of patches.
+    /// Weight, on the scale of correlations of patches.
     pub correlation: f32,
-    /// Probability that the nearest descriptor is the right one rather than the next.
+    /// Probability that the nearest descriptor is right, rather than the next.
     pub prior: f32,
 }
 
 impl FeatureSupport {
-    /// A match whose descriptors' distance is this share of that to the next best. What is as near to another place says
-    /// nothing, as a correlation at the floor; what is unique is worth a correlation of 1.
+    /// Creates the support of a match from its ratio of best to second-best distance. A ratio of 1
+    /// says nothing, like a correlation at the floor. A ratio of 0 counts as a correlation of 1.
     pub fn new(pair: PointPair, sigma: f64, affine: Matrix2<f64>, ratio: f64) -> Self {
         Self {
             pair,
@@ -48,7 +50,7 @@ impl FeatureSupport {
     }
 }
 
-/// Matches of features, and where they are.
+/// Matches of features, laid out for queries by lines.
 #[derive(Debug, Clone, Default)]
 pub(super) struct FeatureMatches {
     matches: Vec<SupportingMatch>,
@@ -60,12 +62,12 @@ impl FeatureMatches {
         Self { places: NearLines::new(matches.iter().map(|m| m.pair)), matches }
     }
 
-    /// What the excess of those within `band` px sums up to at most.
+    /// Returns an upper bound on the summed excess of the matches within `band` px.
     pub fn most_support(&self, f: &FundamentalMatrix, band: f64) -> f32 {
         self.places.candidates(f, band).into_iter().map(|k| self.matches[k].correlation - FLOOR).sum()
     }
 
-    /// Matches within `band` px of each other's epipolar lines.
+    /// Returns the matches within `band` px of each other's epipolar lines.
     pub fn within(&self, f: &FundamentalMatrix, band: f64) -> impl Iterator<Item = SupportingMatch> {
         self.places
             .candidates(f, band)

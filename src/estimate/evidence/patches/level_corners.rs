@@ -1,4 +1,4 @@
-//! The corners of one level, and which of them are each other's best match.
+//! Corners of one level and their mutual best matches.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -13,7 +13,7 @@ use crate::image::HALF;
 /// Least correlation of matched patches at full size. Not measured.
 pub(super) const LEAST_CORRELATION: f32 = 0.75;
 
-/// Two corners, by their numbers, and the warp under which they look alike.
+/// Indices of two corners, and the warp under which they look alike.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(super) struct Alike {
     pub corner1: u32,
@@ -26,32 +26,31 @@ pub(super) struct Alike {
 pub(super) struct MutualMatch {
     pub alike: Alike,
     pub correlation: f32,
-    /// Probability that this is the right one of the places that look alike and were looked at: ½ for one of two equals.
+    /// Probability that this is the right match among similar places: ½ for two equal ones.
     pub prior: f32,
 }
 
-/// Distance between corners, px, below which their patches overlap by more than half and show the
-/// same place.
+/// Distance, px, below which two corners show the same place: half a patch.
 const ELSEWHERE: f64 = HALF as f64;
-/// Noise of the correlation of a right match. Chosen by eye on facades: of matches with another
-/// place 0.02, 0.1 and 0.2 behind, some 40, 80 and 85 % are right.
+/// Noise of the correlation of a right match. Fitted to facades by eye: of matches whose best
+/// competitor correlates less by 0.02, 0.1 and 0.2, about 40, 80 and 85 % are right.
 const CORRELATION_NOISE: f32 = 0.05;
 
-/// The corners of a level, and what is known of them.
+/// Corners of a level, and the likeness of each pair once it is computed.
 #[derive(Debug)]
 pub(super) struct LevelCorners {
     pub patches: Arc<CornerPatches>,
-    /// Where those of image 2 are.
+    /// Places of the corners of image 2.
     pub places2: Places,
-    /// What is known of each pair of corners, one row for each of image 1: geometries that are refined after each other
-    /// look at nearly the same pairs.
+    /// Known likeness of each pair of corners, one row for each corner of image 1. Geometries that
+    /// are refined one after the other compare nearly the same pairs.
     likeness: Vec<AtomicU32>,
 }
 
-/// Bits that hold the number of the warp, in place of the last ones of the correlation.
+/// Low bits of the correlation, replaced by the index of the warp.
 const WARP: u32 = 0xf;
 
-/// 0 stands for what is not known; what comes out as 0 is computed again.
+/// Packs a likeness into bits. 0 means unknown; a likeness that packs to 0 is computed again.
 fn packed(likeness: Likeness) -> u32 {
     likeness.correlation.to_bits() & !WARP | u32::from(likeness.warp)
 }
@@ -67,9 +66,9 @@ impl LevelCorners {
         Self { places2: Places::new(patches.points2.clone()), patches, likeness }
     }
 
-    /// How alike corner `i` of image 1 and corner `j` of image 2 are, if they may be a match.
+    /// Returns the likeness of corner `i` of image 1 and corner `j` of image 2.
     fn likeness(&self, i: usize, j: usize) -> Likeness {
-        // Whoever comes first writes the same number.
+        // All threads would write the same number.
         let known = &self.likeness[i * self.patches.points2.len() + j];
         let mut bits = known.load(Ordering::Relaxed);
         if bits == 0 {
@@ -79,10 +78,11 @@ impl LevelCorners {
         unpacked(bits)
     }
 
-    /// Mutual best matches of correlations above the least, with these: `find` puts the numbers of the corners of image 2 that
-    /// may be the partner of a point of image 1 into an empty list.
+    /// Returns the mutual best matches whose correlation exceeds the least. `find` fills an empty
+    /// list with the indices of the corners of image 2 that may match a point of image 1.
     pub fn mutual(&self, find: impl Fn(Point, &mut Vec<usize>) + Sync) -> Vec<MutualMatch> {
-        // Best partner of each corner of image 1 with its prior, then of each corner of image 2.
+        // The best partner of each corner of image 1 with its prior, then of each corner of image
+        // 2.
         let best1: Vec<Option<(usize, Likeness, f32)>> = self
             .patches
             .points1
@@ -120,8 +120,8 @@ impl LevelCorners {
             .collect()
     }
 
-    /// Probability that corner `j` is the partner of corner `i` rather than one of the others, each as likely as its
-    /// correlation comes near to that of `j`.
+    /// Returns the probability that corner `j` is the partner of corner `i`, rather than one of the
+    /// others. Corners are likelier the higher they correlate.
     fn prior(&self, i: usize, j: usize, correlation: f32, others: &[usize]) -> f32 {
         let place = self.places2.points[j];
         let elsewhere = others.iter().filter(|k| (self.places2.points[**k] - place).norm() > ELSEWHERE);

@@ -1,4 +1,4 @@
-//! What patches need to be computed once per image pair, whatever the clicks: corners, correlations, votes.
+//! Corners, correlations and votes, which are computed once for an image pair and serve any clicks.
 
 use std::sync::Arc;
 
@@ -17,48 +17,46 @@ use crate::features::FeatureViews;
 use crate::geometry::{FundamentalMatrix, Observation, PointPair, rescaling};
 use crate::image::{PairLevel, PyramidPair, RelativeView, warps_around};
 
-/// Longer side of the images at which patches first rank hypotheses, px: small enough for all
-/// corners to be compared with all. Not measured.
+/// Longer side of the images at which patches first rank hypotheses, px. Not measured.
 const COARSE_SIDE: f64 = 384.0;
-/// Corners of each image at the coarse size. The correlation matrix grows with their square. Not
-/// measured.
+/// Number of corners of each image at the coarse size. Each corner is compared with all corners of
+/// the other image. Not measured.
 const COARSE_CORNERS: usize = 600;
-/// Longer side of the images at which hypotheses are ranked again, px: the right geometry stands
-/// out more clearly than at half the size.
+/// Longer side of the images at which hypotheses are ranked again, px. Not measured.
 const FINE_SIDE: f64 = 768.0;
-/// Look-alikes of a corner that vote for κ. More add mostly wrong votes. Not measured.
+/// Number of look-alikes of a corner that vote for κ, best first. Not measured.
 const VOTES_PER_CORNER: usize = 3;
-/// Longer sides of the levels at which `F` is refined, px. The last is full size; the first brings
-/// `F` near enough for a narrow band there.
+/// Longer sides of the levels at which `F` is refined, px. The last level is full size. Not
+/// measured.
 const REFINEMENT_SIDES: [f64; 2] = [800.0, f64::INFINITY];
 
-/// The patches of an image pair under a view, at all sizes, each made when it is first needed.
+/// Patches of an image pair under a view, at all sizes. Each level is made when it is first needed.
 #[derive(Debug)]
 pub(in crate::estimate) struct PatchLevels {
     corners: Arc<CornerLevels>,
-    /// Matches of covariant features that support beside corners, and of which.
+    /// Matches of covariant features that support beside corners, and the kind of these features.
     features: Arc<[FeatureSupport]>,
     of: Option<FeatureViews>,
-    /// The same at the levels of the refinement.
+    /// The same matches at the levels of the refinement.
     aligned: [AlignedFeatures; REFINEMENT_SIDES.len()],
-    /// Support where proposals are ranked, with the features.
+    /// Support of corners and features at the fine size, where proposals are ranked.
     with_features: Lazy<SupportLevel>,
 }
 
-/// What corners say under a view, whether or not features stand beside them.
+/// Corners under a view, shared by levels with and without features.
 #[derive(Debug)]
 struct CornerLevels {
     view: RelativeView,
     coarse: Lazy<SupportLevel>,
     voting: Lazy<KappaVoting>,
-    /// Corners of the finer levels, which of a small picture are the same.
+    /// Corners of the finer levels. In a small picture these levels are the same.
     patches: SharedPatches,
     fine: Lazy<SupportLevel>,
     refinement: [RefinementLevel; REFINEMENT_SIDES.len()],
 }
 
 impl PatchLevels {
-    /// Levels of which nothing is made yet.
+    /// Returns levels that are not yet made.
     pub fn new(view: RelativeView) -> Self {
         let patches = SharedPatches::default();
         let corners = CornerLevels {
@@ -78,7 +76,7 @@ impl PatchLevels {
         }
     }
 
-    /// The same corners, with matches of features beside them, in full-size pixels.
+    /// Returns levels with the same corners and these matches of features, full-size pixels.
     pub fn with_features(&self, of: FeatureViews, features: Vec<FeatureSupport>) -> Self {
         let features: Arc<[FeatureSupport]> = features.into();
         Self {
@@ -90,35 +88,36 @@ impl PatchLevels {
         }
     }
 
-    /// How the images are turned and scaled against each other.
+    /// Returns the relative view of the images.
     pub fn view(&self) -> RelativeView {
         self.corners.view
     }
 
-    /// Which covariant features support beside corners.
+    /// Returns the kind of covariant features that support beside corners.
     pub fn features(&self) -> Option<FeatureViews> {
         self.of
     }
 
-    /// Support where proposals are made: of corners alone.
+    /// Returns the support at the coarse size, where proposals are made: of corners alone.
     pub fn coarse(&self, pyramids: &PyramidPair) -> &SupportLevel {
         let corners = &self.corners;
         corners.coarse.get_or_make(|| corners.coarse(pyramids))
     }
 
-    /// The corner pairs of the coarse level that vote for κ.
+    /// Returns the corner pairs of the coarse level that vote for κ.
     pub fn voting(&self, pyramids: &PyramidPair) -> &KappaVoting {
         let vote = || KappaVoting::new(&self.coarse(pyramids).support, VOTES_PER_CORNER);
         self.corners.voting.get_or_make(vote)
     }
 
-    /// Patches that agree with a geometry (full-size pixels) where proposals are ranked.
+    /// Returns the support of a geometry (full-size pixels) at the fine size.
     pub fn measure(&self, pyramids: &PyramidPair, f: &FundamentalMatrix) -> Option<PatchSupport> {
         let fine = self.fine(pyramids);
         Some(fine.support.measure(&f.rescaled(fine.scales[0], fine.scales[1])?))
     }
 
-    /// Support where proposals are ranked: of corners, and of features where there are some.
+    /// Returns the support at the fine size, where proposals are ranked: of corners, and of
+    /// features if there are any.
     pub fn fine(&self, pyramids: &PyramidPair) -> &SupportLevel {
         let corners = &self.corners;
         let fine = corners.fine.get_or_make(|| corners.fine(pyramids));
@@ -135,7 +134,7 @@ impl PatchLevels {
         })
     }
 
-    /// The levels that `F` is refined at, coarsest first, none twice.
+    /// Returns the levels at which `F` is refined, coarsest first, each once.
     fn refinement<'a>(&'a self, pyramids: &'a PyramidPair) -> Vec<(PairLevel<'a>, &'a RefinementLevel)> {
         let level = |side: &f64| pyramids.level_seen(*side, self.view());
         let mut levels: Vec<_> = REFINEMENT_SIDES.iter().map(level).zip(&self.corners.refinement).collect();
@@ -150,7 +149,8 @@ impl PatchLevels {
         }
     }
 
-    /// Refines `f` level by level up to full size; `None` when there are too few matches at the first, or when stopped.
+    /// Refines `f` level by level up to full size. Returns `None` when the first level has too few
+    /// matches, or when stopped.
     pub fn refine(
         &self,
         pyramids: &PyramidPair,
@@ -172,8 +172,9 @@ impl PatchLevels {
         refined
     }
 
-    /// Fits the geometry to the matches along its lines at full size, by their own noise, and compares it with the
-    /// geometries that fewer but more precise matches agree on. `None` when too few matches determine it.
+    /// Fits the geometry to the matches along its lines at full size, weighted by their own noise.
+    /// Compares it with geometries on which fewer but more precise matches agree. Returns `None`
+    /// when too few matches determine it.
     pub fn settle(
         &self,
         pyramids: &PyramidPair,
@@ -187,8 +188,9 @@ impl PatchLevels {
         matcher.settled(start, settling, cancel)
     }
 
-    /// Matches within `reach` (a fraction of the longer side) of where a homography of full-size pixels maps them, found
-    /// at full size without any epipolar geometry; full-size pixels.
+    /// Returns matches within `reach` of their place under a homography, found at full size without
+    /// any epipolar geometry. `reach` is a fraction of the longer side; the homography and the
+    /// matches are in full-size pixels.
     pub fn matches_near_plane(&self, pyramids: &PyramidPair, h: &Matrix3<f64>, reach: f64) -> Vec<PointPair> {
         let Some((level, stage)) = self.refinement(pyramids).pop() else { return Vec::new() };
         let Some(h) = resized(h, level.scales) else { return Vec::new() };
@@ -199,7 +201,7 @@ impl PatchLevels {
     }
 }
 
-/// The homography of images of other sizes.
+/// Returns the homography for images of other sizes.
 pub(in crate::estimate) fn resized(h: &Matrix3<f64>, scales: [f64; 2]) -> Option<Matrix3<f64>> {
     let [first, second] = scales.map(rescaling);
     Some(second * h * first.try_inverse()?)

@@ -1,4 +1,5 @@
-//! Which look-alikes of many corners lie near the epipolar lines of a geometry, asked of one geometry after another.
+//! Search for the look-alikes of corners that lie near the epipolar lines of a geometry, fast
+//! enough for many geometries.
 
 use multiversion::multiversion;
 
@@ -19,29 +20,29 @@ pub(in crate::estimate) struct Putative {
     pub correlation: f32,
 }
 
-/// The look-alikes of all corners of image 1, laid out for the vector units: for some corners at a time the best
-/// look-alike of each, then the next best of each, and so on.
+/// Look-alikes of all corners of image 1, laid out for the vector units. For a group of corners,
+/// the best look-alike of each comes first, then the second best of each, and so on.
 #[derive(Debug, Clone, Default)]
 pub(super) struct LookAlikes {
     groups: Vec<CornerGroup>,
-    /// Ranks of all groups, one group after another: where they are, which is all that most questions look at.
+    /// Places of all ranks, group by group. Most queries read only these.
     places: Vec<RankPlaces>,
-    /// By how much the correlations exceed the floor.
+    /// Excess of the correlations over the floor.
     excesses: Vec<Lanes>,
-    /// Numbers of the pairs.
+    /// Indices of the pairs.
     pairs: Vec<[u32; LANES]>,
 }
 
-/// Some corners of image 1.
+/// Group of corners of image 1.
 #[derive(Debug, Clone, Copy)]
 struct CornerGroup {
     x1: Lanes,
     y1: Lanes,
-    /// How many ranks they have.
+    /// Number of ranks.
     ranks: usize,
 }
 
-/// Where look-alikes of some corners, of the same rank, are; not a number in lanes without one.
+/// Places of the look-alikes of one rank; NaN in empty lanes.
 #[derive(Debug, Clone, Copy)]
 struct RankPlaces {
     x2: Lanes,
@@ -49,7 +50,8 @@ struct RankPlaces {
 }
 
 impl LookAlikes {
-    /// Pairs of corners that look alike, grouped by the corner of image 1, the best of each first.
+    /// Lays out pairs of look-alike corners, grouped by the corner of image 1, the best of each
+    /// first.
     pub fn new(corners: &[Vec<Point>; 2], pairs: &[Putative]) -> Self {
         let mut of_corner: Vec<(usize, &[Putative])> = Vec::new();
         let mut first = 0;
@@ -84,21 +86,22 @@ impl LookAlikes {
         all
     }
 
-    /// Numbers of all pairs whose point in image 2 is within `band` px of its line, and of some a little farther off.
+    /// Returns the indices of all pairs whose point in image 2 is within `band` px of its line, and
+    /// of some slightly farther off.
     pub fn near(&self, f: &FundamentalMatrix, band: f64) -> Vec<u32> {
         let mut found = Vec::with_capacity(512);
         near(&self.groups, &self.places, &self.pairs, &single(f), (band + SLACK) as f32, &mut found);
         found
     }
 
-    /// What the excess of mutual best matches within `band` px sums up to at most: that of the best look-alike near its
-    /// line, of each corner of image 1.
+    /// Returns an upper bound on the summed excess of the mutual best matches within `band` px. For
+    /// each corner of image 1, the bound counts the best look-alike near its line.
     pub fn most_support(&self, f: &FundamentalMatrix, band: f64) -> f32 {
         most_support(&self.groups, &self.places, &self.excesses, &single(f), (band + SLACK) as f32)
     }
 }
 
-/// Single precision is good to some thousandths of a pixel.
+/// Returns the matrix in single precision, good to some thousandths of a pixel.
 fn single(f: &FundamentalMatrix) -> [f32; 9] {
     let scaled = f.matrix() / f.matrix().amax();
     std::array::from_fn(|k| scaled[(k / 3, k % 3)] as f32)

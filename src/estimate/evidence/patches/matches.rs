@@ -7,10 +7,10 @@ use crate::geometry::PointPair;
 /// A match found along the epipolar lines, full-size pixels.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct RefinedMatch {
-    /// Where it is, image 2 to a fraction of a pixel.
+    /// The matched points; the point of image 2 is aligned to a fraction of a pixel.
     pub pair: PointPair,
-    /// Correlation of its patches, −1 to 1; of features what their being alike, and like nothing else, is worth on that
-    /// scale.
+    /// Correlation of the patches, −1 to 1. For features, an equivalent on the same scale, from the
+    /// ratio of distances.
     pub correlation: f32,
 }
 
@@ -20,7 +20,7 @@ pub(super) struct LevelMatch {
     pub found: RefinedMatch,
     /// Standard deviation, px.
     pub sigma: f64,
-    /// Probability that it is the right one of the places that look alike.
+    /// Probability that this is the right match among similar places.
     pub prior: f32,
 }
 

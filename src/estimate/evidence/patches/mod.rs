@@ -1,7 +1,8 @@
-//! What small patches say about a geometry: look-alike corners vote for κ, their support chooses among combinations of
-//! candidate lines, refitting and resampling improve the best, and matches along the epipolar lines refine all of F.
+//! Evidence of small patches for a geometry. Look-alike corners vote for κ, and their support ranks
+//! combinations of candidate lines. Refitting and resampling improve the best, and matches along
+//! the epipolar lines refine `F`.
 //!
-//! Line similarity proposes (see [`super::lines`]), patches dispose.
+//! Lines propose (see [`super::lines`]); patches decide.
 
 mod aligned_features;
 mod corner_patches;

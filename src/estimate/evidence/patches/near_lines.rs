@@ -1,4 +1,4 @@
-//! Which of many matches lie near their epipolar lines, asked of one geometry after another.
+//! Search for the matches near their epipolar lines, fast enough for many geometries.
 
 use multiversion::multiversion;
 
@@ -14,7 +14,7 @@ pub(super) struct NearLines {
     blocks: Vec<PointBlock>,
 }
 
-/// Positions of some matches in both images; not a number in lanes without a match.
+/// Positions of a block of matches in both images; NaN in empty lanes.
 #[derive(Debug, Clone, Copy)]
 struct PointBlock {
     x1: [f32; LANES],
@@ -24,7 +24,7 @@ struct PointBlock {
 }
 
 impl NearLines {
-    /// Matches, which are numbered as they come.
+    /// Lays out matches, which keep their indices.
     pub fn new(pairs: impl IntoIterator<Item = PointPair>) -> Self {
         let mut blocks: Vec<PointBlock> = Vec::new();
         for (k, PointPair { point1, point2 }) in pairs.into_iter().enumerate() {
@@ -41,8 +41,9 @@ impl NearLines {
         Self { blocks }
     }
 
-    /// Numbers of all matches within `band` px of each other's epipolar lines, ascending, and of some a little farther off.
-    /// Nearly all are far from them, which single precision tells: lines are good to some thousandths of a pixel.
+    /// Returns the indices of all matches within `band` px of each other's epipolar lines, in
+    /// ascending order, and of some slightly farther off. Nearly all matches are far off, for which
+    /// single precision suffices: lines are good to some thousandths of a pixel.
     pub fn candidates(&self, f: &FundamentalMatrix, band: f64) -> Vec<usize> {
         let scaled = f.matrix() / f.matrix().amax();
         let rows = std::array::from_fn(|k| scaled[(k / 3, k % 3)] as f32);
@@ -50,7 +51,8 @@ impl NearLines {
     }
 }
 
-/// Numbers of the matches whose points are within `band` px of their lines in both images.
+/// Returns the indices of the matches whose points are within `band` px of their lines in both
+/// images.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq+avx2", "x86_64+avx2", "aarch64+neon"))]
 fn near_lines(blocks: &[PointBlock], f: &[f32; 9], band: f32) -> Vec<usize> {
     let mut found = Vec::with_capacity(256);
@@ -73,7 +75,7 @@ fn near_lines(blocks: &[PointBlock], f: &[f32; 9], band: f32) -> Vec<usize> {
     found
 }
 
-/// Whether both points of a pair are within `band` px of each other's epipolar lines.
+/// Returns whether both points of a pair are within `band` px of each other's epipolar lines.
 pub(super) fn is_within(f: &FundamentalMatrix, pair: &PointPair, band: f64) -> bool {
     let (x1, x2) = (pair.point1.to_homogeneous(), pair.point2.to_homogeneous());
     let (line2, line1) = (f.matrix() * x1, f.matrix().tr_mul(&x2));
@@ -83,27 +85,27 @@ pub(super) fn is_within(f: &FundamentalMatrix, pair: &PointPair, band: f64) -> b
     is_near(line1.xy().norm_squared()) && is_near(line2.xy().norm_squared())
 }
 
-/// Points of one image, of which those near a line or another point are looked for.
+/// Points of one image, laid out for queries by lines and points.
 #[derive(Debug)]
 pub(super) struct Places {
-    /// The points.
+    /// Points in their given order.
     pub points: Vec<Point>,
-    /// Neighbours together: what is looked for is far from most of them.
+    /// Blocks of neighbours. Most blocks are far from a query.
     blocks: Vec<PlaceBlock>,
     /// Circles around the blocks.
     circles: Vec<Circles>,
 }
 
-/// Positions of some points; not a number in lanes without one.
+/// Positions of a block of points; NaN in empty lanes.
 #[derive(Debug, Clone, Copy)]
 struct PlaceBlock {
     x: [f32; LANES],
     y: [f32; LANES],
-    /// Numbers of the points.
+    /// Indices of the points.
     numbers: [u32; LANES],
 }
 
-/// Circles; not a number in lanes without one.
+/// A block of circles; NaN in empty lanes.
 #[derive(Debug, Clone, Copy)]
 struct Circles {
     x: [f32; LANES],
@@ -115,7 +117,7 @@ impl Places {
     pub fn new(points: Vec<Point>) -> Self {
         let mut order: Vec<usize> = (0..points.len()).collect();
         order.sort_by(|a, b| points[*a].y.total_cmp(&points[*b].y));
-        // Strips as high as the blocks in them are wide, about.
+        // Strips are about as high as their blocks are wide.
         let blocks = points.len().div_ceil(LANES);
         let strip = blocks.isqrt().max(1) * LANES;
         for few in order.chunks_mut(strip) {
@@ -126,14 +128,14 @@ impl Places {
         Self { points, blocks, circles }
     }
 
-    /// Adds the numbers of the points within `band` px of a line, neighbours after each other.
+    /// Adds the indices of the points within `band` px of a line, neighbours after each other.
     pub fn near_line(&self, line: &Line, band: f64, near: &mut Vec<usize>) {
         let coefficients = [0, 1, 2].map(|k| line.coefficients()[k] as f32);
         self.near(&Shape::Line(coefficients), band, near);
         near.retain(|j| line.distance(self.points[*j]) <= band);
     }
 
-    /// Adds the numbers of the points within `radius` px of a point, neighbours after each other.
+    /// Adds the indices of the points within `radius` px of a point, neighbours after each other.
     pub fn near_point(&self, point: Point, radius: f64, near: &mut Vec<usize>) {
         self.near(&Shape::Point([point.x as f32, point.y as f32]), radius, near);
         near.retain(|j| (self.points[*j] - point).norm() <= radius);
@@ -161,7 +163,7 @@ impl Circles {
         let [x, y, radius] = [[f32::NAN; LANES]; 3];
         let mut circles = Self { x, y, radius };
         for (lane, block) in blocks.iter().enumerate() {
-            // Lanes without a point change neither.
+            // Comparisons ignore NaN, so empty lanes change nothing.
             let middle = |all: &[f32; LANES]| {
                 let least = all.iter().copied().fold(f32::INFINITY, f32::min);
                 0.5 * (least + all.iter().copied().fold(f32::NEG_INFINITY, f32::max))
@@ -175,7 +177,7 @@ impl Circles {
     }
 }
 
-/// What points are near to.
+/// Query for near points.
 enum Shape {
     Line([f32; 3]),
     Point([f32; 2]),
@@ -226,8 +228,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn places_near_a_line_or_a_point_are_those_that_one_by_one_are_near() {
-        // Fewer than a block, some blocks, and more than one block of circles.
+    fn queries_agree_with_a_check_of_every_point() {
+        // Fewer points than a block, several blocks, and several blocks of circles.
         for count in [0, 5, 100, 700] {
             let at = |k: u32| f64::from(k.wrapping_mul(2_654_435_761) >> 12) / f64::from(1u32 << 20);
             let points: Vec<Point> =

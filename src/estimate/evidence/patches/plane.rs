@@ -1,5 +1,5 @@
-//! Whether one plane, or a turn of the camera alone, explains the matches: then a homography maps them all, and
-//! every epipole fits (Hartley & Zisserman, §11.9.2).
+//! Largest plane among matches. If one plane or a rotation of the camera explains all matches, a
+//! homography maps them all, and every epipole fits (Hartley & Zisserman, §11.9.2).
 
 use nalgebra::Matrix3;
 use rand::RngExt;
@@ -8,21 +8,21 @@ use rayon::prelude::*;
 use crate::estimate::stream::{Purpose, stream};
 use crate::geometry::{PointPair, homography};
 
-/// Samples drawn: four matches of a plane that holds a third of them are among 300 with a probability of 97 %.
+/// Number of samples. Among 300, at least one has four matches of a plane that holds a third of
+/// all, with a probability of 97 %.
 const SAMPLES: u64 = 300;
-/// Rounds of refitting to the matches within the tolerance. The set hardly changes after two. Not
-/// measured.
+/// Number of rounds of refitting to the matches within the tolerance. Not measured.
 const REFITS: usize = 3;
-/// Matches that samples are drawn from and looked at by, evenly chosen from all: enough for the share of a plane to be
-/// known to 5 %. Of all matches there can be thousands.
+/// Number of matches for sampling and scoring, evenly chosen from all: enough to know the share of
+/// a plane to 5 %.
 const LOOKED_AT: usize = 400;
 
-/// Fewest matches to be looked at, and to be refitted to if there are more: twice the four that give a homography, which
-/// any four follow.
+/// Fewest matches examined. A refit needs more than this number. Twice the four that determine a
+/// homography, which any four fit.
 const FEWEST: usize = 8;
 
-/// The homography that most matches follow within `tolerance` px in image 2, and how many do; `None` for fewer than
-/// eight matches.
+/// Returns the homography with most matches within `tolerance` px in image 2, and their number.
+/// Returns `None` for fewer than eight matches.
 pub(in crate::estimate) fn largest_plane(
     matches: &[PointPair],
     tolerance: f64,
@@ -42,12 +42,13 @@ pub(in crate::estimate) fn largest_plane(
         refitted(homography(&sample)?, &few, tolerance)
     };
     let planes: Vec<_> = (0..SAMPLES).into_par_iter().map(from_sample).collect();
-    // The first of the best ones, whatever the threads.
+    // The first of the best, on any number of threads.
     let best = planes.into_iter().flatten().reduce(|best, next| if next.1 > best.1 { next } else { best });
     if few.len() < matches.len() { refitted(best?.0, matches, tolerance) } else { best }
 }
 
-/// The homography that most matches follow, starting at `h` and fitted again and again to those that follow it.
+/// Refits the homography `h` repeatedly to the matches that follow it. Returns the one with most
+/// matches.
 fn refitted(mut h: Matrix3<f64>, matches: &[PointPair], tolerance: f64) -> Option<(Matrix3<f64>, usize)> {
     let mut best = None;
     for _ in 0..=REFITS {
@@ -64,7 +65,8 @@ fn refitted(mut h: Matrix3<f64>, matches: &[PointPair], tolerance: f64) -> Optio
     best
 }
 
-/// Whether [`transfer_error`](crate::geometry::transfer_error) is below a tolerance, without a division or a root.
+/// Returns whether [`transfer_error`](crate::geometry::transfer_error) is below a tolerance,
+/// without a division or a root.
 fn is_on_plane(h: &Matrix3<f64>, pair: &PointPair, tolerance: f64) -> bool {
     let mapped = h * pair.point1.to_homogeneous();
     let off = mapped.xy() - pair.point2.coords * mapped.z;
@@ -91,7 +93,7 @@ mod tests {
     }
 
     #[test]
-    fn a_plane_is_recognised_and_depth_is_not_one() {
+    fn a_plane_is_recognised_and_depth_is_not() {
         let plane = scene(|t| 5.0 + 0.3 * (t * 0.9).sin());
         let share = |matches: &[PointPair]| {
             largest_plane(matches, 1.0, 0).map_or(0.0, |(_, most)| most as f64 / matches.len() as f64)
@@ -99,16 +101,16 @@ mod tests {
         assert!(share(&plane) > 0.99);
         let deep = scene(|t| 5.0 + 2.0 * (t * 2.3).sin());
         assert!(share(&deep) < 0.5);
-        assert!(share(&plane[..4]) < 0.01, "too few to say");
+        assert!(share(&plane[..4]) < 0.01, "too few matches");
     }
 
     #[test]
-    fn of_two_planes_the_larger_one_is_found_whole_whatever_the_seed() {
+    fn all_matches_of_a_plane_are_found_with_any_seed() {
         let mut random = RandomScene::new(4);
         let (wall, elsewhere) = (random.planar_pairs(40), random.pairs(25));
         let all: Vec<PointPair> = elsewhere.iter().chain(&wall).copied().collect();
         let truth = homography(&wall).unwrap();
-        // A few of the others are near the plane by chance.
+        // Some of the other matches lie near the plane by chance.
         let on_wall = all.iter().filter(|m| transfer_error(&truth, m) < 0.5).count();
         assert!((40..46).contains(&on_wall), "{on_wall}");
         for seed in 0..5 {
@@ -120,11 +122,12 @@ mod tests {
     }
 
     #[test]
-    fn the_tolerance_decides_what_a_plane_explains() {
+    fn the_tolerance_limits_the_matches_of_a_plane() {
         let mut random = RandomScene::new(8);
         let wall = random.planar_pairs(60);
         let noisy = random.disturbed(&wall, 1.0);
-        // The transfer error holds the noise of both images: √2 px a coordinate, beyond 5 px one in 500.
+        // The transfer error contains the noise of both images: √2 px in each coordinate. One in
+        // 500 exceeds 5 px.
         let [loose, tight] =
             [5.0, 0.5].map(|tolerance| largest_plane(&noisy, tolerance, 0).map_or(0, |(_, most)| most));
         assert!(loose > 57 && tight < 30, "{loose} {tight} of 60");

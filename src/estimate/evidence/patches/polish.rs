@@ -1,4 +1,4 @@
-//! Refitting proposals to their own supporting matches, with a shrinking band.
+//! Refits of proposals to their own supporting matches, with a shrinking band.
 
 use rayon::prelude::*;
 
@@ -8,30 +8,29 @@ use crate::cancel::CancelFlag;
 use crate::estimate::EstimateError;
 use crate::geometry::{FundamentalMatrix, Observation, PointPair, fit_fundamental};
 
-/// How the proposals of one level are polished.
+/// Settings for the proposals of one level.
 pub(super) struct Polishing {
-    /// Proposals that are refitted.
+    /// Number of proposals that are refitted.
     pub count: usize,
-    /// Widths of the band while refitting, px of the level.
+    /// Widths of the band, px of the level, one for each refit.
     pub bands: &'static [f64],
 }
 
-/// Number of proposals polished at the coarse level, and their bands, px: a proposal is several
-/// pixels off, a corner one pixel. Not measured.
+/// Settings at the coarse level. Not measured.
 pub(super) const COARSE: Polishing = Polishing { count: 40, bands: &[6.0, 4.0, 2.5, 1.5, 1.5] };
-/// Number of proposals polished at the fine level, and their bands, px. Not measured.
+/// Settings at the fine level. Not measured.
 pub(super) const FINE: Polishing = Polishing { count: 24, bands: &[6.0, 3.0, 1.5] };
 
-/// Width of a band in standard deviations of a match: 99.7 % of Gaussian errors are within it.
+/// Width of a band over the distance at which a match loses influence on the fit. Not measured.
 const BAND_DEVIATIONS: f64 = 3.0;
-/// Least standard deviation of a click, px of the level: a level cannot show a more precise click,
-/// so it must not outweigh the corners. Not measured.
+/// Least standard deviation of a click, px of the level. A level cannot show a more precise click,
+/// so a click must not outweigh the corners. Not measured.
 pub(in crate::estimate) const LEAST_CLICK_SIGMA: f64 = 0.5;
-/// Difference between matrices of norm 1 below which they are results of the same climb: rounding.
+/// Difference between matrices of norm 1 below which they are the same geometry: rounding.
 const SAME: f64 = 1e-9;
 
-/// Refits the best proposals to their supporting matches; best first by support afterwards, near-copies left
-/// out. The clicks (full size, with their standard deviation) take part.
+/// Refits the best proposals to their supporting matches. Returns them by support, best first,
+/// without near-copies. The clicks (full size, with their standard deviation) take part.
 pub(super) fn polish(
     level: &SupportLevel,
     proposals: &[Proposal],
@@ -90,7 +89,7 @@ mod tests {
     use crate::estimate::evidence::patches::support::Support;
     use crate::estimate::exact::{ExactScene, rows};
 
-    /// True matches and a third as many that are none.
+    /// Returns true matches and a third as many wrong ones.
     fn level(scene: &ExactScene) -> SupportLevel {
         let pairs = scene.pairs(60);
         let wrong = (0..20).map(|k| PointPair { point2: pairs[(k * 11 + 5) % 60].point2, ..pairs[k] });
@@ -119,7 +118,7 @@ mod tests {
             let before = scene.error(&begin.fundamental);
             assert!(before > 1.0, "{before} px");
             let found = polished(&level, std::slice::from_ref(&begin), &scene.clicks(), 1.0);
-            // A few wrong matches in the last band of 1.5 px pull a little.
+            // A few wrong matches within the last band of 1.5 px cause a small error.
             let after = scene.error(&found[0].fundamental);
             assert!(after < 0.1, "{before} px before, {after} px after");
             assert!(found[0].support.matches >= 58 && found[0].support.score > begin.support.score);
@@ -127,7 +126,7 @@ mod tests {
     }
 
     #[test]
-    fn climbs_that_meet_are_one_and_the_best_comes_first() {
+    fn equal_results_are_merged_and_the_best_comes_first() {
         let scene = ExactScene::aside();
         let level = level(&scene);
         let hopeless = start(&scene, &level, rows(1000.0));
@@ -139,7 +138,7 @@ mod tests {
         let found = polished(&level, &starts, &scene.clicks(), 1.0);
         assert_eq!(found.len(), 2);
         assert!(found[0].support.score > 10.0);
-        assert_eq!(found[1].fundamental, hopeless.fundamental, "without matches it stays what it was");
+        assert_eq!(found[1].fundamental, hopeless.fundamental, "without matches the geometry stays");
         let first = Polishing { count: 1, ..COARSE };
         let of_one = polish(&level, &starts, &first, &scene.clicks(), 1.0, &CancelFlag::default()).unwrap();
         assert_eq!(of_one.len(), 1);
@@ -149,7 +148,7 @@ mod tests {
     fn a_geometry_is_kept_when_refitting_loses_support() {
         let scene = ExactScene::aside();
         let level = level(&scene);
-        // As if it had more support than any refit can reach.
+        // More support than any refit can reach.
         let mut best = start(&scene, &level, scene.disturbed(1.0));
         best.support.score = 1e3;
         let found = polished(&level, std::slice::from_ref(&best), &scene.clicks(), 1.0);
@@ -157,7 +156,7 @@ mod tests {
     }
 
     #[test]
-    fn clicks_take_part_no_more_precisely_than_the_level_shows() {
+    fn clicks_are_no_more_precise_than_the_level() {
         let scene = ExactScene::aside();
         let level = level(&scene);
         let starts = [start(&scene, &level, scene.disturbed(1.5))];

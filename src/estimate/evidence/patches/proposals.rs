@@ -1,9 +1,10 @@
-//! Proposals: line similarity proposes, patches dispose.
+//! Proposals: lines propose, patches decide.
 //!
 //! 1. Many combinations of candidate line pairs are scored by the κ votes of look-alike corners.
-//! 2. The best, thinned so that no two are near-copies, are scored by exact patch support.
+//! 2. The best are thinned so that no two are near-copies, and scored by exact patch support.
 //!
-//! [`super::rank`] refits those with most support; what their matches lead to is looked for by [`super::resampling`].
+//! [`super::rank`] refits those with most support, and [`super::resampling`] draws further
+//! hypotheses from their matches.
 
 use std::cmp::Ordering;
 
@@ -18,36 +19,37 @@ use crate::estimate::evidence::lines::{
 };
 use crate::geometry::{FundamentalMatrix, PointPair};
 
-/// A hypothesis at one level.
+/// Hypothesis at one level.
 #[derive(Debug, Clone)]
 pub(in crate::estimate) struct Proposal {
-    /// The line pairs through two clicks and κ that it was proposed with; `None` where no lines proposed it.
+    /// Line pairs through two clicks and κ of the proposal. `None` if no lines proposed it.
     pub angles: Option<PencilAngles>,
     /// The matrix, in pixels of the level.
     pub fundamental: FundamentalMatrix,
-    /// What agrees with it at the level.
+    /// Support at the level.
     pub support: PatchSupport,
 }
 
 /// A proposal in full-size pixels.
 #[derive(Debug, Clone)]
 pub(in crate::estimate) struct Hypothesis {
-    /// The matrix.
+    /// Fundamental matrix.
     pub fundamental: FundamentalMatrix,
-    /// What the lines through two clicks say of it, where it has such.
+    /// Figures of the lines through two clicks, if there are two.
     pub lines: Option<LineFigures>,
-    /// What agrees with it at the level it was proposed at.
+    /// Support at the level where it was proposed.
     pub support: PatchSupport,
 }
 
 impl Proposal {
-    /// Brings those with most support to the front; equals keep their order.
+    /// Sorts proposals by support, best first. Equals keep their order.
     pub fn sort(list: &mut [Self]) {
         list.sort_by(|a, b| b.support.score.total_cmp(&a.support.score));
     }
 
-    /// A matrix in full-size pixels as a proposal of a level; `None` where its lines at the clicks, if there are two,
-    /// degenerate. `turn` is about how far image 2 is rotated against image 1, radians.
+    /// Returns a matrix in full-size pixels as a proposal of a level. `turn` is the approximate
+    /// rotation of image 2 against image 1, radians. Returns `None` if there are clicks and the
+    /// lines at the clicks degenerate.
     pub fn of(
         f: &FundamentalMatrix,
         clicks: Option<&[PointPair; 2]>,
@@ -60,26 +62,30 @@ impl Proposal {
         Some(Self { angles, fundamental, support })
     }
 
-    /// Itself before its lines are compared. `clicks` are in full-size pixels, `scales` those of the level.
+    /// Returns the hypothesis before its lines are compared. `clicks` are in full-size pixels;
+    /// `scales` are the scales of the level.
     pub fn unvalidated(&self, scales: [f64; 2], clicks: [PointPair; 2]) -> Option<Hypothesis> {
         let lines =
             self.angles.map_or(Some(None), |angles| unvalidated_figures(&angles, clicks).map(Some))?;
         Some(Hypothesis { fundamental: self.full_size(scales)?, lines, support: self.support })
     }
 
-    /// The matrix in full-size pixels.
+    /// Returns the matrix in full-size pixels.
     pub fn full_size(&self, scales: [f64; 2]) -> Option<FundamentalMatrix> {
         self.fundamental.rescaled(1.0 / scales[0], 1.0 / scales[1])
     }
 }
 
-/// Combinations kept before thinning, for each one whose exact support is computed. Not measured.
+/// Number of combinations kept before thinning, for each one whose exact support is computed. Not
+/// measured.
 const THINNING: usize = 12;
-/// Combinations whose directions differ by less than this, radians, and whose κ by less than this factor, are copies of
-/// each other: a line turned by it moves by 2 px, the width of the support band, within some 70 px of the click.
+/// Difference of directions, radians, and of ln κ, below which combinations are copies of each
+/// other. A rotation by this angle moves a line by 2 px, the band of support, at some 70 px from
+/// the click.
 const COPY: f64 = 0.03;
 
-/// Scores combinations by votes and exact support; best first. All clicks are in full-size pixels.
+/// Scores combinations by votes and exact support. Returns the best `supported`, best first. All
+/// clicks are in full-size pixels.
 pub(in crate::estimate) fn propose(
     coarse: &SupportLevel,
     voting: &KappaVoting,
@@ -132,7 +138,7 @@ fn by_directions(a: &Candidate, b: &Candidate) -> Ordering {
     a.angles[0].total_cmp(&b.angles[0]).then(a.angles[1].total_cmp(&b.angles[1]))
 }
 
-/// Votes of a candidate in a list sorted by directions.
+/// Returns the votes of a candidate in a list sorted by directions.
 fn votes_of<'a>(
     candidate: &Candidate,
     (list, votes): &'a (Vec<Candidate>, Vec<CandidateVotes>),
@@ -140,7 +146,7 @@ fn votes_of<'a>(
     &votes[list.partition_point(|other| by_directions(other, candidate).is_lt())]
 }
 
-/// The best ones of a list sorted by votes, none nearly the same as one before it.
+/// Returns the best of a list sorted by votes, without near-copies of better ones.
 fn thinned(voted: &[VotedKappa], count: usize) -> Vec<VotedKappa> {
     let near = |a: f64, b: f64| (a - b).abs() < COPY;
     let is_copy = |a: &PencilAngles, b: &PencilAngles| {
@@ -197,7 +203,7 @@ mod tests {
         }
     }
 
-    /// Exact matches at half size, and candidates among which the true directions are the last but one.
+    /// Proposes from exact matches at half size and candidates that include the true directions.
     fn proposed(scene: &ExactScene, cancel: &CancelFlag) -> Result<Vec<Proposal>, EstimateError> {
         let matches: Vec<_> = scene.pairs(60).iter().map(|m| (m.rescaled([0.5; 2]), 0.9)).collect();
         let coarse = SupportLevel { scales: [0.5; 2], support: Support::of_matches(&matches) };
@@ -211,14 +217,15 @@ mod tests {
     }
 
     #[test]
-    fn the_combination_that_matches_support_comes_first() {
+    fn the_combination_with_most_support_comes_first() {
         for scene in [ExactScene::aside(), ExactScene::forward()] {
             let found = proposed(&scene, &CancelFlag::default()).unwrap();
             assert!(found.len() > 5 && found.is_sorted_by(|a, b| a.support.score >= b.support.score));
             let (best, truth) = (&found[0], scene.angles());
             assert_eq!(best.angles.map(|angles| (angles.p, angles.q)), Some((truth.p, truth.q)));
             assert!(best.support.matches > 55 && best.support.score > 1.5 * found[1].support.score);
-            // κ to a bin of the votes, 1.6 %: of lines some hundred pixels apart about a pixel.
+            // κ is exact to a bin of the votes, 1.6 %: about a pixel for lines some hundred pixels
+            // apart.
             let error = scene.error(&best.full_size([0.5; 2]).unwrap());
             assert!(error < 1.5, "{error} px");
         }

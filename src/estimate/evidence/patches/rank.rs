@@ -1,4 +1,4 @@
-//! Ranking proposals by patch support: refitted at two sizes, with what resampling their matches adds.
+//! Ranking of proposals by patch support: refits at two sizes, and resampling of their matches.
 
 use rayon::prelude::*;
 
@@ -11,11 +11,12 @@ use crate::estimate::evidence::lines::{LineExaminer, LineFigures, PencilAngles};
 use crate::estimate::{EstimateError, Parameters};
 use crate::geometry::{PointPair, symmetric_epipolar_distance};
 
-/// Growth of the best support below which resampling ends: one match in a hundred.
+/// Growth of the best support below which resampling ends. Not measured.
 const SETTLED: f64 = 1.01;
 
-/// The proposals polished at the coarse and the fine level, with what resampling their matches adds; best first, in
-/// pixels of the fine level. `clicks` are all that take part in fits, full-size pixels.
+/// Polishes proposals at the coarse and the fine level and resamples their matches. Returns all,
+/// best first, in pixels of the fine level. `clicks` are all clicks that take part in fits,
+/// full-size pixels.
 pub(in crate::estimate) fn rank(
     coarse: &SupportLevel,
     fine: &SupportLevel,
@@ -36,8 +37,8 @@ pub(in crate::estimate) fn rank(
     rank_fine(fine, starts, proposed, clicks, parameters, cancel)
 }
 
-/// The starts polished, with what resampling the matches of the best adds, and what was proposed besides; best first. All
-/// are in pixels of the level, `clicks` in full-size pixels.
+/// Polishes the starts and resamples the matches of the best. Returns these and the other
+/// proposals, best first. All are in pixels of the level, `clicks` in full-size pixels.
 pub(in crate::estimate) fn rank_fine(
     fine: &SupportLevel,
     mut starts: Vec<Proposal>,
@@ -50,7 +51,7 @@ pub(in crate::estimate) fn rank_fine(
     let polish_fine =
         |starts: &[Proposal]| polish(fine, starts, &FINE, clicks, parameters.click_sigma, cancel);
     let mut ranked = polish_fine(&starts)?;
-    // The rest stay in the list as they are, and so does what was proposed: among them are the runners-up.
+    // The other starts and proposals stay in the list: they include the runners-up.
     ranked.extend(starts.drain(starts.len().min(FINE.count)..));
     ranked.extend(proposed);
     let at_level: Vec<PointPair> = clicks.iter().map(|click| click.rescaled(fine.scales)).collect();
@@ -60,7 +61,7 @@ pub(in crate::estimate) fn rank_fine(
         let drawing = Drawing {
             clicks: &at_level,
             parameters: parameters.patches,
-            // Rounds must not repeat each other, with any seed.
+            // Rounds must differ, with any seed.
             seed: parameters.seed.wrapping_mul(64).wrapping_add(round),
         };
         let polished = polish_fine(&resample(&fine.support, &ranked, FINE.count, &drawing, cancel)?)?;
@@ -74,15 +75,16 @@ pub(in crate::estimate) fn rank_fine(
     Ok(ranked)
 }
 
-/// Matches of a hypothesis on which others are compared with it, evenly spread: enough to tell a
-/// majority.
+/// Number of matches of a hypothesis on which others are compared with it, evenly spread. Not
+/// measured.
 const COMPARED: usize = 60;
-/// Distance from its line, px of the level, at which a hypothesis passes a match: the band of
-/// support and the error of a corner.
+/// Distance, px of the level, within which a line passes a match: the band of support, and the
+/// error of a corner.
 const NEAR: f64 = 3.0;
 
-/// The best `count` hypotheses of a ranked list that say something new: whoever explains four fifths of the
-/// matches of a better one is left out. Geometries that agree wherever the scene is are the same to the user.
+/// Returns the best `count` different hypotheses of a ranked list. A hypothesis that explains more
+/// than four fifths of the matches of a better one is left out. Geometries that agree wherever the
+/// scene is are the same to the user.
 pub(in crate::estimate) fn different(support: &Support, ranked: &[Proposal], count: usize) -> Vec<Proposal> {
     let compared = |proposal: &Proposal| -> Vec<PointPair> {
         let matches = support.matches(&proposal.fundamental, BAND);
@@ -105,8 +107,8 @@ pub(in crate::estimate) fn different(support: &Support, ranked: &[Proposal], cou
     kept.into_iter().map(|(proposal, _)| proposal).collect()
 }
 
-/// Proposals of the fine level as hypotheses in full-size pixels, with what lines say of them where lines through two
-/// clicks are examined; their order stays.
+/// Returns proposals of the fine level as hypotheses in full-size pixels, in the same order. With
+/// an examiner, they include the figures of the lines through two clicks.
 pub(in crate::estimate) fn hypotheses(
     examiner: Option<&LineExaminer>,
     proposals: &[Proposal],
@@ -120,7 +122,7 @@ pub(in crate::estimate) fn hypotheses(
         return proposals.iter().filter_map(|proposal| full_size(proposal, None)).collect();
     };
     let own = examiner.clicks().map(|click| click.rescaled(fine.scales));
-    // κ where the scene is.
+    // κ of the supporting matches.
     let directed = |proposal: &Proposal| {
         let angles = proposal.angles?;
         let matches = fine.support.matches(&proposal.fundamental, BAND);
@@ -148,13 +150,13 @@ mod tests {
         Proposal { angles: None, support: support.measure(&fundamental), fundamental }
     }
 
-    /// Matches on rows at these heights.
+    /// Returns matches on rows at these heights.
     fn on_rows(heights: impl Iterator<Item = f64>, shift: f64) -> Vec<(PointPair, f32)> {
         heights.enumerate().map(|(k, y)| (PointPair::new(9.0 * k as f64, y, 200.0, y + shift), 0.9)).collect()
     }
 
     #[test]
-    fn who_explains_four_fifths_of_a_better_one_is_left_out() {
+    fn a_hypothesis_that_explains_four_fifths_of_a_better_one_is_left_out() {
         // Lines 10 % farther down in image 2: 3 px off at about 30 px.
         let zoomed = Matrix3::new(0.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 1.1, 0.0);
         let zoomed = FundamentalMatrix::from_rank_two(zoomed).unwrap();
@@ -168,12 +170,12 @@ mod tests {
     }
 
     #[test]
-    fn different_geometries_stay_in_their_order_up_to_a_count() {
+    fn different_geometries_keep_their_order_up_to_a_count() {
         let mut matches = on_rows((0..30).map(|k| 3.0 * f64::from(k)), 0.0);
         matches.extend(on_rows((0..20).map(|k| 3.0 * f64::from(k)), 50.0));
         matches.extend(on_rows((0..10).map(|k| 3.0 * f64::from(k)), 100.0));
         let support = Support::of_matches(&matches);
-        // 2.9 and 3.1 px from the first: about the distance that says nothing new.
+        // 2.9 and 3.1 px from the first: about the distance that counts as different.
         let shifts = [0.0, NEAR - 0.1, 50.0, NEAR + 0.1, 51.0, 100.0];
         let ranked = shifts.map(|shift| proposal(&support, rows(shift)));
         let kept = |count: usize| -> Vec<FundamentalMatrix> {
@@ -184,7 +186,7 @@ mod tests {
         assert!(different(&support, &[], 9).is_empty());
     }
 
-    /// Exact matches at half and at full size, with as many look-alikes that are none.
+    /// Returns exact matches at half and at full size, with as many wrong look-alikes.
     fn levels(scene: &ExactScene) -> [SupportLevel; 2] {
         let pairs = scene.pairs(60);
         [0.5, 1.0].map(|scale| {
@@ -196,7 +198,7 @@ mod tests {
     }
 
     #[test]
-    fn the_geometry_near_the_truth_ends_first_and_exact() {
+    fn the_geometry_near_the_truth_ends_first() {
         let scene = ExactScene::aside();
         let [coarse, fine] = &levels(&scene);
         let parameters = Parameters { seed: 3, ..Parameters::default() };
@@ -233,7 +235,7 @@ mod tests {
         let scores: Vec<f64> =
             found.iter().filter_map(|hypothesis| hypothesis.lines.as_ref()?.score).collect();
         assert!(scores[1] < 1e-2 && scores[0] > 10.0 * scores[1], "{scores:?}");
-        // Without two clicks the patches are all there is.
+        // Without two clicks there are only patches.
         let unclicked = [wrong, truth].map(|f| Proposal::of(&f.rescaled(2.0, 2.0)?, None, 0.0, fine));
         let unclicked = unclicked.map(|proposal| proposal.filter(|p| p.angles.is_none()).unwrap());
         let without_lines = super::hypotheses(None, &unclicked, fine);

@@ -1,13 +1,14 @@
 //! New hypotheses from the matches that support the best ones so far.
 //!
-//! A geometry that fits a dominant plane and a few chance matches has almost as much support as the right one,
-//! and refitting it to its own matches leads nowhere else. Two ways lead out:
+//! A geometry that fits a dominant plane and a few chance matches has almost as much support as the
+//! right one, and refitting to its own matches does not change it. Two kinds of samples lead to
+//! other geometries:
 //!
-//! - **small samples** of the pooled matches of the best hypotheses, together with the clicks, solved by the
-//!   eight-point algorithm;
-//! - **plane and parallax** (Hartley & Zisserman, section 13.3; Chum, Werner & Matas 2005): with the homography
-//!   `H` of the largest plane known, every point off the plane gives a line through the epipole of image 2,
-//!   `Hx1 × x2`, so two of them determine `F = [e2]× H`.
+//! - **small samples** of the pooled matches of the best hypotheses, together with the clicks,
+//!   solved by the eight-point algorithm;
+//! - **plane and parallax** (Hartley & Zisserman, section 13.3; Chum, Werner & Matas 2005). Given
+//!   the homography `H` of the largest plane, every point off the plane gives a line through the
+//!   epipole of image 2, `Hx1 × x2`. Two such points determine `F = [e2]× H`.
 
 use std::collections::HashSet;
 
@@ -24,27 +25,25 @@ use crate::estimate::stream::{Purpose, stream};
 use crate::estimate::{EstimateError, PatchParameters};
 use crate::geometry::{FundamentalMatrix, PointPair, eight_point, transfer_error};
 
-/// Width of the band of the pool, px: four times that of support, to include matches that the
-/// hypotheses only approach.
+/// Width of the band of the pool, px: four times the band of support, to include matches slightly
+/// off. Not measured.
 const POOL_BAND: f64 = 8.0;
-/// Matches drawn into a sample: with the two clicks, the eight that determine `F`.
+/// Number of matches drawn into a sample: with two clicks, the eight of the eight-point algorithm.
 const DRAWN: usize = 6;
-/// Best hypotheses whose largest plane is examined. Not measured.
+/// Number of best hypotheses whose largest plane is examined. Not measured.
 const PLANES: usize = 3;
-/// Distance within which a match lies on a plane, px of the level: corners are found to a pixel in
+/// Distance within which a match lies on a plane, px of the level. Corners are found to a pixel in
 /// each image.
 const ON_PLANE: f64 = 2.0;
-/// Distance beyond which a match lies off a plane, px of the level: clearly more than the error of
-/// two corners.
+/// Distance beyond which a match lies off a plane, px of the level. Not measured.
 const OFF_PLANE: f64 = 5.0;
-/// Least correlation of the matches off the plane that are drawn: most of them are right. Not
-/// measured.
+/// Least correlation of the matches off the plane that are drawn. Not measured.
 const ALIKE: f32 = 0.8;
-/// Share of the leader's support from which a sample is polished, since polishing adds support. Not
+/// Share of the leader's support from which a sample is kept, since polishing adds support. Not
 /// measured.
 const PROMISING: f64 = 0.4;
 
-/// How a round of samples is drawn.
+/// Settings of one round of samples.
 pub(in crate::estimate) struct Drawing<'a> {
     /// Clicks in pixels of the level.
     pub clicks: &'a [PointPair],
@@ -53,7 +52,8 @@ pub(in crate::estimate) struct Drawing<'a> {
     pub seed: u64,
 }
 
-/// The best `count` hypotheses from small samples and from planes, best first, in pixels of the level of `support`.
+/// Returns the best `count` hypotheses from small samples and from planes, best first, in pixels of
+/// the level of `support`.
 pub(in crate::estimate) fn resample(
     support: &Support,
     best: &[Proposal],
@@ -64,7 +64,7 @@ pub(in crate::estimate) fn resample(
     let Some(leader) = best.first() else { return Ok(Vec::new()) };
     let Drawing { clicks, parameters, seed } = *drawing;
     let least = PROMISING * leader.support.score;
-    // Most samples are wrong, which a bound on their support tells.
+    // Most samples are wrong, which an upper bound on their support shows.
     let promising = |fundamental: FundamentalMatrix| {
         let most = support.most(&fundamental);
         (most > least).then_some(Sampled { fundamental, most })
@@ -104,12 +104,15 @@ struct Sampled {
     most: f64,
 }
 
-/// Samples measured at once, for each one wanted. No result depends on the number of threads.
+/// Number of samples measured at once, for each one wanted. The search ends when a batch brings
+/// nothing better. Not measured.
 const AT_ONCE: usize = 4;
 
-/// The `count` best of the samples that are promising beside the leader, best first, the first drawn of equals. They are
-/// measured in the order of their bounds until these leave nothing open, or until four times as many as are wanted bring
-/// none among the best: of a geometry that is right there are hundreds of samples alike.
+/// Returns the `count` best of the promising samples, best first. Of equals, the first drawn wins.
+///
+/// Samples are measured in the order of their bounds. The search ends when no bound reaches the
+/// kept samples. It also ends when a batch of four times `count` brings no better sample, since a
+/// right geometry has hundreds of similar samples.
 fn best_of(samples: &[Sampled], support: &Support, leader: &Proposal, count: usize) -> Vec<Proposal> {
     let mut order: Vec<usize> = (0..samples.len()).collect();
     order.sort_by(|a, b| samples[*b].most.total_cmp(&samples[*a].most));
@@ -139,7 +142,7 @@ fn best_of(samples: &[Sampled], support: &Support, leader: &Proposal, count: usi
     best.into_iter().map(proposal).collect()
 }
 
-/// The matches of the best hypotheses, each once.
+/// Returns the matches of the best hypotheses, each once.
 fn pooled(support: &Support, best: &[Proposal]) -> Vec<PointPair> {
     let mut known: HashSet<[u64; 4]> = HashSet::new();
     let matches = best.iter().flat_map(|own| support.matches(&own.fundamental, POOL_BAND));
@@ -160,12 +163,12 @@ fn sample(pool: &[PointPair], clicks: &[PointPair], rng: &mut impl Rng) -> Optio
     eight_point(&sample).ok()
 }
 
-/// A plane and what may lie off it.
+/// A plane, and the lines that matches off the plane give.
 struct Parallax {
     homography: Matrix3<f64>,
-    /// Lines of image 2 through the epipole, if the match is right: those of the look-alikes.
+    /// Lines of image 2 of the look-alikes; a right match's line passes through the epipole.
     lines: Vec<Vector3<f64>>,
-    /// Lines of image 2 through the epipole: those of the clicks.
+    /// Lines of image 2 of the clicks.
     clicks: Vec<Vector3<f64>>,
 }
 
@@ -173,9 +176,9 @@ impl Parallax {
     fn new(support: &Support, homography: Matrix3<f64>, clicks: &[PointPair]) -> Self {
         let mut matches: Vec<PointPair> = Vec::new();
         for group in support.pairs().chunk_by(|a, b| a.corner1 == b.corner1) {
-            // A corner with any look-alike where the plane maps it is taken to lie on the plane.
+            // A corner counts as on the plane if any look-alike lies at its mapped place.
             let off = group.iter().all(|m| transfer_error(&homography, &support.pair(m)) > OFF_PLANE);
-            // Grouped by corner, the best look-alike first.
+            // The best look-alike of a corner comes first.
             if let Some(first) = group.first().filter(|m| off && m.correlation > ALIKE) {
                 matches.push(support.pair(first));
             }
@@ -185,7 +188,7 @@ impl Parallax {
         Self::of_matches(homography, &matches, &clicks)
     }
 
-    /// The plane with the lines of matches and clicks off it.
+    /// Returns the plane with the lines of matches and clicks off it.
     fn of_matches(homography: Matrix3<f64>, matches: &[PointPair], clicks: &[PointPair]) -> Self {
         let line = |m: &PointPair| {
             (homography * m.point1.to_homogeneous()).cross(&m.point2.to_homogeneous()).normalize()
@@ -197,7 +200,8 @@ impl Parallax {
         }
     }
 
-    /// `F` of two lines, one of them of a click in every other sample, if one is off the plane.
+    /// Returns `F` of two lines. In half of the samples, one line belongs to a click, if one is off
+    /// the plane.
     fn sample(&self, rng: &mut impl Rng) -> Option<FundamentalMatrix> {
         let from = |list: &[Vector3<f64>], rng: &mut dyn FnMut(usize) -> usize| {
             (!list.is_empty()).then(|| list[rng(list.len())])
@@ -220,7 +224,7 @@ mod tests {
     use crate::geometry::{Camera, symmetric_epipolar_distance};
     use nalgebra::Point3;
 
-    /// The match of the scene point above (k, l) at a depth.
+    /// Returns the match of the scene point (k, l) at a depth.
     fn seen(k: u32, l: u32, depth: f64) -> PointPair {
         let (camera1, camera2) = Camera::example_pair();
         let x = Point3::new(f64::from(k) * 0.4 - 1.2, f64::from(l) * 0.3 - 0.8, depth);
@@ -228,13 +232,13 @@ mod tests {
     }
 
     #[test]
-    fn a_plane_and_two_matches_off_it_are_the_whole_geometry() {
+    fn a_plane_and_two_matches_off_it_determine_the_geometry() {
         let wall: Vec<PointPair> = (0..36).map(|k| seen(k % 6, k / 6, 6.0)).collect();
         let (homography, on_wall) = largest_plane(&wall, 0.1, 0).unwrap();
         assert_eq!(on_wall, wall.len());
         let (one, other) = (seen(1, 4, 4.0), seen(5, 2, 4.5));
         assert!(transfer_error(&homography, &one) > OFF_PLANE);
-        // Samples of one match twice give nothing; all others give the geometry.
+        // A sample with one match twice gives nothing; all others give the geometry.
         for clicks in [&[][..], &[other][..]] {
             let parallax = Parallax::of_matches(homography, &[one, other], clicks);
             let mut rng = Pcg64Mcg::seed_from_u64(3);
@@ -254,7 +258,8 @@ mod tests {
         assert!(parallax.sample(&mut Pcg64Mcg::seed_from_u64(0)).is_none());
     }
 
-    /// A scene that is mostly one wall, what lies off it, and a geometry that fits the wall alone.
+    /// Returns a scene that is mostly one wall, with matches off the wall, and a geometry that fits
+    /// the wall alone.
     fn trap() -> (ExactScene, Support, Proposal) {
         let scene = ExactScene::aside();
         let wall: Vec<PointPair> = (0..60)
@@ -269,7 +274,7 @@ mod tests {
         });
         let all: Vec<_> = wall.iter().copied().chain(off).map(|pair| (pair, 0.9)).collect();
         let support = Support::of_matches(&all);
-        // Every epipole fits a plane: any will do.
+        // Every epipole fits a plane, so any one serves.
         let h = homography(&wall).unwrap();
         let f = Vector3::new(100.0, -700.0, 1.0).cross_matrix() * h;
         let fundamental = FundamentalMatrix::from_rank_two(f).unwrap();
@@ -286,7 +291,7 @@ mod tests {
     }
 
     #[test]
-    fn a_plane_and_what_lies_off_it_lead_out_of_a_trap() {
+    fn plane_and_parallax_lead_out_of_a_trap() {
         let (scene, support, leader) = trap();
         let clicks = scene.clicks();
         let all = Drawing { clicks: &clicks, parameters: PatchParameters::default(), seed: 1 };
@@ -294,7 +299,7 @@ mod tests {
         assert!(found.is_sorted_by(|a, b| a.support.score >= b.support.score));
         assert!(found.iter().all(|f| f.support.score > PROMISING * leader.support.score));
         assert_eq!(found[0].support.matches, 76);
-        // Exact matches up to the plane, which is fitted.
+        // The matches are exact, but the plane is fitted.
         assert!(scene.error(&found[0].fundamental) < 0.5, "{}", scene.error(&found[0].fundamental));
         let without = drawn(&support, &leader, &Drawing { parameters: ON_MATCHES, ..all });
         let right = |list: &[Proposal]| list.iter().filter(|f| scene.error(&f.fundamental) < 0.5).count();
@@ -302,7 +307,7 @@ mod tests {
     }
 
     #[test]
-    fn small_samples_of_the_pool_are_solved_with_the_clicks() {
+    fn small_samples_of_the_pool_use_the_clicks() {
         let scene = ExactScene::aside();
         let matches: Vec<_> = scene.pairs(40).into_iter().map(|pair| (pair, 0.9)).collect();
         let support = Support::of_matches(&matches);
@@ -318,7 +323,7 @@ mod tests {
     }
 
     #[test]
-    fn the_seed_decides_and_nothing_comes_of_nothing() {
+    fn the_seed_decides_and_no_hypotheses_give_no_samples() {
         let (scene, support, leader) = trap();
         let clicks = scene.clicks();
         let matrices = |seed: u64| -> Vec<FundamentalMatrix> {

@@ -1,9 +1,9 @@
-//! Patch support: what small patches say of a geometry, beside the lines.
+//! Patch support: the evidence of small patches for a geometry.
 //!
-//! One-dimensional intensities along a line can be matched wrongly; two-dimensional patches much less often.
-//! Corners of both images and the correlation of the patches around them are computed once per image pair;
-//! then the support of any `F` is what agrees with it: the mutual best matches among corners within a few
-//! pixels of each other's epipolar lines, each counting by how far its correlation exceeds a threshold.
+//! Intensities along a line can be matched wrongly; patches much less often. Corners of both images
+//! and the correlations of their patches are computed once for an image pair. The support of any
+//! `F` is then the set of mutual best matches among corners within a few pixels of each other's
+//! epipolar lines. Each match counts by the excess of its correlation over a threshold.
 
 use rayon::prelude::*;
 
@@ -14,50 +14,50 @@ use super::near_lines::is_within;
 use crate::geometry::{FundamentalMatrix, Point, PointPair};
 use serde::Serialize;
 
-/// How far a supporting corner may be from the epipolar line of its partner, px of the level: corners are found to a
-/// pixel in each image, and the geometry is not refined yet.
+/// Largest distance of a supporting corner from the epipolar line of its partner, px of the level.
+/// Corners are found to a pixel in each image, and the geometry is not yet refined.
 pub(in crate::estimate) const BAND: f64 = 2.0;
 
 /// Patches that agree with a geometry.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
 pub struct PatchSupport {
-    /// Mutual best matches along the epipolar lines.
+    /// Number of mutual best matches along the epipolar lines.
     pub matches: usize,
-    /// Sum over them of the correlation in excess of 0.6.
+    /// Sum of their correlations in excess of 0.6.
     pub score: f64,
 }
 
 /// Patch support at one size of the images.
 #[derive(Debug)]
 pub(in crate::estimate) struct SupportLevel {
-    /// Size over full size, of each image.
+    /// Size of each image over its full size.
     pub scales: [f64; 2],
-    /// Corners and look-alikes, in pixels of that size.
+    /// Corners and look-alikes, in pixels of this size.
     pub support: Support,
 }
 
-/// Corners of two images and which of their patches look alike.
+/// Corners of two images and the pairs of them that look alike.
 #[derive(Debug, Clone)]
 pub(in crate::estimate) struct Support {
     corners: [Vec<Point>; 2],
-    /// Pairs of corner indices with their correlation, those above [`FLOOR`], grouped by corner of image 1.
+    /// Pairs of look-alike corners, with correlations above [`FLOOR`], grouped by corner of image
+    /// 1.
     pairs: Vec<Putative>,
     /// The same pairs, laid out for the vector units.
     look_alikes: LookAlikes,
-    /// Matches of covariant features, which stand beside those of the corners.
+    /// Matches of covariant features, which support beside corners.
     features: FeatureMatches,
 }
 
 /// Least correlation of a distinctive match. Not measured.
 const DISTINCTIVE: f32 = 0.8;
-/// Least lead of a distinctive match over the next look-alike: twice the noise of a correlation.
+/// Least lead of a distinctive match over the next look-alike. Not measured.
 const DISTINCTIVE_BY: f32 = 0.1;
-/// Look-alikes kept for a corner, best first. It bounds the memory; later ones are rarely the best
-/// within a band. Not measured.
+/// Number of look-alikes kept for a corner, best first. Not measured.
 const PER_CORNER: usize = 16;
 
 impl Support {
-    /// Compares all corners: nothing looks like most of them.
+    /// Compares all corners of image 1 with all of image 2.
     pub fn new(patches: &CornerPatches) -> Self {
         let corners = [patches.points1.clone(), patches.points2.clone()];
         let found: Vec<Vec<Putative>> = (0..corners[1].len())
@@ -76,7 +76,7 @@ impl Support {
         Self { corners, pairs, look_alikes, features: FeatureMatches::default() }
     }
 
-    /// Support with matches of covariant features beside those of the corners.
+    /// Returns this support with matches of covariant features added.
     #[must_use]
     pub fn with_features(self, features: Vec<SupportingMatch>) -> Self {
         Self { features: FeatureMatches::new(features), ..self }
@@ -86,7 +86,8 @@ impl Support {
         &self.pairs
     }
 
-    /// Matches that stand out whatever the geometry: each corner looks like the other, and like no other as much.
+    /// Returns the distinctive matches, found without a geometry: each corner looks like the other,
+    /// and like no third by nearly as much.
     pub fn distinctive(&self) -> Vec<PointPair> {
         let mut best2 = vec![(0.0, u32::MAX); self.corners[1].len()];
         for pair in &self.pairs {
@@ -107,12 +108,13 @@ impl Support {
             .collect()
     }
 
-    /// Where the two corners of a putative match are.
+    /// Returns the points of a putative match.
     pub fn pair(&self, m: &Putative) -> PointPair {
         PointPair { point1: self.corners[0][m.corner1 as usize], point2: self.corners[1][m.corner2 as usize] }
     }
 
-    /// The mutual best matches within `band` px of each other's epipolar lines.
+    /// Returns the mutual best matches within `band` px of each other's epipolar lines, of corners
+    /// and of features.
     pub fn matches(&self, f: &FundamentalMatrix, band: f64) -> Vec<SupportingMatch> {
         let mut found = Vec::new();
         self.for_each_mutual(f, band, |m| {
@@ -122,10 +124,11 @@ impl Support {
         found
     }
 
-    /// Calls with those of corners, in the order of the corners of image 1.
+    /// Calls `found` with each mutual best match of corners, in the order of the corners of image
+    /// 1.
     fn for_each_mutual(&self, f: &FundamentalMatrix, band: f64, mut found: impl FnMut(&Putative)) {
         const NONE: u32 = u32::MAX;
-        // Numbers of the best pair of each corner of either image.
+        // Indices of the best pair of each corner of either image.
         let [mut best1, mut best2] = self.corners.each_ref().map(|corners| vec![NONE; corners.len()]);
         for k in self.look_alikes.near(f, band) {
             let pair = &self.pairs[k as usize];
@@ -145,14 +148,15 @@ impl Support {
         }
     }
 
-    /// A score that [`Self::measure`] does not exceed, in a fraction of its time.
+    /// Returns an upper bound on the score of [`Self::measure`], in a fraction of its time.
     pub fn most(&self, f: &FundamentalMatrix) -> f64 {
         let sum = self.look_alikes.most_support(f, BAND) + self.features.most_support(f, BAND);
-        // Far more than sums of some thousand numbers in single precision are off.
+        // The margin exceeds the rounding of a few thousand single-precision terms.
         f64::from(sum) * 1.001
     }
 
-    /// How many matches agree with a geometry, and by how much their correlation exceeds the floor in all.
+    /// Returns the number of matches that agree with a geometry, and their summed excess over the
+    /// floor.
     pub fn measure(&self, f: &FundamentalMatrix) -> PatchSupport {
         let mut support = PatchSupport::default();
         let mut count = |correlation: f32| {
@@ -165,7 +169,7 @@ impl Support {
     }
 }
 
-/// The best look-alikes of each corner of image 1, best first.
+/// Returns the best look-alikes of each corner of image 1, best first.
 fn best_look_alikes(found: &[Vec<Putative>], corners1: usize) -> Vec<Putative> {
     let mut alike: Vec<Vec<Putative>> = vec![Vec::new(); corners1];
     for pair in found.iter().flatten() {
@@ -180,12 +184,12 @@ fn best_look_alikes(found: &[Vec<Putative>], corners1: usize) -> Vec<Putative> {
 
 #[cfg(test)]
 impl Support {
-    /// Corners of which those at these indices look alike, to test without pictures.
+    /// Returns support without pictures, from corners and the pairs that look alike.
     pub fn of_look_alikes(corners: [Vec<Point>; 2], pairs: Vec<Putative>) -> Self {
         Self::of_pairs(corners, pairs)
     }
 
-    /// Corners of which each has one look-alike.
+    /// Returns support of corners with one look-alike each.
     pub fn of_matches(matches: &[(PointPair, f32)]) -> Self {
         let corners = [
             matches.iter().map(|(m, _)| m.point1).collect(),
@@ -208,7 +212,7 @@ mod tests {
     use crate::image::{GrayPlane, PyramidPair, Warp};
     use nalgebra::Matrix3;
 
-    /// Two views of one texture, the second shifted along the rows by 6 px.
+    /// Returns two views of one texture, the second shifted along the rows by 6 px.
     fn planes() -> [GrayPlane; 2] {
         let texture = |x: usize, y: usize| {
             let cell =
@@ -225,7 +229,7 @@ mod tests {
     }
 
     #[test]
-    fn the_right_geometry_has_most_support_and_its_matches_are_right() {
+    fn the_right_geometry_has_most_support() {
         let [a, b] = planes();
         let pair = PyramidPair::new(&a, &b, 48.0);
         let support =
@@ -250,7 +254,7 @@ mod tests {
         assert!(support.matches(&rows(0.0), 3.0).is_empty());
     }
 
-    /// Look-alikes by the heights of their corners: index and y in both images, correlation.
+    /// Returns look-alikes by the heights of their corners: index in both images, correlation.
     fn at_heights(y1: &[f64], y2: &[f64], alike: &[(u32, u32, f32)]) -> Support {
         let corners = [y1, y2].map(|all| all.iter().map(|y| Point::new(90.0 + 0.1 * y, *y)).collect());
         let putative = |(corner1, corner2, correlation): &(u32, u32, f32)| Putative {
@@ -263,7 +267,7 @@ mod tests {
 
     #[test]
     fn a_match_counts_up_to_the_band_and_no_farther() {
-        // Positions are compared in 32 bits: a thousandth of a pixel is far more than their rounding.
+        // Positions are compared in 32 bits, whose rounding is far below a thousandth of a pixel.
         for (offset, expected) in
             [(0.0, 1), (BAND - 1e-3, 1), (BAND + 1e-3, 0), (1e-3 - BAND, 1), (-1e-3 - BAND, 0)]
         {
@@ -278,7 +282,7 @@ mod tests {
 
     #[test]
     fn the_band_holds_in_both_images() {
-        // y1 = 2 y2: what is 1.5 px off in image 2 is 3 px off in image 1.
+        // y1 = 2 y2: an error of 1.5 px in image 2 is 3 px in image 1.
         let zoomed = Matrix3::new(0.0, 0.0, 0.0, 0.0, 0.0, -2.0, 0.0, 1.0, 0.0);
         let f = FundamentalMatrix::from_rank_two(zoomed).unwrap();
         for (y2, expected) in [(20.9, 1), (21.5, 0)] {
@@ -292,7 +296,8 @@ mod tests {
     #[test]
     fn matches_are_the_best_of_both_their_corners() {
         let heights = [100.0, 101.0, 200.0];
-        // The first corner's best partner prefers the second one; its next best is not taken instead.
+        // The first corner's best partner prefers the second corner. The first corner then has no
+        // match.
         let alike = [(0, 0, 0.9), (0, 1, 0.95), (1, 1, 0.97), (2, 2, 0.7)];
         let support = at_heights(&heights, &heights, &alike);
         let found = support.measure(&rows_below(0.0));
@@ -305,8 +310,8 @@ mod tests {
     }
 
     #[test]
-    fn every_look_alike_of_a_corner_is_looked_at() {
-        // More than the vector units take at a time, the last one alone on the line.
+    fn every_look_alike_of_a_corner_counts() {
+        // More look-alikes than the vector units take at once; only the last lies on the line.
         let count = 2 * 16 + 3;
         let heights: Vec<f64> = (0..count).map(|k| 200.0 - 10.0 * f64::from(k)).collect();
         let alike: Vec<_> = (0..count).map(|k| (0, k, 0.9 - 0.01 * k as f32)).collect();
@@ -317,7 +322,7 @@ mod tests {
     }
 
     #[test]
-    fn a_corner_keeps_a_few_best_look_alikes_from_wherever_they_were_found() {
+    fn a_corner_keeps_its_best_look_alikes_in_order() {
         let alike = |corner1: u32, corner2: u32| Putative {
             corner1,
             corner2,

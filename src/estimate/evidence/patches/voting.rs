@@ -1,4 +1,4 @@
-//! Which κ the patches vote for, given one line pair through each click.
+//! Votes of patches for κ, given one line pair through each click.
 //!
 //! With `(lp, lp2)` and `(lq, lq2)` fixed, one pair of look-alike corners `(x1, x2)` determines κ:
 //!
@@ -6,13 +6,13 @@
 //!     ln κ = [ln lp2·x2 − ln lp·x1] + [ln lq·x1 − ln lq2·x2]
 //! ```
 //!
-//! Each bracket depends on one click's line pair alone, so it is computed once per candidate; a combination of
-//! two candidates costs one addition per corner pair and one histogram. True corner pairs agree on one κ,
-//! chance pairs spread out. That makes tens of thousands of combinations affordable where the bisector search
-//! of the paper affords some two thousand.
+//! Each bracket depends on the line pair of one click alone, so it is computed once per candidate.
+//! A combination of two candidates then costs one addition per corner pair, and one histogram.
+//! Correct corner pairs agree on one κ; chance pairs spread out. Tens of thousands of combinations
+//! take as long as some two thousand bisector searches of the paper.
 //!
-//! A pair votes only when its points lie on the same side of each click's line in both images, as points in
-//! front of both cameras must.
+//! A pair votes only when its points lie on the same side of each click's line in both images, as
+//! points in front of both cameras must.
 
 use multiversion::multiversion;
 
@@ -22,16 +22,17 @@ use crate::estimate::evidence::lines::{Candidate, PencilAngles};
 use crate::geometry::{Line, PointPair};
 use crate::lanes::{LANES, SetLanes};
 
-/// Bins of the histogram of ln κ: a range of e^±3.5, beyond which a pencil is squeezed more than
-/// thirtyfold.
+/// Number of bins of the histogram of ln κ, which covers ±3.5. Beyond, a pencil is squeezed more
+/// than thirtyfold. Not measured.
 const BINS: usize = 448;
 /// Width of a bin of ln κ: 1.6 %. Not measured.
 const BIN: f32 = 1.0 / 64.0;
-/// Half of the widest vote that counts, in bins: beyond half an e-fold a match does not tell κ.
+/// Largest half width of a vote, in bins: beyond half a unit of ln κ a match does not determine κ.
+/// Not measured.
 const WIDEST: f32 = 32.0;
 const LOWEST: f32 = -(BINS as f32) * BIN / 2.0;
 
-/// Corner pairs that vote, as points with their weight.
+/// Corner pairs that vote, as points with weights.
 #[derive(Debug, Clone)]
 pub(in crate::estimate) struct KappaVoting {
     blocks: Vec<Voters>,
@@ -39,7 +40,7 @@ pub(in crate::estimate) struct KappaVoting {
 
 type Lanes = [f32; LANES];
 
-/// Points of some voters in both images, and their weights, 0 in lanes without one.
+/// Points of a block of voters in both images, and their weights; 0 in empty lanes.
 #[derive(Debug, Clone, Copy, Default)]
 struct Voters {
     x1: Lanes,
@@ -49,16 +50,16 @@ struct Voters {
     weight: Lanes,
 }
 
-/// What one candidate line pair contributes to some voters.
+/// Contribution of one candidate line pair to a block of voters.
 #[derive(Debug, Clone, Copy)]
 struct Terms {
-    /// Bracket of ln κ for each voter; not a number where it has no vote.
+    /// Bracket of ln κ for each voter; NaN without a vote.
     bracket: Lanes,
     /// Inverse distance of the voter's point from the line of image 2, px⁻¹.
     inverse: Lanes,
 }
 
-/// What one candidate line pair contributes to each voter.
+/// Contribution of one candidate line pair to all voters.
 #[derive(Debug, Clone)]
 pub(in crate::estimate) struct CandidateVotes {
     candidate: Candidate,
@@ -74,7 +75,7 @@ pub(in crate::estimate) struct VotedKappa {
 }
 
 impl KappaVoting {
-    /// The best `per_corner` pairs of each corner of image 1.
+    /// Takes the best `per_corner` pairs of each corner of image 1.
     pub fn new(support: &Support, per_corner: usize) -> Self {
         let mut look_alikes = Vec::new();
         for group in support.pairs().chunk_by(|a, b| a.corner1 == b.corner1) {
@@ -99,8 +100,9 @@ impl KappaVoting {
         Self { blocks: look_alikes.chunks(LANES).map(block).collect() }
     }
 
-    /// Prepares a candidate through the click `own`; the other click tells the positive sides of its lines.
-    /// `first` says whether it is the first click's candidate, whose bracket is `ln d2 − ln d1`.
+    /// Prepares a candidate through the click `own`. The other click tells the positive sides of
+    /// its lines. `first` tells whether the candidate belongs to the first click; its bracket is
+    /// then `ln d2 − ln d1`.
     pub fn candidate_votes(
         &self,
         candidate: &Candidate,
@@ -115,8 +117,8 @@ impl KappaVoting {
         CandidateVotes { candidate: *candidate, terms, line2 }
     }
 
-    /// Counts the votes of one combination. `band` is how far, in px, a point of image 2 may be from its
-    /// epipolar line.
+    /// Counts the votes of one combination. `band` is the largest distance of a point of image 2
+    /// from its epipolar line, px.
     pub fn count(&self, p: &CandidateVotes, q: &CandidateVotes, band: f32) -> VotedKappa {
         let cosine = p.line2.coefficients().xy().dot(&q.line2.coefficients().xy()) as f32;
         let histogram = histogram(&self.blocks, &p.terms, &q.terms, cosine, band);
@@ -156,11 +158,12 @@ fn terms(blocks: &[Voters], [line1, line2]: &[[f32; 3]; 2], sign: f32) -> Vec<Te
     all
 }
 
-/// Natural logarithm of an ordinary positive number, which the compiler can make vectors of: `ln 2ᵉm = e ln 2 + ln m` and
-/// `ln m = 2 artanh((m − 1)/(m + 1))` by its series, good to single precision for m between √½ and √2.
+/// Returns the natural logarithm of a normal positive number, in a form that compilers vectorise:
+/// `ln 2ᵉm = e ln 2 + ln m`. The series of `ln m = 2 artanh((m − 1)/(m + 1))` is good to single
+/// precision for m between √½ and √2.
 #[inline(always)]
 fn logarithm(x: f32) -> f32 {
-    // The bits of √½ below those of x: what they exceed is the exponent, and the mantissa begins there.
+    // After subtracting the bits of √½, the exponent is correct and the mantissa starts at √½.
     const HALF_ROOT: u32 = 0x3f35_04f3;
     let above = x.to_bits().wrapping_sub(HALF_ROOT);
     let exponent = (above as i32 >> 23) as f32;
@@ -171,10 +174,10 @@ fn logarithm(x: f32) -> f32 {
     exponent * std::f32::consts::LN_2 + s * series
 }
 
-/// Room for all bins and one more, a power of two.
+/// Size of the histogram: all bins and one more, a power of two.
 const ROOM: usize = 512;
 
-/// Changes of the number of votes from bin to bin.
+/// Returns the changes of the number of votes from bin to bin.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq+avx2", "x86_64+avx2", "aarch64+neon"))]
 fn histogram(blocks: &[Voters], p: &[Terms], q: &[Terms], cosine: f32, band: f32) -> [f32; ROOM] {
     let mut histogram = [0f32; ROOM];
@@ -188,8 +191,8 @@ fn histogram(blocks: &[Voters], p: &[Terms], q: &[Terms], cosine: f32, band: f32
             let square = a * a + b * b - 2.0 * cosine * a * b;
             let half = band / BIN * (if square > 0.0 { square } else { 0.0 }).sqrt();
             let (low, high) = (middle - half, middle + half);
-            // Comparisons with NaN are false: voters without a vote drop out here too. A vote for a seventh of all bins
-            // says nothing.
+            // Comparisons with NaN are false, so voters without a vote drop out here. A vote for a
+            // seventh of all bins is too vague.
             let counts = low >= 0.0 && high < BINS as f32 && half < WIDEST;
             votes[k] = u8::from(counts);
             bins[0][k] = (if counts { low } else { 0.0 }) as i32;
@@ -216,7 +219,7 @@ mod tests {
         KappaVoting::of_look_alikes(&pairs.iter().map(|pair| (*pair, WEIGHT)).collect::<Vec<_>>())
     }
 
-    /// The votes of two candidates with these directions.
+    /// Returns the votes of two candidates with these directions.
     fn votes(voting: &KappaVoting, clicks: &[PointPair; 2], p: [f64; 2], q: [f64; 2]) -> [CandidateVotes; 2] {
         let candidate = |angles| Candidate { angles, cost: 1.0 };
         [
@@ -230,25 +233,26 @@ mod tests {
         voting.count(&p, &q, BAND)
     }
 
-    /// Every vote with every other's partner.
+    /// Returns each voter with the partner of another.
     fn mixed(pairs: &[PointPair]) -> Vec<PointPair> {
         let other = |k: usize| pairs[(k * 7 + 3) % pairs.len()].point2;
         pairs.iter().enumerate().map(|(k, pair)| PointPair { point2: other(k), ..*pair }).collect()
     }
 
     #[test]
-    fn true_matches_vote_for_the_true_kappa_among_as_many_wrong_ones() {
+    fn correct_matches_vote_for_the_true_kappa_among_as_many_wrong_ones() {
         for scene in [ExactScene::aside(), ExactScene::forward()] {
             let (truth, clicks, pairs) = (scene.angles(), scene.clicks(), scene.pairs(50));
             let alone = counted(&voting(&pairs), &clicks, truth.p, truth.q);
             assert_eq!((alone.angles.p, alone.angles.q), (truth.p, truth.q));
-            // All votes are centred on the truth, and the middle of the bins they share is within one of it.
+            // All votes are centred on the truth, and the middle of their common bins is within a
+            // bin of it.
             assert!((alone.angles.kappa / truth.kappa).ln().abs() < f64::from(BIN), "{}", alone.angles.kappa);
-            // Those next to a click's line say little and may not count.
+            // Voters next to a click's line are vague and may not count.
             assert!(alone.votes > 0.8 * 50.0 * WEIGHT && alone.votes < 50.01 * WEIGHT, "{}", alone.votes);
             let both: Vec<PointPair> = pairs.iter().copied().chain(mixed(&pairs)).collect();
             let among = counted(&voting(&both), &clicks, truth.p, truth.q);
-            // Wrong ones may shift the plateau within the widths of the votes.
+            // Wrong votes may shift the plateau within the widths of the votes.
             assert!((among.angles.kappa / truth.kappa).ln().abs() < 3.0 * f64::from(BIN));
             assert!(among.votes >= alone.votes - 1e-3);
             let wrong = counted(&voting(&pairs), &clicks, [truth.p[0], truth.p[1] + 0.3], truth.q);
@@ -267,7 +271,7 @@ mod tests {
         let has_vote = |votes: &CandidateVotes| {
             votes.terms[0].bracket[..5].iter().map(|t| t.is_finite()).collect::<Vec<_>>()
         };
-        // Nor have those within a pixel of it, whose distance is mostly error.
+        // Nor do points within a pixel of the line, whose distance is mostly error.
         assert_eq!(has_vote(&p), [true, false, true, false, false]);
         assert_eq!(has_vote(&q), [true; 5]);
         let found = counted(&voting, &clicks, [0.0; 2], [0.0; 2]);
@@ -293,7 +297,7 @@ mod tests {
     }
 
     #[test]
-    fn votes_that_are_too_wide_say_nothing() {
+    fn votes_that_are_too_wide_do_not_count() {
         let clicks = [PointPair::new(100.0, 50.0, 90.0, 50.0), PointPair::new(200.0, 200.0, 180.0, 200.0)];
         // A point 2.5 px from the line: the band is then some ±0.8 of ln κ, beyond half a unit.
         for (y, expected) in [(52.5, 0.0), (60.0, WEIGHT)] {
@@ -304,7 +308,7 @@ mod tests {
     }
 
     #[test]
-    fn a_few_look_alikes_of_each_corner_vote_by_their_excess() {
+    fn the_best_look_alikes_of_each_corner_vote_by_their_excess() {
         let corners = [vec![Point::new(10.0, 20.0)], (0..4).map(|k| Point::new(f64::from(k), 0.0)).collect()];
         let alike =
             |corner2, correlation| super::super::look_alikes::Putative { corner1: 0, corner2, correlation };
