@@ -8,40 +8,43 @@ use crate::estimate::{ENOUGH_MATCHES, Reason, Suspect, Warning};
 /// Returns the message of a reason.
 pub fn reason_in_words(reason: &Reason) -> String {
     match *reason {
-        Reason::NotChecked => {
-            "Only lines were compared, no image patches. Nothing else confirms this geometry. \
-             Use the preset robust to compare patches too."
+        Reason::NotChecked => "Only lines were compared, so nothing else confirms this geometry. \
+             Use the preset robust, which also compares small image patches."
+            .into(),
+        Reason::NotRefined => {
+            "Too few image patches match along the epipolar lines. The geometry may be wrong. \
+             Check your point pairs, or add one."
                 .into()
         }
-        Reason::NotRefined => "Too few image patches match along the epipolar lines at full resolution. \
-             The geometry may be wrong. Check the point pairs, or add one."
-            .into(),
-        Reason::RefinementOff => "Refinement is off. No matches at full resolution confirm this geometry. \
-             Turn refinement on to check it."
-            .into(),
+        Reason::RefinementOff => {
+            "Refinement is off, so no matches at full resolution confirm this geometry. \
+             Turn refinement on."
+                .into()
+        }
         Reason::ClicksAlone => {
-            "The point pairs agree with each other, but not with the matches found in the images. \
-             This geometry follows from the point pairs alone. \
+            "The point pairs agree with each other, but contradict the matches found in the images. \
+             This geometry rests on the point pairs alone. \
              Check that each pair shows the same scene point in both images."
                 .into()
         }
         Reason::FewMatches { matches } => format!(
             "Only {matches} image patches match along the epipolar lines. \
-             Fewer than {ENOUGH_MATCHES} matches may be chance. \
+             Fewer than {ENOUGH_MATCHES} can match by chance. \
              Add a point pair, or use images that overlap more."
         ),
         Reason::BarcodesByChance { correlation, by_chance } => format!(
-            "Motion on corresponding lines correlates by {correlation:.2}, no better than with one \
-             sequence shifted in time ({by_chance:.2}). \
+            "Corresponding lines share no more motion than by chance (correlation {correlation:.2}, \
+             by chance {by_chance:.2}). \
              The recordings may not be simultaneous, or too little moves. \
              Check the frame offset, or record more motion."
         ),
         Reason::FewBarcodes { lines } => format!(
-            "Motion tells only about {lines} epipolar lines apart. That is too few for a reliable geometry. \
+            "The recorded motion distinguishes only {lines} epipolar lines, too few for a reliable geometry. \
              Record more frames, or motion in more places."
         ),
         Reason::LooseBarcodes { deviation } => format!(
             "The recorded motion leaves the epipolar lines uncertain by {deviation:.1} px. \
+             Matching points may be that far off their lines. \
              Record more frames, or motion in more places."
         ),
         Reason::ClickOff { pair, distance, suspect } => {
@@ -57,16 +60,16 @@ pub fn reason_in_words(reason: &Reason) -> String {
             format!("Point pair {pair} is {distance:.1} px off its epipolar line. {advice}")
         }
         Reason::Contradicted { contradicting, matches } => format!(
-            "{contradicting} of {matches} distinctive matches that move together contradict the geometry. \
-             Either something moves by itself, a lens bends the images, or the geometry is wrong. \
+            "{contradicting} of {matches} distinctive matches are off their epipolar lines, more than by chance. \
+             Something in the scene moves, a lens bends the images, or the geometry is wrong. \
              Check the lines at points that you recognise."
         ),
         Reason::Bent { percent } => format!(
-            "{percent} % of the matches fit one plane, or a rotation of the camera, through a lens that bends straight \
-             lines. The epipole is uncertain. Remove the lens distortion, or use views farther apart."
+            "{percent} % of the matches fit one plane or a rotation of the camera, if the lens bends straight lines. \
+             The epipole is then uncertain. Remove the lens distortion, or use views farther apart."
         ),
         Reason::Pattern { size } => format!(
-            "In whole regions of the image, the matches are off their lines by the same {size:.1} px. \
+            "Neighbouring matches are off their epipolar lines by the same distance, about {size:.1} px. \
              A lens bends the images, something moves, or the geometry is only approximate. \
              Remove the lens distortion, or use images of a still scene."
         ),
@@ -85,20 +88,22 @@ pub fn reason_in_words(reason: &Reason) -> String {
         ),
         Reason::Loose { deviation } => format!(
             "The matches leave the epipolar lines uncertain by {deviation:.1} px. \
+             Matching points may be that far off their lines. \
              Add point pairs, or use images that overlap more."
         ),
     }
 }
 
-/// Returns a sentence on the matches off the plane.
+/// Returns a sentence on whether the matches off the plane confirm the epipole.
 fn off_the_plane(agreeing: usize, groups: usize) -> String {
     match (agreeing, groups) {
-        (_, 0) => "No match off the plane determines it.".into(),
-        (0, 1) => "The one motion off the plane does not agree with it.".into(),
-        (0, _) => format!("None of {groups} motions off the plane agrees with it."),
-        _ => {
-            format!("Only {agreeing} of {groups} motions off the plane agree with it, which could be chance.")
-        }
+        (_, 0) => "No match off the plane confirms it.".into(),
+        (0, 1) => "The one group of matches off the plane contradicts it.".into(),
+        (0, _) => format!("All {groups} groups of matches off the plane contradict it."),
+        (1, 1) => "The epipole fits the one group of matches off the plane, which may be chance.".into(),
+        _ => format!(
+            "The epipole fits {agreeing} of {groups} groups of matches off the plane, too few to be sure."
+        ),
     }
 }
 
@@ -106,16 +111,16 @@ fn off_the_plane(agreeing: usize, groups: usize) -> String {
 pub fn warning_in_words(warning: &Warning) -> String {
     match *warning {
         Warning::SameEpipolarLine { distance } => format!(
-            "The two clicks lie nearly on one epipolar line, only {distance:.1} px apart across it. \
-             They hardly determine the epipole. Move one of them across the lines."
+            "Two point pairs lie nearly on one epipolar line, only {distance:.1} px apart across it. \
+             They hardly determine where the lines meet. Move one of them away from the line of the other."
         ),
         Warning::CloseClicks { distance } => format!(
-            "The two clicks are only {distance:.0} px apart. A small error of one turns the lines far. \
-             Choose points farther apart."
+            "Two point pairs are only {distance:.0} px apart. \
+             A small error in one of them turns the epipolar lines far. Choose points farther apart."
         ),
         Warning::LittleTexture { pair, textured, lines } => format!(
-            "Only {textured} of {lines} lines through point pair {pair} have texture. The others cannot be compared. \
-             Choose a point in a textured part of the images."
+            "Only {textured} of {lines} lines through point pair {pair} have texture. \
+             The others cannot be compared. Choose a point in a textured part of the images."
         ),
     }
 }
@@ -143,6 +148,9 @@ mod tests {
             Reason::Ambiguous { margin: 0.1 },
             Reason::OnePlane { percent: 50, groups: 37, agreeing: 19 },
             Reason::OnePlane { percent: 98, groups: 0, agreeing: 0 },
+            Reason::OnePlane { percent: 98, groups: 1, agreeing: 0 },
+            Reason::OnePlane { percent: 98, groups: 1, agreeing: 1 },
+            Reason::OnePlane { percent: 98, groups: 12, agreeing: 0 },
             Reason::Loose { deviation: 2.0 },
         ];
         let warnings = [
