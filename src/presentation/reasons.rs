@@ -112,7 +112,7 @@ pub fn warning_in_words(warning: &Warning) -> String {
     match *warning {
         Warning::SameEpipolarLine { distance } => format!(
             "Two point pairs lie nearly on one epipolar line, only {distance:.1} px apart across it. \
-             They hardly determine where the lines meet. Move one of them away from the line of the other."
+             On their own, they hardly determine where the lines meet. Move one of them away from the line of the other."
         ),
         Warning::CloseClicks { distance } => format!(
             "Two point pairs are only {distance:.0} px apart. \
