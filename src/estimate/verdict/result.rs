@@ -17,8 +17,8 @@ use crate::features::FeatureViews;
 use crate::geometry::{EpipolarGeometry, FundamentalMatrix};
 use crate::image::RelativeView;
 
-/// Largest number of hypotheses reported with all their figures, rivals included. It bounds the time
-/// and the size of a result.
+/// Largest number of hypotheses reported with all their figures, rivals included. It bounds the
+/// time and the size of a result.
 pub(in crate::estimate) const REPORTED: usize = 60;
 
 /// Geometry with its assessment. All coordinates are full-size pixels.
@@ -47,7 +47,8 @@ pub struct Assessment {
     /// Advantage after refinement, by the weights of the matches. It is measured if `margin` is too
     /// small to decide, and decides instead.
     pub refined_margin: Option<f64>,
-    /// Distances of the hypotheses of the search from the result. They select the rival of the margin.
+    /// Distances of the hypotheses of the search from the result. They select the rival of the
+    /// margin.
     pub apart: Option<Apart>,
     /// Figures of motion barcodes, for sequences.
     pub barcodes: Option<BarcodeFigures>,
@@ -57,28 +58,30 @@ pub struct Assessment {
     pub warnings: Vec<Warning>,
     /// Verdict. `None` for unfinished results.
     pub trust: Option<Trust>,
-    /// Homography of the plane or the camera rotation, if the verdict says that nothing else is certain.
+    /// Homography of the plane or the camera rotation, if the verdict says that nothing else is
+    /// certain.
     pub plane: Option<PlaneHomography>,
 }
 
 /// Distances of the hypotheses of a search from its result.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Apart {
-    /// Distance of each hypothesis from the result, in the order of the hypotheses, px. It is the lower
-    /// median of the symmetric distances of the matches from the lines of the hypothesis. Without
-    /// matches, it is the mean distance between the lines of both geometries over the images.
+    /// Distance of each hypothesis from the result, in the order of the hypotheses, px. It is the
+    /// lower median of the symmetric distances of the matches from the lines of the hypothesis.
+    /// Without matches, it is the mean distance between the lines of both geometries over the
+    /// images.
     pub distances: Vec<f64>,
     /// Distance beyond which a hypothesis is clearly different, px.
     pub limit: f64,
     /// Number of matches on which the distances are measured. These are the matches of the leading
-    /// hypothesis before refinement, the refined matches of a search with lines, or the clicks if they
-    /// alone determine the geometry.
+    /// hypothesis before refinement, the refined matches of a search with lines, or the clicks if
+    /// they alone determine the geometry.
     pub matches: usize,
 }
 
 impl Apart {
-    /// Returns the index of the first clearly different hypothesis. The margin is the advantage of the
-    /// first hypothesis over this one.
+    /// Returns the index of the first clearly different hypothesis. The margin is the advantage of
+    /// the first hypothesis over this one.
     pub fn rival(&self) -> Option<usize> {
         self.distances.iter().position(|distance| *distance > self.limit)
     }
@@ -87,7 +90,8 @@ impl Apart {
 /// Homography between the images, of a planar scene or of a camera that only rotated.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PlaneHomography {
-    /// `x2 ∝ H x1`, in full-size pixels. The last entry is 1, unless it is nearly 0; then the norm is 1.
+    /// `x2 ∝ H x1`, in full-size pixels. The last entry is 1, unless it is nearly 0; then the norm
+    /// is 1.
     pub homography21: Matrix3<f64>,
     /// Number of matches that fit it.
     pub matches: usize,
@@ -100,8 +104,8 @@ pub struct PlaneHomography {
 /// Figures of a geometry from the barcodes of corresponding lines.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct BarcodeFigures {
-    /// Agreement of the barcodes of corresponding epipolar lines over both images: 1 for equal barcodes,
-    /// 0 for unrelated ones.
+    /// Agreement of the barcodes of corresponding epipolar lines over both images: 1 for equal
+    /// barcodes, 0 for unrelated ones.
     pub correlation: f64,
     /// Best agreement with the second sequence shifted in time, which only chance explains.
     pub by_chance: f64,
@@ -146,8 +150,8 @@ pub struct SearchTrace {
 /// Numbers of examined lines and hypotheses.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
 pub struct SearchCounts {
-    /// Number of textured lines in image 1 through each anchor. The search with all lines appends the
-    /// number of its lines.
+    /// Number of textured lines in image 1 through each anchor. The search with all lines appends
+    /// the number of its lines.
     pub lines1: Vec<usize>,
     /// Number of these lines in image 2.
     pub lines2: Vec<usize>,
@@ -157,8 +161,8 @@ pub struct SearchCounts {
     pub hypotheses: usize,
     /// Number of hypotheses that went through full validation.
     pub validated: usize,
-    /// Number of corners that keep their position while the scene moves (captions, logos, dirt on the
-    /// sensor). They and their surroundings are left out.
+    /// Number of corners that keep their position while the scene moves (captions, logos, dirt on
+    /// the sensor). They and their surroundings are left out.
     pub left_out: usize,
 }
 
@@ -217,13 +221,14 @@ impl Estimate {
         self.assessment.support.map(|support| support.score)
     }
 
-    /// Returns the relative rotation and scale of the images in the search. Upright without a search.
+    /// Returns the relative rotation and scale of the images in the search. Upright without a
+    /// search.
     pub fn view(&self) -> RelativeView {
         self.trace.as_ref().map_or(RelativeView::UPRIGHT, |trace| trace.view)
     }
 
-    /// Returns the rotation of image 2 against image 1 at the first click, by lines, radians. 0 without
-    /// line figures.
+    /// Returns the rotation of image 2 against image 1 at the first click, by lines, radians. 0
+    /// without line figures.
     pub fn turn(&self) -> f64 {
         self.assessment.lines.as_ref().map_or(0.0, |lines| lines.construction.turn())
     }

@@ -3,8 +3,9 @@
 //!
 //! Weights do not decide if they differ by less than the clear margin of a verdict, or by less than
 //! the scatter of the weights of so few matches. Then a geometry that at least two clicks fewer
-//! contradict is selected. One click may be a mistake; two mistakes seldom agree. A geometry that is
-//! far from most of the clicks does not belong to the scene, even if matches support it by chance.
+//! contradict is selected. One click may be a mistake; two mistakes seldom agree. A geometry that
+//! is far from most of the clicks does not belong to the scene, even if matches support it by
+//! chance.
 
 use crate::estimate::evidence::patches::Refined;
 use crate::estimate::verdict::trust::{
@@ -130,7 +131,8 @@ mod tests {
         }
     }
 
-    /// Returns the selected shift among `(weight, shift of the rows)`. All weights have this deviation.
+    /// Returns the selected shift among `(weight, shift of the rows)`. All weights have this
+    /// deviation.
     fn among(all: &[(f64, f64)], deviation: f64, pairs: &[PointPair]) -> Option<f64> {
         let rival =
             |(weight, shift): &(f64, f64)| Rival { weight: *weight, deviation, fundamental: rows(*shift) };

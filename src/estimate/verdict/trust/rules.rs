@@ -8,9 +8,9 @@
 //! - matches off the largest plane determine the epipoles;
 //! - distinctive matches, found without the geometry, agree with it.
 //!
-//! A result is reliable if it passes all tests. Thresholds of counts and distances are round numbers
-//! from results of known truth, with right and wrong clicks (`lab/notes.md` has the figures).
-//! Thresholds of chance are probabilities.
+//! A result is reliable if it passes all tests. Thresholds of counts and distances are round
+//! numbers from results of known truth, with right and wrong clicks (`lab/notes.md` has the
+//! figures). Thresholds of chance are probabilities.
 
 use super::{Reason, Suspect, Trust, Verdict};
 use crate::estimate::verdict::poisson::fewer_than;
@@ -60,8 +60,8 @@ const WRONG_BY_CHANCE: f64 = 1e-3;
 /// Expected fraction of distinctive matches that agree on a wrong motion (repeated structure). Not
 /// measured.
 pub(in crate::estimate) const WRONG_TOGETHER: f64 = 0.005;
-/// Share of the variance of the residuals that neighbours have in common, beyond which the residuals
-/// are more pattern than noise: one half.
+/// Share of the variance of the residuals that neighbours have in common, beyond which the
+/// residuals are more pattern than noise: one half.
 const PATTERN: f64 = 0.5;
 /// Size of a pattern that the lens of a good camera leaves, px in images of up to [`USUAL_SIDE`]
 /// px. It grows with larger images.
@@ -101,8 +101,8 @@ impl PlaneEvidence {
             && self.motions > ANY_EPIPOLE
     }
 
-    /// Returns the evidence that determines the epipoles, or, if both or neither do, the one that is
-    /// less likely by chance.
+    /// Returns the evidence that determines the epipoles, or, if both or neither do, the one that
+    /// is less likely by chance.
     pub fn or_stronger(self, other: Self) -> Self {
         let rank = |one: &Self| (!one.holds_the_epipoles(), one.by_chance);
         if rank(&other) < rank(&self) { other } else { self }
@@ -265,8 +265,8 @@ impl Trust {
                 reasons.push(Reason::ClickOff { pair: k + 1, distance: *distance, suspect });
             }
         }
-        // If all other tests pass, the patches have outvoted a mistaken click. Otherwise a click that
-        // is far off makes the result unreliable.
+        // If all other tests pass, the patches have outvoted a mistaken click. Otherwise a click
+        // that is far off makes the result unreliable.
         unreliable |= far_off && but_clicks;
         let verdict = match (reasons.is_empty(), unreliable) {
             (true, _) => Verdict::Reliable,
