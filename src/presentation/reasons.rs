@@ -1,7 +1,8 @@
 //! Sentences for the reasons of a verdict and for the warnings about a result.
 //!
 //! Each message states the fact, then the consequence, then the action, in at most three short
-//! sentences. Pairs of points are numbered from 1, as `pair 2`.
+//! sentences. Pairs of points are numbered from 1, as `pair 2`. `docs/verdicts.md` explains every
+//! message.
 
 use crate::estimate::{ENOUGH_MATCHES, Reason, Suspect, Warning};
 
@@ -35,7 +36,7 @@ pub fn reason_in_words(reason: &Reason) -> String {
         Reason::BarcodesByChance { correlation, by_chance } => format!(
             "Corresponding lines share no more motion than by chance (correlation {correlation:.2}, \
              by chance {by_chance:.2}). \
-             The recordings may not be simultaneous, or too little moves. \
+             The recordings may not be simultaneous, the motion may repeat itself, or too little moves. \
              Check the frame offset, or record more motion."
         ),
         Reason::FewBarcodes { lines } => format!(
@@ -54,18 +55,20 @@ pub fn reason_in_words(reason: &Reason) -> String {
                      Check that both points show the same scene point."
                 }
                 Suspect::Geometry => {
-                    "The geometry has other faults, so the pair may be right. Add another pair to decide."
+                    "The geometry fails other tests, too, so the pair may be right. Add another pair to decide."
                 }
             };
             format!("Point pair {pair} is {distance:.1} px off its epipolar line. {advice}")
         }
         Reason::Contradicted { contradicting, matches } => format!(
-            "{contradicting} of {matches} distinctive matches are off their epipolar lines, more than by chance. \
+            "{contradicting} of {matches} distinctive matches are off their epipolar lines, \
+             more than by chance. \
              Something in the scene moves, a lens bends the images, or the geometry is wrong. \
              Check the lines at points that you recognise."
         ),
         Reason::Bent { percent } => format!(
-            "{percent} % of the matches fit one plane or a rotation of the camera, if the lens bends straight lines. \
+            "{percent} % of the matches fit one plane or a rotation of the camera, \
+             if the lens bends straight lines. \
              The epipole is then uncertain. Remove the lens distortion, or use views farther apart."
         ),
         Reason::Pattern { size } => format!(
@@ -82,7 +85,8 @@ pub fn reason_in_words(reason: &Reason) -> String {
             )
         }
         Reason::OnePlane { percent, groups, agreeing } => format!(
-            "{percent} % of the matches fit one plane or a rotation of the camera, so the epipole is uncertain. \
+            "{percent} % of the matches fit one plane or a rotation of the camera, \
+             so the epipole is uncertain. \
              {} Use views farther apart, or a scene with more depth.",
             off_the_plane(agreeing, groups)
         ),
@@ -112,7 +116,8 @@ pub fn warning_in_words(warning: &Warning) -> String {
     match *warning {
         Warning::SameEpipolarLine { distance } => format!(
             "Two point pairs lie nearly on one epipolar line, only {distance:.1} px apart across it. \
-             On their own, they hardly determine where the lines meet. Move one of them away from the line of the other."
+             On their own, they hardly determine where the lines meet. \
+             Move one of them away from the line of the other."
         ),
         Warning::CloseClicks { distance } => format!(
             "Two point pairs are only {distance:.0} px apart. \
@@ -129,35 +134,84 @@ pub fn warning_in_words(warning: &Warning) -> String {
 mod tests {
     use super::*;
 
-    #[test]
-    fn every_message_has_at_most_three_short_sentences() {
-        let reasons = [
+    /// Returns examples of all reasons. The first example of each reason stands in `docs/verdicts.md`.
+    fn reasons() -> Vec<Reason> {
+        vec![
             Reason::NotChecked,
             Reason::NotRefined,
             Reason::RefinementOff,
             Reason::ClicksAlone,
-            Reason::FewMatches { matches: 12 },
-            Reason::BarcodesByChance { correlation: 0.31, by_chance: 0.4 },
-            Reason::FewBarcodes { lines: 9 },
-            Reason::LooseBarcodes { deviation: 3.2 },
-            Reason::ClickOff { pair: 2, distance: 40.0, suspect: Suspect::Click },
+            Reason::FewMatches { matches: 17 },
+            Reason::BarcodesByChance { correlation: 0.21, by_chance: 0.21 },
+            Reason::FewBarcodes { lines: 11 },
+            Reason::LooseBarcodes { deviation: 2.7 },
+            Reason::ClickOff { pair: 2, distance: 13.9, suspect: Suspect::Click },
             Reason::ClickOff { pair: 2, distance: 40.0, suspect: Suspect::Geometry },
-            Reason::Contradicted { contradicting: 7, matches: 90 },
-            Reason::Bent { percent: 97 },
-            Reason::Pattern { size: 1.5 },
-            Reason::Ambiguous { margin: 0.1 },
-            Reason::OnePlane { percent: 50, groups: 37, agreeing: 19 },
+            Reason::Contradicted { contradicting: 17, matches: 180 },
+            Reason::Bent { percent: 98 },
+            Reason::Pattern { size: 0.8 },
+            Reason::Ambiguous { margin: 0.02 },
+            Reason::OnePlane { percent: 98, groups: 13, agreeing: 4 },
             Reason::OnePlane { percent: 98, groups: 0, agreeing: 0 },
             Reason::OnePlane { percent: 98, groups: 1, agreeing: 0 },
             Reason::OnePlane { percent: 98, groups: 1, agreeing: 1 },
             Reason::OnePlane { percent: 98, groups: 12, agreeing: 0 },
             Reason::Loose { deviation: 2.0 },
-        ];
-        let warnings = [
-            Warning::SameEpipolarLine { distance: 1.0 },
-            Warning::CloseClicks { distance: 9.0 },
-            Warning::LittleTexture { pair: 3, textured: 4, lines: 60 },
-        ];
+        ]
+    }
+
+    /// Returns examples of all warnings. All of them stand in `docs/verdicts.md`.
+    fn warnings() -> Vec<Warning> {
+        vec![
+            Warning::SameEpipolarLine { distance: 0.5 },
+            Warning::CloseClicks { distance: 48.0 },
+            Warning::LittleTexture { pair: 1, textured: 33, lines: 171 },
+        ]
+    }
+
+    /// Returns the names of the variants of an enumeration, read from its source.
+    fn variants<'a>(source: &'a str, name: &str) -> Vec<&'a str> {
+        let body = source.split(&format!("pub enum {name} {{")).nth(1).unwrap();
+        let body = body.split("\n}").next().unwrap();
+        let is_variant = |line: &&str| line.as_bytes().get(4).is_some_and(u8::is_ascii_uppercase);
+        body.lines().filter(is_variant).map(|line| line.trim().trim_end_matches([',', '{', ' '])).collect()
+    }
+
+    /// Returns a name of the source in the form of result files: `few-matches` for `FewMatches`.
+    fn in_files(name: &str) -> String {
+        let mut text = String::new();
+        for letter in name.chars() {
+            if letter.is_ascii_uppercase() && !text.is_empty() {
+                text.push('-');
+            }
+            text.push(letter.to_ascii_lowercase());
+        }
+        text
+    }
+
+    #[test]
+    fn the_document_explains_every_message() {
+        let document = include_str!("../../docs/verdicts.md");
+        let words: Vec<&str> = document.split_whitespace().filter(|word| *word != ">").collect();
+        let text = words.join(" ");
+        let mut reasons = reasons();
+        reasons.dedup_by_key(|reason| std::mem::discriminant(reason));
+        let messages = reasons.iter().map(reason_in_words);
+        for message in messages.chain(warnings().iter().map(warning_in_words)) {
+            assert!(text.contains(&message), "docs/verdicts.md lacks: {message}");
+        }
+        let reason_names = variants(include_str!("../estimate/verdict/trust/mod.rs"), "Reason");
+        let warning_names = variants(include_str!("../estimate/error.rs"), "Warning");
+        assert_eq!((reason_names.len(), warning_names.len()), (reasons.len(), warnings().len()));
+        for name in reason_names.into_iter().chain(warning_names) {
+            let heading = format!("\n### `{}`\n", in_files(name));
+            assert!(document.contains(&heading), "docs/verdicts.md lacks the section of {name}");
+        }
+    }
+
+    #[test]
+    fn every_message_has_at_most_three_short_sentences() {
+        let (reasons, warnings) = (reasons(), warnings());
         let messages = reasons.iter().map(reason_in_words).chain(warnings.iter().map(warning_in_words));
         for message in messages {
             assert!(message.ends_with('.') && !message.contains("  "), "{message}");
