@@ -134,7 +134,8 @@ pub fn warning_in_words(warning: &Warning) -> String {
 mod tests {
     use super::*;
 
-    /// Returns examples of all reasons. The first example of each reason stands in `docs/verdicts.md`.
+    /// Returns examples of all reasons. The first example of each reason stands in
+    /// `docs/verdicts.md`.
     fn reasons() -> Vec<Reason> {
         vec![
             Reason::NotChecked,

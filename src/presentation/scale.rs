@@ -20,19 +20,20 @@ impl Scale {
     /// Advantage over the best clearly different geometry, as a fraction.
     pub const MARGIN: Self = Self { good: CLEAR_MARGIN, bad: GUESS_MARGIN };
 
-    /// Returns the scale for the Sampson distance of a click whose standard deviation is `sigma` px.
+    /// Returns the scale for the Sampson distance of a click whose standard deviation is
+    /// `sigma` px.
     pub fn click(sigma: f64) -> Self {
         Self { good: CLICK_DEVIATIONS * sigma, bad: CLICK_DEVIATIONS_WRONG * sigma }
     }
 
-    /// Returns the scale for the support of a geometry whose rival has support `rival`. Its limits are
-    /// the margins of [`Scale::MARGIN`].
+    /// Returns the scale for the support of a geometry whose rival has support `rival`. Its limits
+    /// are the margins of [`Scale::MARGIN`].
     pub fn support_beside(rival: f64) -> Self {
         Self { good: rival / (1.0 - CLEAR_MARGIN), bad: rival / (1.0 - GUESS_MARGIN) }
     }
 
-    /// Returns the scale for the line score of a geometry whose rival has the score `rival`. Its limits
-    /// are the margins of [`Scale::MARGIN`].
+    /// Returns the scale for the line score of a geometry whose rival has the score `rival`. Its
+    /// limits are the margins of [`Scale::MARGIN`].
     pub fn line_score_beside(rival: f64) -> Self {
         Self { good: rival * (1.0 - CLEAR_MARGIN), bad: rival * (1.0 - GUESS_MARGIN) }
     }

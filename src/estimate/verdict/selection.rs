@@ -1,11 +1,11 @@
 //! Selection of the result among refined geometries: by the weight of their matches, and by the
 //! clicks if weights do not decide.
 //!
-//! Weights do not decide if they differ by less than the clear margin of a verdict, or by less than
-//! the scatter of the weights of so few matches. Then a geometry that at least two clicks fewer
-//! contradict is selected. One click may be a mistake; two mistakes seldom agree. A geometry that
-//! is far from most of the clicks does not belong to the scene, even if matches support it by
-//! chance.
+//! Weights do not decide if they differ by less than the clear margin of a verdict. Neither do they
+//! if the difference is within the scatter of the weights. Then a geometry is selected that at
+//! least two clicks fewer contradict. One click may be a mistake; two mistakes seldom agree. A
+//! geometry that is far from most of the clicks does not belong to the scene, even if matches
+//! support it by chance.
 
 use crate::estimate::evidence::patches::Refined;
 use crate::estimate::verdict::trust::{
@@ -166,7 +166,7 @@ mod tests {
     #[test]
     fn weights_of_few_matches_leave_more_to_the_clicks() {
         let pairs = [10.0, 90.0].map(|y| PointPair::new(20.0, y, 30.0, y));
-        // The difference is 4. Its deviation is √2 times that of each weight.
+        // The difference is 4. Its deviation is √2 times the deviation of each weight.
         for (deviation, expected) in [(1.4, 9.0), (1.5, 0.0)] {
             let found = among(&[(10.0, 9.0), (6.0, 0.0)], deviation, &pairs);
             assert_eq!(found, Some(expected), "{deviation}");

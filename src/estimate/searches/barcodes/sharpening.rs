@@ -46,7 +46,7 @@ pub(super) fn sharpen(
             best.push(*candidate);
         }
     }
-    // The costs of candidates may be normalised. Those of moved lines are not.
+    // The costs of candidates may be normalised. The costs of moved lines are not.
     let pairs: Vec<_> = best.iter().map(|candidate| (candidate.line1, candidate.line2)).collect();
     for (candidate, cost) in best.iter_mut().zip(level.lines.pair_costs(&pairs)) {
         candidate.cost = cost;

@@ -1,5 +1,5 @@
-//! Published search (paper, section 5.1): bisectors and round trips propose geometries, lines over
-//! both images rank them, and the five numbers of the best one are refined on lines.
+//! Published search (paper, section 5.1). Bisectors and round trips propose geometries, and lines
+//! over both images rank them. The five numbers of the best one are refined on lines.
 
 mod hypotheses;
 mod refinement;

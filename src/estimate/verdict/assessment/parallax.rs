@@ -19,8 +19,8 @@
 //!     N = n (n − 1) / 2 · P(Γ(n − 2) ≥ − Σ ln p of all but the two best)
 //! ```
 //!
-//! is the expected number of epipoles that do as well as that of F if all groups are unrelated to
-//! it (a number of false alarms: Desolneux, Moisan & Morel 2000; Moisan & Stival 2004 for F).
+//! is the expected number of epipoles that do as well as the epipole of F by chance. It is a number
+//! of false alarms (Desolneux, Moisan & Morel 2000; Moisan & Stival 2004 for F).
 //! Several groups of equal motion may be one body, like two halves of a picture pulled apart. So N
 //! is also computed of motions: each counts once, with its mean. Some matches are always wrong. On
 //! repeated patterns (lines of print) they are shifted along the pattern, like points at another

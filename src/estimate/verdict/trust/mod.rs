@@ -60,7 +60,7 @@ pub enum Reason {
         /// Largest agreement by chance.
         by_chance: f64,
     },
-    /// Few lines have barcodes that differ from those of their neighbours.
+    /// Few lines have other barcodes than their neighbours.
     FewBarcodes {
         /// Number of independent lines.
         lines: usize,

@@ -101,8 +101,8 @@ impl PlaneEvidence {
             && self.motions > ANY_EPIPOLE
     }
 
-    /// Returns the evidence that determines the epipoles, or, if both or neither do, the one that
-    /// is less likely by chance.
+    /// Returns the evidence that determines the epipoles. If both kinds or neither do, returns the
+    /// kind that is less likely by chance.
     pub fn or_stronger(self, other: Self) -> Self {
         let rank = |one: &Self| (!one.holds_the_epipoles(), one.by_chance);
         if rank(&other) < rank(&self) { other } else { self }
