@@ -1,7 +1,8 @@
-//! Presentation of the estimator: sentences, tooltips and scales for its codes and figures.
+//! Words for the estimator: sentences of verdicts, names and tooltips of parameters, scales of
+//! figures.
 //!
-//! The estimator itself gives only codes and figures. The command line, the window and the result
-//! files take their words from here.
+//! The estimator gives only codes and figures. The command line, the window and the result files
+//! take their words from here.
 
 mod parameters;
 mod reasons;

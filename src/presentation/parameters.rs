@@ -5,13 +5,13 @@ use std::fmt::Write;
 
 use crate::estimate::{PARAMETERS, ParameterEntry, ParameterValue, Parameters, Preset};
 
-/// Words about one parameter.
+/// Name, tooltip and format of one parameter.
 struct Words {
     key: &'static str,
     name: &'static str,
     tooltip: &'static str,
     decimals: usize,
-    /// Unit for people and its size in files, if they differ: `π/180` for an angle shown in degrees.
+    /// Unit shown, and its size in the unit of files, if they differ: `π/180` for degrees.
     converted: Option<(&'static str, f64)>,
     choices: &'static [&'static str],
 }
@@ -40,20 +40,24 @@ impl Words {
     }
 }
 
-/// Words of all parameters.
 const WORDS: [Words; PARAMETERS.len()] = [
-    number("coarse_side", "Coarse size", 0, "Longer side of the images that the pencils are compared on."),
+    number(
+        "coarse_side",
+        "Coarse size",
+        0,
+        "Longer side of the reduced images in which the pencils are compared.",
+    ),
     number(
         "line_spacing",
         "Line spacing",
         1,
-        "How far apart neighbouring lines of a pencil are at the farthest corner of the coarse image.",
+        "Distance between neighbouring lines of a pencil at the farthest corner of the coarse image.",
     ),
     number(
         "rotation",
         "Rotation",
         0,
-        "How far the images may be rotated against each other; lines turned farther are not compared.",
+        "Largest rotation between the images. Lines turned farther are not compared.",
     )
     .in_degrees(),
     number(
@@ -72,181 +76,206 @@ const WORDS: [Words; PARAMETERS.len()] = [
         "stereo.truncation",
         "Truncation",
         0,
-        "Largest cost of one sample: more different than this counts alike.",
+        "Largest cost of one sample. All larger differences cost this much.",
     ),
     number(
         "stereo.lambda",
         "Smoothness",
         0,
-        "Cost of a change of disparity by one sample; larger changes cost its square as often.",
+        "Cost of a change of disparity by one sample. A change by n samples costs n² times as much.",
     ),
-    number("stereo.alpha", "Jump", 0, "Largest cost of a change of disparity, as at the edge of an object."),
+    number(
+        "stereo.alpha",
+        "Jump",
+        0,
+        "Largest cost of a change of disparity. It applies at the edges of objects.",
+    ),
     number("stereo.outside", "Outside", 0, "Cost of a sample whose match falls outside the other image."),
     choice(
         "measure",
         "Lines compared by",
         &["Stereo", "Barcodes"],
-        "What tells which lines correspond: stereo matching of the intensities along them, or, of two sequences of frames, in which frames they are crossed by something that moves.",
+        "Measure of line similarity. Stereo matches the intensities along two lines. Barcodes compare the frames in which moving objects cross them, in two sequences.",
     ),
     choice(
         "stereo.ordering",
         "Ordering",
         &["Positions", "Free", "Disparities"],
-        "Which changes of disparity are allowed: matches never go back along the line, anything, or disparities only grow as the paper prints it.",
+        "Allowed changes of disparity. Positions: matches never go back along the line. Free: any change. Disparities: they never decrease, as printed in the paper.",
     ),
     switch(
         "normalise",
         "Normalise",
-        "Divide each cost by the medians of its row and column, so that a line that matches everything is no longer preferred.",
+        "Divide each cost by the medians of its row and column. Otherwise a line without texture, which matches everything, is preferred.",
     ),
     number(
         "mutual",
         "Mutual best",
         0,
-        "Two lines are a candidate when each is among this many best of the other.",
+        "Two lines are a candidate pair when each is among this many best matches of the other.",
     ),
     number(
         "all_lines",
         "All lines",
         0,
-        "About how many lines of each image are compared when lines alone are to give the geometry.",
+        "Approximate number of lines of each image in the search with all lines.",
     ),
-    number("all_lines_side", "Their size", 0, "Longer side of the images that all lines are compared on."),
+    number(
+        "all_lines_side",
+        "All-lines size",
+        0,
+        "Longer side of the reduced images in which all lines are compared.",
+    ),
     number(
         "hypotheses",
         "Hypotheses",
         0,
-        "How many combinations of one candidate for p and one for q are tried.",
+        "Number of tried combinations of a candidate line pair through p and one through q.",
     ),
     number(
         "all_lines_draws",
         "Draws",
         0,
-        "How often two candidates and a third are drawn when lines alone are to give the geometry.",
+        "Number of samples of three candidate line pairs, in the search with all lines.",
     ),
-    number("seed", "Seed", 0, "Start of the random numbers: the same seed gives the same result."),
+    number("seed", "Seed", 0, "Start of the random numbers. The same seed gives the same result."),
     switch(
         "search",
         "Patch support",
-        "Let small image patches choose among the combinations, instead of the round trip alone.",
+        "Rank the hypotheses by small image patches that match. If off, lines alone rank them, as published.",
     ),
     number(
         "agreement",
         "Agreement",
         1,
-        "A line pair agrees with a geometry that lines alone gave when the area between its line and the one it is mapped to is below this many pixels times the width of the images that were compared.",
+        "Largest mean distance between a line and its mapped partner at which the pair agrees with a geometry, in the search with all lines.",
     ),
     number(
         "validated",
         "Validated",
         2,
-        "Fraction of the hypotheses, those with the smallest round-trip area, whose lines are compared over the whole images.",
+        "Fraction of the hypotheses whose lines are compared over the whole images. Those with the smallest round-trip area are taken.",
     ),
     number(
         "validation_lines",
         "Lines",
         0,
-        "Epipolar lines of each image that are compared for one hypothesis.",
+        "Number of epipolar lines of each image compared for one hypothesis.",
     ),
     choice(
         "line_score",
         "Line score",
         &["Cost", "Against mismatched"],
-        "What a hypothesis is scored by: the matching cost of its lines as published, or that cost against the cost of mismatched lines.",
+        "Score of a hypothesis. Cost: the matching cost of its lines, as published. Against mismatched: this cost divided by the cost of mismatched lines.",
     ),
     number(
         "resampling",
         "Resampling",
         0,
-        "Most rounds in which new hypotheses are drawn from the matches of the best ones; it stops earlier when they bring nothing.",
+        "Largest number of rounds that draw new hypotheses from the matches of the best ones. They end when a round brings nothing.",
     ),
     switch(
         "parallax",
         "Plane and parallax",
-        "When resampling, also draw epipoles from what lies off the largest planes of the scene.",
+        "When resampling, also draw epipoles from matches off the largest planes of the scene.",
     ),
     switch(
         "refine",
         "Refine",
-        "Fit all seven degrees of freedom to patches matched along the epipolar lines at full resolution.",
+        "Fit all seven degrees of freedom of F to patches matched along the epipolar lines at full resolution.",
     ),
     number(
         "refined",
         "Refined",
         0,
-        "How many of the best hypotheses are refined; the one that comes out best is the result.",
+        "Number of best hypotheses that are refined. The best refined one is the result.",
     ),
     number(
         "click_sigma",
         "Click accuracy",
         2,
-        "Standard deviation of a click: how far the refinement may move the lines away from the clicked points.",
+        "Standard deviation of a click. A larger value lets the refinement move the lines farther from the clicked points.",
     ),
-    number("supported", "Supported", 0, "Combinations of candidates whose exact patch support is computed."),
-    number("pooled", "Pooled", 0, "Best hypotheses whose matches are pooled for resampling."),
-    number("resampling_draws", "Resampling draws", 0, "Samples of each kind in a round of resampling."),
+    number(
+        "supported",
+        "Supported",
+        0,
+        "Number of candidate combinations whose exact patch support is computed.",
+    ),
+    number("pooled", "Pooled", 0, "Number of best hypotheses whose matches are pooled for resampling."),
+    number(
+        "resampling_draws",
+        "Resampling draws",
+        0,
+        "Number of samples of each kind in a round of resampling.",
+    ),
     number(
         "line_refinement_rounds",
         "Line refinement",
         0,
-        "Rounds of the refinement on lines at each image size.",
+        "Number of rounds of the refinement on lines at each image size.",
     ),
     number(
         "line_refinement_step",
         "First step",
         1,
-        "First step of the refinement on lines, at the far side of the image.",
+        "First step of the refinement on lines, measured at the far side of the image.",
     ),
     number(
         "line_refinement_lines",
         "Lines refined",
         0,
-        "Lines in each direction that the refinement on lines compares.",
+        "Number of lines compared in each direction by the refinement on lines.",
     ),
     number(
         "rivals",
         "Rivals",
         0,
-        "Rivals that are refined if the margin before refinement is too small to decide.",
+        "Number of rivals refined if the margin before refinement is too small to decide.",
     ),
-    number("feature_draws", "Feature draws", 0, "Minimal samples of covariant features."),
-    number("features_refitted", "Features refitted", 0, "Hypotheses of features that are refitted."),
+    number("feature_draws", "Feature draws", 0, "Number of minimal samples of covariant features."),
+    number("features_refitted", "Features refitted", 0, "Number of feature hypotheses that are refitted."),
     number(
         "features_rematched",
         "Features rematched",
         0,
-        "Refitted hypotheses whose features are matched again along the epipolar lines.",
+        "Number of refitted hypotheses whose features are matched again along the epipolar lines.",
     ),
-    number("feature_views", "Feature views", 0, "Largest number of relative views that features suggest."),
+    number(
+        "feature_views",
+        "Feature views",
+        0,
+        "Largest number of relative views (rotation and scale) tried from features.",
+    ),
     number(
         "stand_in_searches",
         "Stand-in searches",
         0,
-        "Without clicks, largest number of searches through two drawn matches.",
+        "Largest number of searches without clicks, each through two randomly drawn matches.",
     ),
     number(
         "barcode_side",
         "Barcode size",
         0,
-        "Least longer side of the images in which barcodes are compared.",
+        "Smallest longer side of the images in which barcodes are compared.",
     ),
     number(
         "barcodes_refined",
         "Barcodes refined",
         0,
-        "Proposals refined on barcodes, of the clicks and of all lines each.",
+        "Number of proposals refined on barcodes: this many from the clicks, and as many from all lines.",
     ),
 ];
 
-/// Parameter with its name, tooltip and unit for people.
+/// Parameter with its name, tooltip and unit for display.
 #[derive(Clone, Copy)]
 pub struct ShownParameter {
-    /// Entry of the estimator.
+    /// Entry in the table of the estimator.
     pub entry: &'static ParameterEntry,
     words: &'static Words,
 }
 
-/// Returns all parameters, in the order of the stages.
+/// Returns all parameters in the order of the stages.
 pub fn shown_parameters() -> impl Iterator<Item = ShownParameter> {
     static ENTRIES: [ParameterEntry; PARAMETERS.len()] = PARAMETERS;
     static ALL: [Words; PARAMETERS.len()] = WORDS;
@@ -255,43 +284,43 @@ pub fn shown_parameters() -> impl Iterator<Item = ShownParameter> {
 }
 
 impl ShownParameter {
-    /// Name in the window.
+    /// Returns the name in the window.
     pub fn name(&self) -> &'static str {
         self.words.name
     }
 
-    /// Sentence about it.
+    /// Returns the tooltip, in whole sentences.
     pub fn tooltip(&self) -> &'static str {
         self.words.tooltip
     }
 
-    /// Unit shown, with the space before it.
+    /// Returns the unit shown, with the space before it.
     pub fn unit(&self) -> &'static str {
         self.words.converted.map_or(self.entry.unit, |(unit, _)| unit)
     }
 
-    /// Value in files of one unit shown.
+    /// Returns the value of one shown unit in the unit of files.
     pub fn of_unit(&self) -> f64 {
         self.words.converted.map_or(1.0, |(_, of_unit)| of_unit)
     }
 
-    /// Whether the unit shown differs from that in files.
+    /// Returns whether the shown unit differs from the unit of files.
     pub fn is_converted(&self) -> bool {
         self.words.converted.is_some()
     }
 
-    /// Decimals shown.
+    /// Returns the number of decimals shown.
     pub fn decimals(&self) -> usize {
         self.words.decimals
     }
 
-    /// Names of the choices, if it is a choice.
+    /// Returns the names of the choices. Empty for numbers and switches.
     pub fn choices(&self) -> &'static [&'static str] {
         self.words.choices
     }
 
-    /// Returns the error message for the value in `parameters`, in the unit shown. `None` if the value
-    /// is valid.
+    /// Returns the error message for the value in `parameters`, in the shown unit. `None` if the
+    /// value is valid.
     pub fn problem(&self, parameters: &Parameters) -> Option<String> {
         self.entry.check(parameters).err()?;
         let [least, most] = self.shown_range()?;
@@ -323,7 +352,7 @@ impl ShownParameter {
         }
     }
 
-    /// Range of a number, in the unit shown.
+    /// Returns the range of a number in the shown unit.
     fn shown_range(&self) -> Option<[f64; 2]> {
         match self.entry.value {
             ParameterValue::Number { range, .. } => Some(range.map(|end| end / self.of_unit())),

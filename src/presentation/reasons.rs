@@ -1,47 +1,51 @@
 //! Sentences for the reasons of a verdict and for the warnings about a result.
 //!
 //! Each message states the fact, then the consequence, then the action, in at most three short
-//! sentences. Pairs of points are numbered from 1, as `pair 2`.
+//! sentences. Pairs of points are numbered from 1, as `pair 2`. `docs/verdicts.md` explains every
+//! message.
 
 use crate::estimate::{ENOUGH_MATCHES, Reason, Suspect, Warning};
 
 /// Returns the message of a reason.
 pub fn reason_in_words(reason: &Reason) -> String {
     match *reason {
-        Reason::NotChecked => {
-            "Only lines were compared, no image patches. Nothing else confirms this geometry. \
-             Use the preset robust to compare patches too."
+        Reason::NotChecked => "Only lines were compared, so nothing else confirms this geometry. \
+             Use the preset robust, which also compares small image patches."
+            .into(),
+        Reason::NotRefined => {
+            "Too few image patches match along the epipolar lines. The geometry may be wrong. \
+             Check your point pairs, or add one."
                 .into()
         }
-        Reason::NotRefined => "Too few image patches match along the epipolar lines at full resolution. \
-             The geometry may be wrong. Check the point pairs, or add one."
-            .into(),
-        Reason::RefinementOff => "Refinement is off. No matches at full resolution confirm this geometry. \
-             Turn refinement on to check it."
-            .into(),
+        Reason::RefinementOff => {
+            "Refinement is off, so no matches at full resolution confirm this geometry. \
+             Turn refinement on."
+                .into()
+        }
         Reason::ClicksAlone => {
-            "The point pairs agree with each other, but not with the matches found in the images. \
-             This geometry follows from the point pairs alone. \
+            "The point pairs agree with each other, but contradict the matches found in the images. \
+             This geometry rests on the point pairs alone. \
              Check that each pair shows the same scene point in both images."
                 .into()
         }
         Reason::FewMatches { matches } => format!(
             "Only {matches} image patches match along the epipolar lines. \
-             Fewer than {ENOUGH_MATCHES} matches may be chance. \
+             Fewer than {ENOUGH_MATCHES} can match by chance. \
              Add a point pair, or use images that overlap more."
         ),
         Reason::BarcodesByChance { correlation, by_chance } => format!(
-            "Motion on corresponding lines correlates by {correlation:.2}, no better than with one \
-             sequence shifted in time ({by_chance:.2}). \
-             The recordings may not be simultaneous, or too little moves. \
+            "Corresponding lines share no more motion than by chance (correlation {correlation:.2}, \
+             by chance {by_chance:.2}). \
+             The recordings may not be simultaneous, the motion may repeat itself, or too little moves. \
              Check the frame offset, or record more motion."
         ),
         Reason::FewBarcodes { lines } => format!(
-            "Motion tells only about {lines} epipolar lines apart. That is too few for a reliable geometry. \
+            "The recorded motion distinguishes only {lines} epipolar lines, too few for a reliable geometry. \
              Record more frames, or motion in more places."
         ),
         Reason::LooseBarcodes { deviation } => format!(
             "The recorded motion leaves the epipolar lines uncertain by {deviation:.1} px. \
+             Matching points may be that far off their lines. \
              Record more frames, or motion in more places."
         ),
         Reason::ClickOff { pair, distance, suspect } => {
@@ -51,22 +55,24 @@ pub fn reason_in_words(reason: &Reason) -> String {
                      Check that both points show the same scene point."
                 }
                 Suspect::Geometry => {
-                    "The geometry has other faults, so the pair may be right. Add another pair to decide."
+                    "The geometry fails other tests, too, so the pair may be right. Add another pair to decide."
                 }
             };
             format!("Point pair {pair} is {distance:.1} px off its epipolar line. {advice}")
         }
         Reason::Contradicted { contradicting, matches } => format!(
-            "{contradicting} of {matches} distinctive matches that move together contradict the geometry. \
-             Either something moves by itself, a lens bends the images, or the geometry is wrong. \
+            "{contradicting} of {matches} distinctive matches are off their epipolar lines, \
+             more than by chance. \
+             Something in the scene moves, a lens bends the images, or the geometry is wrong. \
              Check the lines at points that you recognise."
         ),
         Reason::Bent { percent } => format!(
-            "{percent} % of the matches fit one plane, or a rotation of the camera, through a lens that bends straight \
-             lines. The epipole is uncertain. Remove the lens distortion, or use views farther apart."
+            "{percent} % of the matches fit one plane or a rotation of the camera, \
+             if the lens bends straight lines. \
+             The epipole is then uncertain. Remove the lens distortion, or use views farther apart."
         ),
         Reason::Pattern { size } => format!(
-            "In whole regions of the image, the matches are off their lines by the same {size:.1} px. \
+            "Neighbouring matches are off their epipolar lines by the same distance, about {size:.1} px. \
              A lens bends the images, something moves, or the geometry is only approximate. \
              Remove the lens distortion, or use images of a still scene."
         ),
@@ -79,26 +85,29 @@ pub fn reason_in_words(reason: &Reason) -> String {
             )
         }
         Reason::OnePlane { percent, groups, agreeing } => format!(
-            "{percent} % of the matches fit one plane or a rotation of the camera, so the epipole is uncertain. \
+            "{percent} % of the matches fit one plane or a rotation of the camera, \
+             so the epipole is uncertain. \
              {} Use views farther apart, or a scene with more depth.",
             off_the_plane(agreeing, groups)
         ),
         Reason::Loose { deviation } => format!(
             "The matches leave the epipolar lines uncertain by {deviation:.1} px. \
+             Matching points may be that far off their lines. \
              Add point pairs, or use images that overlap more."
         ),
     }
 }
 
-/// Returns a sentence on the matches off the plane.
+/// Returns a sentence on whether the matches off the plane confirm the epipole.
 fn off_the_plane(agreeing: usize, groups: usize) -> String {
     match (agreeing, groups) {
-        (_, 0) => "No match off the plane determines it.".into(),
-        (0, 1) => "The one motion off the plane does not agree with it.".into(),
-        (0, _) => format!("None of {groups} motions off the plane agrees with it."),
-        _ => {
-            format!("Only {agreeing} of {groups} motions off the plane agree with it, which could be chance.")
-        }
+        (_, 0) => "No match off the plane confirms it.".into(),
+        (0, 1) => "The one group of matches off the plane contradicts it.".into(),
+        (0, _) => format!("All {groups} groups of matches off the plane contradict it."),
+        (1, 1) => "The epipole fits the one group of matches off the plane, which may be chance.".into(),
+        _ => format!(
+            "The epipole fits {agreeing} of {groups} groups of matches off the plane, too few to be sure."
+        ),
     }
 }
 
@@ -106,16 +115,17 @@ fn off_the_plane(agreeing: usize, groups: usize) -> String {
 pub fn warning_in_words(warning: &Warning) -> String {
     match *warning {
         Warning::SameEpipolarLine { distance } => format!(
-            "The two clicks lie nearly on one epipolar line, only {distance:.1} px apart across it. \
-             They hardly determine the epipole. Move one of them across the lines."
+            "Two point pairs lie nearly on one epipolar line, only {distance:.1} px apart across it. \
+             On their own, they hardly determine where the lines meet. \
+             Move one of them away from the line of the other."
         ),
         Warning::CloseClicks { distance } => format!(
-            "The two clicks are only {distance:.0} px apart. A small error of one turns the lines far. \
-             Choose points farther apart."
+            "Two point pairs are only {distance:.0} px apart. \
+             A small error in one of them turns the epipolar lines far. Choose points farther apart."
         ),
         Warning::LittleTexture { pair, textured, lines } => format!(
-            "Only {textured} of {lines} lines through point pair {pair} have texture. The others cannot be compared. \
-             Choose a point in a textured part of the images."
+            "Only {textured} of {lines} lines through point pair {pair} have texture. \
+             The others cannot be compared. Choose a point in a textured part of the images."
         ),
     }
 }
@@ -124,32 +134,85 @@ pub fn warning_in_words(warning: &Warning) -> String {
 mod tests {
     use super::*;
 
-    #[test]
-    fn every_message_has_at_most_three_short_sentences() {
-        let reasons = [
+    /// Returns examples of all reasons. The first example of each reason stands in
+    /// `docs/verdicts.md`.
+    fn reasons() -> Vec<Reason> {
+        vec![
             Reason::NotChecked,
             Reason::NotRefined,
             Reason::RefinementOff,
             Reason::ClicksAlone,
-            Reason::FewMatches { matches: 12 },
-            Reason::BarcodesByChance { correlation: 0.31, by_chance: 0.4 },
-            Reason::FewBarcodes { lines: 9 },
-            Reason::LooseBarcodes { deviation: 3.2 },
-            Reason::ClickOff { pair: 2, distance: 40.0, suspect: Suspect::Click },
+            Reason::FewMatches { matches: 17 },
+            Reason::BarcodesByChance { correlation: 0.21, by_chance: 0.21 },
+            Reason::FewBarcodes { lines: 11 },
+            Reason::LooseBarcodes { deviation: 2.7 },
+            Reason::ClickOff { pair: 2, distance: 13.9, suspect: Suspect::Click },
             Reason::ClickOff { pair: 2, distance: 40.0, suspect: Suspect::Geometry },
-            Reason::Contradicted { contradicting: 7, matches: 90 },
-            Reason::Bent { percent: 97 },
-            Reason::Pattern { size: 1.5 },
-            Reason::Ambiguous { margin: 0.1 },
-            Reason::OnePlane { percent: 50, groups: 37, agreeing: 19 },
+            Reason::Contradicted { contradicting: 17, matches: 180 },
+            Reason::Bent { percent: 98 },
+            Reason::Pattern { size: 0.8 },
+            Reason::Ambiguous { margin: 0.02 },
+            Reason::OnePlane { percent: 98, groups: 13, agreeing: 4 },
             Reason::OnePlane { percent: 98, groups: 0, agreeing: 0 },
+            Reason::OnePlane { percent: 98, groups: 1, agreeing: 0 },
+            Reason::OnePlane { percent: 98, groups: 1, agreeing: 1 },
+            Reason::OnePlane { percent: 98, groups: 12, agreeing: 0 },
             Reason::Loose { deviation: 2.0 },
-        ];
-        let warnings = [
-            Warning::SameEpipolarLine { distance: 1.0 },
-            Warning::CloseClicks { distance: 9.0 },
-            Warning::LittleTexture { pair: 3, textured: 4, lines: 60 },
-        ];
+        ]
+    }
+
+    /// Returns examples of all warnings. All of them stand in `docs/verdicts.md`.
+    fn warnings() -> Vec<Warning> {
+        vec![
+            Warning::SameEpipolarLine { distance: 0.5 },
+            Warning::CloseClicks { distance: 48.0 },
+            Warning::LittleTexture { pair: 1, textured: 33, lines: 171 },
+        ]
+    }
+
+    /// Returns the names of the variants of an enumeration, read from its source.
+    fn variants<'a>(source: &'a str, name: &str) -> Vec<&'a str> {
+        let body = source.split(&format!("pub enum {name} {{")).nth(1).unwrap();
+        let body = body.split("\n}").next().unwrap();
+        let is_variant = |line: &&str| line.as_bytes().get(4).is_some_and(u8::is_ascii_uppercase);
+        body.lines().filter(is_variant).map(|line| line.trim().trim_end_matches([',', '{', ' '])).collect()
+    }
+
+    /// Returns a name of the source in the form of result files: `few-matches` for `FewMatches`.
+    fn in_files(name: &str) -> String {
+        let mut text = String::new();
+        for letter in name.chars() {
+            if letter.is_ascii_uppercase() && !text.is_empty() {
+                text.push('-');
+            }
+            text.push(letter.to_ascii_lowercase());
+        }
+        text
+    }
+
+    #[test]
+    fn the_document_explains_every_message() {
+        let document = include_str!("../../docs/verdicts.md");
+        let words: Vec<&str> = document.split_whitespace().filter(|word| *word != ">").collect();
+        let text = words.join(" ");
+        let mut reasons = reasons();
+        reasons.dedup_by_key(|reason| std::mem::discriminant(reason));
+        let messages = reasons.iter().map(reason_in_words);
+        for message in messages.chain(warnings().iter().map(warning_in_words)) {
+            assert!(text.contains(&message), "docs/verdicts.md lacks: {message}");
+        }
+        let reason_names = variants(include_str!("../estimate/verdict/trust/mod.rs"), "Reason");
+        let warning_names = variants(include_str!("../estimate/error.rs"), "Warning");
+        assert_eq!((reason_names.len(), warning_names.len()), (reasons.len(), warnings().len()));
+        for name in reason_names.into_iter().chain(warning_names) {
+            let heading = format!("\n### `{}`\n", in_files(name));
+            assert!(document.contains(&heading), "docs/verdicts.md lacks the section of {name}");
+        }
+    }
+
+    #[test]
+    fn every_message_has_at_most_three_short_sentences() {
+        let (reasons, warnings) = (reasons(), warnings());
         let messages = reasons.iter().map(reason_in_words).chain(warnings.iter().map(warning_in_words));
         for message in messages {
             assert!(message.ends_with('.') && !message.contains("  "), "{message}");

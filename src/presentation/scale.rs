@@ -1,46 +1,49 @@
-//! What is good and bad of the figures that a result is judged by. The limits are those of the rules in `trust`.
+//! Scales that tell good figures of a result from bad ones, with the limits of the verdict's rules.
 
 use crate::estimate::{
     CLEAR_MARGIN, CLICK_DEVIATIONS, CLICK_DEVIATIONS_WRONG, ENOUGH_MATCHES, FAR_TOO_FEW, GUESS_MARGIN,
     Verdict,
 };
 
-/// Limits from where on a figure is good, and from where on bad; between them it leaves doubts.
+/// Two limits of a figure. A figure between them leaves doubts.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Scale {
-    /// A figure as good as this has nothing against the result.
+    /// Limit of good figures. A figure as good as this one leaves no doubt.
     pub good: f64,
-    /// A figure worse than this speaks against the result by itself.
+    /// Limit of bad figures. A worse figure alone speaks against the result.
     pub bad: f64,
 }
 
 impl Scale {
-    /// Matches at full resolution.
+    /// Number of matches at full resolution.
     pub const MATCHES: Self = Self { good: ENOUGH_MATCHES as f64, bad: FAR_TOO_FEW as f64 };
     /// Advantage over the best clearly different geometry, as a fraction.
     pub const MARGIN: Self = Self { good: CLEAR_MARGIN, bad: GUESS_MARGIN };
 
-    /// The Sampson distance of a click with this standard deviation, px.
+    /// Returns the scale for the Sampson distance of a click whose standard deviation is
+    /// `sigma` px.
     pub fn click(sigma: f64) -> Self {
         Self { good: CLICK_DEVIATIONS * sigma, bad: CLICK_DEVIATIONS_WRONG * sigma }
     }
 
-    /// The support that is ahead of a rival by the margins of [`Scale::MARGIN`].
+    /// Returns the scale for the support of a geometry whose rival has support `rival`. Its limits
+    /// are the margins of [`Scale::MARGIN`].
     pub fn support_beside(rival: f64) -> Self {
         Self { good: rival / (1.0 - CLEAR_MARGIN), bad: rival / (1.0 - GUESS_MARGIN) }
     }
 
-    /// The line score that is ahead of a rival by the margins of [`Scale::MARGIN`].
+    /// Returns the scale for the line score of a geometry whose rival has the score `rival`. Its
+    /// limits are the margins of [`Scale::MARGIN`].
     pub fn line_score_beside(rival: f64) -> Self {
         Self { good: rival * (1.0 - CLEAR_MARGIN), bad: rival * (1.0 - GUESS_MARGIN) }
     }
 
-    /// Whether a larger figure is a better one.
+    /// Returns whether larger figures are better.
     pub fn more_is_better(self) -> bool {
         self.good > self.bad
     }
 
-    /// What a figure alone makes of a result.
+    /// Returns the verdict that follows from a figure alone.
     pub fn judge(self, figure: f64) -> Verdict {
         let reaches = |limit: f64| if self.more_is_better() { figure >= limit } else { figure <= limit };
         if reaches(self.good) {

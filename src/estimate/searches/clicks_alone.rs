@@ -1,18 +1,18 @@
-//! Geometry of the clicks alone, for clicks that agree with each other and contradict the images.
+//! Geometry of the clicks alone, if they agree with each other and contradict the images.
 
 use crate::geometry::{
     FundamentalMatrix, Observation, PointPair, eight_point, fit_fundamental, median, sampson_distance,
     seven_point,
 };
 
-/// Clicks that determine `F` by themselves: the seven unknowns, and one click to tell that they
-/// agree.
+/// Number of clicks that determine `F` by themselves: one for each of the seven unknowns, and one
+/// to test that they agree.
 const CLICKS_ALONE: usize = 8;
-/// Median distance of the clicks from the found geometry, in multiples of that from the geometry of
-/// the other clicks, beyond which they contradict it. Not measured.
+/// Median distance of the clicks from the found geometry, in multiples of their median distance
+/// from the geometry of the other clicks, beyond which they contradict it. Not measured.
 const CONTRADICTED: f64 = 3.0;
 
-/// The geometry that the clicks determine by themselves, where they agree with each other and contradict `found`.
+/// Returns the geometry of the clicks alone, if they agree with each other and contradict `found`.
 pub(super) fn of_clicks_alone(
     clicks: &[PointPair],
     found: &FundamentalMatrix,
@@ -25,12 +25,14 @@ pub(super) fn of_clicks_alone(
         clicks.iter().map(|pair| Observation { pair: *pair, sigma: click_sigma }).collect();
     let fitted = fit_fundamental(&eight_point(clicks).ok()?, &observations, ROBUST_CLICKS)?.fundamental;
     let off_found = clicks.iter().map(|pair| sampson_distance(found, pair));
-    // A fit passes eight clicks that determine it badly, too: how far it can be trusted shows in a click it was not fitted to.
+    // A fit to eight clicks passes through all of them, right or wrong. A click that is left out
+    // tests the fit.
     let off_others = (0..clicks.len()).map(|k| off_the_others(clicks, k));
     (median(off_found) > CONTRADICTED * median(off_others).max(click_sigma)).then_some(fitted)
 }
 
-/// How far a click is off the geometry that the others determine by themselves, px; infinitely where they determine none.
+/// Returns the distance of a click from the geometry of the other clicks, px. Infinite if they
+/// determine none.
 fn off_the_others(clicks: &[PointPair], k: usize) -> f64 {
     let mut others = clicks.to_vec();
     let left_out = others.remove(k);
@@ -71,7 +73,7 @@ mod tests {
     }
 
     #[test]
-    fn eight_clicks_that_do_not_agree_overrule_nothing() {
+    fn eight_clicks_that_disagree_overrule_nothing() {
         let scene = ExactScene::aside();
         let mut clicks = scene.pairs(CLICKS_ALONE);
         for (k, pair) in (1..).zip(&mut clicks) {
@@ -79,17 +81,17 @@ mod tests {
         }
         let off =
             |f: &FundamentalMatrix| clicks.iter().map(|pair| sampson_distance(f, pair)).collect::<Vec<_>>();
-        // A fit to eight passes all of them, whatever they are.
+        // A fit to eight clicks passes through all of them, right or wrong.
         assert!(median(off(&eight_point(&clicks).unwrap())) < 1.5);
         assert!(median(off(&scene.fundamental())) > CONTRADICTED);
         assert!(of_clicks_alone(&clicks, &scene.fundamental(), 1.0).is_none());
     }
 
     #[test]
-    fn a_geometry_of_clicks_alone_is_called_that_and_compared_with_what_was_found() {
+    fn a_geometry_of_clicks_alone_is_named_and_compared_with_the_found_one() {
         let scene = ExactScene::aside();
         let prepared = scene.prepared();
-        // All of them are off what the images show, by the same.
+        // All clicks are off the image content by the same shift.
         let mut clicks = scene.pairs(60);
         for pair in &mut clicks {
             pair.point2.y += 40.0;

@@ -1,4 +1,5 @@
-//! Search with patches, then, if doubts remain, with covariant features under the views they suggest.
+//! Search with patches, then, if doubts remain, with covariant features under the views they
+//! suggest.
 
 use super::clicks_alone::of_clicks_alone;
 use super::judged::{Found, Judged, distinct_hypotheses};
@@ -21,14 +22,14 @@ use crate::image::RelativeView;
 /// Geometries proposed by covariant features, best first.
 pub(in crate::estimate) struct FeatureProposals {
     pub hypotheses: Vec<FeatureHypothesis>,
-    /// Kind of features that propose.
+    /// Kind of the features.
     pub of: FeatureViews,
     /// Relative views of the images, from the features that the hypotheses explain.
     pub views: Vec<RelativeView>,
 }
 
 impl FeatureProposals {
-    /// Proposes geometries from features and the clicks, however many.
+    /// Proposes geometries from features and any number of clicks.
     pub fn new(
         prepared: &PreparedPair,
         of: FeatureViews,
@@ -132,7 +133,8 @@ pub(in crate::estimate) fn search(
     let Some(f) = of_clicks_alone(&observed, &best.fundamental, parameters.click_sigma) else {
         return Ok(best);
     };
-    // Judged under the view of the geometry that it replaces, beside the same rivals.
+    // The geometry of the clicks is judged under the view of the one it replaces, with the same
+    // rivals.
     let viewed = ViewedPair::new(prepared, best.patches, parameters);
     let support = viewed.patches.measure(viewed.pyramids(), &f);
     let mut hypotheses = vec![Estimate::proposed(f, None, support)];
@@ -141,9 +143,9 @@ pub(in crate::estimate) fn search(
     Ok(Judged::of(found, &viewed, &best.clicks, parameters, record))
 }
 
-/// Ranks proposed geometries by patches and features under a view, refines and judges them. `rivals`
-/// compete under the same support. `None` if none passes through the clicks, of which there may be
-/// any number.
+/// Ranks proposed geometries by patches and features under a view, refines and judges them.
+/// `rivals` compete under the same support. Takes any number of clicks. `None` if no geometry
+/// passes through them.
 pub(super) fn judge_proposed(
     proposed: &[FundamentalMatrix],
     rivals: &[Estimate],
@@ -158,7 +160,7 @@ pub(super) fn judge_proposed(
     let turn = viewed.patches.view().rotation;
     let starts: Vec<Proposal> =
         proposed.iter().filter_map(|f| Proposal::of(f, anchors, turn, fine)).collect();
-    // What was found upright competes under the same support.
+    // Geometries found under the upright view compete under the same support.
     let rivals = rivals.iter().filter_map(|h| Proposal::of(h.fundamental(), anchors, h.turn(), fine));
     let ranked = rank_fine(fine, starts, rivals.collect(), &clicks.observed(), parameters, cancel)?;
     if ranked.is_empty() {
@@ -178,7 +180,7 @@ mod tests {
     use crate::estimate::{Monitor, SearchPlan};
 
     #[test]
-    fn features_need_no_click_to_be_ranked_and_lines_only_where_there_are_two() {
+    fn features_are_ranked_without_clicks_and_lines_are_measured_only_with_two() {
         let scene = ExactScene::aside();
         let (prepared, parameters) = (scene.prepared(), Parameters::default());
         let patches = prepared.patches_with_features(RelativeView::UPRIGHT, FeatureViews::Frontal);

@@ -14,7 +14,7 @@ use crate::estimate::verdict::trust::{Reason, Verdict};
 use crate::estimate::{Clicks, Estimate, EstimateError, Parameters, PatchSupport};
 use crate::geometry::{FundamentalMatrix, PointPair};
 
-/// Result of a search before its judgement.
+/// Result of a search before its assessment.
 pub(in crate::estimate) struct Found {
     /// The best geometry before refinement.
     pub fundamental: FundamentalMatrix,
@@ -28,7 +28,7 @@ pub(in crate::estimate) struct Found {
     pub clicks_alone: bool,
 }
 
-/// Judged geometry, with the evidence of the view in which it was found.
+/// Assessed geometry, with the evidence of the view under which it was found.
 pub(in crate::estimate) struct Judged {
     /// Clicks of the search, stand-ins included.
     pub clicks: Clicks,
@@ -94,7 +94,7 @@ impl Judged {
             || self.assessment.trust.as_ref().is_none_or(|trust| trust.reasons.iter().any(thin))
     }
 
-    /// Returns whether nothing speaks against the result, and no rival was refined to decide.
+    /// Returns whether the verdict is reliable and was reached without refining rivals.
     pub fn is_clear(&self) -> bool {
         let assessment = &self.assessment;
         assessment.refined_margin.is_none()

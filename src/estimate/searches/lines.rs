@@ -1,4 +1,4 @@
-//! The search with lines and nothing else (paper, section 4): no point is known.
+//! Search with lines alone, without any point (paper, section 4).
 
 use super::features::judge_proposed;
 use super::judged::{Found, Judged, report_preliminary};
@@ -12,11 +12,12 @@ use crate::estimate::{Clicks, Estimate, EstimateError, Parameters, PreparedPair,
 use crate::geometry::{FundamentalMatrix, PointPair};
 use crate::similarity::SimilarityParameters;
 
-/// Least disparity tried where no click fixes the zero, as a share of the longer side: a quarter of
-/// the image. Not measured.
+/// Smallest reach of disparities without a click to fix their zero, as a share of the longer side:
+/// a quarter of the image. Not measured.
 const UNANCHORED_REACH: f64 = 0.25;
 
-/// Candidate pairs among all lines, two for the epipoles and a third for the map, counted by the candidates that agree.
+/// Finds candidate pairs among all lines and draws three of them at a time: two give the epipoles,
+/// a third gives the map. Counts the candidates that agree.
 pub(in crate::estimate) fn search(
     prepared: &PreparedPair,
     clicks: &Clicks,
@@ -63,7 +64,7 @@ pub(in crate::estimate) fn search(
     Ok(Judged::of(found, &viewed, clicks, parameters, record))
 }
 
-/// What lines proposed, ranked and refined by patches; `None` where patches find nothing to hold on to.
+/// Ranks, refines and judges the proposals by patches. `None` if too few patches match.
 fn by_their_patches(
     geometries: &[FundamentalMatrix],
     viewed: &ViewedPair,

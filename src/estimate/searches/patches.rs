@@ -1,5 +1,5 @@
-//! Search with patches: votes for κ propose, patch support ranks, matches along the epipolar lines
-//! refine.
+//! Search with patches: votes for κ propose geometries, patch support ranks them, and matches along
+//! the epipolar lines refine them.
 
 use super::judged::{Judged, distinct_hypotheses, report_preliminary};
 use super::pencils::compare_pencils;

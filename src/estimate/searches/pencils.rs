@@ -31,7 +31,7 @@ pub(super) fn compare_pencils(
         ([p, q, ..], [pencils_p, pencils_q, ..]) => {
             Ok(([*p, *q], [Arc::clone(pencils_p), Arc::clone(pencils_q)]))
         }
-        // The points were checked before.
+        // `check_points` has made sure of two anchors.
         _ => Err(EstimateError::TooFewPairs { found: anchors.len(), needed: 2 }),
     }
 }

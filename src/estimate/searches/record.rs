@@ -1,4 +1,5 @@
-//! What a search notes on its way: the stage it is in, times, counts, the pencils of the present clicks, the first geometry.
+//! Record of a running search: stage, times, counts, pencils of the present clicks, and the time of
+//! the first geometry.
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -11,7 +12,7 @@ use crate::estimate::{
     StageTiming,
 };
 
-/// The notes of one search.
+/// Record of one search.
 pub(in crate::estimate) struct SearchRecord<'a> {
     monitor: &'a Monitor<'a>,
     begun: Instant,
@@ -19,16 +20,16 @@ pub(in crate::estimate) struct SearchRecord<'a> {
     stage_begun: Instant,
     timings: Vec<StageTiming>,
     first_seconds: Option<f64>,
-    /// Through the anchors of the present clicks; a search through other clicks has others.
+    /// Pencils through the anchors of the present clicks. They change with the clicks.
     pencils: Vec<Arc<ComparedPencils>>,
-    /// Lines that were compared without any point, and candidates among them.
+    /// Numbers of lines and candidates in the search with all lines.
     lines_alone: Option<([usize; 2], usize)>,
-    /// How much was examined so far.
+    /// Numbers of examined lines and hypotheses so far.
     pub counts: SearchCounts,
 }
 
 impl<'a> SearchRecord<'a> {
-    /// A search that began then.
+    /// Returns the record of a search that began at `begun`.
     pub fn new(begun: Instant, monitor: &'a Monitor<'a>) -> Self {
         Self {
             monitor,
@@ -43,12 +44,12 @@ impl<'a> SearchRecord<'a> {
         }
     }
 
-    /// Flag that stops the search.
+    /// Returns the flag that stops the search.
     pub fn cancel(&self) -> &'a CancelFlag {
         self.monitor.cancel()
     }
 
-    /// Ends the stage before and begins this one, unless a stop was asked for.
+    /// Ends the previous stage and begins `stage`. Fails if the search is cancelled.
     pub fn enter(&mut self, stage: Stage) -> Result<(), EstimateError> {
         self.end_stage();
         self.stage = stage;
@@ -59,7 +60,7 @@ impl<'a> SearchRecord<'a> {
     fn end_stage(&mut self) {
         let now = Instant::now();
         let seconds = (now - self.stage_begun).as_secs_f64();
-        // A wider search comes to a stage again.
+        // A search may enter a stage several times.
         match self.timings.iter_mut().find(|timing| timing.stage == self.stage) {
             Some(timing) => timing.seconds += seconds,
             None => self.timings.push(StageTiming { stage: self.stage, seconds }),
@@ -67,8 +68,8 @@ impl<'a> SearchRecord<'a> {
         self.stage_begun = now;
     }
 
-    /// Notes and reports the pencils through the anchors of these clicks, in place of those before; an error when there is
-    /// nothing to go on with.
+    /// Records and reports the pencils through the anchors of these clicks. Replaces the previous
+    /// pencils. Fails if a pencil has no candidates.
     pub fn pencils(
         &mut self,
         clicks: &Clicks,
@@ -77,7 +78,7 @@ impl<'a> SearchRecord<'a> {
         let without = pencils.iter().position(|compared| compared.candidates.is_empty());
         self.pencils = pencils;
         if let Some(anchor) = without {
-            // Nobody can do anything about a match that stands in for a click.
+            // The user cannot move a match that stands in for a click.
             let number = clicks.anchor_numbers().get(anchor).copied().flatten();
             return Err(number.map_or(EstimateError::NoGeometry, |pair| EstimateError::NoCandidates { pair }));
         }
@@ -85,17 +86,17 @@ impl<'a> SearchRecord<'a> {
         Ok(())
     }
 
-    /// The pencils through the present anchors.
+    /// Returns the pencils through the present anchors.
     pub fn present_pencils(&self) -> &[Arc<ComparedPencils>] {
         &self.pencils
     }
 
-    /// Notes lines that were compared without any point.
+    /// Records the numbers of lines and candidates of the search with all lines.
     pub fn lines_alone(&mut self, lines: [usize; 2], candidates: usize) {
         self.lines_alone = Some((lines, candidates));
     }
 
-    /// Reports a geometry that is good enough to draw.
+    /// Reports a geometry good enough to draw.
     pub fn preliminary(
         &mut self,
         found: Estimate,
@@ -110,13 +111,13 @@ impl<'a> SearchRecord<'a> {
         self.monitor.report(Progress::Preliminary(Box::new(Estimate { trace, ..found })));
     }
 
-    /// Ends the last stage, unless a stop was asked for.
+    /// Ends the last stage. Fails if the search is cancelled.
     pub fn finish(&mut self) -> Result<(), EstimateError> {
         self.end_stage();
         Ok(self.monitor.cancel().check()?)
     }
 
-    /// The notes so far, with the hypotheses and the pencils that go with these clicks.
+    /// Returns the trace so far, with the hypotheses and pencils of these clicks.
     pub fn trace(
         &self,
         clicks: &Clicks,
@@ -159,7 +160,7 @@ mod tests {
     use crate::geometry::{Frame, PointPair};
     use crate::image::{GrayPlane, RelativeView};
 
-    /// Far apart are the first and the last, so that pencils pass through these.
+    /// Returns clicks of which the first and the last are far apart, so they are the anchors.
     fn clicks() -> Clicks {
         let at = |x: f64| PointPair::new(x, x, x, x);
         let clicks = Clicks::for_plan(&[at(10.0), at(12.0), at(90.0)], SearchPlan::Patches { clicks: 2 });
@@ -167,7 +168,7 @@ mod tests {
         clicks
     }
 
-    /// Pencils through the anchors, with so many lines that have texture.
+    /// Returns pencils through the anchors with these numbers of textured lines.
     fn pencils(clicks: &Clicks, textured: [usize; 2]) -> Vec<Arc<ComparedPencils>> {
         let one = |(click, textured)| Arc::new(ComparedPencils::of_so_many(click, textured, 60));
         clicks.anchors().into_iter().zip(textured).map(one).collect()
@@ -182,7 +183,7 @@ mod tests {
         assert_eq!(warnings, [Warning::LittleTexture { pair: 3, textured: 19, lines: 60 }]);
         let nothing = record.pencils(&clicks, pencils(&clicks, [30, 0]));
         assert!(matches!(nothing, Err(EstimateError::NoCandidates { pair: 3 })));
-        // Nobody placed a match that stands in for a click.
+        // Matches that stand in for clicks have no number.
         let unclicked = Clicks::default().with_chosen([clicks.anchors()[0], clicks.anchors()[1]]);
         assert!(unclicked.iter().all(|click| click.role == ClickRole::Chosen));
         assert!(record.pencils(&unclicked, pencils(&unclicked, [30, 19])).is_ok());
@@ -192,7 +193,7 @@ mod tests {
     }
 
     #[test]
-    fn pencils_are_those_of_the_clicks_they_are_shown_with() {
+    fn a_trace_has_the_pencils_of_its_own_clicks() {
         let (first, monitor) = (clicks(), Monitor::silent());
         let [p, q] = [PointPair::new(40.0, 20.0, 41.0, 20.0), PointPair::new(5.0, 80.0, 6.0, 80.0)];
         let second = Clicks::default().with_chosen([p, q]);
@@ -201,7 +202,7 @@ mod tests {
         record.pencils(&first, pencils(&first, [30, 40])).unwrap();
         let of_first = record.present_pencils().to_vec();
         record.pencils(&second, pencils(&second, [50, 60])).unwrap();
-        // The first search is the one that is chosen after all.
+        // The result of the first search is selected.
         let plane = GrayPlane::from_fn(Frame::new(64, 64), |x, y| ((x * y) % 251) as f32);
         let patches = PreparedPair::new(&plane, &plane)
             .patches_with_features(RelativeView::UPRIGHT, FeatureViews::Frontal);

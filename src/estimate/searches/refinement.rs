@@ -11,7 +11,7 @@ use crate::estimate::verdict::trust::FAR_TOO_FEW;
 use crate::estimate::{Clicks, Estimate, EstimateError, Parameters};
 use crate::geometry::{FundamentalMatrix, Observation};
 
-/// Refines the ranked proposals. `hypotheses` are the ones to report.
+/// Refines the ranked proposals. The result reports `hypotheses`.
 pub(super) fn refine_ranked(
     ranked: &[Proposal],
     hypotheses: Vec<Estimate>,
@@ -24,12 +24,12 @@ pub(super) fn refine_ranked(
     let full_size = fine.scales.map(f64::recip);
     let matches = ranked.first().map(|leader| fine.support.matches(&leader.fundamental, patches::BAND));
     let supporting = matches.iter().flatten().map(|m| m.pair.rescaled(full_size)).collect();
-    // Where nothing is refined, the best one that most of the clicks do not refuse.
+    // Without refinement, the result is the best hypothesis that most of the clicks do not refuse.
     let observed = clicks.observed();
     let clicked = ClickedPairs { pairs: &observed, sigma: parameters.click_sigma };
     let first = hypotheses.iter().find(|h| !clicked.refuse(h.fundamental())).or(hypotheses.first());
     let fundamental = *first.ok_or(EstimateError::NoGeometry)?.fundamental();
-    // Near-copies of the leader, too: refined, one of them may come out better.
+    // Near-copies of the leader are refined, too. One of them may become better.
     let starts = ranked.iter().filter_map(|proposal| proposal.full_size(fine.scales));
     let refined = refine_best(starts, viewed, clicks, parameters, cancel)?;
     Ok(Found { fundamental, hypotheses, supporting, refined, clicks_alone: false })
@@ -53,7 +53,7 @@ pub(super) fn refine_best(
         }
         patches.refine(viewed.pyramids(), f, &observed, parameters.click_sigma, cancel)
     };
-    // A handful of matches does not overrule the clicks.
+    // Few matches do not overrule the clicks.
     let is_of_this_scene = |refined: &Refined| {
         refined.refinement.matches.len() >= FAR_TOO_FEW || !clicked.refuse(&refined.fundamental)
     };
@@ -61,18 +61,20 @@ pub(super) fn refine_best(
     let starts: Vec<FundamentalMatrix> = if count == 0 { Vec::new() } else { starts.collect() };
     let (leaders, rest) = starts.split_at(count.min(starts.len()));
     let Some((first, others)) = leaders.split_first() else { return Ok(None) };
-    // What the first compares and aligns most others need too: at the same time it would be done twice.
+    // Most starts need the comparisons and alignments of the first one. In parallel, they would be
+    // computed twice.
     let first = refine(first);
     cancel.check()?;
-    // Where the first failed early, corners of the later sizes may be missing. A thread that makes them inside the others'
-    // loop may take up one of these while it waits, which would wait for the same corners, for ever.
+    // If the first start fails early, corners of the larger sizes are missing. A thread that made
+    // them inside the parallel loop could take up another start while it waits, and that start
+    // would wait for the same corners for ever.
     patches.prepare_refinement(viewed.pyramids());
     let others: Vec<Option<Refined>> = others.par_iter().map(refine).collect();
     cancel.check()?;
     let mut all: Vec<Refined> =
         std::iter::once(first).chain(others).flatten().filter(is_of_this_scene).collect();
     let best = select(&all, &clicked).map(|k| all[k].fundamental);
-    // Where clicks speak against what came out, what they prefer gets its chance, however little supports it.
+    // If clicks speak against the best geometry, starts that the clicks prefer are refined, too.
     if !observed.is_empty() && best.is_none_or(|best| clicked.speak_against(&best)) {
         let mut preferred = clicked.preferred(rest, best.as_ref());
         preferred.truncate(count);
@@ -103,7 +105,7 @@ mod tests {
     use crate::geometry::PointPair;
     use crate::image::RelativeView;
 
-    /// The best of these starts after refinement, with these clicks, on so many threads.
+    /// Returns the best of the starts after refinement.
     fn refined(
         prepared: &PreparedPair,
         starts: &[FundamentalMatrix],
@@ -122,18 +124,18 @@ mod tests {
     }
 
     #[test]
-    fn a_first_start_that_leads_nowhere_keeps_no_thread_and_no_other_start_waiting() {
+    fn a_first_start_that_fails_blocks_neither_threads_nor_other_starts() {
         let scene = ExactScene::aside();
         let mut starts = vec![scene.disturbed(150.0)];
         starts.extend((1..8).map(|k| scene.disturbed(0.4 * f64::from(k))));
-        // Fresh each time, so that whoever comes first finds the corners.
+        // Each run prepares its own pair, so that its threads make the corners.
         let found = [1, 2, 4].map(|threads| refined(&scene.prepared(), &starts, &scene.clicks(), threads));
         assert!(scene.error(&found[0].unwrap()) < 0.2);
         assert!(found.iter().all(|f| *f == found[0]), "the same on any number of threads");
     }
 
     #[test]
-    fn what_several_clicks_prefer_is_refined_though_it_ranks_far_behind() {
+    fn a_start_that_several_clicks_prefer_is_refined_at_any_rank() {
         let scene = ExactScene::aside();
         let mut starts: Vec<FundamentalMatrix> =
             (0..20).map(|k| scene.disturbed(60.0 + f64::from(k))).collect();

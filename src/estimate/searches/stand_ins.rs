@@ -1,4 +1,4 @@
-//! Matches that stand in for clicks: two that a geometry explains, or two drawn at random.
+//! Stand-ins for clicks: two matches that a geometry explains, or two drawn at random.
 
 use rand::RngExt;
 
@@ -8,22 +8,22 @@ use crate::estimate::evidence::patches::PatchLevels;
 use crate::estimate::stream::{Purpose, stream};
 use crate::geometry::{FundamentalMatrix, PointPair, apart_across_lines, sampson_distance};
 
-/// Matches among which two stand-ins are chosen. All pairs of them are compared, so it bounds the
-/// time.
+/// Number of matches among which two stand-ins are selected. It bounds the time, since all pairs of
+/// matches are compared.
 const CHOSEN_FROM: usize = 120;
-/// Distance of a stand-in from its line, as a share of the longer side: the loosest line of a
-/// reliable result.
+/// Largest distance of a stand-in from its line, as a share of the longer side. It equals the
+/// largest uncertainty of the lines of a reliable result.
 const EXPLAINED: f64 = 0.002;
-/// Least distance between drawn matches, as a share of the longer side: lines through nearer ones
-/// turn far if one match is a pixel off.
+/// Smallest distance between drawn matches, as a share of the longer side. Lines through nearer
+/// matches turn far if a match is a pixel off.
 const APART: f64 = 0.2;
-/// Draws after which the search for two distant matches ends. It bounds the time.
+/// Largest number of draws in the search for distant matches. It bounds the time.
 const TRIES: usize = 200;
 /// Largest ratio of best to second-best distance of a distinctive feature: the limit of Lowe
 /// (2004).
 const DISTINCTIVE: f64 = 0.8;
 
-/// Matches that stand out whatever the geometry, those of features first.
+/// Returns distinctive matches, found without a geometry: first features, then corners.
 pub(super) fn putative_matches(
     prepared: &PreparedPair,
     features: &MatchedFeatures,
@@ -38,8 +38,9 @@ pub(super) fn putative_matches(
     features.chain(corners).filter(inside).collect()
 }
 
-/// Two of the putative matches that a geometry explains, or of its own ones where few are explained: those whose epipolar
-/// lines are farthest apart in either image.
+/// Returns the two matches whose epipolar lines are farthest apart, in the image where they are
+/// nearer. They are putative matches that the geometry explains, or matches of `own` if it explains
+/// few.
 pub(super) fn farthest_apart(
     prepared: &PreparedPair,
     f: &FundamentalMatrix,
@@ -72,7 +73,8 @@ pub(super) fn farthest_apart(
     best.map(|(_, pairs)| pairs)
 }
 
-/// Two putative matches each time, far from each other in both images. The seed decides.
+/// Returns up to `count` random pairs of putative matches that are far from each other in both
+/// images.
 pub(super) fn drawn_stand_ins(
     prepared: &PreparedPair,
     putative: &[PointPair],

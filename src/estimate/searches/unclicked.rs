@@ -1,10 +1,11 @@
 //! Search without clicks, or with one: covariant features, then lines through two of their matches.
 //!
-//! Proposals of features are ranked by patches and features and refined, as after clicks. If doubts remain, searches with
-//! lines follow, each through two putative matches: two right ones are enough, where features need
-//! five or more (paper, section 1: at half of the matches right, 17 draws of two where eight points need 1,177).
+//! Proposals of features are ranked by patches and features and refined, as in the search with
+//! clicks. If doubts remain, searches with lines follow, each through two putative matches. Two
+//! right matches suffice there, while features need five or more. If half of the matches are right,
+//! two right ones take 17 draws, and eight take 1,177 (paper, section 1).
 //!
-//! The pairs that stand in are no observations: no fit rests on them, and no verdict counts them.
+//! Stand-ins are not observations: fits and verdicts ignore them.
 
 use super::features::FeatureProposals;
 use super::judged::Judged;
@@ -17,7 +18,7 @@ use crate::estimate::{Clicks, EstimateError, Parameters, PreparedPair};
 use crate::features::FeatureViews;
 use crate::image::RelativeView;
 
-/// Searches with features, and if the result leaves doubts, with lines through drawn matches.
+/// Searches with features and, if the result leaves doubts, with lines through drawn matches.
 pub(in crate::estimate) fn search(
     prepared: &PreparedPair,
     clicks: &Clicks,
@@ -55,8 +56,8 @@ pub(in crate::estimate) fn search(
     best.ok_or(EstimateError::NothingWithoutClicks)
 }
 
-/// Returns the clicks with two matches of the leading proposal in place of the missing ones, if it
-/// explains any.
+/// Returns the clicks, with two matches that the leading proposal explains as stand-ins, if there
+/// are any.
 fn with_stand_ins(prepared: &PreparedPair, clicks: &Clicks, proposals: &FeatureProposals) -> Clicks {
     let view = proposals.views.first().copied().unwrap_or(RelativeView::UPRIGHT);
     let patches = prepared.patches_with_features(view, proposals.of);
@@ -75,7 +76,7 @@ mod tests {
     use crate::geometry::PointPair;
 
     #[test]
-    fn nobody_has_to_click_and_what_stands_in_is_no_observation() {
+    fn no_click_is_needed_and_stand_ins_are_no_observations() {
         let scene = ExactScene::aside();
         let prepared = scene.prepared();
         let run = |pairs: &[PointPair]| {

@@ -1,4 +1,5 @@
-//! Result and verdict: the selection among refined geometries, their assessment, and how far to trust them.
+//! Result and verdict: the selection among refined geometries, their assessment, and their
+//! reliability.
 
 pub(super) mod assessment;
 mod poisson;

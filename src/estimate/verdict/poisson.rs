@@ -1,6 +1,6 @@
 //! Poisson distribution.
 
-/// Returns the probability of fewer than `n` events where `mean` events are expected.
+/// Returns the probability of fewer than `n` events if `mean` events are expected.
 pub(super) fn fewer_than(n: usize, mean: f64) -> f64 {
     let mut term = (-mean).exp();
     let mut fewer = 0.0;

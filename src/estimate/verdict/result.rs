@@ -1,7 +1,7 @@
-//! What an estimate holds: a geometry, what was found out about it, and the search that found it.
+//! Results: a geometry, its assessment, and the search that found it.
 //!
-//! One type serves hypotheses, preliminary, followed, final and imported results: the parts that a result does not have
-//! are absent, never made up.
+//! One type serves hypotheses and preliminary, followed, final and imported results. Parts that a
+//! result does not have are `None`.
 
 use std::sync::Arc;
 
@@ -17,144 +17,152 @@ use crate::features::FeatureViews;
 use crate::geometry::{EpipolarGeometry, FundamentalMatrix};
 use crate::image::RelativeView;
 
-/// Hypotheses reported with all their figures. Rivals are among them. It bounds the time and the
-/// size of a result.
+/// Largest number of hypotheses reported with all their figures, rivals included. It bounds the
+/// time and the size of a result.
 pub(in crate::estimate) const REPORTED: usize = 60;
 
-/// A geometry and what is known about it. All coordinates are full-size pixels.
+/// Geometry with its assessment. All coordinates are full-size pixels.
 #[derive(Debug, Clone)]
 pub struct Estimate {
     /// F and the epipoles.
     pub geometry: EpipolarGeometry,
-    /// What was found out about it.
+    /// Figures, warnings and verdict.
     pub assessment: Assessment,
-    /// The search that found it; `None` for a hypothesis, which is part of one, for a geometry that follows moved
-    /// clicks, and for one from elsewhere.
+    /// The search that found the geometry. `None` for hypotheses, for geometries that follow moved
+    /// clicks, and for imported geometries.
     pub trace: Option<Arc<SearchTrace>>,
 }
 
-/// What was found out about a geometry. What nobody looked at is absent.
+/// Assessment of a geometry. Figures that were not computed are `None`.
 #[derive(Debug, Clone, Default)]
 pub struct Assessment {
-    /// What the lines through two clicks say of it.
+    /// Figures of the lines through two clicks.
     pub lines: Option<LineFigures>,
-    /// Patches that agree with it.
+    /// Support by patches.
     pub support: Option<PatchSupport>,
-    /// Advantage over the best clearly different hypothesis, relative to the better of the two: of patch support when
-    /// the search looks at patches, else of the line score. `None` when there is no other hypothesis.
+    /// Advantage over the best clearly different hypothesis, relative to the better of the two. It
+    /// compares patch support if the search uses patches, and line scores otherwise. `None` without
+    /// such a hypothesis.
     pub margin: Option<f64>,
-    /// The same after refinement, by what the matches weigh: measured where the margin before leaves open which geometry
-    /// is better, and then what decides.
+    /// Advantage after refinement, by the weights of the matches. It is measured if `margin` is too
+    /// small to decide, and decides instead.
     pub refined_margin: Option<f64>,
-    /// How far the hypotheses of the search are from it, which says which of them the margin is measured to.
+    /// Distances of the hypotheses of the search from the result. They select the rival of the
+    /// margin.
     pub apart: Option<Apart>,
-    /// What the motion barcodes of lines say of it, where sequences were compared.
+    /// Figures of motion barcodes, for sequences.
     pub barcodes: Option<BarcodeFigures>,
-    /// The fit of all seven degrees of freedom at full resolution, if there was one.
+    /// Fit of all seven degrees of freedom at full resolution.
     pub refinement: Option<Refinement>,
-    /// What the user should know.
+    /// Warnings about the clicks.
     pub warnings: Vec<Warning>,
-    /// How far to trust it; `None` before everything was looked at.
+    /// Verdict. `None` for unfinished results.
     pub trust: Option<Trust>,
-    /// What is determined where the verdict says that the epipoles are not: one plane, or a turn of the camera.
+    /// Homography of the plane or the camera rotation, if the verdict says that nothing else is
+    /// certain.
     pub plane: Option<PlaneHomography>,
 }
 
-/// How far the hypotheses of a search are from its result: what the margin is measured between.
+/// Distances of the hypotheses of a search from its result.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Apart {
-    /// Distance of each hypothesis from the result, in their order, px: the median of the symmetric distances of the matches
-    /// from its epipolar lines (of two in the middle the smaller one); without matches, the mean distance of its epipolar
-    /// lines from those of the result, all over the images.
+    /// Distance of each hypothesis from the result, in the order of the hypotheses, px. It is the
+    /// lower median of the symmetric distances of the matches from the lines of the hypothesis.
+    /// Without matches, it is the mean distance between the lines of both geometries over the
+    /// images.
     pub distances: Vec<f64>,
-    /// A hypothesis that is farther than this is clearly different, px.
+    /// Distance beyond which a hypothesis is clearly different, px.
     pub limit: f64,
-    /// How many matches the distances are measured on: those of the leading hypothesis before refinement, those that lines
-    /// were refined on, or the clicks where these determine the geometry.
+    /// Number of matches on which the distances are measured. These are the matches of the leading
+    /// hypothesis before refinement, the refined matches of a search with lines, or the clicks if
+    /// they alone determine the geometry.
     pub matches: usize,
 }
 
 impl Apart {
-    /// The first hypothesis that is clearly different, by its place in the list: the margin is how far the first one is
-    /// ahead of it.
+    /// Returns the index of the first clearly different hypothesis. The margin is the advantage of
+    /// the first hypothesis over this one.
     pub fn rival(&self) -> Option<usize> {
         self.distances.iter().position(|distance| *distance > self.limit)
     }
 }
 
-/// What takes one image to the other where all that is seen lies on one plane, or the camera only turned.
+/// Homography between the images, of a planar scene or of a camera that only rotated.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PlaneHomography {
-    /// `x2 ∝ H x1`, in full-size pixels; its last entry is 1, where that does not make the others endless.
+    /// `x2 ∝ H x1`, in full-size pixels. The last entry is 1, unless it is nearly 0; then the norm
+    /// is 1.
     pub homography21: Matrix3<f64>,
-    /// Matches that follow it.
+    /// Number of matches that fit it.
     pub matches: usize,
-    /// Their share of all matches, 0 to 1.
+    /// Share of all matches that fit it, 0 to 1.
     pub share: f64,
-    /// Median distance in image 2 between these matches and where it puts them, px.
+    /// Median transfer error of these matches in image 2, px.
     pub residual: f64,
 }
 
-/// What the barcodes of corresponding lines say of a geometry.
+/// Figures of a geometry from the barcodes of corresponding lines.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct BarcodeFigures {
-    /// How well the barcodes of corresponding epipolar lines agree over both images, 1 for equal ones, 0 for unrelated.
+    /// Agreement of the barcodes of corresponding epipolar lines over both images: 1 for equal
+    /// barcodes, 0 for unrelated ones.
     pub correlation: f64,
-    /// The best agreement when the second sequence is shifted in time, so that it cannot agree but by chance.
+    /// Best agreement with the second sequence shifted in time, which only chance explains.
     pub by_chance: f64,
-    /// Epipolar lines that tell something of their own: neighbours are crossed by the same things.
+    /// Number of independent epipolar lines. The same objects cross neighbouring lines.
     pub lines: f64,
-    /// Standard deviation of the epipolar lines where things move, px, from leaving out a part of the frames at a time;
-    /// `None` where too few frames are left.
+    /// Standard deviation of the epipolar lines at moving objects, px, from a jackknife over the
+    /// frames. `None` with too few frames.
     pub deviation: Option<f64>,
-    /// Frames that were compared.
+    /// Number of frames compared.
     pub frames: usize,
 }
 
-/// How a geometry was found.
+/// Record of the search that found a geometry.
 #[derive(Debug, Clone, Default)]
 pub struct SearchTrace {
-    /// The clicks it was searched from.
+    /// Clicks of the search, stand-ins included.
     pub clicks: Clicks,
-    /// How the images were taken to be turned and scaled against each other.
+    /// Relative rotation and scale of the images under which the geometry was found.
     pub view: RelativeView,
-    /// Which covariant features were looked at beside patches, if any.
+    /// Kind of covariant features used beside patches, if any.
     pub features: Option<FeatureViews>,
-    /// How it was computed.
+    /// Method of the search.
     pub method: Method,
-    /// The choices it was computed with.
+    /// Preset of the parameters.
     pub preset: Preset,
-    /// The seed of every random choice.
+    /// Seed of all random numbers.
     pub seed: u64,
-    /// The pencils through each anchor, as they were compared.
+    /// Compared pencils through each anchor.
     pub pencils: Vec<Arc<ComparedPencils>>,
-    /// The best hypotheses that differ from each other, best first, as they were before refinement.
+    /// Best hypotheses that differ from each other, before refinement, best first.
     pub hypotheses: Vec<Estimate>,
-    /// How much was examined.
+    /// Numbers of examined lines and hypotheses.
     pub counts: SearchCounts,
-    /// Time per stage, in their order.
+    /// Time per stage, in the order of the stages.
     pub timings: Vec<StageTiming>,
     /// Seconds until the first fundamental matrix.
     pub first_seconds: f64,
-    /// Seconds in all.
+    /// Seconds of the whole search.
     pub seconds: f64,
 }
 
-/// How much was examined.
+/// Numbers of examined lines and hypotheses.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
 pub struct SearchCounts {
-    /// Textured lines in image 1 through each anchor; then, where lines were compared without any point, of all these.
+    /// Number of textured lines in image 1 through each anchor. The search with all lines appends
+    /// the number of its lines.
     pub lines1: Vec<usize>,
-    /// The same in image 2.
+    /// Number of these lines in image 2.
     pub lines2: Vec<usize>,
-    /// Candidate line pairs in the same order.
+    /// Number of candidate line pairs, in the same order.
     pub candidates: Vec<usize>,
-    /// Hypotheses examined.
+    /// Number of hypotheses examined.
     pub hypotheses: usize,
-    /// Hypotheses that went through full validation.
+    /// Number of hypotheses that went through full validation.
     pub validated: usize,
-    /// Corners that stay at their place though the scene does not (captions, a logo, dirt on the sensor): they and what
-    /// is around them are left out.
+    /// Number of corners that keep their position while the scene moves (captions, logos, dirt on
+    /// the sensor). They and their surroundings are left out.
     pub left_out: usize,
 }
 
@@ -163,12 +171,12 @@ pub struct SearchCounts {
 pub struct StageTiming {
     /// The stage.
     pub stage: Stage,
-    /// Wall-clock seconds in all, however often the search came to it.
+    /// Wall-clock seconds, summed over all visits of the stage.
     pub seconds: f64,
 }
 
 impl Estimate {
-    /// A geometry that a search proposed, with what lines and patches say of it.
+    /// Returns a proposed geometry with its figures of lines and patches.
     pub(in crate::estimate) fn proposed(
         f: FundamentalMatrix,
         lines: Option<LineFigures>,
@@ -178,55 +186,56 @@ impl Estimate {
         Self { geometry: f.into(), assessment, trace: None }
     }
 
-    /// The fundamental matrix, `x2ᵀ F x1 = 0`.
+    /// Returns the fundamental matrix, `x2ᵀ F x1 = 0`.
     pub fn fundamental(&self) -> &FundamentalMatrix {
         self.geometry.fundamental()
     }
 
-    /// The hypotheses of the search, best first; none where there was no search.
+    /// Returns the hypotheses of the search, best first. Empty without a search.
     pub fn hypotheses(&self) -> &[Estimate] {
         self.trace.as_ref().map_or(&[], |trace| &trace.hypotheses)
     }
 
-    /// The matches that the refinement rests on; none where there was no refinement.
+    /// Returns the refined matches. Empty without refinement.
     pub fn matches(&self) -> &[RefinedMatch] {
         self.assessment.refinement.as_ref().map_or(&[], |refinement| &refinement.matches)
     }
 
-    /// Whether all seven degrees of freedom were refined at full resolution.
+    /// Returns whether all seven degrees of freedom were refined at full resolution.
     pub fn is_refined(&self) -> bool {
         self.assessment.refinement.is_some()
     }
 
-    /// How well it is determined, when it was refined.
+    /// Returns the uncertainty of a refined geometry.
     pub fn uncertainty(&self) -> Option<&Uncertainty> {
         self.assessment.refinement.as_ref()?.uncertainty.as_ref()
     }
 
-    /// Line score ([`LineFigures::score`]), when lines were compared.
+    /// Returns the line score ([`LineFigures::score`]), if lines were compared.
     pub fn line_score(&self) -> Option<f64> {
         self.assessment.lines.as_ref()?.score
     }
 
-    /// Patch support, summed over matches; `None` when patches were not looked at.
+    /// Returns the patch support, summed over matches. `None` if no patches were compared.
     pub fn support_score(&self) -> Option<f64> {
         self.assessment.support.map(|support| support.score)
     }
 
-    /// How the images were taken to be turned and scaled against each other by the search that found it; upright where
-    /// there was none.
+    /// Returns the relative rotation and scale of the images in the search. Upright without a
+    /// search.
     pub fn view(&self) -> RelativeView {
         self.trace.as_ref().map_or(RelativeView::UPRIGHT, |trace| trace.view)
     }
 
-    /// How far image 2 is rotated against image 1 at the first click, radians, as far as lines tell; else 0.
+    /// Returns the rotation of image 2 against image 1 at the first click, by lines, radians. 0
+    /// without line figures.
     pub fn turn(&self) -> f64 {
         self.assessment.lines.as_ref().map_or(0.0, |lines| lines.construction.turn())
     }
 }
 
 impl PreparedPair {
-    /// The patches that the search which found an estimate looked at.
+    /// Returns the patches used by the search of an estimate.
     pub(in crate::estimate) fn patches_of(&self, found: &Estimate) -> Arc<PatchLevels> {
         let looked_at = found.trace.as_ref().and_then(|trace| Some((trace.view, trace.features?)));
         looked_at.map_or_else(|| self.upright_patches(), |(view, of)| self.patches_with_features(view, of))
@@ -239,7 +248,7 @@ impl From<Hypothesis> for Estimate {
     }
 }
 
-/// A geometry that nobody has looked at: from a file, say.
+/// Returns the geometry without an assessment, such as one from a file.
 impl From<FundamentalMatrix> for Estimate {
     fn from(fundamental: FundamentalMatrix) -> Self {
         Self { geometry: fundamental.into(), assessment: Assessment::default(), trace: None }

@@ -1,10 +1,11 @@
-//! Which of several refined geometries is the result: what the images say of them, and the clicks where these leave it open.
+//! Selection of the result among refined geometries: by the weight of their matches, and by the
+//! clicks if weights do not decide.
 //!
-//! Of refinements the one whose matches weigh most is the right one, on nearly every pair measured. Where another weighs
-//! about as much (by less than the margin from which on a verdict calls the advantage clear, or by less than weights of so
-//! few matches scatter), the images leave it open, and one that at least two clicks fewer contradict is taken: one click may
-//! be a mistake, two do not agree by mistake. A geometry that most of the clicks are far from is none of this scene, whatever
-//! chance matches it has.
+//! Weights do not decide if they differ by less than the clear margin of a verdict. Neither do they
+//! if the difference is within the scatter of the weights. Then a geometry is selected that at
+//! least two clicks fewer contradict. One click may be a mistake; two mistakes seldom agree. A
+//! geometry that is far from most of the clicks does not belong to the scene, even if matches
+//! support it by chance.
 
 use crate::estimate::evidence::patches::Refined;
 use crate::estimate::verdict::trust::{
@@ -12,11 +13,11 @@ use crate::estimate::verdict::trust::{
 };
 use crate::geometry::{FundamentalMatrix, PointPair, sampson_distance};
 
-/// A geometry and how much its refined matches weigh.
+/// Geometry with the weight of its refined matches.
 pub(in crate::estimate) trait Weighed {
     fn fundamental(&self) -> &FundamentalMatrix;
     fn weight(&self) -> f64;
-    /// Standard deviation of the weight: by how much that of as many matches of this kind scatters by chance.
+    /// Returns the standard deviation of the weight by chance.
     fn weight_deviation(&self) -> f64;
 }
 
@@ -34,33 +35,33 @@ impl Weighed for Refined {
     }
 }
 
-/// What clicks say of geometries.
+/// Clicked pairs, as evidence for or against geometries.
 pub(in crate::estimate) struct ClickedPairs<'a> {
-    /// The pairs, full-size pixels.
+    /// Pairs in full-size pixels.
     pub pairs: &'a [PointPair],
     /// Standard deviation of a click, px.
     pub sigma: f64,
 }
 
 impl ClickedPairs<'_> {
-    /// How many are farther than so many deviations from their lines.
+    /// Returns the number of pairs farther than `deviations` standard deviations from their lines.
     fn contradicting(&self, f: &FundamentalMatrix, deviations: f64) -> usize {
         self.pairs.iter().filter(|pair| sampson_distance(f, pair) > deviations * self.sigma).count()
     }
 
-    /// Whether at least two contradict a refined geometry.
+    /// Returns whether at least two pairs contradict a refined geometry.
     pub fn speak_against(&self, f: &FundamentalMatrix) -> bool {
         self.contradicting(f, CLICK_DEVIATIONS) >= SPEAK
     }
 
-    /// Whether they speak for a refined geometry against another: at least two fewer contradict it.
+    /// Returns whether at least two pairs fewer contradict a refined geometry than another.
     pub fn prefer(&self, f: &FundamentalMatrix, other: &FundamentalMatrix) -> bool {
         self.contradicting(f, CLICK_DEVIATIONS) + SPEAK <= self.contradicting(other, CLICK_DEVIATIONS)
     }
 
-    /// Geometries, not refined yet, that clicks prefer to a refined one: at least two fewer are far from their lines.
-    /// Ones that the fewest are far from come first, and otherwise the order stays. Without a refined one all are preferred
-    /// that not most of them refuse.
+    /// Returns the unrefined geometries that the pairs prefer to a refined one: at least two pairs
+    /// fewer are far from their lines. Without a refined geometry, returns all geometries that the
+    /// pairs do not refuse. Geometries with the fewest far pairs come first; ties keep their order.
     pub fn preferred(
         &self,
         all: &[FundamentalMatrix],
@@ -77,7 +78,7 @@ impl ClickedPairs<'_> {
         preferred
     }
 
-    /// Whether most of them are far from their lines.
+    /// Returns whether most of the pairs are far from their lines.
     pub fn refuse(&self, f: &FundamentalMatrix) -> bool {
         2 * self.contradicting(f, CLICK_DEVIATIONS_WRONG) > self.pairs.len()
     }
@@ -87,14 +88,14 @@ impl ClickedPairs<'_> {
 /// mistake.
 const SPEAK: usize = 2;
 
-/// The number of the result among several geometries, the first of equals; `None` without any.
+/// Returns the index of the selected geometry, the first among equals. `None` without geometries.
 pub(in crate::estimate) fn select<T: Weighed>(all: &[T], clicks: &ClickedPairs) -> Option<usize> {
     let weight = |k: &usize| all[*k].weight();
     let lighter = |a: &usize, b: &usize| weight(a).total_cmp(&weight(b)).then(b.cmp(a));
     let heaviest = (0..all.len()).max_by(lighter)?;
     let contradicting = |k: &usize| clicks.contradicting(all[*k].fundamental(), CLICK_DEVIATIONS);
     let against = contradicting(&heaviest);
-    // As if no match belonged to both.
+    // Treats the two sets of matches as independent.
     let scatter =
         |k: &usize| CHANCE_DEVIATIONS * all[*k].weight_deviation().hypot(all[heaviest].weight_deviation());
     let open = |k: &usize| scatter(k).max(CLEAR_MARGIN * weight(&heaviest));
@@ -110,7 +111,6 @@ mod tests {
     use super::*;
     use crate::estimate::exact::rows;
 
-    /// A geometry among others.
     struct Rival {
         weight: f64,
         deviation: f64,
@@ -131,7 +131,8 @@ mod tests {
         }
     }
 
-    /// The chosen one among weights with shifts of the rows, where a weight scatters by so much.
+    /// Returns the selected shift among `(weight, shift of the rows)`. All weights have this
+    /// deviation.
     fn among(all: &[(f64, f64)], deviation: f64, pairs: &[PointPair]) -> Option<f64> {
         let rival =
             |(weight, shift): &(f64, f64)| Rival { weight: *weight, deviation, fundamental: rows(*shift) };
@@ -139,7 +140,7 @@ mod tests {
         select(&all_rivals, &ClickedPairs { pairs, sigma: 1.0 }).map(|k| all[k].1)
     }
 
-    /// The same for clicks that agree with no shift, and weights that scatter little.
+    /// Returns the selected shift for clicks that fit the shift 0, and weights of small deviation.
     fn shift(all: &[(f64, f64)]) -> Option<f64> {
         among(all, 0.5, &[10.0, 90.0, 200.0].map(|y| PointPair::new(20.0, y, 30.0, y)))
     }
@@ -165,7 +166,7 @@ mod tests {
     #[test]
     fn weights_of_few_matches_leave_more_to_the_clicks() {
         let pairs = [10.0, 90.0].map(|y| PointPair::new(20.0, y, 30.0, y));
-        // A difference of 4 and its deviation, √2 times that of each.
+        // The difference is 4. Its deviation is √2 times the deviation of each weight.
         for (deviation, expected) in [(1.4, 9.0), (1.5, 0.0)] {
             let found = among(&[(10.0, 9.0), (6.0, 0.0)], deviation, &pairs);
             assert_eq!(found, Some(expected), "{deviation}");
@@ -173,7 +174,7 @@ mod tests {
     }
 
     #[test]
-    fn what_clicks_prefer_is_found_however_far_behind() {
+    fn geometries_preferred_by_clicks_are_found_at_any_rank() {
         let pairs = [10.0, 60.0, 90.0, 200.0].map(|y| PointPair::new(20.0, y, 30.0, y));
         let clicks = ClickedPairs { pairs: &pairs, sigma: 1.0 };
         assert!(clicks.speak_against(&rows(9.0)) && !clicks.speak_against(&rows(3.0)));
@@ -185,7 +186,7 @@ mod tests {
         assert_eq!(clicks.preferred(&ranked, Some(&rows(9.0))), [rows(10.0), rows(0.0)]);
         assert_eq!(clicks.preferred(&ranked, Some(&rows(1.0))), []);
         assert_eq!(clicks.preferred(&ranked, None), [rows(10.0), rows(0.0)]);
-        // Those that fewest clicks are far from come first.
+        // Geometries with the fewest far clicks come first.
         let mixed = [0.0, 0.0, 0.0, 30.0].map(|off| PointPair::new(20.0, 50.0, 30.0, 50.0 + off));
         let mixed = ClickedPairs { pairs: &mixed, sigma: 1.0 };
         assert_eq!(mixed.preferred(&[rows(30.0), rows(0.0)], Some(&rows(60.0))), [rows(0.0)]);
@@ -204,7 +205,7 @@ mod tests {
     }
 
     #[test]
-    fn most_of_the_clicks_refuse_what_is_far_from_them() {
+    fn a_geometry_far_from_most_clicks_is_refused() {
         let pairs = [0.0, 0.0, 30.0, 30.0].map(|off| PointPair::new(20.0, 50.0, 30.0, 50.0 + off));
         let refuse = |few: &[PointPair]| ClickedPairs { pairs: few, sigma: 1.0 }.refuse(&rows(0.0));
         assert!(!refuse(&pairs), "half of them");

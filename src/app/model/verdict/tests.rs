@@ -39,7 +39,7 @@ fn a_clean_result_is_good_and_one_with_warnings_is_not() {
         computed(|e| e.assessment.warnings.push(Warning::CloseClicks { distance: 9.0 }));
     let doubtful = verdict(&document, &computation);
     assert_eq!(doubtful.tone, Tone::Caution);
-    assert!(doubtful.warnings[0].starts_with("The two clicks are only 9 px apart"));
+    assert!(doubtful.warnings[0].starts_with("Two point pairs are only 9 px apart"));
 }
 
 #[test]

@@ -1,28 +1,28 @@
-//! How well the barcodes of corresponding epipolar lines agree over both images.
+//! Agreement of the barcodes of corresponding epipolar lines over both images.
 
 use crate::geometry::{AnchoredLine, Frame, FundamentalMatrix, Line, Point};
 use crate::motion::{Barcode, Silhouettes};
 
-/// Lines of each image, evenly spread along its border. Neighbouring lines hardly differ. Not
-/// measured.
+/// Number of lines of each image, evenly spread along its border. Neighbouring lines hardly differ.
+/// Not measured.
 const LINES: usize = 128;
-/// Shifts in time at which chance agreement is measured. The largest of 24 is exceeded in one case
-/// of 25.
+/// Number of shifts in time at which chance agreement is measured. By chance, an agreement exceeds
+/// the largest of 24 in one case of 25.
 const SHIFTS: usize = 24;
-/// Smallest and largest of these shifts, as shares of the sequence: after a smaller one, moving
-/// objects are still about where they were.
+/// Smallest and largest of these shifts, as shares of the sequence. After a smaller shift, moving
+/// objects have hardly moved on.
 const SHIFTED: [f64; 2] = [0.2, 0.8];
 
-/// Correlation of neighbours that counts at most: of lines that are all alike there is still a little more than none.
+/// Largest counted correlation of neighbours. It keeps the number of independent lines above 0.
 const MOST_ALIKE: f64 = 0.999;
 
-/// The barcodes of corresponding lines of a geometry, neighbours beside each other.
+/// Barcodes of corresponding lines of a geometry, in the order of the lines.
 pub(super) struct Pencils {
     pairs: Vec<[Barcode; 2]>,
 }
 
 impl Pencils {
-    /// The lines of a geometry in full-size pixels; `None` where it has none.
+    /// Returns the barcodes of a geometry in full-size pixels. `None` if it has no lines.
     pub(super) fn new(silhouettes: [&Silhouettes; 2], f: &FundamentalMatrix) -> Option<Self> {
         let [frame1, frame2] = silhouettes.map(Silhouettes::full_size);
         let scales = [0, 1].map(|image: usize| {
@@ -47,14 +47,14 @@ impl Pencils {
         (!pairs.is_empty()).then_some(Self { pairs })
     }
 
-    /// One minus the agreement of all bits: twice the covariance over the sum of both variances. Unlike a correlation of
-    /// the lines that have something to tell in both images it pays nothing to bring lines to where the other image has
-    /// nothing to tell.
+    /// Returns one minus the agreement of all bits. The agreement is twice the covariance over the
+    /// sum of both variances. A correlation of the lines with motion in both images would reward
+    /// moving lines to places without motion.
     pub(super) fn cost(&self) -> f64 {
         1.0 - agreement(self.pairs.iter().map(|[a, b]| (a, b)))
     }
 
-    /// The best agreement of the same lines when the second sequence is shifted in time.
+    /// Returns the best agreement of the same lines with the second sequence shifted in time.
     pub(super) fn correlation_by_chance(&self) -> f64 {
         let frames = self.pairs[0][0].len() as f64;
         let shifted = |k: usize| {
@@ -66,20 +66,21 @@ impl Pencils {
         (0..SHIFTS).map(shifted).fold(0.0, f64::max)
     }
 
-    /// How many lines of either image tell something that their neighbours do not: `n (1 − ρ) / (1 + ρ)` of `n` lines that
-    /// are correlated by ρ with the next one.
+    /// Returns the number of independent lines: `n (1 − ρ) / (1 + ρ)` for `n` lines whose
+    /// neighbours have the correlation ρ.
     pub(super) fn independent_lines(&self) -> f64 {
         let telling =
             |image: usize| self.pairs.iter().filter(move |pair| pair[image].variance() > 0.0).count();
         let neighbours = self.pairs.windows(2).filter_map(|two| two[0][0].correlation(&two[1][0]));
         let (sum, count) = neighbours.fold((0.0, 0usize), |(sum, count), c| (sum + c, count + 1));
         let rho = (sum / count.max(1) as f64).clamp(0.0, MOST_ALIKE);
-        // Places along the border are two to a line.
+        // Each line crosses the border at two places.
         let lines = 0.25 * (telling(0) + telling(1)) as f64;
         lines * (1.0 - rho) / (1.0 + rho)
     }
 
-    /// How often something begins or ends to cross one of the independent lines.
+    /// Returns the number of events: how often an object begins or ceases to cross an independent
+    /// line.
     pub(super) fn events(&self) -> f64 {
         let changes: usize = self.pairs.iter().map(|[a, b]| a.changes() + b.changes()).sum();
         changes as f64 / (2 * self.pairs.len()) as f64 * self.independent_lines()
@@ -96,7 +97,7 @@ fn agreement<'a>(pairs: impl Iterator<Item = (&'a Barcode, &'a Barcode)>) -> f64
     if variance > 0.0 { covariance / variance } else { 0.0 }
 }
 
-/// Places evenly spread along the border of an image, in their order.
+/// Returns places evenly spread along the border of an image, in order.
 fn border(frame: Frame) -> impl Iterator<Item = Point> {
     let corners = frame.corners();
     let lengths = [0, 1, 2, 3].map(|k: usize| (corners[(k + 1) % 4] - corners[k]).norm());
@@ -129,37 +130,37 @@ mod tests {
         assert!(pencils(&seen, &seen, 0.0).cost().abs() < 1e-12);
         let others = pencils(&seen, &seen, BAND as f64).cost();
         assert!((0.8..1.1).contains(&others), "{others}");
-        // Half as much moves where the other image has all of it: covariance over the mean of the variances.
+        // The second recording has half the motion.
         let rarely = bands(300, |band, time| by_itself(band, time) && time % 2 == 0);
         let halved = pencils(&seen, &rarely, 0.0).cost();
         assert!((0.2..0.5).contains(&halved), "{halved}");
     }
 
     #[test]
-    fn what_repeats_itself_agrees_by_chance() {
+    fn periodic_motion_agrees_by_chance() {
         let seen = bands(300, by_itself);
         assert!(pencils(&seen, &seen, 0.0).correlation_by_chance() < 0.2);
-        // Each period is as far as from one shift to the next but one.
+        // One period is as long as two steps between shifts.
         let again = bands(300, |band, time| by_itself(band, time % 10));
         assert!(pencils(&again, &again, 0.0).correlation_by_chance() > 0.99);
     }
 
     #[test]
-    fn lines_that_are_all_alike_are_less_than_one() {
+    fn equal_lines_count_as_less_than_one_independent_line() {
         let lines = |of: fn(usize, usize) -> bool| {
             let seen = bands(300, of);
             pencils(&seen, &seen, 0.0).independent_lines()
         };
         let (alike, apart) = (lines(|_, time| by_itself(0, time)), lines(by_itself));
         assert!(alike < 0.1, "{alike}");
-        // Twelve bands, of which the border counts each twice.
+        // Each of the twelve bands meets the border twice.
         assert!((3.0..24.0).contains(&apart), "{apart}");
         assert!(lines(|band, time| band == 5 && by_itself(band, time)) < apart / 2.0, "most tell nothing");
     }
 
     #[test]
-    fn events_are_the_changes_of_a_line_of_its_own() {
-        // On for two frames, off for three: two changes every five frames, but for the last.
+    fn events_are_the_changes_of_independent_lines() {
+        // On for two frames, off for three: two changes every five frames, except the last one.
         let seen = bands(100, |_, time| time % 5 < 2);
         let pencils = pencils(&seen, &seen, 0.0);
         let changes = pencils.events() / pencils.independent_lines();

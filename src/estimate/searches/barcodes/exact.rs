@@ -1,14 +1,14 @@
-//! Silhouettes known exactly, for tests: bands of rows that move when they are told to.
+//! Exact silhouettes for tests: bands of rows that move in given frames.
 
 use crate::geometry::Frame;
 use crate::motion::Silhouettes;
 
 /// Size of the images.
 pub(super) const FRAME: Frame = Frame { width: 64, height: 48 };
-/// Rows of a band: what is thinner is taken for a speck.
+/// Height of a band, in rows. Thinner bands are removed as specks.
 pub(super) const BAND: usize = 4;
 
-/// A recording in which a band of rows moves in a frame, or does not.
+/// Returns a recording in which band `b` moves in frame `t` if `is_moving(b, t)`.
 pub(super) fn bands(frames: usize, is_moving: impl Fn(usize, usize) -> bool) -> Silhouettes {
     let mask = |time: usize| -> Vec<bool> {
         (0..FRAME.width * FRAME.height).map(|k| is_moving(k / FRAME.width / BAND, time)).collect()
@@ -16,7 +16,7 @@ pub(super) fn bands(frames: usize, is_moving: impl Fn(usize, usize) -> bool) -> 
     Silhouettes::from_masks("bands", FRAME, FRAME, (0..frames).map(mask).collect()).unwrap()
 }
 
-/// Whether a band of which no other tells anything moves in a frame: three times in ten.
+/// Returns whether a band moves in a frame: three times in ten, independently of other bands.
 pub(super) fn by_itself(band: usize, time: usize) -> bool {
     let mixed = (band as u64 + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15)
         ^ (time as u64 + 1).wrapping_mul(0xC2B2_AE3D_27D4_EB4F);

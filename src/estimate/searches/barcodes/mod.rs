@@ -1,9 +1,10 @@
-//! Geometry from the motion barcodes of lines (paper, sections 2.3 and 4): two synchronised sequences instead of two
-//! pictures, with clicks or without.
+//! Search with motion barcodes of lines (paper, sections 2.3 and 4): two synchronised sequences
+//! instead of two pictures, with or without clicks.
 //!
-//! The line similarity behind [`crate::similarity::BarcodeSource`] serves the searches of `lines` as stereo matching does:
-//! pencils through clicks, and all lines of both images. What they propose is refined here on the barcodes themselves, all
-//! seven numbers at once, and judged by what barcodes can tell: patches of cameras far apart do not match.
+//! [`crate::similarity::BarcodeSource`] replaces stereo matching in the searches with lines:
+//! pencils through clicks, and all lines of both images. Their proposals are refined here on the
+//! barcodes, all seven numbers at once. The verdict rests on barcodes, since patches of distant
+//! cameras do not match.
 
 mod agreement;
 #[cfg(test)]
@@ -32,12 +33,12 @@ use precision::deviation;
 use refinement::{Objective, RefinedByBarcodes, refine};
 use sharpening::sharpen;
 
-/// Mean distance between the lines of two geometries, as a share of the longer side, below which
-/// they are the same. Not measured.
+/// Mean distance between the lines of two geometries, as a share of the longer side, up to which
+/// the geometries are the same. Not measured.
 const SAME: f64 = 0.02;
 
-/// Parameters as barcodes take them: a barcode is the same whichever way its line is read, cameras may stand anywhere
-/// around the scene, and there are no patches.
+/// Adapts parameters to barcodes. All rotations are allowed, since a barcode does not depend on the
+/// direction of its line, and cameras may stand anywhere. Patches are not used.
 fn adapted(parameters: &Parameters) -> Parameters {
     let mut adapted = parameters.clone();
     adapted.pencils.rotation = std::f64::consts::PI;
@@ -48,8 +49,8 @@ fn adapted(parameters: &Parameters) -> Parameters {
     adapted
 }
 
-/// No more hypotheses through the clicks than the published search draws and compares: the best of them are refined on the
-/// barcodes of many more lines.
+/// Limits the hypotheses through the clicks to the numbers of the published search. The best ones
+/// are later refined on the barcodes of many more lines.
 fn as_published(parameters: &Parameters) -> Parameters {
     let published = Parameters::from(Preset::Paper);
     let mut few = parameters.clone();
@@ -58,7 +59,8 @@ fn as_published(parameters: &Parameters) -> Parameters {
     few
 }
 
-/// Proposals from the pencils of the clicks, where there are two, and from all lines; the best one refined and judged.
+/// Proposes geometries from the pencils of two clicks, if given, and from all lines. Refines and
+/// judges the best one.
 pub(in crate::estimate) fn search(
     prepared: &PreparedPair,
     clicks: &Clicks,
@@ -80,10 +82,10 @@ pub(in crate::estimate) fn search(
                     found.hypotheses.iter().take(parameters.barcodes.refined).map(Estimate::fundamental),
                 );
                 hypotheses = found.hypotheses;
-                // Something to look at while all lines are compared.
+                // This is drawn while all lines are compared.
                 report_preliminary(proposed[0], &hypotheses, None, viewed, clicks, parameters, record);
             }
-            // Lines through the clicks that nothing crosses leave all other lines.
+            // If nothing crosses the lines through the clicks, all lines still propose.
             Err(EstimateError::NoCandidates { .. } | EstimateError::NoGeometry) => {}
             Err(error) => return Err(error),
         }
@@ -101,7 +103,7 @@ pub(in crate::estimate) fn search(
         proposed.first().and_then(|f| Pencils::new(silhouettes, f)).map_or(1.0, |pencils| pencils.events());
     let objective = Objective::new(silhouettes, &clicks.observed(), parameters.click_sigma, events);
     let mut refined = Vec::new();
-    // Half the size is fine enough to tell proposals apart, and for how much the result depends on single frames.
+    // Half the size suffices to rank proposals and for the jackknife over frames.
     let half = silhouettes.map(Silhouettes::halved);
     let coarse = objective.with([&half[0], &half[1]]);
     for start in &proposed {
@@ -141,7 +143,7 @@ pub(in crate::estimate) fn search(
     })
 }
 
-/// Geometries that pairs of all lines agree on (paper, section 4), full-size pixels.
+/// Returns geometries from the consensus of all lines (paper, section 4), full-size pixels.
 fn from_all_lines(
     source: &dyn SimilaritySource,
     parameters: &Parameters,
@@ -168,7 +170,8 @@ fn from_all_lines(
     Ok(found.iter().filter_map(|one| one.fundamental.rescaled(full_size[0], full_size[1])).collect())
 }
 
-/// How far the lines of two geometries are apart on average, as a fraction of the longer side of image 2.
+/// Returns the mean distance between the lines of two geometries, as a share of the longer side of
+/// image 2.
 fn apart(a: &FundamentalMatrix, b: &FundamentalMatrix, silhouettes: [&Silhouettes; 2]) -> f64 {
     let frames = silhouettes.map(Silhouettes::full_size);
     let side = frames[1].longer_side();
@@ -270,7 +273,7 @@ mod tests {
     }
 
     #[test]
-    fn what_was_not_recorded_together_or_moves_too_little_is_not_reliable() {
+    fn recordings_of_different_times_or_of_little_motion_are_not_reliable() {
         let scene = BallScene::new(SMALL).unwrap();
         let shifted = found(&prepared(&scene, &SMALL, 60), &[]);
         let is_reliable = |found: &Estimate| {
@@ -284,7 +287,7 @@ mod tests {
     }
 
     #[test]
-    fn pictures_without_frames_are_refused_and_a_stop_is_one() {
+    fn pictures_without_frames_are_refused_and_cancelling_stops() {
         let plane = GrayPlane::from_fn(SMALL.frame, |x, y| ((x * 7 + y * 13) % 97) as f32);
         let other = GrayPlane::from_fn(SMALL.frame, |x, y| ((x * 11 + y * 5) % 89) as f32);
         let pictures = PreparedPair::new(&plane, &other);

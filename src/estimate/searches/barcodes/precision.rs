@@ -1,4 +1,4 @@
-//! How firmly barcodes hold the epipolar lines: the jackknife over time.
+//! Uncertainty of the epipolar lines by barcodes, from a jackknife over time.
 
 use super::refinement::{NEARBY, Objective, refine};
 use crate::cancel::CancelFlag;
@@ -9,18 +9,18 @@ use crate::motion::{FEWEST_FRAMES, Silhouettes};
 /// Groups of frames left out in turn (jackknife). More take more time; fewer leave the deviation
 /// uncertain. Not measured.
 const GROUPS: usize = 5;
-/// Runs of frames that a group is made of: things that move stay about where they are from frame to frame, so frames are
-/// left out in runs, and each group has some from all over the sequence.
+/// Number of runs of frames in a group. Motion in successive frames is similar, so whole runs are
+/// left out; several runs spread a group over the sequence.
 const RUNS: usize = 3;
 /// Largest number of places in image 1 at which lines are measured. It bounds the time.
 const PLACES: usize = 200;
-/// Frames in which these places are searched, evenly spread. Not measured.
+/// Number of frames in which these places are searched, evenly spread. Not measured.
 const LOOKED_AT: usize = 20;
-/// Places taken from one frame. Not measured.
+/// Number of places taken from one frame. Not measured.
 const PLACES_A_FRAME: usize = 10;
 
-/// Median standard deviation of the epipolar lines in image 2 of places where things move in image 1, px; `None` where too
-/// few frames are left when a group is left out.
+/// Returns the median standard deviation of the epipolar lines in image 2, at places with motion in
+/// image 1, px. `None` if too few frames remain when a group is left out.
 pub(super) fn deviation(
     objective: &Objective,
     f: &FundamentalMatrix,
@@ -49,8 +49,8 @@ pub(super) fn deviation(
     Ok(deviations.get(deviations.len() / 2).copied())
 }
 
-/// The jackknife's deviation of the line of one place, across the line, where that is nearest to the middle of what all
-/// of them say.
+/// Returns the jackknife deviation of the epipolar line of one place. It is measured across the
+/// line, at its point nearest to the middle of the motion in image 2.
 fn line_deviation(
     left: &[FundamentalMatrix],
     f: &FundamentalMatrix,
@@ -59,7 +59,7 @@ fn line_deviation(
     let foot = f.line2_from_point1(at)?.foot(seen);
     let distances: Vec<f64> =
         left.iter().map(|g| Some(g.line2_from_point1(at)?.signed_distance(foot))).collect::<Option<_>>()?;
-    // A line has no sense of its own: distances to either side are made comparable by their normal.
+    // Lines have no orientation, so the normals give comparable signs to the distances.
     let normal = f.line2_from_point1(at)?.coefficients().xy();
     let signed: Vec<f64> = left
         .iter()
@@ -74,7 +74,8 @@ fn line_deviation(
     Some(((n - 1.0) / n * signed.iter().map(|d| (d - mean).powi(2)).sum::<f64>()).sqrt())
 }
 
-/// Places of image 1 where something moves, each with the middle of what moves in image 2, full-size pixels.
+/// Returns places with motion in image 1, each with the middle of the motion in image 2, full-size
+/// pixels.
 fn moving_places(silhouettes: [&Silhouettes; 2]) -> Vec<(Point, Point)> {
     let every = (silhouettes[0].len() / LOOKED_AT).max(1);
     let places = |image: usize, time: usize| {
@@ -121,15 +122,15 @@ mod tests {
             (of(&[3.0, 5.0, 7.0, 9.0]) - (0.75f64 * 20.0).sqrt()).abs() < 1e-9,
             "their mean is taken off"
         );
-        // The same line the other way round is no other line.
+        // A reversed line is the same line.
         let turned = FundamentalMatrix::from_rank_two(-rows(2.0).matrix()).unwrap();
         assert!(line_deviation(&[rows(2.0), turned], &rows(0.0), at).unwrap() < 1e-9);
     }
 
     #[test]
-    fn places_are_where_things_move_and_across_from_the_middle_of_what_moves() {
+    fn places_have_motion_and_the_middle_of_the_motion_in_the_other_image() {
         let small = Frame::new(8, 6);
-        // A block of nine pixels, whose corners are taken for specks, in one frame.
+        // A block of nine pixels in one frame. Its corners are removed as specks.
         let block = |x: usize, y: usize, when: usize| {
             let mask = |time: usize| -> Vec<bool> {
                 let is_in = |k: usize| (k % 8).abs_diff(x) < 2 && (k / 8).abs_diff(y) < 2;
@@ -145,7 +146,7 @@ mod tests {
     }
 
     #[test]
-    fn too_few_frames_say_nothing_and_rows_that_move_by_themselves_hold_their_lines() {
+    fn too_few_frames_give_no_deviation_and_independent_rows_a_small_one() {
         let measured = |frames: usize| {
             let seen = bands(frames, by_itself);
             let objective = Objective::new([&seen, &seen], &[], 1.0, 50.0);

@@ -1,8 +1,8 @@
-//! All seven numbers of `F`, moved so that the barcodes of corresponding lines agree best.
+//! Refinement of all seven numbers of `F` on the barcodes of corresponding lines.
 //!
-//! Which pixels a line crosses changes in steps, so the search uses no derivatives: steps are drawn from a Gaussian, the
-//! best of them give the next one (the cross-entropy method: Rubinstein 1999). They are drawn from the seed; the order
-//! of threads changes nothing.
+//! The cost changes in steps, as lines cross other pixels, so the search uses no derivatives. Steps
+//! are drawn from a Gaussian, and the best ones give the next Gaussian (cross-entropy method,
+//! Rubinstein 1999). They depend on the seed alone, not on the order of threads.
 
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
@@ -15,30 +15,29 @@ use crate::estimate::stream::{Purpose, stream};
 use crate::geometry::{Frame, FundamentalMatrix, PointPair, Vector7, sampson_distance};
 use crate::motion::Silhouettes;
 
-/// How far and how long is searched.
+/// Extent of the search.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Steps {
-    /// Deviation of the first steps, of half a diagonal.
+    /// Standard deviation of the first steps, as a share of half a diagonal.
     pub first: f64,
-    /// Rounds.
+    /// Number of rounds.
     pub rounds: usize,
 }
 
-/// Steps from a proposal of lines: some per cent of the side. Not measured.
+/// Steps from a proposal of lines: a few per cent of the side. Not measured.
 pub(super) const FROM_AFAR: Steps = Steps { first: 0.015, rounds: 8 };
 /// Steps from a refined geometry: a fifth of those from a proposal. Not measured.
 pub(super) const NEARBY: Steps = Steps { first: 0.003, rounds: 10 };
 
-/// Samples of one round of the cross-entropy method: some six for each of seven unknowns. Not
-/// measured.
+/// Number of samples in a round: about six for each of seven unknowns. Not measured.
 const POPULATION: usize = 40;
-/// Best samples of a round, from which the next is drawn. Not measured.
+/// Number of best samples of a round that give the next one. Not measured.
 const ELITE: usize = 8;
 /// Share of the previous deviation that is kept, so that the search does not settle too early. Not
 /// measured.
 const INERTIA: f64 = 0.3;
 
-/// What is made small: how badly barcodes agree, and how far clicks are off.
+/// Objective of the refinement: the disagreement of barcodes, and the distances of clicks.
 pub(super) struct Objective<'a> {
     pub silhouettes: [&'a Silhouettes; 2],
     clicks: Vec<PointPair>,
@@ -46,7 +45,7 @@ pub(super) struct Objective<'a> {
     events: f64,
 }
 
-/// A refined geometry, full-size pixels, and its value; lower is better.
+/// Refined geometry in full-size pixels, and its objective; lower is better.
 #[derive(Debug, Clone)]
 pub(super) struct RefinedByBarcodes {
     pub fundamental: FundamentalMatrix,
@@ -63,7 +62,7 @@ impl<'a> Objective<'a> {
         Self { silhouettes, clicks: clicks.to_vec(), click_sigma, events }
     }
 
-    /// The same clicks with some of the frames.
+    /// Returns the objective with other frames and the same clicks.
     pub(super) fn with<'b>(&self, silhouettes: [&'b Silhouettes; 2]) -> Objective<'b> {
         Objective {
             silhouettes,
@@ -77,9 +76,10 @@ impl<'a> Objective<'a> {
         self.silhouettes.map(Silhouettes::full_size)
     }
 
-    /// The negative logarithm of the likelihood up to a constant: each event is a time that is off by a Laplace-distributed
-    /// error of unknown spread, which leaves `events · ln cost`; clicks are Gaussian, with influence bounded at four
-    /// deviations. `events` are counted once, where the search begins.
+    /// Returns the negative log-likelihood up to a constant. The time of each event has a
+    /// Laplace-distributed error of unknown spread, which gives `events · ln cost`. Clicks have
+    /// Gaussian errors, whose influence is bounded at four deviations. `events` are counted once,
+    /// at the start of the search.
     fn value(&self, f: &FundamentalMatrix) -> f64 {
         let Some(pencils) = Pencils::new(self.silhouettes, f) else { return f64::INFINITY };
         let off = |pair: &PointPair| (sampson_distance(f, pair) / self.click_sigma).powi(2).min(16.0);
@@ -87,7 +87,7 @@ impl<'a> Objective<'a> {
     }
 }
 
-/// The best geometry around a start; `None` where the start has no lines.
+/// Returns the best geometry near a start. `None` if the geometries there have no lines.
 pub(super) fn refine(
     objective: &Objective,
     start: &FundamentalMatrix,
@@ -125,7 +125,7 @@ pub(super) fn refine(
     Ok(Some(best))
 }
 
-/// Seven nearly Gaussian numbers: sums of twelve.
+/// Returns seven nearly Gaussian numbers, each a sum of twelve uniform ones.
 fn gaussian(random: &mut Pcg64Mcg) -> Vector7 {
     Vector7::from_fn(|_, _| (0..12).map(|_| random.random::<f64>()).sum::<f64>() - 6.0)
 }
@@ -139,12 +139,12 @@ mod tests {
     use crate::estimate::exact::rows;
 
     #[test]
-    fn clicks_count_by_their_deviations_up_to_four_and_barcodes_by_their_events() {
+    fn clicks_count_up_to_four_deviations_and_barcodes_by_their_events() {
         let seen = bands(100, by_itself);
         let value = |clicks: &[PointPair], events: f64, shift: f64| {
             Objective::new([&seen, &seen], clicks, 2.0, events).value(&rows(shift))
         };
-        // The Sampson distance of a click 3 px off a row is 3/√2.
+        // A click 3 px off its row has the Sampson distance 3/√2.
         let off = |by: f64| PointPair::new(10.0, 10.0, 20.0, 10.0 + by);
         assert!((value(&[off(3.0)], 0.0, 0.0) - 0.5 * 4.5 / 4.0).abs() < 1e-9);
         assert!((value(&[off(0.0), off(30.0)], 0.0, 0.0) - 8.0).abs() < 1e-9, "bounded");
@@ -154,7 +154,7 @@ mod tests {
     }
 
     #[test]
-    fn steps_lead_from_a_few_pixels_off_to_where_barcodes_agree() {
+    fn a_start_a_few_pixels_off_is_refined_until_barcodes_agree() {
         let seen = bands(200, by_itself);
         let objective = Objective::new([&seen, &seen], &[], 1.0, 50.0);
         let search = |seed: u64| {
@@ -183,7 +183,7 @@ mod tests {
             (0..1000).flat_map(|_| gaussian(&mut random).iter().copied().collect::<Vec<_>>()).collect();
         let mean = drawn.iter().sum::<f64>() / drawn.len() as f64;
         let variance = drawn.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / drawn.len() as f64;
-        // Of 7000 numbers: 1/84 and √2/84, four times.
+        // Four deviations: those of mean and variance of 7000 numbers are 1/84 and √2/84.
         assert!(mean.abs() < 0.05 && (variance - 1.0).abs() < 0.07, "{mean} {variance}");
     }
 }

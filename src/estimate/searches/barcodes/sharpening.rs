@@ -1,8 +1,8 @@
-//! Candidate line pairs, moved to where their barcodes agree best.
+//! Refinement of candidate line pairs, until their barcodes agree best.
 //!
-//! The lines that were compared are some pixels apart, and a line that misses the epipole has no corresponding line at
-//! all. Both lines of a candidate move until their barcodes agree: there is a pencil of pairs that do, and the candidate
-//! ends on one of them.
+//! Compared lines are some pixels apart, and a line that misses the epipole has no corresponding
+//! line. So both lines of a candidate move. Pairs whose barcodes agree form a pencil, and the
+//! candidate reaches one of them.
 
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
@@ -14,19 +14,20 @@ use crate::estimate::stream::{Purpose, stream};
 use crate::geometry::{AnchoredLine, Frame, Point, Vector};
 use crate::similarity::ScaledSimilarity;
 
-/// Candidates that are moved, best first: enough for a consensus. Not measured.
+/// Number of best candidates that are moved: enough for a consensus. Not measured.
 const MOVED: usize = 400;
-/// Rounds of moves of a candidate. The last moves by a thirteenth of the first. Not measured.
+/// Number of rounds of moves. The last moves are a thirteenth of the first. Not measured.
 const ROUNDS: usize = 6;
-/// Moves tried in a round. Not measured.
+/// Number of moves tried in a round. Not measured.
 const TRIALS: usize = 16;
-/// Length of a move, in lengths of the round before. Not measured.
+/// Factor of the length of moves from round to round. Not measured.
 const SHRINKING: f64 = 0.6;
-/// Candidates kept last with which one is compared to tell whether it is the same pair: sorted by cost, equal pairs are
-/// near each other.
+/// Number of preceding candidates with which a candidate is compared to find equal pairs.
+/// Candidates are sorted by cost, so equal pairs are near each other.
 const RECENT: usize = 8;
 
-/// The best candidates with both lines moved by up to about `step` px at either end, best first.
+/// Returns the best candidates with both lines moved, best first. The first moves are up to
+/// `step` px at either end.
 pub(super) fn sharpen(
     level: &ScaledSimilarity,
     candidates: &[LineCandidate],
@@ -37,7 +38,7 @@ pub(super) fn sharpen(
     let mut random = stream(seed, Purpose::BarcodeLines, 0);
     let mut best: Vec<LineCandidate> = Vec::with_capacity(MOVED);
     for candidate in candidates {
-        // A barcode is the same from either end, so each pair is there twice.
+        // A barcode does not depend on the direction of its line, so each pair occurs twice.
         let is_new = |kept: &LineCandidate| {
             kept.line1 != candidate.line1 || kept.line2.anchor != candidate.line2.anchor
         };
@@ -45,7 +46,7 @@ pub(super) fn sharpen(
             best.push(*candidate);
         }
     }
-    // Costs that were normalised are in another unit.
+    // The costs of candidates may be normalised. The costs of moved lines are not.
     let pairs: Vec<_> = best.iter().map(|candidate| (candidate.line1, candidate.line2)).collect();
     for (candidate, cost) in best.iter_mut().zip(level.lines.pair_costs(&pairs)) {
         candidate.cost = cost;
@@ -79,7 +80,7 @@ pub(super) fn sharpen(
     Ok(best)
 }
 
-/// The line with both ends in the image moved across it.
+/// Returns the line after a random move of both its ends, across the line.
 fn moved(line: &AnchoredLine, frame: Frame, step: f64, random: &mut Pcg64Mcg) -> AnchoredLine {
     let Some(seen) = frame.clip(&line.line()) else { return *line };
     let across = Vector::new(-line.direction.y, line.direction.x);
@@ -114,7 +115,7 @@ mod tests {
     }
 
     #[test]
-    fn both_lines_move_to_where_they_agree_and_equal_pairs_are_one() {
+    fn both_lines_move_until_they_agree_and_equal_pairs_are_kept_once() {
         let mut candidates: Vec<LineCandidate> = (0..20)
             .map(|k| 10.0 + 11.0 * f64::from(k))
             .map(|y| LineCandidate { line1: row(y), line2: row(y + 3.0), cost: 9.0 })
@@ -125,7 +126,7 @@ mod tests {
         let found = sharpened(&candidates, 3);
         assert_eq!(found.len(), 20);
         assert!(found.is_sorted_by(|a, b| a.cost <= b.cost));
-        // 3 px at the start, and measured anew whatever they were said to cost.
+        // Pairs are 3 px apart at the start. Their given costs are replaced by measured ones.
         assert!(found.iter().all(|one| one.cost < 1.0), "{found:?}");
         let pairs: Vec<_> = found.iter().map(|one| (one.line1, one.line2)).collect();
         let costs: Vec<f32> = found.iter().map(|one| one.cost).collect();
@@ -135,7 +136,7 @@ mod tests {
     }
 
     #[test]
-    fn lines_that_miss_their_image_are_dropped_and_a_stop_is_one() {
+    fn lines_that_miss_their_image_are_dropped_and_cancelling_stops() {
         let outside = LineCandidate { line1: row(-50.0), line2: row(20.0), cost: 0.0 };
         assert!(sharpened(&[outside], 1).is_empty());
         let cancel = CancelFlag::default();
@@ -144,7 +145,7 @@ mod tests {
     }
 
     #[test]
-    fn a_line_keeps_its_sense_and_moves_no_farther_than_a_step() {
+    fn a_line_keeps_its_direction_and_moves_no_farther_than_a_step() {
         let mut random = Pcg64Mcg::seed_from_u64(2);
         let back = AnchoredLine { direction: -Vector::x(), ..row(60.0) };
         let still = moved(&back, FRAME, 0.0, &mut random);

@@ -1,5 +1,6 @@
-//! The search as published (paper, section 5.1): epipoles from two candidate line pairs, κ from a bisector in each
-//! direction, the round trip to select, full validation to rank, and refinement of the five numbers on lines.
+//! Steps of the published search (paper, section 5.1). Two candidate line pairs give the epipoles,
+//! and a bisector in each direction gives κ. Hypotheses are selected by round trip, ranked by full
+//! validation, and refined on lines.
 
 use rayon::prelude::*;
 
@@ -13,16 +14,16 @@ use crate::estimate::{EstimateError, Parameters};
 use crate::geometry::{Frame, FundamentalMatrix, LinePair, PointPair};
 use crate::similarity::{ScaledSimilarity, SimilaritySource};
 
-/// Least distance of a click from the line of the other, as a share of the image diagonal: the
-/// epipoles of nearer clicks are undetermined. Not measured.
+/// Smallest distance of a click from the line of the other, as a share of the image diagonal.
+/// Nearer clicks do not determine the epipoles. Not measured.
 const CLEAR: f64 = 0.02;
-/// Fewest hypotheses that are fully validated, however few were drawn. Not measured.
+/// Smallest number of fully validated hypotheses, if there are as many. Not measured.
 const LEAST_VALIDATED: usize = 10;
 
-/// A hypothesis at the coarse level.
+/// Hypothesis at the coarse level.
 #[derive(Debug, Clone)]
 pub(in crate::estimate) struct Draft {
-    /// The geometry, with κ of the forward map H.
+    /// Geometry, with κ of the forward map H.
     angles: PencilAngles,
     /// κ of the backward map G.
     kappa_backward: f64,
@@ -30,8 +31,8 @@ pub(in crate::estimate) struct Draft {
     round_trip: f64,
 }
 
-/// The hypotheses of all combinations drawn, those with the smallest round trip first. With a third point pair that
-/// gives κ both maps agree by construction.
+/// Returns the hypotheses of all drawn combinations, smallest round trip first. A third point pair
+/// gives the same κ to both maps.
 pub(in crate::estimate) fn propose(
     similarity: &ScaledSimilarity,
     pencils: [&ComparedPencils; 2],
@@ -75,13 +76,14 @@ pub(in crate::estimate) fn propose(
     Ok(drafts)
 }
 
-/// How many drafts, the first ones, go through full validation. With a third pair the round trip does not select.
+/// Returns the number of leading drafts for full validation. With a third pair, the round trip is 0
+/// and does not select.
 pub(in crate::estimate) fn validated(drafts: &[Draft], has_third: bool, parameters: &Parameters) -> usize {
     let share = (drafts.len() as f64 * parameters.validation.validated).ceil() as usize;
     if has_third { drafts.len() } else { share.max(LEAST_VALIDATED).min(drafts.len()) }
 }
 
-/// Whether each click keeps clear of the other's line, in both images.
+/// Returns whether each click is far enough from the line of the other in both images.
 fn is_spread(pencils: &PencilPair, clicks: &[PointPair; 2], frames: [Frame; 2]) -> bool {
     let (p, q): (&LinePair, &LinePair) = (pencils.map().p(), pencils.map().q());
     let [a, b] = clicks;
@@ -90,16 +92,16 @@ fn is_spread(pencils: &PencilPair, clicks: &[PointPair; 2], frames: [Frame; 2]) 
     nearest1 > CLEAR * frames[0].diagonal() && nearest2 > CLEAR * frames[1].diagonal()
 }
 
-/// What full validation leaves.
+/// Result of full validation.
 pub(in crate::estimate) struct Validated {
-    /// The best hypotheses, best first, full-size pixels, with their figures.
+    /// Best hypotheses with their figures, best first, full-size pixels.
     pub hypotheses: Vec<(FundamentalMatrix, LineFigures)>,
-    /// The five numbers of the best one.
+    /// Five numbers of the best hypothesis.
     best: PencilAngles,
 }
 
-/// Ranks drafts by the score of their lines over both images, and keeps the best `count`. `clicks` are in full-size
-/// pixels.
+/// Ranks drafts by the score of their lines over both images, and keeps the best `count`. `clicks`
+/// are in full-size pixels.
 pub(in crate::estimate) fn rank(
     similarity: &ScaledSimilarity,
     drafts: Vec<Draft>,
@@ -134,7 +136,8 @@ pub(in crate::estimate) fn rank(
     Ok(Validated { hypotheses, best: scored[0].1.angles })
 }
 
-/// The best hypothesis with its five numbers refined on lines; as it was where they degenerate.
+/// Refines the five numbers of the best hypothesis on lines. Returns it unchanged if they
+/// degenerate.
 pub(in crate::estimate) fn refine(
     source: &dyn SimilaritySource,
     ranked: &Validated,
@@ -155,7 +158,7 @@ mod tests {
     use crate::estimate::{LineScore, PencilParameters, Preset, ValidationParameters};
     use crate::geometry::symmetric_epipolar_distance;
 
-    /// Pencils that were compared on exact lines, the candidates a few of the nearest.
+    /// Returns pencils compared on exact lines. Their candidates are some of the nearest lines.
     fn compared(scene: &ExactScene, parameters: &Parameters) -> [ComparedPencils; 2] {
         let source = ExactSource(scene.fundamental());
         scene.clicks().map(|click| {
@@ -165,7 +168,7 @@ mod tests {
 
     fn parameters() -> Parameters {
         let paper = Parameters::from(Preset::Paper);
-        // Exact lines have few mutual best ones.
+        // Exact lines have few mutual best pairs.
         let pencils = PencilParameters { mutual: 5, ..paper.pencils };
         Parameters { hypotheses: 200, pencils, ..paper }
     }
@@ -184,7 +187,8 @@ mod tests {
         let scores: Vec<f64> = ranked.hypotheses.iter().filter_map(|(_, lines)| lines.score).collect();
         assert!(scores.len() == ranked.hypotheses.len() && scores.is_sorted());
         let error = scene.error(&ranked.hypotheses[0].0);
-        // Lines of a pencil are 2 px of 192 apart at the far corner: up to 1.7 px of 320 off at each end.
+        // Lines of a pencil are 2 px apart at the far corner at side 192: up to 1.7 px off at side
+        // 320.
         assert!(error < 3.0, "{error} px");
         let refined = refine(&source, &ranked, scene.clicks(), &parameters, &cancel).unwrap();
         let after = scene.error(&refined);
@@ -202,7 +206,7 @@ mod tests {
         let similarity = source.at(parameters.pencils.coarse_side);
         let third = scene.seen(0.3, -0.5, 5.0);
         let mut pencils = compared(&scene, &parameters);
-        // The true directions among them.
+        // The candidates include the true directions.
         let truth = scene.angles();
         for (compared, angles) in pencils.iter_mut().zip([truth.p, truth.q]) {
             compared.candidates.insert(0, Candidate { angles, cost: 0.0 });
@@ -236,7 +240,7 @@ mod tests {
     fn clicks_on_each_others_lines_propose_nothing() {
         let rows = PencilAngles { p: [0.0; 2], q: [0.0; 2], kappa: 1.0 };
         let frames = [Frame::new(400, 300); 2];
-        // A diagonal of 500 px, of which 2 % are 10 px, at the nearer of both images.
+        // The limit is 2 % of the diagonal of 500 px, in the image where the clicks are nearer.
         let spread = |y1: f64, y2: f64| {
             let clicks = [PointPair::new(100.0, 100.0, 80.0, 100.0), PointPair::new(300.0, y1, 280.0, y2)];
             is_spread(&PencilPair::new(&rows, clicks).unwrap(), &clicks, frames)

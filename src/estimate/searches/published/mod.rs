@@ -1,5 +1,5 @@
-//! Search of the paper (section 5.1): bisectors and round trips propose, lines over both images
-//! rank, and the five numbers of the best geometry are refined on lines.
+//! Published search (paper, section 5.1). Bisectors and round trips propose geometries, and lines
+//! over both images rank them. The five numbers of the best one are refined on lines.
 
 mod hypotheses;
 mod refinement;
@@ -26,7 +26,7 @@ pub(in crate::estimate) fn search(
     Ok(Judged::of(found, &viewed, clicks, parameters, record))
 }
 
-/// Proposes, ranks and refines, without a judgement.
+/// Proposes, ranks and refines geometries, without an assessment.
 pub(super) fn find(
     viewed: &ViewedPair,
     clicks: &Clicks,

@@ -1,9 +1,9 @@
-//! Refinement on lines: the five numbers that parametrise every `F` through the two clicks, moved so that the
-//! epipolar lines match better, coarse to fine.
+//! Refinement on lines: optimises the five numbers that parametrise every `F` through the two
+//! clicks, coarse to fine.
 //!
-//! The cost is a sum of minima over integer disparities, piecewise smooth at best, so the search uses no
-//! derivatives: a few random steps around the best point so far, the step size shrinking when none of them is
-//! better. Steps are drawn from the seed; the order of threads changes nothing.
+//! The cost is a sum of minima over integer disparities, at best piecewise smooth, so the search
+//! uses no derivatives. It tries random steps around the best point, and shrinks them when none is
+//! better. Steps depend on the seed alone, not on the order of threads.
 
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
@@ -15,15 +15,15 @@ use crate::estimate::{EstimateError, Parameters};
 use crate::geometry::PointPair;
 use crate::similarity::{ScaledSimilarity, SimilaritySource};
 
-/// Steps tried at a time: enough for the vector units and the threads. Not measured.
+/// Number of steps tried at a time, enough to occupy vector units and threads. Not measured.
 const POPULATION: usize = 8;
-/// Length of a step after one that brought nothing, in lengths before. Not measured.
+/// Factor of the step length after a round without success. Not measured.
 const SHRINKING: f64 = 0.6;
-/// Longer side of the largest images in refinement on lines, px: beyond it lines are smoother than
-/// a step. Not measured.
+/// Longer side of the largest images in refinement on lines, px. Lines of larger images are
+/// smoother than a step. Not measured.
 const FINEST: f64 = 800.0;
 
-/// Moves the five numbers to a better line score at each level from the coarse one up to the finest.
+/// Improves the line score of the five numbers at each level, from the coarsest to the finest.
 pub(super) fn refine_on_lines(
     source: &dyn SimilaritySource,
     start: &PencilAngles,
@@ -58,7 +58,7 @@ fn refine_at(
 ) -> Result<PencilAngles, EstimateError> {
     let how = &parameters.line_refinement;
     let clicks = clicks.each_ref().map(|click| level.resized(click));
-    // Infinite where the lines degenerate.
+    // Degenerate lines have an infinite score.
     let scores = |all: &[PencilAngles]| -> Result<Vec<f64>, EstimateError> {
         let pencils: Vec<_> = all.iter().map(|angles| PencilPair::new(angles, clicks)).collect();
         let valid: Vec<PencilPair> = pencils.iter().flatten().cloned().collect();
@@ -91,14 +91,14 @@ fn refine_at(
     Ok(best)
 }
 
-/// Mean of the sum of three uniform numbers, of which a step is made.
+/// Mean of the sum of three uniform random numbers that makes a step.
 const MEAN_OF_THREE: f64 = 1.5;
 /// Factor that brings the standard deviation of this sum, ½, to 1.
 const TO_UNIT: f64 = 2.0;
-/// Steps of ln κ, in steps of an angle. Not measured.
+/// Size of a step of ln κ, relative to a step of an angle. Not measured.
 const KAPPA_STEP: f64 = 2.0;
 
-/// A random step: all five numbers at once, on the scale of `step` radians.
+/// Returns the numbers after a random step of all five, on the scale of `step` radians.
 fn moved(angles: &PencilAngles, step: f64, rng: &mut Pcg64Mcg) -> PencilAngles {
     let mut draw =
         || step * (rng.random::<f64>() + rng.random::<f64>() + rng.random::<f64>() - MEAN_OF_THREE) * TO_UNIT;
@@ -116,7 +116,7 @@ mod tests {
     use crate::estimate::exact::{ExactScene, ExactSource};
 
     #[test]
-    fn five_numbers_that_are_a_little_off_come_nearer_and_the_seed_decides() {
+    fn five_numbers_near_the_truth_come_nearer_and_the_seed_decides() {
         for scene in [ExactScene::aside(), ExactScene::forward()] {
             let (source, clicks, truth) = (ExactSource(scene.fundamental()), scene.clicks(), scene.angles());
             let start = PencilAngles {

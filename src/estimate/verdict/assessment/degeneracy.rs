@@ -1,4 +1,4 @@
-//! Inputs from which no geometry follows, told before any work is done, and results that deserve a warning.
+//! Checks of the input before a search, and warnings about the clicks of a result.
 
 use std::sync::Arc;
 
@@ -9,26 +9,27 @@ use crate::image::GrayPlane;
 
 /// Smallest image side in which lines are compared, px. Not measured.
 pub const SMALLEST_SIDE: usize = 32;
-/// Least distance between clicks, px: a few times the error of a click.
+/// Smallest distance between clicks, px: a few times the error of a click.
 const CLOSEST: f64 = 4.0;
 /// Mean absolute difference below which two images are the same picture, grey levels. Not measured.
 const IDENTICAL: f64 = 0.8;
 /// Standard deviation below which an image is flat, grey levels: about the rounding of its pixels.
 /// Not measured.
 const FLAT: f64 = 1.0;
-/// Longer side at which images are checked, px: the noise of single pixels is averaged away.
+/// Longer side at which images are checked, px. Reduction averages the noise of single pixels.
 const LOOK_SIDE: f64 = 256.0;
-/// A click nearer to the other's epipolar line than this fraction of the longer side leaves the epipoles loose: there an
-/// error of a click turns the lines twenty times as far as at the other end of the image.
+/// Distance of a click from the epipolar line of the other, as a share of the longer side, below
+/// which the clicks hardly determine the epipoles. An error of a click is twenty times as large at
+/// the other end of the image.
 const SAME_LINE: f64 = 0.05;
 /// Distance between clicks, as a share of the longer side, below which a small error turns the
-/// lines far: a pixel there is twelve at the far side.
+/// lines far. An error of a pixel is twelve pixels at the far side.
 const CLOSE: f64 = 0.08;
 /// A pair has little texture if fewer than one in this many of its lines have texture. Not
 /// measured.
 const LITTLE_TEXTURE: usize = 3;
 
-/// Checks the clicks against the images and each other, and that there are enough.
+/// Checks that there are enough clicks, inside the images, and apart from each other.
 pub(in crate::estimate) fn check_points(
     frames: [Frame; 2],
     clicks: &Clicks,
@@ -84,7 +85,7 @@ pub(in crate::estimate) fn check_points(
     Ok(())
 }
 
-/// Checks that the images hold something to compare, and two different things.
+/// Checks that the images are not flat and not identical.
 pub(in crate::estimate) fn check_images(prepared: &PreparedPair) -> Result<(), EstimateError> {
     let level = prepared.pyramids().level(LOOK_SIDE);
     for (image, plane) in level.planes.iter().enumerate() {
@@ -104,8 +105,8 @@ fn mean_difference(a: &GrayPlane, b: &GrayPlane) -> f64 {
     sum / a.values().len() as f64
 }
 
-/// Warnings about clicks in parts without texture, by what their pencils found; a match that stands in for a click is
-/// nobody's to move.
+/// Returns warnings about clicks whose pencils have few textured lines. Stand-ins for clicks get no
+/// warning, since nobody can move them.
 pub(in crate::estimate) fn little_texture(clicks: &Clicks, pencils: &[Arc<ComparedPencils>]) -> Vec<Warning> {
     let warning = |(number, compared): (Option<usize>, &Arc<ComparedPencils>)| {
         let mut images = compared.lines_compared().into_iter().zip(compared.lines_before);
@@ -115,7 +116,7 @@ pub(in crate::estimate) fn little_texture(clicks: &Clicks, pencils: &[Arc<Compar
     clicks.anchor_numbers().into_iter().zip(pencils).filter_map(warning).collect()
 }
 
-/// Warnings about where the clicks are, given the result.
+/// Returns warnings about the positions of the clicks under the geometry `f`.
 pub(in crate::estimate) fn click_warnings(
     f: &FundamentalMatrix,
     frames: [Frame; 2],
@@ -169,7 +170,7 @@ mod tests {
             check(&[good, [60.0, 60.0, 21.0, 10.0]]),
             Err(EstimateError::TooClose { image: 2, .. })
         ));
-        // Two clicks of one point are one too many, not too few.
+        // A repeated click is superfluous. The other two suffice.
         assert_eq!(check(&[good, good, other]), Ok(()));
         assert!(matches!(
             check(&[good, good, [11.0, 10.0, 21.0, 10.0]]),
@@ -186,7 +187,7 @@ mod tests {
         assert_eq!(check_images(&PreparedPair::new(&texture, &texture)), Err(EstimateError::NoParallax));
     }
 
-    /// Warnings about two clicks, `x, y` each, and a third far away that is no anchor.
+    /// Returns the warnings about two clicks, in the presence of a third one that is no anchor.
     fn warned(f: &FundamentalMatrix, frames: [Frame; 2], p: [f64; 4], q: [f64; 4]) -> Vec<Warning> {
         let pair = |c: [f64; 4]| PointPair::new(c[0], c[1], c[2], c[3]);
         let clicks = [pair(p), pair(q), pair([1.0, 1.0, 1.0, 1.0])];
@@ -210,7 +211,7 @@ mod tests {
             matches!(ask(100.0, 131.9)[..], [Warning::CloseClicks { distance }] if (distance - 31.9).abs() < 1e-9)
         );
         assert_eq!(ask(110.0, 105.0).len(), 2);
-        // In one image is enough.
+        // Being close in one image suffices.
         let beside2 = warned(&rows(0.0), frames, p, [300.0, 125.0, 85.0, 125.0]);
         assert!(matches!(beside2[..], [Warning::CloseClicks { .. }]));
         assert_eq!(click_warnings(&rows(0.0), frames, &Clicks::default()), []);

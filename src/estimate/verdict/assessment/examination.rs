@@ -1,4 +1,4 @@
-//! The figures of any geometry, as if it had been among the hypotheses.
+//! Figures of any geometry, computed like those of hypotheses.
 
 use crate::cancel::CancelFlag;
 use crate::estimate::evidence::lines::{LineExaminer, LineFigures, PencilAngles};
@@ -7,14 +7,14 @@ use crate::estimate::evidence::viewed::ViewedPair;
 use crate::estimate::{Assessment, Estimate, Parameters, PatchSupport, PreparedPair, Search};
 use crate::geometry::{FundamentalMatrix, PointPair};
 
-/// What figures are computed from.
+/// Evidence from which figures are computed.
 pub(super) struct Examiner<'a> {
     pub viewed: &'a ViewedPair<'a>,
     pub parameters: &'a Parameters,
 }
 
 impl Examiner<'_> {
-    /// The patches that agree with `f` (full size), where the search looks at patches.
+    /// Returns the patch support of `f` (full size). `None` if the search uses lines alone.
     pub fn patch_support(&self, f: &FundamentalMatrix) -> Option<PatchSupport> {
         match self.parameters.search {
             Search::Patches => self.viewed.patches.measure(self.viewed.pyramids(), f),
@@ -22,8 +22,8 @@ impl Examiner<'_> {
         }
     }
 
-    /// What the lines through two clicks say of `f` (full size); `None` where they degenerate. `turn` is about how far
-    /// image 2 is rotated against image 1, radians.
+    /// Returns the figures of `f` (full size) by lines through two clicks. `None` if the lines
+    /// degenerate. `turn` is the approximate rotation of image 2 against image 1, radians.
     pub fn line_figures(
         &self,
         clicks: [PointPair; 2],
@@ -35,7 +35,7 @@ impl Examiner<'_> {
             let at_fine = f.rescaled(fine.scales[0], fine.scales[1])?;
             let matches = fine.support.matches(&at_fine, BAND);
             let own = clicks.map(|click| click.rescaled(fine.scales));
-            // κ where the scene is, as for every other hypothesis.
+            // κ is fitted at the matches, as for all other hypotheses.
             let pairs = matches.iter().map(|m| m.pair);
             angles = PencilAngles::nearest(&at_fine, &own, &angles, pairs).unwrap_or(angles);
         }
@@ -52,10 +52,10 @@ impl Examiner<'_> {
     }
 }
 
-/// What the estimator would say of `f` (full size), had it been among the hypotheses of the search that found `beside`
-/// on the same images with these clicks and parameters: to rank a matrix from elsewhere, the true one say.
+/// Returns the figures of `f` (full size) as a hypothesis of the search that found `beside`, with
+/// the same clicks and parameters. They rank an imported or true matrix among the hypotheses.
 ///
-/// `None` where the epipolar lines of `f` degenerate at the clicks.
+/// `None` if the epipolar lines of `f` degenerate at the clicks.
 pub fn examine(
     prepared: &PreparedPair,
     clicks: [PointPair; 2],
@@ -82,7 +82,7 @@ mod tests {
     use crate::geometry::finite_point;
 
     #[test]
-    fn figures_tell_the_truth_from_what_is_near_it() {
+    fn figures_of_the_truth_are_better_than_those_of_a_geometry_near_it() {
         let scene = ExactScene::aside();
         let prepared = scene.prepared();
         let viewed = ViewedPair {
@@ -107,7 +107,7 @@ mod tests {
     }
 
     #[test]
-    fn a_matrix_from_elsewhere_is_examined_as_beside_the_search() {
+    fn an_imported_matrix_is_examined_like_a_hypothesis() {
         let scene = ExactScene::aside();
         let prepared = scene.prepared();
         let parameters = Parameters::default();
@@ -117,7 +117,7 @@ mod tests {
         assert_eq!(of_truth.fundamental(), &scene.fundamental());
         assert!(of_truth.line_score().is_some() && of_truth.support_score().is_some());
         assert!(of_truth.trace.is_none() && of_truth.assessment.trust.is_none());
-        // At the epipole there is no line.
+        // The epipole has no epipolar line.
         let forward = ExactScene::forward();
         let epipole = PointPair {
             point1: finite_point(&forward.fundamental().epipole1()).unwrap(),

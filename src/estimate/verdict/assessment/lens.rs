@@ -1,5 +1,6 @@
-//! Whether one homography seen through a bending lens explains the matches: the parallax that a change of the lens leaves
-//! runs to or from the middle of the image, as that of a camera which moves forward.
+//! Test whether one homography with radial distortion explains the matches. Distortion moves points
+//! towards the middle of the image or away from it, which looks like the parallax of a camera that
+//! moves forward.
 
 use nalgebra::{Matrix3, SMatrix, SVector, Vector2};
 
@@ -8,21 +9,22 @@ use crate::geometry::{Frame, PointPair};
 type Normal = SMatrix<f64, 9, 9>;
 type Right = SVector<f64, 9>;
 
-/// Widths of the robust cost, in tolerances, one for each step: the lens gains matches from the
-/// border of those that the homography alone explains. Not measured.
+/// Widths of the robust cost, in tolerances, one for each step. They shrink, so that the fit first
+/// gains matches next to those explained by the homography alone. Not measured.
 const WIDTHS: [f64; 12] = [32.0, 24.0, 16.0, 12.0, 8.0, 6.0, 4.0, 3.0, 2.0, 1.5, 1.0, 1.0];
-/// Matches examined, evenly spread over all: their share is known to 2 %.
+/// Number of examined matches, evenly spread over all. Their share is precise to 2 %.
 const LOOKED_AT: usize = 500;
 
-/// `x2 = p (1 + k |p|²)` with `p = H x1`, in units of half the longer side from the middle of each image (the first term
-/// of radial distortion, Hartley & Zisserman, §7.4).
+/// Homography with radial distortion: `x2 = p (1 + k |p|²)` with `p = H x1` (Hartley & Zisserman,
+/// §7.4, first term). Coordinates are relative to the middle of each image, in units of half its
+/// longer side.
 struct BentPlane {
     h: Matrix3<f64>,
     k: f64,
 }
 
 impl BentPlane {
-    /// Where a point goes, and its derivatives by the eight numbers of H and by k.
+    /// Maps a point. Also returns the derivatives by the eight numbers of `H` and by `k`.
     fn mapped(&self, x: Vector2<f64>) -> Option<(Vector2<f64>, SMatrix<f64, 2, 9>)> {
         let a = x.push(1.0);
         let q = self.h * a;
@@ -47,8 +49,8 @@ impl BentPlane {
     }
 }
 
-/// Share of the matches that a homography with a lens explains within `tolerance` px of image 2, starting at the
-/// homography `h` of pixels; 0 where none is found.
+/// Returns the share of the matches that a homography with radial distortion explains within
+/// `tolerance` px of image 2. The fit starts at the homography `h` of pixels. 0 if it fails.
 pub(super) fn share_through_a_lens(
     matches: &[PointPair],
     h: &Matrix3<f64>,

@@ -1,4 +1,4 @@
-//! The advantage of a geometry over the best clearly different one.
+//! Margin: the advantage of a geometry over the best clearly different one.
 
 use std::f64::consts::SQRT_2;
 
@@ -9,16 +9,16 @@ use crate::geometry::{
 };
 
 /// Mean distance between lines, as a share of the longer side, beyond which geometries are clearly
-/// different: some ten times the error of a good result.
+/// different: about ten times the error of a good result.
 const DIFFERENT: f64 = 0.01;
 /// Distance of a match from its line, in units of the largest distance of equal geometries, beyond
 /// which it contradicts a geometry. Not measured.
 const CONTRADICTING: f64 = 0.5;
-/// Largest difference measured, in units of the largest distance of equal geometries. Beyond it all
-/// geometries are equally wrong.
+/// Largest difference measured, in units of the largest distance of equal geometries. Beyond it,
+/// all geometries are equally wrong.
 const LARGEST_DIFFERENCE: f64 = 10.0;
 
-/// How far hypotheses are from a geometry, as it is decided which of them are clearly different.
+/// Returns the distances of hypotheses from a geometry, and the limit of clearly different ones.
 pub(super) fn all_apart(
     fundamental: &FundamentalMatrix,
     hypotheses: &[Estimate],
@@ -33,8 +33,8 @@ pub(super) fn all_apart(
     }
 }
 
-/// Advantage of the best hypothesis over a rival, relative to the better of the two; `None` when there is no rival, or a
-/// figure of either is missing.
+/// Returns the advantage of the best hypothesis over a rival, relative to the better of the two.
+/// `None` without a rival, or if a figure of either is missing.
 pub(super) fn margin(hypotheses: &[Estimate], rival: Option<usize>, search: Search) -> Option<f64> {
     let (best, other) = (hypotheses.first()?, hypotheses.get(rival?)?);
     Some(match search {
@@ -46,19 +46,19 @@ pub(super) fn margin(hypotheses: &[Estimate], rival: Option<usize>, search: Sear
     })
 }
 
-/// How much more one has than a rival, relative to the better of the two: −1 to 1.
+/// Returns the advantage of `own` over `rival`, relative to the larger of the two: −1 to 1.
 pub(super) fn relative(own: f64, rival: f64) -> f64 {
     (own - rival) / own.max(rival).max(1e-9)
 }
 
-/// Smallest advantage that leaves nothing open about a geometry whose matches weigh so much, with that standard deviation:
-/// the rival's weight scatters as much.
+/// Returns the smallest clear advantage of a geometry whose matches have this weight and standard
+/// deviation. The rival's weight is taken to have the same deviation.
 pub(super) fn least_clear(weight: f64, weight_deviation: f64) -> f64 {
     let by_chance = CHANCE_DEVIATIONS * SQRT_2 * weight_deviation / weight.max(f64::MIN_POSITIVE);
     by_chance.max(CLEAR_MARGIN)
 }
 
-/// The best hypothesis that is clearly different, by its place in the list; none behind it is looked at.
+/// Returns the index of the best clearly different hypothesis. Stops at the first one.
 pub(super) fn rival(
     fundamental: &FundamentalMatrix,
     hypotheses: &[Estimate],
@@ -68,9 +68,9 @@ pub(super) fn rival(
     hypotheses.iter().position(|other| differs(fundamental, other.fundamental(), matches, frames))
 }
 
-/// Whether another geometry is clearly different. Where there are supporting matches, one is that more than half of them
-/// contradict (two geometries that agree wherever the scene is do not compete); else one whose epipolar lines are
-/// elsewhere.
+/// Returns whether another geometry is clearly different. With supporting matches, more than half
+/// of them must contradict it, since geometries that agree at the scene do not compete. Without
+/// matches, the epipolar lines of both are compared.
 pub(super) fn differs(
     fundamental: &FundamentalMatrix,
     other: &FundamentalMatrix,
@@ -80,13 +80,13 @@ pub(super) fn differs(
     apart(fundamental, other, matches, frames) > limit(matches, frames)
 }
 
-/// Distance from which on a geometry is clearly different, px.
+/// Returns the distance beyond which a geometry is clearly different, px.
 fn limit(matches: &[PointPair], frames: [Frame; 2]) -> f64 {
     let far = DIFFERENT * frames[0].longer_side();
     if matches.is_empty() { far } else { CONTRADICTING * far }
 }
 
-/// How far another geometry is, px: see [`Apart::distances`].
+/// Returns the distance of another geometry, px: see [`Apart::distances`].
 fn apart(
     fundamental: &FundamentalMatrix,
     other: &FundamentalMatrix,
@@ -110,7 +110,8 @@ mod tests {
     use crate::estimate::{Assessment, PatchSupport};
     use nalgebra::Matrix3;
 
-    /// Clearly different are geometries 4 px apart, contradicting are matches 2 px off.
+    /// Geometries 4 px apart are clearly different in these images, and matches 2 px off
+    /// contradict.
     const FRAMES: [Frame; 2] = [Frame { width: 400, height: 300 }; 2];
 
     fn supported(f: FundamentalMatrix, score: f64) -> Estimate {
@@ -139,7 +140,7 @@ mod tests {
 
     #[test]
     fn few_matches_need_a_larger_advantage() {
-        // Alike matches: a weight of n scatters by its root.
+        // The weight of n equal matches has the standard deviation √n.
         let of = |matches: f64| least_clear(matches, matches.sqrt());
         assert!((of(50.0) - 0.4).abs() < 1e-12 && (of(128.0) - 0.25).abs() < 1e-12);
         assert!([of(200.1), of(1e4)].iter().all(|least| (least - CLEAR_MARGIN).abs() < 1e-12));
@@ -149,13 +150,14 @@ mod tests {
     #[test]
     fn near_copies_are_no_rivals_and_the_first_clearly_different_geometry_is() {
         assert_eq!(of(&[], &[], Search::Patches), None);
-        // Lines of rows that leave the image count less, so the threshold is met to some tenths of a pixel.
+        // Rows that leave the image count less, so the threshold is precise to some tenths of a
+        // pixel.
         let near = [supported(rows(0.0), 100.0), supported(rows(3.5), 95.0)];
         assert_eq!(of(&near, &[], Search::Patches), None);
         let [best, copy] = near;
         let all = [best, copy, supported(rows(4.5), 80.0), supported(rows(60.0), 90.0)];
         assert!(close(of(&all, &[], Search::Patches), 0.2));
-        // A rival may have more of what a result is refined from.
+        // A rival may have more support.
         let better = [supported(rows(0.0), 100.0), supported(rows(60.0), 125.0)];
         assert!(close(of(&better, &[], Search::Patches), -0.2));
         assert!(close(of(&[supported(rows(60.0), 0.0)], &[], Search::Patches), 0.0), "no support at all");
@@ -174,7 +176,8 @@ mod tests {
 
     #[test]
     fn a_rival_contradicts_more_than_half_of_the_matches() {
-        // Lines 5 % farther from the top edge: matches there agree, those below do not.
+        // All lines are 5 % farther from the top edge. Matches near the edge agree, lower ones do
+        // not.
         let m = Matrix3::new(0.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 1.05, 0.0);
         let zoomed = FundamentalMatrix::from_rank_two(m).unwrap();
         let at = |y: f64| PointPair::new(100.0, y, 120.0, y);
@@ -184,7 +187,7 @@ mod tests {
         assert!(close(of(&hypotheses, &half[1..], Search::Patches), 0.3));
         let apart = all_apart(&rows(0.0), &hypotheses, &half, FRAMES);
         assert_eq!((apart.matches, apart.limit), (4, 2.0));
-        // Of four matches the second nearest: half of them lie within its distance.
+        // Of four matches, the second nearest gives the distance.
         assert!(apart.distances[0] == 0.0 && (0.9..1.0).contains(&apart.distances[1]), "{apart:?}");
         let shifted = |shift| [supported(rows(0.0), 100.0), supported(rows(shift), 70.0)];
         assert_eq!(of(&shifted(1.99), &half, Search::Patches), None);

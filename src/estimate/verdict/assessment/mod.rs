@@ -1,4 +1,4 @@
-//! How far a geometry is to be trusted: what its lines, patches, matches and rivals say, and a verdict in words.
+//! Assessment of a geometry: figures of its lines, patches, matches and rivals, and the verdict.
 
 mod degeneracy;
 mod examination;
@@ -30,30 +30,31 @@ use examination::Examiner;
 use margin::{all_apart, differs, least_clear, margin, rival};
 use parallax::{CORNER_SIGMA, OffPlane, precision};
 
-/// How near a match must be to a homography to be explained by it, px in an image of up to [`USUAL_SIDE`] px, more in
-/// proportion in larger ones, where corners are found less precisely: three deviations of a refined match.
+/// Largest distance of a match from a homography that explains it, px: three deviations of a
+/// refined match. It grows in proportion for images larger than [`USUAL_SIDE`], where corners are
+/// less precise.
 const PLANE_TOLERANCE: f64 = 1.0;
 
-/// Largest parallax of the matches searched near a plane, as a share of the longer side: larger
-/// ones are seen by distinctive matches, which are precise to a pixel.
+/// Largest parallax of the matches searched near a plane, as a share of the longer side.
+/// Distinctive matches, which are precise to a pixel, show larger parallax.
 const NEAR_PLANE: f64 = 0.015;
 
-/// What a geometry is judged by, besides itself.
+/// Evidence by which a geometry is judged.
 pub(in crate::estimate) struct Judge<'a> {
     pub viewed: &'a ViewedPair<'a>,
     pub clicks: &'a Clicks,
     pub parameters: &'a Parameters,
-    /// The geometries that were found, best first.
+    /// Geometries found by the search, best first.
     pub hypotheses: &'a [Estimate],
-    /// Through the anchors of `clicks`.
+    /// Pencils through the anchors of `clicks`.
     pub pencils: &'a [Arc<ComparedPencils>],
-    /// Whether the geometry is what the clicks determine by themselves.
+    /// Whether the geometry follows from the clicks alone.
     pub clicks_alone: bool,
     pub cancel: &'a CancelFlag,
 }
 
 impl Judge<'_> {
-    /// What is known about a geometry before everything has been looked at.
+    /// Returns the assessment of a preliminary geometry, without a verdict.
     pub fn preliminary(&self, f: &FundamentalMatrix, support: Option<PatchSupport>) -> Assessment {
         Assessment {
             lines: self.hypotheses.first().and_then(|best| best.assessment.lines.clone()),
@@ -73,8 +74,8 @@ impl Judge<'_> {
         }
     }
 
-    /// Everything about a final geometry, with the verdict. `supporting` are the matches on which rivals are compared
-    /// with it.
+    /// Returns the full assessment of a final geometry, with the verdict. Rivals are compared with
+    /// it on the matches `supporting`.
     pub fn result(
         &self,
         f: &FundamentalMatrix,
@@ -83,7 +84,7 @@ impl Judge<'_> {
     ) -> Assessment {
         let Self { viewed, parameters, .. } = *self;
         let examiner = Examiner { viewed, parameters };
-        // The figures of the result itself, not of the hypothesis it was refined from.
+        // These are figures of the result, not of the hypothesis from which it was refined.
         let turn = self.hypotheses.first().map_or(0.0, Estimate::turn);
         let anchors = self.clicks.anchors();
         let lines = anchors.first_chunk::<2>().and_then(|anchors| examiner.line_figures(*anchors, f, turn));
@@ -92,7 +93,7 @@ impl Judge<'_> {
         let margin = margin(self.hypotheses, apart.rival(), parameters.search);
         let least = |refined: &Refined| least_clear(refined.weight, refined.weight_deviation);
         let has_rival = apart.rival().is_some();
-        // Where figures before refinement are missing, those after it tell.
+        // Without figures before refinement, the figures after it decide.
         let is_open = |refined: &&Refined| has_rival && margin.is_none_or(|margin| margin < least(refined));
         let open = refined.as_ref().filter(is_open);
         let refined_margin = open.map(|refined| self.refined_margin(f, refined.weight, supporting));
@@ -113,8 +114,8 @@ impl Judge<'_> {
         }
     }
 
-    /// Advantage of a refined geometry, whose matches weigh `weight`, over the rivals when these are refined, too: those
-    /// that stay different have to find matches of their own at full resolution.
+    /// Returns the advantage of a refined geometry, whose matches weigh `weight`, over its refined
+    /// rivals. A rival counts if refinement leaves it clearly different.
     fn refined_margin(&self, f: &FundamentalMatrix, weight: f64, supporting: &[PointPair]) -> f64 {
         let Self { viewed, parameters, .. } = *self;
         let observed = self.clicks.observed();
@@ -147,7 +148,8 @@ impl Judge<'_> {
         warnings
     }
 
-    /// The largest plane, what it explains, what lies off it, and what stands out whatever the geometry.
+    /// Returns the largest plane, the evidence beside it, and the distinctive matches that move
+    /// together. `None` if no plane is found.
     fn plane(
         &self,
         f: &FundamentalMatrix,
@@ -166,9 +168,10 @@ impl Judge<'_> {
         let afar = OffPlane::new(&distinctive, &f_fine, &h_fine, side_fine, CORNER_SIGMA);
         let near = self.viewed.patches.matches_near_plane(self.viewed.pyramids(), &h, NEAR_PLANE);
         let closely = OffPlane::new(&near, f, &h, side, precision(&near, f));
-        // What somebody says is one point of the scene in both images.
+        // Each clicked pair shows one scene point in both images.
         let clicked = OffPlane::new(&self.clicks.observed(), f, &h, side, self.parameters.click_sigma);
-        // Any of them may hold the epipoles: what is seen from afar, what is seen finely, or what was clicked.
+        // Distinctive matches, matches near the plane, or clicks: each kind alone may determine the
+        // epipoles.
         let evidence = [afar, closely, clicked].map(|off| {
             let OffPlane { groups, agreeing, motions, by_chance, motions_by_chance } = off;
             PlaneEvidence { share, bent_share, groups, agreeing, motions, by_chance, motions_by_chance }
@@ -178,7 +181,7 @@ impl Judge<'_> {
         Some((plane_homography(&h, matches, tolerance), evidence, together))
     }
 
-    /// The verdict, and the plane where it says that there is no more.
+    /// Returns the verdict, and the plane if the verdict says that only a plane is certain.
     fn trust(
         &self,
         f: &FundamentalMatrix,
@@ -218,7 +221,7 @@ impl Judge<'_> {
     }
 }
 
-/// A plane that was found, as it is told.
+/// Returns the homography `h` in the form of a result.
 fn plane_homography(h: &Matrix3<f64>, matches: &[PointPair], tolerance: f64) -> PlaneHomography {
     let residuals: Vec<f64> =
         matches.iter().map(|m| transfer_error(h, m)).filter(|error| *error < tolerance).collect();

@@ -1,37 +1,38 @@
-//! Whether the epipole is held by parallax: what a camera that stands still or only turns lacks while things move.
+//! Test whether parallax determines the epipoles. A stationary or rotating camera sees no parallax,
+//! but objects may move.
 //!
-//! Where one homography explains most matches, those matches say nothing about where the epipolar lines meet. What lies
-//! off it moves against it along the line through the epipole. A thing that moves by itself does too, for the one
-//! epipole on the line of its own motion, and an epipole has two degrees of freedom: it fits any **two** independent
-//! motions. So the matches off the plane are taken in groups that move alike, whether or not they agree with F. If a
-//! group has nothing to do with F, its parallax of `d` px has any direction, and it is as near as `e` px to the line with
-//! probability
+//! If one homography explains most matches, these matches do not determine where the epipolar lines
+//! meet. The parallax of a static point off the plane points along the line through the epipole. A
+//! moving object has a motion in any direction. An epipole has two degrees of freedom, so some
+//! epipole fits any **two** independent motions. Therefore the matches off the plane are grouped by
+//! common motion, without F. If a group is unrelated to F, its parallax of `d` px has any
+//! direction, and comes within `e` px of the line with probability
 //!
 //! ```text
 //!     p = 2/π · asin(e / d).
 //! ```
 //!
-//! Then `−ln p` is exponentially distributed, and a sum of `n` of them has the gamma distribution (Fisher 1932). Each two
-//! of `n` groups determine an epipole, which the others are held against:
+//! Then `−ln p` is exponentially distributed, and a sum of `n` of them has the gamma distribution
+//! (Fisher 1932). Each two of `n` groups determine an epipole, which the other groups test:
 //!
 //! ```text
 //!     N = n (n − 1) / 2 · P(Γ(n − 2) ≥ − Σ ln p of all but the two best)
 //! ```
 //!
-//! is the number of epipoles that do as well as that of F, if nothing has to do with any (a number of false alarms:
-//! Desolneux, Moisan & Morel 2000; Moisan & Stival 2004 for F itself). Groups that move alike in several places may be one
-//! body: the halves of a picture that are pulled apart agree wherever one looks. So N is also taken of motions, each of
-//! which counts once, with its mean. A few matches are wrong wherever they come from, and where patterns repeat (lines of
-//! print, the teeth of a chip) they are shifted along the pattern as if they were deeper: a motion is held by more matches
-//! than are wrong on the whole, or it says nothing for F.
+//! is the expected number of epipoles that do as well as the epipole of F by chance. It is a number
+//! of false alarms (Desolneux, Moisan & Morel 2000; Moisan & Stival 2004 for F).
+//! Several groups of equal motion may be one body, like two halves of a picture pulled apart. So N
+//! is also computed of motions: each counts once, with its mean. Some matches are always wrong. On
+//! repeated patterns (lines of print) they are shifted along the pattern, like points at another
+//! depth. Therefore a motion supports F only with more matches than are wrong in total.
 //!
-//! Distinctive matches are found to a pixel, so parallax of less than some pixels does not show in them. Nearer to the
-//! plane, matches are looked for around where the plane puts them and aligned to a fraction of a pixel. Neither kind
-//! knows anything of F. Clicked pairs are a third kind: somebody says that they are points of the scene. F was fitted to them,
-//! but that takes no more than the two which N leaves out.
+//! Three kinds of matches are used. Distinctive matches are precise to a pixel, so they do not show
+//! smaller parallax. Matches near the plane are searched around their position on the plane, and
+//! aligned to a fraction of a pixel. Both kinds are found without F. Clicked pairs are the third
+//! kind. F was fitted to them, but the fit uses up no more than the two groups that N leaves out.
 //!
-//! What moves by itself as several parts at once (something that turns) shows as matches that stand out, move together,
-//! and contradict F: see [`together`].
+//! A moving object of several motions (such as a rotating one) shows as distinctive matches that
+//! move together and contradict F: see [`together`].
 
 use nalgebra::Matrix3;
 
@@ -40,47 +41,49 @@ use crate::estimate::verdict::poisson::fewer_than;
 use crate::estimate::verdict::trust::{Together, WRONG_TOGETHER};
 use crate::geometry::{FundamentalMatrix, PointPair, Vector, finite_point};
 
-/// What lies off the largest plane.
+/// Matches off the largest plane, as evidence for the epipoles.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct OffPlane {
-    /// Groups of matches that move alike, and how many of them agree with F.
+    /// Number of groups of matches that move alike.
     pub groups: usize,
+    /// Number of groups that agree with `F`.
     pub agreeing: usize,
-    /// Motions among those that agree, wherever they are seen, with more matches than are wrong.
+    /// Number of motions among the agreeing groups with more matches than are wrong.
     pub motions: usize,
-    /// Epipoles, of those that two groups determine, which do as well if nothing has to do with any: N above.
+    /// Expected number of epipoles that do as well by chance: N above, of groups.
     pub by_chance: f64,
-    /// The same of motions, each of which counts once wherever it is seen.
+    /// N above, of motions.
     pub motions_by_chance: f64,
 }
 
-/// Standard deviation of a coordinate of a match between corners, px of the level: each is found to a pixel.
+/// Standard deviation of a coordinate of a match between corners, px of the level. Corners are
+/// precise to a pixel.
 pub(super) const CORNER_SIGMA: f64 = 0.7;
-/// Distance of a match from a plane, in deviations, beyond which it lies off the plane. Clearly
-/// more than noise, since many matches are tried.
+/// Distance of a match from a plane, in deviations, beyond which it lies off the plane. It is
+/// clearly more than noise, since many matches are tested.
 const OFF_PLANE: f64 = 6.0;
 /// Difference between motions, in deviations, below which they are alike. Not measured.
 const ALIKE: f64 = 4.0;
 /// Distance of a match from its line, in deviations, beyond which it disagrees: 99.7 % of Gaussian
 /// errors are below it.
 const OFF_LINE: f64 = 3.0;
-/// Difference between motions, as a share of their length, below which they are one. A homography
-/// tilted by moving objects makes one motion vary a little from end to end. Not measured.
+/// Difference between motions, as a share of their length, below which they are one motion. If
+/// moving objects tilt the homography, one motion varies across the image. Not measured.
 const ALIKE_SHARE: f64 = 0.1;
-/// Least deviation of an aligned match, px. Not measured.
+/// Smallest deviation of an aligned match, px. Not measured.
 const ALIGNED: f64 = 0.15;
 /// Median absolute value of a normal distribution, in standard deviations.
 const MEDIAN: f64 = 0.6745;
-/// Largest distance between matches of one group, as a share of the longer side: moving objects are
-/// small, and a surface seen in two places counts twice. Not measured.
+/// Largest distance between matches of one group, as a share of the longer side. Moving objects are
+/// smaller, and a larger surface counts as several groups. Not measured.
 const TOGETHER: f64 = 0.1;
 /// Radius of the neighbourhood of a match, as a share of the longer side. Not measured.
 const NEIGHBOURS: f64 = 0.1;
-/// Neighbours that must move alike for a match to count. Wrong matches seldom have two such. Not
-/// measured.
+/// Number of neighbours that must move alike for a match to count. Wrong matches seldom have two.
+/// Not measured.
 const LEAST_NEIGHBOURS: usize = 2;
 /// Difference between parallaxes of neighbours, as a share of their distance, below which they move
-/// alike: a surface at a slant.
+/// alike: the parallax gradient of a slanted surface.
 const SAME_MOTION: f64 = 0.15;
 /// Difference between parallaxes of neighbours, px of the level, below which they move alike: about
 /// two deviations of a corner.
@@ -94,14 +97,15 @@ const CONTRADICTING: f64 = 2.0 * BAND;
 struct MotionGroup {
     matches: usize,
     parallax: Vector,
-    /// How far it is off its epipolar line, px.
+    /// Median distance from the epipolar lines, px.
     off_line: f64,
-    /// The least distance that means anything, px.
+    /// Standard deviation of this distance, px.
     precision: f64,
 }
 
-/// Standard deviation of a coordinate of matches most of which agree with `f`, px: that of their distances from their
-/// lines. Where most lie on one plane this says nothing for F, as any epipole has the lines of a plane pass its matches.
+/// Returns the standard deviation of the coordinates of matches, most of which agree with `f`, px.
+/// It follows from their distances from the lines. It is no evidence for `f` if most matches lie on
+/// one plane: the lines of any epipole pass through them.
 pub(super) fn precision(matches: &[PointPair], f: &FundamentalMatrix) -> f64 {
     let distance = |m: &PointPair| Some(f.line2_from_point1(m.point1)?.distance(m.point2));
     let mut distances: Vec<f64> = matches.iter().filter_map(distance).collect();
@@ -110,7 +114,7 @@ pub(super) fn precision(matches: &[PointPair], f: &FundamentalMatrix) -> f64 {
 }
 
 impl MotionGroup {
-    /// `− ln p` above.
+    /// Returns `− ln p`.
     fn surprise(&self) -> f64 {
         let ratio = (self.off_line.max(self.precision) / self.parallax.norm()).min(1.0);
         -(ratio.asin() * std::f64::consts::FRAC_2_PI).ln()
@@ -118,8 +122,8 @@ impl MotionGroup {
 }
 
 impl OffPlane {
-    /// The matches off the plane with homography `h`, and how `f` agrees with them. `sigma` is the standard deviation of
-    /// a coordinate, `side` the longer side of image 1, px.
+    /// Groups the matches off the plane with homography `h` and compares them with `f`. `sigma` is
+    /// the standard deviation of a coordinate, `side` the longer side of image 1, px.
     pub fn new(
         matches: &[PointPair],
         f: &FundamentalMatrix,
@@ -139,7 +143,7 @@ impl OffPlane {
             MotionGroup {
                 matches: members.len(),
                 parallax: members.iter().map(|k| off[*k].1).sum::<Vector>() / count,
-                // A point without a line is the epipole itself.
+                // Only the epipole has no line, and is off it by nothing.
                 off_line: distances.get(distances.len() / 2).map_or(0.0, |distance| distance.abs()),
                 precision: sigma / count.sqrt(),
             }
@@ -149,7 +153,7 @@ impl OffPlane {
         Self::of(&groups, sigma, WRONG_TOGETHER * matches.len() as f64)
     }
 
-    /// What groups say; so many of their matches are wrong.
+    /// Returns the evidence of groups, of whose matches `wrong` are expected to be wrong.
     fn of(groups: &[MotionGroup], sigma: f64, wrong: f64) -> Self {
         let agrees = |group: &&MotionGroup| group.off_line <= OFF_LINE * sigma;
         let motions = motions(groups, ALIKE * sigma);
@@ -165,15 +169,15 @@ impl OffPlane {
             agreeing: groups.iter().filter(agrees).count(),
             motions: agreeing_motions.count(),
             by_chance: number_by_chance(groups.iter().map(MotionGroup::surprise).collect()),
-            // What contradicts F does so however little it is.
+            // A motion of few matches may contradict F, but not support it.
             motions_by_chance: by_chance(&mut motions.iter())
                 .max(by_chance(&mut motions.iter().filter(is_held))),
         }
     }
 }
 
-/// Distinctive matches that move like others around them, and how many contradict `f`; `h` is the largest plane, in
-/// pixels of the level, against which motions are alike.
+/// Counts the distinctive matches that move like their neighbours against the plane with homography
+/// `h`, and how many of these contradict `f`. All are in pixels of the level.
 pub(super) fn together(
     distinctive: &[PointPair],
     f: &FundamentalMatrix,
@@ -200,7 +204,7 @@ pub(super) fn together(
     found
 }
 
-/// Matches that are more than `least` px off the plane, each with its parallax.
+/// Returns the matches that are more than `least` px off the plane, each with its parallax.
 fn parallaxes(matches: &[PointPair], h: &Matrix3<f64>, least: f64) -> Vec<(PointPair, Vector)> {
     let parallax = |pair: &PointPair| {
         let parallax = pair.point2 - finite_point(&(h * pair.point1.to_homogeneous()))?;
@@ -209,8 +213,9 @@ fn parallaxes(matches: &[PointPair], h: &Matrix3<f64>, least: f64) -> Vec<(Point
     matches.iter().filter_map(parallax).collect()
 }
 
-/// Numbers of the matches that belong to one group each: those that move like the first of them, near it. A surface that
-/// runs in depth moves differently from end to end, which nothing does that is only shifted.
+/// Groups matches near each other that move alike. Returns the indices of the matches of each
+/// group. All matches of a group move like its first one, so a surface in depth, whose parallax
+/// varies, is split into several groups.
 fn moving_alike(off: &[(PointPair, Vector)], alike: f64, together: f64) -> Vec<Vec<usize>> {
     let mut is_grouped = vec![false; off.len()];
     let mut groups: Vec<Vec<usize>> = Vec::new();
@@ -231,7 +236,7 @@ fn moving_alike(off: &[(PointPair, Vector)], alike: f64, together: f64) -> Vec<V
     groups
 }
 
-/// Groups that move alike, wherever they are seen.
+/// Collects groups of equal motion from the whole image.
 fn motions(groups: &[MotionGroup], alike: f64) -> Vec<Vec<&MotionGroup>> {
     let mut motions: Vec<Vec<&MotionGroup>> = Vec::new();
     for group in groups {
@@ -251,7 +256,7 @@ fn mean_surprise(motion: &[&MotionGroup]) -> f64 {
     motion.iter().map(|group| group.surprise()).sum::<f64>() / motion.len() as f64
 }
 
-/// N above, of `− ln p`.
+/// Returns N above, from the values of `− ln p`.
 fn number_by_chance(mut surprises: Vec<f64>) -> f64 {
     let count = surprises.len();
     if count < 3 {
@@ -262,7 +267,8 @@ fn number_by_chance(mut surprises: Vec<f64>) -> f64 {
     (count * (count - 1) / 2) as f64 * gamma_tail(others.len(), others.iter().sum())
 }
 
-/// Probability that a sum of `n` numbers, each exponentially distributed with mean 1, is at least `sum`.
+/// Returns the probability that a sum of `n` exponentially distributed numbers of mean 1 is at
+/// least `sum`.
 fn gamma_tail(n: usize, sum: f64) -> f64 {
     fewer_than(n, sum).min(1.0)
 }
@@ -280,7 +286,7 @@ mod tests {
     }
 
     #[test]
-    fn what_moves_alike_nearby_is_one_group() {
+    fn neighbours_that_move_alike_are_one_group() {
         let moved =
             |x: f64, y: f64, dx: f64, dy: f64| (PointPair::new(x, y, x + dx, y + dy), Vector::new(dx, dy));
         let off = [
@@ -296,7 +302,8 @@ mod tests {
         assert_eq!(moving_alike(&deeper, 3.0, 100.0).len(), 2, "a surface in depth");
     }
 
-    /// Groups of different parallax, those that agree 0.3 px off their lines, the others half their parallax.
+    /// Returns groups of different parallax. Agreeing ones are 0.3 px off their lines, the others
+    /// by 0.7 of their parallax.
     fn groups(agreeing: usize, other: usize) -> Vec<MotionGroup> {
         let group = |k: usize| {
             let parallax = Vector::new(8.0 + 5.0 * k as f64, 0.0);
@@ -307,7 +314,7 @@ mod tests {
     }
 
     #[test]
-    fn any_epipole_fits_two_motions_and_more_hold_one() {
+    fn some_epipole_fits_any_two_motions_but_not_more() {
         for (agreeing, other) in [(0, 9), (2, 0), (2, 20), (3, 20)] {
             let found = OffPlane::of(&groups(agreeing, other), 0.3, 0.5);
             assert_eq!((found.groups, found.agreeing), (agreeing + other, agreeing));
@@ -319,14 +326,14 @@ mod tests {
     }
 
     #[test]
-    fn two_halves_move_in_one_way_wherever_one_looks() {
+    fn many_groups_of_one_motion_count_once() {
         let half = |k: u32| MotionGroup {
             matches: 40,
             parallax: Vector::new(18.0 + 0.1 * f64::from(k), 2.0),
             off_line: 0.1,
             precision: 0.15,
         };
-        // One half, seen in twelve places, and three false matches, one of which happens to agree.
+        // One half, seen in twelve places, and three false groups, one of which agrees by chance.
         let halves: Vec<MotionGroup> = (0..12).map(half).chain(groups(1, 2)).collect();
         let found = OffPlane::of(&halves, 0.3, 0.5);
         assert_eq!((found.groups, found.agreeing, found.motions), (15, 13, 2));
@@ -336,27 +343,27 @@ mod tests {
     }
 
     #[test]
-    fn motions_of_no_more_matches_than_are_wrong_say_nothing() {
-        // One body that is seen everywhere, and matches along a pattern that repeats.
+    fn motions_with_no_more_matches_than_are_wrong_do_not_count() {
+        // One body that is seen everywhere, and matches shifted along a repeated pattern.
         let body = MotionGroup { matches: 900, ..groups(1, 0)[0] };
         let scrolled: Vec<MotionGroup> = std::iter::once(body).chain(groups(9, 0).split_off(1)).collect();
         let motions = |wrong: f64| OffPlane::of(&scrolled, 0.3, wrong);
         assert_eq!((motions(2.9).motions, motions(3.0).motions), (9, 1));
         assert!(motions(2.9).motions_by_chance < 1e-3 && motions(3.0).motions_by_chance > 1.0);
-        // What contradicts is not left out.
+        // Contradicting groups are not left out.
         let contradicted = |wrong: f64| OffPlane::of(&groups(6, 30), 0.3, wrong).motions_by_chance;
         assert!(contradicted(4.0) >= contradicted(0.0));
     }
 
     #[test]
-    fn matches_that_move_together_contradict_what_they_are_far_from() {
+    fn matches_that_move_together_contradict_a_geometry_far_from_them() {
         let f = crate::estimate::exact::rows(0.0);
         let plane = Matrix3::identity();
         let row = |x: f64, y: f64, dy: f64| PointPair::new(x, y, x + 10.0, y + dy);
         let mut all: Vec<PointPair> = (0..20).map(|k| row(15.0 * f64::from(k), 50.0, 0.0)).collect();
         let found = together(&all, &f, &plane, 768.0);
         assert_eq!(found, Together { matches: 20, contradicting: 0 });
-        // Three that move down together, and one alone, which may be a false match.
+        // Three matches move down together. One alone may be false.
         all.extend([
             row(100.0, 300.0, 8.0),
             row(110.0, 300.0, 8.5),

@@ -1,27 +1,28 @@
-//! Whether the matches are off their lines in a pattern: by the same distance over whole parts of the image.
+//! Test whether neighbouring matches are off their lines by the same distance.
 //!
-//! Matches of a rigid scene are off their lines by what finding them leaves open, each for itself. Where the images are
-//! bent against each other, or F only comes near to what they show, neighbours are off alike. With the distances `d` of
-//! matches from their lines, to one side or the other, and the mean over neighbours `i, j`,
+//! In a rigid scene, matches are off their lines by independent errors. If a lens bends one image
+//! against the other, or if F is only approximate, neighbours are off alike. Let `d` be the signed
+//! distances of matches from their lines. With means over neighbours `i, j`,
 //!
 //! ```text
 //!     c = E[dᵢ dⱼ] / E[dᵢ²]
 //! ```
 //!
-//! is the share of their variance that is a pattern (the spatial autocorrelation of Moran 1950), and the root of
-//! `E[dᵢ dⱼ]` its size.
+//! is the share of the variance that neighbours have in common (the spatial autocorrelation of
+//! Moran 1950). The root of `E[dᵢ dⱼ]` is its size.
 
 use crate::estimate::verdict::trust::ResidualPattern;
 use crate::geometry::{FundamentalMatrix, PointPair};
 
-/// Neighbours are at least this far from each other, as a fraction of the longer side, so that their patches share
-/// hardly a pixel, and at most so far.
+/// Smallest and largest distance of neighbours, as shares of the longer side. Patches of nearer
+/// matches have pixels in common.
 const APART: [f64; 2] = [0.015, 0.05];
-/// Matches whose neighbours are examined, evenly spread over all: the share is known to a few per
-/// cent.
+/// Number of matches whose neighbours are examined, evenly spread over all. The share is precise to
+/// a few per cent.
 const LOOKED_AT: usize = 500;
 
-/// What neighbouring matches are off their lines alike; `side` is the longer side of image 1, px.
+/// Returns the common part of the residuals of neighbours. `side` is the longer side of image
+/// 1, px. `None` without neighbours.
 pub(super) fn residual_pattern(
     matches: &[PointPair],
     f: &FundamentalMatrix,
@@ -51,7 +52,7 @@ mod tests {
     use super::*;
     use crate::estimate::exact::rows;
 
-    /// Matches over the image, `off(x, y)` px off their rows.
+    /// Returns the pattern of matches over the image that are `off(x, y)` px off their rows.
     fn found(off: impl Fn(f64, f64) -> f64) -> ResidualPattern {
         let places = (0..900_u32).map(|k| (f64::from(k % 30) * 24.0, f64::from(k / 30) * 18.0));
         let matches: Vec<PointPair> =
@@ -60,18 +61,18 @@ mod tests {
     }
 
     #[test]
-    fn waves_are_a_pattern_and_noise_is_none() {
+    fn waves_are_a_pattern_and_noise_is_not() {
         let wave = found(|x, y| 0.6 * (0.02 * y + 1.0).sin() * (0.01 * x).cos());
         assert!(wave.share > 0.8, "{wave:?}");
         assert!((wave.size - 0.3).abs() < 0.06, "{wave:?}");
-        // Whatever differs from place to place.
+        // Distances that differ from place to place.
         let noise = found(|x, y| 0.6 * (12.9898 * x + 78.233 * y).sin());
         assert!(noise.share < 0.1, "{noise:?}");
         assert!((found(|_, _| 0.5).size - 0.5).abs() < 1e-9);
     }
 
     #[test]
-    fn without_neighbours_there_is_nothing_to_tell() {
+    fn without_neighbours_there_is_no_pattern() {
         let far = [PointPair::new(0.0, 0.0, 1.0, 1.0), PointPair::new(500.0, 0.0, 501.0, 1.0)];
         assert!(residual_pattern(&far, &rows(0.0), 768.0).is_none());
         assert!(residual_pattern(&[], &rows(0.0), 768.0).is_none());

@@ -1,4 +1,4 @@
-//! How far to trust a result: a verdict with its reasons. `rules` has the rules they follow from.
+//! Verdict on a result, with its reasons. `rules` has the rules and their thresholds.
 
 mod rules;
 
@@ -12,20 +12,20 @@ pub use rules::{
     CLEAR_MARGIN, CLICK_DEVIATIONS, CLICK_DEVIATIONS_WRONG, ENOUGH_MATCHES, FAR_TOO_FEW, GUESS_MARGIN,
 };
 
-/// How far to trust a result.
+/// Reliability of a result.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Verdict {
-    /// Everything that was looked at speaks for the result.
+    /// No test speaks against the result.
     Reliable,
-    /// Something speaks against the result.
+    /// At least one test speaks against the result.
     Doubtful,
-    /// The result contradicts the images or the clicks.
+    /// The result contradicts the images or the clicks, or rests on far too few matches.
     Unreliable,
 }
 
 impl Verdict {
-    /// What the user reads.
+    /// Returns the word for display.
     pub fn label(self) -> &'static str {
         match self {
             Self::Reliable => "reliable",
@@ -35,36 +35,37 @@ impl Verdict {
     }
 }
 
-/// Something that speaks against a result. `presentation::reasons` has the sentences.
+/// Failed test of a result. `presentation::reasons` has the sentences, `docs/verdicts.md` explains
+/// them.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum Reason {
-    /// Patches were not looked at, so only the lines speak for it.
+    /// No patches were compared, so only lines support the result.
     NotChecked,
     /// The refinement did not find enough matches.
     NotRefined,
-    /// The refinement was switched off.
+    /// The refinement was off.
     RefinementOff,
-    /// The geometry is that of the clicks alone, which what patches found contradicts.
+    /// The geometry follows from the clicks alone, which contradict the matches of the images.
     ClicksAlone,
-    /// Few matches carry the result.
+    /// The result rests on few matches.
     FewMatches {
-        /// Matches found.
+        /// Number of matches.
         matches: usize,
     },
-    /// Barcodes agree no better than by chance.
+    /// The barcodes of corresponding lines agree no better than by chance.
     BarcodesByChance {
-        /// Agreement, 1 for equal ones.
+        /// Agreement, 1 for equal barcodes.
         correlation: f64,
-        /// Agreement by chance.
+        /// Largest agreement by chance.
         by_chance: f64,
     },
-    /// Few lines have barcodes of their own.
+    /// Few lines have other barcodes than their neighbours.
     FewBarcodes {
-        /// Independent lines.
+        /// Number of independent lines.
         lines: usize,
     },
-    /// The barcodes leave the epipolar lines loose.
+    /// The barcodes leave the epipolar lines uncertain.
     LooseBarcodes {
         /// Standard deviation across the lines, px.
         deviation: f64,
@@ -75,68 +76,69 @@ pub enum Reason {
         pair: usize,
         /// Sampson distance, px.
         distance: f64,
-        /// What is likelier to be wrong.
+        /// The likelier culprit.
         suspect: Suspect,
     },
-    /// Matches that stand out and move together contradict the geometry.
+    /// More distinctive matches contradict the geometry than are wrong by chance. Only matches that
+    /// move like their neighbours count.
     Contradicted {
-        /// How many contradict it.
+        /// Number of matches that contradict it.
         contradicting: usize,
-        /// All that stand out and move together.
+        /// Number of all distinctive matches that move like their neighbours.
         matches: usize,
     },
-    /// Nearly all matches follow one homography and a lens.
+    /// Most matches follow one homography with radial distortion.
     Bent {
         /// Percent of the matches.
         percent: u32,
     },
-    /// Neighbouring matches are off their lines alike.
+    /// Neighbouring matches are off their lines by the same distance.
     Pattern {
         /// Size of the pattern, px.
         size: f64,
     },
-    /// A clearly different geometry has nearly as much support, or more.
+    /// A clearly different geometry has nearly as much support as the result, or more.
     Ambiguous {
-        /// Relative advantage over it.
+        /// Relative advantage of the result, negative if it has less support.
         margin: f64,
     },
-    /// Nearly all matches follow one homography.
+    /// Most matches follow one homography, and the others do not determine the epipoles.
     OnePlane {
         /// Percent of the matches.
         percent: u32,
-        /// Groups of matches off it that move alike.
+        /// Number of groups of matches off the plane that move alike.
         groups: usize,
-        /// How many of these agree with the epipoles.
+        /// Number of these groups that agree with the epipoles.
         agreeing: usize,
     },
-    /// The matches leave the epipolar lines loose.
+    /// The matches leave the epipolar lines uncertain.
     Loose {
         /// Standard deviation across the lines, px.
         deviation: f64,
     },
 }
 
-/// What is likelier to be wrong where a click and a geometry disagree.
+/// Likelier culprit if a click and a geometry disagree.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Suspect {
-    /// The click: everything else speaks for the geometry.
+    /// The click: all other tests support the geometry.
     Click,
-    /// The geometry: other things speak against it, too.
+    /// The geometry: another test speaks against it, too.
     Geometry,
 }
 
-/// A verdict and what led to it.
+/// Verdict with its reasons.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Trust {
     /// The verdict.
     pub verdict: Verdict,
-    /// What speaks against the result; empty when it is called reliable.
+    /// Failed tests. Empty for a reliable result.
     pub reasons: Vec<Reason>,
 }
 
 impl Trust {
-    /// Whether one plane, or a turn of the camera, is all that the images show for certain.
+    /// Returns whether only one plane or a rotation of the camera is certain.
     pub fn says_one_plane(&self) -> bool {
         self.reasons.iter().any(|reason| matches!(reason, Reason::OnePlane { .. }))
     }

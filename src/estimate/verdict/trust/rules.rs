@@ -1,11 +1,16 @@
-//! What a verdict follows from, and the thresholds.
+//! Rules of the verdict, and their thresholds.
 //!
-//! What a wrong geometry usually fails: how many patches match along the epipolar lines at full resolution, whether the
-//! clicks lie on their lines, how much better the result is than the best clearly different geometry, how firmly the
-//! matches hold the lines, whether something beside the largest plane holds the epipoles, and whether what stands out in
-//! both images whatever the geometry agrees. A result is called reliable when none of them speaks against it. The
-//! thresholds of counts and distances are round numbers from results whose truth is known, right and wrong clicks alike
-//! (`lab/notes.md` has the figures); those of chance are probabilities.
+//! Each rule is a test that wrong geometries usually fail:
+//! - enough patches match along the epipolar lines at full resolution;
+//! - the clicks lie on their lines;
+//! - no clearly different geometry has nearly as much support;
+//! - the matches determine the lines precisely;
+//! - matches off the largest plane determine the epipoles;
+//! - distinctive matches, found without the geometry, agree with it.
+//!
+//! A result is reliable if it passes all tests. Thresholds of counts and distances are round
+//! numbers from results of known truth, with right and wrong clicks (`lab/notes.md` has the
+//! figures). Thresholds of chance are probabilities.
 
 use super::{Reason, Suspect, Trust, Verdict};
 use crate::estimate::verdict::poisson::fewer_than;
@@ -20,7 +25,7 @@ pub const FAR_TOO_FEW: usize = 25;
 /// wrong: one Gaussian error in 16,000.
 pub const CLICK_DEVIATIONS: f64 = 4.0;
 /// Sampson distance of a click, in standard deviations, beyond which it makes a result unreliable,
-/// unless all else supports the result. No click is that far off but by mistake.
+/// unless all other tests support the result. Only a mistaken click is that far off.
 pub const CLICK_DEVIATIONS_WRONG: f64 = 12.0;
 /// Least margin of a reliable result over a clearly different geometry. A round number from results
 /// of known truth (`lab/notes.md`).
@@ -30,33 +35,33 @@ pub const CLEAR_MARGIN: f64 = 0.2;
 pub(in crate::estimate) const CHANCE_DEVIATIONS: f64 = 2.0;
 /// Margin below which a result is a guess. It colours the gauge; no verdict depends on it.
 pub const GUESS_MARGIN: f64 = 0.05;
-/// Share of the matches on one plane beyond which a handful of matches would determine the
+/// Share of the matches on one plane beyond which only a handful of matches would determine the
 /// epipoles.
 const ONE_PLANE: f64 = 0.95;
 /// Share of the matches on one plane beyond which the matches off it must determine the epipoles by
 /// themselves: the majority.
 const MOSTLY_PLANE: f64 = 0.5;
-/// Share of the matches on one plane beyond which the agreeing matches must move in more ways than
-/// any epipole fits: if two motions share a picture, one has nearly half.
+/// Share of the matches on one plane beyond which the agreeing matches must have more than
+/// [`ANY_EPIPOLE`] motions: if two motions divide a picture, one has nearly half.
 const HALF_PLANE: f64 = 0.4;
-/// Share of the matches off the plane that a lens explains, beyond which a lens is the likelier
-/// cause. One more unknown hardly helps in a scene with depth. Not measured.
+/// Share of the matches off the plane explained by a lens, beyond which a lens is the likelier
+/// cause. In a scene with depth, the one additional unknown explains few matches. Not measured.
 const BENT: f64 = 0.5;
-/// Largest number of epipoles that do as well by chance: one in a thousand results without parallax
-/// passes.
+/// Largest expected number of epipoles that do as well by chance: one in a thousand results without
+/// parallax passes.
 const BY_CHANCE: f64 = 1e-3;
-/// Largest number of epipoles that do as well by chance if each motion counts once. It is looser,
-/// as surfaces in depth move alike in some places, too.
+/// Largest expected number of epipoles that do as well by chance if each motion counts once. It is
+/// looser, as static surfaces at different places can have equal parallax.
 const MOTIONS_BY_CHANCE: f64 = 1.0;
 /// Number of motions off the plane that any epipole fits: two lines always meet.
 const ANY_EPIPOLE: usize = 2;
-/// Probability that matches wrong by chance contradict a right geometry, at most.
+/// Largest probability that chance explains the contradicting matches.
 const WRONG_BY_CHANCE: f64 = 1e-3;
 /// Expected fraction of distinctive matches that agree on a wrong motion (repeated structure). Not
 /// measured.
 pub(in crate::estimate) const WRONG_TOGETHER: f64 = 0.005;
-/// Share of the variance of residuals that neighbours have in common, beyond which it is more a
-/// pattern than noise: one half.
+/// Share of the variance of the residuals that neighbours have in common, beyond which the
+/// residuals are more pattern than noise: one half.
 const PATTERN: f64 = 0.5;
 /// Size of a pattern that the lens of a good camera leaves, px in images of up to [`USUAL_SIDE`]
 /// px. It grows with larger images.
@@ -68,129 +73,137 @@ pub(in crate::estimate) const USUAL_SIDE: f64 = 800.0;
 /// side: 2 px in 1,000. A round number from results of known truth (`lab/notes.md`).
 const LOOSEST: f64 = 0.002;
 
-/// What one homography explains of the matches, and what the rest says of the epipoles.
+/// Share of the matches that one homography explains, and the evidence of the other matches for the
+/// epipoles.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::estimate) struct PlaneEvidence {
-    /// Share of the matches that it explains, 0 to 1.
+    /// Share of the matches explained by the homography, 0 to 1.
     pub share: f64,
-    /// Share that it explains when seen through a lens.
+    /// Share explained by a homography with radial distortion, 0 to 1.
     pub bent_share: f64,
-    /// Groups of distinctive matches off it that move alike, and how many of them agree with F.
+    /// Number of groups of matches off the plane that move alike.
     pub groups: usize,
+    /// Number of groups that agree with `F`.
     pub agreeing: usize,
-    /// Motions among those that agree.
+    /// Number of different motions among the agreeing groups.
     pub motions: usize,
-    /// Epipoles that do as well by chance, and the same where what moves alike counts once.
+    /// Expected number of epipoles that do as well by chance.
     pub by_chance: f64,
+    /// The same number if all groups of one motion count once.
     pub motions_by_chance: f64,
 }
 
 impl PlaneEvidence {
-    /// Whether what lies off the plane holds the epipoles by itself.
+    /// Returns whether the matches off the plane determine the epipoles by themselves.
     fn holds_the_epipoles(&self) -> bool {
         self.by_chance <= BY_CHANCE
             && self.motions_by_chance <= MOTIONS_BY_CHANCE
             && self.motions > ANY_EPIPOLE
     }
 
-    /// The one of two kinds of evidence beside a plane that holds the epipoles, else that which chance explains least.
+    /// Returns the evidence that determines the epipoles. If both kinds or neither do, returns the
+    /// kind that is less likely by chance.
     pub fn or_stronger(self, other: Self) -> Self {
         let rank = |one: &Self| (!one.holds_the_epipoles(), one.by_chance);
         if rank(&other) < rank(&self) { other } else { self }
     }
 
-    /// Whether the epipoles hang on the plane alone.
+    /// Returns whether the matches leave the epipoles undetermined.
     fn leaves_the_epipoles_open(&self) -> bool {
         self.share > ONE_PLANE
             || self.share > MOSTLY_PLANE && !self.holds_the_epipoles()
             || self.share > HALF_PLANE && self.motions <= ANY_EPIPOLE
     }
 
-    /// Whether a lens explains what the plane does not.
+    /// Returns whether a lens explains most of the matches off the plane.
     fn is_bent(&self) -> bool {
         self.bent_share > MOSTLY_PLANE && self.bent_share - self.share > BENT * (1.0 - self.share)
     }
 }
 
-/// Matches that stand out whatever the geometry and move like others around them, and how many of them contradict F.
+/// Counts of distinctive matches, found without `F`, that move like their neighbours.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(in crate::estimate) struct Together {
+    /// Number of these matches.
     pub matches: usize,
+    /// Number of these matches that contradict `F`.
     pub contradicting: usize,
 }
 
 impl Together {
-    /// Whether more contradict F than are wrong by chance: a tail of the Poisson distribution.
+    /// Returns whether more matches contradict `F` than are wrong by chance, by the Poisson
+    /// distribution.
     fn contradict(self) -> bool {
         let expected = WRONG_TOGETHER * self.matches as f64;
         1.0 - fewer_than(self.contradicting, expected) < WRONG_BY_CHANCE
     }
 }
 
-/// What neighbouring matches are off their lines alike.
+/// Part of the residuals that neighbouring matches have in common.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(in crate::estimate) struct ResidualPattern {
-    /// Share of the variance that neighbours share, 0 to 1.
+    /// Share of the variance that is common to neighbours, 0 to 1.
     pub share: f64,
-    /// Size of what they share, px.
+    /// Root mean square of the common part, px.
     pub size: f64,
 }
 
 impl ResidualPattern {
-    /// Whether the matches are off their lines more by a pattern than each for itself; `side` px.
+    /// Returns whether the common part is significant in images whose longer side is `side` px.
     fn is_bent(self, side: f64) -> bool {
         self.share > PATTERN && self.size > PATTERN_SIZE * (side / USUAL_SIDE).max(1.0)
     }
 }
 
-/// What motion barcodes say of a geometry.
+/// Evidence of motion barcodes for a geometry.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::estimate) struct BarcodeEvidence {
-    /// Agreement of corresponding lines, and the best one at shifts in time.
+    /// Agreement of the barcodes of corresponding lines.
     pub correlation: f64,
+    /// Best agreement with one sequence shifted in time.
     pub by_chance: f64,
-    /// Lines that tell something of their own.
+    /// Number of independent lines.
     pub lines: f64,
 }
 
 /// Fewest independent lines of a reliable result: twice the seven unknowns.
 const ENOUGH_LINES: f64 = 14.0;
 
-/// What a result was refined on.
+/// Data that a result was refined on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::estimate) enum RefinedOn {
-    /// Refinement was switched off, or there is nothing that patches could refine.
+    /// None: refinement was off, or the search has no patches.
     Nothing,
-    /// What the clicks determine by themselves.
+    /// The clicks alone.
     Clicks,
-    /// Patches were to match along the epipolar lines, and too few did.
+    /// None: too few patches matched along the epipolar lines.
     TooFewMatches,
-    /// So many matches.
+    /// This number of matches.
     Matches(usize),
 }
 
-/// What a verdict rests on.
+/// Figures that a verdict rests on.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::estimate) struct Evidence<'a> {
-    /// Whether patches were looked at.
+    /// Whether patches were compared.
     pub patches: bool,
-    /// What barcodes say, where sequences were compared.
+    /// Evidence of barcodes, for sequences.
     pub barcodes: Option<BarcodeEvidence>,
-    /// What the result was refined on.
+    /// Data that the result was refined on.
     pub refined_on: RefinedOn,
     /// Sampson distances of the clicks, px.
     pub clicks: &'a [f64],
     /// Standard deviation of a click, px.
     pub click_sigma: f64,
-    /// Advantage over the best clearly different geometry.
+    /// Relative advantage over the best clearly different geometry.
     pub margin: Option<f64>,
     /// Median standard deviation of the epipolar lines at the matches, px.
     pub deviation: Option<f64>,
-    /// The largest plane, where there are matches.
+    /// Evidence of the largest plane. `None` without matches.
     pub plane: Option<PlaneEvidence>,
-    /// What stands out whatever the geometry.
+    /// Distinctive matches, found without the geometry.
     pub together: Together,
-    /// What neighbouring matches are off their lines alike, where there are some.
+    /// Pattern of the residuals. `None` without neighbouring matches.
     pub pattern: Option<ResidualPattern>,
     /// Longer side of image 1, px.
     pub side: f64,
@@ -252,8 +265,8 @@ impl Trust {
                 reasons.push(Reason::ClickOff { pair: k + 1, distance: *distance, suspect });
             }
         }
-        // A mistaken click beside a geometry that everything else speaks for is no more than that: patches have
-        // outvoted it. With anything else against it, the result is unreliable.
+        // If all other tests pass, the patches have outvoted a mistaken click. Otherwise a click
+        // that is far off makes the result unreliable.
         unreliable |= far_off && but_clicks;
         let verdict = match (reasons.is_empty(), unreliable) {
             (true, _) => Verdict::Reliable,
@@ -336,7 +349,7 @@ mod tests {
     }
 
     #[test]
-    fn what_holds_the_epipoles_counts_before_what_is_least_by_chance() {
+    fn evidence_that_determines_the_epipoles_comes_before_evidence_that_is_less_likely_by_chance() {
         let plane = |motions, by_chance| PlaneEvidence {
             share: 0.6,
             bent_share: 0.6,
@@ -369,7 +382,7 @@ mod tests {
         );
     }
 
-    /// Both sides of every threshold, as near as the kind of number allows.
+    /// Tests both sides of every threshold, as close to it as the type of the number allows.
     #[test]
     fn each_threshold_is_where_its_constant_says() {
         let reasons = |evidence: Evidence| Trust::judge(&evidence).reasons;
@@ -401,7 +414,7 @@ mod tests {
             Evidence { plane: bent(0.69), ..GOOD },
             Evidence { plane: bent(MOSTLY_PLANE).map(|p| PlaneEvidence { share: 0.0, ..p }), ..GOOD },
             Evidence { plane: None, ..GOOD },
-            // One of 200 is expected, so six happen less than once in a thousand times.
+            // One of 200 is expected to be wrong. Six are, less than once in a thousand times.
             Evidence { together: together(200, 5), ..GOOD },
             Evidence { together: Together::default(), ..GOOD },
             Evidence { pattern: pattern(PATTERN, 3.0), ..GOOD },
@@ -491,7 +504,7 @@ mod tests {
             assert_eq!(verdict(Evidence { clicks: &clicks, margin: Some(0.1), ..GOOD }), expected);
             assert_eq!(verdict(Evidence { clicks: &clicks, ..GOOD }), Verdict::Doubtful, "outvoted");
         }
-        // Lines alone: not refined is what is expected there, and no second reason.
+        // A search on lines alone has no refinement, which is no second reason.
         let lines = Evidence { patches: false, refined_on: RefinedOn::TooFewMatches, ..GOOD };
         assert_eq!(Trust::judge(&lines).reasons, [Reason::NotChecked]);
     }
