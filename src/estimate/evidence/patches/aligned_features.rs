@@ -52,14 +52,15 @@ fn placed(level: &PairLevel, feature: &FeatureSupport) -> LevelMatch {
         let second = PatchSampler::new(level.planes[1], &placement.affine).patch(placement.at);
         first.zip(second).is_some_and(|(first, second)| correlation(&first, &second) > LEAST_CORRELATION)
     });
-    let found = |pair: PointPair, sigma: f64| LevelMatch {
+    let found = |pair: PointPair, affine: Warp, sigma: f64| LevelMatch {
         found: RefinedMatch { pair, correlation: feature.correlation },
+        affine,
         sigma,
         prior: feature.prior,
     };
     match moved {
-        Some(placement) => found(PointPair { point2: placement.at, ..pair }, MATCH_SIGMA),
-        None => found(pair, (feature.sigma * level.scales[0]).max(MATCH_SIGMA)),
+        Some(Placement { at, affine }) => found(PointPair { point2: at, ..pair }, affine, MATCH_SIGMA),
+        None => found(pair, affine, (feature.sigma * level.scales[0]).max(MATCH_SIGMA)),
     }
 }
 

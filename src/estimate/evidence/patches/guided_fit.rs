@@ -15,7 +15,9 @@ use std::collections::HashSet;
 use rayon::prelude::*;
 
 use super::aligned_features::AlignedFeatures;
+use super::dense::densified;
 use super::matches::{LevelMatch, MATCH_SIGMA};
+use super::near_lines::is_within;
 use super::refinement::{Refined, RefinementLevel};
 use crate::cancel::CancelFlag;
 use crate::estimate::fit::{Evidence, Fitted, Match};
@@ -106,11 +108,16 @@ impl GuidedMatcher<'_> {
                 break;
             }
         }
-        self.refined(best, &clicks, band)
+        let f = best.fitted.fundamental;
+        let matches = densified(self.level, best.matches, &f, band);
+        let fitted = self.evidence(&observed(&matches), &clicks, band).fitted(&f)?;
+        self.refined(Followed { matches, fitted }, &clicks, band)
     }
 
     fn matches(&self, f: &FundamentalMatrix, band: f64) -> Vec<LevelMatch> {
-        self.stage.matches_along_lines(self.level, self.view, self.features, f, band)
+        let mut found = self.stage.matches_along_lines(self.level, self.view, self.features, f, band);
+        found.retain(|m| is_within(f, &m.found.pair, band));
+        found
     }
 
     fn evidence<'e>(&self, matches: &'e [Match], clicks: &'e [Observation], band: f64) -> Evidence<'e> {

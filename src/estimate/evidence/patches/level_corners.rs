@@ -81,51 +81,57 @@ impl LevelCorners {
     /// Returns the mutual best matches whose correlation exceeds the least. `find` fills an empty
     /// list with the indices of the corners of image 2 that may match a point of image 1.
     pub fn mutual(&self, find: impl Fn(Point, &mut Vec<usize>) + Sync) -> Vec<MutualMatch> {
-        // The best partner of each corner of image 1 with its prior, then of each corner of image
-        // 2.
-        let best1: Vec<Option<(usize, Likeness, f32)>> = self
-            .patches
-            .points1
-            .par_iter()
-            .enumerate()
-            .map_init(Vec::new, |near, (i, point1)| {
-                near.clear();
-                find(*point1, near);
-                let mut best: Option<(usize, Likeness)> = None;
-                for j in near.iter() {
-                    let likeness = self.likeness(i, *j);
-                    if likeness.correlation > best.map_or(LEAST_CORRELATION, |(_, best)| best.correlation) {
-                        best = Some((*j, likeness));
-                    }
-                }
-                best.map(|(j, likeness)| (j, likeness, self.prior(i, j, likeness.correlation, near)))
-            })
-            .collect();
-        let mut best2: Vec<Option<(usize, Likeness, f32)>> = vec![None; self.patches.points2.len()];
-        for (i, best) in best1.iter().enumerate() {
-            if let Some((j, likeness, prior)) = best
-                && best2[*j].is_none_or(|(_, best, _)| likeness.correlation > best.correlation)
-            {
-                best2[*j] = Some((i, *likeness, *prior));
-            }
-        }
-        best2
-            .iter()
-            .enumerate()
-            .filter_map(|(j, best)| {
-                let (i, Likeness { correlation, warp }, prior) = (*best)?;
-                let alike = Alike { corner1: i as u32, corner2: j as u32, warp };
-                Some(MutualMatch { alike, correlation, prior })
-            })
-            .collect()
+        let points = [&self.patches.points1, &self.places2.points].map(Vec::as_slice);
+        mutual_matches(points, find, |i, j| self.likeness(i, j))
     }
+}
 
-    /// Returns the probability that corner `j` is the partner of corner `i`, rather than one of the
-    /// others. Corners are likelier the higher they correlate.
-    fn prior(&self, i: usize, j: usize, correlation: f32, others: &[usize]) -> f32 {
-        let place = self.places2.points[j];
-        let elsewhere = others.iter().filter(|k| (self.places2.points[**k] - place).norm() > ELSEWHERE);
-        let likely = |k: &usize| ((self.likeness(i, *k).correlation - correlation) / CORRELATION_NOISE).exp();
+/// Returns the mutual best matches among points of two images, as [`LevelCorners::mutual`] does.
+/// `likeness` compares a point of image 1 with one of image 2, both by index.
+pub(super) fn mutual_matches(
+    [points1, points2]: [&[Point]; 2],
+    find: impl Fn(Point, &mut Vec<usize>) + Sync,
+    likeness: impl Fn(usize, usize) -> Likeness + Sync,
+) -> Vec<MutualMatch> {
+    // Probability that point `j` is the partner rather than one of the others. Points are likelier
+    // the higher they correlate.
+    let prior = |i: usize, j: usize, correlation: f32, others: &[usize]| {
+        let elsewhere = others.iter().filter(|k| (points2[**k] - points2[j]).norm() > ELSEWHERE);
+        let likely = |k: &usize| ((likeness(i, *k).correlation - correlation) / CORRELATION_NOISE).exp();
         1.0 / (1.0 + elsewhere.map(likely).sum::<f32>())
+    };
+    // The best partner of each point of image 1 with its prior, then of each point of image 2.
+    let best1: Vec<Option<(usize, Likeness, f32)>> = points1
+        .par_iter()
+        .enumerate()
+        .map_init(Vec::new, |near, (i, point1)| {
+            near.clear();
+            find(*point1, near);
+            let mut best: Option<(usize, Likeness)> = None;
+            for j in near.iter() {
+                let likeness = likeness(i, *j);
+                if likeness.correlation > best.map_or(LEAST_CORRELATION, |(_, best)| best.correlation) {
+                    best = Some((*j, likeness));
+                }
+            }
+            best.map(|(j, likeness)| (j, likeness, prior(i, j, likeness.correlation, near)))
+        })
+        .collect();
+    let mut best2: Vec<Option<(usize, Likeness, f32)>> = vec![None; points2.len()];
+    for (i, best) in best1.iter().enumerate() {
+        if let Some((j, likeness, prior)) = best
+            && best2[*j].is_none_or(|(_, best, _)| likeness.correlation > best.correlation)
+        {
+            best2[*j] = Some((i, *likeness, *prior));
+        }
     }
+    best2
+        .iter()
+        .enumerate()
+        .filter_map(|(j, best)| {
+            let (i, Likeness { correlation, warp }, prior) = (*best)?;
+            let alike = Alike { corner1: i as u32, corner2: j as u32, warp };
+            Some(MutualMatch { alike, correlation, prior })
+        })
+        .collect()
 }

@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use crate::geometry::PointPair;
+use crate::image::Warp;
 
 /// A match found along the epipolar lines, full-size pixels.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -18,6 +19,8 @@ pub struct RefinedMatch {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct LevelMatch {
     pub found: RefinedMatch,
+    /// Affine map from the surroundings in image 1 to those in image 2.
+    pub affine: Warp,
     /// Standard deviation, px.
     pub sigma: f64,
     /// Probability that this is the right match among similar places.

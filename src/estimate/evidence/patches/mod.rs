@@ -6,6 +6,7 @@
 
 mod aligned_features;
 mod corner_patches;
+mod dense;
 mod feature_support;
 mod guided_fit;
 mod level_corners;

@@ -43,7 +43,7 @@ pub(in crate::estimate) struct RefinementLevel {
     corners: Lazy<LevelCorners>,
     /// Where in image 2 the surroundings of a corner of image 1 fit best, starting at a corner of image 2 under a
     /// warp: the same whatever `F`, and most matches of one refinement are those of the next.
-    aligned: Mutex<HashMap<Alike, Option<Point>>>,
+    aligned: Mutex<HashMap<Alike, Option<Placement>>>,
 }
 
 /// Corners of each image. With 2,500 the accuracy is the same and the time twice as long
@@ -244,39 +244,39 @@ impl RefinementLevel {
         find: impl Fn(Point, &mut Vec<usize>) + Sync,
     ) -> Vec<LevelMatch> {
         let mutual = corners.mutual(find);
-        let positions = self.positions(level, corners, &mutual);
+        let placements = self.placements(level, corners, &mutual);
         mutual
             .iter()
-            .zip(positions)
-            .filter_map(|(mutual, point2)| {
+            .zip(placements)
+            .filter_map(|(mutual, placement)| {
                 let point1 = corners.patches.points1[mutual.alike.corner1 as usize];
-                let pair = PointPair { point1, point2: point2? };
+                let Placement { at, affine } = placement?;
+                let pair = PointPair { point1, point2: at };
                 let found = RefinedMatch { pair, correlation: mutual.correlation };
-                Some(LevelMatch { found, sigma: MATCH_SIGMA, prior: mutual.prior })
+                Some(LevelMatch { found, affine, sigma: MATCH_SIGMA, prior: mutual.prior })
             })
             .collect()
     }
 
     /// Sub-pixel positions in image 2, those not known yet computed in parallel; `None` where the surroundings do
     /// not fit after all.
-    fn positions(
+    fn placements(
         &self,
         level: &PairLevel,
         corners: &LevelCorners,
         mutual: &[MutualMatch],
-    ) -> Vec<Option<Point>> {
+    ) -> Vec<Option<Placement>> {
         let fresh: Vec<Alike> = {
             let known = self.known();
             mutual.iter().map(|m| m.alike).filter(|alike| !known.contains_key(alike)).collect()
         };
-        let found: Vec<(Alike, Option<Point>)> = fresh
+        let found: Vec<(Alike, Option<Placement>)> = fresh
             .into_par_iter()
             .map(|alike| {
                 let point1 = corners.patches.points1[alike.corner1 as usize];
                 let at = corners.places2.points[alike.corner2 as usize];
                 let start = Placement { at, affine: corners.patches.warps[alike.warp as usize] };
-                let found = align(level.planes, point1, start, &Alignment::STRICT);
-                (alike, found.map(|placement| placement.at))
+                (alike, align(level.planes, point1, start, &Alignment::STRICT))
             })
             .collect();
         let mut known = self.known();
@@ -284,7 +284,7 @@ impl RefinementLevel {
         mutual.iter().map(|m| known.get(&m.alike).copied().flatten()).collect()
     }
 
-    fn known(&self) -> MutexGuard<'_, HashMap<Alike, Option<Point>>> {
+    fn known(&self) -> MutexGuard<'_, HashMap<Alike, Option<Placement>>> {
         // Entries are whole whatever happened to a thread that held the lock.
         self.aligned.lock().unwrap_or_else(PoisonError::into_inner)
     }
