@@ -90,6 +90,11 @@ pub fn reason_in_words(reason: &Reason) -> String {
              {} Use views farther apart, or a scene with more depth.",
             off_the_plane(agreeing, groups)
         ),
+        Reason::NoRelief { percent } => format!(
+            "Only {percent} % of the matches show depth. The others follow one smooth warp, as if the \
+             camera had only turned, so the epipole is not determined. \
+             Use views from different places, or a scene with more depth."
+        ),
         Reason::Loose { deviation } => format!(
             "The matches leave the epipolar lines uncertain by {deviation:.1} px. \
              Matching points may be that far off their lines. \
@@ -153,6 +158,7 @@ mod tests {
             Reason::Pattern { size: 0.8 },
             Reason::Ambiguous { margin: 0.02 },
             Reason::OnePlane { percent: 98, groups: 13, agreeing: 4 },
+            Reason::NoRelief { percent: 3 },
             Reason::OnePlane { percent: 98, groups: 0, agreeing: 0 },
             Reason::OnePlane { percent: 98, groups: 1, agreeing: 0 },
             Reason::OnePlane { percent: 98, groups: 1, agreeing: 1 },

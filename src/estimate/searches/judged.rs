@@ -88,7 +88,13 @@ impl Judged {
     /// Doubts about the scene remain after any search.
     pub fn is_open(&self) -> bool {
         let thin = |reason: &Reason| {
-            !matches!(reason, Reason::OnePlane { .. } | Reason::Bent { .. } | Reason::Contradicted { .. })
+            !matches!(
+                reason,
+                Reason::OnePlane { .. }
+                    | Reason::NoRelief { .. }
+                    | Reason::Bent { .. }
+                    | Reason::Contradicted { .. }
+            )
         };
         self.assessment.refined_margin.is_some()
             || self.assessment.trust.as_ref().is_none_or(|trust| trust.reasons.iter().any(thin))

@@ -110,7 +110,22 @@ impl GuidedMatcher<'_> {
         }
         let f = best.fitted.fundamental;
         let matches = densified(self.level, best.matches, &f, band);
-        let fitted = self.evidence(&observed(&matches), &clicks, band).fitted(&f)?;
+        let many = observed(&matches);
+        let evidence = self.evidence(&many, &clicks, band);
+        let fitted = evidence.fitted(&f)?;
+        // The further matches may favour a neighbouring geometry.
+        let agreed =
+            evidence.consensus(&[fitted.fundamental], &fitted.rival_scales(), settling.seed, ROUNDS, cancel);
+        let fitted = agreed
+            .iter()
+            .filter(|agreed| {
+                agreed.fundamental.rescaled(1.0 / s1, 1.0 / s2).is_some_and(|f| (settling.allows)(&f))
+            })
+            .filter_map(|agreed| evidence.fitted(&agreed.fundamental))
+            .fold(
+                fitted,
+                |best, rival| if rival.log_likelihood > best.log_likelihood { rival } else { best },
+            );
         self.refined(Followed { matches, fitted }, &clicks, band)
     }
 

@@ -6,6 +6,7 @@ mod lens;
 mod margin;
 mod parallax;
 mod pattern;
+mod warp;
 
 pub use degeneracy::SMALLEST_SIDE;
 pub use examination::examine;
@@ -160,6 +161,7 @@ impl Judge<'_> {
         let (h, most) = largest_plane(matches, tolerance, self.parameters.seed)?;
         let share = most as f64 / matches.len() as f64;
         let bent_share = lens::share_through_a_lens(matches, &h, frames, tolerance);
+        let relief = warp::relief(matches, &h, frames, tolerance);
         let fine = self.viewed.fine();
         let [s1, s2] = fine.scales;
         let (h_fine, f_fine) = (resized(&h, fine.scales)?, f.rescaled(s1, s2)?);
@@ -174,7 +176,16 @@ impl Judge<'_> {
         // epipoles.
         let evidence = [afar, closely, clicked].map(|off| {
             let OffPlane { groups, agreeing, motions, by_chance, motions_by_chance } = off;
-            PlaneEvidence { share, bent_share, groups, agreeing, motions, by_chance, motions_by_chance }
+            PlaneEvidence {
+                share,
+                bent_share,
+                relief,
+                groups,
+                agreeing,
+                motions,
+                by_chance,
+                motions_by_chance,
+            }
         });
         let evidence = evidence.into_iter().reduce(PlaneEvidence::or_stronger)?;
         let together = parallax::together(&distinctive, &f_fine, &h_fine, side_fine);

@@ -186,14 +186,8 @@ pub(super) fn together(
 ) -> Together {
     let all = parallaxes(distinctive, h, 0.0);
     let mut found = Together::default();
-    for (k, (pair, parallax)) in all.iter().enumerate() {
-        let alike = |(other, (near, its)): (usize, &(PointPair, Vector))| {
-            let distance = (near.point1 - pair.point1).norm();
-            other != k
-                && distance < NEIGHBOURS * side
-                && (its - parallax).norm() < SAME_MOTION * distance + SAME_MOTION_PX
-        };
-        if all.iter().enumerate().filter(|other| alike(*other)).count() < LEAST_NEIGHBOURS {
+    for (k, (pair, _)) in all.iter().enumerate() {
+        if !moving_like_neighbours(&all, k, side) {
             continue;
         }
         found.matches += 1;
@@ -202,6 +196,19 @@ pub(super) fn together(
         found.contradicting += usize::from(off);
     }
     found
+}
+
+/// Returns whether the parallax of match `k` is like that of two neighbours. `side` is the longer
+/// side of image 1.
+pub(super) fn moving_like_neighbours(all: &[(PointPair, Vector)], k: usize, side: f64) -> bool {
+    let (pair, parallax) = &all[k];
+    let alike = |(other, (near, its)): (usize, &(PointPair, Vector))| {
+        let distance = (near.point1 - pair.point1).norm();
+        other != k
+            && distance < NEIGHBOURS * side
+            && (its - parallax).norm() < SAME_MOTION * distance + SAME_MOTION_PX
+    };
+    all.iter().enumerate().filter(|other| alike(*other)).take(LEAST_NEIGHBOURS).count() == LEAST_NEIGHBOURS
 }
 
 /// Returns the matches that are more than `least` px off the plane, each with its parallax.

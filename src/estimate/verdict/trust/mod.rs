@@ -111,6 +111,11 @@ pub enum Reason {
         /// Number of these groups that agree with the epipoles.
         agreeing: usize,
     },
+    /// One smooth warp explains the matches, as of a camera that turns behind a lens.
+    NoRelief {
+        /// Percent of the matches beside the warp that move like their neighbours.
+        percent: u32,
+    },
     /// The matches leave the epipolar lines uncertain.
     Loose {
         /// Standard deviation across the lines, px.
@@ -140,6 +145,6 @@ pub struct Trust {
 impl Trust {
     /// Returns whether only one plane or a rotation of the camera is certain.
     pub fn says_one_plane(&self) -> bool {
-        self.reasons.iter().any(|reason| matches!(reason, Reason::OnePlane { .. }))
+        self.reasons.iter().any(|reason| matches!(reason, Reason::OnePlane { .. } | Reason::NoRelief { .. }))
     }
 }
