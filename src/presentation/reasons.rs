@@ -158,11 +158,11 @@ mod tests {
             Reason::Pattern { size: 0.8 },
             Reason::Ambiguous { margin: 0.02 },
             Reason::OnePlane { percent: 98, groups: 13, agreeing: 4 },
-            Reason::NoRelief { percent: 3 },
             Reason::OnePlane { percent: 98, groups: 0, agreeing: 0 },
             Reason::OnePlane { percent: 98, groups: 1, agreeing: 0 },
             Reason::OnePlane { percent: 98, groups: 1, agreeing: 1 },
             Reason::OnePlane { percent: 98, groups: 12, agreeing: 0 },
+            Reason::NoRelief { percent: 3 },
             Reason::Loose { deviation: 2.0 },
         ]
     }

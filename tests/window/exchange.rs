@@ -139,7 +139,7 @@ fn without_matches_a_matrix_is_marked_as_unchecked() {
     let mut window = open([files.image("a.png", 640, 480), files.image("b.png", 640, 480)]);
     let path = file(&files, "F.txt", &rows(&truth().fundamental));
     drop_files(&mut window, std::slice::from_ref(&path));
-    window.get_by_label_contains("that takes 8 matches, 0 are at hand");
+    window.get_by_label_contains("that takes 8 matches, and there are");
     assert!(window.query_by_label("Use this reading").is_none());
     window.key_press(Key::Escape);
     settle(&mut window);
@@ -456,7 +456,7 @@ fn nothing_measured_on_one_pair_shows_beside_another() {
     }
     // Beside these pictures nothing is known that could tell what the matrix means.
     drop_files(&mut window, &[path]);
-    window.get_by_label_contains("that takes 8 matches, 0 are at hand");
+    window.get_by_label_contains("that takes 8 matches, and there are");
     press_click(&mut window, "As it is");
     window.get_by_label("unchecked");
 }

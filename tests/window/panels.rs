@@ -437,8 +437,8 @@ fn figures_stand_on_their_scales_of_good_and_bad() {
     let mut window = with_result();
     // The limits are those of the verdict's rules; what no rule judges says so.
     window.get_by_label("Margin on its scale: Good from 20 % on, bad below 5 %.");
-    window.get_by_label_contains("Line score on its scale: No rule judges it by itself");
-    window.get_by_label_contains("Round trip on its scale: No rule judges it by itself");
+    window.get_by_label_contains("Line score on its scale: No limits are known for this figure");
+    window.get_by_label_contains("Round trip on its scale: No limits are known for this figure");
     let of_p =
         window.get_by_label_contains("Distance of pair p on its scale: ").accesskit_node().label().unwrap();
     assert!(of_p.ends_with("Good up to 4.0 px, bad above 12.0 px."), "{of_p}");

@@ -438,7 +438,7 @@ fn a_click_on_a_ring_brings_its_depth_into_register_and_a_wipe_shows_it() {
 fn what_rows_that_lie_apart_mean_depends_on_whose_geometry_is_shown() {
     for (verdict, says) in [
         (Verdict::Reliable, "hypothesis 3 is shown, and these points contradict it. Press R for the result."),
-        (Verdict::Doubtful, "hypothesis 3 is shown, and the result is another geometry. Neither is certain"),
+        (Verdict::Doubtful, "hypothesis 3 is shown, which differs from the result. Neither is certain"),
     ] {
         let mut services = rich_services();
         services.estimate = Box::new(move |request, _| {

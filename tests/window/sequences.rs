@@ -180,7 +180,7 @@ fn what_cannot_be_compared_is_refused_with_a_sentence() {
         assert!(told.iter().any(|text| text.contains(words)), "{told:?}");
         assert!(window.state().model().recordings().as_ref() == Some(&before), "nothing was changed");
     };
-    refused(&mut window, [folders[0].clone(), picture], "The left one is a sequence of frames");
+    refused(&mut window, [folders[0].clone(), picture], "The left side is a sequence of frames");
     let still = files.0.path().join("still");
     let mut frames = FrameSequence::new("still");
     let gray = epiline::image::GrayPlane::from_fn(SMALL.frame, |x, y| ((x * y) % 251) as f32);

@@ -190,7 +190,7 @@ mod tests {
         assert_eq!(on_the_images(&[inside; 2], frames, "m.csv").1, None);
         let (kept, note) = on_the_images(&vec![inside; 600], frames, "m.csv");
         assert_eq!(kept.len(), 3 + 199);
-        assert!(note.unwrap().contains("the first 3 and one in 3 of the others"));
+        assert!(note.unwrap().contains("The first 3 and one in 3 of the others"));
         assert_eq!(on_the_images(&vec![inside; 300], frames, "m.csv").0.len(), 300);
         let (_, note) = on_the_images(&[PointPair::new(-9.0, 0.0, 0.0, 0.0); 8], frames, "m.csv");
         assert!(note.unwrap().ends_with("number 4, number 5, 3 more."));

@@ -264,7 +264,8 @@ mod tests {
             let sum: f64 = matches.iter().map(|m| symmetric_epipolar_distance(f, m)).sum();
             let error = sum / matches.len() as f64;
             assert!(error < 1.0, "{} clicks: {error} px", clicks.len());
-            assert_eq!(found.assessment.trust.as_ref().unwrap().verdict, Verdict::Reliable);
+            let trust = found.assessment.trust.as_ref().unwrap();
+            assert_eq!(trust.verdict, Verdict::Reliable, "{:?}", trust.reasons);
             let figures = found.assessment.barcodes.unwrap();
             assert!(figures.correlation > 0.9 && figures.by_chance < 0.5, "{figures:?}");
             assert!(figures.deviation.unwrap() < 1.0 && figures.frames == 200, "{figures:?}");

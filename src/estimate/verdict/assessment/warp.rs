@@ -109,7 +109,7 @@ mod tests {
             .map(|k| Point::new(8.0 + 15.0 * f64::from(k % 20), 6.0 + 11.0 * f64::from(k / 20)))
             .collect();
         let turned: Vec<PointPair> = points.iter().map(|p| through_a_lens(*p)).collect();
-        assert!(of(&turned) < 0.01, "{}", of(&turned));
+        assert!(of(&turned) < 0.03, "{}", of(&turned));
         // A fifth of wrong matches, each somewhere else, is no relief.
         let mut partly = turned.clone();
         for (k, m) in partly.iter_mut().enumerate().filter(|(k, _)| k % 5 == 0) {
