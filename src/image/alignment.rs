@@ -202,12 +202,12 @@ const PADDED: usize = AREA.next_multiple_of(LANES);
 struct Equations {
     count: usize,
     /// Eight coefficients and the right-hand side.
-    columns: [[f64; PADDED]; 9],
+    columns: Vec<[f64; PADDED]>,
 }
 
 impl Default for Equations {
     fn default() -> Self {
-        Self { count: 0, columns: [[0.0; PADDED]; 9] }
+        Self { count: 0, columns: vec![[0.0; PADDED]; 9] }
     }
 }
 
@@ -222,23 +222,24 @@ impl Equations {
 
     /// Returns the normal equations.
     fn normal(&mut self) -> (Matrix8, Vector8) {
+        let used = self.count.next_multiple_of(LANES);
         for column in &mut self.columns {
-            column[self.count..].fill(0.0);
+            column[self.count..used].fill(0.0);
         }
-        let products = products(&self.columns);
+        let products = products(&self.columns, used);
         let entry = |row: usize, column: usize| products[row.max(column)][row.min(column)];
         (Matrix8::from_fn(entry), Vector8::from_fn(|k, _| products[8][k]))
     }
 }
 
-/// Returns the product of each column with itself and every earlier column.
+/// Returns the product of each column with itself and every earlier column, over the `used` entries.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq+avx2", "x86_64+avx2", "aarch64+neon"))]
-fn products(columns: &[[f64; PADDED]; 9]) -> [[f64; 9]; 9] {
+fn products(columns: &[[f64; PADDED]], used: usize) -> [[f64; 9]; 9] {
     let mut products = [[0.0; 9]; 9];
     for i in 0..9 {
         for j in 0..=i {
             let mut sums = [0f64; LANES];
-            for (a, b) in columns[i].chunks_exact(LANES).zip(columns[j].chunks_exact(LANES)) {
+            for (a, b) in columns[i][..used].chunks_exact(LANES).zip(columns[j][..used].chunks_exact(LANES)) {
                 for k in 0..LANES {
                     sums[k] += a[k] * b[k];
                 }

@@ -394,6 +394,16 @@ mod tests {
         );
     }
 
+    #[test]
+    fn relief_below_its_threshold_leaves_the_epipole_open() {
+        let reasons = |relief: f64| {
+            let plane = GOOD.plane.map(|plane| PlaneEvidence { relief: Some(relief), ..plane });
+            Trust::judge(&Evidence { plane, ..GOOD }).reasons
+        };
+        assert_eq!(reasons(LEAST_RELIEF), []);
+        assert_eq!(reasons(LEAST_RELIEF.next_down()), [Reason::NoRelief { percent: 7 }]);
+    }
+
     /// Tests both sides of every threshold, as close to it as the type of the number allows.
     #[test]
     fn each_threshold_is_where_its_constant_says() {
@@ -439,8 +449,7 @@ mod tests {
             assert_eq!(reasons(evidence), [], "{evidence:?}");
         }
         let off = next(CLICK_DEVIATIONS);
-        let few = ENOUGH_MATCHES - 1;
-        let (margin, deviation) = (before(CLEAR_MARGIN), next(LOOSEST * GOOD.side));
+        let (few, margin, deviation) = (ENOUGH_MATCHES - 1, before(CLEAR_MARGIN), next(LOOSEST * GOOD.side));
         let told = [
             (Evidence { refined_on: RefinedOn::Matches(few), ..GOOD }, Reason::FewMatches { matches: few }),
             (
