@@ -1,11 +1,14 @@
 //! Sub-pixel alignment of a patch under an affine map, gain and offset.
 //!
 //! Least squares over shift, affine map, gain and offset (Lucas & Kanade 1981; Baker & Matthews
-//! 2004, forward additive):
+//! 2004, inverse compositional):
 //!
 //! ```text
 //!     gain·I1(p + x) + offset = I2(q + A x)        x in a square around 0
 //! ```
+//!
+//! Each step moves the patch of the first image and applies the inverse to the map. Only gradients of
+//! the first image are needed, so the matrix of the equations is the same for all steps.
 //!
 //! # Pitfalls
 //! - Weakly textured patches do not determine the affine map, and patches with one texture
@@ -14,10 +17,11 @@
 use std::ops::Range;
 
 use multiversion::multiversion;
-use nalgebra::{SMatrix, SVector};
+use nalgebra::{Cholesky, SMatrix, SVector, U8};
 
 use super::GrayPlane;
 use super::patch::{HALF, Warp, offsets};
+use super::plane::interpolate_all;
 use crate::geometry::{Point, Vector};
 
 /// Position of a first-image patch in the second image: `at + affine · x`.
@@ -65,7 +69,7 @@ impl Alignment {
     /// compared: the error of a position falls with the side of the patch.
     pub(crate) const STRICT: Self = Self {
         half: LARGEST,
-        iterations: 10,
+        iterations: 25,
         settled: 0.01,
         must_settle: true,
         largest_move: 1.5,
@@ -110,48 +114,38 @@ pub(crate) fn align(
 ) -> Option<Placement> {
     let counts = |image: usize, p: Point| how.least_inside.is_none() || planes[image].frame().contains(p);
     let area = (2 * how.half + 1).pow(2);
-    let mut reference: Vec<(Vector, f64)> = Vec::with_capacity(area);
-    for x in offsets(how.half) {
-        if counts(0, point1 + x) {
-            reference.push((x, f64::from(planes[0].sample(point1 + x)) - how.middle));
-        }
-    }
     let least = how.least_inside.unwrap_or(0.0) * area as f64;
+    let samples: Vec<Vector> = offsets(how.half).filter(|x| counts(0, point1 + x)).collect();
+    let mut sampler = Sampler::new(planes[1]);
     let mut placed = start;
-    let mut equations = Equations::default();
+    let mut equations: Option<Equations> = None;
     for _ in 0..how.iterations {
-        equations.count = 0;
-        for (offset, reference) in &reference {
-            let q = placed.at + placed.affine * offset;
-            if !counts(1, q) {
-                continue;
-            }
-            let [value, gx, gy] = value_and_slopes(planes[1], q);
-            // gain·I1 + offset − ∇I2·(step + dA x) = I2
-            let (x, y) = (offset.x / how.unit, offset.y / how.unit);
-            let row = [-gx, -gy, -gx * x, -gx * y, -gy * x, -gy * y, *reference, 1.0];
-            equations.push(row, value - how.middle);
-        }
-        if (equations.count as f64) < least {
+        let used = sampler.sample(&samples, &placed, |q| counts(1, q));
+        if (used as f64) < least {
             return None;
         }
-        let (mut normal, mut right) = equations.normal();
-        let gradient = normal[(0, 0)] + normal[(1, 1)];
-        for k in 2..6 {
-            match how.hold {
-                Hold::Step(penalty) => normal[(k, k)] += penalty,
-                Hold::Start(share) => {
-                    let penalty = share * gradient * (how.half as f64 / how.unit).powi(2);
-                    let drift = how.unit * (placed.affine - start.affine)[((k - 2) / 2, (k - 2) % 2)];
-                    normal[(k, k)] += penalty;
-                    right[k] -= penalty * drift;
-                }
+        let equations = match equations.take().filter(|equations| equations.used == used) {
+            Some(same) => equations.insert(same),
+            None => {
+                let row = |x: &Vector| row(planes[0], point1, x, how);
+                let rows = samples.iter().zip(&sampler.counts).map(|(x, counts)| counts.then(|| row(x)));
+                equations.insert(Equations::new(rows, used, how)?)
+            }
+        };
+        let mut right = equations.right(&sampler.values, how.middle);
+        if let Hold::Start(_) = how.hold {
+            let drift = how.unit * (placed.affine - start.affine);
+            for k in 2..6 {
+                right[k] -= equations.penalty * drift[((k - 2) / 2, (k - 2) % 2)];
             }
         }
-        let solution = normal.cholesky()?.solve(&right);
-        let step = Vector::new(solution[0], solution[1]);
-        placed.at += step;
-        placed.affine += Warp::new(solution[2], solution[3], solution[4], solution[5]) / how.unit;
+        let solution = equations.cholesky.solve(&right);
+        let gain = solution[6];
+        let step = |k: usize| solution[k] / gain;
+        let change = Warp::new(step(2), step(3), step(4), step(5)) / how.unit;
+        placed.affine *= (Warp::identity() + change).try_inverse()?;
+        let step = placed.affine * Vector::new(step(0), step(1));
+        placed.at -= step;
         let far = (placed.at - start.at).norm();
         let determinant = placed.affine.determinant();
         if !far.is_finite()
@@ -190,65 +184,124 @@ fn value_and_slopes(plane: &GrayPlane, p: Point) -> [f64; 3] {
     [f64::from(middle), 0.5 * f64::from(right - left), 0.5 * f64::from(lower - upper)]
 }
 
+/// Coefficients of the equation of one sample: gain·(I1 + ∇I1·(shift + change·x)) + offset.
+fn row(plane1: &GrayPlane, point1: Point, x: &Vector, how: &Alignment) -> [f64; 8] {
+    let [value, gx, gy] = value_and_slopes(plane1, point1 + x);
+    let (x, y) = (x.x / how.unit, x.y / how.unit);
+    [gx, gy, gx * x, gx * y, gy * x, gy * y, value - how.middle, 1.0]
+}
+
 /// Largest `half` of an alignment.
 const LARGEST: usize = 10;
 /// Samples of the largest patch.
 const AREA: usize = (2 * LARGEST + 1) * (2 * LARGEST + 1);
 /// Numbers added in parallel.
 const LANES: usize = 8;
-const PADDED: usize = AREA.next_multiple_of(LANES);
+/// A length that [`interpolate_all`] accepts.
+const PADDED: usize = AREA.next_multiple_of(16);
 
-/// Equations of a least-squares step, stored column by column.
-struct Equations {
-    count: usize,
-    /// Eight coefficients and the right-hand side.
-    columns: Vec<[f64; PADDED]>,
+/// Values of the second plane under the current placement.
+struct Sampler<'a> {
+    plane: &'a GrayPlane,
+    x: [f32; PADDED],
+    y: [f32; PADDED],
+    values: [f32; PADDED],
+    /// Whether each sample counts.
+    counts: Vec<bool>,
 }
 
-impl Default for Equations {
-    fn default() -> Self {
-        Self { count: 0, columns: vec![[0.0; PADDED]; 9] }
+impl<'a> Sampler<'a> {
+    fn new(plane: &'a GrayPlane) -> Self {
+        Self { plane, x: [0.0; PADDED], y: [0.0; PADDED], values: [0.0; PADDED], counts: Vec::new() }
     }
+
+    /// Samples around the placement and returns how many samples count. Outside the plane the nearest border value
+    /// is taken.
+    fn sample(&mut self, offsets: &[Vector], placed: &Placement, counts: impl Fn(Point) -> bool) -> usize {
+        let frame = self.plane.frame();
+        let (right, bottom) = (frame.right().max(0.0) as f32, frame.bottom().max(0.0) as f32);
+        self.counts.clear();
+        for (k, offset) in offsets.iter().enumerate() {
+            let q = placed.at + placed.affine * offset;
+            self.x[k] = (q.x as f32).clamp(0.0, right);
+            self.y[k] = (q.y as f32).clamp(0.0, bottom);
+            self.counts.push(counts(q));
+        }
+        let padded = offsets.len().next_multiple_of(16);
+        interpolate_all(self.plane, &self.x[..padded], &self.y[..padded], &mut self.values[..padded]);
+        self.counts.iter().filter(|counts| **counts).count()
+    }
+}
+
+/// Normal equations of the steps, which stay the same while the samples do.
+struct Equations {
+    /// Number of samples that count.
+    used: usize,
+    /// Coefficients of each unknown, zero for samples that do not count.
+    columns: Vec<[f64; PADDED]>,
+    /// Length of the columns that is used, a multiple of [`LANES`].
+    padded: usize,
+    cholesky: Cholesky<f64, U8>,
+    /// Penalty on the affine map.
+    penalty: f64,
 }
 
 impl Equations {
-    fn push(&mut self, row: [f64; 8], right: f64) {
-        for (column, value) in self.columns.iter_mut().zip(row) {
-            column[self.count] = value;
+    fn new(rows: impl Iterator<Item = Option<[f64; 8]>>, used: usize, how: &Alignment) -> Option<Self> {
+        let mut columns = vec![[0.0; PADDED]; 8];
+        let mut length = 0;
+        for (k, row) in rows.enumerate() {
+            for (column, value) in columns.iter_mut().zip(row.unwrap_or_default()) {
+                column[k] = value;
+            }
+            length = k + 1;
         }
-        self.columns[8][self.count] = right;
-        self.count += 1;
+        let padded = length.next_multiple_of(LANES);
+        let products = products(&columns, padded);
+        let mut normal = Matrix8::from_fn(|row, column| products[row.max(column)][row.min(column)]);
+        let penalty = match how.hold {
+            Hold::Step(penalty) => penalty,
+            Hold::Start(share) => {
+                share * (normal[(0, 0)] + normal[(1, 1)]) * (how.half as f64 / how.unit).powi(2)
+            }
+        };
+        for k in 2..6 {
+            normal[(k, k)] += penalty;
+        }
+        Some(Self { used, columns, padded, cholesky: normal.cholesky()?, penalty })
     }
 
-    /// Returns the normal equations.
-    fn normal(&mut self) -> (Matrix8, Vector8) {
-        let used = self.count.next_multiple_of(LANES);
-        for column in &mut self.columns {
-            column[self.count..used].fill(0.0);
-        }
-        let products = products(&self.columns, used);
-        let entry = |row: usize, column: usize| products[row.max(column)][row.min(column)];
-        (Matrix8::from_fn(entry), Vector8::from_fn(|k, _| products[8][k]))
+    /// Returns the right-hand sides for the values of the second image.
+    fn right(&self, values: &[f32; PADDED], middle: f64) -> Vector8 {
+        let values = values.map(|value| f64::from(value) - middle);
+        Vector8::from_fn(|k, _| dot(&self.columns[k][..self.padded], &values[..self.padded]))
     }
 }
 
-/// Returns the product of each column with itself and every earlier column, over the `used` entries.
+/// Returns the product of each column with itself and every earlier column, over the first
+/// `padded` entries.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq+avx2", "x86_64+avx2", "aarch64+neon"))]
-fn products(columns: &[[f64; PADDED]], used: usize) -> [[f64; 9]; 9] {
-    let mut products = [[0.0; 9]; 9];
-    for i in 0..9 {
+fn products(columns: &[[f64; PADDED]], padded: usize) -> [[f64; 8]; 8] {
+    let mut products = [[0.0; 8]; 8];
+    for i in 0..8 {
         for j in 0..=i {
-            let mut sums = [0f64; LANES];
-            for (a, b) in columns[i][..used].chunks_exact(LANES).zip(columns[j][..used].chunks_exact(LANES)) {
-                for k in 0..LANES {
-                    sums[k] += a[k] * b[k];
-                }
-            }
-            let [a, b, c, d, e, f, g, h] = sums;
-            products[i][j] = ((a + e) + (c + g)) + ((b + f) + (d + h));
+            products[i][j] = dot(&columns[i][..padded], &columns[j][..padded]);
         }
     }
     products
+}
+
+/// Returns the sum of products of two slices of a length divisible by `LANES`.
+#[inline(always)]
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let mut sums = [0f64; LANES];
+    for (a, b) in a.chunks_exact(LANES).zip(b.chunks_exact(LANES)) {
+        for k in 0..LANES {
+            sums[k] += a[k] * b[k];
+        }
+    }
+    let [a, b, c, d, e, f, g, h] = sums;
+    ((a + e) + (c + g)) + ((b + f) + (d + h))
 }
 
 #[cfg(test)]

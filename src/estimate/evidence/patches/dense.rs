@@ -5,6 +5,7 @@
 
 use std::collections::HashSet;
 
+use nalgebra::Vector2;
 use rayon::prelude::*;
 
 use super::corner_patches::Likeness;
@@ -36,16 +37,13 @@ pub(super) fn densified(
     let sampler2 = PatchSampler::new(level.planes[1], &Warp::identity());
     let (points2, patches2): (Vec<Point>, Vec<Patch>) =
         corners2.into_iter().filter_map(|p| Some((p, sampler2.patch(p)?))).unzip();
+    let places: Vec<Vector2<f32>> = known.iter().map(|m| m.found.pair.point1.coords.cast()).collect();
     let (points1, patches1): (Vec<(Point, Warp)>, Vec<Patch>) = corners1
         .par_iter()
         .filter_map(|p| {
-            let nearest = known.iter().min_by(|a, b| {
-                let squared = |m: &LevelMatch| (m.found.pair.point1 - p).norm_squared();
-                squared(a).total_cmp(&squared(b))
-            })?;
-            let inverse = nearest.affine.try_inverse()?;
-            let patch = PatchSampler::new(level.planes[0], &inverse).patch(*p)?;
-            Some(((*p, nearest.affine), patch))
+            let affine = known.get(nearest(&places, *p)?)?.affine;
+            let patch = PatchSampler::new(level.planes[0], &affine.try_inverse()?).patch(*p)?;
+            Some(((*p, affine), patch))
         })
         .unzip();
     let (points1, affines): (Vec<Point>, Vec<Warp>) = points1.into_iter().unzip();
@@ -75,6 +73,15 @@ pub(super) fn densified(
         .filter(|m| is_within(f, &m.found.pair, band))
         .collect();
     known.into_iter().chain(aligned).collect()
+}
+
+/// Returns the index of the place nearest to a point.
+fn nearest(places: &[Vector2<f32>], point: Point) -> Option<usize> {
+    let point: Vector2<f32> = point.coords.cast();
+    let squared = |place: &Vector2<f32>| (place - point).norm_squared();
+    // The minimum alone vectorises.
+    let least = places.iter().map(squared).fold(f32::INFINITY, f32::min);
+    places.iter().position(|place| squared(place) == least)
 }
 
 #[cfg(test)]
