@@ -65,6 +65,9 @@ fn help_that_cannot_be_written_is_an_error() {
 #[test]
 fn odd_settings_are_refused_or_quick() {
     fails(&["estimate", "--sample", "--threads", "1000"], 2, "from 1 to 256");
+    let lines = ["estimate", "--sample", "--method", "lines"];
+    let costs = ["--set", "stereo.lambda=1", "--set", "stereo.alpha=20000"];
+    fails(&[&lines[..], &costs].concat(), 2, "would take minutes. Raise lambda or lower alpha");
     // Took more than a minute when changes of disparity without a cost were tried one by one.
     let begun = std::time::Instant::now();
     let output = run(&["estimate", "--sample", "--preset", "paper", "--set", "stereo.lambda=0"]);

@@ -82,6 +82,14 @@ pub enum EstimateError {
         /// Unit, with a space before it.
         unit: &'static str,
     },
+    /// All lines are compared, and too many changes of disparity have a cost of their own.
+    #[error("stereo.alpha is {alpha}, more than {times} times stereo.lambda")]
+    ManyChanges {
+        /// Largest cost of a disparity change, squared grey levels.
+        alpha: u16,
+        /// Largest ratio of α to λ.
+        times: u16,
+    },
     /// The two images are (nearly) the same picture.
     #[error("the two images are nearly identical")]
     NoParallax,

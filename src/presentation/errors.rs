@@ -14,6 +14,9 @@ pub fn error_in_words(error: &EstimateError) -> String {
             let (name, least, most) = (key.replace('_', " "), in_words(*least), in_words(*most));
             return format!("parameter {name} is {value}: it must be between {least} and {most}{unit}");
         }
+        EstimateError::ManyChanges { .. } => {
+            ", so the comparison of all lines would take minutes. Raise lambda or lower alpha"
+        }
         EstimateError::NoParallax => {
             ", so there is no parallax and every geometry fits. Use images taken from different places"
         }
