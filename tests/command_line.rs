@@ -14,6 +14,7 @@ mod files;
 mod hostile;
 #[path = "command_line/rectify.rs"]
 mod rectify;
+mod skipping;
 #[path = "command_line/suggest.rs"]
 mod suggest;
 #[path = "command_line/support.rs"]
@@ -36,17 +37,6 @@ impl Pictures {
         let arguments = self.estimate(left, right, rest);
         fails(&arguments.iter().map(String::as_str).collect::<Vec<_>>(), status, words);
     }
-}
-
-/// Returns a folder of real pairs with ground truth, or `None` with a note that the test is
-/// skipped.
-fn real_data(folder: &str) -> Option<PathBuf> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data").join(folder);
-    if path.is_dir() {
-        return Some(path);
-    }
-    eprintln!("skipped: {} is not there", path.display());
-    None
 }
 
 const GOOD: [&str; 4] = ["--pair", "20,30,25,30", "--pair", "120,90,118,91"];
@@ -243,7 +233,7 @@ mod geometry {
 
     /// Runs `estimate` on the first two views of the house with two of their true matches.
     fn house(rest: &[&str]) -> Option<Output> {
-        let folder = real_data("house")?;
+        let folder = skipping::shared("data/house")?;
         let view = |k: usize| folder.join(format!("house.{k:03}.pgm")).to_str().unwrap().to_owned();
         let corners =
             |k: usize| std::fs::read_to_string(folder.join(format!("house.{k:03}.corners"))).unwrap();
