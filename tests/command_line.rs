@@ -14,6 +14,7 @@ mod files;
 mod hostile;
 #[path = "command_line/rectify.rs"]
 mod rectify;
+mod skipping;
 #[path = "command_line/suggest.rs"]
 mod suggest;
 #[path = "command_line/support.rs"]
@@ -38,17 +39,6 @@ impl Pictures {
     }
 }
 
-/// Returns a folder of real pairs with ground truth, or `None` with a note that the test is
-/// skipped.
-fn real_data(folder: &str) -> Option<PathBuf> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data").join(folder);
-    if path.is_dir() {
-        return Some(path);
-    }
-    eprintln!("skipped: {} is not there", path.display());
-    None
-}
-
 const GOOD: [&str; 4] = ["--pair", "20,30,25,30", "--pair", "120,90,118,91"];
 
 #[cfg(target_os = "linux")]
@@ -65,6 +55,9 @@ fn help_that_cannot_be_written_is_an_error() {
 #[test]
 fn odd_settings_are_refused_or_quick() {
     fails(&["estimate", "--sample", "--threads", "1000"], 2, "from 1 to 256");
+    let lines = ["estimate", "--sample", "--method", "lines"];
+    let costs = ["--set", "stereo.lambda=1", "--set", "stereo.alpha=20000"];
+    fails(&[&lines[..], &costs].concat(), 2, "would take minutes. Raise lambda or lower alpha");
     // Took more than a minute when changes of disparity without a cost were tried one by one.
     let begun = std::time::Instant::now();
     let output = run(&["estimate", "--sample", "--preset", "paper", "--set", "stereo.lambda=0"]);
@@ -240,7 +233,7 @@ mod geometry {
 
     /// Runs `estimate` on the first two views of the house with two of their true matches.
     fn house(rest: &[&str]) -> Option<Output> {
-        let folder = real_data("house")?;
+        let folder = skipping::shared("data/house")?;
         let view = |k: usize| folder.join(format!("house.{k:03}.pgm")).to_str().unwrap().to_owned();
         let corners =
             |k: usize| std::fs::read_to_string(folder.join(format!("house.{k:03}.corners"))).unwrap();

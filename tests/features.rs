@@ -3,6 +3,8 @@
 //! The test needs the pictures in `../shared/data` and Python with `cv2` (the program named by
 //! `EPILINE_PYTHON`, or `python3`). It prints "skipped" if either is missing.
 
+mod skipping;
+
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -10,6 +12,7 @@ use epiline::features::{FeatureParameters, find_features, match_features};
 use epiline::geometry::{FundamentalMatrix, PointPair, eight_point, symmetric_epipolar_distance};
 use epiline::image::Picture;
 use nalgebra::Matrix3;
+use skipping::{shared, skipped};
 
 /// Maximum number of features per picture, for both programs.
 const MOST: usize = 5000;
@@ -23,19 +26,17 @@ fn python() -> Option<PathBuf> {
     let python = std::env::var_os("EPILINE_PYTHON").map_or_else(|| PathBuf::from("python3"), PathBuf::from);
     let found = Command::new(&python).args(["-c", "import cv2"]).output().is_ok_and(|o| o.status.success());
     if !found {
-        eprintln!("skipped: {} has no module cv2", python.display());
+        skipped(&format!("{} has no module cv2", python.display()));
     }
     found.then_some(python)
 }
 
 /// Returns the names of all pairs in a folder, without the `A` and `B` of the pictures.
 fn pairs(folder: &str) -> Vec<PathBuf> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data").join(folder);
-    let Ok(entries) = path.read_dir() else {
-        eprintln!("skipped: there is no folder {}", path.display());
-        return Vec::new();
-    };
-    let mut names: Vec<PathBuf> = entries
+    let Some(path) = shared(&format!("data/{folder}")) else { return Vec::new() };
+    let mut names: Vec<PathBuf> = path
+        .read_dir()
+        .unwrap()
         .map(|entry| entry.unwrap().path())
         .filter(|p| p.extension().is_some_and(|e| e == "txt"))
         .map(|p| p.with_extension(""))

@@ -3,6 +3,8 @@
 //! The tests need Python with `cv2`: the program named by `EPILINE_PYTHON`, or `python3`. Otherwise
 //! they print "skipped", or fail if `EPILINE_REQUIRE_OPENCV` is set, as in `.ci/run`.
 
+mod skipping;
+
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -10,6 +12,7 @@ use epiline::geometry::{Camera, Frame, Point, PointPair};
 use epiline::io::{Format, GeometryFile, ImageNote};
 use nalgebra::{Matrix3, Point3, Vector3};
 use serde_json::Value;
+use skipping::skipped;
 
 /// Returns a Python that has OpenCV.
 fn python() -> Option<PathBuf> {
@@ -20,7 +23,7 @@ fn python() -> Option<PathBuf> {
     }
     let message = format!("{} has no module cv2", python.display());
     assert!(std::env::var_os("EPILINE_REQUIRE_OPENCV").is_none(), "{message}");
-    eprintln!("skipped: {message}");
+    skipped(&message);
     None
 }
 

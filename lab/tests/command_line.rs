@@ -1,12 +1,13 @@
 //! The program as its user runs it: results, exit statuses and invalid input.
 
-use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use epiline::geometry::{Frame, PointPair};
 use epiline::synthetic::{BallScene, ThrownBalls};
 use serde_json::Value;
 
+#[path = "../../tests/skipping/mod.rs"]
+mod skipping;
 #[path = "../../tests/command_line/support.rs"]
 mod support;
 
@@ -14,17 +15,6 @@ use support::{Pictures, fails, program, recorded_as, run, small_pairs, text};
 
 /// Program under test.
 const PROGRAM: &str = env!("CARGO_BIN_EXE_epiline-lab");
-
-/// Returns a folder of real pairs with ground truth, or `None` with a note that the test is
-/// skipped.
-fn real_data(folder: &str) -> Option<PathBuf> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data").join(folder);
-    if path.is_dir() {
-        return Some(path);
-    }
-    eprintln!("skipped: {} is not there", path.display());
-    None
-}
 
 #[test]
 fn keeps_every_trial_and_pairs_them_between_contenders() {
@@ -245,7 +235,7 @@ fn a_pair_that_cannot_be_evaluated_is_told_and_the_others_are_made() {
 
 #[test]
 fn of_the_house_is_evaluated() {
-    let Some(folder) = real_data("house") else { return };
+    let Some(folder) = skipping::shared("data/house") else { return };
     let folder = folder.to_str().unwrap();
     let output = run(&["vgg", folder, "--only", "0-1", "--trials", "2", "--json", "-"]);
     assert!(output.status.success(), "{}", text(&output.stderr));
@@ -260,7 +250,7 @@ fn of_the_house_is_evaluated() {
 
 #[test]
 fn of_the_house_from_seven_and_eight_points_stands_beside_what_is_printed() {
-    let Some(folder) = real_data("house") else { return };
+    let Some(folder) = skipping::shared("data/house") else { return };
     let folder = folder.to_str().unwrap();
     let ask = |rest: &[&str]| {
         let baselines = ["--methods", "seven-point,eight-point", "--protocol", "paper", "--json", "-"];

@@ -7,6 +7,7 @@ use crate::estimate::EstimateError;
 use crate::image::LoadError;
 use crate::io::{ReadError, RectifiedError, SequenceError, WriteError};
 use crate::motion::MotionError;
+use crate::presentation::error_in_words;
 use crate::rectify::RectifyError;
 use crate::suggest::SuggestError;
 
@@ -20,7 +21,7 @@ pub enum CliError {
     #[error(transparent)]
     Load(#[from] LoadError),
     /// The estimator refused the input or found nothing.
-    #[error(transparent)]
+    #[error("{}", error_in_words(.0))]
     Estimate(#[from] EstimateError),
     /// A sequence of frames cannot be read.
     #[error(transparent)]

@@ -1,3 +1,6 @@
+#[path = "../../tests/skipping/mod.rs"]
+mod skipping;
+
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
@@ -211,11 +214,7 @@ fn too_few_and_broken_matches_are_refused() {
 /// Tests the views of the VGG model house with their cameras, if present.
 #[test]
 fn the_cameras_of_the_house_are_as_read() {
-    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data/house");
-    if !folder.is_dir() {
-        eprintln!("skipped: there is no folder {}", folder.display());
-        return;
-    }
+    let Some(folder) = skipping::shared("data/house") else { return };
     let set = crate::io::VggFolder::open(&folder).unwrap();
     for view in 0..set.cameras.len() - 1 {
         let f = Camera::fundamental(&set.cameras[view], &set.cameras[view + 1]).unwrap();

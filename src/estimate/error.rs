@@ -6,11 +6,12 @@ use thiserror::Error;
 use crate::cancel::Cancelled;
 use crate::motion::MotionError;
 
-/// Reason why no fundamental matrix was estimated. The message is shown to the user.
+/// Reason why no fundamental matrix was estimated. `Display` states the fact;
+/// [`crate::presentation::error_in_words`] also advises.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum EstimateError {
     /// Fewer point pairs than the method needs.
-    #[error("{needed} point pairs are needed, {found} given. Mark more scene points in both images")]
+    #[error("{needed} point pairs are needed, {found} given")]
     TooFewPairs {
         /// Pairs given.
         found: usize,
@@ -40,9 +41,7 @@ pub enum EstimateError {
         height: usize,
     },
     /// Two clicks (nearly) coincide in one image.
-    #[error(
-        "point pairs {first} and {second} are only {distance:.1} px apart in image {image}. Choose points farther from each other"
-    )]
+    #[error("point pairs {first} and {second} are only {distance:.1} px apart in image {image}")]
     TooClose {
         /// Number of the first pair, from 1.
         first: usize,
@@ -66,54 +65,54 @@ pub enum EstimateError {
         smallest: usize,
     },
     /// An image of (nearly) one intensity.
-    #[error("image {image} is (nearly) uniform, so lines cannot be compared. Use an image with texture")]
+    #[error("image {image} is (nearly) uniform")]
     Flat {
         /// Number of the image, 1 or 2.
         image: usize,
     },
     /// A parameter is out of range.
-    #[error("parameter {name} is {value}: it must be {allowed}")]
+    #[error("parameter {key} is {value}, outside {least} to {most}{unit}", least = range[0], most = range[1])]
     Parameter {
-        /// Name of the parameter.
-        name: String,
+        /// Name in files and on the command line.
+        key: &'static str,
         /// Value given.
-        value: String,
-        /// Allowed values, in words.
-        allowed: String,
+        value: f64,
+        /// Smallest and largest value allowed.
+        range: [f64; 2],
+        /// Unit, with a space before it.
+        unit: &'static str,
+    },
+    /// All lines are compared, and too many changes of disparity have a cost of their own.
+    #[error("stereo.alpha is {alpha}, more than {times} times stereo.lambda")]
+    ManyChanges {
+        /// Largest cost of a disparity change, squared grey levels.
+        alpha: u16,
+        /// Largest ratio of α to λ.
+        times: u16,
     },
     /// The two images are (nearly) the same picture.
-    #[error(
-        "the two images are nearly identical, so there is no parallax and every geometry fits. Use images taken from different places"
-    )]
+    #[error("the two images are nearly identical")]
     NoParallax,
     /// No pencil lines with enough texture pass through a click.
-    #[error(
-        "no textured lines pass through point pair {pair}. Choose a point in a textured part of the images"
-    )]
+    #[error("no textured lines pass through point pair {pair}")]
     NoCandidates {
         /// Number of the pair, from 1.
         pair: usize,
     },
     /// No hypothesis survived.
-    #[error("no epipolar geometry was found. Check that the point pairs match, or choose other points")]
+    #[error("no epipolar geometry was found")]
     NoGeometry,
     /// No hypothesis survived, and there were no clicks.
-    #[error(
-        "no epipolar geometry was found without clicks. Mark two scene points in both images and try again"
-    )]
+    #[error("no epipolar geometry was found without clicks")]
     NothingWithoutClicks,
     /// Motion barcodes are asked for, but there are only pictures.
-    #[error(
-        "motion barcodes need two sequences of frames, not two pictures. Open sequences, or compare lines by stereo"
-    )]
+    #[error("motion barcodes need two sequences of frames, not two pictures")]
     NoSequences,
     /// The sequences cannot be compared.
     #[error(transparent)]
     Motion(#[from] MotionError),
     /// No geometry agrees with enough barcodes.
-    #[error(
-        "no epipolar geometry was found from motion barcodes, since too few lines have a distinctive motion. Use longer recordings, or recordings with motion in more places"
-    )]
+    #[error("no epipolar geometry was found from motion barcodes")]
     NothingFromBarcodes,
     /// A newer request or the user stopped the computation.
     #[error("the computation was cancelled")]

@@ -10,16 +10,15 @@
 //!   start with most patch support is followed, and there is no verdict.
 
 use super::evidence::lines::Construction;
-use super::evidence::patches::{BAND, LEAST_CLICK_SIGMA};
+use super::evidence::patches::{BAND, LEAST_CLICK_SIGMA, LEAST_MATCHES};
 use super::{Assessment, Clicks, Estimate, Parameters, PatchSupport, PreparedPair, Search, SearchPlan};
 use crate::geometry::{FundamentalMatrix, Observation, PointPair, fit_fundamental};
 
 /// Standard deviation of a supporting match, px of the level: corners are found to a pixel.
 const MATCH_SIGMA: f64 = 1.0;
-/// Sampson distance beyond which a match loses influence, in standard deviations. Not measured.
+/// Sampson distance beyond which a match loses influence, in standard deviations. Corners within
+/// the band of support keep at least half of their weight.
 const ROBUST: f64 = 2.0;
-/// Fewest supporting matches for following a geometry. Not measured.
-const LEAST_MATCHES: usize = 16;
 
 /// Returns a geometry for the present clicks, from earlier estimates of the same images, the newest
 /// last. The returned estimate has patch support only: other findings held for the earlier clicks.

@@ -79,7 +79,8 @@ impl Feature {
     }
 }
 
-/// Features of one picture with their descriptors, strongest first.
+/// Features of one picture with their descriptors, in the order in which they were found:
+/// [`find_features`] gives the strongest first, [`find_slanted_features`] one view after another.
 #[derive(Debug, Clone, Default)]
 pub struct FeatureSet {
     features: Vec<Feature>,
@@ -151,7 +152,8 @@ impl Default for FeatureParameters {
     }
 }
 
-/// Finds the features of a picture. The result does not depend on the number of threads.
+/// Finds the features of a picture, strongest first. The result does not depend on the number of
+/// threads.
 pub fn find_features(plane: &GrayPlane, parameters: &FeatureParameters) -> FeatureSet {
     let mut octaves: Vec<Octave> = Vec::new();
     let mut extrema: Vec<Extremum> = Vec::new();

@@ -55,8 +55,9 @@ pub enum TruthOrigin {
     Matches,
 }
 
-/// Largest median distance of the matches, relative to their extent, that an F from a file may
-/// have. Above it, F is transposed or belongs to other images or another size.
+/// Largest median distance of the matches that an F from a file may have, as a share of the largest
+/// coordinate, which is at most the longer side of the images. Above it, F is transposed or belongs
+/// to other images or another size.
 const OTHER_GEOMETRY: f64 = 0.02;
 
 /// Ground truth of an image pair.
@@ -108,9 +109,9 @@ impl GroundTruth {
         if let Some(path) = &files.fundamental {
             let fundamental = read_fundamental(path)?;
             let off = median_distance(&fundamental, &matches);
-            let extent =
+            let largest =
                 matches.iter().flat_map(|m| [m.point1, m.point2]).map(|p| p.x.max(p.y)).fold(1.0, f64::max);
-            if off > OTHER_GEOMETRY * extent {
+            if off > OTHER_GEOMETRY * largest {
                 return Err(TruthError::OtherGeometry { name, off });
             }
             return Ok(Self { name, fundamental, matches, origin: TruthOrigin::File });

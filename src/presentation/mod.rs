@@ -1,13 +1,15 @@
-//! Words for the estimator: sentences of verdicts, names and tooltips of parameters, scales of
+//! Words for the estimator: sentences of verdicts and errors, names and tooltips of parameters, scales of
 //! figures.
 //!
 //! The estimator gives only codes and figures. The command line, the window and the result files
 //! take their words from here.
 
+mod errors;
 mod parameters;
 mod reasons;
 mod scale;
 
+pub use errors::error_in_words;
 #[doc(hidden)]
 pub use parameters::{ShownParameter, parameters_as_markdown, shown_parameters};
 pub use reasons::{reason_in_words, warning_in_words};

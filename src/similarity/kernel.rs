@@ -225,10 +225,20 @@ fn advance<const K: usize, const ONE: bool>(
         let (other, present) = (&b.values[row], &b.present[row]);
         let at = d + margin;
         let mut best = old[at];
+        for (prefix, state) in prefix.iter_mut().zip(&best) {
+            *prefix = (*prefix).min(*state);
+        }
         if K == 0 {
+            let is_free = step.ordering == Ordering::Free;
+            let least = if is_free { lowest } else { &prefix };
             for (k, cost) in step.changes.iter().enumerate() {
+                // Costs grow with k, and no state is below the least. Checked at every fourth
+                // change, as a check costs as much as a change.
+                if k % 4 == 0 && !any_below(least, *cost, &best) {
+                    break;
+                }
                 relax(&mut best, &old[at - k - 1], *cost);
-                if step.ordering == Ordering::Free {
+                if is_free {
                     relax(&mut best, &old[at + k + 1], *cost);
                 }
             }
@@ -241,10 +251,8 @@ fn advance<const K: usize, const ONE: bool>(
             }
             relax(&mut best, &old[at + 1], step.back);
         }
-        let current = &old[at];
         let target = &mut new[at];
         for l in 0..LANES {
-            prefix[l] = prefix[l].min(current[l]);
             let jump = if K == 0 && step.ordering == Ordering::Free { lowest[l] } else { prefix[l] };
             let reached = best[l].min(jump.saturating_add(step.jump)) - lowest[l];
             let difference = value[l].wrapping_sub(other[l]);
@@ -267,6 +275,18 @@ fn relax(best: &mut Row, from: &Row, cost: u16) {
     for l in 0..LANES {
         best[l] = best[l].min(from[l].saturating_add(cost));
     }
+}
+
+/// Returns whether `least` and a cost are below `best` in any lane. It looks at all lanes, since a
+/// search for the first one would not be vectorised.
+#[inline(always)]
+#[expect(clippy::inline_always, reason = "must be compiled once per instruction set, inside `run_block`")]
+fn any_below(least: &Row, cost: u16, best: &Row) -> bool {
+    let mut below = 0u16;
+    for l in 0..LANES {
+        below |= best[l].saturating_sub(least[l].saturating_add(cost));
+    }
+    below != 0
 }
 
 #[cfg(test)]

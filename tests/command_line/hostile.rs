@@ -176,7 +176,7 @@ fn grey_pictures_of_numbers_open() {
 /// Tests all files that once broke this program or another, if present.
 #[test]
 fn hostile_pictures_end_in_a_picture_or_a_sentence() {
-    let Some(folder) = hostile("pictures") else { return };
+    let Some(folder) = skipping::shared("hostile/pictures") else { return };
     for path in files(&folder) {
         let path = path.to_str().unwrap();
         let output = limited(&suggest(path, path), &[]);
@@ -189,7 +189,7 @@ fn hostile_pictures_end_in_a_picture_or_a_sentence() {
 
 #[test]
 fn hostile_texts_end_in_a_geometry_or_a_sentence() {
-    let Some(folder) = hostile("text") else { return };
+    let Some(folder) = skipping::shared("hostile/text") else { return };
     for path in files(&folder) {
         let path = path.to_str().unwrap();
         for arguments in [&["convert", path, "-o", "-", "--format", "json"][..], &["check", path]] {
@@ -202,15 +202,6 @@ fn hostile_texts_end_in_a_geometry_or_a_sentence() {
             assert!(started.elapsed().as_secs() < 20, "{path} took {:?}", started.elapsed());
         }
     }
-}
-
-fn hostile(kind: &str) -> Option<PathBuf> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/hostile").join(kind);
-    if path.is_dir() {
-        return Some(path);
-    }
-    eprintln!("skipped: {} is not there", path.display());
-    None
 }
 
 fn files(folder: &Path) -> Vec<PathBuf> {

@@ -9,6 +9,8 @@ mod real;
 mod rectified;
 mod repeatable;
 mod samples;
+#[path = "../../../tests/skipping/mod.rs"]
+mod skipping;
 mod suggested;
 mod support;
 mod watched;

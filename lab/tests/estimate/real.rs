@@ -1,18 +1,8 @@
 //! Real image pairs with ground truth, if present.
 
-use std::path::{Path, PathBuf};
-
+use crate::skipping::shared;
 use epiline::estimate::{Monitor, Parameters, PreparedPair, estimate_prepared};
 use epiline_lab::{Draws, KnownScene, Protocol, mean, median, pair_scenes, vgg_scenes};
-
-pub(crate) fn real_data(folder: &str) -> Option<PathBuf> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data").join(folder);
-    if path.is_dir() {
-        return Some(path);
-    }
-    eprintln!("skipped: there is no folder {}", path.display());
-    None
-}
 
 /// Returns the errors of a few trials on each scene, px. The clicks depend only on the name of the
 /// pair.
@@ -38,7 +28,7 @@ fn errors(scenes: &[KnownScene], trials: usize, noise: f64) -> Vec<f64> {
 /// px.
 #[test]
 fn the_house_is_found() {
-    let Some(folder) = real_data("house") else { return };
+    let Some(folder) = shared("data/house") else { return };
     let only = ["0-1", "4-5"].map(str::to_owned);
     let errors = errors(&vgg_scenes(&folder, 1, &only).unwrap(), 2, 0.0);
     assert!(median(&errors) <= 0.5, "{errors:.2?}");
@@ -49,7 +39,7 @@ fn the_house_is_found() {
 /// here. The bound is 1 % of the longer side for every trial and a pixel for the median.
 #[test]
 fn a_step_forward_is_found() {
-    let Some(folder) = real_data("pairs") else { return };
+    let Some(folder) = shared("data/pairs") else { return };
     let scenes = pair_scenes(&folder, &["corr".to_owned()]).unwrap();
     let errors = errors(&scenes, 2, 0.0);
     assert!(median(&errors) <= 1.0, "{errors:.2?}");
@@ -61,7 +51,7 @@ fn a_step_forward_is_found() {
 /// trials are below 3 px.
 #[test]
 fn dominant_planes_do_not_mislead() {
-    let Some(folder) = real_data("pairs") else { return };
+    let Some(folder) = shared("data/pairs") else { return };
     let only = ["castle", "kampa"].map(str::to_owned);
     let errors = errors(&pair_scenes(&folder, &only).unwrap(), 3, 1.0);
     assert!(errors.iter().filter(|e| **e < 3.0).count() >= 5, "{errors:.2?}");

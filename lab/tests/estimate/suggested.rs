@@ -5,7 +5,7 @@ use epiline::geometry::{Point, PointPair};
 use epiline::suggest::{ClickedImage, Known, SuggestParameters, suggest};
 use epiline_lab::{KnownScene, pair_scenes, vgg_scenes};
 
-use crate::real::real_data;
+use crate::skipping::shared;
 
 const BOTH: [ClickedImage; 2] = [ClickedImage::First, ClickedImage::Second];
 
@@ -42,7 +42,7 @@ fn tally(scenes: &[KnownScene], every: usize, with_f: bool) -> (usize, usize, us
 
 #[test]
 fn clear_suggestions_on_real_pairs_are_right() {
-    let (Some(house), Some(pairs)) = (real_data("house"), real_data("pairs")) else { return };
+    let (Some(house), Some(pairs)) = (shared("data/house"), shared("data/pairs")) else { return };
     let house = vgg_scenes(&house, 1, &[]).unwrap();
     let upright = ["Dresden", "castle", "corr", "dino2", "head", "kampa"].map(str::to_owned);
     let pairs = pair_scenes(&pairs, &upright).unwrap();

@@ -29,7 +29,8 @@ pub struct PreparedPair {
     silhouettes: Option<[Arc<Silhouettes>; 2]>,
 }
 
-/// Least longer side of a pyramid level, px. Not measured.
+/// Least longer side of a pyramid level, px. Parameters that ask for smaller images get the
+/// smallest level. Never varied.
 const SMALLEST_LEVEL: f64 = 48.0;
 /// Number of views kept, besides the upright one. Each takes some ten megabytes. No result depends
 /// on it.

@@ -23,17 +23,18 @@ use crate::geometry::{
 /// Minimal samples that are drawn. Of the less ambiguous matches some 80 % are right, so that one sample of five has seven
 /// right ones. Twice as many samples change no figure beyond chance.
 const SAMPLES: u64 = 1000;
-/// Samples of one task.
+/// Samples of one task. The streams of random numbers depend on it.
 const TASK: u64 = 50;
-/// Samples that are optimised at each scale.
+/// Samples that are optimised at each scale. Each takes four fits. Never varied.
 const OPTIMISED: usize = 4;
-/// Bands of local optimisation, in units of the scale.
+/// Bands of local optimisation, in units of the scale. Far from its matches, a sample is off by more than the noise,
+/// so the first bands are wide.
 const LOCAL_BANDS: [f64; 4] = [6.0, 4.0, BAND, BAND];
-/// Rounds of estimating the noise and fitting to it.
+/// Rounds of estimating the noise and fitting to it. They end earlier when the likelihood no longer grows.
 const ROUNDS: usize = 6;
-/// Gain in log-likelihood below which the rounds end.
+/// Gain in log-likelihood below which the rounds end: a likelihood 1.1 times as large.
 const LEAST_GAIN: f64 = 0.1;
-/// Samples are drawn from at least this many matches.
+/// Samples are drawn from the likelier half of the matches, but from at least this many. Never varied.
 const LEAST_DRAWN_FROM: usize = 40;
 /// One match in so many may be moved by geometries that are the same: about as many are wrong.
 const SAME_SHARE: usize = 10;

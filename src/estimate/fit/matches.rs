@@ -54,7 +54,7 @@ const FINEST: f64 = 0.05;
 const COARSEST: f64 = 0.002;
 /// Each scale of the first search is this many times the one before. The truncated score tolerates a factor of 2.
 const STEP: f64 = 3.0;
-/// Rounds of consensus at most.
+/// Rounds of consensus at most. They end earlier when the likelihood no longer grows.
 const ROUNDS: u64 = 3;
 
 /// Fits a fundamental matrix to matches of which many may be wrong, and estimates their noise with it.

@@ -19,10 +19,11 @@ use crate::geometry::{FundamentalMatrix, sampson_distance};
 
 /// Smallest scale, px. Without a floor a geometry that passes a few matches exactly would outweigh all
 /// others. Matches of usual pictures are several times less precise, but a fit to fewer than some 200
-/// matches of a small picture can reach the floor. Not measured at half and twice of it.
+/// matches of a small picture can reach the floor. Half and twice of it were not measured.
 pub(super) const LEAST_SCALE: f64 = 0.005;
 /// Shares of inliers stay away from 0 and 1, where the likelihood has no bound.
 const LEAST_SHARE: f64 = 0.01;
+/// Steps of the estimate of scale and share, each from the one before. Twice as many take twice the time.
 const ITERATIONS: usize = 30;
 /// Scales that hold 95 % of the residuals of a Cauchy distribution, `tan(0.95 π / 2)`.
 const INLIER_SCALES: f64 = 12.7;

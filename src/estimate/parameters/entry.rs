@@ -1,7 +1,5 @@
 //! Entry of the table of parameters, with its check.
 
-use std::f64::consts::PI;
-
 use super::Parameters;
 use crate::estimate::{EstimateError, Stage};
 
@@ -81,44 +79,13 @@ impl ParameterEntry {
 
     /// Checks that the value is a number within its range.
     pub fn check(&self, parameters: &Parameters) -> Result<(), EstimateError> {
-        let ParameterValue::Number { range: [least, most], enforced: true, get, .. } = self.value else {
+        let ParameterValue::Number { range, enforced: true, get, .. } = self.value else {
             return Ok(());
         };
         let value = get(parameters);
-        if value >= least && value <= most {
+        if value >= range[0] && value <= range[1] {
             return Ok(());
         }
-        Err(EstimateError::Parameter {
-            name: self.key.replace('_', " "),
-            value: value.to_string(),
-            allowed: format!("between {} and {}{}", in_words(least), in_words(most), self.unit),
-        })
-    }
-}
-
-/// Formats a number for sentences: with commas between thousands, and π by name.
-fn in_words(value: f64) -> String {
-    if value.to_bits() == PI.to_bits() {
-        return "π".to_owned();
-    }
-    let plain = value.to_string();
-    let digits = plain.find('.').unwrap_or(plain.len());
-    let mut text = String::new();
-    for (k, character) in plain.chars().enumerate() {
-        if k > 0 && k < digits && (digits - k).is_multiple_of(3) {
-            text.push(',');
-        }
-        text.push(character);
-    }
-    text
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn numbers_are_formatted_for_sentences() {
-        assert_eq!([0.005, 60.0, 1000.0, 1e6, PI].map(in_words), ["0.005", "60", "1,000", "1,000,000", "π"]);
+        Err(EstimateError::Parameter { key: self.key, value, range, unit: self.unit })
     }
 }

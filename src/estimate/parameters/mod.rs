@@ -163,11 +163,13 @@ pub struct PatchParameters {
     pub resampling: usize,
     /// Whether these rounds also draw epipoles from matches off the largest planes.
     pub parallax: bool,
-    /// Number of combinations of candidates whose exact support is computed. Not measured.
+    /// Number of combinations of candidates whose exact support is computed, most votes first. The
+    /// time is in proportion. Never varied.
     pub supported: usize,
-    /// Number of hypotheses whose matches are pooled for resampling. Not measured.
+    /// Number of hypotheses whose matches are pooled for resampling. More add matches of wrong
+    /// hypotheses. Never varied.
     pub pooled: usize,
-    /// Number of samples of each kind in a round of resampling. Not measured.
+    /// Number of samples of each kind in a round of resampling. Never varied.
     #[serde(rename = "resampling_draws")]
     pub samples: usize,
 }
@@ -182,16 +184,17 @@ impl Default for PatchParameters {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct FeatureParameters {
-    /// Number of minimal samples. Not measured.
+    /// Number of minimal samples. The time is in proportion. Never varied.
     #[serde(rename = "feature_draws")]
     pub draws: usize,
-    /// Number of hypotheses that are refitted. Not measured.
+    /// Number of hypotheses that are refitted. Never varied.
     #[serde(rename = "features_refitted")]
     pub refitted: usize,
-    /// Number of refitted hypotheses that are matched again along their lines. Not measured.
+    /// Number of refitted hypotheses that are matched again along their lines. Never varied.
     #[serde(rename = "features_rematched")]
     pub rematched: usize,
-    /// Largest number of relative views that features suggest. Not measured.
+    /// Largest number of relative views that features suggest. Each takes a search of its own.
+    /// Never varied.
     #[serde(rename = "feature_views")]
     pub views: usize,
     /// Largest number of searches through two drawn matches, without clicks. If half of the matches
@@ -210,15 +213,15 @@ impl Default for FeatureParameters {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct LineRefinementParameters {
-    /// Number of rounds at each image size. Not measured.
+    /// Number of rounds at each image size. Never varied.
     #[serde(rename = "line_refinement_rounds")]
     pub rounds: usize,
     /// First step: the rotation that moves a line by this many pixels at the far side of the image.
-    /// Somewhat less than the line spacing. Not measured.
+    /// Somewhat less than the line spacing.
     #[serde(rename = "line_refinement_step")]
     pub first_step: f64,
     /// Number of lines per image. Fewer than in validation, since only similar geometries are
-    /// compared. Not measured.
+    /// compared. Never varied.
     #[serde(rename = "line_refinement_lines")]
     pub lines: usize,
 }
@@ -234,10 +237,10 @@ impl Default for LineRefinementParameters {
 #[serde(default)]
 pub struct BarcodeParameters {
     /// Least longer side of the images in which lines are compared, px. Barcodes cost less than
-    /// stereo, so it is larger. Not measured.
+    /// stereo, so it is larger. Never varied.
     #[serde(rename = "barcode_side")]
     pub side: f64,
-    /// Number of refined proposals of each kind: from the clicks, and from all lines. Not measured.
+    /// Number of refined proposals of each kind: from the clicks, and from all lines. Never varied.
     #[serde(rename = "barcodes_refined")]
     pub refined: usize,
 }
@@ -256,7 +259,7 @@ pub struct RefinementParameters {
     /// Number of best hypotheses that are refined. The best refined one is the result.
     pub refined: usize,
     /// Number of rivals that are refined if the margin before refinement is too small to decide.
-    /// Each takes as long as the result. Not measured.
+    /// Each takes as long as the result. Never varied.
     #[serde(default = "three")]
     pub rivals: usize,
 }
@@ -396,6 +399,7 @@ impl Default for Parameters {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::estimate::EstimateError;
 
     #[test]
     fn parameters_are_flat_in_files() {
@@ -410,14 +414,14 @@ mod tests {
     }
 
     #[test]
-    fn errors_name_the_parameter_and_its_range() {
+    fn a_value_out_of_range_is_refused_with_its_range() {
         let mut parameters = Parameters::default();
         assert_eq!(parameters.check(), Ok(()));
         parameters.pencils.line_spacing = 100.0;
-        let told = parameters.check().unwrap_err().to_string();
-        assert_eq!(told, "parameter line spacing is 100: it must be between 0.5 and 16 px");
+        let (key, value, range, unit) = ("line_spacing", 100.0, [0.5, 16.0], " px");
+        assert_eq!(parameters.check(), Err(EstimateError::Parameter { key, value, range, unit }));
         parameters = Parameters::default();
         parameters.pencils.rotation = f64::NAN;
-        assert!(parameters.check().unwrap_err().to_string().ends_with("it must be between 0 and π"));
+        assert!(matches!(parameters.check(), Err(EstimateError::Parameter { key: "rotation", .. })));
     }
 }

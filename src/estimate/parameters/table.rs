@@ -4,10 +4,13 @@
 use std::f64::consts::PI;
 
 use super::entry::{ParameterEntry, ParameterValue};
-use super::{LineScore, Parameters, Search};
+use super::{LineScore, Method, Parameters, Search};
 use crate::estimate::{EstimateError, Stage};
-use crate::similarity::{LineMeasure, Ordering};
+use crate::similarity::{LineMeasure, Ordering, SimilarityParameters};
 
+/// Largest ratio of α to λ if all lines are compared. Eight changes of disparity then have a cost of
+/// their own (λ 8² < α), and the comparison takes some four times as long as with the presets.
+const MOST_TIMES: u16 = 81;
 const ORDERINGS: [Ordering; 3] = [Ordering::Positions, Ordering::Free, Ordering::Disparities];
 const MEASURES: [LineMeasure; 2] = [LineMeasure::Stereo, LineMeasure::Barcodes];
 const LINE_SCORES: [LineScore; 2] = [LineScore::Cost, LineScore::AgainstMismatched];
@@ -318,9 +321,17 @@ pub const PARAMETERS: [ParameterEntry; 42] = [
 ];
 
 impl Parameters {
-    /// Checks every number against its range.
+    /// Checks every number against its range, and that a comparison of all lines ends within
+    /// seconds.
     pub fn check(&self) -> Result<(), EstimateError> {
-        PARAMETERS.iter().try_for_each(|entry| entry.check(self))
+        PARAMETERS.iter().try_for_each(|entry| entry.check(self))?;
+        let SimilarityParameters { measure, stereo, .. } = self.similarity;
+        let compares_all = self.method == Method::LinesAlone && measure == LineMeasure::Stereo;
+        let most = u32::from(MOST_TIMES) * u32::from(stereo.lambda);
+        if compares_all && u32::from(stereo.jump_cost()) > most {
+            return Err(EstimateError::ManyChanges { alpha: stereo.alpha, times: MOST_TIMES });
+        }
+        Ok(())
     }
 }
 

@@ -17,6 +17,21 @@ fn both_ends_of_every_range_are_allowed_and_kept() {
 }
 
 #[test]
+fn costs_that_make_the_comparison_of_all_lines_slow_are_refused() {
+    let check = |method, lambda, alpha| {
+        let mut parameters = Parameters { method, ..Parameters::default() };
+        (parameters.similarity.stereo.lambda, parameters.similarity.stereo.alpha) = (lambda, alpha);
+        parameters.check()
+    };
+    for (lambda, alpha) in [(0, 20_000), (100, 8100), (400, 2000)] {
+        assert_eq!(check(Method::LinesAlone, lambda, alpha), Ok(()));
+    }
+    let refused = Err(EstimateError::ManyChanges { alpha: 8101, times: MOST_TIMES });
+    assert_eq!(check(Method::LinesAlone, 100, 8101), refused);
+    assert_eq!(check(Method::TwoPoint, 1, 20_000), Ok(()));
+}
+
+#[test]
 fn copying_every_entry_carries_all_parameters_but_preset_and_method() {
     let from = Parameters::from(Preset::Paper);
     let mut to = Parameters::from(Preset::Robust);

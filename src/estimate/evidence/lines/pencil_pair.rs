@@ -226,7 +226,7 @@ impl PencilPair {
 }
 
 /// Number of directions tried for lines that cross the image: about one degree apart if the epipole
-/// is in the middle. Not measured.
+/// is in the middle. Twice as many place the chosen lines to half a degree.
 const STEPS: usize = 192;
 
 #[cfg(test)]

@@ -20,8 +20,8 @@ pub(super) struct AlignedFeatures {
     aligned: Vec<OnceLock<LevelMatch>>,
 }
 
-/// Least correlation of an aligned patch: above that of chance matches after alignment. Not
-/// measured.
+/// Least correlation of an aligned patch: above that of chance matches after alignment. Never
+/// varied.
 const LEAST_CORRELATION: f32 = 0.8;
 
 impl AlignedFeatures {

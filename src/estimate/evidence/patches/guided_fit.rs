@@ -16,7 +16,7 @@ use rayon::prelude::*;
 
 use super::aligned_features::AlignedFeatures;
 use super::dense::densified;
-use super::matches::{LevelMatch, MATCH_SIGMA};
+use super::matches::{LEAST_MATCHES, LevelMatch, MATCH_SIGMA};
 use super::near_lines::is_within;
 use super::refinement::{Refined, RefinementLevel};
 use crate::cancel::CancelFlag;
@@ -28,10 +28,8 @@ use crate::image::{GrayPlane, PairLevel, RelativeView};
 const WIDEST: f64 = 4.0;
 /// Rounds of consensus at most; each begins with the best geometry of the one before.
 const ROUNDS: u64 = 3;
-/// Least gain in log-likelihood for another round.
+/// Least gain in log-likelihood for another round: a likelihood 2.7 times as large.
 const LEAST_GAIN: f64 = 1.0;
-/// Fewer matches than this determine nothing.
-const LEAST_MATCHES: usize = 16;
 
 /// Finds matches along epipolar lines at one level.
 pub(super) struct GuidedMatcher<'a> {

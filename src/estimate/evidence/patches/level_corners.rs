@@ -10,7 +10,8 @@ use super::near_lines::Places;
 use crate::geometry::Point;
 use crate::image::HALF;
 
-/// Least correlation of matched patches at full size. Not measured.
+/// Least correlation of matched patches at full size. It is lower than that of aligned patches,
+/// since these stand at whole pixels. Never varied.
 pub(super) const LEAST_CORRELATION: f32 = 0.75;
 
 /// Indices of two corners, and the warp under which they look alike.
@@ -34,7 +35,7 @@ pub(super) struct MutualMatch {
 const ELSEWHERE: f64 = HALF as f64;
 /// Noise of the correlation of a right match. Fitted to facades by eye: of matches whose best
 /// competitor correlates less by 0.02, 0.1 and 0.2, about 40, 80 and 85 % are right.
-const CORRELATION_NOISE: f32 = 0.05;
+pub(super) const CORRELATION_NOISE: f32 = 0.05;
 
 /// Corners of a level, and the likeness of each pair once it is computed.
 #[derive(Debug)]

@@ -27,5 +27,8 @@ pub(super) struct LevelMatch {
     pub prior: f32,
 }
 
-/// Standard deviation of an aligned match, px of the level. Not measured.
+/// Standard deviation of an aligned match, px of the level. It weighs matches against clicks; the
+/// final fit estimates the noise of the matches itself. Never varied.
 pub(super) const MATCH_SIGMA: f64 = 0.3;
+/// Fewest matches of a refinement: twice the seven unknowns, and two more.
+pub(in crate::estimate) const LEAST_MATCHES: usize = 16;

@@ -20,7 +20,6 @@ mod proposals;
 mod rank;
 mod refinement;
 mod resampling;
-
 mod support;
 mod voting;
 
@@ -31,6 +30,7 @@ pub use support::PatchSupport;
 pub(in crate::estimate) use feature_support::FeatureSupport;
 pub(in crate::estimate) use guided_fit::Settling;
 pub(in crate::estimate) use levels::{PatchLevels, resized};
+pub(in crate::estimate) use matches::LEAST_MATCHES;
 pub(in crate::estimate) use plane::largest_plane;
 pub(in crate::estimate) use polish::LEAST_CLICK_SIGMA;
 pub(in crate::estimate) use proposals::{Hypothesis, Proposal, propose};

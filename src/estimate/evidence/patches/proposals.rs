@@ -76,8 +76,8 @@ impl Proposal {
     }
 }
 
-/// Number of combinations kept before thinning, for each one whose exact support is computed. Not
-/// measured.
+/// Number of combinations kept before thinning, for each one whose exact support is computed. Many
+/// are copies, so fewer may leave places empty. Never varied.
 const THINNING: usize = 12;
 /// Difference of directions, radians, and of ln κ, below which combinations are copies of each
 /// other. A rotation by this angle moves a line by 2 px, the band of support, at some 70 px from

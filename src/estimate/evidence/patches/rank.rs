@@ -11,7 +11,8 @@ use crate::estimate::evidence::lines::{LineExaminer, LineFigures, PencilAngles};
 use crate::estimate::{EstimateError, Parameters};
 use crate::geometry::{PointPair, symmetric_epipolar_distance};
 
-/// Growth of the best support below which resampling ends. Not measured.
+/// Growth of the best support below which resampling ends. Each further round takes as long as the
+/// one before. Never varied.
 const SETTLED: f64 = 1.01;
 
 /// Polishes proposals at the coarse and the fine level and resamples their matches. Returns all,
@@ -75,8 +76,8 @@ pub(in crate::estimate) fn rank_fine(
     Ok(ranked)
 }
 
-/// Number of matches of a hypothesis on which others are compared with it, evenly spread. Not
-/// measured.
+/// Number of matches of a hypothesis on which others are compared with it, evenly spread. A share
+/// near the limit of a fifth is thus known to 5 %.
 const COMPARED: usize = 60;
 /// Distance, px of the level, within which a line passes a match: the band of support, and the
 /// error of a corner.

@@ -19,28 +19,29 @@ use rayon::prelude::*;
 
 use super::Proposal;
 use super::plane::largest_plane;
-use super::support::{BAND, PatchSupport, Support};
+use super::support::{BAND, DISTINCTIVE, PatchSupport, Support};
 use crate::cancel::CancelFlag;
 use crate::estimate::stream::{Purpose, stream};
 use crate::estimate::{EstimateError, PatchParameters};
 use crate::geometry::{FundamentalMatrix, PointPair, eight_point, transfer_error};
 
 /// Width of the band of the pool, px: four times the band of support, to include matches slightly
-/// off. Not measured.
-const POOL_BAND: f64 = 8.0;
+/// off. Never varied.
+const POOL_BAND: f64 = 4.0 * BAND;
 /// Number of matches drawn into a sample: with two clicks, the eight of the eight-point algorithm.
 const DRAWN: usize = 6;
-/// Number of best hypotheses whose largest plane is examined. Not measured.
+/// Number of best hypotheses whose largest plane is examined. Each takes another set of samples.
+/// Never varied.
 const PLANES: usize = 3;
 /// Distance within which a match lies on a plane, px of the level. Corners are found to a pixel in
 /// each image.
 const ON_PLANE: f64 = 2.0;
-/// Distance beyond which a match lies off a plane, px of the level. Not measured.
+/// Distance beyond which a match lies off a plane, px of the level. Twice and more of [`ON_PLANE`],
+/// so that errors of corners do not count as parallax. Never varied.
 const OFF_PLANE: f64 = 5.0;
-/// Least correlation of the matches off the plane that are drawn. Not measured.
-const ALIKE: f32 = 0.8;
-/// Share of the leader's support from which a sample is kept, since polishing adds support. Not
-/// measured.
+/// Share of the leader's support from which a sample is kept, since polishing adds support. A
+/// smaller share measures more samples, a larger one drops some that polishing would raise. Never
+/// varied.
 const PROMISING: f64 = 0.4;
 
 /// Settings of one round of samples.
@@ -105,7 +106,7 @@ struct Sampled {
 }
 
 /// Number of samples measured at once, for each one wanted. The search ends when a batch brings
-/// nothing better. Not measured.
+/// nothing better, so small batches may end it too early. Never varied.
 const AT_ONCE: usize = 4;
 
 /// Returns the `count` best of the promising samples, best first. Of equals, the first drawn wins.
@@ -179,7 +180,7 @@ impl Parallax {
             // A corner counts as on the plane if any look-alike lies at its mapped place.
             let off = group.iter().all(|m| transfer_error(&homography, &support.pair(m)) > OFF_PLANE);
             // The best look-alike of a corner comes first.
-            if let Some(first) = group.first().filter(|m| off && m.correlation > ALIKE) {
+            if let Some(first) = group.first().filter(|m| off && m.correlation > DISTINCTIVE) {
                 matches.push(support.pair(first));
             }
         }

@@ -9,6 +9,7 @@ use rayon::prelude::*;
 
 use super::corner_patches::CornerPatches;
 use super::feature_support::{FLOOR, FeatureMatches, SupportingMatch};
+use super::level_corners::CORRELATION_NOISE;
 use super::look_alikes::{LookAlikes, Putative};
 use super::near_lines::is_within;
 use crate::geometry::{FundamentalMatrix, Point, PointPair};
@@ -49,11 +50,14 @@ pub(in crate::estimate) struct Support {
     features: FeatureMatches,
 }
 
-/// Least correlation of a distinctive match. Not measured.
-const DISTINCTIVE: f32 = 0.8;
-/// Least lead of a distinctive match over the next look-alike. Not measured.
-const DISTINCTIVE_BY: f32 = 0.1;
-/// Number of look-alikes kept for a corner, best first. Not measured.
+/// Least correlation of a distinctive match: half-way between the floor of support and equal
+/// patches. Never varied.
+pub(super) const DISTINCTIVE: f32 = 0.8;
+/// Least lead of a distinctive match over the next look-alike: twice the noise of the correlation
+/// of a right match.
+const DISTINCTIVE_BY: f32 = 2.0 * CORRELATION_NOISE;
+/// Number of look-alikes kept for a corner, best first. In repeated structure there are more; they
+/// would take memory and time without telling geometries apart. Never varied.
 const PER_CORNER: usize = 16;
 
 impl Support {

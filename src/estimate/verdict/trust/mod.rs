@@ -1,13 +1,16 @@
-//! Verdict on a result, with its reasons. `rules` has the rules and their thresholds.
+//! Verdict on a result, with its reasons. `evidence` has the figures and what each says alone,
+//! `rules` the verdict on all of them.
 
+mod evidence;
 mod rules;
 
 use serde::{Deserialize, Serialize};
 
-pub(in crate::estimate) use rules::{
-    BarcodeEvidence, CHANCE_DEVIATIONS, Evidence, PlaneEvidence, RefinedOn, ResidualPattern, Together,
-    USUAL_SIDE, WRONG_TOGETHER,
+pub(in crate::estimate) use evidence::{
+    BarcodeEvidence, Evidence, PlaneEvidence, RefinedOn, ResidualPattern, Together, USUAL_SIDE,
+    WRONG_TOGETHER,
 };
+pub(in crate::estimate) use rules::CHANCE_DEVIATIONS;
 pub use rules::{
     CLEAR_MARGIN, CLICK_DEVIATIONS, CLICK_DEVIATIONS_WRONG, ENOUGH_MATCHES, FAR_TOO_FEW, GUESS_MARGIN,
 };

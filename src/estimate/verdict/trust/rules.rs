@@ -10,10 +10,10 @@
 //!
 //! A result is reliable if it passes all tests. Thresholds of counts and distances are round
 //! numbers from results of known truth, with right and wrong clicks (`lab/notes.md` has the
-//! figures). Thresholds of chance are probabilities.
+//! figures).
 
+use super::evidence::{BarcodeEvidence, Evidence, PlaneEvidence, RefinedOn, Together};
 use super::{Reason, Suspect, Trust, Verdict};
-use crate::estimate::verdict::poisson::fewer_than;
 
 /// Fewest matches of a reliable result. A round number from results of known truth
 /// (`lab/notes.md`).
@@ -35,184 +35,14 @@ pub const CLEAR_MARGIN: f64 = 0.2;
 pub(in crate::estimate) const CHANCE_DEVIATIONS: f64 = 2.0;
 /// Margin below which a result is a guess. It colours the gauge; no verdict depends on it.
 pub const GUESS_MARGIN: f64 = 0.05;
-/// Share of the matches on one plane beyond which only a handful of matches would determine the
-/// epipoles.
-const ONE_PLANE: f64 = 0.95;
-/// Share of the matches on one plane beyond which the matches off it must determine the epipoles by
-/// themselves: the majority.
-const MOSTLY_PLANE: f64 = 0.5;
-/// Share of the matches on one plane beyond which the agreeing matches must have more than
-/// [`ANY_EPIPOLE`] motions: if two motions divide a picture, one has nearly half.
-const HALF_PLANE: f64 = 0.4;
 /// Least share of relief that determines the epipoles. Chosen between turned cameras (at most 0.05)
 /// and scenes with depth (at least 0.13), on 195 pairs.
 const LEAST_RELIEF: f64 = 0.08;
-/// Share of the matches off the plane explained by a lens, beyond which a lens is the likelier
-/// cause. In a scene with depth, the one additional unknown explains few matches. Not measured.
-const BENT: f64 = 0.5;
-/// Largest expected number of epipoles that do as well by chance: one in a thousand results without
-/// parallax passes.
-const BY_CHANCE: f64 = 1e-3;
-/// Largest expected number of epipoles that do as well by chance if each motion counts once. It is
-/// looser, as static surfaces at different places can have equal parallax.
-const MOTIONS_BY_CHANCE: f64 = 1.0;
-/// Number of motions off the plane that any epipole fits: two lines always meet.
-const ANY_EPIPOLE: usize = 2;
-/// Largest probability that chance explains the contradicting matches.
-const WRONG_BY_CHANCE: f64 = 1e-3;
-/// Expected fraction of distinctive matches that agree on a wrong motion (repeated structure). Not
-/// measured.
-pub(in crate::estimate) const WRONG_TOGETHER: f64 = 0.005;
-/// Share of the variance of the residuals that neighbours have in common, beyond which the
-/// residuals are more pattern than noise: one half.
-const PATTERN: f64 = 0.5;
-/// Size of a pattern that the lens of a good camera leaves, px in images of up to [`USUAL_SIDE`]
-/// px. It grows with larger images.
-const PATTERN_SIZE: f64 = 0.3;
-/// Longer side of an image, px, up to which positions are found equally precisely. In larger images
-/// errors grow in proportion.
-pub(in crate::estimate) const USUAL_SIDE: f64 = 800.0;
 /// Largest standard deviation of epipolar lines of a reliable result, as a share of the longer
 /// side: 2 px in 1,000. A round number from results of known truth (`lab/notes.md`).
 const LOOSEST: f64 = 0.002;
-
-/// Share of the matches that one homography explains, and the evidence of the other matches for the
-/// epipoles.
-#[derive(Debug, Clone, Copy)]
-pub(in crate::estimate) struct PlaneEvidence {
-    /// Share of the matches explained by the homography, 0 to 1.
-    pub share: f64,
-    /// Share explained by a homography with radial distortion, 0 to 1.
-    pub bent_share: f64,
-    /// Share that is beside a smooth warp and moves like its neighbours, 0 to 1. `None` if unknown.
-    pub relief: Option<f64>,
-    /// Number of groups of matches off the plane that move alike.
-    pub groups: usize,
-    /// Number of groups that agree with `F`.
-    pub agreeing: usize,
-    /// Number of different motions among the agreeing groups.
-    pub motions: usize,
-    /// Expected number of epipoles that do as well by chance.
-    pub by_chance: f64,
-    /// The same number if all groups of one motion count once.
-    pub motions_by_chance: f64,
-}
-
-impl PlaneEvidence {
-    /// Returns whether the matches off the plane determine the epipoles by themselves.
-    fn holds_the_epipoles(&self) -> bool {
-        self.by_chance <= BY_CHANCE
-            && self.motions_by_chance <= MOTIONS_BY_CHANCE
-            && self.motions > ANY_EPIPOLE
-    }
-
-    /// Returns the evidence that determines the epipoles. If both kinds or neither do, returns the
-    /// kind that is less likely by chance.
-    pub fn or_stronger(self, other: Self) -> Self {
-        let rank = |one: &Self| (!one.holds_the_epipoles(), one.by_chance);
-        if rank(&other) < rank(&self) { other } else { self }
-    }
-
-    /// Returns whether the matches leave the epipoles undetermined.
-    fn leaves_the_epipoles_open(&self) -> bool {
-        self.share > ONE_PLANE
-            || self.share > MOSTLY_PLANE && !self.holds_the_epipoles()
-            || self.share > HALF_PLANE && self.motions <= ANY_EPIPOLE
-    }
-
-    /// Returns whether a lens explains most of the matches off the plane.
-    fn is_bent(&self) -> bool {
-        self.bent_share > MOSTLY_PLANE && self.bent_share - self.share > BENT * (1.0 - self.share)
-    }
-}
-
-/// Counts of distinctive matches, found without `F`, that move like their neighbours.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub(in crate::estimate) struct Together {
-    /// Number of these matches.
-    pub matches: usize,
-    /// Number of these matches that contradict `F`.
-    pub contradicting: usize,
-}
-
-impl Together {
-    /// Returns whether more matches contradict `F` than are wrong by chance, by the Poisson
-    /// distribution.
-    fn contradict(self) -> bool {
-        let expected = WRONG_TOGETHER * self.matches as f64;
-        1.0 - fewer_than(self.contradicting, expected) < WRONG_BY_CHANCE
-    }
-}
-
-/// Part of the residuals that neighbouring matches have in common.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(in crate::estimate) struct ResidualPattern {
-    /// Share of the variance that is common to neighbours, 0 to 1.
-    pub share: f64,
-    /// Root mean square of the common part, px.
-    pub size: f64,
-}
-
-impl ResidualPattern {
-    /// Returns whether the common part is significant in images whose longer side is `side` px.
-    fn is_bent(self, side: f64) -> bool {
-        self.share > PATTERN && self.size > PATTERN_SIZE * (side / USUAL_SIDE).max(1.0)
-    }
-}
-
-/// Evidence of motion barcodes for a geometry.
-#[derive(Debug, Clone, Copy)]
-pub(in crate::estimate) struct BarcodeEvidence {
-    /// Agreement of the barcodes of corresponding lines.
-    pub correlation: f64,
-    /// Best agreement with one sequence shifted in time.
-    pub by_chance: f64,
-    /// Number of independent lines.
-    pub lines: f64,
-}
-
 /// Fewest independent lines of a reliable result: twice the seven unknowns.
 const ENOUGH_LINES: f64 = 14.0;
-
-/// Data that a result was refined on.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(in crate::estimate) enum RefinedOn {
-    /// None: refinement was off, or the search has no patches.
-    Nothing,
-    /// The clicks alone.
-    Clicks,
-    /// None: too few patches matched along the epipolar lines.
-    TooFewMatches,
-    /// This number of matches.
-    Matches(usize),
-}
-
-/// Figures that a verdict rests on.
-#[derive(Debug, Clone, Copy)]
-pub(in crate::estimate) struct Evidence<'a> {
-    /// Whether patches were compared.
-    pub patches: bool,
-    /// Evidence of barcodes, for sequences.
-    pub barcodes: Option<BarcodeEvidence>,
-    /// Data that the result was refined on.
-    pub refined_on: RefinedOn,
-    /// Sampson distances of the clicks, px.
-    pub clicks: &'a [f64],
-    /// Standard deviation of a click, px.
-    pub click_sigma: f64,
-    /// Relative advantage over the best clearly different geometry.
-    pub margin: Option<f64>,
-    /// Median standard deviation of the epipolar lines at the matches, px.
-    pub deviation: Option<f64>,
-    /// Evidence of the largest plane. `None` without matches.
-    pub plane: Option<PlaneEvidence>,
-    /// Distinctive matches, found without the geometry.
-    pub together: Together,
-    /// Pattern of the residuals. `None` without neighbouring matches.
-    pub pattern: Option<ResidualPattern>,
-    /// Longer side of image 1, px.
-    pub side: f64,
-}
 
 impl Trust {
     pub(in crate::estimate) fn judge(evidence: &Evidence) -> Self {
@@ -288,6 +118,10 @@ impl Trust {
 
 #[cfg(test)]
 mod tests {
+    use super::super::evidence::{
+        ANY_EPIPOLE, BY_CHANCE, HALF_PLANE, MOSTLY_PLANE, MOTIONS_BY_CHANCE, ONE_PLANE, PATTERN,
+        PATTERN_SIZE, ResidualPattern, USUAL_SIDE,
+    };
     use super::*;
 
     const GOOD: Evidence = Evidence {
