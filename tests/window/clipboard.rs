@@ -4,7 +4,7 @@ use crate::support::*;
 
 use std::sync::Arc;
 
-use egui::{Color32, ColorImage, Key, Modifiers, OutputCommand, ViewportCommand};
+use egui::{Color32, ColorImage, Event, Key, Modifiers, OutputCommand, ViewportCommand};
 use egui_kittest::kittest::Queryable;
 use epiline::internals::app::model::document::Side;
 use epiline::io::GeometryFile;
@@ -15,19 +15,19 @@ fn copied(window: &mut Window, command: &str) -> Option<String> {
     settle(window);
     window.get_by_label("Search commands").type_text(command);
     settle(window);
-    window.key_press(Key::Enter);
-    for _ in 0..3 {
-        window.step();
-        let commands = &window.output().platform_output.commands;
-        let text = commands.iter().find_map(|command| match command {
-            OutputCommand::CopyText(text) => Some(text.clone()),
-            _ => None,
-        });
-        if text.is_some() {
-            return text;
-        }
-    }
-    None
+    // Only the output of the frame of this event has the text.
+    window.event(Event::Key {
+        key: Key::Enter,
+        physical_key: None,
+        pressed: true,
+        repeat: false,
+        modifiers: Modifiers::NONE,
+    });
+    window.step();
+    window.output().platform_output.commands.iter().find_map(|command| match command {
+        OutputCommand::CopyText(text) => Some(text.clone()),
+        _ => None,
+    })
 }
 
 #[test]
@@ -40,6 +40,7 @@ fn f_is_copied_as_code_with_its_verdict() {
     let f = *window.state().estimate().unwrap().fundamental();
     let json = copied(&mut window, "Copy F as JSON").unwrap();
     assert_eq!(GeometryFile::parse(&json).unwrap().0.fundamental, Some(f));
+    settle(&mut window);
     window.get_by_label("Copied F as JSON");
     for (command, begin) in [
         ("Copy F as NumPy", "F = np.array(["),

@@ -94,8 +94,9 @@ fn the_empty_image_has_a_menu() {
     choose(&mut window, "Pin the lines here");
     let pins = window.state().focus().pins();
     assert!(matches!(pins[0].source, LineSource::Through { side: Side::Left, .. }));
-    let free = at_rest(&window);
-    right_click(&mut window, free);
+    // Beside the pinned line, which has its own menu.
+    let beside = at(&window, Side::Left, 0.3, -0.4);
+    right_click(&mut window, beside);
     choose(&mut window, "Measure from here");
     let end = at(&window, Side::Left, -0.3, 0.4);
     click(&mut window, end);

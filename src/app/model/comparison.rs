@@ -161,7 +161,9 @@ impl ComparisonQuestion {
     pub fn answer(&self) -> Comparison {
         let truth = self.truth.as_deref();
         let (measured, points) = match (self.subject.measured, truth) {
-            (PointSet::TrueMatches, Some(truth)) => (PointSet::TrueMatches, &truth.matches),
+            (PointSet::TrueMatches, Some(truth)) if !truth.matches.is_empty() => {
+                (PointSet::TrueMatches, &truth.matches)
+            }
             _ => (PointSet::Pairs, &self.pairs),
         };
         let counts = |k: usize| measured == PointSet::TrueMatches || !self.excluded.contains(&k);
@@ -220,8 +222,9 @@ impl ComparisonQuestion {
     /// Returns the points that the other methods are fitted to: the clicked pairs, or the used
     /// pairs and further true matches up to eight, drawn as in an evaluation.
     fn fitted(&self) -> Result<Vec<PointPair>, String> {
-        let Some(truth) = self.truth.as_deref().filter(|_| self.subject.fitted == PointSet::TrueMatches)
-        else {
+        let wanted = self.subject.fitted == PointSet::TrueMatches;
+        let known = self.truth.as_deref().filter(|truth| wanted && !truth.matches.is_empty());
+        let Some(truth) = known else {
             let included = self.pairs.iter().enumerate().filter(|(k, _)| !self.excluded.contains(k));
             return Ok(included.map(|(_, pair)| *pair).collect());
         };

@@ -131,17 +131,19 @@ impl FileExport {
             self.choose(ExportKind::default());
         }
         let open = dialog(ctx, "Export", WIDTH, |ui| {
-            ui.horizontal_top(|ui| {
-                let list = vec2(KINDS_WIDTH, OPTIONS_HEIGHT);
-                ui.allocate_ui_with_layout(list, Layout::top_down_justified(Align::Min), |ui| {
-                    ui.set_min_size(list);
+            // The separator takes all the height of its row.
+            let row = vec2(ui.available_width(), OPTIONS_HEIGHT);
+            ui.allocate_ui_with_layout(row, Layout::left_to_right(Align::Min), |ui| {
+                ui.vertical(|ui| {
+                    ui.set_width(KINDS_WIDTH);
                     self.kinds(ui, model);
                 });
                 ui.separator();
                 let options = ScrollArea::vertical().id_salt(self.order.what).max_height(OPTIONS_HEIGHT);
-                options.min_scrolled_height(OPTIONS_HEIGHT).auto_shrink(false).show(ui, |ui| {
-                    self.options(ui, model);
-                });
+                options
+                    .min_scrolled_height(OPTIONS_HEIGHT)
+                    .auto_shrink(false)
+                    .show(ui, |ui| ui.vertical(|ui| self.options(ui, model)));
             });
             ui.separator();
             let suggested = path_of(&self.path).unwrap_or_else(|| PathBuf::from(&self.suggested));
@@ -178,8 +180,8 @@ impl FileExport {
     fn kinds(&mut self, ui: &mut Ui, model: &Model) {
         for what in ExportKind::ALL.into_iter().filter(|what| what.is_offered(model)) {
             let missing = what.missing(model);
-            let button =
-                ui.add_enabled(missing.is_none(), Button::selectable(self.order.what == what, what.name()));
+            let button = Button::selectable(self.order.what == what, what.name());
+            let button = ui.add_enabled(missing.is_none(), button);
             let button = button.on_hover_text(what.tooltip());
             if button.on_disabled_hover_text(missing.unwrap_or_default()).clicked() {
                 self.choose(what);
