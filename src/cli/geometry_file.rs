@@ -122,23 +122,18 @@ impl GeometryOutput {
 
     /// Writes the geometry, with a note if the target program cannot use the file name.
     pub(super) fn write(&self, file: &GeometryFile) -> Result<(), CliError> {
-        let content = match self.format {
-            Some(format) => file.to_text(format).into_bytes(),
-            None => {
-                let missing = "there is no F, which is all that a NumPy array holds";
-                let geometry = file.geometry().ok_or_else(|| CliError::Arguments(missing.into()))?;
-                matrix_as_npy(geometry.matrix())
-            }
+        let content = if let Some(format) = self.format {
+            file.to_text(format).into_bytes()
+        } else {
+            let missing = "there is no F, which is all that a NumPy array holds";
+            let geometry = file.geometry().ok_or_else(|| CliError::Arguments(missing.into()))?;
+            matrix_as_npy(geometry.matrix())
         };
-        match &self.file {
-            Some(output) => {
-                output.write(&content)?;
-                if let Some(note) = self.format.and_then(|format| format.note_on_name(output.path())) {
-                    tell(format_args!("note: {note}"));
-                }
-                Ok(())
-            }
-            None => print(&String::from_utf8_lossy(&content)),
+        let Some(output) = &self.file else { return print(&String::from_utf8_lossy(&content)) };
+        output.write(&content)?;
+        if let Some(note) = self.format.and_then(|format| format.note_on_name(output.path())) {
+            tell(format_args!("note: {note}"));
         }
+        Ok(())
     }
 }
