@@ -107,6 +107,19 @@ fn opencv_reads_what_we_write() {
 }
 
 #[test]
+fn numpy_loads_the_array_of_f() {
+    let Some(python) = python() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let f = example().fundamental.unwrap();
+    let path = folder.path().join("F.npy");
+    std::fs::write(&path, epiline::io::matrix_as_npy(f.matrix())).unwrap();
+    let script = "import json, sys, numpy; F = numpy.load(sys.argv[1]); print(json.dumps([str(F.dtype), F.flags['C_CONTIGUOUS'], F.tolist()]))";
+    let output = Command::new(python).args(["-c", script]).arg(&path).output().unwrap();
+    let found: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(found, serde_json::json!(["float64", true, rows(f.matrix())]));
+}
+
+#[test]
 fn we_read_what_opencv_writes() {
     let Some(python) = python() else { return };
     let folder = tempfile::tempdir().unwrap();

@@ -8,7 +8,7 @@ use super::CliError;
 use super::console::{print, tell};
 use crate::foreign::shown_path;
 use crate::image::Picture;
-use crate::io::{Format, GeometryFile, ImageNote, OutputFile, read_camera, read_point_pairs};
+use crate::io::{Format, GeometryFile, ImageNote, OutputFile, matrix_as_npy, read_camera, read_point_pairs};
 
 /// Source of a geometry.
 #[derive(Debug, Args)]
@@ -73,20 +73,23 @@ pub(super) fn image_notes(pictures: &[Picture; 2]) -> [ImageNote; 2] {
 pub(super) struct GeometryOutput {
     /// Output file; `None` is standard output.
     file: Option<OutputFile>,
-    format: Format,
+    /// Format; `None` is a NumPy array of F.
+    format: Option<Format>,
 }
 
 impl GeometryOutput {
-    /// Prepares an output. Without `format`, the file extension decides.
+    /// Prepares an output. Without `format`, the file extension decides, and `.npy` is a NumPy array.
     pub(super) fn prepare(path: &Path, format: Option<Format>) -> Result<Self, CliError> {
         let is_piped = path == Path::new("-");
-        let format = format.or_else(|| Format::of_path(path)).ok_or_else(|| {
+        let is_array = format.is_none() && path.extension().is_some_and(|e| e.eq_ignore_ascii_case("npy"));
+        let format = format.or_else(|| Format::of_path(path));
+        if format.is_none() && !is_array {
             let known = Format::ALL.map(|f| format!("{} (.{})", f.name(), f.extension())).join(", ");
-            CliError::Arguments(format!(
+            return Err(CliError::Arguments(format!(
                 "the format is not clear from the name {}. Add --format with one of {known}",
                 shown_path(path)
-            ))
-        })?;
+            )));
+        }
         Ok(Self { file: if is_piped { None } else { Some(OutputFile::prepare(path)?) }, format })
     }
 
@@ -110,24 +113,27 @@ impl GeometryOutput {
 
     /// Describes the destination and the format.
     pub(super) fn place(&self) -> String {
+        let label = self.format.map_or("NumPy array of F", Format::label);
         match &self.file {
-            Some(file) => format!("{} ({})", shown_path(file.path()), self.format.label()),
-            None => format!("standard output ({})", self.format.label()),
+            Some(file) => format!("{} ({label})", shown_path(file.path())),
+            None => format!("standard output ({label})"),
         }
     }
 
     /// Writes the geometry, with a note if the target program cannot use the file name.
     pub(super) fn write(&self, file: &GeometryFile) -> Result<(), CliError> {
-        let text = file.to_text(self.format);
-        match &self.file {
-            Some(output) => {
-                output.write(text.as_bytes())?;
-                if let Some(note) = self.format.note_on_name(output.path()) {
-                    tell(format_args!("note: {note}"));
-                }
-                Ok(())
-            }
-            None => print(&text),
+        let content = if let Some(format) = self.format {
+            file.to_text(format).into_bytes()
+        } else {
+            let missing = "there is no F, which is all that a NumPy array holds";
+            let geometry = file.geometry().ok_or_else(|| CliError::Arguments(missing.into()))?;
+            matrix_as_npy(geometry.matrix())
+        };
+        let Some(output) = &self.file else { return print(&String::from_utf8_lossy(&content)) };
+        output.write(&content)?;
+        if let Some(note) = self.format.and_then(|format| format.note_on_name(output.path())) {
+            tell(format_args!("note: {note}"));
         }
+        Ok(())
     }
 }

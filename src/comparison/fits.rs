@@ -38,6 +38,9 @@ pub enum FitError {
     /// The eight-point algorithm failed.
     #[error(transparent)]
     Eight(#[from] EightPointError),
+    /// No sample of a robust fit determines a geometry.
+    #[error("no seven of these pairs determine a geometry")]
+    NoSample,
 }
 
 /// Runs the seven-point algorithm on the first seven pairs. Among the real solutions it selects the

@@ -1,15 +1,18 @@
 //! Geometries of one image pair by different methods, on the same points.
 //!
-//! [`fit_seven`] and [`fit_eight`] fit the classical methods to point pairs. [`Distances`] and
+//! [`fit_seven`] and [`fit_eight`] fit the classical methods to point pairs, [`fit_msac`] and
+//! [`fit_least_median`] the robust ones. [`Distances`] and
 //! [`Spread`] measure any geometry on points. [`KnownPair::further`] adds true matches to clicks
 //! until a method has enough of them. The statistics count a missing geometry as an infinite error.
 
 mod fits;
 mod known_pair;
 mod random;
+mod robust;
 mod statistics;
 
 pub use fits::{Distances, FitError, PointFit, Spread, fit_eight, fit_seven};
 pub use known_pair::{KnownPair, SPACING, apart};
 pub use random::{Purpose, generator};
+pub use robust::{fit_least_median, fit_msac};
 pub use statistics::{mean, median, share_below};

@@ -16,6 +16,8 @@ pub enum Purpose {
     Mistake,
     /// Trials of a resampled median.
     Bootstrap,
+    /// Samples of a robust fit.
+    Samples,
 }
 
 /// Creates the generator of one purpose of one trial on one pair. FNV-1a is written out because the

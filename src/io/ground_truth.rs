@@ -101,11 +101,11 @@ impl GroundTruth {
         Ok(Self { name, fundamental, matches: rig.matches(pair)?, origin: TruthOrigin::Cameras })
     }
 
-    /// Reads the ground truth of a pair in a folder of pairs. F comes from the file beside the
-    /// matches, or is fitted to all of them.
+    /// Reads the ground truth of a pair in a folder of pairs. F comes from its own file, or is fitted
+    /// to all matches.
     pub fn of_pair(files: &PairFiles) -> Result<Self, TruthError> {
         let name = files.name.clone();
-        let matches = read_point_pairs(&files.matches)?;
+        let matches = files.matches.as_deref().map(read_point_pairs).transpose()?.unwrap_or_default();
         if let Some(path) = &files.fundamental {
             let fundamental = read_fundamental(path)?;
             let off = median_distance(&fundamental, &matches);

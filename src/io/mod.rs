@@ -6,6 +6,7 @@ mod geometry_file;
 mod ground_truth;
 mod hash;
 mod identity;
+mod npy;
 mod number;
 mod output;
 mod pair_folder;
@@ -23,13 +24,14 @@ mod vgg;
 #[doc(hidden)]
 pub use camera_rig::CameraRig;
 pub use geometry_file::{
-    Format, GeometryFile, ImageNote, PairLabel, PairOrigin, Problem, TrustNote, read_fundamental,
+    Format, GeometryFile, ImageNote, Notation, PairLabel, PairOrigin, Problem, TrustNote, read_fundamental,
     read_point_pairs,
 };
 #[doc(hidden)]
 pub use ground_truth::{GroundTruth, TruthError, TruthOrigin};
 #[doc(hidden)]
 pub use identity::refuse_clashes;
+pub use npy::matrix_as_npy;
 #[doc(hidden)]
 pub use output::OutputFile;
 pub use output::WriteError;

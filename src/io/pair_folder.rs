@@ -1,5 +1,5 @@
 //! Folders of image pairs with true matches: `NAMEA.*`, `NAMEB.*` and `NAME.txt` with rows
-//! `x1 y1 x2 y2`. A known F is in `NAME_F.txt`.
+//! `x1 y1 x2 y2`. A known F is in `NAME_F.txt`, with or without matches.
 
 use std::path::{Path, PathBuf};
 
@@ -12,16 +12,17 @@ pub struct PairFiles {
     pub name: String,
     /// Paths of both images.
     pub images: [PathBuf; 2],
-    /// Path of the true matches.
-    pub matches: PathBuf,
+    /// Path of the true matches; `None` if only F is known.
+    pub matches: Option<PathBuf>,
     /// Path of the true F, if there is one.
     pub fundamental: Option<PathBuf>,
 }
 
-/// Finds all pairs of a folder, sorted by name; at least one. Text files without an image are
+/// Finds all pairs of a folder with true matches, sorted by name; at least one. Text files without an image are
 /// skipped.
 pub fn pair_folder(folder: &Path) -> Result<Vec<PairFiles>, ReadError> {
-    let pairs = find_pairs(folder)?;
+    let mut pairs = find_pairs(folder)?;
+    pairs.retain(|pair| pair.matches.is_some());
     if pairs.is_empty() {
         let problem = "no pairs found. Expected are images NAMEA.*, NAMEB.* and matches NAME.txt";
         return Err(ReadError::content(folder, problem));
@@ -29,7 +30,7 @@ pub fn pair_folder(folder: &Path) -> Result<Vec<PairFiles>, ReadError> {
     Ok(pairs)
 }
 
-/// Finds pairs like [`pair_folder`], possibly none.
+/// Finds pairs with true matches or a true F, sorted by name, possibly none.
 pub(super) fn find_pairs(folder: &Path) -> Result<Vec<PairFiles>, ReadError> {
     let entries = read_folder(folder)?;
     let mut pairs = Vec::new();
@@ -44,7 +45,7 @@ pub(super) fn find_pairs(folder: &Path) -> Result<Vec<PairFiles>, ReadError> {
             ([a], [b]) => pairs.push(PairFiles {
                 name: name.to_owned(),
                 images: [(*a).clone(), (*b).clone()],
-                matches: matches.clone(),
+                matches: Some(matches.clone()),
                 fundamental: fundamental_of(&entries, name),
             }),
             ([_, _, ..], _) | (_, [_, _, ..]) => {
@@ -58,7 +59,27 @@ pub(super) fn find_pairs(folder: &Path) -> Result<Vec<PairFiles>, ReadError> {
             }
         }
     }
+    pairs.extend(pairs_without_matches(&entries, &pairs));
+    pairs.sort_by(|a, b| a.name.cmp(&b.name));
     Ok(pairs)
+}
+
+/// Returns the pairs with `NAME_F.txt` that are not among those with matches.
+fn pairs_without_matches(entries: &[PathBuf], with: &[PairFiles]) -> Vec<PairFiles> {
+    let named = entries.iter().filter_map(|path| path.file_stem()?.to_str()?.strip_suffix("_F"));
+    let mut names: Vec<&str> = named.filter(|name| with.iter().all(|pair| pair.name != *name)).collect();
+    names.dedup();
+    let pairs = names.into_iter().filter_map(|name| {
+        let [a, b] = ["A", "B"].map(|side| images_named(entries, &format!("{name}{side}")));
+        let ([a], [b]) = (&a[..], &b[..]) else { return None };
+        Some(PairFiles {
+            name: name.to_owned(),
+            images: [(*a).clone(), (*b).clone()],
+            matches: None,
+            fundamental: Some(fundamental_of(entries, name)?),
+        })
+    });
+    pairs.collect()
 }
 
 /// Returns `NAME_F.txt`, unless that file holds the matches of a pair named `NAME_F`.

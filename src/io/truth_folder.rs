@@ -192,6 +192,17 @@ mod tests {
     }
 
     #[test]
+    fn a_geometry_needs_no_matches() {
+        let folder = tempfile::tempdir().unwrap();
+        write(&folder, &[("bA.png", ""), ("bB.png", ""), ("b_F.txt", "0 0 0\n0 0 -1\n0 1 0\n")]);
+        write(&folder, &[("cA.png", ""), ("c_F.txt", ""), ("aA.png", ""), ("aB.png", "")]);
+        let set = TruthFolder::open(folder.path()).unwrap();
+        assert_eq!(set.names(), ["bA", "bB"], "c has one image, and nothing is known about a");
+        let truth = set.truth([0, 1]).unwrap();
+        assert_eq!((truth.matches.len(), truth.origin), (0, TruthOrigin::File));
+    }
+
+    #[test]
     fn a_geometry_beside_the_matches_is_the_true_one_unless_it_is_another_pairs() {
         let folder = tempfile::tempdir().unwrap();
         // Two matches are too few for an F of their own. This F maps rows to rows.

@@ -145,6 +145,11 @@ fn check_knows_the_origin_of_the_format() {
     }
     // Exact matches reveal numbers that count from 1 in a file that counts from 0.
     succeeds(&["convert", &p1, &p2, "-o", &scene.text("f.m")]);
+    let array = scene.text("F.npy");
+    let said = succeeds(&["convert", &p1, &p2, "-o", &array]);
+    assert!(said.contains("(NumPy array of F)"), "{said}");
+    let array = std::fs::read(array).unwrap();
+    assert!(array.starts_with(b"\x93NUMPY") && array.len() == 128 + 72, "{} bytes", array.len());
     fails(&["check", &scene.text("f.m")], 2, "this is a MATLAB script, which is written but not read");
     let script = std::fs::read_to_string(scene.path("f.m")).unwrap();
     let f = script.lines().skip_while(|l| !l.starts_with("F = [")).take(5).collect::<Vec<_>>().join("\n");

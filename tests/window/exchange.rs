@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use egui::{ColorImage, Key, Modifiers, ViewportCommand};
-use egui_kittest::kittest::Queryable;
+use egui_kittest::kittest::{NodeT, Queryable};
 use epiline::geometry::{FundamentalMatrix, PointPair};
 use epiline::internals::app::model::comparison::Contestant;
 use epiline::internals::app::model::document::Side;
@@ -359,6 +359,78 @@ fn an_export_that_fails_says_so_and_one_that_replaces_as_well() {
     window.get_by_label_contains("exists and will be replaced");
     press_click(&mut window, "Browse for the export file");
     assert!(told(&window, "file dialog could not be opened here"));
+}
+
+/// Returns the area of the export dialog's buttons, and the path that it names.
+fn export_dialog(window: &Window) -> ([egui::Rect; 3], String) {
+    let areas = ["Export file", "Table", "Figure"].map(|label| window.get_by_label(label).rect());
+    let path = window.get_by_label("File").accesskit_node().value().unwrap_or_default();
+    (areas, path)
+}
+
+#[test]
+fn kinds_of_export_have_their_own_names_and_the_dialog_stands_still() {
+    let files = Files::new();
+    let mut window = sample();
+    click_two_pairs(&mut window);
+    window.key_press(Key::Num2);
+    settle(&mut window);
+    window.key_press_modifiers(Modifiers::COMMAND, Key::E);
+    settle(&mut window);
+    press_click(&mut window, "Table");
+    type_into(&mut window, "File", &files.0.path().join("fig.csv"));
+    let (areas, typed) = export_dialog(&window);
+    let mut names = vec![typed.clone()];
+    for kind in ["Geometry", "NumPy array", "Pairs alone", "Report", "Figure", "Picture"] {
+        press_click(&mut window, kind);
+        let (now, name) = export_dialog(&window);
+        assert_eq!(now, areas, "{kind} moves what is under the cursor");
+        assert!(name.contains("fig-"), "{kind}: {name}");
+        assert!(!names.contains(&name), "{kind} replaces {name}");
+        names.push(name);
+    }
+    press_click(&mut window, "Table");
+    assert_eq!(export_dialog(&window).1, typed);
+}
+
+#[test]
+fn the_table_states_its_own_pixel_origin() {
+    let mut window = sample();
+    click_two_pairs(&mut window);
+    window.key_press_modifiers(Modifiers::COMMAND, Key::E);
+    settle(&mut window);
+    press_click(&mut window, "Geometry");
+    window.get_by_role_and_label(egui::accesskit::Role::ComboBox, "Format").click();
+    settle(&mut window);
+    press_click(&mut window, "MATLAB, Octave and VGG");
+    assert!(window.query_by_label_contains("pixel is (1, 1)").is_some());
+    press_click(&mut window, "Table");
+    assert!(window.query_by_label_contains("pixel is (0, 0)").is_some());
+    assert!(window.query_by_label_contains("pixel is (1, 1)").is_none());
+}
+
+#[test]
+fn f_is_exported_for_numpy() {
+    let files = Files::new();
+    let mut window = sample();
+    click_two_pairs(&mut window);
+    let f = *window.state().estimate().unwrap().fundamental();
+    let path = files.0.path().join("F.npy");
+    export(&mut window, &["NumPy array"], &path);
+    window.get_by_label_contains("Exported F as a NumPy array to");
+    let written = std::fs::read(&path).unwrap();
+    assert_eq!(written, epiline::io::matrix_as_npy(f.matrix()));
+}
+
+#[test]
+fn readings_that_fit_nothing_are_not_offered() {
+    let files = Files::new();
+    let mut window = sample();
+    drop_files(&mut window, &[file(&files, "F.txt", &rows(&transposed(&truth().fundamental)))]);
+    window.get_by_label("recommended");
+    let shares: Vec<String> =
+        window.query_all_by_label_contains(" %").filter_map(|label| label.accesskit_node().value()).collect();
+    assert!(shares.iter().filter(|share| *share == "0 %").count() <= 1, "only that of the file: {shares:?}");
 }
 
 #[test]

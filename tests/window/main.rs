@@ -2,12 +2,14 @@
 #![cfg(feature = "inspector")]
 
 mod album;
+mod clipboard;
 mod computing;
 mod editing;
 mod exchange;
 mod figures;
 mod killed;
 mod looking;
+mod measuring;
 mod opening;
 mod panels;
 mod pins;

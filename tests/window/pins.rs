@@ -63,7 +63,9 @@ fn a_right_click_on_a_pinned_line_tells_which_it_is_and_unpins_it() {
     };
     let nowhere = at(&window, Side::Left, 0.1, 0.4);
     right_click(&mut window, nowhere);
-    assert_eq!(window.query_all_by_label_contains("Line pair ").count(), 0, "no line, no menu");
+    assert_eq!(window.query_all_by_label_contains("Line pair ").count(), 0, "no line, no menu of a line");
+    window.get_by_label("Copy coordinates").click();
+    settle(&mut window);
     right_click(&mut window, place);
     window.get_by_label("Line pair 3");
     window.get_by_label("Show its profiles").click();

@@ -126,9 +126,12 @@ fn a_click_that_closes_the_menu_places_nothing() {
     click(&mut window, elsewhere);
     assert!(window.query_by_label("Refine").is_none());
     assert!(window.state().document().half.is_none());
-    // Beside the points there is no menu.
+    // Beside the points there is the menu of the place.
     right_click(&mut window, elsewhere);
     assert!(window.query_by_label("Refine").is_none());
+    window.get_by_label("Measure from here");
+    click(&mut window, elsewhere);
+    assert!(window.state().document().half.is_none());
     click(&mut window, elsewhere);
     assert!(window.state().document().half.is_some());
 }

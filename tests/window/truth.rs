@@ -215,6 +215,19 @@ fn a_folder_of_pairs_opens_by_dropping_typing_and_browsing() {
 }
 
 #[test]
+fn a_pair_with_too_few_true_matches_opens_without_a_true_geometry() {
+    let files = pairs();
+    let path = files.0.path().join("second.txt");
+    let seven: Vec<_> = std::fs::read_to_string(&path).unwrap().lines().take(7).map(str::to_owned).collect();
+    std::fs::write(&path, seven.join("\n")).unwrap();
+    let mut window = open_folder(files.0.path());
+    press(&mut window, Key::PageDown);
+    assert_eq!(names(&window), ["secondA.png", "secondB.png"]);
+    assert!(document(&window).truth.is_none());
+    assert!(window.state().messages().any(|text| text.contains("The pair has no ground truth")));
+}
+
+#[test]
 fn hostile_folders_are_answered_by_a_sentence_and_change_nothing() {
     let broken = |break_it: &dyn Fn(&Path)| {
         let files = vgg(3);

@@ -6,10 +6,13 @@ use super::Inspector;
 use crate::app::model::EditKey;
 use crate::app::model::command::{Command, PickPurpose};
 use crate::app::model::document::Side;
+use crate::app::model::exchange::ViewPart;
 use crate::app::model::history::Step;
 use crate::app::model::look::Tool;
+use crate::app::model::measuring::Measuring;
 use crate::app::model::recording::PlayerCommand;
 use crate::app::model::suggesting::Repair;
+use crate::app::view::Destination;
 use crate::io::PairOrigin;
 
 impl Inspector {
@@ -32,7 +35,7 @@ impl Inspector {
             Command::BrowseFolder => self.pick(PickPurpose::Folder),
             Command::ToggleTruth => self.toggle_truth(),
             Command::Session(command) => self.apply_to_session(command),
-            Command::Exchange(command) => self.apply_to_exchange(command),
+            Command::Exchange(command) => self.apply_to_exchange(ctx, command),
             Command::Rectified(command) => self.apply_to_rectified(ctx, command),
             Command::ShowMe => {
                 if let Some(pairs) = model.open.show_me {
@@ -106,6 +109,22 @@ impl Inspector {
             Command::ToggleInspectTool => {
                 model.tool = if model.tool == Tool::Inspect { Tool::Points } else { Tool::Inspect };
             }
+            Command::ToggleMeasureTool => {
+                model.tool = if model.tool == Tool::Measure { Tool::Points } else { Tool::Measure };
+            }
+            Command::Measure(side, point) => {
+                model.open.measuring = Some(Measuring::after_click(model.open.measuring, side, point));
+            }
+            Command::MeasureFrom(side, point) => {
+                model.tool = Tool::Measure;
+                model.open.measuring = Some(Measuring::from(side, point));
+            }
+            Command::CopyPosition(point) => {
+                let text = format!("{:.2}, {:.2}", point.x, point.y);
+                model.open.done.tell(format!("Copied {text}"));
+                ctx.copy_text(text);
+            }
+            Command::CopyView => self.view.capture.begin(Destination::Clipboard, ViewPart::Images),
             Command::ToggleLink => {
                 model.look.linked = !model.look.linked;
                 self.view.link(model, Side::Left);
@@ -180,7 +199,9 @@ impl Inspector {
             // The message is dismissed.
         } else if model.document.half.is_some() {
             model.edit(Step::Single, |document| document.remove(document.pairs.len()));
-        } else if model.tool == Tool::Inspect {
+        } else if model.open.measuring.take().is_some() {
+            // The measurement is removed.
+        } else if model.tool != Tool::Points {
             model.tool = Tool::Points;
         } else {
             model.select(None);
@@ -191,6 +212,9 @@ impl Inspector {
     /// placed.
     fn fit_after_double_click(&mut self, side: Side) {
         let model = &mut self.model;
+        if model.tool == Tool::Measure {
+            model.open.measuring = None;
+        }
         if model.open.placed.take().is_some_and(|placed| placed == model.document)
             && let Some(before) = model.history.revert()
         {

@@ -16,7 +16,7 @@ use crate::app::model::history::Step;
 use crate::app::model::rectified::{Blink, RectifiedCommand, RectifiedLayout, RectifyOrder};
 use crate::app::model::session::suggested_path;
 use crate::app::tasks::SaveJob;
-use crate::app::view::{ImagePane, ReadingDialog, figure, picture};
+use crate::app::view::{Destination, ImagePane, ReadingDialog, excerpt, figure, picture};
 use crate::io::{PairOrigin, RectifiedOptions};
 use crate::rectify::RectifyMethod;
 
@@ -25,11 +25,17 @@ const NOTHING_TO_RECTIFY: &str = "There is nothing to rectify yet: click two poi
 
 impl Inspector {
     /// Applies a command about files of other programs.
-    pub(super) fn apply_to_exchange(&mut self, command: ExchangeCommand) {
+    pub(super) fn apply_to_exchange(&mut self, ctx: &Context, command: ExchangeCommand) {
         match command {
             ExchangeCommand::ShowExport => self.show_file_export(),
             ExchangeCommand::BrowseExport(suggested) => self.pick(PickPurpose::ExportFile(suggested)),
             ExchangeCommand::Export(order) => self.export_file(order),
+            ExchangeCommand::CopyFundamental(notation) => {
+                if let Some(shown) = self.model.shown() {
+                    ctx.copy_text(notation.text(shown.fundamental, trust_note(&self.model).as_ref()));
+                    self.model.open.done.tell(format!("Copied F as {}", notation.name()));
+                }
+            }
             ExchangeCommand::BrowseImport => self.pick(PickPurpose::Import),
             ExchangeCommand::Import(paths) => self.import(paths),
             ExchangeCommand::Accept { reading, with_pairs } => self.accept(reading, with_pairs),
@@ -53,7 +59,7 @@ impl Inspector {
     fn export_file(&mut self, order: ExportOrder) {
         self.view.dialogs.export.open = false;
         if order.what == ExportKind::View {
-            self.view.capture.begin(order.path, order.part);
+            self.view.capture.begin(Destination::File(order.path), order.part);
             return;
         }
         if order.what == ExportKind::Figure {
@@ -83,13 +89,22 @@ impl Inspector {
         self.view.capture.ask(ctx);
         let Some(captured) = self.view.capture.poll(ctx) else { return };
         let Some((screen, part)) = captured.picture else {
-            let text = "The picture could not be exported, because the screen could not be read. Try again.";
+            let text = "The picture could not be made, because the screen could not be read. Try again.";
             self.model.messages.tell(text);
             return;
         };
         let part = self.view.images.filter(|_| part == ViewPart::Images);
-        let content = picture(screen, part, ctx.pixels_per_point(), trust_note(&self.model));
-        self.write(captured.path, "the view".to_owned(), content);
+        let scale = ctx.pixels_per_point();
+        match captured.to {
+            Destination::File(path) => {
+                let content = picture(screen, part, scale, trust_note(&self.model));
+                self.write(path, "the view".to_owned(), content);
+            }
+            Destination::Clipboard => {
+                ctx.copy_image(excerpt(&screen, part, scale));
+                self.model.open.done.tell("Copied the view");
+            }
+        }
     }
 
     /// Queues files for import. They wait until images are open and no dialog is open.

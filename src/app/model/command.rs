@@ -16,6 +16,7 @@ use super::suggesting::Repair;
 use super::tones::TonesCommand;
 use crate::estimate::{Method, Parameters, Preset};
 use crate::geometry::{Point, Vector};
+use crate::io::Notation;
 
 /// A command of the user.
 #[derive(Debug, Clone, PartialEq)]
@@ -119,6 +120,16 @@ pub enum Command {
     UnpinAll,
     /// Switch between placing points and pinning line pairs.
     ToggleInspectTool,
+    /// Switch between placing points and measuring.
+    ToggleMeasureTool,
+    /// Mark the next end of a measured distance.
+    Measure(Side, Point),
+    /// Measure from a place.
+    MeasureFrom(Side, Point),
+    /// Copy a position in an image to the clipboard.
+    CopyPosition(Point),
+    /// Copy the picture of both images with their overlays to the clipboard.
+    CopyView,
     /// Link or unlink zoom and position of the two images.
     ToggleLink,
     /// Show or hide the map of the epipoles.
@@ -194,6 +205,8 @@ pub enum ExchangeCommand {
     BrowseExport(PathBuf),
     /// Write a file.
     Export(ExportOrder),
+    /// Copy F of the shown geometry to the clipboard.
+    CopyFundamental(Notation),
     /// Choose a file to import with the file dialog of the system.
     BrowseImport,
     /// Import files.

@@ -4,7 +4,9 @@ use serde::{Deserialize, Serialize};
 
 use super::revision;
 use super::shared::Shared;
-use crate::comparison::{Distances, FitError, KnownPair, PointFit, Spread, fit_eight, fit_seven};
+use crate::comparison::{
+    Distances, FitError, KnownPair, PointFit, Spread, fit_eight, fit_least_median, fit_msac, fit_seven,
+};
 use crate::geometry::{Frame, FundamentalMatrix, PointPair};
 use crate::io::GroundTruth;
 
@@ -17,6 +19,10 @@ pub enum Contestant {
     SevenPoint,
     /// The normalised eight-point algorithm.
     EightPoint,
+    /// RANSAC with MSAC scores.
+    Ransac,
+    /// Least median of squares.
+    LeastMedian,
     /// A geometry from a file.
     Imported,
     /// The true geometry.
@@ -25,8 +31,15 @@ pub enum Contestant {
 
 impl Contestant {
     /// All contestants, in the order of their rows.
-    pub const ALL: [Self; 5] =
-        [Self::Result, Self::SevenPoint, Self::EightPoint, Self::Imported, Self::Truth];
+    pub const ALL: [Self; 7] = [
+        Self::Result,
+        Self::SevenPoint,
+        Self::EightPoint,
+        Self::Ransac,
+        Self::LeastMedian,
+        Self::Imported,
+        Self::Truth,
+    ];
 
     /// Returns the name of the contestant.
     pub fn name(self) -> &'static str {
@@ -34,11 +47,16 @@ impl Contestant {
             Self::Result => "Result",
             Self::SevenPoint => "7-point",
             Self::EightPoint => "8-point",
+            Self::Ransac => "RANSAC",
+            Self::LeastMedian => "LMedS",
             Self::Imported => "Imported",
             Self::Truth => "Ground truth",
         }
     }
 }
+
+/// Seed of the samples of robust methods.
+const SEED: u64 = 0;
 
 /// A set of point pairs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -68,7 +86,7 @@ pub enum Measure {
 pub struct Subject {
     /// Points at which distances are measured. Clicked pairs, if no true matches are known.
     pub measured: PointSet,
-    /// Points that 7-point and 8-point are fitted to. Clicked pairs, if no true matches are known.
+    /// Points that the other methods are fitted to. Clicked pairs, if no true matches are known.
     pub fitted: PointSet,
     /// Measure of distance.
     pub measure: Measure,
@@ -118,7 +136,7 @@ pub struct Comparison {
     /// Number of measured points.
     pub points: usize,
     /// Rows in the order of [`Contestant::ALL`].
-    pub rows: [Compared; 5],
+    pub rows: [Compared; Contestant::ALL.len()],
     /// Mean symmetric epipolar distance of all true matches to the shown geometry, px.
     pub true_error: Option<f64>,
     /// Mean symmetric epipolar distance of all true matches to the true geometry, px: a practical
@@ -143,7 +161,9 @@ impl ComparisonQuestion {
     pub fn answer(&self) -> Comparison {
         let truth = self.truth.as_deref();
         let (measured, points) = match (self.subject.measured, truth) {
-            (PointSet::TrueMatches, Some(truth)) => (PointSet::TrueMatches, &truth.matches),
+            (PointSet::TrueMatches, Some(truth)) if !truth.matches.is_empty() => {
+                (PointSet::TrueMatches, &truth.matches)
+            }
             _ => (PointSet::Pairs, &self.pairs),
         };
         let counts = |k: usize| measured == PointSet::TrueMatches || !self.excluded.contains(&k);
@@ -163,6 +183,10 @@ impl ComparisonQuestion {
                 fitted.clone().and_then(|pairs| self.in_words(fit_seven(&pairs, &counted)))
             }
             Contestant::EightPoint => fitted.clone().and_then(|pairs| self.in_words(fit_eight(&pairs))),
+            Contestant::Ransac => fitted.clone().and_then(|pairs| self.in_words(fit_msac(&pairs, SEED))),
+            Contestant::LeastMedian => {
+                fitted.clone().and_then(|pairs| self.in_words(fit_least_median(&pairs, SEED)))
+            }
             Contestant::Imported => {
                 let none = || "nothing was imported".to_owned();
                 self.imported.as_ref().map(|f| known(f, 0)).ok_or_else(none)
@@ -195,11 +219,12 @@ impl ComparisonQuestion {
         }
     }
 
-    /// Returns the points that 7-point and 8-point are fitted to: the clicked pairs, or the used
+    /// Returns the points that the other methods are fitted to: the clicked pairs, or the used
     /// pairs and further true matches up to eight, drawn as in an evaluation.
     fn fitted(&self) -> Result<Vec<PointPair>, String> {
-        let Some(truth) = self.truth.as_deref().filter(|_| self.subject.fitted == PointSet::TrueMatches)
-        else {
+        let wanted = self.subject.fitted == PointSet::TrueMatches;
+        let known = self.truth.as_deref().filter(|truth| wanted && !truth.matches.is_empty());
+        let Some(truth) = known else {
             let included = self.pairs.iter().enumerate().filter(|(k, _)| !self.excluded.contains(k));
             return Ok(included.map(|(_, pair)| *pair).collect());
         };
@@ -213,11 +238,13 @@ impl ComparisonQuestion {
     fn in_words(&self, fit: Result<PointFit, FitError>) -> Result<PointFit, String> {
         fit.map_err(|error| match error {
             FitError::TooFew { .. } => error.to_string(),
-            FitError::Seven(_) | FitError::Eight(_) if self.subject.fitted == PointSet::Pairs => {
+            FitError::Seven(_) | FitError::Eight(_) | FitError::NoSample
+                if self.subject.fitted == PointSet::Pairs =>
+            {
                 "these pairs do not determine a geometry: spread them over the images and over depth"
                     .to_owned()
             }
-            FitError::Seven(_) | FitError::Eight(_) => {
+            FitError::Seven(_) | FitError::Eight(_) | FitError::NoSample => {
                 "these true matches do not determine a geometry".to_owned()
             }
         })
@@ -270,6 +297,8 @@ mod tests {
         let words = |contestant| comparison.of(contestant).fit.as_ref().unwrap_err().as_str();
         assert_eq!(words(Contestant::SevenPoint), "needs 5 more pairs");
         assert_eq!(words(Contestant::EightPoint), "needs 6 more pairs");
+        assert_eq!(words(Contestant::Ransac), "needs 6 more pairs");
+        assert_eq!(words(Contestant::LeastMedian), "needs 6 more pairs");
         assert!(words(Contestant::Truth).contains("not known"));
         assert!(comparison.true_error.is_none() && comparison.truth_error.is_none());
         let empty = ComparisonQuestion {

@@ -23,6 +23,9 @@ pub fn guide(model: &Model) -> String {
             "Pin tool: there are no epipolar lines to pin yet. Escape goes back to placing points.".into()
         };
     }
+    if model.tool == Tool::Measure {
+        return "Measure tool: click two places in one image. Escape removes the measurement.".into();
+    }
     if let Some(half) = document.half {
         let name = pair_name(document.pairs.len());
         let other = half.side.other().name();

@@ -17,6 +17,8 @@ pub enum Tool {
     Points,
     /// A click pins the pair of epipolar lines through its position.
     Inspect,
+    /// A click marks an end of a measured distance.
+    Measure,
 }
 
 /// Visible overlays, tabs and panels.

@@ -11,6 +11,7 @@
 //! answers |
 //! | [`focus`], [`look`], [`ids`] | hovered and selected things; visible things, kept between runs
 //! |
+//! | [`measuring`] | a distance and a direction in one image |
 //! | [`thumbnails`] | small pictures of the images of the folder |
 //! | [`recording`] | two sequences in place of two pictures: frames and time offset |
 //! | [`tones`] | brightness and colours of the pictures on the screen |
@@ -34,6 +35,7 @@ pub mod history;
 pub mod ids;
 pub mod inspection;
 pub mod look;
+pub mod measuring;
 pub mod messages;
 pub mod open_pair;
 pub mod pair_folder;

@@ -8,6 +8,7 @@ use super::computation::Computation;
 use super::document::{Document, Side};
 use super::focus::Focus;
 use super::inspection::Inspection;
+use super::measuring::Measuring;
 use super::messages::LastDone;
 use super::pair_folder::PairFolder;
 use super::picture::{Opened, Pictures};
@@ -74,6 +75,8 @@ pub struct OpenPair {
     pub player: Player,
     /// Order of the list of point pairs.
     pub points: PointOrder,
+    /// The measurement in an image.
+    pub measuring: Option<Measuring>,
     /// Position of the cursor: written in one frame, read in the next.
     pub hover: Option<Hover>,
     /// Document after a click placed a point, so that a double click can take the point back.

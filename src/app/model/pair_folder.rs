@@ -15,12 +15,15 @@ pub enum PairFolder {
     Images(ImageFolder),
 }
 
-/// A folder of images without ground truth. Any two images are a pair.
+/// A folder of images without ground truth. Any two images are a pair, unless all images are named
+/// in pairs.
 #[derive(Debug, Clone)]
 pub struct ImageFolder {
     path: PathBuf,
     images: Vec<PathBuf>,
     names: Vec<String>,
+    /// Whether the images are named `NAMEA` and `NAMEB`, so that only these two are a pair.
+    is_paired: bool,
 }
 
 impl PairFolder {
@@ -71,23 +74,37 @@ impl PairFolder {
 
     /// Returns whether any two views are a pair.
     pub fn pairs_freely(&self) -> bool {
-        self.known().is_none_or(TruthFolder::pairs_freely)
+        match self {
+            Self::Known(folder) => folder.pairs_freely(),
+            Self::Images(folder) => !folder.is_paired,
+        }
     }
 
     /// Returns whether two views are a pair.
     pub fn is_pair(&self, pair: [usize; 2]) -> bool {
         match self {
             Self::Known(folder) => folder.is_pair(pair),
-            Self::Images(folder) => pair[0] != pair[1] && pair[0].max(pair[1]) < folder.images.len(),
+            Self::Images(folder) => {
+                let [first, second] = pair;
+                let fits = if folder.is_paired {
+                    first.is_multiple_of(2) && second == first + 1
+                } else {
+                    first != second
+                };
+                fits && first.max(second) < folder.images.len()
+            }
         }
     }
 
-    /// Returns the next or the previous pair: both views move by one, if any two are a pair.
+    /// Returns the next or the previous pair: both views move by one if any two are a pair, and else
+    /// by two.
     pub fn neighbour(&self, pair: [usize; 2], forward: bool) -> Option<[usize; 2]> {
         match self {
             Self::Known(folder) => folder.neighbour(pair, forward),
-            Self::Images(_) => {
-                let moved = |view: usize| if forward { view.checked_add(1) } else { view.checked_sub(1) };
+            Self::Images(folder) => {
+                let step = if folder.is_paired { 2 } else { 1 };
+                let moved =
+                    |view: usize| if forward { view.checked_add(step) } else { view.checked_sub(step) };
                 Some([moved(pair[0])?, moved(pair[1])?]).filter(|pair| self.is_pair(*pair))
             }
         }
@@ -122,7 +139,14 @@ impl ImageFolder {
         } else {
             images.iter().map(|path| file_name(path)).collect()
         };
-        Self { path: path.to_owned(), images, names }
+        let is_paired = images.len().is_multiple_of(2)
+            && images.chunks(2).all(|pair| {
+                match (stem(&pair[0]).strip_suffix('A'), stem(&pair[1]).strip_suffix('B')) {
+                    (Some(left), Some(right)) => left == right,
+                    _ => false,
+                }
+            });
+        Self { path: path.to_owned(), images, names, is_paired }
     }
 }
 
@@ -191,6 +215,18 @@ mod tests {
         assert_eq!(folder.neighbour([0, 2], false), None);
         assert_eq!(folder.neighbour([1, 4], true), None);
         assert_eq!(folder.pair_name([0, 1]), "a.jpg and a.png");
+    }
+
+    #[test]
+    fn images_named_in_pairs_are_stepped_through_in_pairs() {
+        let files = folder(&["0711A.png", "0711B.png", "0713A.png", "0713B.png"]);
+        let pairs = PairFolder::open(files.path()).unwrap();
+        assert!(pairs.known().is_none() && !pairs.pairs_freely());
+        assert_eq!(pairs.neighbour([0, 1], true), Some([2, 3]));
+        assert_eq!(pairs.neighbour([2, 3], false), Some([0, 1]));
+        assert!(!pairs.is_pair([1, 2]) && !pairs.is_pair([4, 5]) && pairs.neighbour([2, 3], true).is_none());
+        let files = folder(&["0711A.png", "0711B.png", "0713A.png", "0714B.png"]);
+        assert!(PairFolder::open(files.path()).unwrap().pairs_freely(), "not all have a partner");
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 use super::Model;
 use super::document::Role;
+use crate::comparison::median;
 use crate::geometry::symmetric_epipolar_distance;
 
 /// A line of the summary.
@@ -43,10 +44,9 @@ fn spread(mut distances: Vec<f64>) -> Option<String> {
     if distances.is_empty() {
         return None;
     }
-    distances.sort_by(f64::total_cmp);
     let count = distances.len();
     let square = distances.iter().map(|d| d * d).sum::<f64>() / count as f64;
-    Some(format!("{count}, RMS {:.2} px, median {:.2} px", square.sqrt(), distances[count / 2]))
+    Some(format!("{count}, RMS {:.2} px, median {:.2} px", square.sqrt(), median(&distances)))
 }
 
 #[cfg(test)]
@@ -56,6 +56,8 @@ mod tests {
     #[test]
     fn the_spread_has_count_rms_and_median() {
         assert_eq!(spread(vec![4.0, 0.0, 3.0]).as_deref(), Some("3, RMS 2.89 px, median 3.00 px"));
+        let even = spread(vec![4.0, 0.0, 3.0, 1.0]);
+        assert_eq!(even.as_deref(), Some("4, RMS 2.55 px, median 2.00 px"), "as in the comparison");
         assert_eq!(spread(vec![f64::INFINITY]), None);
     }
 }

@@ -15,7 +15,7 @@ use crate::app::model::truth::KnownTruth;
 use crate::cancel::CancelFlag;
 use crate::geometry::PointPair;
 use crate::image::Picture;
-use crate::io::{is_sequence, read_sequence};
+use crate::io::{TruthError, is_sequence, read_sequence};
 
 /// A thing to open.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -204,7 +204,15 @@ pub fn open_views(
     let pictures = reading.pair(pair.map(|view| folder.image(view)))?;
     let opened = LoadedPair { folder: Some((Arc::clone(folder), pair)), ..LoadedPair::of(pictures) };
     let Some(known) = folder.known() else { return Ok(opened) };
-    let truth = known.truth(pair).map_err(|error| unchanged(&error.to_string()))?;
+    let truth = match known.truth(pair) {
+        Ok(truth) => truth,
+        // A few true matches are no reason to refuse the images.
+        Err(error @ TruthError::Matches { .. }) => {
+            reading.notes.push(format!("The pair has no ground truth: {error}."));
+            return Ok(opened);
+        }
+        Err(error) => return Err(unchanged(&error.to_string())),
+    };
     let views = pair.map(|view| known.names()[view].clone());
     let source = TruthSource::Folder { folder: known.path().to_owned(), views };
     Ok(LoadedPair {

@@ -13,9 +13,18 @@ use crate::io::{PictureFormat, TrustNote, described, encode_picture};
 /// Longest wait for the picture of the screen.
 const PATIENCE: Duration = Duration::from_secs(5);
 
+/// Destination of a screenshot.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Destination {
+    /// A PNG file.
+    File(PathBuf),
+    /// The clipboard.
+    Clipboard,
+}
+
 /// A requested screenshot.
 struct WantedView {
-    path: PathBuf,
+    to: Destination,
     part: ViewPart,
     since: Instant,
     /// `None` before the toolkit was asked.
@@ -24,8 +33,8 @@ struct WantedView {
 
 /// Outcome of a screenshot.
 pub struct CapturedView {
-    /// File to write.
-    pub path: PathBuf,
+    /// Destination of the picture.
+    pub to: Destination,
     /// The picture and the part to keep; `None` if the screen gave no picture.
     pub picture: Option<(Arc<ColorImage>, ViewPart)>,
 }
@@ -38,8 +47,8 @@ pub struct ViewCapture {
 
 impl ViewCapture {
     /// Requests a picture of the next frame.
-    pub fn begin(&mut self, path: PathBuf, part: ViewPart) {
-        self.wanted = Some(WantedView { path, part, since: Instant::now(), picture: None });
+    pub fn begin(&mut self, to: Destination, part: ViewPart) {
+        self.wanted = Some(WantedView { to, part, since: Instant::now(), picture: None });
     }
 
     /// Returns whether the present frame may become the picture.
@@ -69,9 +78,16 @@ impl ViewCapture {
             ctx.request_repaint_after(Duration::from_millis(50));
             return None;
         }
-        let WantedView { path, part, .. } = self.wanted.take()?;
-        Some(CapturedView { path, picture: picture.map(|picture| (picture, part)) })
+        let WantedView { to, part, .. } = self.wanted.take()?;
+        Some(CapturedView { to, picture: picture.map(|picture| (picture, part)) })
     }
+}
+
+/// Returns a part of a screenshot, in screen points, for the clipboard.
+pub fn excerpt(screen: &ColorImage, part: Option<Rect>, pixels_per_point: f32) -> ColorImage {
+    let picture = cut(screen, part, pixels_per_point);
+    let size = [picture.width() as usize, picture.height() as usize];
+    ColorImage::from_rgba_unmultiplied(size, &picture)
 }
 
 /// Encodes a screenshot as PNG. `part` is in screen points; `trust` is written into the file.

@@ -147,7 +147,7 @@ impl SelfCheck {
 }
 
 /// Returns `F` for pixels shifted by `origin` along both axes.
-fn moved_fundamental(f: &FundamentalMatrix, origin: f64) -> Option<FundamentalMatrix> {
+pub(super) fn moved_fundamental(f: &FundamentalMatrix, origin: f64) -> Option<FundamentalMatrix> {
     if origin == 0.0 {
         return Some(*f);
     }

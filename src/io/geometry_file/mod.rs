@@ -21,6 +21,7 @@ mod format;
 mod json;
 mod labels;
 mod matlab;
+mod notation;
 mod opencv_yaml;
 mod quantity;
 #[cfg(test)]
@@ -40,6 +41,7 @@ use crate::geometry::{FundamentalMatrix, PointPair};
 pub use self::content::{GeometryFile, ImageNote, Problem};
 pub use self::format::Format;
 pub use self::labels::{PairLabel, PairOrigin, TrustNote};
+pub use self::notation::Notation;
 
 /// Largest structured text that is read, bytes. Parsing takes about 15 times its length in memory.
 const MOST_STRUCTURED: usize = 16 << 20;

@@ -9,14 +9,16 @@ use crate::app::model::document::counted;
 use crate::app::model::rectified::RectifyQuestion;
 use crate::estimate::PlaneHomography;
 use crate::geometry::PointPair;
-use crate::io::{Format, GeometryFile, ImageNote, PairLabel, PairOrigin, ResultFile, result_in_words};
+use crate::io::{
+    Format, GeometryFile, ImageNote, PairLabel, PairOrigin, ResultFile, matrix_as_npy, result_in_words,
+};
 use crate::rectify::Limits;
 
 impl ExportKind {
     /// Returns the reason why this cannot be exported now, if there is one.
     pub fn missing(self, model: &Model) -> Option<&'static str> {
         let (there, why) = match self {
-            Self::Geometry => {
+            Self::Geometry | Self::Array => {
                 (model.shown().is_some(), "There is no geometry yet: click two point pairs, or import one.")
             }
             Self::Plane => (
@@ -79,6 +81,10 @@ pub fn content(
                 Ok(file.to_text(format).into_bytes())
             });
             (content, what)
+        }
+        ExportKind::Array => {
+            let matrix = *model.shown().ok_or_else(nothing)?.fundamental.matrix();
+            (Box::new(move || Ok(matrix_as_npy(&matrix))), "F as a NumPy array".to_owned())
         }
         ExportKind::Plane => {
             file.homography21 = plane(model).map(|plane| plane.homography21);

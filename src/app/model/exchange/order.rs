@@ -6,11 +6,13 @@ use crate::app::model::ids::OverlayId;
 use crate::io::Format;
 
 /// Kind of export.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum ExportKind {
     /// F and epipoles of the shown geometry, point pairs and rectifying homographies.
     #[default]
     Geometry,
+    /// F of the shown geometry as an array for NumPy.
+    Array,
     /// Homography of the plane, where nothing else is certain.
     Plane,
     /// Point pairs only.
@@ -29,8 +31,9 @@ pub enum ExportKind {
 
 impl ExportKind {
     /// All kinds, in the order of the dialog.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Geometry,
+        Self::Array,
         Self::Plane,
         Self::Pairs,
         Self::Table,
@@ -44,6 +47,7 @@ impl ExportKind {
     pub fn name(self) -> &'static str {
         match self {
             Self::Geometry => "Geometry",
+            Self::Array => "NumPy array",
             Self::Plane => "Homography of the plane",
             Self::Pairs => "Pairs alone",
             Self::Table => "Table",
@@ -61,6 +65,7 @@ impl ExportKind {
                 "F and epipoles of the shown geometry, the point pairs, and the homographies that \
                  rectify the images, if homographies suffice."
             }
+            Self::Array => "F of the shown geometry alone, as a file that numpy.load reads.",
             Self::Plane => {
                 "Homography from the left image to the right one. Nothing more is certain when \
                  everything lies on one plane or the camera only rotated."

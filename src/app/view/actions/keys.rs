@@ -40,6 +40,15 @@ pub fn with_keys() -> Vec<Action> {
         )
         .key(NONE, Key::I)
         .listed(|_| "Pin tool: pin line pairs"),
+        action(
+            Command::ToggleMeasureTool,
+            "Measure tool",
+            "Measure distance, direction and intensities between two places of one image. Escape returns to \
+             placing points.",
+        )
+        .key(NONE, Key::D)
+        .listed(|_| "Measure tool: distance and direction")
+        .when(|model| model.document.pictures.is_some()),
         action(Command::ToggleLink, "Link views", "Zoom and move both images together.").key(NONE, Key::L),
         action(
             Command::ToggleStacked,

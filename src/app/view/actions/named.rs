@@ -10,6 +10,7 @@ use crate::app::model::recording::PlayerCommand;
 use crate::app::model::rectified::{RectifiedCommand, RectifiedLayout};
 use crate::app::model::tones::TonesCommand;
 use crate::estimate::{Method, Preset};
+use crate::io::Notation;
 use crate::rectify::RectifyMethod;
 
 /// Returns the actions that are listed among all commands and have no shortcuts.
@@ -21,7 +22,31 @@ pub fn by_name() -> Vec<Action> {
     let layouts = "Show the rectified pictures side by side, alternating, in red and cyan, with a wipe, or \
                    as disparities.";
     let layout = |layout| action(RectifiedCommand::LayOut(layout), "Layout of the rectified pair", layouts);
+    let copy = |notation: Notation, tooltip| {
+        action(ExchangeCommand::CopyFundamental(notation), notation.name(), tooltip)
+            .when(|model| model.shown().is_some())
+    };
     vec![
+        copy(Notation::NumPy, "Copy F of the shown geometry as Python code that makes a NumPy array.")
+            .listed(|_| "Copy F as NumPy"),
+        copy(Notation::Cpp, "Copy F of the shown geometry as C++ code that makes a cv::Matx33d.")
+            .listed(|_| "Copy F as C++ (OpenCV)"),
+        copy(
+            Notation::Matlab,
+            "Copy F of the shown geometry as MATLAB code. MATLAB counts pixels from 1, and so does this F.",
+        )
+        .listed(|_| "Copy F as MATLAB"),
+        copy(Notation::Latex, "Copy F of the shown geometry as a LaTeX matrix, rounded to six digits.")
+            .listed(|_| "Copy F as LaTeX"),
+        copy(Notation::Json, "Copy F of the shown geometry as JSON, which Epiline reads, too.")
+            .listed(|_| "Copy F as JSON"),
+        action(
+            Command::CopyView,
+            "Copy the view",
+            "Copy a picture of both images with their overlays, as on the screen.",
+        )
+        .listed(|_| "Copy the view as a picture")
+        .when(|model| model.document.pictures.is_some()),
         action(Command::ToggleLoupe, "Loupe", "Magnify the image around a point while you place or drag it.")
             .listed(|_| "Loupe while placing points"),
         action(Command::OpenSample, "Sample", "Open the built-in image pair.")

@@ -2,6 +2,7 @@
 //! return commands.
 
 mod busy;
+mod copy_menu;
 mod dialog;
 mod exchange;
 mod export_dialog;
@@ -15,6 +16,7 @@ mod pair_chooser;
 mod pair_menu;
 mod palette;
 mod pin_menu;
+mod place_menu;
 mod player;
 mod relocate_dialog;
 mod save_dialog;
@@ -31,6 +33,7 @@ use egui::{Button, Response, Ui};
 use crate::app::model::command::Command;
 use crate::app::view::keyboard::key_text;
 
+pub use copy_menu::copy_fundamental_menu;
 pub use exchange::{FileExport, ReadingDialog};
 pub use export_dialog::ExportDialog;
 pub use film_strip::FilmStrip;
@@ -38,6 +41,7 @@ pub use open_dialog::OpenDialog;
 pub use pair_menu::show as pair_menu;
 pub use palette::CommandPalette;
 pub use pin_menu::show as pin_menu;
+pub use place_menu::show as place_menu;
 pub use relocate_dialog::RelocateDialog;
 pub use save_dialog::SaveDialog;
 

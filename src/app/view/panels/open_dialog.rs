@@ -135,7 +135,7 @@ impl OpenDialog {
             ui.add_space(6.0);
             ui.weak(
                 "Or open a folder of images and choose any two. If the folder has ground truth (VGG layout, \
-                 or pairs NAMEA.*, NAMEB.* with NAME.txt), results can be compared with it.",
+                 or pairs NAMEA.*, NAMEB.* with NAME.txt or NAME_F.txt), results can be compared with it.",
             );
             ui.add_space(2.0);
             let row = field("Folder", "path of the folder", "Browse for the folder", Command::BrowseFolder);

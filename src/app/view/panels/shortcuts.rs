@@ -8,11 +8,12 @@ use crate::app::view::actions::ACTIONS;
 use crate::app::view::keyboard::key_text;
 
 /// Mouse actions in an image.
-const MOUSE: [(&str, &str); 7] = [
+const MOUSE: [(&str, &str); 8] = [
     ("Click", "Place a point in one image, then its match in the other"),
     ("Drag a point", "Move the point; the geometry follows"),
     ("Scroll, pinch", "Zoom about the cursor"),
     ("Drag elsewhere", "Move the image; the middle button and Space do the same"),
+    ("Right click", "Open the menu of a point, a pinned line, or a place"),
     ("Double click", "Show the whole image"),
     ("Arrow keys", "Move the selected point by 0.1 px"),
     ("Shift and arrow keys", "Move the selected point by 1 px"),
@@ -30,6 +31,7 @@ fn group(command: &Command) -> &'static str {
         | Command::Exchange(_)
         | Command::Rectified(RectifiedCommand::ShowExport) => "Files",
         Command::ToggleInspectTool
+        | Command::ToggleMeasureTool
         | Command::ToggleLink
         | Command::ToggleMap
         | Command::FitAll

@@ -3,7 +3,7 @@
 use egui::{CursorIcon, PointerButton, Pos2, Rect, Response, Sense, StrokeKind, Ui, WidgetInfo};
 
 use super::navigation::zoom_asked;
-use super::overlays::{Canvas, Labels, OVERLAYS, Overlay, pinned_at, pointed_at};
+use super::overlays::{Canvas, Labels, OVERLAYS, Overlay, draw_measurement, pinned_at, pointed_at};
 use super::texture::PictureTexture;
 use super::transform::Transform;
 use super::{epipole_map, loupe};
@@ -17,7 +17,7 @@ use crate::app::model::open_pair::Hover;
 use crate::app::model::pane_view::PaneView;
 use crate::app::model::picture::Opened;
 use crate::app::model::shared::Shared;
-use crate::app::view::panels::{pair_menu, pin_menu};
+use crate::app::view::panels::{pair_menu, pin_menu, place_menu};
 use crate::app::view::theme;
 use crate::geometry::{Frame, Point, Vector};
 use crate::image::Picture;
@@ -46,6 +46,8 @@ enum Menu {
     Pair(usize),
     /// A pinned line pair, by its number.
     Pin(usize),
+    /// A place without a point or a pinned line.
+    Place(Point),
 }
 
 /// One of the two image panes.
@@ -182,12 +184,19 @@ impl ImagePane {
             let under = response.interact_pointer_pos().and_then(|at| pinned_at(&canvas, at));
             self.menu = under.map(Menu::Pin);
         }
+        if response.secondary_clicked() && self.menu.is_none() {
+            let under = response.interact_pointer_pos().map(|at| transform.image_from_screen(at));
+            self.menu = under.filter(|point| frame.contains(*point)).map(Menu::Place);
+        }
         match self.menu {
             Some(Menu::Pair(pair)) if pair <= model.document.pairs.len() => {
                 response.context_menu(|ui| pair_menu(ui, model, pair, commands));
             }
             Some(Menu::Pin(number)) => {
                 response.context_menu(|ui| pin_menu(ui, model, number, commands));
+            }
+            Some(Menu::Place(point)) => {
+                response.context_menu(|ui| place_menu(ui, model, side, point, commands));
             }
             _ => {}
         }
@@ -200,6 +209,7 @@ impl ImagePane {
         for overlay in above {
             (overlay.draw)(&canvas);
         }
+        draw_measurement(&canvas);
         let due = model.document.half.is_some_and(|half| half.side != side);
         if due {
             painter.rect_stroke(rect, 4.0, egui::Stroke::new(2.0, palette.accent), StrokeKind::Inside);
@@ -328,8 +338,13 @@ impl ImagePane {
             && !space
         {
             let point = transform.image_from_screen(position);
-            let handle = handle_at(position).map(|(at, _)| at);
-            if model.tool == Tool::Inspect {
+            let found = handle_at(position);
+            let handle = found.map(|(at, _)| at);
+            if model.tool == Tool::Measure {
+                if frame.contains(point) {
+                    commands.push(Command::Measure(side, found.map_or(point, |(_, placed)| placed)));
+                }
+            } else if model.tool == Tool::Inspect {
                 let whole = handle.filter(|at| at.pair < model.document.pairs.len());
                 let source =
                     whole.map_or(LineSource::Through { side, point }, |at| LineSource::Pair(at.pair));

@@ -2,10 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use egui::{Button, ComboBox, Key, Label, RichText, Role, Ui, WidgetInfo};
+use egui::{Align, Button, ComboBox, Key, Label, Layout, RichText, Role, ScrollArea, Ui, WidgetInfo, vec2};
 
 use super::super::dialog::{PathField, dialog, path_of, row_label};
-use super::super::{command_button, finish_button};
+use super::super::{command_button, copy_fundamental_menu, finish_button};
 use crate::app::model::Model;
 use crate::app::model::command::Command;
 use crate::app::model::command::ExchangeCommand;
@@ -18,6 +18,12 @@ use crate::app::model::rectified::RectifiedCommand;
 use crate::app::view::theme;
 use crate::io::Format;
 
+/// Width of the dialog, of its list of kinds, and height of the options, screen points. They do not
+/// depend on the kind, so that nothing moves under the cursor.
+const WIDTH: f32 = 700.0;
+const KINDS_WIDTH: f32 = 160.0;
+const OPTIONS_HEIGHT: f32 = 290.0;
+
 /// Choices of the dialog, kept for the next time.
 #[derive(Debug, Clone, Default)]
 pub struct FileExport {
@@ -25,10 +31,14 @@ pub struct FileExport {
     pub open: bool,
     order: ExportOrder,
     path: String,
-    /// Folder and stem of suggested file names.
+    /// Folder and stem of exports of the open images.
+    images: PathBuf,
+    /// Folder and stem of suggested file names: of the latest typed path, or else of the images.
     begin: PathBuf,
     /// Latest suggested path.
     suggested: String,
+    /// Path typed for each kind, in the order of [`ExportKind::ALL`].
+    typed: [Option<PathBuf>; ExportKind::ALL.len()],
     just_opened: bool,
 }
 
@@ -36,9 +46,12 @@ impl FileExport {
     /// Opens the dialog. `begin` is the folder and stem of exports of these images.
     pub fn show_with(&mut self, begin: PathBuf) {
         (self.open, self.just_opened) = (true, true);
-        if begin != self.begin {
-            (self.begin, self.path) = (begin, String::new());
+        if begin != self.images {
+            (self.images, self.begin) = (begin.clone(), begin);
+            self.typed = Default::default();
+            self.path.clear();
         }
+        self.note_typed();
         self.suggest();
     }
 
@@ -51,6 +64,7 @@ impl FileExport {
     fn extension(&self) -> &'static str {
         match self.order.what {
             ExportKind::Geometry | ExportKind::Plane | ExportKind::Pairs => self.order.format.extension(),
+            ExportKind::Array => "npy",
             ExportKind::Report if self.order.reported == ReportFormat::Json => "json",
             ExportKind::Report => "txt",
             ExportKind::Table | ExportKind::Profile => "csv",
@@ -59,11 +73,21 @@ impl FileExport {
         }
     }
 
-    /// Updates the path after a choice: replaces a suggested path, but only the extension of a
-    /// typed one.
+    /// Keeps a typed path for its kind. The names of other kinds begin with the same stem.
+    fn note_typed(&mut self) {
+        let typed = path_of(&self.path).filter(|_| self.path != self.suggested);
+        if let Some(typed) = &typed {
+            self.begin = typed.with_extension("");
+        }
+        self.typed[self.order.what as usize] = typed;
+    }
+
+    /// Updates the path after a choice: the path typed for this kind, or a name that no other kind
+    /// has, both with the extension of the format.
     fn suggest(&mut self) {
         let kind = match self.order.what {
             ExportKind::Geometry => "geometry",
+            ExportKind::Array => "F",
             ExportKind::Plane => "plane",
             ExportKind::Pairs => "pairs",
             ExportKind::Table => "points",
@@ -72,7 +96,6 @@ impl FileExport {
             ExportKind::Figure => "figure",
             ExportKind::View => "view",
         };
-        let untouched = self.path.trim().is_empty() || self.path == self.suggested;
         // MATLAB runs a script by its name, so the name must be a valid identifier.
         let separator = if self.extension() == Format::Matlab.extension() { '_' } else { '-' };
         let stem =
@@ -86,11 +109,17 @@ impl FileExport {
         }
         let own = self.begin.with_file_name(format!("{name}.{}", self.extension()));
         self.suggested = own.display().to_string();
-        if untouched {
-            self.path.clone_from(&self.suggested);
-        } else if let Some(path) = path_of(&self.path) {
-            self.path = path.with_extension(self.extension()).display().to_string();
-        }
+        self.path = match &self.typed[self.order.what as usize] {
+            Some(typed) => typed.with_extension(self.extension()).display().to_string(),
+            None => self.suggested.clone(),
+        };
+    }
+
+    /// Chooses another kind.
+    fn choose(&mut self, what: ExportKind) {
+        self.note_typed();
+        self.order.what = what;
+        self.suggest();
     }
 
     /// Shows the dialog if open.
@@ -99,27 +128,29 @@ impl FileExport {
             return;
         }
         if !self.order.what.is_offered(model) {
-            self.order.what = ExportKind::default();
-            self.suggest();
+            self.choose(ExportKind::default());
         }
-        let open = dialog(ctx, "Export", 560.0, |ui| {
-            let before = (self.order.what, self.order.format, self.order.reported, self.order.figure.format);
-            row(ui, "What", |ui| self.kinds(ui, model));
-            ui.add(Label::new(RichText::new(self.order.what.tooltip()).weak()).wrap());
-            ui.add_space(4.0);
-            self.choices(ui, model);
-            if before != (self.order.what, self.order.format, self.order.reported, self.order.figure.format) {
-                self.suggest();
-            }
-            ui.add_space(4.0);
-            self.conventions(ui);
-            trust(ui, self.order.what, model);
-            ui.add_space(6.0);
+        let open = dialog(ctx, "Export", WIDTH, |ui| {
+            // The separator takes all the height of its row.
+            let row = vec2(ui.available_width(), OPTIONS_HEIGHT);
+            ui.allocate_ui_with_layout(row, Layout::left_to_right(Align::Min), |ui| {
+                ui.vertical(|ui| {
+                    ui.set_width(KINDS_WIDTH);
+                    self.kinds(ui, model);
+                });
+                ui.separator();
+                let options = ScrollArea::vertical().id_salt(self.order.what).max_height(OPTIONS_HEIGHT);
+                options
+                    .min_scrolled_height(OPTIONS_HEIGHT)
+                    .auto_shrink(false)
+                    .show(ui, |ui| ui.vertical(|ui| self.options(ui, model)));
+            });
+            ui.separator();
             let suggested = path_of(&self.path).unwrap_or_else(|| PathBuf::from(&self.suggested));
             let file = PathField {
                 name: "File",
                 hint: "path of the file",
-                width: 370.0,
+                width: 500.0,
                 browse: "Browse for the export file",
                 command: ExchangeCommand::BrowseExport(suggested).into(),
             };
@@ -128,13 +159,15 @@ impl FileExport {
                 file.request_focus();
             }
             let path = path_of(&self.path);
-            let replaces = path.as_ref().is_some_and(|path| path.exists());
             let missing = self.order.what.missing(model);
-            ui.label(match (missing, replaces) {
-                (Some(missing), _) => missing,
-                (None, true) => "A file of that name exists and will be replaced.",
-                (None, false) => "",
-            });
+            let note = match (missing, path.as_ref().is_some_and(|path| path.exists())) {
+                (Some(missing), _) => RichText::new(missing),
+                (None, true) => RichText::new("A file of that name exists and will be replaced.")
+                    .color(theme::palette(ui.visuals()).caution)
+                    .strong(),
+                (None, false) => RichText::new(""),
+            };
+            ui.add(Label::new(note).truncate());
             ui.add_space(6.0);
             let order =
                 path.filter(|_| missing.is_none()).map(|path| ExportOrder { path, ..self.order.clone() });
@@ -147,13 +180,29 @@ impl FileExport {
     fn kinds(&mut self, ui: &mut Ui, model: &Model) {
         for what in ExportKind::ALL.into_iter().filter(|what| what.is_offered(model)) {
             let missing = what.missing(model);
-            let button =
-                ui.add_enabled(missing.is_none(), Button::selectable(self.order.what == what, what.name()));
+            let button = Button::selectable(self.order.what == what, what.name());
+            let button = ui.add_enabled(missing.is_none(), button);
             let button = button.on_hover_text(what.tooltip());
             if button.on_disabled_hover_text(missing.unwrap_or_default()).clicked() {
-                self.order.what = what;
+                self.choose(what);
             }
         }
+    }
+
+    /// Shows the description, the options and the conventions of the chosen kind.
+    fn options(&mut self, ui: &mut Ui, model: &Model) {
+        ui.add(Label::new(RichText::new(self.order.what.tooltip()).weak()).wrap());
+        ui.add_space(4.0);
+        let formats = |order: &ExportOrder| (order.format, order.reported, order.figure.format);
+        let before = formats(&self.order);
+        self.choices(ui, model);
+        if before != formats(&self.order) {
+            self.note_typed();
+            self.suggest();
+        }
+        ui.add_space(4.0);
+        self.conventions(ui);
+        trust(ui, self.order.what, model);
     }
 
     /// Shows the options of the chosen kind of file.
@@ -179,7 +228,7 @@ impl FileExport {
                 ui.radio_value(&mut self.order.reported, ReportFormat::Json, "JSON")
                     .on_hover_text("The format of epiline estimate, for Epiline and other programs.");
             }),
-            ExportKind::Table | ExportKind::Profile => {}
+            ExportKind::Array | ExportKind::Table | ExportKind::Profile => {}
             ExportKind::Figure => {
                 self.figure(ui);
                 self.layers(ui, model);
@@ -250,10 +299,16 @@ impl FileExport {
     fn conventions(&self, ui: &mut Ui) {
         let sentences: Vec<String> = match self.order.what {
             ExportKind::Geometry => self.order.format.convention(),
+            ExportKind::Array => {
+                let convention = Format::Json.convention().into_iter().take(2);
+                convention.chain(["The array is 3 x 3, float64, row by row.".to_owned()]).collect()
+            }
             // Sentences about F do not apply to points.
-            ExportKind::Plane | ExportKind::Pairs | ExportKind::Table => {
+            ExportKind::Plane | ExportKind::Pairs => {
                 self.order.format.convention().into_iter().skip(1).take(2).collect()
             }
+            // The format chosen for other kinds does not apply to the table.
+            ExportKind::Table => Format::Text.convention().into_iter().skip(1).take(1).collect(),
             ExportKind::Report => Format::Json.convention(),
             ExportKind::Profile => PROFILE_CONVENTION.map(str::to_owned).to_vec(),
             ExportKind::Figure => vec![match self.order.figure.format {
@@ -287,6 +342,7 @@ impl FileExport {
                 command.clone().unwrap_or_else(|| ExchangeCommand::Export(self.order.clone()).into());
             finish_button(ui, export, described, commands);
             command_button(ui, Command::Cancel, true, commands);
+            copy_fundamental_menu(ui, model, commands);
             let right = egui::Layout::right_to_left(egui::Align::Center);
             ui.with_layout(right, |ui| {
                 let rectified = ui.add_enabled(model.shown().is_some(), Button::new("Rectified pair…"));
@@ -301,7 +357,7 @@ impl FileExport {
     }
 }
 
-/// Shows a warning if the geometry is not reliable. The file contains the same warning.
+/// Shows a warning if the geometry is not reliable. All files but an array contain the same warning.
 fn trust(ui: &mut Ui, what: ExportKind, model: &Model) {
     let note = match what {
         ExportKind::Plane | ExportKind::Report => result_note(model),
@@ -312,7 +368,8 @@ fn trust(ui: &mut Ui, what: ExportKind, model: &Model) {
     let palette = theme::palette(ui.visuals());
     let color = if note.verdict == "unreliable" { palette.bad } else { palette.caution };
     ui.add_space(4.0);
-    let text = format!("This geometry is {}, and the file says so.", note.verdict);
+    let tells = if what == ExportKind::Array { "the file cannot say so" } else { "the file says so" };
+    let text = format!("This geometry is {}, and {tells}.", note.verdict);
     let reasons = note.reasons.join("\n");
     let label = ui.add(Label::new(RichText::new(text).color(color).strong()).wrap());
     if !reasons.is_empty() {

@@ -13,6 +13,9 @@ use crate::convention::{ConventionCheck, FEWEST_MATCHES};
 /// Number of readings listed, besides the reading as in the file.
 const LISTED: usize = 5;
 
+/// Least share of fitting matches of a listed reading: less is displayed as 0 %.
+const LEAST_FITTING: f64 = 0.005;
+
 /// The imported content and the present choice.
 #[derive(Debug, Clone)]
 pub struct ReadingDialog {
@@ -117,7 +120,11 @@ fn as_read(check: &ConventionCheck) -> Option<usize> {
 /// Shows the readings to choose from.
 fn readings(ui: &mut Ui, check: &ConventionCheck, chosen: &mut usize) {
     let listed = check.readings.len().min(LISTED);
-    let behind = as_read(check).filter(|place| *place >= listed);
+    let own = as_read(check);
+    // A reading that fits nothing is no choice, except the one of the file.
+    let fits =
+        |place: usize| place == 0 || Some(place) == own || check.readings[place].within >= LEAST_FITTING;
+    let behind = own.filter(|place| *place >= listed);
     let headings = [
         ("Reading", "How the numbers of the matrix are interpreted."),
         ("Median, px", "Half of the matches are closer to their epipolar lines than this."),
@@ -129,7 +136,7 @@ fn readings(ui: &mut Ui, check: &ConventionCheck, chosen: &mut usize) {
             ui.weak(title).on_hover_text(tooltip);
         }
         ui.end_row();
-        for place in (0..listed).chain(behind) {
+        for place in (0..listed).filter(|place| fits(*place)).chain(behind) {
             let ranked = &check.readings[place];
             ui.radio_value(chosen, place, ranked.reading.brief()).on_hover_text(ranked.reading.to_string());
             ui.label(pixels(ranked.median));

@@ -95,6 +95,10 @@ fn point_columns(contestants: &[Contestant]) -> Vec<Column> {
             Contestant::Result => ("Result", "Distance from the result, px."),
             Contestant::SevenPoint => ("7-point", "Distance from the seven-point geometry, px."),
             Contestant::EightPoint => ("8-point", "Distance from the eight-point geometry, px."),
+            Contestant::Ransac => ("RANSAC", "Distance from the geometry of RANSAC, px."),
+            Contestant::LeastMedian => {
+                ("LMedS", "Distance from the geometry of least median of squares, px.")
+            }
             Contestant::Imported => ("Imported", "Distance from the imported geometry, px."),
             Contestant::Truth => ("Truth", "Distance from the true geometry, px."),
         };
@@ -301,6 +305,7 @@ fn from(model: &Model, comparison: &Comparison, contestant: Contestant) -> Strin
         }
         Contestant::SevenPoint => "7 pairs, the only solution".to_owned(),
         Contestant::EightPoint => format!("{} pairs", fit.pairs),
+        Contestant::Ransac | Contestant::LeastMedian => format!("{} inliers", fit.pairs),
         Contestant::Imported => {
             model.document.imported.as_ref().map_or(String::new(), |imported| imported.file.clone())
         }

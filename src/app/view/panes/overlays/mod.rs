@@ -8,6 +8,7 @@ mod hover;
 mod hypotheses;
 mod lines;
 mod matches;
+mod measure;
 mod next_click;
 mod pinned;
 mod pointed;
@@ -20,6 +21,7 @@ mod true_lines;
 mod true_matches;
 mod uncertainty;
 
+pub use measure::draw as draw_measurement;
 pub use pinned::number_at as pinned_at;
 
 use std::cell::RefCell;

@@ -1,0 +1,81 @@
+//! Measuring a distance and a direction in one image.
+
+use super::document::Side;
+use crate::geometry::Point;
+
+/// Two places of one image, the second one once it is clicked.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Measuring {
+    /// The image.
+    pub side: Side,
+    /// First place, px.
+    pub start: Point,
+    /// Second place, px.
+    pub end: Option<Point>,
+}
+
+/// Distance and direction from one place to another.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Measured {
+    /// Distance, px.
+    pub distance: f64,
+    /// Angle from the direction of x, counter-clockwise as seen, in (−180°, 180°].
+    pub degrees: f64,
+}
+
+impl Measuring {
+    /// Begins at a place.
+    pub fn from(side: Side, start: Point) -> Self {
+        Self { side, start, end: None }
+    }
+
+    /// Takes a click: the second place, or the first one of another measurement.
+    #[must_use]
+    pub fn after_click(before: Option<Self>, side: Side, point: Point) -> Self {
+        match before {
+            Some(open) if open.end.is_none() && open.side == side => Self { end: Some(point), ..open },
+            _ => Self::from(side, point),
+        }
+    }
+
+    /// Measures up to a place.
+    pub fn to(&self, end: Point) -> Measured {
+        let way = end - self.start;
+        // The y axis of images points down.
+        Measured { distance: way.norm(), degrees: (0.0 - way.y).atan2(way.x).to_degrees() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_second_click_in_the_same_image_ends_a_measurement() {
+        let [a, b] = [Point::new(1.0, 2.0), Point::new(4.0, 6.0)];
+        let first = Measuring::after_click(None, Side::Left, a);
+        assert_eq!(first.end, None);
+        let second = Measuring::after_click(Some(first), Side::Left, b);
+        assert_eq!((second.start, second.end), (a, Some(b)));
+        for (before, side) in [(first, Side::Right), (second, Side::Left)] {
+            assert_eq!(Measuring::after_click(Some(before), side, b), Measuring::from(side, b));
+        }
+    }
+
+    #[test]
+    fn distances_are_in_pixels_and_angles_are_as_seen() {
+        let origin = Measuring::from(Side::Left, Point::new(10.0, 10.0));
+        for (to, distance, degrees) in [
+            ((13.0, 6.0), 5.0, 53.130),
+            ((20.0, 10.0), 10.0, 0.0),
+            ((10.0, 12.0), 2.0, -90.0),
+            ((9.0, 10.0), 1.0, 180.0),
+        ] {
+            let found = origin.to(Point::new(to.0, to.1));
+            assert!(
+                (found.distance - distance).abs() < 1e-12 && (found.degrees - degrees).abs() < 1e-3,
+                "{found:?}"
+            );
+        }
+    }
+}

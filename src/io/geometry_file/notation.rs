@@ -1,0 +1,154 @@
+//! `F` as source code, for pasting into other programs.
+
+use std::fmt::Write;
+
+use serde_json::{Map, json};
+
+use super::coordinates::{moved_fundamental, numbers, one_line};
+use super::quantity::Quantity;
+use super::{Format, TrustNote};
+use crate::geometry::FundamentalMatrix;
+
+/// Notation of a matrix in another language.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Notation {
+    /// Python with `import numpy as np`.
+    NumPy,
+    /// C++ with OpenCV's `cv::Matx`.
+    Cpp,
+    /// MATLAB and Octave, which count pixels from 1.
+    Matlab,
+    /// LaTeX with `amsmath`, rounded to six digits.
+    Latex,
+    /// JSON with the field names of this program.
+    Json,
+}
+
+impl Notation {
+    /// All notations.
+    pub const ALL: [Self; 5] = [Self::NumPy, Self::Cpp, Self::Matlab, Self::Latex, Self::Json];
+
+    /// Returns the name for display.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::NumPy => "NumPy",
+            Self::Cpp => "C++ (OpenCV)",
+            Self::Matlab => "MATLAB",
+            Self::Latex => "LaTeX",
+            Self::Json => "JSON",
+        }
+    }
+
+    /// Returns `F` in this notation. A comment states the convention and the verdict, if given. JSON
+    /// has a field for the verdict instead.
+    pub fn text(self, fundamental: &FundamentalMatrix, trust: Option<&TrustNote>) -> String {
+        let origin = if self == Self::Matlab { Format::Matlab.origin() } else { 0.0 };
+        let moved = moved_fundamental(fundamental, origin);
+        let matrix = moved.as_ref().unwrap_or(fundamental);
+        let rows = matrix.rows();
+        if self == Self::Json {
+            let mut fields = Map::from_iter([(Quantity::Fundamental.word().to_owned(), json!(rows))]);
+            fields.extend(trust.map(|trust| ("verdict".to_owned(), json!(trust.verdict))));
+            return format!("{}\n", json!(fields));
+        }
+        let comment = match self {
+            Self::NumPy | Self::Json => "#",
+            Self::Cpp => "//",
+            Self::Matlab | Self::Latex => "%",
+        };
+        let mut text = format!(
+            "{comment} x2' F x1 = 0 in pixels; the centre of the upper left pixel is ({origin}, {origin}).\n"
+        );
+        if let Some(trust) = trust {
+            let _ = writeln!(text, "{comment} This geometry is {}.", one_line(&trust.verdict));
+        }
+        let joined =
+            |separator: &str| rows.iter().map(|row| numbers(row, ", ")).collect::<Vec<_>>().join(separator);
+        let _ = match self {
+            Self::NumPy | Self::Json => writeln!(text, "F = np.array([\n    [{}],\n])", joined("],\n    [")),
+            Self::Cpp => writeln!(text, "const cv::Matx33d F(\n    {});", joined(",\n    ")),
+            Self::Matlab => writeln!(text, "F = [\n    {};\n];", joined(";\n    ")),
+            Self::Latex => {
+                let row = |row: &[f64; 3]| row.iter().map(|v| in_latex(*v)).collect::<Vec<_>>().join(" & ");
+                let rows = rows.iter().map(row).collect::<Vec<_>>().join(" \\\\\n    ");
+                writeln!(text, "\\begin{{bmatrix}}\n    {rows}\n\\end{{bmatrix}}")
+            }
+        };
+        text
+    }
+}
+
+/// Returns a number with six significant digits, as `1.5 \times 10^{-3}`.
+fn in_latex(value: f64) -> String {
+    let written = format!("{value:.5e}");
+    match written.split_once('e') {
+        Some((digits, "0")) => digits.to_owned(),
+        Some((digits, exponent)) => format!("{digits} \\times 10^{{{exponent}}}"),
+        None => written,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::{Camera, Point, PointPair, symmetric_epipolar_distance};
+    use crate::io::GeometryFile;
+
+    fn example() -> FundamentalMatrix {
+        let (left, right) = Camera::example_pair();
+        Camera::fundamental(&left, &right).unwrap()
+    }
+
+    /// Returns the numbers between the first mark and the last one.
+    fn numbers_within(text: &str, begin: &str, end: &str) -> Vec<f64> {
+        let text = text.split_once(begin).unwrap().1.rsplit_once(end).unwrap().0;
+        let words = text.split(|c: char| c.is_whitespace() || ",;[]".contains(c));
+        words.filter(|word| !word.is_empty()).map(|word| word.parse().unwrap()).collect()
+    }
+
+    #[test]
+    fn code_has_every_digit_row_by_row() {
+        let f = example();
+        let expected = f.rows().concat();
+        let numpy = Notation::NumPy.text(&f, None);
+        assert!(numpy.starts_with("# x2' F x1 = 0"), "{numpy}");
+        assert_eq!(numbers_within(&numpy, "F = np.array([", "])"), expected);
+        let cpp = Notation::Cpp.text(&f, None);
+        assert!(cpp.starts_with("// x2' F x1 = 0"), "{cpp}");
+        assert_eq!(numbers_within(&cpp, "const cv::Matx33d F(", ");"), expected);
+        let json = Notation::Json.text(&f, None);
+        assert_eq!(GeometryFile::parse(&json).unwrap().0.fundamental, Some(f));
+    }
+
+    #[test]
+    fn matlab_counts_pixels_from_one() {
+        let f = example();
+        let text = Notation::Matlab.text(&f, None);
+        assert!(text.contains("pixel is (1, 1)"), "{text}");
+        let found = nalgebra::Matrix3::from_row_slice(&numbers_within(&text, "F = [", "];"));
+        let found = FundamentalMatrix::from_rank_two(found).unwrap();
+        let place = Point::new(120.0, 75.0);
+        let line = f.line2_from_point1(place).unwrap();
+        let foot = line.foot(Point::new(200.0, 90.0));
+        let shifted = PointPair::new(place.x + 1.0, place.y + 1.0, foot.x + 1.0, foot.y + 1.0);
+        assert!(symmetric_epipolar_distance(&found, &shifted) < 1e-6);
+        assert!(symmetric_epipolar_distance(&f, &shifted) > 1e-3, "the two conventions differ here");
+    }
+
+    #[test]
+    fn latex_rounds_to_six_digits() {
+        assert_eq!(in_latex(-1.234_567_8e-5), "-1.23457 \\times 10^{-5}");
+        assert_eq!(in_latex(0.0), "0.00000");
+        assert_eq!(in_latex(1.5), "1.50000");
+        let text = Notation::Latex.text(&example(), None);
+        assert_eq!((text.matches(" & ").count(), text.matches("\\\\\n").count()), (6, 2), "{text}");
+    }
+
+    #[test]
+    fn each_notation_tells_the_verdict() {
+        let trust = TrustNote { verdict: "doubtful".into(), reasons: Vec::new() };
+        for notation in Notation::ALL {
+            assert!(notation.text(&example(), Some(&trust)).contains("doubtful"), "{notation:?}");
+        }
+    }
+}
