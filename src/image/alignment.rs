@@ -119,28 +119,29 @@ pub(crate) fn align(
     let mut sampler = Sampler::new(planes[1]);
     let mut placed = start;
     let mut equations: Option<Equations> = None;
+    let mut gain = 1.0;
     for _ in 0..how.iterations {
         let used = sampler.sample(&samples, &placed, |q| counts(1, q));
         if (used as f64) < least {
             return None;
         }
-        let equations = match equations.take().filter(|equations| equations.used == used) {
-            Some(same) => equations.insert(same),
-            None => {
-                let row = |x: &Vector| row(planes[0], point1, x, how);
-                let rows = samples.iter().zip(&sampler.counts).map(|(x, counts)| counts.then(|| row(x)));
-                equations.insert(Equations::new(rows, used, how)?)
-            }
+        let equations = if let Some(same) = equations.take().filter(|equations| equations.used == used) {
+            equations.insert(same)
+        } else {
+            let row = |x: &Vector| row(planes[0], point1, x, how);
+            let rows = samples.iter().zip(&sampler.counts).map(|(x, counts)| counts.then(|| row(x)));
+            equations.insert(Equations::new(rows, used, how)?)
         };
         let mut right = equations.right(&sampler.values, how.middle);
         if let Hold::Start(_) = how.hold {
-            let drift = how.unit * (placed.affine - start.affine);
+            // The change that would lead back to the start.
+            let back = placed.affine.try_inverse()? * (placed.affine - start.affine) * (how.unit * gain);
             for k in 2..6 {
-                right[k] -= equations.penalty * drift[((k - 2) / 2, (k - 2) % 2)];
+                right[k] += equations.penalty * back[((k - 2) / 2, (k - 2) % 2)];
             }
         }
         let solution = equations.cholesky.solve(&right);
-        let gain = solution[6];
+        gain = solution[6];
         let step = |k: usize| solution[k] / gain;
         let change = Warp::new(step(2), step(3), step(4), step(5)) / how.unit;
         placed.affine *= (Warp::identity() + change).try_inverse()?;
@@ -292,6 +293,7 @@ fn products(columns: &[[f64; PADDED]], padded: usize) -> [[f64; 8]; 8] {
 }
 
 /// Returns the sum of products of two slices of a length divisible by `LANES`.
+#[expect(clippy::inline_always, reason = "it must take on the target features of its caller")]
 #[inline(always)]
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     let mut sums = [0f64; LANES];

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use crate::estimate::{Estimate, PreparedPair};
-use crate::geometry::{Frame, FundamentalMatrix, Line, Point, PointPair, rescaled};
+use crate::geometry::{Frame, FundamentalMatrix, Line, Point, PointPair, finite_point, rescaled};
 
 /// Longer side of the image searched for textured points, px.
 const SIDE: f64 = 384.0;
@@ -24,6 +24,10 @@ const LEAST: f64 = 0.0025;
 /// Minimum distance from a placed point, as a fraction of the longer side. Nearer clicks add
 /// nothing.
 const APART: f64 = 0.03;
+/// Maximum distance from a match of the result, as a fraction of the longer side: farther away, nothing
+/// tells whether the other image shows the same part of the scene. Half of it leaves few places on
+/// sparsely matched pictures; twice of it reaches across the border of the common part.
+const NEAR: f64 = 0.08;
 /// Number of samples per line for its mean distance from another line.
 const SAMPLES: usize = 9;
 
@@ -66,19 +70,26 @@ impl Rival {
 }
 
 /// Returns the textured point of image 1 whose epipolar lines under the result and its rivals are
-/// farthest apart in image 2. Points near placed pairs are skipped. Returns `None` when all
-/// geometries agree. Takes some milliseconds.
+/// farthest apart in image 2. Points near placed pairs or the epipole, and points far from all `matches`
+/// of the result, are skipped. Returns `None` when all geometries agree. Takes some milliseconds.
 pub fn next_click(
     prepared: &PreparedPair,
     fundamental: &FundamentalMatrix,
     rivals: &[Rival],
     placed: &[PointPair],
+    matches: &[PointPair],
 ) -> Option<NextClick> {
     let [frame1, frame2] = prepared.frames();
     let total: f64 = rivals.iter().map(|rival| rival.weight).sum();
     let level = prepared.pyramids().level(SIDE);
-    let is_apart =
-        |point: &Point| placed.iter().all(|pair| (pair.point1 - point).norm() > APART * frame1.longer_side());
+    let (apart_by, near) = (APART * frame1.longer_side(), NEAR * frame1.longer_side());
+    let epipole = finite_point(&fundamental.epipole1());
+    let is_apart = |point: &Point| {
+        let taken = placed.iter().map(|pair| pair.point1).chain(epipole);
+        taken.into_iter().all(|other| (other - point).norm() > apart_by)
+    };
+    let is_common =
+        |point: &Point| matches.is_empty() || matches.iter().any(|pair| (pair.point1 - point).norm() <= near);
     let side = frame2.longer_side();
     let seen = |point: Point| {
         let own = fundamental.line2_from_point1(point)?;
@@ -98,7 +109,7 @@ pub fn next_click(
     let places: Vec<(f64, NextClick)> = corners
         .into_par_iter()
         .map(|corner| rescaled(corner, 1.0 / level.scales[0]))
-        .filter(is_apart)
+        .filter(|point| is_apart(point) && is_common(point))
         .filter_map(seen)
         .collect();
     // Of equal points the first is kept, which is the most textured.
@@ -145,23 +156,27 @@ mod tests {
         // The rows differ by a fifth of the distance from row 100. Below row 316 the rival leaves
         // the image.
         let rival = Rival { fundamental: rows(1.2, -20.0), weight: 1.0 };
-        let found = next_click(&prepared(), &rows(1.0, 0.0), &[rival], &[]).unwrap();
+        let found = next_click(&prepared(), &rows(1.0, 0.0), &[rival], &[], &[]).unwrap();
         assert!((280.0..316.5).contains(&found.point.y) && found.point.x > 190.0, "{found:?}");
         assert!((found.disagreement - 0.2 * (found.point.y - 100.0)).abs() < 1e-6);
         // A point near a placed pair is not proposed again.
         let placed = PointPair { point1: found.point, point2: found.point };
-        let other = next_click(&prepared(), &rows(1.0, 0.0), &[rival], &[placed]).unwrap();
+        let other = next_click(&prepared(), &rows(1.0, 0.0), &[rival], &[placed], &[]).unwrap();
         assert!((other.point - found.point).norm() > 14.0);
+        // Nor is a point where nothing matches.
+        let matched = PointPair::new(300.0, 200.0, 310.0, 200.0);
+        let near = next_click(&prepared(), &rows(1.0, 0.0), &[rival], &[], &[matched]).unwrap();
+        assert!((near.point - matched.point1).norm() <= 0.08 * 480.0, "{near:?}");
     }
 
     #[test]
     fn weak_rivals_count_little_and_agreeing_rivals_not_at_all() {
         let near = Rival { fundamental: rows(1.2, -20.0), weight: 1.0 };
         let weak = Rival { fundamental: rows(0.2, 270.0), weight: 1e-4 };
-        let found = next_click(&prepared(), &rows(1.0, 0.0), &[near, weak], &[]).unwrap();
+        let found = next_click(&prepared(), &rows(1.0, 0.0), &[near, weak], &[], &[]).unwrap();
         assert!(found.point.y > 280.0, "{found:?}");
         let same = Rival { fundamental: rows(1.0, 0.1), weight: 1.0 };
-        assert_eq!(next_click(&prepared(), &rows(1.0, 0.0), &[same], &[]), None);
-        assert_eq!(next_click(&prepared(), &rows(1.0, 0.0), &[], &[]), None);
+        assert_eq!(next_click(&prepared(), &rows(1.0, 0.0), &[same], &[], &[]), None);
+        assert_eq!(next_click(&prepared(), &rows(1.0, 0.0), &[], &[], &[]), None);
     }
 }

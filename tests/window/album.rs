@@ -56,6 +56,11 @@ fn the_images_of_a_folder_are_shown_small_and_any_two_open() {
     let files = folder(4);
     std::fs::write(files.0.path().join("shot5.png"), "not an image").unwrap();
     let mut window = opened(&files, services());
+    assert!(window.query_by_label("Image shot3").is_none(), "the drawer is closed at first");
+    let stage = pane(&window, Side::Left);
+    window.get_by_label("Images of the folder").click();
+    settle(&mut window);
+    assert_eq!(pane(&window, Side::Left), stage, "it covers the pictures and moves nothing");
     let model = window.state().model();
     for view in 0..4 {
         let small = model.thumbnails.of(view).flatten().expect("it was made");
@@ -173,24 +178,4 @@ fn one_session_has_the_points_of_all_pairs() {
     let old = session(path);
     assert_eq!(made(&old), second);
     assert_eq!(old.state().messages().count(), 0);
-}
-
-#[test]
-fn an_enlarged_panel_leaves_the_images_the_room_of_the_strip() {
-    let files = folder(4);
-    let mut window = opened(&files, services());
-    window.get_by_label("Image shot3");
-    press(&mut window, Key::Num6);
-    window.key_press_modifiers(Modifiers::SHIFT, Key::B);
-    settle(&mut window);
-    assert!(window.query_by_label("Image shot3").is_none());
-    for (width, height, least) in [(1440.0, 900.0, 150.0), (1024.0, 640.0, 80.0)] {
-        window.set_size(egui::vec2(width, height));
-        settle(&mut window);
-        let image = pane(&window, Side::Left).height();
-        assert!(image >= least, "{image} of {height}");
-    }
-    window.key_press_modifiers(Modifiers::SHIFT, Key::B);
-    settle(&mut window);
-    window.get_by_label("Image shot3");
 }

@@ -22,14 +22,14 @@ fn a_failing_and_a_panicking_computation_are_told_and_the_points_stay() {
     });
     let mut window = window(Start::default(), services);
     click_two_pairs(&mut window);
-    window.get_by_label_contains("no epipolar geometry was found");
+    window.get_by_label_contains("No epipolar geometry was found");
     window.key_press(Key::F5);
     settle(&mut window);
     window.get_by_label_contains("stopped unexpectedly (index out of range)");
     assert_eq!(window.state().document().pairs.len(), 2);
     window.key_press(Key::F5);
     settle(&mut window);
-    window.get_by_label_contains("Epipolar geometry found");
+    window.get_by_label_contains("Estimated from pairs p and q");
 }
 
 #[test]

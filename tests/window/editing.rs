@@ -13,7 +13,7 @@ use epiline::internals::app::model::document::Side;
 fn the_sample_opens_and_the_window_says_what_to_do() {
     let window = sample();
     assert!(window.state().document().pictures.is_some());
-    window.get_by_label_contains("Click a distinct point in the left image");
+    window.get_by_label_contains("Click a point in the left image");
     window.get_by_label("Show me");
 }
 
@@ -27,7 +27,7 @@ fn two_clicked_pairs_give_the_geometry() {
     for pair in &inspector.document().pairs {
         assert!(symmetric_epipolar_distance(estimate.fundamental(), pair) < 1e-6);
     }
-    window.get_by_label_contains("Epipolar geometry found from pairs p and q");
+    window.get_by_label_contains("Estimated from pairs p and q");
 }
 
 #[test]
@@ -155,6 +155,7 @@ fn pairs_are_deleted_by_key_and_in_the_list() {
     settle(&mut window);
     assert_eq!(window.state().document().pairs.len(), 1);
     assert!(window.state().estimate().is_none());
+    unfold(&mut window, "p");
     window.get_by_label("Delete: pair p").click();
     settle(&mut window);
     assert!(window.state().document().pairs.is_empty());
@@ -193,12 +194,13 @@ fn every_pair_is_used_unless_it_is_to_check_only() {
     click_two_pairs(&mut window);
     click_a_third_pair(&mut window);
     assert_eq!(clicks(&window), 3);
-    window.get_by_label_contains("Epipolar geometry found from pairs p, q and r");
+    window.get_by_label_contains("Estimated from pairs p, q and r");
     assert!(window.query_by_label("Three pairs").is_none() && window.query_by_label("Three-point").is_none());
+    unfold(&mut window, "q");
     window.get_by_label("Check only pair q").click();
     settle(&mut window);
     assert_eq!(clicks(&window), 2);
-    window.get_by_label_contains("Epipolar geometry found from pairs p and r");
+    window.get_by_label_contains("Estimated from pairs p and r");
     window.get_by_label("Use pair q").click();
     settle(&mut window);
     assert_eq!(clicks(&window), 3);
@@ -214,9 +216,11 @@ fn the_published_search_keeps_its_two_methods_beside_its_preset() {
     let mut window = sample();
     click_two_pairs(&mut window);
     click_a_third_pair(&mut window);
+    show_parameters(&mut window, "Pencils");
     window.get_by_label("As published").click();
     settle(&mut window);
     assert_eq!(clicks(&window), 2);
+    unfold(&mut window, "r");
     assert!(window.get_by_label("Use pair r").accesskit_node().is_disabled());
     window.get_by_label("Three-point").click();
     settle(&mut window);
@@ -245,7 +249,7 @@ fn a_pair_that_the_images_speak_against_is_marked() {
     let mut window = window(Start::default(), services);
     click_two_pairs(&mut window);
     click_a_third_pair(&mut window);
-    assert_eq!(window.query_all_by_label("outvoted").count(), 1);
+    assert_eq!(window.query_all_by_label("off").count(), 1);
     // The distance of the table: the window has one.
     let off = |window: &Window, pair: usize| {
         let f = *window.state().estimate().unwrap().fundamental();
@@ -254,7 +258,8 @@ fn a_pair_that_the_images_speak_against_is_marked() {
     let distance = off(&window, 1);
     window.get_by_label_contains(&format!("Point pair q is {distance:.1} px (symmetric distance) off"));
     assert!(distance > 1.0);
-    window.get_by_label(&format!("{distance:6.2} px"));
+    window.get_by_label(&format!("{distance:.2} px"));
+    unfold(&mut window, "p");
     window.get_by_label("Check only pair p").click();
     settle(&mut window);
     let distance = off(&window, 2);
@@ -350,10 +355,7 @@ fn overlays_keys_and_themes_can_be_switched() {
     window.key_press(Key::T);
     settle(&mut window);
     assert_ne!(window.ctx.theme(), dark);
-    window.get_by_label("View").click();
-    settle(&mut window);
-    window.get_by_label("Link views").click();
-    settle(&mut window);
+    choose(&mut window, "Overlays", "Link views");
     assert!(window.state().look().linked);
     window.key_press(Key::Escape);
     settle(&mut window);

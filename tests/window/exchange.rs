@@ -255,8 +255,7 @@ fn an_imported_geometry_takes_part_in_the_comparison_and_is_saved() {
     let files = Files::new();
     let mut window = window(Start::default(), rich_services());
     click_two_pairs(&mut window);
-    window.key_press(Key::Num5);
-    settle(&mut window);
+    press(&mut window, Key::Num4);
     assert!(window.query_by_label("Geometry: Imported").is_none(), "there is none");
     let true_f = truth().fundamental;
     drop_files(&mut window, &[file(&files, "F.txt", &rows(&true_f))]);
@@ -465,18 +464,6 @@ fn the_view_is_what_is_on_the_screen() {
     let both = pane(&window, Side::Left).union(pane(&window, Side::Right));
     assert!((f32::from(picture.width() as u16) - both.width()).abs() < 30.0, "{}", picture.width());
     assert!(picture.height() < 700);
-}
-
-#[test]
-fn a_narrow_window_has_room_for_all_of_the_toolbar() {
-    let mut window = sample();
-    window.set_size(egui::vec2(860.0, 540.0));
-    settle(&mut window);
-    let right_of = |label: &str| window.get_by_label(label).rect();
-    let theme = window.query_by_label("Dark").or(window.query_by_label("Light")).unwrap().rect();
-    let view = right_of("View");
-    assert!(view.max.x < theme.min.x, "{view:?} {theme:?}");
-    assert!(right_of("Keys").max.x <= 860.0 && right_of("Open").min.x >= 0.0);
 }
 
 #[test]

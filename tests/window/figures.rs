@@ -102,6 +102,7 @@ fn marks_of_the_search_are_on_a_figure_that_asks_for_them() {
     });
     let mut window = window(Start::default(), services);
     click_two_pairs(&mut window);
+    show_step(&mut window, "Epipoles");
     let path = files.0.path().join("figure.svg");
     let mut areas = |choices: &[&str]| {
         export(&mut window, choices, &path);

@@ -57,7 +57,7 @@ fn two_dropped_files_open_and_one_waits_for_the_other() {
     assert_eq!(names(&window), ["a.png", "b.png"]);
     drop_files(&mut window, std::slice::from_ref(&b));
     assert_eq!(names(&window), ["a.png", "b.png"]);
-    window.get_by_label("Open images");
+    window.get_by_label("Open these");
     drop_files(&mut window, &[a]);
     assert_eq!(names(&window), ["b.png", "a.png"]);
 }
@@ -149,7 +149,7 @@ fn tab_goes_from_the_left_path_to_the_right_one_and_enter_opens_both() {
     let paths = ["a.png", "b.png"].map(|name| files.image(name, 40, 30).display().to_string());
     type_paths(&mut window, &paths);
     assert_eq!(names(&window), ["a.png", "b.png"]);
-    assert!(window.query_by_label("Open images").is_none(), "the dialog closes");
+    assert!(window.query_by_label("Open these").is_none(), "the dialog closes");
 }
 
 #[test]

@@ -84,7 +84,7 @@ fn a_right_click_on_a_pinned_line_tells_which_it_is_and_unpins_it() {
 #[test]
 fn the_menu_of_many_pins_opens_at_the_one_that_is_looked_at() {
     let (mut window, _) = with_pins(39);
-    press(&mut window, Key::Num2);
+    press(&mut window, Key::Num1);
     window.get_by_label("Line pair 39 of 39").click();
     settle(&mut window);
     let rows: Vec<Rect> = window.query_all_by_label_contains("Inspect: ").map(|row| row.rect()).collect();

@@ -99,9 +99,9 @@ fn the_menu_of_a_pair_opens_on_its_points_and_on_its_row() {
     assert_ne!(point(&window, Q_RIGHT), before);
     assert!(window.query_by_label("Refine").is_none(), "the menu closes");
 
-    // On the row, beside its buttons and on one of them.
-    let refine = window.get_by_label("Refine: pair q").rect();
-    for position in [refine.left_center() - egui::vec2(30.0, 0.0), refine.center()] {
+    // On the row, in its middle and on its name.
+    let row = window.get_by_label("Row of pair q").rect();
+    for position in [row.center(), row.left_center() + egui::vec2(24.0, 0.0)] {
         right_click(&mut window, position);
         window.get_by_label("Pin lines");
         window.get_by_label("Check only").click();
@@ -109,7 +109,7 @@ fn the_menu_of_a_pair_opens_on_its_points_and_on_its_row() {
         assert_eq!(window.state().document().role(1), Role::Check);
         undo(&mut window);
     }
-    right_click(&mut window, refine.center());
+    right_click(&mut window, row.center());
     window.get_by_label("Delete").click();
     settle(&mut window);
     assert_eq!(window.state().document().pairs.len(), 1);
@@ -171,7 +171,13 @@ fn while_the_result_is_in_doubt_the_most_useful_next_click_is_marked() {
     services.next_click = Services::default().next_click;
     let mut window = window(Start::default(), services);
     click_two_pairs(&mut window);
-    window.get_by_label_contains("Add a pair at the mark in the left image");
+    assert!(is_marked(&window));
+    // The button of the card places the left point there.
+    window.get_by_label("Add a pair at the mark").click();
+    settle(&mut window);
+    assert!(window.state().document().half.is_some_and(|half| half.side == Side::Left));
+    window.key_press(Key::Escape);
+    settle(&mut window);
     assert!(is_marked(&window));
     // The first click of that pair, and giving it up.
     let elsewhere = at(&window, Side::Left, 0.35, -0.35);
@@ -187,6 +193,7 @@ fn while_the_result_is_in_doubt_the_most_useful_next_click_is_marked() {
     assert!(!is_marked(&window));
     assert!(window.query_by_label_contains("Add a pair at the mark").is_none());
     // The published search would not use it.
+    show_parameters(&mut window, "Pencils");
     window.get_by_label("As published").click();
     settle(&mut window);
     assert!(!is_marked(&window));

@@ -96,7 +96,7 @@ fn lines_are_compared_by_what_moves_in_the_frames_in_common() {
     let mut window = opened(recorded(&files, ThrownBalls { offset: 4, frames: 120, ..SMALL }), services);
     click_two_pairs(&mut window);
     assert_eq!(asked.lock().unwrap().last(), Some(&Some(0)));
-    window.key_press(Key::Num2);
+    window.key_press(Key::Num1);
     settle(&mut window);
     window.get_by_label_contains("Epipolar lines of p: c");
     let barcodes = window.get_by_label("Motion barcodes").rect();

@@ -221,8 +221,7 @@ fn opening_something_else_keeps_what_is_not_saved() {
     let start = Start { opening, pairs: pairs(), ..Start::default() };
     let mut window = window(start, with_copies(copies.path()));
     let before = made(&window);
-    window.get_by_label("Sample").click();
-    settle(&mut window);
+    choose(&mut window, "Help", "Open the sample pictures");
     assert!(window.state().document().pairs.is_empty());
     assert!(window.state().messages().any(|text| text.contains("a.png and b.png were not saved")));
     // There and back again; the sample has nothing that would be a loss.
@@ -279,8 +278,7 @@ fn clicks_on_the_sample_are_kept_too_when_other_images_are_opened() {
     let both = [files.image("a.png", 64, 48), files.image("b.png", 50, 70)];
     drop_files(&mut window, &both);
     assert_eq!(window.state().messages().count(), 0, "what the program placed is no loss");
-    window.get_by_label("Sample").click();
-    settle(&mut window);
+    choose(&mut window, "Help", "Open the sample pictures");
     let position = at(&window, Side::Left, 0.1, 0.1);
     click(&mut window, position);
     let position = at(&window, Side::Right, 0.1, 0.1);

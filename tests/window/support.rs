@@ -179,11 +179,11 @@ pub fn pane(window: &Window, side: Side) -> Rect {
     window.get_by_label(&format!("{} image", side.name())).rect()
 }
 
-/// Screen points per image pixel of an image that fits its pane (6 points of room at each side).
+/// Screen points per image pixel of an image that fits its pane.
 pub fn fitting_scale(window: &Window, side: Side) -> f32 {
     let rect = pane(window, side);
     let frame = window.state().document().frame(side).unwrap();
-    ((rect.width() - 12.0) / frame.width as f32).min((rect.height() - 12.0) / frame.height as f32).min(64.0)
+    (rect.width() / frame.width as f32).min(rect.height() / frame.height as f32).min(64.0)
 }
 
 /// A place in a fitting image, as a fraction of its size from the middle.
@@ -338,5 +338,34 @@ pub fn scroll_by(window: &mut Window, at: Pos2, by: f32) {
     for _ in 0..10 {
         window.step();
     }
+    settle(window);
+}
+
+/// Opens a menu and clicks an entry.
+pub fn choose(window: &mut Window, menu: &str, entry: &str) {
+    window.get_by_label(menu).click();
+    settle(window);
+    window.get_by_label(entry).click();
+    settle(window);
+}
+
+/// Shows a step of the method.
+pub fn show_step(window: &mut Window, step: &str) {
+    press(window, Key::Num2);
+    window.get_by_label(step).click();
+    settle(window);
+}
+
+/// Shows a step of the method with its parameters.
+pub fn show_parameters(window: &mut Window, step: &str) {
+    show_step(window, step);
+    let header = window.query_by_label("Parameters").or_else(|| window.query_by_label("Parameters *"));
+    header.expect("a step with parameters").click();
+    settle(window);
+}
+
+/// Unfolds a pair of the list.
+pub fn unfold(window: &mut Window, pair: &str) {
+    window.get_by_label(&format!("Row of pair {pair}")).click();
     settle(window);
 }

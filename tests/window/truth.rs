@@ -309,7 +309,9 @@ fn a_thousand_views_can_be_stepped_through() {
 fn without_ground_truth_its_button_is_greyed_and_says_why() {
     let files = Files::new();
     let mut window = open([files.image("a.png", 64, 48), files.image("b.png", 64, 48)]);
-    press(&mut window, Key::Num5);
+    let left = at(&window, Side::Left, 0.1, 0.1);
+    click(&mut window, left);
+    press(&mut window, Key::Num3);
     window.get_by_label_contains("Distances of your pairs from the epipolar lines appear here");
     assert!(window.get_by_label("Ground truth").accesskit_node().is_disabled());
     press(&mut window, Key::G);
@@ -322,10 +324,8 @@ fn the_sample_offers_its_truth_and_undo_takes_it_out_of_use() {
     let mut window = sample();
     click_two_pairs(&mut window);
     assert!(lines(&window, Side::Right, TRUE).is_empty());
-    assert!(window.query_by_label("Show True lines").is_none());
     press(&mut window, Key::G);
     assert_eq!(document(&window).truth, Some(TruthSource::Sample("courtyard".into())));
-    window.get_by_label("Show True lines");
     assert!(!lines(&window, Side::Right, TRUE).is_empty());
     window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
     settle(&mut window);
@@ -342,6 +342,8 @@ fn true_lines_and_matches_are_blue_and_can_be_hidden() {
     assert_eq!(lines(&window, Side::Left, TRUE).len(), 2 * POINTS);
     let mut window = open_with_clicks(&files);
     assert!(drawn(&window, TRUE, &known.fundamental));
+    window.get_by_label("Overlays").click();
+    settle(&mut window);
     for name in ["Show True lines", "Show True matches"] {
         window.get_by_label(name).click();
         settle(&mut window);
@@ -366,7 +368,7 @@ fn a_true_match_under_the_cursor_lights_up_in_both_images() {
 }
 
 #[test]
-fn the_side_panel_states_the_real_error() {
+fn the_card_states_the_real_error() {
     let files = vgg(2);
     let mut window = open_with_clicks(&files);
     let known = truth(&files, [0, 1]);
@@ -374,7 +376,7 @@ fn the_side_panel_states_the_real_error() {
     let distances = known.matches.iter().map(|pair| epiline::geometry::symmetric_epipolar_distance(f, pair));
     let error = distances.sum::<f64>() / POINTS as f64;
     window.get_by_label("True error");
-    window.get_by_label(&format!("{error:.2} px (ground truth itself: 0.00 px)"));
+    window.get_by_label(&format!("{error:.2} px (truth 0.00)"));
     press(&mut window, Key::G);
     assert!(window.query_by_label("True error").is_none());
 }
@@ -383,7 +385,7 @@ fn the_side_panel_states_the_real_error() {
 fn choosing_another_geometry_shows_it_in_the_whole_window() {
     let files = vgg(2);
     let mut window = open_with_clicks(&files);
-    press(&mut window, Key::Num5);
+    press(&mut window, Key::Num4);
     let known = truth(&files, [0, 1]);
     let result = *window.state().estimate().unwrap().fundamental();
     assert!(drawn(&window, ESTIMATED, &result) && !drawn(&window, ESTIMATED, &known.fundamental));
@@ -392,7 +394,7 @@ fn choosing_another_geometry_shows_it_in_the_whole_window() {
     // Fitted to exact matches it is the true one.
     assert!(drawn(&window, ESTIMATED, &known.fundamental));
     window.get_by_label_contains("The images show the 8-point geometry, not the result");
-    window.get_by_label("0.00 px (ground truth itself: 0.00 px)");
+    window.get_by_label("0.00 px (truth 0.00)");
     window.get_by_label("Geometry: Result").click();
     settle(&mut window);
     assert!(drawn(&window, ESTIMATED, &result));
@@ -418,7 +420,9 @@ fn the_residuals_say_how_many_pairs_are_missing_and_count_those_included() {
         Start { opening: opening(), pairs: pairs[..2].to_vec(), ..Start::default() },
         services(),
     );
-    press(&mut window, Key::Num5);
+    press(&mut window, Key::Num4);
+    window.set_size(egui::vec2(1440.0, 900.0));
+    settle(&mut window);
     assert!(painted(&window, "needs 5 more pairs") && painted(&window, "needs 6 more pairs"));
     assert!(painted(&window, "not known for these images"));
     // Where there is no room for a column of it, it is told where the figures would be.
@@ -427,8 +431,10 @@ fn the_residuals_say_how_many_pairs_are_missing_and_count_those_included() {
     assert!(painted(&window, "7-point: needs 5 more pairs"));
     let mut window =
         crate::support::window(Start { opening: opening(), pairs, ..Start::default() }, services());
-    press(&mut window, Key::Num5);
+    window.set_size(egui::vec2(1440.0, 900.0));
+    press(&mut window, Key::Num4);
     assert!(painted(&window, "9 pairs") && !painted(&window, "needs"));
+    press(&mut window, Key::Num3);
     // The last pair, which is far off, on top: without it 8-point fits exactly.
     window.get_by_label("Sort by Point").click();
     settle(&mut window);
@@ -436,9 +442,11 @@ fn the_residuals_say_how_many_pairs_are_missing_and_count_those_included() {
     window.get_by_label("Count pair 9").click();
     settle(&mut window);
     assert!(document(&window).excluded.contains(&8));
-    assert!(painted(&window, "8 pairs") && painted(&window, "9, out"));
+    assert!(painted(&window, "9, out"));
     window.get_by_label("Residuals of pair 9").click();
     settle(&mut window);
+    press(&mut window, Key::Num4);
+    assert!(painted(&window, "8 pairs"));
     assert_eq!(document(&window).selection.map(|at| at.pair), Some(8));
 }
 
@@ -447,12 +455,15 @@ fn a_small_window_has_room_for_rows_of_residuals() {
     let files = vgg(2);
     let mut window = open_with_clicks(&files);
     window.set_size(egui::vec2(1024.0, 640.0));
-    press(&mut window, Key::Num5);
-    // Rows below the edge of the panel are not in sight.
-    let bottom = window.get_by_label("Geometry: Ground truth").rect().max.y;
-    let rows: Vec<_> = window.query_all_by_label_contains("True match ").map(|row| row.rect()).collect();
+    press(&mut window, Key::Num3);
+    let seen = |window: &Window, label: &str| {
+        let rows = window.query_all_by_label_contains(label);
+        rows.filter(|row| row.rect().max.y <= 640.0 - 22.0 && row.rect().max.x <= 1024.0).count()
+    };
+    assert!(seen(&window, "True match ") >= 3, "{}", seen(&window, "True match "));
+    press(&mut window, Key::Num4);
+    assert!(seen(&window, "Geometry: ") >= 3, "{}", seen(&window, "Geometry: "));
     let all = |heading: &str| window.query_all_by_label(heading).count() == 1;
-    assert!(rows.len() >= 5 && rows[3].max.y <= bottom + 1.0, "{rows:?}, {bottom}");
     assert!(all("Sort by Median, px") && all("Sort by < 1 px") && !all("Sort by From"));
 }
 
@@ -460,7 +471,7 @@ fn a_small_window_has_room_for_rows_of_residuals() {
 fn rows_of_true_matches_are_linked_with_the_images() {
     let files = vgg(2);
     let mut window = open_with_clicks(&files);
-    press(&mut window, Key::Num5);
+    press(&mut window, Key::Num3);
     window.hover_at(window.get_by_label("True match 2").rect().center());
     settle(&mut window);
     assert_eq!(window.state().focus().hovered(), Some(Target::TrueMatch(1)));

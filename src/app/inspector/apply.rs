@@ -5,12 +5,15 @@ use egui::{Theme, ThemePreference};
 use super::Inspector;
 use crate::app::model::EditKey;
 use crate::app::model::command::{Command, PickPurpose};
+use crate::app::model::dock::DockLook;
 use crate::app::model::document::Side;
 use crate::app::model::exchange::ViewPart;
 use crate::app::model::history::Step;
+use crate::app::model::ids::{StageId, TabId};
 use crate::app::model::look::Tool;
 use crate::app::model::measuring::Measuring;
 use crate::app::model::recording::PlayerCommand;
+use crate::app::model::rectified::RectifiedCommand;
 use crate::app::model::suggesting::Repair;
 use crate::app::view::Destination;
 use crate::io::PairOrigin;
@@ -129,7 +132,6 @@ impl Inspector {
                 model.look.linked = !model.look.linked;
                 self.view.link(model, Side::Left);
             }
-            Command::ToggleMap => model.look.map = !model.look.map,
             Command::Tones(command) => model.open.adjust_tones(command),
             Command::Player(PlayerCommand::FindOffset) => {
                 if let Some(recordings) = model.recordings() {
@@ -138,7 +140,8 @@ impl Inspector {
             }
             Command::Player(command) => model.apply_to_player(command),
             Command::ToggleStacked => {
-                model.look.stacked = !model.look.stacked;
+                let now = self.view.placement.is_some_and(|placement| placement.stacked);
+                model.look.stacked = if model.look.stacked.is_some() { None } else { Some(!now) };
                 self.fit_all();
             }
             Command::ToggleLoupe => model.look.loupe = !model.look.loupe,
@@ -147,14 +150,39 @@ impl Inspector {
                     model.edit(Step::Single, |document| document.accept(side, point));
                 }
             }
-            Command::ShowTab(tab) => (model.look.tab, model.look.tabs_folded) = (tab, false),
-            Command::FoldTabs => model.look.tabs_folded = !model.look.tabs_folded,
-            Command::FoldSide => model.look.side_folded = !model.look.side_folded,
-            Command::FoldOverlays => model.look.overlays_folded = !model.look.overlays_folded,
-            Command::FoldStrip => model.look.strip_folded = !model.look.strip_folded,
-            Command::EnlargeTabs => {
-                model.look.tabs_enlarged = !model.look.tabs_enlarged || model.look.tabs_folded;
-                model.look.tabs_folded = false;
+            Command::ShowStage(stage) => model.look.stage = stage,
+            Command::ShowTab(tab) => {
+                (model.look.stage, model.look.tab, model.look.dock.folded) = (StageId::Pictures, tab, false);
+            }
+            Command::ShowStep(step) => {
+                model.look.step = step;
+                self.apply(ctx, Command::ShowTab(TabId::Method));
+            }
+            Command::StepMethod { forward } => {
+                // The first use opens the step that was open last.
+                let is_open = model.tab() == Some(TabId::Method);
+                let next = model.look.step.neighbour(forward).filter(|_| is_open);
+                let step = next.unwrap_or(model.look.step);
+                self.apply(ctx, Command::ShowStep(step));
+            }
+            Command::FoldDock => model.look.dock.folded = !model.look.dock.folded,
+            Command::PlaceDock(edge) => model.look.dock = DockLook { edge, folded: false, ..model.look.dock },
+            Command::SizeDock(edge, share) => model.look.dock.set_share(edge, share),
+            Command::ToggleAlone => model.open.alone = !model.open.alone,
+            Command::ToggleDrawer => model.look.drawer = !model.look.drawer,
+            Command::Blink if model.stage() == StageId::Rectified => {
+                self.apply(ctx, RectifiedCommand::Swap.into());
+            }
+            Command::Blink => model.open.swapped = !model.open.swapped,
+            Command::ToggleUnreliableLines => model.open.lines_anyway = !model.open.lines_anyway,
+            Command::PlaceAtMark => {
+                if let Some(Some(next)) = model.open.next_click {
+                    model.look.stage = StageId::Pictures;
+                    model.edit(Step::Single, |document| {
+                        document.half = None;
+                        document.place(Side::Left, next.point);
+                    });
+                }
             }
             Command::ToggleOverlay(overlay) => {
                 let shown = &mut model.look.overlays[overlay as usize];
@@ -197,6 +225,8 @@ impl Inspector {
             // The dialog is closed.
         } else if model.messages.dismiss_top() {
             // The message is dismissed.
+        } else if std::mem::take(&mut model.open.alone) {
+            // The bars and the dock are back.
         } else if model.document.half.is_some() {
             model.edit(Step::Single, |document| document.remove(document.pairs.len()));
         } else if model.open.measuring.take().is_some() {

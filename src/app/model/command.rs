@@ -4,10 +4,11 @@
 use std::path::PathBuf;
 
 use super::comparison::{Contestant, Subject};
+use super::dock::DockEdge;
 use super::document::{PointRef, Side};
 use super::exchange::ExportOrder;
 use super::focus::{LineSource, Target};
-use super::ids::{OverlayId, TabId};
+use super::ids::{MethodStep, OverlayId, StageId, TabId};
 use super::point_table::PointsCommand;
 use super::recording::PlayerCommand;
 use super::rectified::RectifiedCommand;
@@ -132,8 +133,6 @@ pub enum Command {
     CopyView,
     /// Link or unlink zoom and position of the two images.
     ToggleLink,
-    /// Show or hide the map of the epipoles.
-    ToggleMap,
     /// Change brightness or colours of the pictures on the screen.
     Tones(TonesCommand),
     /// Control the open sequences.
@@ -157,19 +156,35 @@ pub enum Command {
     ResetParameters,
     /// A command about the rectified pair.
     Rectified(RectifiedCommand),
-    /// Show a tab of the bottom panel.
+    /// Show a stage.
+    ShowStage(StageId),
+    /// Show a tab of the dock.
     ShowTab(TabId),
-    /// Fold or unfold the bottom panel.
-    FoldTabs,
-    /// Fold or unfold the side panel.
-    FoldSide,
-    /// Fold or unfold the row of overlays.
-    FoldOverlays,
-    /// Fold or unfold the small images of the folder.
-    FoldStrip,
-    /// Enlarge the bottom panel to most of the window, or restore it.
-    EnlargeTabs,
-    /// Show or hide an overlay.
+    /// Show a step of the method.
+    ShowStep(MethodStep),
+    /// Show the next or the previous step of the method.
+    StepMethod {
+        /// Whether to show the next step.
+        forward: bool,
+    },
+    /// Fold the dock to a strip, or unfold it.
+    FoldDock,
+    /// Put the dock at an edge; `None` chooses the edge that shows the pictures largest.
+    PlaceDock(Option<DockEdge>),
+    /// Set the size of the dock at an edge, as a share of the window; `None` takes the room that the
+    /// pictures leave.
+    SizeDock(DockEdge, Option<f32>),
+    /// Show the pictures alone, or everything again.
+    ToggleAlone,
+    /// Show or hide the images of the folder.
+    ToggleDrawer,
+    /// Let the two pictures trade places, to compare them by blinking.
+    Blink,
+    /// Draw the lines of an unreliable geometry all the same, or hide them again.
+    ToggleUnreliableLines,
+    /// Place the left point of a new pair where one more pair would help most.
+    PlaceAtMark,
+    /// Keep an overlay on, or leave it to its part of the dock.
     ToggleOverlay(OverlayId),
     /// Remove a message.
     Dismiss(u64),

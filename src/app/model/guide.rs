@@ -7,13 +7,11 @@ use super::look::Tool;
 /// Returns a hint about the next step.
 pub fn guide(model: &Model) -> String {
     let (document, computation) = (&model.document, &model.open.computation);
-    let has_sample_points = model.open.show_me.is_some();
     if document.pictures.is_none() {
         return if model.activity.loading {
             "Opening the images.".into()
         } else {
-            "Drop two images of the same scene on this window, or press Open. Sample shows a built-in pair."
-                .into()
+            "Drop two images of the same scene on this window, or open them.".into()
         };
     }
     if model.tool == Tool::Inspect {
@@ -42,7 +40,7 @@ pub fn guide(model: &Model) -> String {
     let needed = document.pairs_needed();
     match document.used().count() {
         _ if document.is_unclicked() && computation.is_running() => {
-            "Searching for the geometry without clicks. Points that you place are used.".into()
+            "Searching automatically. Any points you add will be used.".into()
         }
         _ if document.is_unclicked() && computation.failure().is_some() => {
             "Click a distinct point in the left image, then its match in the right one. Two such \
@@ -54,12 +52,9 @@ pub fn guide(model: &Model) -> String {
              to make the geometry more certain."
                 .into()
         }
-        0 if has_sample_points => {
-            "Click a distinct point in the left image, then its match in the right one. \
-             Or press Show me, or let the program find the geometry alone."
-                .into()
-        }
-        0 => "Click a distinct point in the left image, then its match in the right one.".into(),
+        0 => "Click a point in the left image, then the same scene point in the right one. \
+             Two such pairs give the epipolar geometry."
+            .into(),
         placed if placed < needed => {
             let name = pair_name(document.pairs.len());
             format!(

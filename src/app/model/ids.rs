@@ -1,40 +1,108 @@
-//! Names of the tabs of the bottom panel and of the overlays over the images. The view knows their
-//! contents.
+//! Names of the stages, of the tabs of the dock, of the steps of the method and of the overlays. The
+//! view knows their contents.
 
-/// A tab of the bottom panel.
+/// A picture area that fills the window above or beside the dock.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum TabId {
-    /// The list of point pairs.
+pub enum StageId {
+    /// The two pictures as opened.
     #[default]
-    Points,
-    /// Intensities along the inspected line pair.
-    Profiles,
-    /// Cost matrices of the clicks.
-    Pencils,
-    /// The best hypotheses of the search.
-    Hypotheses,
-    /// The result beside other methods and the truth.
-    Residuals,
+    Pictures,
     /// The rectified pair.
     Rectified,
 }
 
+impl StageId {
+    /// All stages from left to right.
+    pub const ALL: [Self; 2] = [Self::Pictures, Self::Rectified];
+
+    /// Returns the heading of the stage.
+    pub const fn title(self) -> &'static str {
+        match self {
+            Self::Pictures => "Pictures",
+            Self::Rectified => "Rectified",
+        }
+    }
+}
+
+/// A tab of the dock.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum TabId {
+    /// Intensities along the inspected line pair.
+    #[default]
+    Profiles,
+    /// The steps of the method.
+    Method,
+    /// Distances of points from their epipolar lines.
+    Residuals,
+    /// The result beside other methods and the truth.
+    Compare,
+}
+
 impl TabId {
     /// All tabs from left to right.
-    pub const ALL: [Self; 6] =
-        [Self::Points, Self::Profiles, Self::Pencils, Self::Hypotheses, Self::Residuals, Self::Rectified];
+    pub const ALL: [Self; 4] = [Self::Profiles, Self::Method, Self::Residuals, Self::Compare];
 
     /// Returns the heading of the tab.
     pub const fn title(self) -> &'static str {
         match self {
-            Self::Points => "Point pairs",
             Self::Profiles => "Profiles",
-            Self::Pencils => "Pencils",
-            Self::Hypotheses => "Hypotheses",
+            Self::Method => "Method",
             Self::Residuals => "Residuals",
-            Self::Rectified => "Rectified",
+            Self::Compare => "Compare",
         }
     }
+}
+
+/// A step of the method, as a person follows it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum MethodStep {
+    /// Comparison of all lines through a click with all lines through its match.
+    #[default]
+    Pencils,
+    /// Line pairs that are each other's best match.
+    Candidates,
+    /// Intersections of two candidates, which are possible epipoles.
+    Epipoles,
+    /// Mapping of lines to the other image and back.
+    RoundTrip,
+    /// Comparison of the best hypotheses over the whole of both images.
+    Validation,
+    /// Fit of the best hypothesis to patches at full resolution.
+    Result,
+}
+
+impl MethodStep {
+    /// All steps in their order.
+    pub const ALL: [Self; 6] =
+        [Self::Pencils, Self::Candidates, Self::Epipoles, Self::RoundTrip, Self::Validation, Self::Result];
+
+    /// Returns the heading of the step.
+    pub const fn title(self) -> &'static str {
+        match self {
+            Self::Pencils => "Pencils",
+            Self::Candidates => "Candidates",
+            Self::Epipoles => "Epipoles",
+            Self::RoundTrip => "Round trip",
+            Self::Validation => "Validation",
+            Self::Result => "Result",
+        }
+    }
+
+    /// Returns the neighbouring step; `None` at the ends.
+    pub fn neighbour(self, forward: bool) -> Option<Self> {
+        let place = self as usize;
+        let other = if forward { Some(place + 1) } else { place.checked_sub(1) };
+        Self::ALL.get(other?).copied()
+    }
+}
+
+/// A part of the dock that switches overlays on while it is open.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum OverlayPlace {
+    /// A tab.
+    Tab(TabId),
+    /// A step of the method.
+    Step(MethodStep),
 }
 
 /// Rule for showing an overlay.
@@ -44,10 +112,25 @@ pub enum Visibility {
     Always,
     /// Shown until the user hides it.
     AtFirst,
-    /// Hidden until the user shows it.
+    /// Shown while its part of the dock is open, or when the user keeps it on.
     OnRequest,
     /// Shown until the user hides it, with ground truth only.
     WithTruth,
+}
+
+/// Group of overlays in their menu.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[expect(missing_docs, reason = "the titles say all")]
+pub enum OverlayGroup {
+    Result,
+    Method,
+    Data,
+}
+
+impl OverlayGroup {
+    /// All groups with their titles.
+    pub const ALL: [(Self, &'static str); 3] =
+        [(Self::Result, "Result"), (Self::Method, "Method"), (Self::Data, "Data")];
 }
 
 /// An overlay over the images.
@@ -80,19 +163,19 @@ impl OverlayId {
     const TABLE: [(Self, &'static str, Visibility); 19] = [
         (Self::Candidates, "Candidates", Visibility::OnRequest),
         (Self::RoundTrip, "Round trip", Visibility::OnRequest),
-        (Self::Uncertainty, "Uncertainty", Visibility::AtFirst),
+        (Self::Uncertainty, "Uncertainty", Visibility::OnRequest),
         (Self::Lines, "Epipolar lines", Visibility::AtFirst),
         (Self::TrueLines, "True lines", Visibility::WithTruth),
         (Self::ChosenLines, "Chosen lines", Visibility::OnRequest),
         (Self::Bisectors, "Bisectors", Visibility::OnRequest),
         (Self::CursorLine, "Cursor line", Visibility::AtFirst),
         (Self::Pinned, "Pinned", Visibility::AtFirst),
-        (Self::Samples, "Matched samples", Visibility::AtFirst),
+        (Self::Samples, "Matched samples", Visibility::OnRequest),
         (Self::TrueMatches, "True matches", Visibility::WithTruth),
         (Self::Matches, "Matches", Visibility::OnRequest),
         (Self::MagnifiedResiduals, "Residuals ×50", Visibility::OnRequest),
-        (Self::Hypotheses, "Hypotheses", Visibility::AtFirst),
-        (Self::Epipoles, "Epipoles", Visibility::AtFirst),
+        (Self::Hypotheses, "Hypotheses", Visibility::OnRequest),
+        (Self::Epipoles, "Epipoles", Visibility::OnRequest),
         (Self::PointedAt, "Pointed at", Visibility::Always),
         (Self::Suggestion, "Suggested match", Visibility::Always),
         (Self::NextClick, "Next click", Visibility::Always),
@@ -112,10 +195,34 @@ impl OverlayId {
         Self::TABLE[self as usize].1
     }
 
-    /// Returns whether the overlay is drawn over the map of the epipoles. The map must not cover
-    /// things to click.
-    pub const fn is_above_map(self) -> bool {
-        matches!(self, Self::PointedAt | Self::Suggestion | Self::NextClick | Self::Points)
+    /// Returns the parts of the dock that show the overlay while they are open.
+    pub const fn places(self) -> &'static [OverlayPlace] {
+        use MethodStep::{Candidates, Epipoles, Result, RoundTrip, Validation};
+        use OverlayPlace::{Step, Tab};
+        match self {
+            Self::Candidates => &[Step(Candidates)],
+            Self::ChosenLines | Self::Bisectors | Self::Hypotheses => &[Step(Epipoles)],
+            Self::Epipoles => &[Step(Epipoles), Step(Result)],
+            Self::RoundTrip => &[Step(RoundTrip)],
+            Self::Uncertainty => &[Step(Result)],
+            Self::Matches => &[Step(Validation), Step(Result)],
+            Self::Samples => &[Tab(TabId::Profiles)],
+            Self::MagnifiedResiduals => &[Tab(TabId::Residuals)],
+            _ => &[],
+        }
+    }
+
+    /// Returns the group of the overlay in its menu.
+    pub const fn group(self) -> OverlayGroup {
+        match self {
+            Self::Candidates | Self::RoundTrip | Self::ChosenLines | Self::Bisectors | Self::Hypotheses => {
+                OverlayGroup::Method
+            }
+            Self::Points | Self::Samples | Self::Matches | Self::TrueMatches | Self::TrueLines => {
+                OverlayGroup::Data
+            }
+            _ => OverlayGroup::Result,
+        }
     }
 
     /// Returns whether a figure can include the overlay. Overlays for the cursor or the next click
@@ -138,5 +245,13 @@ mod tests {
     fn overlays_are_in_the_order_of_their_table() {
         assert!(OverlayId::all().enumerate().all(|(place, id)| id as usize == place));
         assert!(TabId::ALL.into_iter().enumerate().all(|(place, id)| id as usize == place));
+        assert!(MethodStep::ALL.into_iter().enumerate().all(|(place, id)| id as usize == place));
+    }
+
+    #[test]
+    fn steps_end_at_both_ends() {
+        assert_eq!(MethodStep::Pencils.neighbour(false), None);
+        assert_eq!(MethodStep::Pencils.neighbour(true), Some(MethodStep::Candidates));
+        assert_eq!(MethodStep::Result.neighbour(true), None);
     }
 }

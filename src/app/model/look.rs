@@ -1,4 +1,4 @@
-//! Visible overlays, tabs and panels. They do not affect the edited state and are kept between
+//! Visible overlays, stage, tab and dock. They do not affect the edited state and are kept between
 //! runs.
 
 use std::collections::BTreeMap;
@@ -6,7 +6,8 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::comparison::Subject;
-use super::ids::{OverlayId, TabId, Visibility};
+use super::dock::DockLook;
+use super::ids::{MethodStep, OverlayId, OverlayPlace, StageId, TabId, Visibility};
 use super::rectified::RectifiedLook;
 
 /// Effect of a click in an image.
@@ -21,37 +22,36 @@ pub enum Tool {
     Measure,
 }
 
-/// Visible overlays, tabs and panels.
+/// Visible overlays, stage and tab, and the place of the dock.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
 #[expect(clippy::struct_excessive_bools, reason = "each is a switch of its own")]
 pub struct Look {
-    /// Whether each overlay is shown, in the order of their list.
+    /// Whether each overlay is kept on, in the order of their list.
     #[serde(serialize_with = "overlays_by_name", deserialize_with = "overlays_from_names")]
     pub overlays: [bool; OverlayId::COUNT],
     /// Whether zoom and position of the two images are linked.
     pub linked: bool,
-    /// Whether the map of the epipoles is shown.
-    pub map: bool,
     /// Whether a magnifier follows the cursor while a point is placed.
     pub loupe: bool,
-    /// The tab of the bottom panel.
+    /// The stage. Every start begins with the pictures.
+    #[serde(skip)]
+    pub stage: StageId,
+    /// The tab of the dock.
     #[serde(serialize_with = "tab_by_title", deserialize_with = "tab_from_title")]
     pub tab: TabId,
-    /// Whether the bottom panel is folded.
-    pub tabs_folded: bool,
-    /// Whether the bottom panel takes most of the window.
-    pub tabs_enlarged: bool,
-    /// Whether the side panel is folded.
-    pub side_folded: bool,
-    /// Whether the row of overlays is folded.
-    pub overlays_folded: bool,
-    /// Whether the small images of the folder are folded.
-    pub strip_folded: bool,
+    /// The step shown by the tab of the method.
+    #[serde(skip)]
+    pub step: MethodStep,
+    /// Place and size of the dock.
+    pub dock: DockLook,
+    /// Whether the images of the folder are shown in a drawer over the stage.
+    pub drawer: bool,
     /// Whether given names of pairs are shown in the images.
     pub names: bool,
-    /// Whether the images are stacked.
-    pub stacked: bool,
+    /// Whether the images are stacked; `None` chooses what shows them larger.
+    #[serde(rename = "stacking")]
+    pub stacked: Option<bool>,
     /// Subject of the residuals.
     pub compared: Subject,
     /// Layout and guide lines of the rectified pair.
@@ -63,16 +63,14 @@ impl Default for Look {
         Self {
             overlays: shown_at_first(),
             linked: false,
-            map: true,
             loupe: true,
-            tab: TabId::Points,
-            tabs_folded: false,
-            tabs_enlarged: false,
-            side_folded: false,
-            overlays_folded: false,
-            strip_folded: false,
+            stage: StageId::default(),
+            tab: TabId::default(),
+            step: MethodStep::default(),
+            dock: DockLook::default(),
+            drawer: false,
             names: true,
-            stacked: false,
+            stacked: None,
             compared: Subject::default(),
             rectified: RectifiedLook::default(),
         }
@@ -80,9 +78,16 @@ impl Default for Look {
 }
 
 impl Look {
-    /// Returns whether an overlay is shown.
+    /// Returns whether an overlay is drawn: kept on, or switched on by the open part of the dock.
     pub fn shows(&self, overlay: OverlayId) -> bool {
-        self.overlays[overlay as usize]
+        let is_open = |place: &OverlayPlace| {
+            !self.dock.folded
+                && match place {
+                    OverlayPlace::Tab(tab) => self.tab == *tab,
+                    OverlayPlace::Step(step) => self.tab == TabId::Method && self.step == *step,
+                }
+        };
+        self.overlays[overlay as usize] || overlay.places().iter().any(is_open)
     }
 }
 
@@ -132,16 +137,29 @@ fn tab_from_title<'de, D: Deserializer<'de>>(deserializer: D) -> Result<TabId, D
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::app::model::dock::DockEdge;
+
+    #[test]
+    fn a_step_switches_its_overlay_on_and_leaving_it_off() {
+        let mut look = Look { tab: TabId::Method, step: MethodStep::RoundTrip, ..Look::default() };
+        assert!(look.shows(OverlayId::RoundTrip) && !look.shows(OverlayId::Candidates));
+        look.step = MethodStep::Candidates;
+        assert!(!look.shows(OverlayId::RoundTrip) && look.shows(OverlayId::Candidates));
+        look.dock.folded = true;
+        assert!(!look.shows(OverlayId::Candidates) && look.shows(OverlayId::Lines));
+        look.overlays[OverlayId::Candidates as usize] = true;
+        assert!(look.shows(OverlayId::Candidates), "kept on by the user");
+    }
 
     #[test]
     fn a_look_is_restored_whatever_is_missing_or_unknown() {
-        let mut look =
-            Look { linked: true, map: false, tab: TabId::Pencils, side_folded: true, ..Look::default() };
+        let dock = DockLook { folded: true, edge: Some(DockEdge::Right), ..DockLook::default() };
+        let mut look = Look { linked: true, tab: TabId::Method, dock, ..Look::default() };
         look.overlays[OverlayId::Points as usize] = false;
         let text = serde_json::to_string(&look).unwrap();
         assert_eq!(serde_json::from_str::<Look>(&text).unwrap(), look);
         let partial = r#"{"overlays": {"Points": false, "Of another version": true}, "map": false, "linked": true,
-                "tab": "Pencils", "side_folded": true}"#;
+                "tab": "Method", "dock": {"edge": "right", "folded": true}}"#;
         assert_eq!(serde_json::from_str::<Look>(partial).unwrap(), look);
         let unknown = serde_json::from_str::<Look>(r#"{"tab": "Of another version"}"#);
         assert_eq!(unknown.unwrap(), Look::default());

@@ -9,8 +9,8 @@
 //! | [`computation`] | progress and result of the estimate |
 //! | [`comparison`], [`inspection`], [`suggesting`], [`rectified`] | other questions with their
 //! answers |
-//! | [`focus`], [`look`], [`ids`] | hovered and selected things; visible things, kept between runs
-//! |
+//! | [`focus`] | hovered and selected things |
+//! | [`look`], [`ids`], [`dock`] | visible things, kept between runs; place of the dock |
 //! | [`measuring`] | a distance and a direction in one image |
 //! | [`thumbnails`] | small pictures of the images of the folder |
 //! | [`recording`] | two sequences in place of two pictures: frames and time offset |
@@ -26,6 +26,7 @@ pub mod album;
 pub mod command;
 pub mod comparison;
 pub mod computation;
+pub mod dock;
 pub mod document;
 pub mod exchange;
 pub mod focus;
@@ -68,7 +69,7 @@ use document::{Document, PictureIdentity, PointRef};
 use exchange::PendingImport;
 use focus::LineSource;
 use history::{History, Step};
-use ids::{OverlayId, TabId, Visibility};
+use ids::{OverlayId, StageId, TabId, Visibility};
 use look::{Look, Tool};
 use messages::Messages;
 use open_pair::OpenPair;
@@ -219,9 +220,25 @@ impl Model {
         });
     }
 
-    /// Returns the visible tab of the bottom panel; `None` when the panel is folded.
+    /// Returns the visible tab of the dock; `None` when the dock is folded or has other content.
     pub fn tab(&self) -> Option<TabId> {
-        (!self.look.tabs_folded).then_some(self.look.tab)
+        (!self.look.dock.folded && self.stage() == StageId::Pictures).then_some(self.look.tab)
+    }
+
+    /// Returns the visible stage. Without a geometry there is nothing to rectify.
+    pub fn stage(&self) -> StageId {
+        if self.can_rectify() { self.look.stage } else { StageId::Pictures }
+    }
+
+    /// Returns whether a rectified pair exists or can be made.
+    pub fn can_rectify(&self) -> bool {
+        self.open.rectified.is_some() || self.shown().is_some()
+    }
+
+    /// Returns whether nothing was placed or computed yet.
+    pub fn is_at_start(&self) -> bool {
+        let document = &self.document;
+        document.pairs.is_empty() && document.half.is_none() && !document.unclicked && self.shown().is_none()
     }
 
     /// Returns whether the user can show or hide an overlay.

@@ -79,6 +79,12 @@ pub struct OpenPair {
     pub measuring: Option<Measuring>,
     /// Position of the cursor: written in one frame, read in the next.
     pub hover: Option<Hover>,
+    /// Whether the pictures are shown without bars and dock.
+    pub alone: bool,
+    /// Whether the two pictures have traded places, for a blink.
+    pub swapped: bool,
+    /// Whether the lines of an unreliable geometry are drawn all the same.
+    pub lines_anyway: bool,
     /// Document after a click placed a point, so that a double click can take the point back.
     pub placed: Option<Document>,
     /// Revision of the result that the selected hypothesis belongs to.

@@ -3,7 +3,7 @@
 use super::Model;
 use super::comparison::ComparisonQuestion;
 use super::computation::{EstimateRequest, Freshness};
-use super::ids::TabId;
+use super::ids::{StageId, TabId};
 use super::inspection::InspectionRequest;
 use super::picture::Pictures;
 use super::rectified::{MatchesAtHand, RectifyQuestion};
@@ -43,7 +43,7 @@ impl Model {
 
     /// Returns the request for a comparison, while something shows it.
     pub fn comparison_question(&self) -> Option<ComparisonQuestion> {
-        let tab = self.tab() == Some(TabId::Residuals);
+        let tab = matches!(self.tab(), Some(TabId::Residuals | TabId::Compare));
         if !(tab || self.truth().is_some() || self.open.focus.contestant().is_some()) {
             return None;
         }
@@ -109,7 +109,7 @@ impl Model {
 
     /// Returns whether the rectified pair is visible.
     pub fn wants_rectified(&self) -> bool {
-        self.tab() == Some(TabId::Rectified)
+        self.stage() == StageId::Rectified
     }
 
     /// Returns the request for a rectified pair, once there is a geometry.

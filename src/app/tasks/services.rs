@@ -101,7 +101,8 @@ impl Default for Services {
             next_click: Box::new(move |question| {
                 let prepared = advising.get(&question.pictures);
                 let found = &question.found;
-                next_click(&prepared, found.fundamental(), &Rival::of(found), &question.placed)
+                let matches: Vec<_> = found.matches().iter().map(|found| found.pair).collect();
+                next_click(&prepared, found.fundamental(), &Rival::of(found), &question.placed, &matches)
             }),
             repair: Box::new(move |question| repaired(&repairing.get(&question.pictures), question)),
             pick_file: Arc::new(pick_file),

@@ -1,23 +1,26 @@
 //! Layout of the window.
 
-use egui::{CentralPanel, Context, Frame, Margin, Panel, Rect, Sense, Ui, UiBuilder};
+use egui::{Context, Frame, Margin, Panel, Rect, Ui, UiBuilder, Vec2, vec2};
 
 use super::actions::conditions::has_strip;
 use super::capture::ViewCapture;
 use super::dialogs::Dialogs;
 use super::panels;
 use super::panes::{ImagePane, halves};
+use super::theme;
 use crate::app::model::Model;
 use crate::app::model::command::Command;
+use crate::app::model::dock::{DockEdge, Placement, placed};
 use crate::app::model::document::Side;
+use crate::app::model::ids::StageId;
 use crate::app::model::open_pair::Hover;
 use crate::app::model::pane_view::PaneView;
+use crate::geometry::Frame as FrameSize;
 
-/// Least height of a window with the legend, screen points.
-const ROOM_FOR_LEGEND: f32 = 620.0;
-
-/// Height that an enlarged panel leaves for the bars and the images, screen points.
-const REST: f32 = 290.0;
+/// Ratio of aspects from which a rectified pair is arranged on its own.
+const OTHER_SHAPE: f64 = 1.5;
+/// Height of the bar under two sequences, screen points.
+const PLAYER: f32 = 36.0;
 
 /// State of the screen outside the model: panes, dialogs and the screenshot in progress.
 pub struct View {
@@ -31,6 +34,10 @@ pub struct View {
     pub strip: panels::FilmStrip,
     /// Area of both images in the window, screen points.
     pub images: Option<Rect>,
+    /// Arrangement of dock and pictures in the last frame.
+    pub placement: Option<Placement>,
+    /// Sizes of the pictures that were arranged.
+    arranged: Option<[FrameSize; 2]>,
     title: String,
 }
 
@@ -42,6 +49,8 @@ impl Default for View {
             capture: ViewCapture::default(),
             strip: panels::FilmStrip::default(),
             images: None,
+            placement: None,
+            arranged: None,
             title: String::new(),
         }
     }
@@ -96,106 +105,141 @@ impl View {
 
     fn draw_all(&mut self, ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) -> Option<Hover> {
         let ctx = ui.ctx().clone();
-        let bar = |ui: &Ui| Frame::new().fill(ui.visuals().panel_fill).inner_margin(Margin::symmetric(12, 7));
-        let height = ctx.content_rect().height();
-        Panel::top("toolbar").frame(bar(ui)).show(ui, |ui| panels::toolbar(ui, model, commands));
-        Panel::top("guide").frame(bar(ui)).show(ui, |ui| {
-            ui.set_min_height(28.0);
-            panels::guide_bar(ui, model, commands);
-        });
-        // An enlarged panel leaves just enough room for the images.
-        let enlarged = model.tab().is_some() && model.look.tabs_enlarged;
-        let strip = has_strip(model) && !model.look.strip_folded && !enlarged;
-        let strip = model.folder().filter(|_| strip);
-        let room_for_legend = ROOM_FOR_LEGEND + strip.map_or(0.0, |_| panels::FilmStrip::height(height));
-        match strip {
-            Some(folder) => {
-                let strip = bar(ui).inner_margin(Margin::symmetric(8, 3));
-                Panel::top("images of the folder")
-                    .frame(strip)
-                    .resizable(false)
-                    .exact_size(panels::FilmStrip::height(height))
-                    .show(ui, |ui| self.strip.show(ui, model, folder, commands));
-            }
-            None => self.strip.hide(),
-        }
-        Panel::bottom("status").frame(bar(ui)).show(ui, |ui| {
-            panels::status(ui, model, commands);
-        });
-        if model.look.side_folded {
-            let strip = bar(ui).inner_margin(Margin::symmetric(6, 7));
-            Panel::right("folded side")
-                .frame(strip)
+        let bar = |ui: &Ui| Frame::new().fill(ui.visuals().panel_fill).inner_margin(Margin::symmetric(8, 2));
+        if !model.open.alone {
+            Panel::top("top bar")
+                .frame(bar(ui))
                 .resizable(false)
-                .exact_size(34.0)
-                .show(ui, |ui| panels::side::folded(ui, model, commands));
-        } else {
-            Panel::right("side")
+                .exact_size(theme::TOP_BAR)
+                .show(ui, |ui| panels::top_bar(ui, model, commands));
+            Panel::bottom("status")
                 .frame(bar(ui))
-                .resizable(true)
-                .default_size(300.0)
-                .size_range(240.0..=480.0)
-                .show(ui, |ui| {
-                    // A wide child would widen the panel permanently.
-                    let area = ui.available_rect_before_wrap();
-                    ui.allocate_rect(area, Sense::hover());
-                    let mut inside = ui.new_child(UiBuilder::new().max_rect(area));
-                    inside.shrink_clip_rect(area);
-                    panels::side::show(&mut inside, model, commands);
-                });
+                .resizable(false)
+                .exact_size(theme::STATUS_BAR)
+                .show(ui, |ui| panels::status(ui, model, commands));
         }
-        if model.tab().is_some() {
-            // The two heights are remembered separately.
-            let (name, size, largest) = if model.look.tabs_enlarged {
-                let largest = (height - REST).max(height * 0.5);
-                ("enlarged tabs", largest.min(height * 0.64), largest)
-            } else {
-                ("tabs", (height * 0.29).clamp(130.0, 320.0), height * 0.6)
-            };
-            Panel::bottom(name)
-                .frame(bar(ui))
-                .resizable(true)
-                .default_size(size)
-                .size_range(130.0..=largest.max(131.0))
-                .show(ui, |ui| {
-                    // The panel keeps its height even if a tab has little to show.
-                    ui.set_min_height(ui.available_height());
-                    panels::tabs::headings(ui, model, commands);
-                    panels::tabs::chosen(ui, model, commands);
-                });
-        } else {
-            Panel::bottom("folded tabs").frame(bar(ui)).show(ui, |ui| {
-                panels::tabs::headings(ui, model, commands);
-            });
+        let room = ui.available_rect_before_wrap();
+        let (dock, mut stage) = self.split(&ctx, room, model);
+        if let Some(dock) = dock {
+            let edge = self.placement.map_or(DockEdge::Bottom, |placement| placement.edge);
+            let mut inside = ui.new_child(UiBuilder::new().max_rect(dock).id_salt("dock"));
+            panels::dock::show(&mut inside, dock, edge, model, commands);
         }
-        // A low window needs the space for the images; the View menu has all overlays, too.
-        let wanted = model.document.pictures.is_some() && !model.look.overlays_folded;
-        if wanted && height > room_for_legend && !enlarged {
-            let strip = bar(ui).inner_margin(Margin::symmetric(8, 3));
-            Panel::bottom("legend").frame(strip).show(ui, |ui| panels::legend(ui, model, commands));
+        if model.recordings().is_some() && !model.open.alone {
+            let (rest, player) = stage.split_top_bottom_at_y(stage.max.y - PLAYER);
+            ui.painter().rect_filled(player, 0.0, ui.visuals().panel_fill);
+            let mut inside =
+                ui.new_child(UiBuilder::new().max_rect(player.shrink2(vec2(8.0, 4.0))).id_salt("player"));
+            panels::player(&mut inside, model, commands);
+            stage = rest;
         }
-        if model.recordings().is_some() {
-            Panel::bottom("player").frame(bar(ui)).show(ui, |ui| panels::player(ui, model, commands));
-        }
-        let (area, hover) = CentralPanel::default()
-            .frame(bar(ui))
-            .show(ui, |ui| {
-                let area = ui.available_rect_before_wrap();
-                let mut hover = None;
-                for (pane, rect) in self.panes.iter_mut().zip(halves(area, model.look.stacked)) {
-                    let mut child =
-                        ui.new_child(UiBuilder::new().max_rect(rect).id_salt(rect.min != area.min));
-                    hover = pane.show(&mut child, model, commands).or(hover);
-                }
-                (area, hover)
-            })
-            .inner;
+        let hover = self.stage(ui, stage, model, commands);
+        self.drawer(ui, stage, model, commands);
         // Nothing may cover the images in a screenshot.
         if !self.capture.is_under_way() {
-            panels::messages(&ctx, area, model, commands);
+            panels::messages(&ctx, stage, model, commands);
         }
         self.dialogs.show(&ctx, model, commands);
-        self.images = Some(area);
+        self.images = Some(stage);
         hover
+    }
+
+    /// Splits the room below the bars into dock and stage.
+    fn split(&mut self, ctx: &Context, room: Rect, model: &Model) -> (Option<Rect>, Rect) {
+        let window = ctx.content_rect().size();
+        let frames = Self::frames(model);
+        let look = (&model.look.dock, model.look.stacked);
+        let size = |v: Vec2| [v.x, v.y];
+        // Other pictures are arranged afresh.
+        let originals = Self::originals(model);
+        if originals.is_some() && std::mem::replace(&mut self.arranged, originals) != originals {
+            self.placement = None;
+        }
+        // The arrangement is kept while pictures load.
+        let frames = frames.or(self.placement.is_none().then_some([FrameSize::new(4, 3); 2]));
+        if let Some(frames) = frames {
+            self.placement = Some(placed(size(window), size(room.size()), frames, look, self.placement));
+        }
+        let Some(Placement { edge, size, .. }) = self.placement.filter(|_| !model.open.alone) else {
+            return (None, room);
+        };
+        let size = match edge {
+            DockEdge::Bottom if model.look.dock.folded => panels::dock::FOLDED,
+            // The strip of a folded dock is always at the bottom, where its sentence has room.
+            DockEdge::Right if model.look.dock.folded => {
+                let (stage, dock) = room.split_top_bottom_at_y(room.max.y - panels::dock::FOLDED);
+                return (Some(dock), stage);
+            }
+            _ => size,
+        };
+        let (stage, dock) = match edge {
+            DockEdge::Bottom => room.split_top_bottom_at_y((room.max.y - size).max(room.min.y)),
+            DockEdge::Right => room.split_left_right_at_x((room.max.x - size).max(room.min.x)),
+        };
+        (Some(dock), stage)
+    }
+
+    fn originals(model: &Model) -> Option<[FrameSize; 2]> {
+        Some(model.document.pictures.as_ref()?.each_ref().map(|picture| picture.frame))
+    }
+
+    /// Returns the sizes by which the stage is arranged. A rectified pair of about the same shape keeps
+    /// the arrangement of the pictures, so that nothing moves when the stage changes.
+    fn frames(model: &Model) -> Option<[FrameSize; 2]> {
+        let originals = Self::originals(model)?;
+        let drawn = model.open.rectified.as_ref().and_then(|rectified| rectified.outcome.as_ref().ok());
+        let Some(drawn) = drawn.filter(|_| model.stage() == StageId::Rectified) else {
+            return Some(originals);
+        };
+        let aspect = |frame: FrameSize| frame.width.max(1) as f64 / frame.height.max(1) as f64;
+        let ratio = aspect(drawn.frame()) / aspect(originals[0]);
+        let is_alike = (1.0 / OTHER_SHAPE..OTHER_SHAPE).contains(&ratio);
+        Some(if is_alike { originals } else { [drawn.frame(); 2] })
+    }
+
+    /// Shows the pictures. Returns the image position under the cursor.
+    fn stage(
+        &mut self,
+        ui: &mut Ui,
+        area: Rect,
+        model: &Model,
+        commands: &mut Vec<Command>,
+    ) -> Option<Hover> {
+        let stacked = self.placement.is_some_and(|placement| placement.stacked);
+        ui.painter().rect_filled(area, 0.0, theme::palette(ui.visuals()).canvas);
+        if model.stage() == StageId::Rectified {
+            let mut inside = ui.new_child(UiBuilder::new().max_rect(area).id_salt("rectified"));
+            panels::tabs::rectified::show_pictures(&mut inside, stacked, model, commands);
+            return None;
+        }
+        let mut hover = None;
+        let mut places = halves(area, stacked);
+        if model.open.swapped {
+            places.reverse();
+        }
+        for (pane, rect) in self.panes.iter_mut().zip(places) {
+            let mut child = ui.new_child(UiBuilder::new().max_rect(rect).id_salt(pane.side().index()));
+            hover = pane.show(&mut child, model, commands).or(hover);
+        }
+        hover
+    }
+
+    /// Shows the images of the folder over the lower edge of the stage.
+    fn drawer(&mut self, ui: &mut Ui, stage: Rect, model: &Model, commands: &mut Vec<Command>) {
+        let open = has_strip(model) && model.look.drawer && !model.open.alone;
+        let Some(folder) = model.folder().filter(|_| open) else {
+            self.strip.hide();
+            return;
+        };
+        let height = panels::FilmStrip::height(ui.ctx().content_rect().height());
+        let place = stage.with_min_y(stage.max.y - height);
+        let layer = egui::LayerId::new(egui::Order::Middle, egui::Id::unique("drawer"));
+        let mut inside = ui.new_child(UiBuilder::new().max_rect(place).layer_id(layer));
+        inside.set_clip_rect(place);
+        inside.painter().rect_filled(place, 0.0, inside.visuals().panel_fill);
+        // A press on the drawer must not reach the pictures.
+        inside.interact(place, egui::Id::unique("drawer"), egui::Sense::click_and_drag());
+        let mut content = inside.new_child(UiBuilder::new().max_rect(place.shrink2(vec2(8.0, 4.0))));
+        self.strip.show(&mut content, model, folder, commands);
     }
 }

@@ -10,8 +10,14 @@ use egui::{
     Visuals,
 };
 
-/// Lines of the estimated geometry.
+use crate::app::model::verdict::LineLook;
+
+/// Lines of a reliable geometry.
 pub const ESTIMATED: Color32 = Color32::from_rgb(26, 204, 140);
+/// Lines of a doubtful geometry.
+pub const DOUBTFUL: Color32 = Color32::from_rgb(255, 190, 60);
+/// Lines of an unreliable geometry.
+pub const UNRELIABLE: Color32 = Color32::from_rgb(255, 90, 80);
 /// Uncertainty bands around the lines.
 pub const BAND: Color32 = Color32::from_rgb(30, 130, 96);
 /// Lines and matches of the true geometry.
@@ -68,6 +74,16 @@ pub const STRONG_LINE_WIDTH: f32 = 3.0;
 pub const STALE_OPACITY: f32 = 0.45;
 /// Space between neighbouring elements, screen points.
 pub const GAP: f32 = 8.0;
+/// Height of the bar above the pictures, screen points.
+pub const TOP_BAR: f32 = 40.0;
+/// Height of the bar at the bottom of the window, screen points.
+pub const STATUS_BAR: f32 = 22.0;
+/// Height of a row of the dock, screen points.
+pub const ROW: f32 = 20.0;
+/// Size of captions.
+pub const CAPTION: f32 = 11.5;
+/// Size of the word of the verdict.
+pub const VERDICT: f32 = 18.0;
 
 /// The pairs `p`, `q` and `r`.
 pub const PAIRS: [Color32; 3] =
@@ -77,6 +93,15 @@ const OTHERS: Color32 = Color32::from_rgb(225, 225, 225);
 /// Returns the colour of a pair: one each for `p`, `q` and `r`, and one for all others.
 pub fn pair_color(pair: usize) -> Color32 {
     PAIRS.get(pair).copied().unwrap_or(OTHERS)
+}
+
+/// Returns the colour of epipolar lines in the look of their verdict.
+pub fn line_color(look: LineLook) -> Color32 {
+    match look {
+        LineLook::Solid => ESTIMATED,
+        LineLook::Dashed => DOUBTFUL,
+        LineLook::Dotted | LineLook::Hidden => UNRELIABLE,
+    }
 }
 
 /// Returns the colour of a pinned line pair. Colours repeat; the numbers distinguish the pairs.
@@ -143,17 +168,17 @@ pub fn install(ctx: &egui::Context) {
     ctx.set_fonts(fonts());
     ctx.all_styles_mut(|style| {
         for (text, size) in [
-            (TextStyle::Small, 12.0),
-            (TextStyle::Body, 14.0),
-            (TextStyle::Button, 14.0),
+            (TextStyle::Small, CAPTION),
+            (TextStyle::Body, 13.0),
+            (TextStyle::Button, 13.0),
             (TextStyle::Heading, 17.0),
         ] {
             style.text_styles.insert(text, FontId::proportional(size));
         }
         style.text_styles.insert(TextStyle::Monospace, FontId::monospace(13.0));
-        style.spacing.item_spacing = egui::vec2(GAP, 6.0);
+        style.spacing.item_spacing = egui::vec2(GAP, 4.0);
         style.spacing.button_padding = egui::vec2(10.0, 4.0);
-        style.spacing.interact_size.y = 26.0;
+        style.spacing.interact_size.y = 24.0;
         style.spacing.window_margin = Margin::same(16);
         style.spacing.tooltip_width = 320.0;
         // A thin bar always shows that there is more to scroll to.

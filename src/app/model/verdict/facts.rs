@@ -7,7 +7,7 @@ use super::tone::Tone;
 use crate::app::model::computation::Freshness;
 use crate::app::model::document::{Document, Imported};
 use crate::estimate::{Estimate, LineScore, Reason};
-use crate::geometry::{Frame, FundamentalMatrix, HomogeneousPoint, finite_point};
+use crate::geometry::{Frame, FundamentalMatrix, HomogeneousPoint, Point, finite_point};
 use crate::presentation::Scale;
 
 /// A figure with its name.
@@ -76,8 +76,12 @@ pub fn facts(document: &Document, estimate: &Estimate, freshness: Freshness) -> 
         let count = refinement.matches.len();
         let fact = Fact::new(
             "Matches",
-            format!("{count} patches at full size"),
-            "Image patches matched along the epipolar lines at full resolution. The result is fitted to them.",
+            match &refinement.noise {
+                Some(noise) => format!("{count}, to {noise:.2} px"),
+                None => count.to_string(),
+            },
+            "Image patches matched along the epipolar lines at full resolution. The result is fitted to them. \
+             Half of the correct matches lie within the distance given.",
         );
         let gauge = Gauge::judged(Scale::MATCHES, count as f64, |v| format!("{v:.0}"));
         facts.push(fact.on(Some(gauge).filter(|_| count > 0)));
@@ -174,7 +178,7 @@ const MARGIN: &str = "Difference in support between hypothesis 1, from which the
                       refined, and the best clearly different geometry. The published search \
                       compares line scores instead. With a small margin, the result is a guess. \
                       When the margin is not clear, the rivals are refined as well, and the margin \
-                      after refinement decides. The tab Hypotheses marks the rival.";
+                      after refinement decides. The step Validation marks the rival.";
 
 /// Returns the figures of a hypothesis shown in place of its result `of`.
 pub fn hypothesis_facts(document: &Document, hypothesis: &Estimate, of: Option<&Estimate>) -> Vec<Fact> {
@@ -242,6 +246,27 @@ fn line_figures(
     score.into_iter().chain(round_trip)
 }
 
+/// Returns the figures of the card: at most four, the most telling ones first.
+pub fn card_facts(facts: &[Fact]) -> impl Iterator<Item = &Fact> {
+    const ORDER: [&str; 8] = [
+        "True error",
+        "Agreement",
+        "Distinct lines",
+        "Matches",
+        "Margin",
+        "Left epipole",
+        "Right epipole",
+        "Checked",
+    ];
+    let named = |name: &&str| facts.iter().find(|fact| fact.name == *name);
+    let all: Vec<&Fact> = ORDER.iter().filter_map(named).collect();
+    // The epipoles are always among them.
+    let most = 4 - all.iter().filter(|fact| fact.name.ends_with("epipole")).count();
+    let (epipoles, others): (Vec<&Fact>, Vec<&Fact>) =
+        all.into_iter().partition(|fact| fact.name.ends_with("epipole"));
+    others.into_iter().take(most).chain(epipoles)
+}
+
 /// Describes the position of an epipole.
 pub fn epipole_text(epipole: &HomogeneousPoint, frame: Option<Frame>) -> String {
     // Farther away, the lines in the image look parallel.
@@ -252,6 +277,22 @@ pub fn epipole_text(epipole: &HomogeneousPoint, frame: Option<Frame>) -> String 
     };
     // Far away, fractions of a pixel mean nothing.
     let decimals = usize::from(p.coords.amax() < 1000.0);
-    let inside = if frame.is_some_and(|frame| frame.contains(p)) { " in the image" } else { "" };
-    format!("({:.decimals$}, {:.decimals$}){inside}", p.x, p.y)
+    let place = format!("({:.decimals$}, {:.decimals$})", p.x, p.y);
+    match frame {
+        Some(frame) if frame.contains(p) => format!("{place} in the image"),
+        Some(frame) => format!("{}, {place}", direction(p, frame)),
+        None => place,
+    }
+}
+
+/// Returns the side of an image on which a point outside lies.
+fn direction(p: Point, frame: Frame) -> &'static str {
+    let away = p - frame.centre();
+    let [x, y] = [away.x / frame.width as f64, away.y / frame.height as f64];
+    match (x.abs() >= y.abs(), x > 0.0, y > 0.0) {
+        (true, true, _) => "right",
+        (true, false, _) => "left",
+        (false, _, true) => "below",
+        (false, _, false) => "above",
+    }
 }

@@ -1,5 +1,6 @@
-//! The result in words: a headline, figures and warnings.
+//! The result in words: a verdict with its reason, figures, further reasons, and the next action.
 
+mod action;
 mod facts;
 mod gauge;
 mod standing;
@@ -11,10 +12,11 @@ use crate::app::model::computation::{Computation, EstimateFailure, Freshness};
 use crate::app::model::document::{Document, Imported, Role, pair_name};
 use crate::estimate::{self, CLICK_DEVIATIONS, Reason};
 use crate::geometry::{FundamentalMatrix, sampson_distance, symmetric_epipolar_distance};
-use crate::presentation::{reason_in_words, warning_in_words};
+use crate::presentation::{error_in_words, reason_in_words, warning_in_words};
 
+pub use action::{CardAction, LineLook};
 use facts::facts;
-pub use facts::{Fact, epipole_text, epipoles, hypothesis_facts, import_facts};
+pub use facts::{Fact, card_facts, epipole_text, epipoles, hypothesis_facts, import_facts};
 pub use gauge::{Gauge, HypothesisFigure, HypothesisScales, line_score_text};
 pub use standing::Standing;
 pub use tone::Tone;
@@ -24,11 +26,13 @@ pub use tone::Tone;
 pub struct VerdictInWords {
     /// Good or bad news.
     pub tone: Tone,
-    /// Headline, one sentence.
-    pub headline: String,
-    /// Figures behind the headline.
+    /// The verdict in one or two words.
+    pub word: &'static str,
+    /// The main reason, or the next step.
+    pub sentence: String,
+    /// Figures behind the verdict.
     pub facts: Vec<Fact>,
-    /// Warnings, one sentence each.
+    /// All reasons, the main one first.
     pub warnings: Vec<String>,
 }
 
@@ -45,28 +49,58 @@ pub fn import_warning(imported: &Imported) -> Option<&'static str> {
     }
 }
 
+/// Returns whether the state of the estimate is good or bad news. Lines are drawn accordingly.
+pub fn tone(document: &Document, computation: &Computation) -> Tone {
+    let Some((estimate, freshness)) = computation.result() else {
+        return match computation.failure() {
+            _ if computation.is_running() => Tone::Busy,
+            Some(_) => Tone::Bad,
+            None => Tone::Idle,
+        };
+    };
+    let assessment = &estimate.assessment;
+    let trust = assessment.trust.as_ref();
+    match freshness {
+        Freshness::Stale | Freshness::Followed | Freshness::Preliminary => Tone::Busy,
+        Freshness::Stopped => Tone::Caution,
+        Freshness::Final if trust.is_some_and(|trust| trust.verdict == estimate::Verdict::Unreliable) => {
+            Tone::Bad
+        }
+        Freshness::Final => {
+            let has_reasons = trust.is_some_and(|trust| !trust.reasons.is_empty());
+            let contradicted = || contradicting_check(document, estimate.fundamental()).is_some();
+            let is_doubtful = has_reasons || !assessment.warnings.is_empty() || contradicted();
+            if is_doubtful { Tone::Caution } else { Tone::Good }
+        }
+    }
+}
+
 /// Describes the state of the estimate.
 pub fn verdict(document: &Document, computation: &Computation) -> VerdictInWords {
-    let bare =
-        |tone, headline: String| VerdictInWords { tone, headline, facts: Vec::new(), warnings: Vec::new() };
+    let tone = tone(document, computation);
+    let bare = |word, sentence: String| VerdictInWords {
+        tone,
+        word,
+        sentence,
+        facts: Vec::new(),
+        warnings: Vec::new(),
+    };
+    let stage = || computation.stage().map_or(String::new(), |stage| stage.label().to_owned());
     let Some((estimate, freshness)) = computation.result() else {
-        if computation.is_running() {
-            let stage = computation.stage().map_or(String::new(), |stage| format!(": {}", stage.label()));
-            return bare(Tone::Busy, format!("Estimating{stage}"));
-        }
         return match computation.failure() {
+            _ if computation.is_running() => bare("Estimating", stage()),
             Some(EstimateFailure::Estimate(error)) => {
-                bare(Tone::Bad, format!("No result: {}.", in_names(&error.to_string(), document)))
+                bare("No result", format!("{}.", capitalised(&in_names(&error_in_words(error), document))))
             }
             Some(EstimateFailure::Panic(text)) => bare(
-                Tone::Bad,
+                "No result",
                 format!(
                     "The computation stopped unexpectedly ({text}), by a fault of the program. \
                      Your points are kept. Move a point or press F5 to try again."
                 ),
             ),
-            None if computation.was_stopped() => bare(Tone::Idle, "Stopped. F5 computes again.".into()),
-            None => bare(Tone::Idle, waiting(document)),
+            None if computation.was_stopped() => bare("Stopped", "F5 computes again".into()),
+            None => bare("No geometry yet", waiting(document)),
         };
     };
     let assessment = &estimate.assessment;
@@ -84,48 +118,38 @@ pub fn verdict(document: &Document, computation: &Computation) -> VerdictInWords
         .chain(checked)
         .filter(|_| finished)
         .collect();
-    let unreliable =
-        assessment.trust.as_ref().is_some_and(|trust| trust.verdict == estimate::Verdict::Unreliable);
-    let (tone, headline) = match freshness {
-        Freshness::Stale => {
-            (Tone::Busy, "Updating. The lines still belong to the previous points.".to_owned())
-        }
-        Freshness::Followed => {
-            (Tone::Busy, "The latest geometry, adjusted to the moved points. The search goes on.".into())
-        }
-        Freshness::Preliminary => (
-            Tone::Busy,
-            format!(
-                "First result, being refined{}",
-                computation.stage().map_or(String::new(), |stage| format!(": {}", stage.label()))
-            ),
-        ),
-        Freshness::Stopped => {
-            (Tone::Caution, "First result. The search was stopped before refinement.".into())
-        }
-        Freshness::Final if unreliable => {
-            (Tone::Bad, format!("The geometry from {} is unreliable:", used(document)))
-        }
-        Freshness::Final if warnings.is_empty() => {
-            let checked = if assessment.trust.is_some() { "; nothing speaks against it" } else { "" };
-            (Tone::Good, format!("Epipolar geometry found from {}{checked}.", used(document)))
-        }
+    let (word, sentence) = match freshness {
+        Freshness::Stale => ("Updating", "The lines still belong to the previous points".to_owned()),
+        Freshness::Followed => ("Updating", "The latest geometry, adjusted to the moved points".into()),
+        Freshness::Preliminary => ("First result", format!("Being refined: {}", stage())),
+        Freshness::Stopped => ("First result", "The search was stopped before refinement".into()),
         Freshness::Final => {
-            (Tone::Caution, format!("Epipolar geometry found from {}, with doubts:", used(document)))
+            let word = match tone {
+                Tone::Good if assessment.trust.is_none() => "Estimated",
+                Tone::Good => "Reliable",
+                Tone::Bad => "Unreliable",
+                _ => "Doubtful",
+            };
+            let checks = if assessment.trust.is_some() { ". All checks passed." } else { "" };
+            let sentence = warnings.first().cloned();
+            let sentence = sentence.unwrap_or_else(|| format!("Estimated from {}{checks}", used(document)));
+            (word, sentence)
         }
     };
-    VerdictInWords { tone, headline, facts: facts(document, estimate, freshness), warnings }
+    VerdictInWords { tone, word, sentence, facts: facts(document, estimate, freshness), warnings }
 }
 
 fn waiting(document: &Document) -> String {
     let needed = document.pairs_needed();
     if document.pictures.is_none() {
-        return "Nothing to estimate from yet.".into();
+        return "Open two pictures of the same scene".into();
     }
     let more = needed.saturating_sub(document.used().count());
-    let pairs = if more == 1 { "One more point pair gives" } else { "Two point pairs give" };
-    let pairs = if more == 3 { "Three point pairs give" } else { pairs };
-    format!("{pairs} the epipolar lines, the epipoles and a verdict on their reliability.")
+    match more {
+        1 => "Mark one more point pair to estimate the epipolar geometry".into(),
+        3 => "Mark three point pairs to estimate the epipolar geometry".into(),
+        _ => "Mark two point pairs to estimate the epipolar geometry".into(),
+    }
 }
 
 /// Maximum number of listed names. More pairs are only counted.

@@ -66,7 +66,7 @@ pub fn action(command: impl Into<Command>, name: &'static str, tooltip: &'static
     }
 }
 
-/// Creates the action that shows a tab of the bottom panel.
+/// Creates the action that shows a tab of the dock.
 pub fn tab(id: TabId, key: Key, tooltip: &'static str) -> Action {
     action(Command::ShowTab(id), id.title(), tooltip).key(Modifiers::NONE, key)
 }

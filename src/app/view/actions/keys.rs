@@ -3,10 +3,10 @@
 use egui::{Key, Modifiers};
 
 use super::action::{Action, action, tab};
-use super::conditions::{has_neighbour, has_rectified, has_sequences, has_strip};
+use super::conditions::{has_neighbour, has_sequences, has_strip};
 use crate::app::model::Model;
 use crate::app::model::command::{Command, ExchangeCommand, SessionCommand};
-use crate::app::model::ids::TabId;
+use crate::app::model::ids::{StageId, TabId};
 use crate::app::model::recording::PlayerCommand;
 use crate::app::model::rectified::RectifiedCommand;
 
@@ -57,12 +57,6 @@ pub fn with_keys() -> Vec<Action> {
         )
         .key(NONE, Key::V)
         .listed(|_| "Stack the images vertically or show them side by side"),
-        action(
-            Command::ToggleMap,
-            "Epipole map",
-            "Show where the epipoles are, inside and far outside the images.",
-        )
-        .key(NONE, Key::M),
         action(
             Command::ShowOpenDialog,
             "Open images",
@@ -165,79 +159,57 @@ pub fn with_keys() -> Vec<Action> {
         action(Command::Recompute, "Compute again", "Run the estimate again from the same points.")
             .key(NONE, Key::F5)
             .when(|model| model.document.used_pairs().is_some()),
+        action(Command::FoldDock, "Hide or show the dock", "Fold the dock to one line with the verdict, or unfold it.")
+            .key(NONE, Key::B),
         action(
-            Command::EnlargeTabs,
-            "Enlarge",
-            "Enlarge the bottom panel to most of the window, or restore its height.",
+            Command::ToggleAlone,
+            "Pictures alone",
+            "Show the pictures without bars and dock. Escape brings everything back.",
         )
-        .key(SHIFT, Key::B)
-        .listed(|_| "Enlarge or reduce the panel"),
+        .key(NONE, Key::H)
+        .key(NONE, Key::F11),
         action(
-            Command::FoldTabs,
-            "Hide or show the bottom panel",
-            "Hide the bottom panel, or show it again.",
+            Command::Blink,
+            "Blink",
+            "Let the left and the right picture trade places. Press again and again to compare them.",
         )
-        .key(NONE, Key::B),
+        .key(NONE, Key::X)
+        .listed(|_| "Blink: exchange the two pictures")
+        .when(|model| model.document.pictures.is_some()),
         action(
-            Command::FoldSide,
-            "Hide or show the side panel",
-            "Hide the panel with the result and the steps, or show it again.",
-        )
-        .key(NONE, Key::P)
-        .listed(|_| "Hide or show the side panel"),
-        action(
-            Command::FoldOverlays,
-            "Hide or show the overlay row",
-            "Hide the row of overlays under the images, or show it again. The View menu has all overlays, \
-             too.",
-        )
-        .key(NONE, Key::O)
-        .listed(|_| "Hide or show the overlay row"),
-        action(
-            Command::FoldStrip,
-            "Hide or show the images of the folder",
-            "Hide the small images of the folder, or show them again.",
+            Command::ToggleDrawer,
+            "Images of the folder",
+            "Show all images of the folder in a drawer over the pictures, or hide them.",
         )
         .key(NONE, Key::A)
         .when(has_strip),
         tab(
-            TabId::Points,
-            Key::Num1,
-            "Your point pairs, with their roles and their distances from the geometry.",
-        ),
-        tab(
             TabId::Profiles,
-            Key::Num2,
+            Key::Num1,
             "Intensities along one line pair, and the matching of its samples.",
         ),
+        tab(TabId::Method, Key::Num2, "The steps of the method on these pictures, one by one."),
+        tab(TabId::Residuals, Key::Num3, "Distances of points from their epipolar lines."),
         tab(
-            TabId::Pencils,
-            Key::Num3,
-            "Similarity of the lines through a clicked point to the lines through its match.",
-        ),
-        tab(
-            TabId::Hypotheses,
+            TabId::Compare,
             Key::Num4,
-            "The best candidate geometries, with the figures that rank them.",
+            "The result beside the 7-point and 8-point geometries, an imported one and the truth.",
         ),
-        tab(
-            TabId::Residuals,
-            Key::Num5,
-            "Distances of points from the result, the 7-point and 8-point geometries, and the truth.",
-        ),
-        tab(
-            TabId::Rectified,
-            Key::Num6,
-            "Both images, redrawn with corresponding points in the same row.",
-        ),
+        action(Command::ShowStage(StageId::Pictures), "Pictures", "Show the two pictures as opened.")
+            .key(NONE, Key::Num5),
         action(
-            RectifiedCommand::Swap,
-            "Swap",
-            "Show the other rectified picture instead.",
+            Command::ShowStage(StageId::Rectified),
+            "Rectified",
+            "Show both images redrawn with corresponding points in the same row.",
         )
-        .key(NONE, Key::X)
-        .listed(|_| "Rectified pair: show the other picture")
-        .when(has_rectified),
+        .key(NONE, Key::Num6)
+        .when(Model::can_rectify),
+        action(Command::StepMethod { forward: false }, "Previous step", "Show the previous step of the method.")
+            .key(SHIFT, Key::N)
+            .listed(|_| "Method: previous step"),
+        action(Command::StepMethod { forward: true }, "Next step", "Show the next step of the method.")
+            .key(NONE, Key::N)
+            .listed(|_| "Method: next step"),
         action(
             RectifiedCommand::ShowExport,
             "Export",

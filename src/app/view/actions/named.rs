@@ -5,6 +5,7 @@ use super::conditions::{has_rectified, has_sequences, is_published_search};
 use crate::app::model::Model;
 use crate::app::model::command::{Command, ExchangeCommand};
 use crate::app::model::comparison::Contestant;
+use crate::app::model::dock::DockEdge;
 use crate::app::model::point_table::PointsCommand;
 use crate::app::model::recording::PlayerCommand;
 use crate::app::model::rectified::{RectifiedCommand, RectifiedLayout};
@@ -80,6 +81,41 @@ pub fn by_name() -> Vec<Action> {
         )
         .listed(|_| "Turn matches into point pairs")
         .when(Model::can_keep_matches),
+        action(
+            Command::PlaceAtMark,
+            "Add a pair at the mark",
+            "Place the left point of a new pair where it narrows the geometry most.",
+        )
+        .listed(|_| "Add a pair where it helps most")
+        .when(|model| matches!(model.open.next_click, Some(Some(_)))),
+        action(
+            Command::ToggleUnreliableLines,
+            "Show lines anyway",
+            "Draw the epipolar lines although the geometry is unreliable, or hide them again.",
+        )
+        .listed(
+            |model| if model.open.lines_anyway { "Hide unreliable lines" } else { "Show unreliable lines" },
+        )
+        .when(|model| model.lines_switch().is_some()),
+        action(
+            Command::PlaceDock(None),
+            "Place of the dock",
+            "Put the dock at the bottom or at the right, or where it costs the pictures least.",
+        )
+        .listed(|_| "Dock: automatic place"),
+        action(
+            Command::PlaceDock(Some(DockEdge::Bottom)),
+            "Place of the dock",
+            "Put the dock at the bottom or at the right, or where it costs the pictures least.",
+        )
+        .listed(|_| "Dock: at the bottom"),
+        action(
+            Command::PlaceDock(Some(DockEdge::Right)),
+            "Place of the dock",
+            "Put the dock at the bottom or at the right, or where it costs the pictures least.",
+        )
+        .listed(|_| "Dock: at the right"),
+        action(RectifiedCommand::Swap, "Swap", "Show the other rectified picture instead."),
         action(Command::ClearPairs, "Clear points", "Remove all point pairs. Undo brings them back.")
             .listed(|_| "Clear all points")
             .when(|model| !model.document.pairs.is_empty() || model.document.half.is_some()),

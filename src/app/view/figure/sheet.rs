@@ -68,7 +68,7 @@ pub fn sheet(model: &Model, panes: [Option<PanePlace>; 2], choices: &FigureChoic
         Some(pane) => pane.rect.width() / pane.rect.height().max(1.0),
         None => frames[k].width as f32 / frames[k].height as f32,
     };
-    let stacked = model.look.stacked;
+    let stacked = model.look.stacked.unwrap_or(false);
     let sizes = [0, 1].map(|k| {
         let (width, height) =
             if stacked { (EXTENT, EXTENT / aspect(k)) } else { (EXTENT * aspect(k), EXTENT) };
@@ -145,6 +145,9 @@ pub fn sheet(model: &Model, panes: [Option<PanePlace>; 2], choices: &FigureChoic
             let shown = |id: OverlayId| id.is_for_figures() && model.look.shows(id) && choices.has(id);
             for overlay in OVERLAYS.iter().filter(|overlay| shown(overlay.id)) {
                 (overlay.draw)(&canvas);
+            }
+            if let Some((word, look)) = model.doubt().filter(|_| side == Side::Left) {
+                canvas.label(place.transform.rect.min, word, theme::line_color(look));
             }
         }
     });

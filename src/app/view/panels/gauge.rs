@@ -7,18 +7,6 @@ use egui::{
 use crate::app::model::verdict::{Gauge, Tone};
 use crate::app::view::theme;
 
-/// Width of a bar below a figure, screen points.
-const WIDTH: f32 = 110.0;
-
-/// Shows the bar of the figure called `name`.
-pub fn show(ui: &mut Ui, name: &str, gauge: &Gauge) -> Response {
-    let (area, response) = ui.allocate_exact_size(vec2(WIDTH.min(ui.available_width()), 8.0), Sense::hover());
-    label(&response, name, gauge);
-    let bar = Rect::from_center_size(area.center(), vec2(area.width(), 3.0));
-    draw(ui.painter(), ui.visuals(), bar, gauge);
-    response
-}
-
 /// Shows the bar as a line under the figure's text, for rows without room for a separate bar.
 pub fn under(ui: &Ui, text: &Response, name: &str, gauge: &Gauge) {
     let Rect { min, max } = text.rect;

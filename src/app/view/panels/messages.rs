@@ -2,9 +2,10 @@
 
 use egui::{Align, Align2, Area, Frame, Id, Label, Layout, Margin, Order, Rect, RichText, Stroke, vec2};
 
+use super::card;
 use crate::app::model::Model;
 use crate::app::model::command::Command;
-use crate::app::model::messages::MessageKind;
+use crate::app::model::messages::{Message, MessageKind};
 use crate::app::view::theme;
 
 /// Distance from the top of a button to its text, screen points.
@@ -12,7 +13,10 @@ const BESIDE_BUTTONS: f32 = 4.0;
 
 /// Shows the messages over the top of the images, so that the layout does not move.
 pub fn show(ctx: &egui::Context, area: Rect, model: &Model, commands: &mut Vec<Command>) {
-    if model.messages.list().is_empty() {
+    // The card of the start makes the offers itself, so that nothing covers the pictures.
+    let offered = |message: &&Message| message.kind == MessageKind::LeftBehind && card::offers(model);
+    let shown: Vec<&Message> = model.messages.on_top().filter(|message| !offered(message)).collect();
+    if shown.is_empty() {
         return;
     }
     Area::new(Id::unique("messages"))
@@ -22,7 +26,7 @@ pub fn show(ctx: &egui::Context, area: Rect, model: &Model, commands: &mut Vec<C
         .show(ctx, |ui| {
             let palette = theme::palette(ui.visuals());
             let width = (area.width() - 64.0).clamp(200.0, 720.0);
-            for message in model.messages.on_top() {
+            for message in shown {
                 let (fill, edge) = match message.kind {
                     MessageKind::Problem => (palette.message_fill, palette.bad),
                     MessageKind::Replace => (ui.visuals().panel_fill, palette.caution),

@@ -1,19 +1,22 @@
-//! The panels around the images, one file each. They read the [`crate::app::model::Model`] and
+//! The bars, the dock and the dialogs around the images, one file each. They read the [`crate::app::model::Model`] and
 //! return commands.
 
 mod busy;
+mod card;
 mod copy_menu;
 mod dialog;
+pub mod dock;
 mod exchange;
 mod export_dialog;
 mod film_strip;
 mod gauge;
-mod guide_bar;
-mod legend;
+mod icons;
 mod messages;
 mod open_dialog;
+mod overlays_menu;
 mod pair_chooser;
 mod pair_menu;
+mod pairs;
 mod palette;
 mod pin_menu;
 mod place_menu;
@@ -21,12 +24,11 @@ mod player;
 mod relocate_dialog;
 mod save_dialog;
 mod shortcuts;
-pub mod side;
 mod status;
 mod table;
 pub mod tabs;
 mod tones;
-mod toolbar;
+mod top_bar;
 
 use egui::{Button, Response, Ui};
 
@@ -45,14 +47,12 @@ pub use place_menu::show as place_menu;
 pub use relocate_dialog::RelocateDialog;
 pub use save_dialog::SaveDialog;
 
-pub use guide_bar::show as guide_bar;
-pub use legend::show as legend;
 pub use messages::show as messages;
 pub use pair_chooser::truth_button;
 pub use player::show as player;
 pub use shortcuts::show as shortcuts;
 pub use status::show as status;
-pub use toolbar::show as toolbar;
+pub use top_bar::show as top_bar;
 
 /// Shows a command's button, with its name, tooltip and shortcut.
 fn command_button(ui: &mut Ui, command: Command, enabled: bool, commands: &mut Vec<Command>) -> Response {

@@ -3,27 +3,30 @@
 use egui::{Button, ComboBox, ScrollArea, Ui};
 
 use super::finish_button;
+use super::icons::{Icon, icon_button};
 use crate::app::model::Model;
 use crate::app::model::command::Command;
 use crate::app::model::document::{Side, counted};
 use crate::app::model::pair_folder::PairFolder;
+use crate::app::view::actions::conditions::has_strip;
 
-/// Shows the buttons from right to left.
+/// Shows the choice of the pair, and the button of the drawer with all images.
 pub fn show(ui: &mut Ui, model: &Model, folder: &PairFolder, pair: [usize; 2], commands: &mut Vec<Command>) {
-    if folder.known().is_some() {
-        truth_button(ui, model, commands);
-        ui.separator();
-    }
-    ui.spacing_mut().item_spacing.x = 4.0;
-    step(ui, folder, pair, true, commands);
+    step(ui, folder, pair, false, commands);
     if folder.pairs_freely() {
-        for side in [Side::Right, Side::Left] {
+        for side in Side::BOTH {
             view_chooser(ui, folder, pair, side, commands);
         }
     } else {
         pair_chooser(ui, folder, pair, commands);
     }
-    step(ui, folder, pair, false, commands);
+    step(ui, folder, pair, true, commands);
+    if has_strip(model) {
+        let drawer = icon_button(ui, Icon::Images, true, model.look.drawer);
+        let name = Command::ToggleDrawer.name();
+        drawer.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, name));
+        finish_button(ui, drawer, Command::ToggleDrawer, commands);
+    }
     kept_pairs(ui, model, folder, commands);
 }
 
@@ -70,7 +73,7 @@ fn view_chooser(ui: &mut Ui, folder: &PairFolder, pair: [usize; 2], side: Side, 
     let other = pair[side.other().index()];
     let label = format!("The {} view", side.name());
     let response = ComboBox::from_id_salt(("view", side))
-        .width(110.0)
+        .width(92.0)
         .selected_text(&folder.names()[chosen])
         .show_ui(ui, |ui| {
             for (number, name) in folder.names().iter().enumerate() {
@@ -92,7 +95,7 @@ fn view_chooser(ui: &mut Ui, folder: &PairFolder, pair: [usize; 2], side: Side, 
 /// Shows the choice of a pair.
 fn pair_chooser(ui: &mut Ui, folder: &PairFolder, pair: [usize; 2], commands: &mut Vec<Command>) {
     let response =
-        ComboBox::from_id_salt("pair").width(150.0).selected_text(folder.pair_name(pair)).show_ui(ui, |ui| {
+        ComboBox::from_id_salt("pair").width(130.0).selected_text(folder.pair_name(pair)).show_ui(ui, |ui| {
             let pairs = (0..folder.names().len()).step_by(2).map(|view| [view, view + 1]);
             for other in pairs {
                 if ui.selectable_label(other == pair, folder.pair_name(other)).clicked() && other != pair {

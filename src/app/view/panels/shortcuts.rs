@@ -33,19 +33,19 @@ fn group(command: &Command) -> &'static str {
         Command::ToggleInspectTool
         | Command::ToggleMeasureTool
         | Command::ToggleLink
-        | Command::ToggleMap
         | Command::FitAll
+        | Command::Blink
         | Command::ToggleStacked
         | Command::ToggleLoupe
         | Command::Tones(_)
         | Command::Player(_)
         | Command::Rectified(_) => "Display",
         Command::ShowTab(_)
-        | Command::FoldTabs
-        | Command::FoldSide
-        | Command::FoldOverlays
-        | Command::FoldStrip
-        | Command::EnlargeTabs => "Panels",
+        | Command::ShowStage(_)
+        | Command::StepMethod { .. }
+        | Command::FoldDock
+        | Command::ToggleAlone
+        | Command::ToggleDrawer => "Panels",
         Command::ToggleTruth
         | Command::Recompute
         | Command::ChooseHypothesis(_)

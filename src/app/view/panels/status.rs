@@ -1,45 +1,70 @@
-//! The status bar: position and intensity under the cursor, and the progress of an export.
+//! The bar at the bottom: the position under the cursor, a hint, the last action, time and seed.
 
-use egui::{Align, Layout, RichText, Ui};
+use egui::{Align, Label, Layout, RichText, Ui};
 
 use super::{busy, command_button};
 use crate::app::model::Model;
 use crate::app::model::command::Command;
+use crate::app::model::guide::guide;
 use crate::app::model::rectified::RectifiedCommand;
+use crate::app::view::theme;
+use crate::estimate::Preset;
 
-/// Approximate width of the mouse hints, screen points.
-const ROOM_FOR_HINTS: f32 = 360.0;
+/// What the mouse does, before there is a next step to tell.
+const MOUSE: &str = "Scroll zooms · drag pans · double click fits · ? for all keys";
 
 /// Shows the bar.
 pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
-    ui.horizontal(|ui| {
-        let under =
-            model.open.hover.and_then(|hover| Some((hover, model.intensity_at(hover.side, hover.point)?)));
-        let text = match under {
-            Some((hover, intensity)) => format!(
-                "{:<5}  x {:8.2}   y {:8.2}   intensity {intensity:5.1}",
-                hover.side.name(),
-                hover.point.x,
-                hover.point.y,
-            ),
-            None => String::new(),
-        };
-        let text = RichText::new(text);
-        ui.label(if model.open.hover.is_some() { text.monospace() } else { text.weak() });
-        if let Some(done) = model.open.done.text() {
-            ui.separator();
-            ui.add(egui::Label::new(done).truncate());
-        }
-        if let Some(progress) = model.activity.writing {
-            ui.separator();
-            busy::show(ui);
-            ui.label(format!("Export: {}, {} of {}", progress.what, progress.done, progress.all));
-            command_button(ui, RectifiedCommand::StopExport.into(), true, commands);
-        }
+    ui.spacing_mut().interact_size.y = theme::STATUS_BAR - 6.0;
+    let small = |text: String| RichText::new(text).size(theme::CAPTION);
+    ui.horizontal_centered(|ui| {
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            if ui.available_width() > ROOM_FOR_HINTS {
-                ui.weak("Scroll: zoom     Drag: move     Double click: fit     ?: all keys");
+            if let Some(text) = time_and_seed(model) {
+                ui.label(small(text).weak());
             }
+            ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
+                let under = model
+                    .open
+                    .hover
+                    .and_then(|hover| Some((hover, model.intensity_at(hover.side, hover.point)?)));
+                if let Some((hover, intensity)) = under {
+                    let text = format!(
+                        "{:<5} {:8.2} {:8.2}  {intensity:5.1}",
+                        hover.side.name(),
+                        hover.point.x,
+                        hover.point.y
+                    );
+                    ui.label(small(text).monospace()).on_hover_text("Image, x and y in px, intensity.");
+                    ui.separator();
+                }
+                if model.activity.loading {
+                    busy::show(ui);
+                }
+                if let Some(progress) = model.activity.writing {
+                    busy::show(ui);
+                    let text = format!("Export: {}, {} of {}", progress.what, progress.done, progress.all);
+                    ui.label(small(text));
+                    command_button(ui, RectifiedCommand::StopExport.into(), true, commands);
+                    ui.separator();
+                }
+                let hint = || if model.is_at_start() { MOUSE.to_owned() } else { guide(model) };
+                let text = model.open.done.text().map_or_else(hint, str::to_owned);
+                ui.add(Label::new(small(text)).truncate());
+            });
         });
     });
+}
+
+/// Describes duration and seed of the result.
+fn time_and_seed(model: &Model) -> Option<String> {
+    let (estimate, _) = model.open.computation.result()?;
+    let trace = estimate.trace.as_ref()?;
+    let preset = match trace.preset {
+        Preset::Robust => "robust",
+        Preset::Paper => "as published",
+    };
+    Some(format!(
+        "{:.2} s · first {:.2} s · {preset}, seed {}",
+        trace.seconds, trace.first_seconds, trace.seed
+    ))
 }

@@ -13,6 +13,7 @@ use crate::app::model::verdict::Gauge;
 use crate::app::view::theme;
 
 /// A column.
+#[derive(Clone)]
 pub struct Column {
     /// Heading of the column.
     pub title: &'static str,

@@ -4,6 +4,7 @@ use egui::containers::menu::{MenuButton, MenuConfig};
 use egui::{Button, PopupCloseBehavior, Slider, Ui};
 
 use super::finish_button;
+use super::icons::Icon;
 use crate::app::model::Model;
 use crate::app::model::command::Command;
 use crate::app::model::document::Side;
@@ -12,10 +13,13 @@ use crate::app::model::tones::{Channel, Rendition, TonesCommand};
 /// Shows the button of the menu.
 pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let changed = model.open.tones.of.iter().any(|own| !own.is_plain());
-    let button = Button::selectable(changed, "Brightness").frame_when_inactive(true);
+    let button = Button::selectable(changed, "").min_size(egui::vec2(28.0, 26.0));
     let stays_open = MenuConfig::new().close_behavior(PopupCloseBehavior::CloseOnClickOutside);
     let (button, _) =
         MenuButton::from_button(button).config(stays_open).ui(ui, |ui| menu(ui, model, commands));
+    let color = ui.style().interact_selectable(&button, changed).text_color();
+    Icon::Tones.draw(ui.painter(), button.rect.center(), color);
+    button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, "Brightness"));
     button.on_hover_text(
         "Exposure, contrast, gamma and channels of the displayed images. Computations are not affected.",
     );

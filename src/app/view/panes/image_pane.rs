@@ -1,14 +1,17 @@
 //! An image pane: zooming, panning, clicks and drags.
 
+use std::fmt::Write;
+
 use egui::{CursorIcon, PointerButton, Pos2, Rect, Response, Sense, StrokeKind, Ui, WidgetInfo};
 
+use super::loupe;
 use super::navigation::zoom_asked;
-use super::overlays::{Canvas, Labels, OVERLAYS, Overlay, draw_measurement, pinned_at, pointed_at};
+use super::overlays::{Canvas, Labels, OVERLAYS, draw_measurement, pinned_at, pointed_at};
 use super::texture::PictureTexture;
 use super::transform::Transform;
-use super::{epipole_map, loupe};
 use crate::app::model::Model;
 use crate::app::model::command::Command;
+use crate::app::model::dock::BETWEEN;
 use crate::app::model::document::{PointRef, Side, pair_name};
 use crate::app::model::focus::LineSource;
 use crate::app::model::ids::OverlayId;
@@ -83,6 +86,11 @@ impl ImagePane {
         Self { side, image: None, drag: None, menu: None, rect: Rect::ZERO }
     }
 
+    /// Returns the side of the picture.
+    pub fn side(&self) -> Side {
+        self.side
+    }
+
     /// Shows another picture completely.
     pub fn set_picture(&mut self, ctx: &egui::Context, opened: &Opened) {
         let texture = PictureTexture::new(ctx, opened);
@@ -130,7 +138,6 @@ impl ImagePane {
 
     /// Shows the pane in all available space. Returns the image position under the cursor.
     pub fn show(&mut self, ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) -> Option<Hover> {
-        self.header(ui, model);
         let rect = ui.available_rect_before_wrap();
         self.rect = rect;
         let response = ui.allocate_rect(rect, Sense::click_and_drag());
@@ -139,7 +146,7 @@ impl ImagePane {
             .widget_info(|| WidgetInfo::labeled(egui::Role::Image, true, format!("{} image", side.name())));
         let painter = ui.painter_at(rect);
         let palette = theme::palette(ui.visuals());
-        painter.rect_filled(rect, 4.0, palette.canvas);
+        painter.rect_filled(rect, 0.0, palette.canvas);
         let Some(image) = &mut self.image else {
             let text = if model.activity.loading { "Opening" } else { "Drop an image here" };
             let color = ui.visuals().weak_text_color();
@@ -175,9 +182,7 @@ impl ImagePane {
             labels: Some(&labels),
             is_figure: false,
         };
-        let (above, below): (Vec<&Overlay>, Vec<&Overlay>) =
-            OVERLAYS.iter().filter(|overlay| model.look.shows(overlay.id)).partition(|o| o.id.is_above_map());
-        for overlay in below {
+        for overlay in OVERLAYS.iter().filter(|overlay| model.look.shows(overlay.id)) {
             (overlay.draw)(&canvas);
         }
         if response.secondary_clicked() && self.menu.is_none() && model.look.shows(OverlayId::Pinned) {
@@ -203,16 +208,10 @@ impl ImagePane {
         if let Some(target) = response.hover_pos().and_then(|position| pointed_at(&canvas, position)) {
             commands.push(Command::PointAt(target));
         }
-        if model.look.map {
-            epipole_map::show(ui, &transform, side, model, commands);
-        }
-        for overlay in above {
-            (overlay.draw)(&canvas);
-        }
         draw_measurement(&canvas);
         let due = model.document.half.is_some_and(|half| half.side != side);
         if due {
-            painter.rect_stroke(rect, 4.0, egui::Stroke::new(2.0, palette.accent), StrokeKind::Inside);
+            painter.rect_stroke(rect, 0.0, egui::Stroke::new(2.0, palette.accent), StrokeKind::Inside);
         }
         let hover = if let Some(Drag { what: Dragged::Point(at, _), .. }) = self.drag {
             model.document.point(at).map(|point| Hover { side, point, dragging: true })
@@ -224,6 +223,7 @@ impl ImagePane {
         if let Some(hover) = hover.filter(|hover| model.look.loupe && self.wants_loupe(model, *hover)) {
             self.magnify(&painter, &transform, hover.point, model);
         }
+        self.chip(ui, model);
         hover
     }
 
@@ -261,34 +261,43 @@ impl ImagePane {
         loupe::finish(&painter, &transform);
     }
 
-    /// Shows the line above the image: side, name, size and zoom.
-    fn header(&self, ui: &mut Ui, model: &Model) {
-        ui.horizontal(|ui| {
-            let title = match self.side {
-                Side::Left => "Left",
-                Side::Right => "Right",
-            };
-            ui.strong(title);
-            let Some(picture) = model.document.pictures.as_ref().map(|p| &p[self.side.index()]) else {
-                return;
-            };
+    /// Shows the name of the image in its corner, with its zoom and whether its brightness is changed.
+    fn chip(&self, ui: &Ui, model: &Model) {
+        let title = match self.side {
+            Side::Left => "Left",
+            Side::Right => "Right",
+        };
+        let mut text = String::new();
+        if let Some(picture) = model.document.pictures.as_ref().map(|p| &p[self.side.index()]) {
             let Frame { width, height } = picture.frame;
-            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-                ui.weak(format!("{width} × {height} px"));
-                if !model.open.tones.of[self.side.index()].is_plain() {
-                    ui.weak("brightness changed")
-                        .on_hover_text("Not shown as in the file. Reset it in the menu Brightness.");
-                }
-                if let Some(image) = self.image.as_ref().filter(|image| !image.view.fits()) {
-                    let rect = ui.available_rect_before_wrap();
-                    let scale = image.view.transform(picture.frame, rect).scale;
-                    ui.weak(format!("{:.0} %", scale * 100.0));
-                }
-                ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| {
-                    ui.add(egui::Label::new(egui::RichText::new(&picture.name).weak()).truncate());
-                });
-            });
-        });
+            text = format!("{}  {width} × {height}", picture.name);
+            if let Some(image) = self.image.as_ref().filter(|image| !image.view.fits()) {
+                let scale = image.view.transform(picture.frame, self.rect).scale;
+                let _ = write!(text, "  {:.0} %", scale * 100.0);
+            }
+            if !model.open.tones.of[self.side.index()].is_plain() {
+                text += "  brightness changed";
+            }
+        }
+        let mut job = egui::text::LayoutJob::default();
+        let font = egui::FontId::proportional(theme::CAPTION);
+        let format = |color| egui::TextFormat { font_id: font.clone(), color, ..egui::TextFormat::default() };
+        job.append(title, 0.0, format(theme::SELECTED));
+        job.append(&text, 6.0, format(egui::Color32::from_gray(190)));
+        // Copies of the view carry the word of the verdict.
+        let doubt = model.doubt().filter(|_| self.side == Side::Left);
+        if let Some((word, look)) = doubt {
+            job.append(word, 8.0, format(theme::line_color(look)));
+        }
+        job.wrap = egui::text::TextWrapping::truncate_at_width((self.rect.width() - 32.0).max(8.0));
+        let galley = ui.painter().layout_job(job);
+        let chip =
+            Rect::from_min_size(self.rect.min + egui::vec2(6.0, 6.0), galley.size() + egui::vec2(12.0, 6.0));
+        let painter = ui.painter_at(self.rect);
+        painter.rect_filled(chip, 4.0, theme::LABEL_FILL);
+        painter.galley(chip.min + egui::vec2(6.0, 3.0), galley, theme::SELECTED);
+        let response = ui.interact(chip, ui.scope_id().with("chip"), Sense::hover());
+        response.widget_info(|| WidgetInfo::labeled(egui::Role::Label, true, format!("{title} {text}")));
     }
 
     /// Handles clicks, double clicks, and the start and end of drags.
@@ -409,10 +418,10 @@ fn follow(ui: &Ui, drag: &Drag, image: &mut PaneImage, transform: &Transform, co
 
 /// Splits an area for two pictures, side by side or stacked.
 pub fn halves(rect: Rect, stacked: bool) -> [Rect; 2] {
-    let half = theme::GAP;
+    let half = BETWEEN / 2.0;
     if stacked {
         let (upper, lower) = rect.split_top_bottom_at_fraction(0.5);
-        return [upper.with_max_y(upper.max.y - half / 2.0), lower.with_min_y(lower.min.y + half / 2.0)];
+        return [upper.with_max_y(upper.max.y - half), lower.with_min_y(lower.min.y + half)];
     }
     let (left, right) = rect.split_left_right_at_fraction(0.5);
     [left.with_max_x(left.max.x - half), right.with_min_x(right.min.x + half)]

@@ -1,6 +1,5 @@
 //! The images and their overlays.
 
-mod epipole_map;
 mod film;
 mod image_pane;
 mod loupe;

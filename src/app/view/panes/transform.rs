@@ -59,9 +59,9 @@ impl Viewing {
     }
 }
 
-/// Returns the scale at which the whole image fits, with a small margin.
+/// Returns the scale at which the whole image fits.
 fn fitting_scale(frame: Frame, rect: Rect) -> f64 {
-    let room = |extent: f32, pixels: usize| (f64::from(extent) - 12.0).max(1.0) / pixels.max(1) as f64;
+    let room = |extent: f32, pixels: usize| f64::from(extent).max(1.0) / pixels.max(1) as f64;
     room(rect.width(), frame.width).min(room(rect.height(), frame.height)).min(LARGEST_SCALE)
 }
 

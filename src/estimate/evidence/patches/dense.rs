@@ -81,7 +81,7 @@ fn nearest(places: &[Vector2<f32>], point: Point) -> Option<usize> {
     let squared = |place: &Vector2<f32>| (place - point).norm_squared();
     // The minimum alone vectorises.
     let least = places.iter().map(squared).fold(f32::INFINITY, f32::min);
-    places.iter().position(|place| squared(place) == least)
+    places.iter().position(|place| squared(place) <= least)
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 
 use egui::{
     Align, Color32, ColorImage, Id, Label, Layout, Rect, RichText, ScrollArea, Sense, TextureHandle,
-    TextureOptions, Ui, UiBuilder, vec2,
+    TextureOptions, Ui, UiBuilder, Vec2, vec2,
 };
 use egui_plot::{GridInput, GridMark, Line, Plot, PlotImage, PlotPoint, PlotPoints, PlotUi, VLine};
 
@@ -41,7 +41,7 @@ fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
             "The two lines are being compared."
         } else {
             "Intensities along the epipolar lines of p (for sequences, their motion barcodes) appear here \
-             once there are enough point pairs. Pin a line pair in the tab Pencils to compare other lines."
+             once there are enough point pairs."
         };
         empty(ui, text);
         return;
@@ -49,23 +49,76 @@ fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let room = ui.available_size();
     let hovered =
         ScrollArea::vertical().id_salt("profile plots").auto_shrink([false, false]).show(ui, |ui| {
-            let (area, _) = ui.allocate_exact_size(vec2(room.x, room.y.max(LEAST_HEIGHT)), Sense::hover());
-            all_plots(ui, model, inspection, area)
+            let grid = PlotGrid::fitting(room);
+            let (area, _) = ui.allocate_exact_size(vec2(room.x, grid.height(room)), Sense::hover());
+            all_plots(ui, model, inspection, area, grid)
         });
     if let Some(sample) = hovered.inner {
         commands.push(Command::PointAt(Target::Sample(sample)));
     }
 }
 
+/// Arrangement of the four plots.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum PlotGrid {
+    /// The curves at the left; costs and disparities at the right.
+    Whole,
+    /// The curves in the first row. The others are below and are scrolled to.
+    Low,
+    /// One below the other.
+    Narrow,
+}
+
+impl PlotGrid {
+    fn fitting(room: Vec2) -> Self {
+        match room {
+            _ if room.x < LEAST_WIDTH => Self::Narrow,
+            _ if room.y < LEAST_HEIGHT => Self::Low,
+            _ => Self::Whole,
+        }
+    }
+
+    /// Returns the height of all plots.
+    fn height(self, room: Vec2) -> f32 {
+        match self {
+            Self::Whole => room.y,
+            Self::Low => 2.0 * room.y.max(0.5 * LEAST_HEIGHT),
+            Self::Narrow => room.y.max(2.0 * LEAST_HEIGHT),
+        }
+    }
+
+    fn place(self, area: Rect, number: usize) -> Rect {
+        let cell = |column: usize, columns: usize, row: usize, rows: usize| {
+            let size = area.size() / vec2(columns as f32, rows as f32);
+            Rect::from_min_size(area.min + size * vec2(column as f32, row as f32), size)
+        };
+        match self {
+            Self::Whole => cell(number % 2, 2, number / 2, 2),
+            Self::Low => cell(number / 2, 2, number % 2, 2),
+            // Both curves first.
+            Self::Narrow => cell(0, 1, [0, 2, 1, 3][number], 4),
+        }
+    }
+
+    /// Returns whether a plot shows the scale of the distance, which plots in a column share.
+    fn has_scale(self, number: usize) -> bool {
+        match self {
+            Self::Whole => number >= 2,
+            Self::Low => true,
+            Self::Narrow => number == 3,
+        }
+    }
+}
+
+/// Width below which the plots are one below the other, screen points.
+const LEAST_WIDTH: f32 = 420.0;
+
 /// Shows the four plots. Returns the sample under the cursor.
-fn all_plots(ui: &mut Ui, model: &Model, inspection: &Inspection, area: Rect) -> Option<i32> {
+fn all_plots(ui: &mut Ui, model: &Model, inspection: &Inspection, area: Rect, grid: PlotGrid) -> Option<i32> {
     let marked = marked(model);
     let mut hovered = None;
     for (number, (title, tooltip, content)) in PLOTS.into_iter().enumerate() {
-        let (column, row) = (number % 2, number / 2);
-        let (left, right) = area.split_left_right_at_fraction(0.5);
-        let (top, bottom) = [left, right][column].split_top_bottom_at_fraction(0.5);
-        let rect = [top, bottom][row].shrink2(vec2(4.0, 1.0));
+        let rect = grid.place(area, number).shrink2(vec2(4.0, 1.0));
         let mut child = ui.new_child(UiBuilder::new().max_rect(rect).id_salt(title));
         child.spacing_mut().item_spacing.y = 0.0;
         child.horizontal(|ui| {
@@ -73,7 +126,7 @@ fn all_plots(ui: &mut Ui, model: &Model, inspection: &Inspection, area: Rect) ->
             let small = |text: &str| RichText::new(text).size(12.0).weak();
             ui.label(small(title)).on_hover_text(tooltip);
             for (color, text) in [(LEFT, "left line"), (RIGHT, "right line")] {
-                if column == 0 {
+                if number % 2 == 0 {
                     let (area, _) = ui.allocate_exact_size(vec2(14.0, 3.0), Sense::hover());
                     ui.painter().rect_filled(area, 1.0, color);
                     ui.label(small(text));
@@ -86,7 +139,7 @@ fn all_plots(ui: &mut Ui, model: &Model, inspection: &Inspection, area: Rect) ->
                 });
             }
         });
-        let plot = Titled { title, has_scale: row == 1, content };
+        let plot = Titled { title, has_scale: grid.has_scale(number), content };
         hovered = plot.show(&mut child, inspection, marked).or(hovered);
     }
     hovered

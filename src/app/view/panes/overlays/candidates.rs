@@ -11,7 +11,7 @@ use crate::geometry::AnchoredLine;
 pub const OVERLAY: Overlay = Overlay {
     id: OverlayId::Candidates,
     tooltip: "Candidate epipolar lines through p and q: the most similar line pairs, from yellow (best) to \
-              violet, as in the tab Pencils.",
+              violet, as in the step Pencils.",
     color: Color32::from_rgb(92, 200, 99),
     magnified: false,
     draw,

@@ -27,6 +27,6 @@ fn draw(canvas: &Canvas) {
         (canvas.line_from_other(f, hover.point), theme::LINE_WIDTH, opacity)
     };
     if let Some(line) = line {
-        canvas.line(&line, width, theme::HOVER.gamma_multiply(opacity));
+        canvas.epipolar_line(&line, width, theme::HOVER.gamma_multiply(opacity));
     }
 }

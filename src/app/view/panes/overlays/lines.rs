@@ -3,6 +3,7 @@
 use super::{Canvas, Overlay};
 use crate::app::model::document::{PointRef, Role};
 use crate::app::model::ids::OverlayId;
+use crate::app::model::verdict::LineLook;
 use crate::app::view::theme;
 use crate::geometry::PointPair;
 
@@ -17,12 +18,13 @@ pub const OVERLAY: Overlay = Overlay {
 
 fn draw(canvas: &Canvas) {
     let Some((shown, opacity)) = canvas.shown() else { return };
+    let color = theme::line_color(canvas.model.line_look()).gamma_multiply(opacity);
     let document = &canvas.model.document;
     let opposite = |pair: &PointPair| canvas.side.other().point(pair);
     for pair in canvas.model.standing_in() {
         let Some(line) = canvas.line_from_other(shown.fundamental, opposite(&pair)) else { continue };
-        canvas.line(&line, theme::LINE_WIDTH, theme::ESTIMATED.gamma_multiply(opacity));
-        canvas.dot(canvas.side.point(&pair), theme::HANDLE_RADIUS, theme::ESTIMATED.gamma_multiply(opacity));
+        canvas.epipolar_line(&line, theme::LINE_WIDTH, color);
+        canvas.dot(canvas.side.point(&pair), theme::HANDLE_RADIUS, color);
     }
     let selected = canvas.at_hand(document.selection).map(|at| at.pair);
     let wanted =
@@ -31,10 +33,11 @@ fn draw(canvas: &Canvas) {
         let Some(line) = canvas.line_from_other(shown.fundamental, other) else { continue };
         let strong = selected == Some(at.pair);
         let width = if strong { theme::STRONG_LINE_WIDTH } else { theme::LINE_WIDTH };
-        canvas.line(&line, width, theme::ESTIMATED.gamma_multiply(opacity));
+        canvas.epipolar_line(&line, width, color);
         // The distance of the point from its line, visible when magnified.
         let own = PointRef { side: canvas.side, ..at };
-        if let Some(point) = document.point(own) {
+        let is_drawn = canvas.model.line_look() != LineLook::Hidden;
+        if let Some(point) = document.point(own).filter(|_| is_drawn) {
             let color = theme::pair_color(at.pair).gamma_multiply(opacity);
             canvas.segment(point, line.foot(point), theme::LINE_WIDTH, color);
         }

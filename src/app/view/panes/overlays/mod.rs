@@ -35,6 +35,7 @@ use crate::app::model::document::Side;
 use crate::app::model::focus::Target;
 use crate::app::model::ids::OverlayId;
 use crate::app::model::shown::ShownGeometry;
+use crate::app::model::verdict::LineLook;
 use crate::app::view::theme;
 use crate::geometry::{Frame, FundamentalMatrix, Line, LinePair, Point, PointPair};
 
@@ -215,6 +216,24 @@ impl Canvas<'_> {
         self.painter.extend(Shape::dashed_line(&ends, Stroke::new(width, color), 7.0, 5.0));
     }
 
+    /// Draws an epipolar line of the geometry shown, in the look of its verdict.
+    fn epipolar_line(&self, line: &Line, width: f32, color: Color32) {
+        match self.model.line_look() {
+            LineLook::Solid => self.line(line, width, color),
+            LineLook::Dashed => self.dashed_line(line, width, color),
+            LineLook::Dotted => self.dotted_line(line, width, color),
+            LineLook::Hidden => {}
+        }
+    }
+
+    /// Draws the visible part of a line dotted, with a dark edge.
+    fn dotted_line(&self, line: &Line, width: f32, color: Color32) {
+        let Some(ends) = self.in_sight(line) else { return };
+        for (radius, color) in [(width * 0.5 + 1.0, theme::HALO), (width * 0.5 + 0.4, color)] {
+            self.painter.extend(Shape::dotted_line(&ends, color, 3.0 * width + 3.0, radius));
+        }
+    }
+
     /// Returns the screen ends of the visible part of a line.
     fn in_sight(&self, line: &Line) -> Option<[Pos2; 2]> {
         let segment = self.frame.clip(line)?;
@@ -247,7 +266,7 @@ impl Canvas<'_> {
     }
 
     /// Writes a short text near a screen position, inside the pane and clear of other texts.
-    fn label(&self, at: Pos2, text: &str, color: Color32) {
+    pub fn label(&self, at: Pos2, text: &str, color: Color32) {
         let Some(labels) = self.labels else { return };
         let galley = self.painter.layout_no_wrap(text.to_owned(), FontId::proportional(13.0), color);
         let size = galley.size() + vec2(8.0, 2.0);

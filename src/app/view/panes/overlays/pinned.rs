@@ -4,6 +4,7 @@
 use egui::{Align2, Color32, FontId, Pos2, Rect, vec2};
 
 use super::{Canvas, Overlay};
+use crate::app::model::focus::LineSource;
 use crate::app::model::ids::OverlayId;
 use crate::app::view::theme;
 
@@ -35,7 +36,11 @@ fn draw(canvas: &Canvas) {
         let strong = inspected == Some(pinned.source);
         let width = if strong { theme::STRONG_LINE_WIDTH } else { theme::LINE_WIDTH };
         let line = pinned.lines[canvas.side.index()].line();
-        canvas.line(&line, width, color);
+        if matches!(pinned.source, LineSource::Pencil { .. }) {
+            canvas.line(&line, width, color);
+        } else {
+            canvas.epipolar_line(&line, width, color);
+        }
         // Only where the line is visible.
         numbers.extend(canvas.in_sight(&line).map(|ends| (!strong, number, ends, color)));
     }

@@ -19,8 +19,8 @@ pub const OVERLAY: Overlay = Overlay {
     draw,
 };
 
-/// Number of lines mapped.
-const LINES: usize = 14;
+/// Number of lines mapped. With more, the regions would cover the image.
+const LINES: usize = 5;
 
 fn draw(canvas: &Canvas) {
     let (Some(construction), Some(frame1)) =

@@ -5,6 +5,7 @@ use egui::{Mesh, Shape, Stroke};
 use super::{Canvas, Overlay};
 use crate::app::model::document::Side;
 use crate::app::model::ids::OverlayId;
+use crate::app::model::verdict::LineLook;
 use crate::app::view::theme;
 use crate::estimate::{EpipoleEllipse, Uncertainty};
 use crate::geometry::{Line, Point, Vector};
@@ -33,6 +34,9 @@ fn draw(canvas: &Canvas) {
     else {
         return;
     };
+    if canvas.model.line_look() == LineLook::Hidden {
+        return;
+    }
     let document = &canvas.model.document;
     let hovered = canvas
         .at_hand(canvas.model.open.hover)

@@ -2,10 +2,9 @@
 
 use std::fmt::Write;
 
-use egui::{Button, ComboBox, Grid, RichText, ScrollArea, Slider, Ui, UiBuilder};
+use egui::{Button, ComboBox, Grid, RichText, Slider, Ui, UiBuilder};
 
-use super::super::super::finish_button;
-use super::sentence;
+use super::{finish_button, sentence};
 use crate::app::model::Model;
 use crate::app::model::command::Command;
 use crate::app::model::rectified::{Blink, DrawnPair, Guides, Rectified, RectifiedCommand, RectifiedLayout};
@@ -18,44 +17,41 @@ const RANGE_STEP: f64 = 16.0;
 /// beyond.
 const RANGE_MARGIN: f64 = 4.0;
 
-/// Shows the column beside the pictures or, if `wide`, the strip below them. It scrolls where there
-/// is little room.
+/// Width below which choices and figures are one above the other, screen points.
+const ROOM_FOR_BOTH: f32 = 460.0;
+
+/// Shows choices and quality measures.
 pub fn show(
     ui: &mut Ui,
-    wide: bool,
     model: &Model,
     rectified: &Rectified,
     drawn: &DrawnPair,
     commands: &mut Vec<Command>,
 ) {
-    ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
-        ui.spacing_mut().item_spacing.y = 4.0;
-        ui.spacing_mut().button_padding.x = 7.0;
-        if wide {
-            // Columns of egui would justify the words of a text.
-            let area = ui.available_rect_before_wrap();
-            let (left, right) = area.split_left_right_at_fraction(0.44);
-            ui.scope_builder(UiBuilder::new().max_rect(left.with_max_x(left.max.x - theme::GAP)), |ui| {
-                choosers(ui, model, drawn, commands);
-                method(ui, drawn);
-            });
-            ui.scope_builder(UiBuilder::new().max_rect(right), |ui| {
-                warnings(ui, model, rectified, drawn);
-                measures(ui, rectified, drawn);
-            });
-        } else {
-            // The choices stay in place, so the warnings come below them.
-            choosers(ui, model, drawn, commands);
-            warnings(ui, model, rectified, drawn);
-            method(ui, drawn);
-            measures(ui, rectified, drawn);
-        }
+    ui.spacing_mut().item_spacing.y = 3.0;
+    ui.spacing_mut().button_padding.x = 7.0;
+    let area = ui.available_rect_before_wrap();
+    if area.width() < ROOM_FOR_BOTH {
+        choosers(ui, model, drawn, commands);
+        warnings(ui, model, rectified, drawn);
+        method(ui, drawn);
+        measures(ui, rectified, drawn);
+        return;
+    }
+    // Columns of egui would justify the words of a text.
+    let (left, right) = area.split_left_right_at_fraction(0.46);
+    ui.scope_builder(UiBuilder::new().max_rect(left.with_max_x(left.max.x - theme::GAP)), |ui| {
+        choosers(ui, model, drawn, commands);
+        method(ui, drawn);
+    });
+    ui.scope_builder(UiBuilder::new().max_rect(right), |ui| {
+        warnings(ui, model, rectified, drawn);
+        measures(ui, rectified, drawn);
     });
 }
 
 fn choosers(ui: &mut Ui, model: &Model, drawn: &DrawnPair, commands: &mut Vec<Command>) {
     ui.horizontal(|ui| method_chooser(ui, model, commands));
-    ui.horizontal_wrapped(|ui| layout_chooser(ui, model, commands));
     ui.horizontal(|ui| shift_chooser(ui, model, drawn, commands));
     ui.horizontal(|ui| guide_chooser(ui, model, commands));
 }
@@ -111,8 +107,10 @@ pub fn method_chooser(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     }
 }
 
-fn layout_chooser(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
-    name(ui, "View");
+/// Shows the choice of the layout.
+pub fn layout_chooser(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+    ui.spacing_mut().item_spacing.x = 2.0;
+    ui.spacing_mut().button_padding.x = 7.0;
     for (layout, title, tooltip) in RectifiedLayout::ALL {
         let chosen = model.look.rectified.layout == layout;
         if ui.add(Button::selectable(chosen, title)).on_hover_text(tooltip).clicked() {

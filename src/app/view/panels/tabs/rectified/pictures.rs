@@ -60,8 +60,8 @@ impl RectifiedSheet {
 }
 
 /// Shows the pictures in all available space.
-pub fn show(ui: &mut Ui, model: &Model, drawn: &DrawnPair, commands: &mut Vec<Command>) {
-    let places: Vec<SheetPlace> = arranged(ui, model)
+pub fn show(ui: &mut Ui, stacked: bool, model: &Model, drawn: &DrawnPair, commands: &mut Vec<Command>) {
+    let places: Vec<SheetPlace> = arranged(ui, stacked, model)
         .into_iter()
         .map(|(sheet, rect)| {
             let name = sheet.name(model.look.rectified.layout);
@@ -98,7 +98,7 @@ pub fn show(ui: &mut Ui, model: &Model, drawn: &DrawnPair, commands: &mut Vec<Co
     };
     for place in &places {
         let painter = ui.painter_at(place.rect);
-        painter.rect_filled(place.rect, 4.0, theme::palette(ui.visuals()).canvas);
+        painter.rect_filled(place.rect, 0.0, theme::palette(ui.visuals()).canvas);
         let transforms = Side::BOTH.map(|side| transform_of(model, drawn, place.rect, side));
         paint(&painter, model, drawn, place.sheet, &transforms);
         let canvas =
@@ -265,11 +265,11 @@ fn with_texture(ctx: &egui::Context, drawn: &DrawnPair, which: Kept, draw: impl 
 }
 
 /// Returns the pictures of the layout and their positions.
-fn arranged(ui: &Ui, model: &Model) -> Vec<(RectifiedSheet, Rect)> {
+fn arranged(ui: &Ui, stacked: bool, model: &Model) -> Vec<(RectifiedSheet, Rect)> {
     let area = ui.available_rect_before_wrap();
     match model.look.rectified.layout {
         RectifiedLayout::SideBySide => {
-            [RectifiedSheet::Left, RectifiedSheet::Right].into_iter().zip(halves(area, false)).collect()
+            [RectifiedSheet::Left, RectifiedSheet::Right].into_iter().zip(halves(area, stacked)).collect()
         }
         RectifiedLayout::Anaglyph | RectifiedLayout::Wipe => vec![(RectifiedSheet::Both, area)],
         RectifiedLayout::Disparity => vec![(RectifiedSheet::Disparity, area)],

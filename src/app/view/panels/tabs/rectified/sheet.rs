@@ -118,7 +118,7 @@ impl SheetCanvas<'_> {
             // Keep the label away from the cursor.
             let low = at.y > visible.center().y;
             let (corner, align) = if low {
-                (visible.left_top() + vec2(6.0, 6.0), Align2::LEFT_TOP)
+                (visible.left_top() + vec2(6.0, 32.0), Align2::LEFT_TOP)
             } else {
                 (visible.left_bottom() + vec2(6.0, -6.0), Align2::LEFT_BOTTOM)
             };
@@ -187,10 +187,11 @@ impl SheetCanvas<'_> {
             (RectifiedLayout::Wipe, _) => "Left image | right image",
             (RectifiedLayout::Disparity, _) if self.drawn.disparity.is_none() => "No rows match yet",
             (RectifiedLayout::Disparity, _) => "Disparities of the left picture",
-            (RectifiedLayout::SideBySide, _) => return,
+            (RectifiedLayout::SideBySide, RectifiedSheet::Left) => "Left, rectified",
+            (RectifiedLayout::SideBySide, _) => "Right, rectified",
         };
-        let corner = self.painter.clip_rect().right_top() + vec2(-6.0, 6.0);
-        self.label(corner, Align2::RIGHT_TOP, text, theme::SELECTED);
+        let corner = self.painter.clip_rect().left_top() + vec2(6.0, 6.0);
+        self.label(corner, Align2::LEFT_TOP, text, theme::SELECTED);
     }
 
     fn label(&self, corner: Pos2, align: Align2, text: &str, color: Color32) {

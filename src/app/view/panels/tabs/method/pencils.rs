@@ -1,51 +1,44 @@
-//! The tab of the similarity matrices of the pencils through `p` and `q`.
+//! The similarity matrices of the pencils through `p` and `q`.
 
 use egui::{Rect, RichText, Ui, UiBuilder, pos2, vec2};
 
-use super::super::command_button;
+use super::super::empty;
 use super::matrix::PencilMatrix;
-use super::{Tab, empty, pale_earlier, say_earlier};
 use crate::app::model::Model;
 use crate::app::model::command::Command;
 use crate::app::model::document::pair_name;
 use crate::app::model::focus::{LineSource, Target};
-use crate::app::model::ids::TabId;
 use crate::app::view::heat;
 use crate::app::view::theme;
 use crate::estimate::ComparedPencils;
 
-/// Registered in [`super::TABS`].
-pub const TAB: Tab = Tab { id: TabId::Pencils, tools, show };
+/// Height of the legend, screen points.
+const LEGEND: f32 = 18.0;
 
-fn tools(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
-    if !model.open.focus.pins().is_empty() {
-        command_button(ui, Command::UnpinAll, true, commands);
-    }
-    if model.open.computation.pencils().is_some() && ui.available_width() > 330.0 {
-        legend(ui);
-        say_earlier(ui, !model.has_current_pencils());
-    }
-}
-
-/// Shows the meaning of colours and marks, from right to left.
+/// Shows the meaning of colours and marks.
 fn legend(ui: &mut Ui) {
+    ui.spacing_mut().item_spacing.x = 5.0;
+    let caption = |text: &str| RichText::new(text).size(theme::CAPTION).weak();
     let mark = |ui: &mut Ui, color| {
-        let (area, _) = ui.allocate_exact_size(vec2(12.0, 12.0), egui::Sense::hover());
+        let (area, _) = ui.allocate_exact_size(vec2(10.0, 10.0), egui::Sense::hover());
+        ui.painter().circle_filled(area.center(), 5.0, egui::Color32::from_gray(60));
         ui.painter().circle_stroke(area.center(), 3.5, egui::Stroke::new(1.5, color));
     };
-    ui.add_space(theme::GAP);
-    ui.weak("shown");
-    mark(ui, theme::ESTIMATED);
-    ui.weak("mutual best").on_hover_text("Each of the two lines is among the best matches of the other.");
-    let color = ui.visuals().text_color();
-    mark(ui, color);
-    ui.weak("alike");
-    let (bar, _) = ui.allocate_exact_size(vec2(56.0, 10.0), egui::Sense::hover());
+    ui.label(caption("unlike"));
+    let (bar, _) = ui.allocate_exact_size(vec2(56.0, 9.0), egui::Sense::hover());
     heat::bar(ui, bar);
-    ui.weak("unlike");
+    ui.label(caption("alike")).on_hover_text("Matching cost of the two lines, from high to low.");
+    mark(ui, egui::Color32::WHITE);
+    ui.label(caption("mutual best"))
+        .on_hover_text("Each of the two lines is among the best matches of the other.");
+    mark(ui, theme::ESTIMATED);
+    ui.label(caption("shown"));
+    let axes = "x: direction of the left line · y: rotation of the right line";
+    ui.add(egui::Label::new(caption(axes)).truncate());
 }
 
-fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+/// Shows the two matrices.
+pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let Some(pencils) = model.open.computation.pencils() else {
         empty(
             ui,
@@ -54,8 +47,8 @@ fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         );
         return;
     };
-    pale_earlier(ui, !model.has_current_pencils());
     let area = ui.available_rect_before_wrap();
+    let (area, below) = area.split_top_bottom_at_y(area.max.y - LEGEND);
     let (left, right) = area.split_left_right_at_fraction(0.5);
     for (number, rect) in
         [left.with_max_x(left.max.x - theme::GAP), right.with_min_x(right.min.x + theme::GAP)]
@@ -65,6 +58,7 @@ fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         let mut child = ui.new_child(UiBuilder::new().max_rect(rect).id_salt(number));
         one(&mut child, model, number, &pencils[number], commands);
     }
+    ui.scope_builder(UiBuilder::new().max_rect(below), |ui| ui.horizontal_centered(legend));
     ui.advance_cursor_after_rect(area);
 }
 
@@ -72,7 +66,7 @@ fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
 fn one(ui: &mut Ui, model: &Model, number: usize, pencils: &ComparedPencils, commands: &mut Vec<Command>) {
     let matrix = PencilMatrix::new(ui, number, pencils, model.open.computation.pencils_revision());
     let area = ui.available_rect_before_wrap();
-    let plot = Rect::from_min_max(area.min + vec2(44.0, 23.0), area.max - vec2(6.0, 20.0));
+    let plot = Rect::from_min_max(area.min + vec2(44.0, 18.0), area.max - vec2(6.0, 18.0));
     if plot.width() < 40.0 || plot.height() < 30.0 {
         return;
     }
@@ -94,9 +88,9 @@ fn one(ui: &mut Ui, model: &Model, number: usize, pencils: &ComparedPencils, com
         let lines = if number == 0 { construction.p() } else { construction.q() };
         (lines.line1, lines.line2)
     });
-    let title = format!("{name}. x: direction in left image; y: relative rotation, right image");
-    let heading = RichText::new(title).size(12.0);
-    let top = Rect::from_min_max(area.min, pos2(area.max.x, plot.min.y));
+    let title = format!("Lines through {name}");
+    let heading = RichText::new(title).size(theme::CAPTION);
+    let top = Rect::from_min_max(pos2(plot.min.x, area.min.y), pos2(area.max.x, plot.min.y - 2.0));
     ui.put(top, egui::Label::new(heading.weak()).truncate().halign(egui::Align::Min));
     matrix.draw(ui, plot, lit, shown);
     let Some([row, column]) = hovered else { return };

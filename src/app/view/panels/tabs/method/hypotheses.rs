@@ -1,27 +1,24 @@
-//! The tab of the hypotheses with their figures. Choosing one shows it in the whole window.
+//! The table of the hypotheses with their figures. Choosing one shows it in the whole window.
 
 use egui::Ui;
 
-use super::super::command_button;
-use super::super::table::{Column, RowLook, Table};
-use super::{Tab, empty, pale_earlier, say_earlier};
+use super::super::super::table::{Column, RowLook, Table};
+use super::super::empty;
 use crate::app::model::Model;
 use crate::app::model::command::Command;
 use crate::app::model::focus::Target;
-use crate::app::model::ids::TabId;
+use crate::app::model::ids::MethodStep;
 use crate::app::model::verdict::{
     HypothesisFigure, HypothesisScales, Standing, epipole_text, line_score_text,
 };
 use crate::estimate::{Estimate, LineScore};
 use crate::geometry::{Frame, HomogeneousPoint, finite_point};
 
-/// Registered in [`super::TABS`].
-pub const TAB: Tab = Tab { id: TabId::Hypotheses, tools, show };
-
+/// All columns of the table.
 const COLUMNS: [Column; 7] = [
     Column::figures(
         "Rank",
-        84.0,
+        74.0,
         "Rank before refinement, best first. The result is the refined best hypothesis. The rival is the \
          best clearly different geometry; the margin of the result is the lead of hypothesis 1 over the \
          rival. Hypotheses marked near agree with the result: at least half of the matches before \
@@ -29,60 +26,58 @@ const COLUMNS: [Column; 7] = [
     ),
     Column::figures(
         "Support",
-        88.0,
+        74.0,
         "Support by matching image corners; higher is better. Only differences between rows matter. Empty \
          where patches were not compared.",
     ),
     Column::figures(
         "Line score",
-        104.0,
+        84.0,
         "Cost of matching corresponding lines over both images; lower is better. The preset Robust gives \
          the cost relative to mismatched lines, As published in squared grey levels per sample.",
     ),
     Column::figures(
         "Round trip, px",
-        136.0,
+        100.0,
         "Distance between a line and its image after the maps H (to the other image) and G (back). A small \
          distance means that both directions agree. A good result may have a large distance, and a wrong \
          result a small one.",
     ),
     Column::figures(
         "κ(H)/κ(G)",
-        110.0,
+        84.0,
         "Stretch κ of the line map H (left to right) divided by that of G (right to left). 1 means that \
          both directions agree.",
     ),
     Column::figures(
         "Left epipole",
-        176.0,
+        130.0,
         "Position of the other camera in the left image, px, or its direction if far away. Sorted by the \
          distance from the image centre.",
     ),
     Column::figures(
         "Right epipole",
-        176.0,
+        130.0,
         "Position of the other camera in the right image, px, or its direction if far away. Sorted by the \
          distance from the image centre.",
     ),
 ];
 
-fn tools(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
-    let chosen = model.shows_another();
-    command_button(ui, Command::ChooseHypothesis(None), chosen, commands);
-    say_earlier(ui, model.open.computation.is_behind());
+/// Columns that belong to a step.
+fn columns_of(step: MethodStep) -> &'static [usize] {
+    if step == MethodStep::RoundTrip { &[0, 3, 4, 5, 6] } else { &[0, 1, 2, 5, 6] }
 }
 
-fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+/// Shows the table of the hypotheses with the figures of a step. The margin follows from a pair of
+/// rows; pointing at a row explains it.
+pub fn show(ui: &mut Ui, step: MethodStep, model: &Model, commands: &mut Vec<Command>) {
     let listed = Listed::new(model);
     if listed.rows() == 0 {
-        empty(
-            ui,
-            "Candidate geometries appear here once there are enough point pairs. Click one to see it in \
-             both images.",
-        );
+        empty(ui, "Candidate geometries appear here once there are enough point pairs.");
         return;
     }
-    pale_earlier(ui, model.open.computation.is_behind());
+    let of = columns_of(step);
+    let columns: Vec<Column> = of.iter().map(|column| COLUMNS[*column].clone()).collect();
     let frames = model.document.pictures.as_ref().map(|pictures| pictures.each_ref().map(|p| p.frame));
     let chosen = model.shown().and_then(|shown| shown.hypothesis).map(|(number, _)| number);
     let lit = match model.open.focus.hovered() {
@@ -95,26 +90,26 @@ fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let scales = searched.map(|searched| HypothesisScales::new(searched, line_score));
     let standing = |row: usize| Standing::of(listed.result?, number(row)?);
     let touched = Table {
-        name: "hypotheses",
-        columns: &COLUMNS,
+        name: if step == MethodStep::RoundTrip { "round trips" } else { "validation" },
+        columns: &columns,
         rows: listed.rows(),
         revision: model.open.computation.revision(),
         row_name: &|row| {
             let mark = if standing(row) == Some(Standing::Rival) { ", the rival" } else { "" };
             number(row).map_or("Result".to_owned(), |number| format!("Hypothesis {}{mark}", number + 1))
         },
-        key: &|row, column| key(listed.hypothesis(row), row, column, frames),
-        text: &|row, column| match (column, number(row)) {
+        key: &|row, column| key(listed.hypothesis(row), row, of[column], frames),
+        text: &|row, column| match (of[column], number(row)) {
             (0, None) => "Result".to_owned(),
             (0, Some(number)) => match standing(row) {
                 Some(Standing::Near) => format!("near   {}", number + 1),
                 Some(Standing::Rival) => format!("rival   {}", number + 1),
                 Some(Standing::Behind) | None => (number + 1).to_string(),
             },
-            _ => text(listed.hypothesis(row), column, line_score),
+            (column, _) => text(listed.hypothesis(row), column, line_score),
         },
         gauge: &|row, column| {
-            let figure = figure(column)?;
+            let figure = figure(of[column])?;
             let (scales, value) = (scales.as_ref()?, figure.of(listed.hypothesis(row)));
             if number(row).is_some() { scales.gauge(figure, value) } else { scales.of_result(figure, value) }
         },

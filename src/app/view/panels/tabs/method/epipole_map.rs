@@ -5,30 +5,22 @@
 //! disc. The image lies in the middle, and the rim is infinity, where a position is a direction. A
 //! point at infinity lies in two opposite directions and is drawn at both.
 
-use egui::{Color32, Pos2, Rect, Sense, Shape, Stroke, Ui, WidgetInfo, vec2};
+use egui::{Align2, Color32, FontId, Pos2, Rect, Sense, Shape, Stroke, Ui, WidgetInfo, vec2};
 
-use super::transform::Transform;
 use crate::app::model::Model;
 use crate::app::model::command::Command;
 use crate::app::model::document::Side;
 use crate::app::model::focus::Target;
-use crate::app::model::ids::OverlayId;
 use crate::app::view::theme;
 use crate::geometry::{Frame, HomogeneousPoint, Vector};
 
-/// Range of the radius, screen points: smaller in a small pane, but readable.
-const RADIUS: std::ops::RangeInclusive<f32> = 26.0..=40.0;
-/// Radius as a share of the pane's shorter side.
-const SHARE: f32 = 0.12;
-/// Distance from the corner of the pane, screen points.
-const MARGIN: f32 = 6.0;
+/// Height of the title and of the legend, screen points.
+const CAPTIONS: f32 = 16.0;
 /// Number of hypotheses drawn, by rank.
 const DRAWN: usize = 60;
 /// Share of the radius beyond which a position is also drawn on the opposite side: epipoles of
 /// similar geometries may lie far away on either side.
 const FAR: f64 = 0.9;
-/// Opacity of a map that would be in the way.
-const FADED: f32 = 0.35;
 /// Distance within which the cursor snaps to a mark, screen points.
 const REACH: f32 = 8.0;
 
@@ -80,51 +72,31 @@ impl PlaneDisc {
     }
 }
 
-/// Returns the centre of the map and whether it covers no clicked point. The lower right corner is
-/// preferred, then any free corner.
-fn place(pane: Rect, radius: f32, points: &[Pos2]) -> (Pos2, bool) {
-    let room = pane.shrink(radius + MARGIN);
-    let reach = radius + theme::GRAB_RADIUS;
-    let is_free = |centre: &Pos2| points.iter().all(|point| point.distance(*centre) > reach);
-    let corners = [room.right_bottom(), room.left_bottom(), room.right_top(), room.left_top()];
-    corners.into_iter().find(is_free).map_or((corners[0], false), |corner| (corner, true))
-}
-
-/// Draws the map in a corner without clicked points. The mark under the cursor is highlighted in
-/// the whole window; a click on it chooses the hypothesis. Hidden overlays are left out.
-pub fn show(ui: &mut Ui, transform: &Transform, side: Side, model: &Model, commands: &mut Vec<Command>) {
-    let Some(shown) = model.shown() else { return };
-    let Some(frame) = model.document.frame(side) else { return };
-    let (dots, rings) = (model.look.shows(OverlayId::Hypotheses), model.look.shows(OverlayId::Epipoles));
-    let pane = transform.rect;
-    let side_length = pane.width().min(pane.height());
-    let radius = (side_length * SHARE).clamp(*RADIUS.start(), *RADIUS.end());
-    if side_length < 4.0 * radius || !(dots || rings) {
-        return;
-    }
-    let points = model.document.points(side).map(|(_, point)| transform.screen_from_image(point));
-    let (centre, free) = place(pane, radius, &points.collect::<Vec<_>>());
+/// Draws the map of an image. The mark under the cursor is highlighted in the whole window; a click on
+/// it shows its hypothesis.
+pub fn show(ui: &mut Ui, area: Rect, side: Side, model: &Model, commands: &mut Vec<Command>) {
+    let (Some(shown), Some(frame)) = (model.shown(), model.document.frame(side)) else { return };
+    let title = format!("Epipoles of the {} image", side.name());
+    let font = FontId::proportional(theme::CAPTION);
+    let weak = ui.visuals().weak_text_color();
+    ui.painter().text(area.center_top(), Align2::CENTER_TOP, title, font.clone(), weak);
+    let room = Rect::from_min_max(area.min + vec2(0.0, CAPTIONS), area.max - vec2(0.0, CAPTIONS));
+    let radius = (room.width().min(room.height()) / 2.0 - 2.0).max(8.0);
+    let (centre, rim) = (room.center(), "Rim: infinitely far away. Rectangle: the image.");
+    ui.painter().text(area.center_bottom(), Align2::CENTER_BOTTOM, rim, font, weak);
     let disc = PlaneDisc { centre, radius, frame };
     let area = Rect::from_center_size(centre, vec2(radius, radius) * 2.0);
-    // While this image expects a click, clicks on the map go to the image.
-    let is_due = model.document.half.is_some_and(|half| half.side != side);
     let hypotheses = shown.estimate.hypotheses();
-    let drawn = if dots { hypotheses.len().min(DRAWN) } else { 0 };
+    let drawn = hypotheses.len().min(DRAWN);
     let places: Vec<(Pos2, bool)> =
         hypotheses[..drawn].iter().map(|h| disc.place(&side.epipole(h.fundamental()))).collect();
     let cursor = ui.input(|input| input.pointer.hover_pos());
-    let cursor = cursor.filter(|_| free && !is_due && ui.rect_contains_pointer(area));
-    let nearest = cursor.and_then(|cursor| disc.nearest(&places, cursor));
-    // Clicks that hit no mark go to the image below.
-    let sense = if nearest.is_some() { Sense::click() } else { Sense::hover() };
-    let response = ui.interact(area, ui.scope_id().with("epipole map"), sense);
+    let nearest =
+        cursor.filter(|_| ui.rect_contains_pointer(area)).and_then(|cursor| disc.nearest(&places, cursor));
+    let response = ui.interact(area, ui.scope_id().with(("epipole map", side.index())), Sense::click());
     let name = format!("epipole map of the {} image", side.name());
     response.widget_info(|| WidgetInfo::labeled(egui::Role::Image, true, &name));
-    let mut painter = ui.painter_at(area.expand(4.0));
-    let pointed = ui.rect_contains_pointer(area);
-    if !free || is_due && pointed {
-        painter.set_opacity(FADED);
-    }
+    let painter = ui.painter_at(area.expand(4.0));
     painter.circle_filled(centre, radius, Color32::from_black_alpha(190));
     painter.circle_stroke(centre, radius, Stroke::new(1.0, Color32::from_gray(150)));
     painter.add(Shape::closed_line(disc.outline(), Stroke::new(1.2, Color32::from_gray(215))));
@@ -143,8 +115,9 @@ pub fn show(ui: &mut Ui, transform: &Transform, side: Side, model: &Model, comma
         }
     }
     let truth = model.truth().map(|truth| (&truth.fundamental, theme::TRUE, 6.5));
-    let marked = truth.into_iter().chain([(shown.fundamental, theme::ESTIMATED, 4.5)]);
-    for (f, color, radius) in marked.filter(|_| rings) {
+    let color = theme::line_color(model.line_look());
+    let marked = truth.into_iter().chain([(shown.fundamental, color, 4.5)]);
+    for (f, color, radius) in marked {
         let (at, infinite) = disc.place(&side.epipole(f));
         for at in std::iter::once(at).chain(infinite.then(|| disc.opposite(at))) {
             painter.circle_stroke(at, radius, Stroke::new(3.5, theme::HALO));
@@ -158,7 +131,7 @@ pub fn show(ui: &mut Ui, transform: &Transform, side: Side, model: &Model, comma
         }
     }
     response.on_hover_text(
-        "The whole plane of this image: the image in the middle, infinity at the rim. Green ring: epipole \
+        "The whole plane of this image: the image in the middle, infinity at the rim. Ring: epipole \
          of the geometry shown. Blue ring: true epipole, where known. Dots: epipoles of the hypotheses; \
          click a dot to show its hypothesis.",
     );
@@ -167,19 +140,6 @@ pub fn show(ui: &mut Ui, transform: &Transform, side: Side, model: &Model, comma
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn the_map_dodges_points_as_long_as_there_is_a_free_corner() {
-        let pane = Rect::from_min_max(Pos2::ZERO, Pos2::new(400.0, 300.0));
-        let corners =
-            [(350.0, 260.0), (40.0, 270.0), (360.0, 30.0), (30.0, 30.0)].map(|(x, y)| Pos2::new(x, y));
-        let expected =
-            [(354.0, 254.0), (46.0, 254.0), (354.0, 46.0), (46.0, 46.0)].map(|(x, y)| Pos2::new(x, y));
-        for taken in 0..4 {
-            assert_eq!(place(pane, 40.0, &corners[..taken]), (expected[taken], true));
-        }
-        assert_eq!(place(pane, 40.0, &corners), (expected[0], false));
-    }
 
     #[test]
     fn the_image_is_in_the_middle_and_infinity_at_the_rim() {

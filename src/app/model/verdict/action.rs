@@ -1,0 +1,98 @@
+//! The one action that the sentence of the verdict asks for.
+
+use super::Tone;
+use crate::app::model::Model;
+use crate::app::model::command::Command;
+use crate::app::model::computation::Freshness;
+use crate::app::model::document::pair_name;
+use crate::app::model::suggesting::Repair;
+use crate::estimate::Reason;
+
+/// A button of the verdict.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CardAction {
+    /// Text of the button.
+    pub label: String,
+    /// Command of the button.
+    pub command: Command,
+}
+
+impl CardAction {
+    fn new(label: impl Into<String>, command: Command) -> Self {
+        Self { label: label.into(), command }
+    }
+}
+
+impl Model {
+    /// Returns the action that does what the verdict asks for.
+    pub fn card_action(&self) -> Option<CardAction> {
+        let computation = &self.open.computation;
+        if computation.is_running() {
+            return None;
+        }
+        let Some((estimate, Freshness::Final)) = computation.result() else {
+            let failed = computation.failure().is_some() || computation.was_stopped();
+            return failed.then(|| CardAction::new("Compute again", Command::Recompute));
+        };
+        let reasons = estimate.assessment.trust.iter().flat_map(|trust| &trust.reasons);
+        let off = reasons.clone().find_map(|reason| match reason {
+            Reason::ClickOff { pair, .. } => self.document.used().nth(pair.checked_sub(1)?),
+            _ => None,
+        });
+        if let Some(pair) = off.filter(|pair| self.repair_question(*pair, Repair::Rematch).is_some()) {
+            let label = format!("Move {} to its match", pair_name(pair));
+            return Some(CardAction::new(label, Command::Repair(pair, Repair::Rematch)));
+        }
+        if matches!(self.open.next_click, Some(Some(_))) {
+            return Some(CardAction::new("Add a pair at the mark", Command::PlaceAtMark));
+        }
+        self.lines_switch()
+    }
+
+    /// Returns the switch of the lines of an unreliable geometry.
+    pub fn lines_switch(&self) -> Option<CardAction> {
+        let is_bad = self.has_result() && self.tone() == Tone::Bad;
+        let label = if self.open.lines_anyway { "Hide lines" } else { "Show lines anyway" };
+        is_bad.then(|| CardAction::new(label, Command::ToggleUnreliableLines))
+    }
+
+    /// Returns whether the state of the estimate is good or bad news.
+    pub fn tone(&self) -> Tone {
+        super::tone(&self.document, &self.open.computation)
+    }
+
+    /// Returns the word for lines that must not be trusted as they are, for pictures that leave the window.
+    pub fn doubt(&self) -> Option<(&'static str, LineLook)> {
+        match self.line_look() {
+            LineLook::Solid => None,
+            look @ LineLook::Dashed => Some(("Doubtful", look)),
+            look => Some(("Unreliable", look)),
+        }
+    }
+
+    /// Returns how epipolar lines are drawn.
+    pub fn line_look(&self) -> LineLook {
+        let is_result =
+            self.shown().is_some_and(|shown| shown.hypothesis.is_none() && shown.contestant.is_none());
+        match self.tone() {
+            _ if !is_result => LineLook::Solid,
+            Tone::Caution => LineLook::Dashed,
+            Tone::Bad if self.open.lines_anyway => LineLook::Dotted,
+            Tone::Bad => LineLook::Hidden,
+            _ => LineLook::Solid,
+        }
+    }
+}
+
+/// Look of epipolar lines, which tells the verdict without colour.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LineLook {
+    /// A reliable geometry, or one that the user chose to see.
+    Solid,
+    /// A doubtful geometry.
+    Dashed,
+    /// An unreliable geometry that the user wants to see.
+    Dotted,
+    /// An unreliable geometry.
+    Hidden,
+}

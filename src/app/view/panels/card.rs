@@ -1,0 +1,270 @@
+//! The card of the verdict: one word, one sentence, at most four figures, one button.
+
+use egui::{Align, Button, Label, Layout, Rect, RichText, ScrollArea, Sense, Shape, Stroke, Ui, pos2, vec2};
+
+use super::dialog::named;
+use super::gauge::{self, tone_color};
+use super::{busy, command_button, finish_button};
+use crate::app::model::Model;
+use crate::app::model::command::{Command, ExchangeCommand};
+use crate::app::model::comparison::Contestant;
+use crate::app::model::guide::guide;
+use crate::app::model::messages::MessageKind;
+use crate::app::model::verdict::{
+    CardAction, Fact, Tone, VerdictInWords, card_facts, epipoles, hypothesis_facts, import_facts,
+    import_warning, verdict,
+};
+use crate::app::view::theme;
+
+/// Width kept free for the scroll bar, screen points.
+const SCROLL_BAR: f32 = 6.0;
+
+/// Shows the card in all available space. The details scroll.
+pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+    ScrollArea::vertical().id_salt("card").auto_shrink([false, false]).show(ui, |ui| {
+        ui.spacing_mut().item_spacing.y = 4.0;
+        // The scroll bar must not cover the figures.
+        ui.set_max_width(ui.available_width() - SCROLL_BAR);
+        if model.is_at_start() {
+            start(ui, model, commands);
+        } else if !another(ui, model, commands) {
+            result(ui, model, commands);
+        }
+    });
+}
+
+/// Shows the next step before anything was placed.
+fn start(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+    ui.set_max_width(ui.available_width().min(560.0));
+    ui.add_space(4.0);
+    ui.add(Label::new(RichText::new(guide(model)).size(15.0).color(ui.visuals().strong_text_color())).wrap());
+    ui.add_space(6.0);
+    ui.horizontal_wrapped(|ui| {
+        if model.document.pictures.is_none() {
+            if model.activity.loading {
+                busy::show(ui);
+                return;
+            }
+            let open = main_button(ui, Command::ShowOpenDialog.name());
+            finish_button(ui, open, Command::ShowOpenDialog, commands);
+            command_button(ui, Command::OpenSample, true, commands);
+            return;
+        }
+        if model.open.show_me.is_some() {
+            let show_me = main_button(ui, Command::ShowMe.name());
+            finish_button(ui, show_me, Command::ShowMe, commands);
+        }
+        if model.can_find_without_clicks() {
+            command_button(ui, Command::FindWithoutClicks, true, commands);
+        }
+    });
+    left_behind(ui, model, commands);
+}
+
+/// Returns whether the card makes the offers to restore unsaved work.
+pub fn offers(model: &Model) -> bool {
+    model.is_at_start() && !model.look.dock.folded && !model.open.alone
+}
+
+/// Shows the offers to restore unsaved work.
+fn left_behind(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+    for message in model.messages.on_top().filter(|message| message.kind == MessageKind::LeftBehind) {
+        ui.add_space(6.0);
+        ui.add(Label::new(&message.text).wrap());
+        ui.horizontal(|ui| {
+            for action in &message.actions {
+                let button = ui.button(action.label);
+                finish_button(ui, button, action.command.clone(), commands);
+            }
+            let (close, what) = message.kind.close();
+            if ui.button(close).on_hover_text(what).clicked() {
+                commands.push(Command::Dismiss(message.number));
+            }
+        });
+    }
+}
+
+/// Shows a button in the accent colour.
+pub fn main_button(ui: &mut Ui, name: &str) -> egui::Response {
+    let palette = theme::palette(ui.visuals());
+    ui.add(Button::new(RichText::new(name).color(palette.on_accent)).fill(palette.accent))
+}
+
+/// Shows the geometry that the window displays in place of the result. Returns whether there is one.
+fn another(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) -> bool {
+    let Some(shown) = model.shown() else { return false };
+    if let Some((number, hypothesis)) = shown.hypothesis {
+        heading(ui, None, &format!("Hypothesis {}", number + 1));
+        another_shown(ui, &format!("hypothesis {}", number + 1), commands);
+        let facts = hypothesis_facts(&model.document, hypothesis, model.open.computation.searched());
+        list(ui, true_error(model).into_iter().chain(facts));
+        return true;
+    }
+    let Some(contestant) = shown.contestant else { return false };
+    let name = match contestant {
+        Contestant::Truth => "the true geometry".to_owned(),
+        Contestant::Imported => "the imported geometry".to_owned(),
+        other => format!("the {} geometry", other.name()),
+    };
+    heading(ui, None, contestant.name());
+    if model.has_result() {
+        another_shown(ui, &name, commands);
+    } else {
+        let text =
+            format!("The images show {name}. Mark two point pairs to estimate a geometry for comparison.");
+        ui.add(Label::new(text).wrap());
+    }
+    let imported = model.document.imported.as_ref().filter(|_| contestant == Contestant::Imported);
+    if let Some(warning) = imported.and_then(import_warning) {
+        ui.add(Label::new(RichText::new(warning).color(tone_color(ui.visuals(), Tone::Caution))).wrap());
+    }
+    let facts = imported.map(import_facts).unwrap_or_default().into_iter();
+    list(ui, true_error(model).into_iter().chain(facts).chain(epipoles(&model.document, shown.fundamental)));
+    if imported.is_some() {
+        let remove = ui.button("Remove it");
+        finish_button(ui, remove, ExchangeCommand::RemoveImported.into(), commands);
+    }
+    true
+}
+
+/// Shows the verdict on the result.
+fn result(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+    let VerdictInWords { tone, word, sentence, facts, warnings } =
+        verdict(&model.document, &model.open.computation);
+    ui.horizontal(|ui| {
+        heading(ui, Some(tone), word);
+        if model.open.computation.is_running() {
+            ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+                command_button(ui, Command::Stop, true, commands);
+            });
+        }
+    });
+    let warnings: Vec<String> = warnings.into_iter().filter(|warning| *warning != sentence).collect();
+    ui.add(Label::new(sentence).wrap());
+    let action = model.card_action();
+    let switch = model.lines_switch().filter(|switch| action.as_ref() != Some(switch));
+    if action.is_some() {
+        ui.horizontal_wrapped(|ui| {
+            for CardAction { label, command } in action.into_iter().chain(switch) {
+                let button = ui.button(label);
+                finish_button(ui, button, command, commands);
+            }
+        });
+    }
+    let facts: Vec<Fact> = true_error(model).into_iter().chain(facts).collect();
+    list(ui, card_facts(&facts).cloned());
+    let is_on_card = |fact: &Fact| card_facts(&facts).any(|other| other.name == fact.name);
+    let others: Vec<Fact> = facts.iter().filter(|fact| !is_on_card(fact)).cloned().collect();
+    if warnings.is_empty() && others.is_empty() {
+        return;
+    }
+    egui::CollapsingHeader::new("Details").id_salt("details").show_unindented(ui, |ui| {
+        for warning in warnings {
+            let color = tone_color(ui.visuals(), Tone::Caution);
+            ui.add(Label::new(RichText::new(warning).color(color)).wrap());
+        }
+        if let Some(Some(next)) = model.open.next_click {
+            let text = format!(
+                "Add a pair at the mark: equally plausible geometries differ there by up to {:.0} px.",
+                next.disagreement
+            );
+            ui.add(Label::new(text).wrap());
+        }
+        list(ui, others.into_iter());
+    });
+}
+
+/// Shows the sign and the word of a verdict.
+fn heading(ui: &mut Ui, tone: Option<Tone>, word: &str) {
+    ui.horizontal(|ui| {
+        if let Some(tone) = tone {
+            sign(ui, tone);
+        }
+        ui.label(RichText::new(word).size(theme::VERDICT).color(ui.visuals().strong_text_color()));
+    });
+}
+
+/// Draws the sign of a verdict: a tick, a diamond or an octagon, so that the colour is not needed.
+fn sign(ui: &mut Ui, tone: Tone) {
+    if matches!(tone, Tone::Busy) {
+        busy::show(ui);
+        return;
+    }
+    let (area, _) = ui.allocate_exact_size(vec2(18.0, 22.0), Sense::hover());
+    let (centre, color) = (area.center(), tone_color(ui.visuals(), tone));
+    let corners = |count: usize, radius: f32, first: f32| {
+        let turn = std::f32::consts::TAU / count as f32;
+        (0..count).map(|k| centre + radius * egui::Vec2::angled(first + turn * k as f32)).collect::<Vec<_>>()
+    };
+    match tone {
+        Tone::Good => {
+            let tick = [vec2(-6.0, 0.5), vec2(-2.0, 5.0), vec2(6.5, -5.5)].map(|at| centre + at);
+            ui.painter().line(tick.to_vec(), Stroke::new(2.6, color));
+        }
+        Tone::Caution => {
+            ui.painter().add(Shape::convex_polygon(corners(4, 8.0, 0.0), color, Stroke::NONE));
+        }
+        Tone::Bad => {
+            let first = std::f32::consts::TAU / 16.0;
+            ui.painter().add(Shape::convex_polygon(corners(8, 8.0, first), color, Stroke::NONE));
+            let bar = Rect::from_center_size(centre, vec2(8.0, 2.4));
+            ui.painter().rect_filled(bar, 0.0, ui.visuals().panel_fill);
+        }
+        Tone::Idle | Tone::Busy => {
+            ui.painter().circle_stroke(pos2(centre.x, centre.y), 5.5, Stroke::new(1.6, color));
+        }
+    }
+}
+
+/// Shows the sign and the word in one line, for the folded dock.
+pub fn folded(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+    let VerdictInWords { tone, word, sentence, .. } = verdict(&model.document, &model.open.computation);
+    sign(ui, tone);
+    ui.strong(word);
+    let show = named(ui.button("Show"), "Show dock");
+    finish_button(ui, show, Command::FoldDock, commands);
+    ui.add(Label::new(RichText::new(sentence).weak()).truncate());
+}
+
+/// Returns the true error of the geometry shown, if ground truth is in use.
+fn true_error(model: &Model) -> Option<Fact> {
+    let (_, comparison) =
+        model.truth().zip(model.open.comparison.as_ref()).filter(|_| model.shown().is_some())?;
+    let (error, least) = (comparison.true_error?, comparison.truth_error?);
+    Some(Fact::new(
+        "True error",
+        format!("{error:.2} px (truth {least:.2})"),
+        "Mean symmetric epipolar distance of all true matches under the geometry shown. The value of the \
+         ground truth itself shows how exact the matches are. No estimate can be much better.",
+    ))
+}
+
+/// Shows named figures, values at the right.
+fn list(ui: &mut Ui, facts: impl Iterator<Item = Fact>) {
+    ui.spacing_mut().interact_size.y = theme::ROW - 3.0;
+    ui.spacing_mut().item_spacing.y = 2.0;
+    for fact in facts {
+        let tooltip = fact.explained();
+        ui.horizontal(|ui| {
+            ui.weak(fact.name).on_hover_text(&tooltip);
+            ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+                let value = ui.add(Label::new(&fact.value).truncate()).on_hover_text(&tooltip);
+                if let Some(bar) = &fact.gauge {
+                    gauge::under(ui, &value, fact.name, bar);
+                }
+                if let Some(tone) = fact.tone.filter(|tone| matches!(tone, Tone::Caution | Tone::Bad)) {
+                    let (dot, _) = ui.allocate_exact_size(vec2(8.0, 16.0), Sense::hover());
+                    ui.painter().circle_filled(dot.center(), 3.5, tone_color(ui.visuals(), tone));
+                }
+            });
+        });
+    }
+}
+
+/// Shows that the window displays another geometry, with a button back to the result.
+fn another_shown(ui: &mut Ui, name: &str, commands: &mut Vec<Command>) {
+    let text = format!("The images show {name}, not the result");
+    let color = theme::palette(ui.visuals()).accent;
+    ui.add(Label::new(RichText::new(text).color(color)).wrap());
+    command_button(ui, Command::ChooseHypothesis(None), true, commands);
+}

@@ -1,0 +1,350 @@
+//! The list of point pairs: one line a pair. The selected pair unfolds to its coordinates, role and
+//! actions.
+
+use egui::containers::menu::MenuButton;
+use egui::{
+    Align, Button, DragValue, Frame, Label, Layout, RichText, ScrollArea, Sense, Stroke, TextEdit, Ui,
+    WidgetInfo, vec2,
+};
+
+use super::dialog::named;
+use super::gauge;
+use super::{command_button, finish_button, pair_menu};
+use crate::app::model::Model;
+use crate::app::model::command::Command;
+use crate::app::model::document::{PointRef, Role, Side, pair_name};
+use crate::app::model::focus::Target;
+use crate::app::model::point_table::{Choosing, ChosenEdit, PointColumn, PointOrder, PointsCommand};
+use crate::app::model::residuals::summary;
+use crate::app::model::suggesting::Repair;
+use crate::app::model::verdict::capitalised;
+use crate::app::view::theme;
+use crate::geometry::Point;
+
+/// Half of the last displayed decimal of a coordinate, px.
+const HALF_A_DIGIT: f64 = 0.005;
+/// Width of a coordinate, screen points.
+const COORDINATE: f32 = 52.0;
+
+/// Shows the list in all available space.
+pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+    ui.spacing_mut().item_spacing.y = 2.0;
+    ui.horizontal(|ui| {
+        let count = model.document.pairs.len();
+        let title = if count > 3 { format!("Point pairs ({count})") } else { "Point pairs".to_owned() };
+        ui.label(RichText::new(title).size(theme::CAPTION).weak());
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            let menu = MenuButton::from_button(Button::new("⋯").small());
+            let (menu, _) = menu.ui(ui, |ui| list_menu(ui, model, commands));
+            named(menu, "More for the list of pairs").on_hover_text("Copy, paste, sort or clear the pairs.");
+            if model.shown().is_some() && count > 0 {
+                ui.label(RichText::new("distance").size(theme::CAPTION).weak())
+                    .on_hover_text(PointColumn::Distance.tooltip());
+            }
+        });
+    });
+    let document = &model.document;
+    ScrollArea::vertical().id_salt("pairs").auto_shrink([false, false]).show(ui, |ui| {
+        let half = document.half.map(|_| document.pairs.len());
+        let seen = ui.clip_rect().y_range().expand(2.0 * theme::ROW);
+        // A field that is edited or dragged stays alive outside the visible part.
+        let is_held = ui.memory(|memory| memory.focused().is_some()) || ui.ctx().dragged_id().is_some();
+        for pair in model.listed_pairs().into_iter().chain(half) {
+            if is_held || seen.contains(ui.cursor().min.y) {
+                row(ui, model, pair, commands);
+            } else {
+                ui.allocate_exact_size(vec2(ui.available_width(), theme::ROW), Sense::hover());
+            }
+        }
+        let hint = match (document.pictures.is_some(), document.pairs.len(), document.half) {
+            (false, ..) => return,
+            (_, _, Some(half)) => {
+                format!("Click the same scene point in the {} image", half.side.other().name())
+            }
+            (_, 0, _) => {
+                "Click a point in the left image, then the same scene point in the right one".to_owned()
+            }
+            _ => "Click a point in either image to add a pair".to_owned(),
+        };
+        ui.add_space(2.0);
+        ui.add(Label::new(RichText::new(hint).size(theme::CAPTION).weak()).wrap());
+        if model.can_keep_matches() {
+            command_button(ui, Command::KeepMatches, true, commands);
+        }
+        for line in summary(model) {
+            ui.add(
+                Label::new(
+                    RichText::new(format!("{} {}", line.name, line.value)).size(theme::CAPTION).weak(),
+                )
+                .wrap(),
+            )
+            .on_hover_text(line.tooltip);
+        }
+    });
+}
+
+/// Shows the menu of the whole list.
+fn list_menu(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+    let (open, any) = (model.document.pictures.is_some(), !model.document.pairs.is_empty());
+    for (command, enabled) in
+        [(PointsCommand::Copy, any), (PointsCommand::RequestPaste, open), (PointsCommand::ChooseAll, any)]
+    {
+        command_button(ui, command.into(), enabled, commands);
+    }
+    ui.separator();
+    let PointOrder { column: by, descending, .. } = model.open.points;
+    for column in PointColumn::ALL {
+        let mark = if by != column {
+            ""
+        } else if descending {
+            "  ▼"
+        } else {
+            "  ▲"
+        };
+        let sort = ui.button(format!("Sort by {}{mark}", column.title().to_lowercase()));
+        if named(sort, &format!("Sort points by {}", column.title())).clicked() {
+            commands.push(PointsCommand::SortBy(column).into());
+        }
+    }
+    ui.separator();
+    command_button(ui, Command::ClearPairs, any || model.document.half.is_some(), commands);
+}
+
+/// Returns how a click chooses rows, by the modifier keys.
+fn choosing(ui: &Ui) -> Choosing {
+    let held = ui.input(|input| input.modifiers);
+    if held.shift {
+        Choosing::Through
+    } else if held.command {
+        Choosing::Toggle
+    } else {
+        Choosing::Only
+    }
+}
+
+fn row(ui: &mut Ui, model: &Model, pair: usize, commands: &mut Vec<Command>) {
+    let document = &model.document;
+    let name = pair_name(pair);
+    let lit = model.open.focus.hovered() == Some(Target::Pair(pair));
+    let is_whole = pair < document.pairs.len();
+    let chosen = document.chosen.contains(&pair);
+    let selected = document.selection.is_some_and(|at| at.pair == pair);
+    let (area, _) = ui.allocate_exact_size(vec2(ui.available_width(), theme::ROW), Sense::hover());
+    // The background comes first, so that the contents of the row take their own clicks.
+    let background = ui.interact(area, ui.scope_id().with(("row", pair)), Sense::click());
+    background
+        .widget_info(|| WidgetInfo::selected(egui::Role::Row, true, chosen, format!("Row of pair {name}")));
+    if is_whole && background.clicked() {
+        let how = choosing(ui);
+        commands.push(PointsCommand::Choose(pair, how).into());
+    }
+    let fill = if chosen || selected {
+        Some(ui.visuals().selection.bg_fill.gamma_multiply(0.45))
+    } else {
+        (lit || background.hovered()).then(|| ui.visuals().widgets.hovered.bg_fill)
+    };
+    if let Some(fill) = fill {
+        ui.painter().rect_filled(area, 3.0, fill);
+    }
+    let mut inside =
+        ui.new_child(egui::UiBuilder::new().max_rect(area).layout(Layout::left_to_right(Align::Center)));
+    line(&mut inside, model, pair, commands);
+    background.container_context_menu(|ui| pair_menu(ui, model, pair, commands));
+    if is_whole && ui.rect_contains_pointer(area) {
+        commands.push(Command::PointAt(Target::Pair(pair)));
+    }
+    let is_open = if document.chosen.is_empty() { selected } else { chosen };
+    if document.chosen.len() > 1 {
+        if document.chosen.iter().max() == Some(&pair) {
+            chosen_edits(ui, model, commands);
+        }
+    } else if is_open && is_whole {
+        unfolded(ui, model, pair, commands);
+    }
+}
+
+/// Shows the line of a pair: colour, names, role and distance.
+fn line(ui: &mut Ui, model: &Model, pair: usize, commands: &mut Vec<Command>) {
+    let document = &model.document;
+    let name = pair_name(pair);
+    ui.spacing_mut().item_spacing.x = 6.0;
+    ui.add_space(4.0);
+    let (swatch, _) = ui.allocate_exact_size(vec2(10.0, 10.0), Sense::hover());
+    ui.painter().circle_filled(swatch.center(), 4.5, theme::pair_color(pair));
+    let text = ui.add(Label::new(RichText::new(&name).strong()).selectable(false));
+    if pair >= document.pairs.len() {
+        ui.weak("incomplete");
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            let delete = ui.add(Button::new("Delete").small());
+            finish_button(
+                ui,
+                named(delete, &format!("Delete: pair {name}")),
+                Command::DeletePair(pair),
+                commands,
+            );
+        });
+        return;
+    }
+    text.on_hover_text(format!("Origin: {}.", document.origin(pair).name()));
+    ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+        ui.add_space(4.0);
+        if let Some(distance) = model.pair_distance(pair) {
+            let text = ui.add(Label::new(format!("{distance:.2} px")).selectable(false));
+            if let Some(scale) = model.pair_gauge(pair) {
+                gauge::under(ui, &text, &format!("Distance of pair {name}"), &scale);
+            }
+        }
+        if let Some(distance) = model.outvoted(pair) {
+            let text = RichText::new("off").color(theme::palette(ui.visuals()).caution);
+            ui.add(Label::new(text).selectable(false)).on_hover_text(format!(
+                "The pair misses its epipolar line by {distance:.1} px (symmetric distance), although the \
+                 images support the geometry. Check that both points are the same scene point."
+            ));
+        }
+        let role = match document.role(pair) {
+            Role::Used => "",
+            Role::Check => "check",
+            Role::Excluded => "left out",
+        };
+        ui.add(Label::new(RichText::new(role).weak()).selectable(false));
+        ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
+            let given = document.given_name(pair).unwrap_or_default();
+            ui.add(Label::new(RichText::new(given).weak()).selectable(false).truncate());
+        });
+    });
+}
+
+/// Shows the actions for several chosen pairs.
+fn chosen_edits(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+    ui.horizontal_wrapped(|ui| {
+        ui.weak(format!("{} chosen", model.document.chosen.len()));
+        for edit in [ChosenEdit::Use, ChosenEdit::CheckOnly, ChosenEdit::Exclude, ChosenEdit::Delete] {
+            let command = Command::from(PointsCommand::Edit(edit));
+            let button = ui.add(Button::new(command.name()).small());
+            finish_button(ui, button, command, commands);
+        }
+    });
+}
+
+/// Shows coordinates, name, role and actions of the selected pair.
+fn unfolded(ui: &mut Ui, model: &Model, pair: usize, commands: &mut Vec<Command>) {
+    let name = pair_name(pair);
+    let row = |ui: &mut Ui, add: &mut dyn FnMut(&mut Ui)| {
+        ui.horizontal_wrapped(|ui| {
+            ui.spacing_mut().item_spacing.x = 4.0;
+            ui.add_space(20.0);
+            add(ui);
+        });
+    };
+    for side in Side::BOTH {
+        row(ui, &mut |ui| position(ui, model, PointRef { pair, side }, commands));
+    }
+    row(ui, &mut |ui| name_field(ui, model, pair, commands));
+    row(ui, &mut |ui| role(ui, model, pair, commands));
+    row(ui, &mut |ui| {
+        let mut offer = |ui: &mut Ui, command: Command, enabled: bool| {
+            let label = format!("{}: pair {name}", command.name());
+            let button = named(ui.add_enabled(enabled, Button::new(command.name()).small()), &label);
+            finish_button(ui, button, command, commands);
+        };
+        for how in [Repair::Refine, Repair::Rematch] {
+            offer(ui, Command::Repair(pair, how), model.repair_question(pair, how).is_some());
+        }
+        offer(ui, Command::DeletePair(pair), true);
+    });
+}
+
+/// Shows the field with the user's name for the pair.
+fn name_field(ui: &mut Ui, model: &Model, pair: usize, commands: &mut Vec<Command>) {
+    let mut name = model.document.given_name(pair).unwrap_or_default().to_owned();
+    let width = (ui.available_width() - 12.0).max(40.0);
+    let field = TextEdit::singleline(&mut name).desired_width(width).hint_text("name").frame(Frame::NONE);
+    let field = ui.add(field.id_salt(("name of pair", pair)));
+    let field = named(field, &format!("Name of pair {}", pair_name(pair)));
+    if field.changed() {
+        commands.push(PointsCommand::Rename(pair, name).into());
+    }
+    if field.lost_focus() {
+        commands.push(Command::EndDrag);
+    }
+}
+
+/// Shows the switches of the role.
+fn role(ui: &mut Ui, model: &Model, pair: usize, commands: &mut Vec<Command>) {
+    let document = &model.document;
+    let name = pair_name(pair);
+    let role = document.role(pair);
+    let mut included = role != Role::Excluded;
+    let response = ui.checkbox(&mut included, "");
+    response.widget_info(|| {
+        WidgetInfo::selected(egui::Role::CheckBox, true, included, format!("Include pair {name}"))
+    });
+    let response = response.on_hover_text(Command::IncludePair(pair, included).tooltip());
+    if response.changed() {
+        commands.push(Command::IncludePair(pair, included));
+    }
+    for (only, is_chosen) in [(false, role == Role::Used), (true, role == Role::Check)] {
+        let command = Command::CheckOnly(pair, only);
+        let button = Button::selectable(is_chosen, command.name()).small();
+        let response = ui.add_enabled(role != Role::Excluded && (only || document.can_be_used(pair)), button);
+        let label = format!("{} pair {name}", command.name());
+        response
+            .widget_info(|| WidgetInfo::selected(egui::Role::Button, response.enabled(), is_chosen, &label));
+        let response = response.on_disabled_hover_text(if role == Role::Excluded {
+            "The pair is left out. Include it first."
+        } else {
+            "The published method takes no more pairs. Set another pair to check only, or choose the preset \
+             Robust."
+        });
+        finish_button(ui, response, command, commands);
+    }
+}
+
+/// Shows the fields for the coordinates of a point. The selected point is underlined.
+fn position(ui: &mut Ui, model: &Model, at: PointRef, commands: &mut Vec<Command>) {
+    let document = &model.document;
+    let Some((point, frame)) = document.point(at).zip(document.frame(at.side)) else { return };
+    let label =
+        ui.add_sized(vec2(34.0, theme::ROW), Label::new(RichText::new(capitalised(at.side.name())).weak()));
+    ui.spacing_mut().button_padding.x = 4.0;
+    ui.spacing_mut().interact_size.x = COORDINATE;
+    let mut last = label.rect;
+    for (axis, size) in [("x", frame.width), ("y", frame.height)] {
+        let before = if axis == "x" { point.x } else { point.y };
+        let mut typed = before;
+        let field = DragValue::new(&mut typed)
+            .speed(0.1)
+            .range(-0.5..=size as f64 - 0.5)
+            .fixed_decimals(2)
+            .update_while_editing(false);
+        let field = ui.add(field);
+        last = field.rect;
+        let name = format!("{} {axis} of pair {}", capitalised(at.side.name()), pair_name(at.pair));
+        field
+            .widget_info(|| WidgetInfo { label: Some(name.clone()), ..WidgetInfo::drag_value(true, before) });
+        if field.gained_focus() || field.drag_started() {
+            commands.push(Command::Select(Some(at)));
+        }
+        // The displayed figure is rounded; a value that was not edited must not change.
+        if (typed - before).abs() >= HALF_A_DIGIT {
+            let to = if axis == "x" { Point::new(typed, point.y) } else { Point::new(point.x, typed) };
+            commands.push(Command::Drag(at, to));
+            if !field.dragged() {
+                commands.push(Command::EndDrag);
+            }
+        }
+        if field.drag_stopped() {
+            commands.push(Command::EndDrag);
+        }
+        field.on_hover_text(format!(
+            "Click to type, or drag to change, in px from -0.5 to {:.1}. The arrow keys move the point by \
+             0.1 px.",
+            size as f64 - 0.5
+        ));
+    }
+    if document.selection == Some(at) {
+        let accent = theme::palette(ui.visuals()).accent;
+        let line = label.rect.union(last);
+        ui.painter().hline(line.x_range(), line.max.y, Stroke::new(2.0, accent));
+    }
+}

@@ -1,0 +1,199 @@
+//! The tab of the result beside other methods, an imported geometry and the ground truth.
+
+use egui::{ScrollArea, Ui};
+
+use super::super::table::{Column, RowLook, Table};
+use super::Tab;
+use super::residuals::{choice, contestants, measured, px, tools};
+use crate::app::model::Model;
+use crate::app::model::command::Command;
+use crate::app::model::comparison::{Comparison, Contestant, PointSet, Subject};
+use crate::app::model::ids::TabId;
+use crate::comparison::Spread;
+use crate::io::TruthOrigin;
+
+/// Registered in [`super::TABS`].
+pub const TAB: Tab = Tab { id: TabId::Compare, tools, show };
+
+/// Width below which the summary leaves out its widest column, screen points.
+const ROOM_FOR_ALL: f32 = 560.0;
+/// Width below which the table scrolls sideways, screen points.
+const LEAST_WIDTH: f32 = 330.0;
+
+fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+    let Some(comparison) = measured(ui, model, commands) else { return };
+    if model.truth().is_some() {
+        ui.horizontal_wrapped(|ui| {
+            ui.spacing_mut().item_spacing.x = 3.0;
+            inputs(ui, model, commands);
+        });
+    }
+    let room = ui.available_width();
+    ScrollArea::horizontal().id_salt("summary table").auto_shrink([false, false]).show(ui, |ui| {
+        ui.set_width(room.max(LEAST_WIDTH));
+        summary(ui, model, comparison, room < ROOM_FOR_ALL, commands);
+    });
+}
+
+/// Shows the choice of the pairs given to the 7-point and 8-point algorithms.
+fn inputs(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+    let now = model.look.compared;
+    ui.weak("7/8-point input").on_hover_text("Point pairs given to the 7-point and 8-point algorithms.");
+    for (set, name, tooltip) in [
+        (
+            PointSet::Pairs,
+            "Point pairs",
+            "All pairs that are not left out. The 7-point algorithm takes the first seven.",
+        ),
+        (
+            PointSet::TrueMatches,
+            "My pairs + true matches",
+            "Your pairs of the estimate, with their errors, plus as many true matches as needed, drawn at \
+             random.",
+        ),
+    ] {
+        let then = Subject { fitted: set, ..now };
+        choice(ui, (name, tooltip), now.fitted == set, true, then, commands);
+    }
+}
+
+/// Properties of a geometry, each a column of the summary.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Part {
+    Name,
+    From,
+    Median,
+    Mean,
+    Largest,
+    BelowOne,
+}
+
+impl Part {
+    const ALL: [Self; 6] = [Self::Name, Self::From, Self::Median, Self::Mean, Self::Largest, Self::BelowOne];
+
+    /// Returns the columns of the summary. A narrow summary shows `From` as a tooltip.
+    fn columns(is_narrow: bool) -> Vec<Self> {
+        Self::ALL.into_iter().filter(|part| !(is_narrow && *part == Self::From)).collect()
+    }
+
+    fn column(self) -> Column {
+        match self {
+            Self::Name => Column::words(
+                "Geometry",
+                92.0,
+                "Source of the geometry. Click a row to show that geometry in the whole window.",
+            ),
+            Self::From => Column::words(
+                "From",
+                176.0,
+                "Data from which the geometry was computed, or the data that are missing.",
+            ),
+            Self::Median => Column::figures("Median, px", 76.0, "Half of the points are closer than this."),
+            Self::Mean => Column::figures("Mean, px", 70.0, "Mean distance over all points."),
+            Self::Largest => Column::figures("Max, px", 70.0, "Distance of the worst point."),
+            Self::BelowOne => Column::figures("< 1 px", 56.0, "Share of the points closer than 1 px."),
+        }
+    }
+
+    /// Returns the value in a spread, for columns of figures.
+    fn of(self, spread: &Spread) -> Option<f64> {
+        match self {
+            Self::Name | Self::From => None,
+            Self::Median => Some(spread.median),
+            Self::Mean => Some(spread.mean),
+            Self::Largest => Some(spread.max),
+            Self::BelowOne => Some(spread.below_one),
+        }
+    }
+}
+
+fn summary(
+    ui: &mut Ui,
+    model: &Model,
+    comparison: &Comparison,
+    is_narrow: bool,
+    commands: &mut Vec<Command>,
+) {
+    let shown = model.shown();
+    let chosen = shown
+        .filter(|shown| shown.hypothesis.is_none())
+        .map(|shown| shown.contestant.unwrap_or(Contestant::Result));
+    let contestants = contestants(model);
+    let parts = Part::columns(is_narrow);
+    let columns: Vec<Column> = parts.iter().map(|part| part.column()).collect();
+    let touched = Table {
+        name: if is_narrow { "narrow residual summary" } else { "residual summary" },
+        columns: &columns,
+        rows: contestants.len(),
+        revision: comparison.number,
+        row_name: &|row| format!("Geometry: {}", contestants[row].name()),
+        key: &|row, column| {
+            let part = parts.get(column).copied().unwrap_or(Part::Name);
+            if matches!(part, Part::Name | Part::From) {
+                return row as f64;
+            }
+            comparison
+                .of(contestants[row])
+                .spread
+                .as_ref()
+                .and_then(|spread| part.of(spread))
+                .unwrap_or(f64::NAN)
+        },
+        text: &|row, column| {
+            let (contestant, part) = (contestants[row], parts[column]);
+            let compared = comparison.of(contestant);
+            match (part, compared.spread.as_ref().and_then(|spread| part.of(spread))) {
+                // The text continues over the empty columns of figures.
+                (Part::Name, _) if is_narrow && compared.fit.is_err() => {
+                    format!("{}: {}", contestant.name(), from(model, comparison, contestant))
+                }
+                (Part::Name, _) => contestant.name().to_owned(),
+                (Part::From, _) => from(model, comparison, contestant),
+                (_, None) => String::new(),
+                (Part::BelowOne, Some(share)) => format!("{:.0} %", 100.0 * share),
+                (_, Some(distance)) => px(distance),
+            }
+        },
+        gauge: &|_, _| None,
+        about: &|row| {
+            let contestant = contestants[row];
+            let is_cut = is_narrow && comparison.of(contestant).fit.is_ok();
+            is_cut.then(|| format!("{}: {}.", contestant.name(), from(model, comparison, contestant)))
+        },
+        look: &|row| RowLook { chosen: chosen == Some(contestants[row]), lit: false },
+        toggle: &|_| None,
+    }
+    .show(ui);
+    if let Some(row) = touched.clicked {
+        let contestant = contestants[row];
+        // Without a geometry shown, there is nothing to replace.
+        if shown.is_some() && comparison.fundamental(contestant).is_some() {
+            commands.push(Command::ChooseContestant(contestant));
+        }
+    }
+}
+
+/// Describes the data a geometry was computed from, or the data missing.
+fn from(model: &Model, comparison: &Comparison, contestant: Contestant) -> String {
+    let fit = match &comparison.of(contestant).fit {
+        Ok(fit) => fit,
+        Err(why) => return why.clone(),
+    };
+    match contestant {
+        Contestant::Result => format!("{} pairs and the images", fit.pairs),
+        Contestant::SevenPoint if fit.solutions > 1 => {
+            format!("7 pairs, nearest of {} solutions", fit.solutions)
+        }
+        Contestant::SevenPoint => "7 pairs, the only solution".to_owned(),
+        Contestant::EightPoint => format!("{} pairs", fit.pairs),
+        Contestant::Ransac | Contestant::LeastMedian => format!("{} inliers", fit.pairs),
+        Contestant::Imported => {
+            model.document.imported.as_ref().map_or(String::new(), |imported| imported.file.clone())
+        }
+        Contestant::Truth => match model.truth().map(|truth| truth.origin) {
+            Some(TruthOrigin::Matches) => format!("fitted to all {} matches", fit.pairs),
+            Some(TruthOrigin::File) => "its own file".to_owned(),
+            _ => "the two cameras".to_owned(),
+        },
+    }
+}

@@ -1,0 +1,85 @@
+//! The table of the candidates: line pairs through a click that are each other's best match.
+
+use egui::Ui;
+
+use super::super::super::table::{Column, RowLook, Table};
+use super::super::empty;
+use crate::app::model::Model;
+use crate::app::model::command::Command;
+use crate::app::model::document::pair_name;
+use crate::app::model::focus::{LineSource, Target};
+use crate::estimate::{Candidate, ComparedPencils};
+
+const COLUMNS: [Column; 5] = [
+    Column::words("Through", 66.0, "The click through which both lines pass."),
+    Column::figures("Rank", 52.0, "Rank among the candidates of the click, cheapest first."),
+    Column::figures("Cost", 66.0, "Matching cost of the two lines. Lower is better."),
+    Column::figures("Left line", 78.0, "Direction of the line in the left image, degrees."),
+    Column::figures("Right line", 78.0, "Direction of the line in the right image, degrees."),
+];
+
+/// Number of candidates listed for each click. The pencils mark as many.
+const LISTED: usize = 80;
+
+/// Shows the table. A row under the cursor shows its two lines in the images; a click pins them.
+pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+    let pencils = model.open.computation.pencils().into_iter().flatten().enumerate();
+    let of =
+        |(number, pencils)| listed(pencils).map(move |(rank, candidate)| (number, pencils, rank, candidate));
+    let rows: Vec<(usize, &ComparedPencils, usize, &Candidate)> =
+        pencils.map(|(number, pencils)| (number, &**pencils)).flat_map(of).collect();
+    if rows.is_empty() {
+        empty(ui, "Candidate line pairs appear here once there are enough point pairs.");
+        return;
+    }
+    let pair = |row: usize| model.document.pair_of_pencils(rows[row].0, &rows[row].1.click);
+    let name = |row: usize| pair(row).map_or_else(|| format!("match {}", rows[row].0 + 1), pair_name);
+    let target = |row: usize| {
+        let (number, pencils, _, candidate) = rows[row];
+        let [row, column] = pencils.cell(candidate)?;
+        Some(Target::Cell { pair: number, row, column })
+    };
+    let figure = |row: usize, column: usize| {
+        let (_, _, rank, candidate) = rows[row];
+        match column {
+            1 => (rank + 1) as f64,
+            2 => f64::from(candidate.cost),
+            3 => candidate.angles[0].to_degrees(),
+            _ => candidate.angles[1].to_degrees(),
+        }
+    };
+    let touched = Table {
+        name: "candidates",
+        columns: &COLUMNS,
+        rows: rows.len(),
+        revision: model.open.computation.pencils_revision(),
+        row_name: &|row| format!("Candidate {} through {}", rows[row].2 + 1, name(row)),
+        key: &|row, column| if column == 0 { row as f64 } else { figure(row, column) },
+        text: &|row, column| match column {
+            0 => name(row),
+            1 => format!("{:.0}", figure(row, 1)),
+            2 => format!("{:.3}", figure(row, 2)),
+            _ => format!("{:.1}°", figure(row, column)),
+        },
+        gauge: &|_, _| None,
+        about: &|_| None,
+        look: &|row| RowLook {
+            chosen: false,
+            lit: target(row).is_some() && target(row) == model.open.focus.hovered(),
+        },
+        toggle: &|_| None,
+    }
+    .show(ui);
+    if let Some(target) = touched.hovered.and_then(target) {
+        commands.push(Command::PointAt(target));
+    }
+    if let Some(row) = touched.clicked
+        && let Some(pair) = pair(row)
+    {
+        commands.push(Command::Pin(LineSource::Pencil { pair, angles: rows[row].3.angles }));
+    }
+}
+
+fn listed(pencils: &ComparedPencils) -> impl Iterator<Item = (usize, &Candidate)> {
+    pencils.candidates.iter().take(LISTED).enumerate()
+}

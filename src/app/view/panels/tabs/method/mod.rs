@@ -1,0 +1,271 @@
+//! The tab of the method: a strip of its steps, and the open step with its chart, its explanation and
+//! its parameters. The step also switches its overlays on.
+
+mod candidates;
+mod epipole_map;
+mod fit;
+mod hypotheses;
+mod matrix;
+mod parameters;
+mod pencils;
+
+use egui::{
+    Button, CollapsingHeader, FontId, Label, Rect, RichText, ScrollArea, Sense, Shape, Stroke, Ui, UiBuilder,
+    WidgetInfo, pos2, vec2,
+};
+
+use super::{Tab, busy, command_button, finish_button, pale_earlier, say_earlier};
+use crate::app::model::Model;
+use crate::app::model::command::Command;
+use crate::app::model::document::Side;
+use crate::app::model::ids::{MethodStep, TabId};
+use crate::app::model::step::{StepProgress, progress, result_text};
+use crate::app::view::theme;
+use crate::estimate::{Method, Preset, Search, Stage};
+
+/// Registered in [`super::TABS`].
+pub const TAB: Tab = Tab { id: TabId::Method, tools, show };
+
+/// Height of the strip, screen points.
+const STRIP: f32 = 24.0;
+/// Length of the point of a step in the strip.
+const POINT: f32 = 7.0;
+/// Width from which the explanation is beside the chart, screen points.
+const ROOM_FOR_BOTH: f32 = 430.0;
+
+impl MethodStep {
+    /// Returns the stages of the computation that belong to the step.
+    fn stages(self) -> &'static [Stage] {
+        match self {
+            Self::Pencils => &[Stage::Pyramid, Stage::Pencils],
+            Self::Candidates | Self::RoundTrip => &[],
+            Self::Epipoles => &[Stage::Hypotheses],
+            Self::Validation => &[Stage::Validation],
+            Self::Result => &[Stage::Refinement, Stage::Features],
+        }
+    }
+
+    /// Explains the step in two sentences.
+    fn explanation(self) -> &'static str {
+        match self {
+            Self::Pencils => {
+                "Every line through p in the left image is matched with every line through p in the right \
+                 one, and the same for q. A bright cell is a line pair whose intensities match well."
+            }
+            Self::Candidates => {
+                "A candidate is a line pair of which each line is the best match of the other. The images \
+                 show the candidates of p and q, the cheapest ones brightest."
+            }
+            Self::Epipoles => {
+                "A candidate through p and one through q meet in an epipole in each image. Their bisectors \
+                 and a third line pair give the map between the lines, and so a hypothesis."
+            }
+            Self::RoundTrip => {
+                "H carries a line from left to right, G carries it back. The orange region lies between a \
+                 line and its return: the true geometry returns every line to its place."
+            }
+            Self::Validation => {
+                "The best hypotheses are scored over the whole of both images. The margin is the lead of \
+                 the first hypothesis over the best clearly different one, the rival."
+            }
+            Self::Result => {
+                "The best hypothesis is fitted to patches that match along its lines at full resolution. \
+                 The bands around the lines show the uncertainty that follows from the matches."
+            }
+        }
+    }
+}
+
+fn tools(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+    if model.shows_another() {
+        command_button(ui, Command::ChooseHypothesis(None), true, commands);
+    }
+    say_earlier(ui, model.open.computation.is_behind());
+}
+
+fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+    strip(ui, model, commands);
+    let step = model.look.step;
+    let area = ui.available_rect_before_wrap();
+    let (chart, words) = if area.width() >= ROOM_FOR_BOTH {
+        let (chart, words) = area.split_left_right_at_fraction(0.62);
+        (chart.with_max_x(chart.max.x - theme::GAP), words)
+    } else {
+        let (chart, words) = area.split_top_bottom_at_fraction(0.62);
+        (chart.with_max_y(chart.max.y - theme::GAP), words)
+    };
+    ui.scope_builder(UiBuilder::new().max_rect(words).id_salt("words"), |ui| {
+        explained(ui, step, model, commands);
+    });
+    ui.scope_builder(UiBuilder::new().max_rect(chart).id_salt(step.title()), |ui| {
+        pale_earlier(ui, model.open.computation.is_behind());
+        match step {
+            MethodStep::Pencils => pencils::show(ui, model, commands),
+            MethodStep::Candidates => candidates::show(ui, model, commands),
+            MethodStep::Epipoles => epipoles(ui, model, commands),
+            MethodStep::RoundTrip | MethodStep::Validation => hypotheses::show(ui, step, model, commands),
+            MethodStep::Result => fit::show(ui, model),
+        }
+    });
+}
+
+fn epipoles(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+    if model.shown().is_none() {
+        super::empty(ui, "The epipoles of all hypotheses appear here once there are enough point pairs.");
+        return;
+    }
+    let area = ui.available_rect_before_wrap();
+    let (left, right) = area.split_left_right_at_fraction(0.5);
+    for (side, area) in Side::BOTH.into_iter().zip([left, right]) {
+        epipole_map::show(ui, area, side, model, commands);
+    }
+}
+
+/// Shows the explanation, the figure that decided, the parameters, and the neighbouring steps.
+fn explained(ui: &mut Ui, step: MethodStep, model: &Model, commands: &mut Vec<Command>) {
+    ScrollArea::vertical().id_salt("words").auto_shrink([false, false]).show(ui, |ui| {
+        ui.spacing_mut().item_spacing.y = 4.0;
+        ui.horizontal(|ui| {
+            for (forward, sign) in [(false, "◀"), (true, "▶")] {
+                if let Some(other) = step.neighbour(forward) {
+                    let title = other.title();
+                    let text = if forward { format!("{title} {sign}") } else { format!("{sign} {title}") };
+                    let button = ui.add(Button::new(text).small());
+                    finish_button(ui, button, Command::StepMethod { forward }, commands);
+                }
+            }
+        });
+        ui.add(Label::new(step.explanation()).wrap());
+        for stage in step.stages() {
+            if let Some(text) = result_text(*stage, &model.document, &model.open.computation) {
+                ui.add(Label::new(RichText::new(text).weak()).wrap());
+            }
+        }
+        let stages = step.stages();
+        if stages.is_empty() {
+            return;
+        }
+        let parameters = &model.document.parameters;
+        let is_changed = stages.iter().any(|stage| parameters::is_any_changed(*stage, parameters));
+        let title = if is_changed { "Parameters *" } else { "Parameters" };
+        CollapsingHeader::new(title).id_salt(("parameters", step.title())).show_unindented(ui, |ui| {
+            choices(ui, model, commands);
+            for stage in stages {
+                parameters::show(ui, *stage, parameters, commands);
+            }
+        });
+    });
+}
+
+/// Shows the preset and, for the published search, the method.
+fn choices(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+    let parameters = &model.document.parameters;
+    ui.horizontal_wrapped(|ui| {
+        ui.spacing_mut().item_spacing.x = 3.0;
+        ui.weak("Preset");
+        for (preset, name) in [(Preset::Robust, "Robust"), (Preset::Paper, "As published")] {
+            let response = ui.selectable_label(parameters.preset == preset, name);
+            finish_button(ui, response, Command::SetPreset(preset), commands);
+        }
+        if parameters.search == Search::Lines {
+            for (method, name) in [(Method::TwoPoint, "Two-point"), (Method::ThreePoint, "Three-point")] {
+                let response = ui.selectable_label(parameters.method == method, name);
+                finish_button(ui, response, Command::SetMethod(method), commands);
+            }
+        }
+        let reset = *parameters != parameters.with_preset(parameters.preset);
+        let button = ui.add_enabled(reset, Button::new("Reset all").small());
+        finish_button(ui, button, Command::ResetParameters, commands);
+    });
+}
+
+/// Shows the steps as a strip that fills from left to right while the computation runs.
+fn strip(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+    let (area, _) = ui.allocate_exact_size(vec2(ui.available_width(), STRIP), Sense::hover());
+    let width = area.width() / MethodStep::ALL.len() as f32;
+    let palette = theme::palette(ui.visuals());
+    for (number, step) in MethodStep::ALL.into_iter().enumerate() {
+        let left = area.min.x + width * number as f32;
+        let place = Rect::from_min_max(pos2(left, area.min.y), pos2(left + width - 1.0, area.max.y));
+        let response = ui.interact(place, ui.scope_id().with(step.title()), Sense::click());
+        let open = model.look.step == step;
+        response.widget_info(|| WidgetInfo::selected(egui::Role::Button, true, open, step.title()));
+        let state = state_of(step, model);
+        let visuals = ui.visuals();
+        let (fill, text) = match state {
+            _ if open => (palette.accent, palette.on_accent),
+            _ if response.hovered() => (visuals.widgets.hovered.bg_fill, visuals.text_color()),
+            StepProgress::Done(_) => (visuals.widgets.inactive.bg_fill, visuals.text_color()),
+            _ => (visuals.faint_bg_color, visuals.weak_text_color()),
+        };
+        let notch = if number == 0 { 0.0 } else { POINT };
+        let corners = [
+            place.min,
+            pos2(place.max.x - POINT, place.min.y),
+            pos2(place.max.x, place.center().y),
+            pos2(place.max.x - POINT, place.max.y),
+            place.left_bottom(),
+            pos2(place.min.x + notch, place.center().y),
+        ];
+        // The shape is not convex, so it is drawn in two halves.
+        for half in [[0, 1, 2, 5], [5, 2, 3, 4]] {
+            let corners = half.map(|k| corners[k]).to_vec();
+            ui.painter().add(Shape::convex_polygon(corners, fill, Stroke::NONE));
+        }
+        let time = match state {
+            StepProgress::Done(Some(seconds)) if width > 104.0 => format!("  {}", fit::duration(seconds)),
+            _ => String::new(),
+        };
+        let font = FontId::proportional(12.0);
+        let galley = ui.painter().layout_no_wrap(step.title().to_owned(), font, text);
+        let caption =
+            ui.painter().layout_no_wrap(time, FontId::proportional(10.5), text.gamma_multiply(0.75));
+        let start = place.center().x + POINT / 2.0 - f32::midpoint(galley.size().x, caption.size().x);
+        let start = start.max(place.min.x + notch + 1.0);
+        let middle = place.center().y;
+        let painter = ui.painter_at(place);
+        let end = start + galley.size().x;
+        painter.galley(pos2(start, middle - galley.size().y / 2.0), galley, text);
+        painter.galley(pos2(end, middle - caption.size().y / 2.0), caption, text);
+        if state == StepProgress::Running {
+            let mark = Rect::from_center_size(pos2(place.max.x - 16.0, middle), vec2(14.0, 14.0));
+            ui.scope_builder(UiBuilder::new().max_rect(mark), busy::show);
+        }
+        let hint = format!("{} (N for the next step)", step.explanation());
+        if response.on_hover_text(hint).clicked() {
+            commands.push(Command::ShowStep(step));
+        }
+    }
+}
+
+/// Returns the progress of a step: of its last stage that has begun, or of the step before it.
+fn state_of(step: MethodStep, model: &Model) -> StepProgress {
+    let computation = &model.open.computation;
+    // A stage repeated by the wider search is not shown as running twice.
+    let of = |stages: &[Stage]| stages.iter().map(|stage| progress(*stage, computation)).reduce(later);
+    match step {
+        MethodStep::Candidates => without_time(of(MethodStep::Pencils.stages())),
+        MethodStep::RoundTrip => without_time(of(MethodStep::Epipoles.stages())),
+        MethodStep::Pencils => progress(Stage::Pencils, computation),
+        _ => of(step.stages()).unwrap_or(StepProgress::Waiting),
+    }
+}
+
+/// Sums the times of two stages; a running or failed stage prevails.
+fn later(first: StepProgress, second: StepProgress) -> StepProgress {
+    use StepProgress::{Done, Failed, Running, Stopped, Waiting};
+    match (first, second) {
+        (Waiting, other) | (other, Waiting) => other,
+        (Done(a), Done(b)) => Done(a.zip(b).map(|(a, b)| a + b).or(a).or(b)),
+        (Running, _) | (_, Running) => Running,
+        (Failed, _) | (_, Failed) => Failed,
+        (Stopped, _) | (_, Stopped) => Stopped,
+    }
+}
+
+fn without_time(progress: Option<StepProgress>) -> StepProgress {
+    match progress {
+        Some(StepProgress::Done(_)) => StepProgress::Done(None),
+        other => other.unwrap_or(StepProgress::Waiting),
+    }
+}
