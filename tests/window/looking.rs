@@ -7,7 +7,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use egui::{Color32, Key, Modifiers, PointerButton, Pos2, Shape, vec2};
 use egui_kittest::kittest::Queryable;
-use epiline::geometry::{Point, symmetric_epipolar_distance};
+use epiline::estimate::{RefinedMatch, Refinement};
+use epiline::geometry::{Point, PointPair, symmetric_epipolar_distance};
 use epiline::internals::app::model::document::Side;
 use epiline::internals::app::model::focus::LineSource;
 use epiline::internals::app::model::look::Look;
@@ -178,6 +179,43 @@ fn linked_views_zoom_and_move_together() {
     drag(&mut window, empty, empty + vec2(50.0, 0.0), PointerButton::Middle);
     let moved = place(&mut window);
     assert!(moved.x < before.x - 10.0, "{moved}");
+}
+
+#[test]
+fn linked_views_follow_the_match_and_alt_moves_one_alone() {
+    let mut services = services();
+    services.estimate = Box::new(|request, _| {
+        let mut estimate = fake_estimate(&request.pairs, &request.parameters)?;
+        // The geometry maps every point by the translation of p.
+        let moved = request.pairs[0].point2 - request.pairs[0].point1;
+        let at = |x: f64, y: f64| Point::new(x, y);
+        let points = [at(200.0, 150.0), at(400.0, 300.0), at(600.0, 450.0)];
+        let pairs = points.map(|point1| PointPair { point1, point2: point1 + moved });
+        let matches = pairs.map(|pair| RefinedMatch { pair, correlation: 0.9 }).to_vec();
+        estimate.assessment.refinement = Some(Refinement { matches, uncertainty: None, noise: None });
+        Ok(estimate)
+    });
+    let mut window = window(Start::default(), services);
+    click_two_pairs(&mut window);
+    let p = window.state().document().pairs[0];
+    press(&mut window, Key::L);
+    let left = at(&window, Side::Left, 0.15, 0.1);
+    scroll(&mut window, left);
+    let middle = |window: &mut Window, side: Side| {
+        let centre = pane(window, side).center();
+        click(window, centre);
+        let point = window.state().document().half.unwrap().point;
+        press(window, Key::Escape);
+        point
+    };
+    let [own, other] = Side::BOTH.map(|side| middle(&mut window, side));
+    assert!((other - own - (p.point2 - p.point1)).norm() < 1.0, "{own} and {other}");
+    window.event(egui::Event::ModifiersChanged(Modifiers::ALT));
+    drag(&mut window, left, left + vec2(60.0, 20.0), PointerButton::Middle);
+    window.event(egui::Event::ModifiersChanged(Modifiers::NONE));
+    settle(&mut window);
+    let [moved, stays] = Side::BOTH.map(|side| middle(&mut window, side));
+    assert!((moved - own).norm() > 5.0 && (stays - other).norm() < 0.1, "{moved} and {stays}");
 }
 
 #[test]

@@ -77,6 +77,21 @@ impl Model {
         is_named.then(|| symmetric_epipolar_distance(estimate.fundamental(), &self.document.pairs[pair]))
     }
 
+    /// Returns about where the match of a point is in the other image: displaced like the nearest match of the
+    /// result, on the epipolar line. `None` without matches.
+    pub fn matched(&self, side: Side, point: Point) -> Option<Point> {
+        let shown = self.shown()?;
+        let distance = |pair: &PointPair| (side.point(pair) - point).norm_squared();
+        let matches = shown.estimate.matches().iter().map(|found| found.pair);
+        let nearest = matches.min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
+        let moved = point + (side.other().point(&nearest) - side.point(&nearest));
+        let line = match side {
+            Side::Left => shown.fundamental.line2_from_point1(point),
+            Side::Right => shown.fundamental.line1_from_point2(point),
+        };
+        Some(line?.foot(moved))
+    }
+
     /// Returns whether another geometry than the result is selected.
     pub fn shows_another(&self) -> bool {
         self.open.focus.hypothesis().is_some() || self.open.focus.contestant().is_some()

@@ -62,25 +62,38 @@ impl View {
     pub fn draw(&mut self, ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) -> Option<Hover> {
         let views = self.panes.each_ref().map(ImagePane::view);
         let hover = self.draw_all(ui, model, commands);
+        // Alt moves one view alone.
+        let alone = ui.input(|input| input.modifiers.alt);
         if model.open.rectified.is_none() {
             panels::tabs::forget_textures(ui.ctx());
         }
         for side in Side::BOTH {
-            if self.panes[side.index()].view() != views[side.index()] {
+            if !alone && self.panes[side.index()].view() != views[side.index()] {
                 self.link(model, side);
             }
         }
         hover
     }
 
-    /// Makes the other image show the same part as `leader`, if the views are linked.
+    /// Makes the other image show the same part of the scene as `leader`, if the views are linked.
     pub fn link(&mut self, model: &Model, leader: Side) {
-        if model.look.linked {
-            let [left, right] = &mut self.panes;
-            match leader {
-                Side::Left => right.follow(left),
-                Side::Right => left.follow(right),
-            }
+        if !model.look.linked {
+            return;
+        }
+        let [left, right] = &mut self.panes;
+        let (leading, following) = match leader {
+            Side::Left => (left, right),
+            Side::Right => (right, left),
+        };
+        following.follow(leading);
+        let views = leading.view().zip(following.view()).filter(|(view, _)| !view.fits());
+        if let Some((from, mut to)) = views
+            && let Some(centre) = model.matched(leader, from.centre)
+            && let Some(frame) = model.document.frame(leader.other())
+        {
+            to.centre = centre;
+            to.keep_in_sight(frame);
+            following.set_view(to);
         }
     }
 

@@ -49,7 +49,7 @@ pub fn with_keys() -> Vec<Action> {
         .key(NONE, Key::D)
         .listed(|_| "Measure tool: distance and direction")
         .when(|model| model.document.pictures.is_some()),
-        action(Command::ToggleLink, "Link views", "Zoom and move both images together.").key(NONE, Key::L),
+        action(Command::ToggleLink, "Link views", "Zoom and move both images together, each about the match of the other. Alt moves one alone.").key(NONE, Key::L),
         action(
             Command::ToggleStacked,
             "Stack vertically",
