@@ -8,11 +8,13 @@
 mod fits;
 mod known_pair;
 mod random;
+#[cfg(feature = "inspector")]
 mod robust;
 mod statistics;
 
 pub use fits::{Distances, FitError, PointFit, Spread, fit_eight, fit_seven};
 pub use known_pair::{KnownPair, SPACING, apart};
 pub use random::{Purpose, generator};
+#[cfg(feature = "inspector")]
 pub use robust::{fit_least_median, fit_msac};
 pub use statistics::{mean, median, share_below};
