@@ -27,7 +27,7 @@ fn a_failing_and_a_panicking_computation_are_told_and_the_points_stay() {
     settle(&mut window);
     window.get_by_label_contains("stopped unexpectedly (index out of range)");
     assert_eq!(window.state().document().pairs.len(), 2);
-    window.key_press(Key::F5);
+    window.get_by_label("Compute again").click();
     settle(&mut window);
     window.get_by_label_contains("Estimated from pairs p and q");
 }

@@ -6,7 +6,7 @@ use egui::accesskit::Role;
 use egui::{Color32, Key, Modifiers, Shape, vec2};
 use egui_kittest::kittest::{NodeT, Queryable};
 use epiline::estimate::{Apart, Parameters, Search, Trust, Verdict};
-use epiline::geometry::FundamentalMatrix;
+use epiline::geometry::{FundamentalMatrix, Point};
 use epiline::internals::app::Start;
 use epiline::internals::app::model::document::Side;
 use epiline::internals::app::model::focus::{LineSource, Target};
@@ -280,6 +280,38 @@ fn the_steps_are_followed_by_one_key_and_switch_their_overlays_on() {
 }
 
 #[test]
+fn the_pictures_trade_places_and_keep_their_sides() {
+    let mut window = sample();
+    press(&mut window, Key::X);
+    let [left, right] = Side::BOTH.map(|side| pane(&window, side));
+    assert!(left.min.x > right.max.x, "{left:?} {right:?}");
+    let position = at(&window, Side::Left, 0.1, 0.1);
+    click(&mut window, position);
+    assert!(window.state().document().half.is_some_and(|half| half.side == Side::Left));
+    press(&mut window, Key::X);
+    assert!(pane(&window, Side::Left).max.x < pane(&window, Side::Right).min.x);
+}
+
+#[test]
+fn the_button_of_the_card_does_what_its_sentence_asks_for() {
+    let mut services = services();
+    services.estimate = Box::new(|request, _| {
+        let mut estimate = fake_estimate(&request.pairs, &request.parameters)?;
+        let reasons = vec![click_off(2, 40.0)];
+        estimate.assessment.trust = Some(Trust { verdict: Verdict::Doubtful, reasons });
+        Ok(estimate)
+    });
+    let matched = Point::new(333.0, 222.0);
+    services.repair = Box::new(move |_| Ok(matched));
+    let mut window = window(Start::default(), services);
+    click_two_pairs(&mut window);
+    window.get_by_label_contains("Point pair q is ");
+    window.get_by_label("Move q to its match").click();
+    settle(&mut window);
+    assert_eq!(window.state().document().pairs[1].point2, matched);
+}
+
+#[test]
 fn lines_look_like_the_verdict() {
     let judged = |verdict: Verdict| {
         let mut services = services();
@@ -376,6 +408,8 @@ fn a_pair_unfolds_to_all_its_actions_and_nothing_is_cut() {
             let rect = window.get_by_label(name).rect();
             assert!(rect.max.x <= width && rect.min.x > 0.0, "{name} at {width}: {rect:?}");
         }
+        let name = window.get_by_label("Name of pair p").rect().width();
+        assert!(name >= 120.0, "{name} at {width}");
     }
     window.get_by_label("Check only pair p").click();
     settle(&mut window);
