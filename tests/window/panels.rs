@@ -348,6 +348,10 @@ fn lines_look_like_the_verdict() {
     unreliable.get_by_label("Show lines anyway").click();
     settle(&mut unreliable);
     assert!(dots(&unreliable) > 20);
+    // The wish belongs to this result, not to the next one.
+    press(&mut unreliable, Key::ArrowRight);
+    unreliable.get_by_label("Unreliable");
+    assert_eq!(dots(&unreliable), 0);
 }
 
 #[test]

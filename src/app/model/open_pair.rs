@@ -83,7 +83,7 @@ pub struct OpenPair {
     pub alone: bool,
     /// Whether the two pictures have traded places, for a blink.
     pub swapped: bool,
-    /// Whether the lines of an unreliable geometry are drawn all the same.
+    /// Whether the lines of the present result are drawn although it is unreliable.
     pub lines_anyway: bool,
     /// Document after a click placed a point, so that a double click can take the point back.
     pub placed: Option<Document>,
@@ -108,12 +108,13 @@ impl OpenPair {
         self.tones.apply(command, pictures.as_ref());
     }
 
-    /// Deselects the hypothesis when its result is replaced. The number of a hypothesis belongs to
-    /// one result.
+    /// Deselects the hypothesis and hides the lines of an unreliable geometry when the result is replaced. Both
+    /// belong to one result.
     pub fn follow_result(&mut self) {
         if self.revision != self.computation.revision() {
             self.revision = self.computation.revision();
             self.focus.forget_hypothesis();
+            self.lines_anyway = false;
         }
     }
 
