@@ -90,10 +90,17 @@ pub fn reason_in_words(reason: &Reason) -> String {
              {} Use views farther apart, or a scene with more depth.",
             off_the_plane(agreeing, groups)
         ),
-        Reason::NoRelief { percent } => format!(
-            "Only {percent} % of the matches show depth. The others follow one smooth warp, as if the \
-             camera had only turned, so the epipole is not determined. \
-             Use views from different places, or a scene with more depth."
+        Reason::NoRelief { along, across, on_warp } => format!(
+            "Of {} matches found without the epipolar lines, {on_warp} follow one smooth warp, \
+             {along} are off it along the lines and {across} across them. \
+             So the epipole is not certain. \
+             Use views from different places, or a scene with more depth.",
+            along + across + on_warp
+        ),
+        Reason::Mirrored { matches } => format!(
+            "{matches} places of image 1 match image 2 only if it is flipped, like a mirror image. \
+             The epipolar geometry of such a pair says nothing about the cameras. \
+             Flip one image back and open the pair again."
         ),
         Reason::Loose { deviation } => format!(
             "The matches leave the epipolar lines uncertain by {deviation:.1} px. \
@@ -162,7 +169,8 @@ mod tests {
             Reason::OnePlane { percent: 98, groups: 1, agreeing: 0 },
             Reason::OnePlane { percent: 98, groups: 1, agreeing: 1 },
             Reason::OnePlane { percent: 98, groups: 12, agreeing: 0 },
-            Reason::NoRelief { percent: 3 },
+            Reason::NoRelief { along: 12, across: 9, on_warp: 480 },
+            Reason::Mirrored { matches: 212 },
             Reason::Loose { deviation: 2.0 },
         ]
     }

@@ -92,6 +92,7 @@ impl Judged {
                 reason,
                 Reason::OnePlane { .. }
                     | Reason::NoRelief { .. }
+                    | Reason::Mirrored { .. }
                     | Reason::Bent { .. }
                     | Reason::Contradicted { .. }
             )

@@ -40,6 +40,16 @@ impl AlignedFeatures {
             .filter(|m| is_within(f, &m.found.pair, band))
             .collect()
     }
+
+    /// Returns all matches that could be aligned, in pixels of the level.
+    pub fn all(&self, level: &PairLevel) -> Vec<LevelMatch> {
+        self.features
+            .par_iter()
+            .zip(&self.aligned)
+            .map(|(feature, aligned)| *aligned.get_or_init(|| placed(level, feature)))
+            .filter(|m| m.sigma <= MATCH_SIGMA)
+            .collect()
+    }
 }
 
 /// The match where its surroundings fit, or where its features are if they do not.

@@ -32,7 +32,7 @@ pub(super) struct MutualMatch {
 }
 
 /// Distance, px, below which two corners show the same place: half a patch.
-const ELSEWHERE: f64 = HALF as f64;
+pub(super) const ELSEWHERE: f64 = HALF as f64;
 /// Noise of the correlation of a right match. Fitted to facades by eye: of matches whose best
 /// competitor correlates less by 0.02, 0.1 and 0.2, about 40, 80 and 85 % are right.
 pub(super) const CORRELATION_NOISE: f32 = 0.05;

@@ -2,14 +2,16 @@
 
 use std::sync::Arc;
 
-use nalgebra::Matrix3;
+use nalgebra::{Matrix2, Matrix3, Vector2};
 
 use super::aligned_features::AlignedFeatures;
 use super::corner_patches::CornerPatches;
 use super::feature_support::{FeatureSupport, SupportingMatch};
 use super::guided_fit::{GuidedMatcher, Settling};
+use super::plane::largest_plane;
 use super::refinement::{Refined, RefinementLevel, SharedPatches};
 use super::support::{PatchSupport, Support, SupportLevel};
+use super::unguided::{UnguidedMatch, unguided_matches};
 use super::voting::KappaVoting;
 use crate::cancel::CancelFlag;
 use crate::estimate::evidence::lazy::Lazy;
@@ -29,6 +31,9 @@ const FINE_SIDE: f64 = 2.0 * COARSE_SIDE;
 /// Number of look-alikes of a corner that vote for κ, best first. The right one is not always the
 /// first; each more adds wrong votes. Never varied.
 const VOTES_PER_CORNER: usize = 3;
+/// Largest distance of a match from the homography of a mirror image, px of the coarse level: twice
+/// the precision of corners.
+const ONE_MIRROR: f64 = 4.0;
 /// Longer sides of the levels at which `F` is refined, px. At the first level, a ranked geometry is
 /// off by a few pixels at most. The last level is full size.
 const REFINEMENT_SIDES: [f64; 2] = [800.0, f64::INFINITY];
@@ -44,6 +49,8 @@ pub(in crate::estimate) struct PatchLevels {
     aligned: [AlignedFeatures; REFINEMENT_SIDES.len()],
     /// Support of corners and features at the fine size, where proposals are ranked.
     with_features: Lazy<SupportLevel>,
+    /// Matches found without a geometry.
+    unguided: Lazy<Vec<UnguidedMatch>>,
 }
 
 /// Corners under a view, shared by levels with and without features.
@@ -56,6 +63,9 @@ struct CornerLevels {
     patches: SharedPatches,
     fine: Lazy<SupportLevel>,
     refinement: [RefinementLevel; REFINEMENT_SIDES.len()],
+    /// Number of distinctive matches with the mirror image of image 2 that one homography explains,
+    /// and number of corners.
+    mirrored: Lazy<[usize; 2]>,
 }
 
 impl PatchLevels {
@@ -68,6 +78,7 @@ impl PatchLevels {
             voting: Lazy::default(),
             fine: Lazy::default(),
             refinement: REFINEMENT_SIDES.map(|_| RefinementLevel::on(&patches)),
+            mirrored: Lazy::default(),
             patches,
         };
         Self {
@@ -76,6 +87,7 @@ impl PatchLevels {
             of: None,
             aligned: Default::default(),
             with_features: Lazy::default(),
+            unguided: Lazy::default(),
         }
     }
 
@@ -87,6 +99,7 @@ impl PatchLevels {
             of: Some(of),
             aligned: REFINEMENT_SIDES.map(|_| AlignedFeatures::new(Arc::clone(&features))),
             with_features: Lazy::default(),
+            unguided: Lazy::default(),
             features,
         }
     }
@@ -105,6 +118,12 @@ impl PatchLevels {
     pub fn coarse(&self, pyramids: &PyramidPair) -> &SupportLevel {
         let corners = &self.corners;
         corners.coarse.get_or_make(|| corners.coarse(pyramids))
+    }
+
+    /// Returns the number of distinctive matches of image 1 with the mirror image of image 2, at the
+    /// coarse size, that one homography explains, and the number of corners of image 1.
+    pub fn mirrored(&self, pyramids: &PyramidPair) -> [usize; 2] {
+        *self.corners.mirrored.get_or_make(|| self.corners.mirrored(pyramids))
     }
 
     /// Returns the corner pairs of the coarse level that vote for κ.
@@ -191,16 +210,14 @@ impl PatchLevels {
         matcher.settled(start, settling, cancel)
     }
 
-    /// Returns matches within `reach` of their place under a homography, found at full size without
-    /// any epipolar geometry. `reach` is a fraction of the longer side; the homography and the
-    /// matches are in full-size pixels.
-    pub fn matches_near_plane(&self, pyramids: &PyramidPair, h: &Matrix3<f64>, reach: f64) -> Vec<PointPair> {
-        let Some((level, stage)) = self.refinement(pyramids).pop() else { return Vec::new() };
-        let Some(h) = resized(h, level.scales) else { return Vec::new() };
-        let radius = reach * level.planes[0].frame().longer_side();
-        let full_size = level.scales.map(f64::recip);
-        let found = stage.matches_near_plane(&level, self.view(), &h, radius);
-        found.into_iter().map(|m| m.pair.rescaled(full_size)).collect()
+    /// Returns the matches found in the whole of image 2, without any geometry.
+    pub fn unguided(&self, pyramids: &PyramidPair) -> &[UnguidedMatch] {
+        self.unguided.get_or_make(|| {
+            let mut levels = self.refinement(pyramids);
+            let features = &self.aligned[levels.len() - 1];
+            let Some((level, _)) = levels.pop() else { return Vec::new() };
+            unguided_matches(self.fine(pyramids), &level, self.view(), features)
+        })
     }
 }
 
@@ -216,6 +233,18 @@ impl CornerLevels {
         let warps = warps_around(&level.warp(self.view));
         let patches = CornerPatches::new(&level, COARSE_CORNERS, warps);
         SupportLevel { scales: level.scales, support: Support::new(&patches) }
+    }
+
+    fn mirrored(&self, pyramids: &PyramidPair) -> [usize; 2] {
+        let level = pyramids.level_seen(COARSE_SIDE, self.view);
+        // Left and right exchanged, or top and bottom.
+        let flips = [Vector2::new(-1.0, 1.0), Vector2::new(1.0, -1.0)];
+        let warps = flips.map(|flip| level.warp(self.view) * Matrix2::from_diagonal(&flip));
+        let patches = CornerPatches::new(&level, COARSE_CORNERS, warps.to_vec());
+        let found = Support::new(&patches).distinctive();
+        // Symmetric things of a scene do not agree on one homography.
+        let most = largest_plane(&found, ONE_MIRROR, 0).map_or(0, |(_, most)| most);
+        [most, patches.points1.len()]
     }
 
     fn fine(&self, pyramids: &PyramidPair) -> SupportLevel {

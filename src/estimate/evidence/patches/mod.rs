@@ -21,6 +21,7 @@ mod rank;
 mod refinement;
 mod resampling;
 mod support;
+mod unguided;
 mod voting;
 
 pub use matches::RefinedMatch;
@@ -37,4 +38,5 @@ pub(in crate::estimate) use proposals::{Hypothesis, Proposal, propose};
 pub(in crate::estimate) use rank::{different, hypotheses, rank, rank_fine};
 pub(in crate::estimate) use refinement::Refined;
 pub(in crate::estimate) use support::{BAND, SupportLevel};
+pub(in crate::estimate) use unguided::UnguidedMatch;
 pub(in crate::estimate) use voting::KappaVoting;

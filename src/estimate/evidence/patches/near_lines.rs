@@ -131,18 +131,8 @@ impl Places {
     /// Adds the indices of the points within `band` px of a line, neighbours after each other.
     pub fn near_line(&self, line: &Line, band: f64, near: &mut Vec<usize>) {
         let coefficients = [0, 1, 2].map(|k| line.coefficients()[k] as f32);
-        self.near(&Shape::Line(coefficients), band, near);
+        points_near_line(&self.circles, &self.blocks, coefficients, (band + SLACK) as f32, near);
         near.retain(|j| line.distance(self.points[*j]) <= band);
-    }
-
-    /// Adds the indices of the points within `radius` px of a point, neighbours after each other.
-    pub fn near_point(&self, point: Point, radius: f64, near: &mut Vec<usize>) {
-        self.near(&Shape::Point([point.x as f32, point.y as f32]), radius, near);
-        near.retain(|j| (self.points[*j] - point).norm() <= radius);
-    }
-
-    fn near(&self, shape: &Shape, reach: f64, near: &mut Vec<usize>) {
-        points_near(&self.circles, &self.blocks, shape, (reach + SLACK) as f32, near);
     }
 }
 
@@ -177,44 +167,24 @@ impl Circles {
     }
 }
 
-/// Query for near points.
-enum Shape {
-    Line([f32; 3]),
-    Point([f32; 2]),
-}
-
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq+avx2", "x86_64+avx2", "aarch64+neon"))]
-fn points_near(circles: &[Circles], blocks: &[PlaceBlock], shape: &Shape, reach: f32, near: &mut Vec<usize>) {
+fn points_near_line(
+    circles: &[Circles],
+    blocks: &[PlaceBlock],
+    [a, b, c]: [f32; 3],
+    reach: f32,
+    near: &mut Vec<usize>,
+) {
     for (index, Circles { x, y, radius }) in circles.iter().enumerate() {
         let mut is_reached = [0u8; LANES];
-        match shape {
-            Shape::Line([a, b, c]) => {
-                for k in 0..LANES {
-                    is_reached[k] = u8::from((a * x[k] + b * y[k] + c).abs() <= reach + radius[k]);
-                }
-            }
-            Shape::Point([u, v]) => {
-                for k in 0..LANES {
-                    let (dx, dy, far) = (x[k] - u, y[k] - v, reach + radius[k]);
-                    is_reached[k] = u8::from(dx * dx + dy * dy <= far * far);
-                }
-            }
+        for k in 0..LANES {
+            is_reached[k] = u8::from((a * x[k] + b * y[k] + c).abs() <= reach + radius[k]);
         }
         for lane in SetLanes::of(is_reached) {
             let PlaceBlock { x, y, numbers } = &blocks[index * LANES + lane];
             let mut is_near = [0u8; LANES];
-            match shape {
-                Shape::Line([a, b, c]) => {
-                    for k in 0..LANES {
-                        is_near[k] = u8::from((a * x[k] + b * y[k] + c).abs() <= reach);
-                    }
-                }
-                Shape::Point([u, v]) => {
-                    for k in 0..LANES {
-                        let (dx, dy) = (x[k] - u, y[k] - v);
-                        is_near[k] = u8::from(dx * dx + dy * dy <= reach * reach);
-                    }
-                }
+            for k in 0..LANES {
+                is_near[k] = u8::from((a * x[k] + b * y[k] + c).abs() <= reach);
             }
             for lane in SetLanes::of(is_near) {
                 near.push(numbers[lane] as usize);
@@ -240,16 +210,12 @@ mod tests {
                     (Point::new(20.0 * f64::from(k), 0.0), Point::new(790.0, 15.0 * f64::from(k)));
                 let line = Line::through(from, to).unwrap();
                 for reach in [0.5, 4.0, 60.0] {
-                    let by_one = |is_near: &dyn Fn(&Point) -> bool| -> Vec<usize> {
-                        (0..points.len()).filter(|j| is_near(&points[*j])).collect()
-                    };
-                    let [mut of_line, mut of_point] = [Vec::new(), Vec::new()];
-                    places.near_line(&line, reach, &mut of_line);
-                    of_line.sort_unstable();
-                    assert_eq!(of_line, by_one(&|p| line.distance(*p) <= reach));
-                    places.near_point(to, reach, &mut of_point);
-                    of_point.sort_unstable();
-                    assert_eq!(of_point, by_one(&|p| (p - to).norm() <= reach));
+                    let by_one: Vec<usize> =
+                        (0..points.len()).filter(|j| line.distance(points[*j]) <= reach).collect();
+                    let mut found = Vec::new();
+                    places.near_line(&line, reach, &mut found);
+                    found.sort_unstable();
+                    assert_eq!(found, by_one);
                 }
             }
         }

@@ -7,7 +7,6 @@
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use nalgebra::Matrix3;
 use rayon::prelude::*;
 
 use super::aligned_features::AlignedFeatures;
@@ -19,8 +18,7 @@ use crate::cancel::CancelFlag;
 use crate::estimate::evidence::lazy::Lazy;
 use crate::estimate::fit::Uncertainty;
 use crate::geometry::{
-    FundamentalMatrix, Line, Matrix9, Observation, Point, PointPair, finite_point, fit_fundamental,
-    sampson_distance,
+    FundamentalMatrix, Line, Matrix9, Observation, Point, PointPair, fit_fundamental, sampson_distance,
 };
 use crate::image::{Alignment, PairLevel, Placement, RelativeView, align, warps_around};
 
@@ -216,24 +214,6 @@ impl RefinementLevel {
         })
     }
 
-    /// Mutual best matches within `radius` px of where a homography maps them, wherever in that circle they are; sub-pixel
-    /// positions in image 2, all in the level's pixels. No epipolar geometry takes part.
-    pub fn matches_near_plane(
-        &self,
-        level: &PairLevel,
-        view: RelativeView,
-        h: &Matrix3<f64>,
-        radius: f64,
-    ) -> Vec<RefinedMatch> {
-        let corners = self.corners(level, view);
-        let found = self.mutual_matches(level, corners, |point1, near| {
-            if let Some(expected) = finite_point(&(h * point1.to_homogeneous())) {
-                corners.places2.near_point(expected, radius, near);
-            }
-        });
-        found.into_iter().map(|m| m.found).collect()
-    }
-
     /// Mutual best matches among corners where `find` looks for them, at sub-pixel positions.
     fn mutual_matches(
         &self,
@@ -290,6 +270,8 @@ impl RefinementLevel {
 
 #[cfg(test)]
 mod tests {
+    use nalgebra::Matrix3;
+
     use super::super::level_corners::LEAST_CORRELATION;
     use super::*;
     use crate::estimate::exact::{ExactScene, FRAME};

@@ -204,6 +204,8 @@ fn assessed(
         deviation: figures.deviation,
         plane: None,
         together: Together::default(),
+        witnesses: None,
+        mirror: None,
         pattern: None,
         side: prepared.frames()[0].longer_side(),
     });

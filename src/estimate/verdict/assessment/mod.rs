@@ -19,14 +19,16 @@ use nalgebra::Matrix3;
 
 use crate::cancel::CancelFlag;
 use crate::estimate::evidence::lines::ComparedPencils;
-use crate::estimate::evidence::patches::{Refined, largest_plane, resized};
+use crate::estimate::evidence::patches::{Refined, UnguidedMatch, largest_plane, resized};
 use crate::estimate::evidence::viewed::ViewedPair;
-use crate::estimate::verdict::trust::{Evidence, PlaneEvidence, RefinedOn, Together, USUAL_SIDE};
+use crate::estimate::verdict::trust::{
+    Evidence, Mirror, PlaneEvidence, RefinedOn, Together, USUAL_SIDE, Witnesses,
+};
 use crate::estimate::{
     Assessment, Clicks, Estimate, Parameters, PatchSupport, PlaneHomography, Refinement, Search, Trust,
     Warning,
 };
-use crate::geometry::{FundamentalMatrix, PointPair, median, sampson_distance, transfer_error};
+use crate::geometry::{FundamentalMatrix, PointPair, finite_point, median, sampson_distance, transfer_error};
 use examination::Examiner;
 use margin::{all_apart, differs, least_clear, margin, rival};
 use parallax::{CORNER_SIGMA, OffPlane, precision};
@@ -36,9 +38,9 @@ use parallax::{CORNER_SIGMA, OffPlane, precision};
 /// less precise.
 const PLANE_TOLERANCE: f64 = 1.0;
 
-/// Largest parallax of the matches searched near a plane, as a share of the longer side.
-/// Distinctive matches, which are precise to a pixel, show larger parallax.
-const NEAR_PLANE: f64 = 0.015;
+/// Largest parallax of a match near a plane, as a share of the longer side. Wrong matches lie
+/// anywhere, most of them farther off.
+const NEAR_PLANE: f64 = 0.05;
 
 /// Evidence by which a geometry is judged.
 pub(in crate::estimate) struct Judge<'a> {
@@ -52,6 +54,15 @@ pub(in crate::estimate) struct Judge<'a> {
     /// Whether the geometry follows from the clicks alone.
     pub clicks_alone: bool,
     pub cancel: &'a CancelFlag,
+}
+
+/// The largest plane, and what lies beside it.
+struct FoundPlane {
+    plane: PlaneHomography,
+    evidence: PlaneEvidence,
+    together: Together,
+    witnesses: Option<Witnesses>,
+    mirror: Option<Mirror>,
 }
 
 impl Judge<'_> {
@@ -151,45 +162,51 @@ impl Judge<'_> {
 
     /// Returns the largest plane, the evidence beside it, and the distinctive matches that move
     /// together. `None` if no plane is found.
-    fn plane(
-        &self,
-        f: &FundamentalMatrix,
-        matches: &[PointPair],
-        tolerance: f64,
-    ) -> Option<(PlaneHomography, PlaneEvidence, Together)> {
+    fn plane(&self, f: &FundamentalMatrix, matches: &[PointPair], tolerance: f64) -> Option<FoundPlane> {
         let frames = self.viewed.prepared.frames();
         let (h, most) = largest_plane(matches, tolerance, self.parameters.seed)?;
         let share = most as f64 / matches.len() as f64;
         let bent_share = lens::share_through_a_lens(matches, &h, frames, tolerance);
-        let relief = warp::relief(matches, &h, frames, tolerance);
         let fine = self.viewed.fine();
         let [s1, s2] = fine.scales;
         let (h_fine, f_fine) = (resized(&h, fine.scales)?, f.rescaled(s1, s2)?);
         let (side, side_fine) = (frames[0].longer_side(), s1 * frames[0].longer_side());
         let distinctive = fine.support.distinctive();
         let afar = OffPlane::new(&distinctive, &f_fine, &h_fine, side_fine, CORNER_SIGMA);
-        let near = self.viewed.patches.matches_near_plane(self.viewed.pyramids(), &h, NEAR_PLANE);
+        let unguided = self.viewed.patches.unguided(self.viewed.pyramids());
+        let is_near = |m: &PointPair| {
+            let mapped = finite_point(&(h * m.point1.to_homogeneous()));
+            mapped.is_some_and(|at| (m.point2 - at).norm() < NEAR_PLANE * side)
+        };
+        let near: Vec<PointPair> =
+            unguided.iter().filter(|m| m.is_likely()).map(|m| m.pair).filter(is_near).collect();
         let closely = OffPlane::new(&near, f, &h, side, precision(&near, f));
         // Each clicked pair shows one scene point in both images.
         let clicked = OffPlane::new(&self.clicks.observed(), f, &h, side, self.parameters.click_sigma);
-        // Distinctive matches, matches near the plane, or clicks: each kind alone may determine the
-        // epipoles.
+        // Each kind of matches alone may determine the epipoles.
         let evidence = [afar, closely, clicked].map(|off| {
             let OffPlane { groups, agreeing, motions, by_chance, motions_by_chance } = off;
-            PlaneEvidence {
-                share,
-                bent_share,
-                relief,
-                groups,
-                agreeing,
-                motions,
-                by_chance,
-                motions_by_chance,
-            }
+            PlaneEvidence { share, bent_share, groups, agreeing, motions, by_chance, motions_by_chance }
         });
         let evidence = evidence.into_iter().reduce(PlaneEvidence::or_stronger)?;
         let together = parallax::together(&distinctive, &f_fine, &h_fine, side_fine);
-        Some((plane_homography(&h, matches, tolerance), evidence, together))
+        let warp = warp::Warp::fit(matches, &h, frames[0], tolerance);
+        let witnesses = warp.map(|warp| warp::witnesses(unguided, &warp, f, side, tolerance));
+        // Most unguided matches of an upright pair are right; those of a mirror image are not.
+        let on_lines = |m: &&UnguidedMatch| sampson_distance(f, &m.pair) < tolerance;
+        let likely = || unguided.iter().filter(|m| m.is_likely());
+        let is_suspect = 2 * likely().filter(on_lines).count() < likely().count();
+        let mirror = is_suspect.then(|| {
+            let [flipped, corners] = self.viewed.patches.mirrored(self.viewed.pyramids());
+            Mirror { flipped, corners }
+        });
+        Some(FoundPlane {
+            mirror,
+            plane: plane_homography(&h, matches, tolerance),
+            evidence,
+            together,
+            witnesses,
+        })
     }
 
     /// Returns the verdict, and the plane if the verdict says that only a plane is certain.
@@ -222,12 +239,14 @@ impl Judge<'_> {
             click_sigma: parameters.click_sigma,
             margin,
             deviation,
-            plane: found.as_ref().map(|(_, evidence, _)| *evidence),
-            together: found.as_ref().map(|(.., together)| *together).unwrap_or_default(),
+            plane: found.as_ref().map(|found| found.evidence),
+            together: found.as_ref().map(|found| found.together).unwrap_or_default(),
+            witnesses: found.as_ref().and_then(|found| found.witnesses),
+            mirror: found.as_ref().and_then(|found| found.mirror),
             pattern: pattern::residual_pattern(&matches, f, side),
             side,
         });
-        let plane = found.map(|(plane, ..)| plane).filter(|_| trust.says_one_plane());
+        let plane = found.map(|found| found.plane).filter(|_| trust.says_one_plane());
         (trust, plane)
     }
 }

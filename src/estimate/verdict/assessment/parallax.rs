@@ -27,9 +27,8 @@
 //! depth. Therefore a motion supports F only with more matches than are wrong in total.
 //!
 //! Three kinds of matches are used. Distinctive matches are precise to a pixel, so they do not show
-//! smaller parallax. Matches near the plane are searched around their position on the plane, and
-//! aligned to a fraction of a pixel. Both kinds are found without F. Clicked pairs are the third
-//! kind. F was fitted to them, but the fit uses up no more than the two groups that N leaves out.
+//! smaller parallax. The likely ones of all unguided matches, near the plane, are aligned to a
+//! fraction of a pixel. Both kinds are found without F. Clicked pairs are the third kind. F was fitted to them, but the fit uses up no more than the two groups that N leaves out.
 //!
 //! A moving object of several motions (such as a rotating one) shows as distinctive matches that
 //! move together and contradict F: see [`together`].
@@ -178,8 +177,8 @@ impl OffPlane {
     }
 }
 
-/// Counts the distinctive matches that move like their neighbours against the plane with homography
-/// `h`, and how many of these contradict `f`. All are in pixels of the level.
+/// Counts the distinctive matches and those that move like their neighbours against the plane with
+/// homography `h`, and how many of either contradict `f`. All are in pixels of the level.
 pub(super) fn together(
     distinctive: &[PointPair],
     f: &FundamentalMatrix,
@@ -189,20 +188,21 @@ pub(super) fn together(
     let all = parallaxes(distinctive, h, 0.0);
     let mut found = Together::default();
     for (k, (pair, _)) in all.iter().enumerate() {
-        if !moving_like_neighbours(&all, k, side) {
-            continue;
-        }
-        found.matches += 1;
         let off =
             f.line2_from_point1(pair.point1).is_none_or(|line| line.distance(pair.point2) > CONTRADICTING);
-        found.contradicting += usize::from(off);
+        found.all += 1;
+        found.off += usize::from(off);
+        if moving_like_neighbours(&all, k, side) {
+            found.matches += 1;
+            found.contradicting += usize::from(off);
+        }
     }
     found
 }
 
 /// Returns whether the parallax of match `k` is like that of two neighbours. `side` is the longer
 /// side of image 1.
-pub(super) fn moving_like_neighbours(all: &[(PointPair, Vector)], k: usize, side: f64) -> bool {
+fn moving_like_neighbours(all: &[(PointPair, Vector)], k: usize, side: f64) -> bool {
     let (pair, parallax) = &all[k];
     let alike = |(other, (near, its)): (usize, &(PointPair, Vector))| {
         let distance = (near.point1 - pair.point1).norm();
@@ -371,7 +371,7 @@ mod tests {
         let row = |x: f64, y: f64, dy: f64| PointPair::new(x, y, x + 10.0, y + dy);
         let mut all: Vec<PointPair> = (0..20).map(|k| row(15.0 * f64::from(k), 50.0, 0.0)).collect();
         let found = together(&all, &f, &plane, 768.0);
-        assert_eq!(found, Together { matches: 20, contradicting: 0 });
+        assert_eq!(found, Together { all: 20, off: 0, matches: 20, contradicting: 0 });
         // Three matches move down together. One alone may be false.
         all.extend([
             row(100.0, 300.0, 8.0),
@@ -380,6 +380,6 @@ mod tests {
             row(500.0, 500.0, 9.0),
         ]);
         let found = together(&all, &f, &plane, 768.0);
-        assert_eq!(found, Together { matches: 23, contradicting: 3 });
+        assert_eq!(found, Together { all: 24, off: 4, matches: 23, contradicting: 3 });
     }
 }

@@ -1,92 +1,170 @@
-//! Test whether one smooth warp explains the matches. A camera that turns behind a lens, a curved
-//! sheet and a rolling shutter all move points smoothly, which looks like the parallax of a camera
-//! that moves.
+//! Test whether parallax that no smooth warp explains points along the epipolar lines.
 //!
-//! Null hypothesis: `x2 = H(x1) + p(x1)`, with a homography `H` and polynomials `p` of degree 4 in
-//! both coordinates. Wrong matches lie beside the warp, but anywhere along the epipolar lines. A
-//! scene with depth has matches beside the warp that move like their neighbours: relief. Without
-//! relief, the epipole is not determined.
+//! A camera that turns behind a lens, a curved sheet and a rolling shutter all move points
+//! smoothly, which looks like the parallax of a camera that moves. So does a poster that is not
+//! quite flat. None of them determines the epipole.
+//!
+//! Null hypothesis: the matches follow one smooth warp, `x2 = H(x1) + p(x1) + r(x1)`, with a
+//! homography `H`, polynomials `p` of degree 4, and functions `r` that differ from row to row (a
+//! rolling shutter). Matches beside the warp are wrong, and lie in any direction from their place
+//! on it. If the epipole is right, they lie along their epipolar lines.
+//!
+//! Only matches that were found without the geometry testify: the others lie on the lines by
+//! construction.
 
-use nalgebra::{Matrix3, SMatrix, SVector};
+use std::collections::HashSet;
 
-use super::parallax::moving_like_neighbours;
-use crate::geometry::{Frame, PointPair, Vector, finite_point};
+use nalgebra::{DMatrix, DVector, Matrix3};
 
-/// Number of coefficients of a polynomial of degree 4 in two variables. Degree 4 follows a strong
-/// lens to a tenth of a pixel.
-const TERMS: usize = 15;
+use crate::estimate::evidence::patches::UnguidedMatch;
+use crate::estimate::verdict::trust::Witnesses;
+use crate::geometry::{Frame, FundamentalMatrix, Point, PointPair, Vector, finite_point};
+
+/// Degree of the polynomials. Degree 4 follows a strong lens to a tenth of a pixel.
 const DEGREE: i32 = 4;
+/// Number of knots of the piecewise linear functions of the row: a rolling shutter that swings up
+/// to four times in a picture.
+const ROWS: usize = 10;
+/// Degree in `x` of the part that differs from row to row: each row is shifted, stretched and bent
+/// by the perspective of a turn.
+const ACROSS_ROW: i32 = 2;
 /// First width of the robust cost, as a share of the longer side: a homography beside a strong lens
 /// is off by about as much.
 const WIDEST: f64 = 0.01;
 /// Ratio of the widths of successive fits.
 const NARROWING: f64 = 0.8;
+/// Largest number of matches that the warp is fitted to: some twenty for each coefficient.
+const FITTED: usize = 1000;
+/// Pull towards the homography, in matches. It determines terms that the matches leave open.
+const PULL: f64 = 1e-3;
+/// Side of the squares of image 1 in which only one match counts, px. Corners and features find
+/// the same place twice.
+const SAME_PLACE: f64 = 2.0;
+/// Largest distance from the warp, as a share of the longer side. Wrong matches lie anywhere, most
+/// of them farther off.
+const FARTHEST: f64 = 0.05;
+/// A displacement is along a line if its part across is at most this share of its part along.
+const ALONG: f64 = 1.0 / 3.0;
 
-type Terms = SVector<f64, TERMS>;
-
-/// Returns the share of the matches that are more than `tolerance` px beside the best smooth warp
-/// and move like their neighbours, 0 to 1. The fit starts at the homography `h` of pixels. `None` if
-/// it fails.
-pub(super) fn relief(
-    matches: &[PointPair],
-    h: &Matrix3<f64>,
-    frames: [Frame; 2],
-    tolerance: f64,
-) -> Option<f64> {
-    let side = frames[0].longer_side();
-    let (middle, half) = (frames[0].centre(), 0.5 * side);
-    let rows: Vec<(Terms, Vector)> = matches
-        .iter()
-        .map(|m| {
-            let mapped = finite_point(&(h * m.point1.to_homogeneous()))?;
-            Some((terms((m.point1 - middle) / half), m.point2 - mapped))
-        })
-        .collect::<Option<_>>()?;
-    let mut warp = [Terms::zeros(); 2];
-    let beside = |warp: &[Terms; 2], (terms, shift): &(Terms, Vector)| {
-        shift - Vector::new(warp[0].dot(terms), warp[1].dot(terms))
-    };
-    let mut width = WIDEST * side;
-    while width > 0.5 * tolerance {
-        // A faint pull towards the homography determines terms that the matches leave open.
-        let mut normal = SMatrix::<f64, TERMS, TERMS>::identity() * 1e-6;
-        let mut right = [Terms::zeros(); 2];
-        for row in &rows {
-            let weight = 1.0 / (1.0 + beside(&warp, row).norm_squared() / (width * width));
-            let (terms, shift) = row;
-            normal.ger(weight, terms, terms, 1.0);
-            right[0] += terms * (weight * shift.x);
-            right[1] += terms * (weight * shift.y);
-        }
-        let cholesky = normal.cholesky()?;
-        warp = right.map(|right| cholesky.solve(&right));
-        width *= NARROWING;
-    }
-    let off: Vec<(PointPair, Vector)> = matches
-        .iter()
-        .zip(&rows)
-        .map(|(m, row)| (*m, beside(&warp, row)))
-        .filter(|(_, shift)| shift.norm() > tolerance)
-        .collect();
-    let count = (0..off.len()).filter(|k| moving_like_neighbours(&off, *k, side)).count();
-    Some(count as f64 / matches.len() as f64)
+/// A smooth warp fitted to matches.
+pub(super) struct Warp {
+    homography: Matrix3<f64>,
+    middle: Point,
+    half: f64,
+    half_height: f64,
+    coefficients: [DVector<f64>; 2],
 }
 
-/// Returns the products of powers of both coordinates, up to degree 4.
-fn terms(x: Vector) -> Terms {
-    let powers = (0..=DEGREE).flat_map(|degree| (0..=degree).map(move |i| (i, degree - i)));
-    Terms::from_iterator(powers.map(|(i, j)| x.x.powi(i) * x.y.powi(j)))
+impl Warp {
+    /// Fits a warp to most of the matches, starting at the homography `h` of pixels. `tolerance` is
+    /// the error of a match that follows the warp, px. `None` if the fit fails.
+    pub fn fit(matches: &[PointPair], h: &Matrix3<f64>, frame: Frame, tolerance: f64) -> Option<Self> {
+        let side = frame.longer_side();
+        let mut warp = Self {
+            homography: *h,
+            middle: frame.centre(),
+            half: 0.5 * side,
+            half_height: 0.5 * frame.height as f64,
+            coefficients: [DVector::zeros(0), DVector::zeros(0)],
+        };
+        let step = matches.len().div_ceil(FITTED).max(1);
+        let rows: Vec<(DVector<f64>, Vector)> = matches
+            .iter()
+            .step_by(step)
+            .map(|m| {
+                let mapped = finite_point(&(h * m.point1.to_homogeneous()))?;
+                Some((warp.terms(m.point1), m.point2 - mapped))
+            })
+            .collect::<Option<_>>()?;
+        let terms = rows.first()?.0.len();
+        warp.coefficients = [DVector::zeros(terms), DVector::zeros(terms)];
+        let mut width = WIDEST * side;
+        while width > 0.5 * tolerance {
+            let mut normal = DMatrix::identity(terms, terms) * PULL;
+            let mut right = [DVector::zeros(terms), DVector::zeros(terms)];
+            for (terms, shift) in &rows {
+                let off = shift - warp.shift(terms);
+                let weight = 1.0 / (1.0 + off.norm_squared() / (width * width));
+                normal.syger(weight, terms, terms, 1.0);
+                right[0].axpy(weight * shift.x, terms, 1.0);
+                right[1].axpy(weight * shift.y, terms, 1.0);
+            }
+            let cholesky = normal.cholesky()?;
+            warp.coefficients = right.map(|right| cholesky.solve(&right));
+            width *= NARROWING;
+        }
+        Some(warp)
+    }
+
+    /// Returns the displacement of the point of image 2 from its place on the warp, px.
+    fn beside(&self, m: &PointPair) -> Option<Vector> {
+        let mapped = finite_point(&(self.homography * m.point1.to_homogeneous()))?;
+        Some(m.point2 - mapped - self.shift(&self.terms(m.point1)))
+    }
+
+    fn shift(&self, terms: &DVector<f64>) -> Vector {
+        Vector::new(self.coefficients[0].dot(terms), self.coefficients[1].dot(terms))
+    }
+
+    /// Returns the products of powers of both coordinates, and the functions of the row.
+    fn terms(&self, point1: Point) -> DVector<f64> {
+        let offset = point1 - self.middle;
+        let at = offset / self.half;
+        let powers = (0..=DEGREE).flat_map(|degree| (0..=degree).map(move |i| (i, degree - i)));
+        let smooth = powers.map(|(i, j)| at.x.powi(i) * at.y.powi(j));
+        let row = (offset.y / self.half_height + 1.0) * 0.5 * (ROWS - 1) as f64;
+        let hat = move |knot: usize| (1.0 - (row - knot as f64).abs()).max(0.0);
+        let by_row = (0..ROWS).flat_map(|knot| (0..=ACROSS_ROW).map(move |i| hat(knot) * at.x.powi(i)));
+        DVector::from_vec(smooth.chain(by_row).collect())
+    }
+}
+
+/// Counts the matches that were found without the geometry and lie beside the warp, along the lines
+/// of `f` and across them. All are in full-size pixels; `tolerance` is the largest error of a match
+/// on the warp.
+pub(super) fn witnesses(
+    found: &[UnguidedMatch],
+    warp: &Warp,
+    f: &FundamentalMatrix,
+    side: f64,
+    tolerance: f64,
+) -> Witnesses {
+    let mut witnesses = Witnesses::default();
+    let mut taken = HashSet::new();
+    for m in found.iter().filter(|m| m.is_likely()) {
+        let PointPair { point1, point2 } = m.pair;
+        if !taken.insert([point1.x, point1.y].map(|v| (v / SAME_PLACE).round() as i64)) {
+            continue;
+        }
+        let Some(off) = warp.beside(&m.pair) else { continue };
+        let distance = off.norm();
+        if distance <= tolerance {
+            witnesses.on_warp += 1;
+        } else if distance < FARTHEST * side
+            && let Some(line) = f.line2_from_point1(point1)
+        {
+            // The part across the line, from the distances of both ends.
+            let across = (line.signed_distance(point2) - line.signed_distance(point2 - off)).abs();
+            let along = (distance * distance - across * across).max(0.0).sqrt();
+            witnesses.along += usize::from(across <= ALONG * along);
+            witnesses.across += usize::from(along <= ALONG * across);
+        }
+    }
+    witnesses
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::estimate::exact::{ExactScene, FRAME};
-    use crate::geometry::{Point, homography};
+    use crate::geometry::homography;
 
-    fn of(matches: &[PointPair]) -> f64 {
+    fn of(matches: &[PointPair], f: &FundamentalMatrix) -> Witnesses {
         let h = homography(matches).unwrap();
-        relief(matches, &h, [FRAME; 2], 1.0).unwrap()
+        let warp = Warp::fit(matches, &h, FRAME, 1.0).unwrap();
+        let found: Vec<UnguidedMatch> =
+            matches.iter().map(|pair| UnguidedMatch { pair: *pair, prior: 0.9 }).collect();
+        witnesses(&found, &warp, f, FRAME.longer_side(), 1.0)
     }
 
     /// A camera that turns behind a lens: a homography between radially distorted images.
@@ -103,22 +181,44 @@ mod tests {
         PointPair { point1, point2: bent(turned, -0.08) }
     }
 
+    fn grid() -> impl Iterator<Item = Point> {
+        (0..400).map(|k| Point::new(8.0 + 15.0 * f64::from(k % 20), 6.0 + 11.0 * f64::from(k / 20)))
+    }
+
     #[test]
-    fn a_camera_that_turns_behind_a_lens_shows_no_relief_and_a_scene_in_depth_does() {
-        let points: Vec<Point> = (0..400)
-            .map(|k| Point::new(8.0 + 15.0 * f64::from(k % 20), 6.0 + 11.0 * f64::from(k / 20)))
-            .collect();
-        let turned: Vec<PointPair> = points.iter().map(|p| through_a_lens(*p)).collect();
-        assert!(of(&turned) < 0.03, "{}", of(&turned));
-        // A fifth of wrong matches, each somewhere else, is no relief.
+    fn a_camera_that_turns_behind_a_lens_has_no_witnesses_and_a_scene_in_depth_has() {
+        let scene = ExactScene::aside();
+        let f = scene.fundamental();
+        let turned: Vec<PointPair> = grid().map(through_a_lens).collect();
+        let found = of(&turned, &f);
+        assert!(found.on_warp > 390 && !found.show_the_epipole(), "{found:?}");
+        // A fifth of wrong matches, each somewhere else.
         let mut partly = turned.clone();
         for (k, m) in partly.iter_mut().enumerate().filter(|(k, _)| k % 5 == 0) {
-            m.point2.x += 10.0 + 37.0 * (k as f64 * 0.618).fract();
+            let angle = 2.4 * k as f64;
+            m.point2 += Vector::new(angle.cos(), angle.sin()) * (2.0 + 12.0 * (k as f64 * 0.618).fract());
         }
-        assert!(of(&partly) < 0.05, "{}", of(&partly));
-        let scene = ExactScene::aside();
+        let found = of(&partly, &f);
+        assert!(found.along + found.across > 20 && !found.show_the_epipole(), "{found:?}");
         let deep: Vec<PointPair> =
-            points.iter().map(|p| PointPair { point1: *p, point2: scene.partner(*p) }).collect();
-        assert!(of(&deep) > 0.15, "{}", of(&deep));
+            grid().map(|p| PointPair { point1: p, point2: scene.partner(p) }).collect();
+        let found = of(&deep, &f);
+        assert!(found.along > 50 && found.across == 0 && found.show_the_epipole(), "{found:?}");
+        // Lines across the parallax.
+        let columns =
+            FundamentalMatrix::from_rank_two(Matrix3::new(0.0, 0.0, -1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0));
+        let found = of(&deep, &columns.unwrap());
+        assert!(found.across > found.along && !found.show_the_epipole(), "{found:?}");
+    }
+
+    #[test]
+    fn rows_that_swing_are_a_smooth_warp() {
+        let swung = |p: Point| {
+            let shift = 6.0 * (p.y * 0.05).sin();
+            PointPair { point1: p, point2: Point::new(p.x + shift, p.y + 0.5 * shift) }
+        };
+        let matches: Vec<PointPair> = grid().map(swung).collect();
+        let found = of(&matches, &ExactScene::aside().fundamental());
+        assert!(found.on_warp > 380, "{found:?}");
     }
 }

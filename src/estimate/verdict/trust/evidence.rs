@@ -24,9 +24,21 @@ pub(super) const BY_CHANCE: f64 = 1e-3;
 pub(super) const MOTIONS_BY_CHANCE: f64 = 1.0;
 /// Number of motions off the plane that any epipole fits: two lines always meet.
 pub(super) const ANY_EPIPOLE: usize = 2;
+/// Least share of the matches that are beside the smooth warp along their lines. In flat scenes and
+/// with turned cameras it is below. Chosen on pairs with and without parallax: a debt.
+pub(super) const LEAST_ALONG: f64 = 0.05;
+/// Least share along the lines among the matches beside the warp, at the lower end of its interval:
+/// three quarters. By chance, half are along and half across.
+const MOSTLY_ALONG: f64 = 0.75;
 /// Largest probability that chance explains the contradicting matches: one in a thousand right
 /// results fails.
 const WRONG_BY_CHANCE: f64 = 1e-3;
+/// Least share of the corners that match if one image is flipped. Mirror images have 20 to 43 %, a
+/// facade seen from its left and from its right 3 %.
+const MIRRORED: f64 = 0.1;
+/// Largest probability that half of all distinctive matches are wrong and chance does the rest. It is
+/// looser than the other one, since half is far more than are wrong on any right result.
+const HALF_WRONG_BY_CHANCE: f64 = 1e-2;
 /// Expected fraction of distinctive matches that agree on a wrong motion (repeated structure). Of
 /// 200 matches five may contradict the geometry; with half and twice the fraction, four and eight.
 /// Never varied.
@@ -49,8 +61,6 @@ pub(in crate::estimate) struct PlaneEvidence {
     pub share: f64,
     /// Share explained by a homography with radial distortion, 0 to 1.
     pub bent_share: f64,
-    /// Share that is beside a smooth warp and moves like its neighbours, 0 to 1. `None` if unknown.
-    pub relief: Option<f64>,
     /// Number of groups of matches off the plane that move alike.
     pub groups: usize,
     /// Number of groups that agree with `F`.
@@ -91,21 +101,99 @@ impl PlaneEvidence {
     }
 }
 
-/// Counts of distinctive matches, found without `F`, that move like their neighbours.
+/// Matches found without `F`, beside the smooth warp that most matches follow.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(in crate::estimate) struct Witnesses {
+    /// Number of matches on the warp.
+    pub on_warp: usize,
+    /// Number of matches that are beside it along their epipolar lines.
+    pub along: usize,
+    /// Number of matches that are beside it across their epipolar lines.
+    pub across: usize,
+}
+
+impl Witnesses {
+    /// Returns whether parallax that no smooth warp explains shows the epipole.
+    pub fn show_the_epipole(self) -> bool {
+        self.is_no_chance() && self.share_along() >= LEAST_ALONG && self.along_at_least() >= MOSTLY_ALONG
+    }
+
+    /// Returns whether chance seldom does as well. A wrong match is as likely across a line as along
+    /// it, and some epipole fits any two matches: the expected number of epipoles that explain as
+    /// many is that of the pairs, times the binomial tail.
+    fn is_no_chance(self) -> bool {
+        let n = self.along + self.across;
+        let pairs = (n * n.saturating_sub(1) / 2) as f64;
+        pairs * even_odds_tail(self.across, n) <= BY_CHANCE
+    }
+
+    /// Returns the share of the matches that are beside the warp along their lines, 0 to 1.
+    pub fn share_along(self) -> f64 {
+        self.along as f64 / (self.on_warp + self.along + self.across).max(1) as f64
+    }
+
+    /// Returns the lower bound of the share along the lines among the matches beside the warp
+    /// (Wilson's interval, one-sided, 95 %).
+    fn along_at_least(self) -> f64 {
+        const Z: f64 = 1.645;
+        let n = (self.along + self.across).max(1) as f64;
+        let share = self.along as f64 / n;
+        let spread = Z * (share * (1.0 - share) / n + Z * Z / (4.0 * n * n)).sqrt();
+        (share + Z * Z / (2.0 * n) - spread) / (1.0 + Z * Z / n)
+    }
+}
+
+/// Returns the probability of at most `few` heads in `n` throws of a coin.
+fn even_odds_tail(few: usize, n: usize) -> f64 {
+    let mut log_term = -(n as f64) * std::f64::consts::LN_2;
+    let mut sum = log_term.exp();
+    for k in 1..=few {
+        log_term += ((n - k + 1) as f64 / k as f64).ln();
+        sum += log_term.exp();
+    }
+    sum.min(1.0)
+}
+
+/// Distinctive matches of image 1 with the mirror image of image 2 that one homography explains.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(in crate::estimate) struct Mirror {
+    /// Number of these matches.
+    pub flipped: usize,
+    /// Number of corners of image 1 that were compared.
+    pub corners: usize,
+}
+
+impl Mirror {
+    /// Returns whether one image is a mirror image of the other.
+    pub(super) fn is_likely(self) -> bool {
+        self.flipped as f64 >= MIRRORED * self.corners as f64 && self.flipped > 0
+    }
+}
+
+/// Counts of distinctive matches, found without `F`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(in crate::estimate) struct Together {
     /// Number of these matches.
-    pub matches: usize,
+    pub all: usize,
     /// Number of these matches that contradict `F`.
+    pub off: usize,
+    /// Number of these matches that move like their neighbours.
+    pub matches: usize,
+    /// Number of those that contradict `F`.
     pub contradicting: usize,
 }
 
 impl Together {
-    /// Returns whether more matches contradict `F` than are wrong by chance, by the Poisson
-    /// distribution.
-    pub(super) fn contradict(self) -> bool {
+    /// Returns how many matches contradict `F`, and of how many, if more do than are wrong by
+    /// chance. Of matches that move like their neighbours few are wrong (Poisson distribution). Of
+    /// all distinctive matches, fewer than half are.
+    pub(super) fn contradict(self) -> Option<(usize, usize)> {
         let expected = WRONG_TOGETHER * self.matches as f64;
-        1.0 - fewer_than(self.contradicting, expected) < WRONG_BY_CHANCE
+        if 1.0 - fewer_than(self.contradicting, expected) < WRONG_BY_CHANCE {
+            return Some((self.contradicting, self.matches));
+        }
+        let is_majority_off = even_odds_tail(self.all - self.off, self.all) < HALF_WRONG_BY_CHANCE;
+        is_majority_off.then_some((self.off, self.all))
     }
 }
 
@@ -170,6 +258,10 @@ pub(in crate::estimate) struct Evidence<'a> {
     pub plane: Option<PlaneEvidence>,
     /// Distinctive matches, found without the geometry.
     pub together: Together,
+    /// Matches beside the smooth warp. `None` without matches.
+    pub witnesses: Option<Witnesses>,
+    /// Matches with the mirror image. `None` if most matches of the image as it is are right.
+    pub mirror: Option<Mirror>,
     /// Pattern of the residuals. `None` without neighbouring matches.
     pub pattern: Option<ResidualPattern>,
     /// Longer side of image 1, px.

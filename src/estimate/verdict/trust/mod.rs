@@ -7,8 +7,8 @@ mod rules;
 use serde::{Deserialize, Serialize};
 
 pub(in crate::estimate) use evidence::{
-    BarcodeEvidence, Evidence, PlaneEvidence, RefinedOn, ResidualPattern, Together, USUAL_SIDE,
-    WRONG_TOGETHER,
+    BarcodeEvidence, Evidence, Mirror, PlaneEvidence, RefinedOn, ResidualPattern, Together, USUAL_SIDE,
+    WRONG_TOGETHER, Witnesses,
 };
 pub(in crate::estimate) use rules::CHANCE_DEVIATIONS;
 pub use rules::{
@@ -114,10 +114,20 @@ pub enum Reason {
         /// Number of these groups that agree with the epipoles.
         agreeing: usize,
     },
-    /// One smooth warp explains the matches, as of a camera that turns behind a lens.
+    /// The parallax beside one smooth warp, as of a camera that turns behind a lens, does not show
+    /// the epipole. Counts matches that were found without the geometry.
     NoRelief {
-        /// Percent of the matches beside the warp that move like their neighbours.
-        percent: u32,
+        /// Number of matches beside the warp along their epipolar lines.
+        along: usize,
+        /// Number of matches beside the warp across their epipolar lines.
+        across: usize,
+        /// Number of matches on the warp.
+        on_warp: usize,
+    },
+    /// One image is a mirror image of the other.
+    Mirrored {
+        /// Number of distinctive matches if image 2 is flipped.
+        matches: usize,
     },
     /// The matches leave the epipolar lines uncertain.
     Loose {

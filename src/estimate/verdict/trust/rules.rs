@@ -12,7 +12,7 @@
 //! numbers from results of known truth, with right and wrong clicks (`lab/notes.md` has the
 //! figures).
 
-use super::evidence::{BarcodeEvidence, Evidence, PlaneEvidence, RefinedOn, Together};
+use super::evidence::{BarcodeEvidence, Evidence, PlaneEvidence, RefinedOn, Witnesses};
 use super::{Reason, Suspect, Trust, Verdict};
 
 /// Fewest matches of a reliable result. A round number from results of known truth
@@ -35,9 +35,6 @@ pub const CLEAR_MARGIN: f64 = 0.2;
 pub(in crate::estimate) const CHANCE_DEVIATIONS: f64 = 2.0;
 /// Margin below which a result is a guess. It colours the gauge; no verdict depends on it.
 pub const GUESS_MARGIN: f64 = 0.05;
-/// Least share of relief that determines the epipoles. Chosen between turned cameras (at most 0.05)
-/// and scenes with depth (at least 0.13), on 195 pairs.
-const LEAST_RELIEF: f64 = 0.08;
 /// Largest standard deviation of epipolar lines of a reliable result, as a share of the longer
 /// side: 2 px in 1,000. A round number from results of known truth (`lab/notes.md`).
 const LOOSEST: f64 = 0.002;
@@ -78,17 +75,18 @@ impl Trust {
                 None => Reason::Loose { deviation },
             });
         }
-        let Together { matches, contradicting } = evidence.together;
-        if evidence.together.contradict() {
+        if let Some((contradicting, matches)) = evidence.together.contradict() {
             reasons.push(Reason::Contradicted { contradicting, matches });
+        }
+        if let Some(mirror) = evidence.mirror.filter(|mirror| mirror.is_likely()) {
+            reasons.push(Reason::Mirrored { matches: mirror.flipped });
         }
         if let Some(plane) = evidence.plane.filter(PlaneEvidence::leaves_the_epipoles_open) {
             let PlaneEvidence { share, groups, agreeing, .. } = plane;
             reasons.push(Reason::OnePlane { percent: (100.0 * share) as u32, groups, agreeing });
-        } else if let Some(relief) =
-            evidence.plane.and_then(|plane| plane.relief).filter(|r| *r < LEAST_RELIEF)
-        {
-            reasons.push(Reason::NoRelief { percent: (100.0 * relief) as u32 });
+        } else if let Some(witnesses) = evidence.witnesses.filter(|w| !w.show_the_epipole()) {
+            let Witnesses { along, across, on_warp } = witnesses;
+            reasons.push(Reason::NoRelief { along, across, on_warp });
         } else if let Some(plane) = evidence.plane.filter(PlaneEvidence::is_bent) {
             reasons.push(Reason::Bent { percent: (100.0 * plane.bent_share) as u32 });
         } else if let Some(pattern) = evidence.pattern.filter(|pattern| pattern.is_bent(evidence.side)) {
@@ -119,8 +117,8 @@ impl Trust {
 #[cfg(test)]
 mod tests {
     use super::super::evidence::{
-        ANY_EPIPOLE, BY_CHANCE, HALF_PLANE, MOSTLY_PLANE, MOTIONS_BY_CHANCE, ONE_PLANE, PATTERN,
-        PATTERN_SIZE, ResidualPattern, USUAL_SIDE,
+        ANY_EPIPOLE, BY_CHANCE, HALF_PLANE, MOSTLY_PLANE, MOTIONS_BY_CHANCE, Mirror, ONE_PLANE, PATTERN,
+        PATTERN_SIZE, ResidualPattern, Together, USUAL_SIDE,
     };
     use super::*;
 
@@ -135,32 +133,32 @@ mod tests {
         plane: Some(PlaneEvidence {
             share: 0.3,
             bent_share: 0.3,
-            relief: None,
             groups: 9,
             agreeing: 1,
             motions: 1,
             by_chance: 1.0,
             motions_by_chance: 1.0,
         }),
-        together: Together { matches: 200, contradicting: 2 },
+        together: Together { all: 260, off: 20, matches: 200, contradicting: 2 },
+        witnesses: Some(Witnesses { on_warp: 300, along: 90, across: 5 }),
+        mirror: None,
         pattern: Some(ResidualPattern { share: 0.1, size: 0.1 }),
         side: 768.0,
     };
 
-    fn verdict(evidence: Evidence) -> Verdict {
-        Trust::judge(&evidence).verdict
+    fn verdict(evidence: &Evidence) -> Verdict {
+        Trust::judge(evidence).verdict
     }
 
     #[test]
     fn a_result_is_reliable_only_when_nothing_speaks_against_it() {
         assert_eq!(Trust::judge(&GOOD), Trust { verdict: Verdict::Reliable, reasons: Vec::new() });
-        assert_eq!(verdict(Evidence { margin: None, ..GOOD }), Verdict::Reliable);
+        assert_eq!(verdict(&Evidence { margin: None, ..GOOD }), Verdict::Reliable);
         let plane = |share, by_chance| {
             let motions_by_chance = by_chance;
             Some(PlaneEvidence {
                 share,
                 bent_share: share,
-                relief: None,
                 groups: 9,
                 agreeing: 7,
                 motions: 5,
@@ -168,7 +166,7 @@ mod tests {
                 motions_by_chance,
             })
         };
-        assert_eq!(verdict(Evidence { plane: plane(0.6, 1e-4), ..GOOD }), Verdict::Reliable);
+        assert_eq!(verdict(&Evidence { plane: plane(0.6, 1e-4), ..GOOD }), Verdict::Reliable);
         for worse in [
             Evidence { patches: false, refined_on: RefinedOn::TooFewMatches, ..GOOD },
             Evidence { refined_on: RefinedOn::TooFewMatches, ..GOOD },
@@ -179,16 +177,16 @@ mod tests {
             Evidence { plane: plane(0.98, 0.0), ..GOOD },
             Evidence { plane: plane(0.6, 0.1), ..GOOD },
         ] {
-            assert_eq!(verdict(worse), Verdict::Doubtful);
+            assert_eq!(verdict(&worse), Verdict::Doubtful);
         }
-        assert_eq!(verdict(Evidence { refined_on: RefinedOn::Matches(12), ..GOOD }), Verdict::Unreliable);
-        assert_eq!(verdict(Evidence { clicks: &[40.0, 0.1], ..GOOD }), Verdict::Doubtful, "outvoted");
+        assert_eq!(verdict(&Evidence { refined_on: RefinedOn::Matches(12), ..GOOD }), Verdict::Unreliable);
+        assert_eq!(verdict(&Evidence { clicks: &[40.0, 0.1], ..GOOD }), Verdict::Doubtful, "outvoted");
         assert_eq!(
-            verdict(Evidence { clicks: &[40.0, 0.1], margin: Some(0.1), ..GOOD }),
+            verdict(&Evidence { clicks: &[40.0, 0.1], margin: Some(0.1), ..GOOD }),
             Verdict::Unreliable
         );
         assert_eq!(
-            verdict(Evidence { clicks: &[40.0, 0.1], refined_on: RefinedOn::TooFewMatches, ..GOOD }),
+            verdict(&Evidence { clicks: &[40.0, 0.1], refined_on: RefinedOn::TooFewMatches, ..GOOD }),
             Verdict::Unreliable
         );
     }
@@ -198,7 +196,6 @@ mod tests {
         let plane = |motions, by_chance| PlaneEvidence {
             share: 0.6,
             bent_share: 0.6,
-            relief: None,
             groups: 9,
             agreeing: 7,
             motions,
@@ -208,11 +205,11 @@ mod tests {
         let (one_motion, held, open) = (plane(1, 1e-9), plane(5, 1e-4), plane(5, 0.1));
         for (a, b) in [(one_motion, held), (held, one_motion)] {
             assert_eq!(a.or_stronger(b).motions, 5);
-            assert_eq!(verdict(Evidence { plane: Some(a.or_stronger(b)), ..GOOD }), Verdict::Reliable);
+            assert_eq!(verdict(&Evidence { plane: Some(a.or_stronger(b)), ..GOOD }), Verdict::Reliable);
         }
         assert_eq!(one_motion.or_stronger(open).motions, 1, "neither holds them");
         assert_eq!(
-            verdict(Evidence { plane: Some(one_motion.or_stronger(open)), ..GOOD }),
+            verdict(&Evidence { plane: Some(one_motion.or_stronger(open)), ..GOOD }),
             Verdict::Doubtful
         );
     }
@@ -229,24 +226,53 @@ mod tests {
     }
 
     #[test]
-    fn relief_below_its_threshold_leaves_the_epipole_open() {
-        let reasons = |relief: f64| {
-            let plane = GOOD.plane.map(|plane| PlaneEvidence { relief: Some(relief), ..plane });
-            Trust::judge(&Evidence { plane, ..GOOD }).reasons
+    fn the_epipole_is_open_if_matches_off_the_warp_are_few_or_point_anywhere() {
+        let reasons = |on_warp, along, across| {
+            let witnesses = Some(Witnesses { on_warp, along, across });
+            Trust::judge(&Evidence { witnesses, ..GOOD }).reasons
         };
-        assert_eq!(reasons(LEAST_RELIEF), []);
-        assert_eq!(reasons(LEAST_RELIEF.next_down()), [Reason::NoRelief { percent: 7 }]);
+        assert_eq!(reasons(380, 20, 0), []);
+        // Less than a twentieth.
+        assert_eq!(reasons(381, 20, 0), [Reason::NoRelief { on_warp: 381, along: 20, across: 0 }]);
+        // Fewer than chance explains: each two of them have an epipole.
+        assert_eq!(reasons(0, 18, 0), []);
+        assert_eq!(reasons(0, 17, 0), [Reason::NoRelief { on_warp: 0, along: 17, across: 0 }]);
+        // A quarter across.
+        assert_eq!(reasons(100, 400, 100), []);
+        assert_eq!(reasons(100, 400, 130), [Reason::NoRelief { on_warp: 100, along: 400, across: 130 }]);
+        assert_eq!(Trust::judge(&Evidence { witnesses: None, ..GOOD }).reasons, []);
+    }
+
+    #[test]
+    fn a_pair_whose_corners_match_when_flipped_is_mirrored() {
+        let reasons = |flipped, corners| {
+            let mirror = Some(Mirror { flipped, corners });
+            Trust::judge(&Evidence { mirror, ..GOOD }).reasons
+        };
+        assert_eq!((reasons(59, 600), reasons(0, 0)), (vec![], vec![]));
+        assert_eq!(reasons(60, 600), [Reason::Mirrored { matches: 60 }]);
+    }
+
+    #[test]
+    fn a_geometry_that_most_distinctive_matches_contradict_is_doubtful() {
+        let reasons = |all, off| {
+            let together = Together { all, off, ..Together::default() };
+            Trust::judge(&Evidence { together, ..GOOD }).reasons
+        };
+        assert_eq!(reasons(6, 6), []);
+        assert_eq!(reasons(7, 7), [Reason::Contradicted { contradicting: 7, matches: 7 }]);
+        assert_eq!(reasons(20, 15), []);
+        assert_eq!(reasons(20, 16), [Reason::Contradicted { contradicting: 16, matches: 20 }]);
     }
 
     /// Tests both sides of every threshold, as close to it as the type of the number allows.
     #[test]
     fn each_threshold_is_where_its_constant_says() {
-        let reasons = |evidence: Evidence| Trust::judge(&evidence).reasons;
+        let reasons = |evidence: &Evidence| Trust::judge(evidence).reasons;
         let plane = |share, by_chance| {
             Some(PlaneEvidence {
                 share,
                 bent_share: share,
-                relief: None,
                 groups: 9,
                 agreeing: 2,
                 motions: ANY_EPIPOLE + 1,
@@ -255,7 +281,7 @@ mod tests {
             })
         };
         let bent = |bent_share| plane(0.4, 0.0).map(|plane| PlaneEvidence { bent_share, ..plane });
-        let together = |matches, contradicting| Together { matches, contradicting };
+        let together = |matches, contradicting| Together { matches, contradicting, ..Together::default() };
         let pattern = |share, size| Some(ResidualPattern { share, size });
         let next = |v: f64| v * (1.0 + 1e-12);
         let before = |v: f64| v * (1.0 - 1e-12);
@@ -280,7 +306,7 @@ mod tests {
             Evidence { pattern: None, ..GOOD },
         ];
         for evidence in silent {
-            assert_eq!(reasons(evidence), [], "{evidence:?}");
+            assert_eq!(reasons(&evidence), [], "{evidence:?}");
         }
         let off = next(CLICK_DEVIATIONS);
         let (few, margin, deviation) = (ENOUGH_MATCHES - 1, before(CLEAR_MARGIN), next(LOOSEST * GOOD.side));
@@ -339,26 +365,26 @@ mod tests {
             ),
         ];
         for (evidence, reason) in told {
-            assert_eq!(reasons(evidence), [reason], "{evidence:?}");
-            assert_eq!(verdict(evidence), Verdict::Doubtful, "{evidence:?}");
+            assert_eq!(reasons(&evidence), [reason], "{evidence:?}");
+            assert_eq!(verdict(&evidence), Verdict::Doubtful, "{evidence:?}");
         }
     }
 
     #[test]
     fn too_few_matches_and_far_clicks_with_anything_else_are_unreliable() {
         assert_eq!(
-            verdict(Evidence { refined_on: RefinedOn::Matches(FAR_TOO_FEW), ..GOOD }),
+            verdict(&Evidence { refined_on: RefinedOn::Matches(FAR_TOO_FEW), ..GOOD }),
             Verdict::Doubtful
         );
         assert_eq!(
-            verdict(Evidence { refined_on: RefinedOn::Matches(FAR_TOO_FEW - 1), ..GOOD }),
+            verdict(&Evidence { refined_on: RefinedOn::Matches(FAR_TOO_FEW - 1), ..GOOD }),
             Verdict::Unreliable
         );
         let [at, beyond] = [CLICK_DEVIATIONS_WRONG, CLICK_DEVIATIONS_WRONG * (1.0 + 1e-12)];
         for (distance, expected) in [(at, Verdict::Doubtful), (beyond, Verdict::Unreliable)] {
             let clicks = [distance, 0.0];
-            assert_eq!(verdict(Evidence { clicks: &clicks, margin: Some(0.1), ..GOOD }), expected);
-            assert_eq!(verdict(Evidence { clicks: &clicks, ..GOOD }), Verdict::Doubtful, "outvoted");
+            assert_eq!(verdict(&Evidence { clicks: &clicks, margin: Some(0.1), ..GOOD }), expected);
+            assert_eq!(verdict(&Evidence { clicks: &clicks, ..GOOD }), Verdict::Doubtful, "outvoted");
         }
         // A search on lines alone has no refinement, which is no second reason.
         let lines = Evidence { patches: false, refined_on: RefinedOn::TooFewMatches, ..GOOD };
