@@ -93,6 +93,15 @@ impl Support {
     /// Returns the distinctive matches, found without a geometry: each corner looks like the other,
     /// and like no third by nearly as much.
     pub fn distinctive(&self) -> Vec<PointPair> {
+        let stands_out = |group: &&[Putative]| {
+            let next = group.get(1).map_or(FLOOR, |m| m.correlation);
+            group[0].correlation > DISTINCTIVE && group[0].correlation > next + DISTINCTIVE_BY
+        };
+        self.mutual_best().filter(stands_out).map(|group| self.pair(&group[0])).collect()
+    }
+
+    /// Returns the look-alikes of each corner of image 1 whose best one is mutual, best first.
+    pub fn mutual_best(&self) -> impl Iterator<Item = &[Putative]> {
         let mut best2 = vec![(0.0, u32::MAX); self.corners[1].len()];
         for pair in &self.pairs {
             let best = &mut best2[pair.corner2 as usize];
@@ -102,14 +111,7 @@ impl Support {
         }
         self.pairs
             .chunk_by(|a, b| a.corner1 == b.corner1)
-            .filter_map(|group| {
-                // The best look-alike comes first.
-                let (best, next) = (group.first()?, group.get(1).map_or(FLOOR, |m| m.correlation));
-                let stands_out = best.correlation > DISTINCTIVE && best.correlation > next + DISTINCTIVE_BY;
-                let is_mutual = best2[best.corner2 as usize].1 == best.corner1;
-                (stands_out && is_mutual).then(|| self.pair(best))
-            })
-            .collect()
+            .filter(move |group| best2[group[0].corner2 as usize].1 == group[0].corner1)
     }
 
     /// Returns the points of a putative match.

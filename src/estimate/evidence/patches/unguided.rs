@@ -1,15 +1,13 @@
 //! Matches found in the whole of image 2, without any geometry. They alone testify for a geometry:
 //! matches found along its lines agree with it by construction.
 
-use std::collections::HashMap;
-
 use rayon::prelude::*;
 
 use super::aligned_features::AlignedFeatures;
 use super::level_corners::{CORRELATION_NOISE, ELSEWHERE};
 use super::look_alikes::Putative;
 use super::support::{Support, SupportLevel};
-use crate::geometry::{Point, PointPair};
+use crate::geometry::PointPair;
 use crate::image::{Alignment, PairLevel, Placement, RelativeView, align};
 
 /// A match found without a geometry and aligned at full size.
@@ -61,28 +59,16 @@ pub(super) fn unguided_matches(
 /// Returns the corners that are each other's best look-alike, each with the probability that it is
 /// the right one among its look-alikes.
 fn best_look_alikes(support: &Support) -> Vec<(PointPair, f32)> {
-    let pairs = support.pairs();
-    let mut best2: HashMap<u32, (f32, u32)> = HashMap::new();
-    for pair in pairs {
-        let best = best2.entry(pair.corner2).or_insert((0.0, u32::MAX));
-        if pair.correlation > best.0 {
-            *best = (pair.correlation, pair.corner1);
-        }
-    }
-    let of_group = |group: &[Putative]| {
-        let best = group.first()?;
-        if best2[&best.corner2].1 != best.corner1 {
-            return None;
-        }
-        let here: Point = support.pair(best).point2;
+    let with_prior = |group: &[Putative]| {
+        let best = support.pair(&group[0]);
         let others: f32 = group[1..]
             .iter()
-            .filter(|m| (support.pair(m).point2 - here).norm() > ELSEWHERE)
-            .map(|m| ((m.correlation - best.correlation) / CORRELATION_NOISE).exp())
+            .filter(|m| (support.pair(m).point2 - best.point2).norm() > ELSEWHERE)
+            .map(|m| ((m.correlation - group[0].correlation) / CORRELATION_NOISE).exp())
             .sum();
-        Some((support.pair(best), 1.0 / (1.0 + others)))
+        (best, 1.0 / (1.0 + others))
     };
-    pairs.chunk_by(|a, b| a.corner1 == b.corner1).filter_map(of_group).collect()
+    support.mutual_best().map(with_prior).collect()
 }
 
 #[cfg(test)]

@@ -119,8 +119,8 @@ impl Witnesses {
     }
 
     /// Returns whether chance seldom does as well. A wrong match is as likely across a line as along
-    /// it, and some epipole fits any two matches: the expected number of epipoles that explain as
-    /// many is that of the pairs, times the binomial tail.
+    /// it. Some epipole fits any two matches, so there are as many epipoles as pairs of matches. The
+    /// binomial tail says how likely each explains as many by chance.
     fn is_no_chance(self) -> bool {
         let n = self.along + self.across;
         let pairs = (n * n.saturating_sub(1) / 2) as f64;
