@@ -11,7 +11,7 @@ use super::guided_fit::{GuidedMatcher, Settling};
 use super::plane::largest_plane;
 use super::refinement::{Refined, RefinementLevel, SharedPatches};
 use super::support::{PatchSupport, Support, SupportLevel};
-use super::unguided::{UnguidedMatch, unguided_matches};
+use super::unguided::{UnguidedMatch, matched_corners, unguided_matches};
 use super::voting::KappaVoting;
 use crate::cancel::CancelFlag;
 use crate::estimate::evidence::lazy::Lazy;
@@ -208,6 +208,17 @@ impl PatchLevels {
         let features = &self.aligned[self.refinement(pyramids).len() - 1];
         let matcher = GuidedMatcher { stage, level: &level, view: self.view(), features };
         matcher.settled(start, settling, cancel)
+    }
+
+    /// Returns the mutual best matches of corners among the pairs that are `possible`, aligned.
+    /// All are in full-size pixels.
+    pub fn unguided_corners(
+        &self,
+        pyramids: &PyramidPair,
+        possible: impl Fn(&PointPair) -> bool,
+    ) -> Vec<UnguidedMatch> {
+        let Some((level, _)) = self.refinement(pyramids).pop() else { return Vec::new() };
+        matched_corners(self.fine(pyramids), &level, self.view(), possible)
     }
 
     /// Returns the matches found in the whole of image 2, without any geometry.

@@ -97,21 +97,30 @@ impl Support {
             let next = group.get(1).map_or(FLOOR, |m| m.correlation);
             group[0].correlation > DISTINCTIVE && group[0].correlation > next + DISTINCTIVE_BY
         };
-        self.mutual_best().filter(stands_out).map(|group| self.pair(&group[0])).collect()
+        self.mutual_best(|_| true)
+            .iter()
+            .filter(|group| stands_out(&group.as_slice()))
+            .map(|group| self.pair(&group[0]))
+            .collect()
     }
 
-    /// Returns the look-alikes of each corner of image 1 whose best one is mutual, best first.
-    pub fn mutual_best(&self) -> impl Iterator<Item = &[Putative]> {
+    /// Returns the look-alikes of each corner of image 1 whose best one is mutual, best first. Only
+    /// pairs that are `possible` take part.
+    pub fn mutual_best(&self, possible: impl Fn(&PointPair) -> bool) -> Vec<Vec<Putative>> {
+        let possible: Vec<Putative> =
+            self.pairs.iter().filter(|pair| possible(&self.pair(pair))).copied().collect();
         let mut best2 = vec![(0.0, u32::MAX); self.corners[1].len()];
-        for pair in &self.pairs {
+        for pair in &possible {
             let best = &mut best2[pair.corner2 as usize];
             if pair.correlation > best.0 {
                 *best = (pair.correlation, pair.corner1);
             }
         }
-        self.pairs
+        possible
             .chunk_by(|a, b| a.corner1 == b.corner1)
-            .filter(move |group| best2[group[0].corner2 as usize].1 == group[0].corner1)
+            .filter(|group| best2[group[0].corner2 as usize].1 == group[0].corner1)
+            .map(<[Putative]>::to_vec)
+            .collect()
     }
 
     /// Returns the points of a putative match.

@@ -36,17 +36,8 @@ pub(super) fn unguided_matches(
     view: RelativeView,
     features: &AlignedFeatures,
 ) -> Vec<UnguidedMatch> {
-    let to_level = [0, 1].map(|image| level.scales[image] / fine.scales[image]);
     let full_size = level.scales.map(f64::recip);
-    let affine = level.warp(view);
-    let best = best_look_alikes(&fine.support);
-    let corners = best.into_par_iter().filter_map(|(pair, prior)| {
-        let pair = pair.rescaled(to_level);
-        let start = Placement { at: pair.point2, affine };
-        let at = align(level.planes, pair.point1, start, &Alignment::STRICT)?.at;
-        Some(UnguidedMatch { pair: PointPair { point2: at, ..pair }.rescaled(full_size), prior })
-    });
-    let mut found: Vec<UnguidedMatch> = corners.collect();
+    let mut found = matched_corners(fine, level, view, |_| true);
     found.extend(
         features
             .all(level)
@@ -56,19 +47,37 @@ pub(super) fn unguided_matches(
     found
 }
 
-/// Returns the corners that are each other's best look-alike, each with the probability that it is
-/// the right one among its look-alikes.
-fn best_look_alikes(support: &Support) -> Vec<(PointPair, f32)> {
-    let with_prior = |group: &[Putative]| {
-        let best = support.pair(&group[0]);
-        let others: f32 = group[1..]
-            .iter()
-            .filter(|m| (support.pair(m).point2 - best.point2).norm() > ELSEWHERE)
-            .map(|m| ((m.correlation - group[0].correlation) / CORRELATION_NOISE).exp())
-            .sum();
-        (best, 1.0 / (1.0 + others))
+/// Returns the mutual best matches of corners among the pairs that are `possible` (full-size
+/// pixels), aligned at `level`, the full size.
+pub(super) fn matched_corners(
+    fine: &SupportLevel,
+    level: &PairLevel,
+    view: RelativeView,
+    possible: impl Fn(&PointPair) -> bool,
+) -> Vec<UnguidedMatch> {
+    let from_fine = fine.scales.map(f64::recip);
+    let full_size = level.scales.map(f64::recip);
+    let affine = level.warp(view);
+    let best = fine.support.mutual_best(|pair| possible(&pair.rescaled(from_fine)));
+    let aligned = |group: Vec<Putative>| {
+        let prior = prior_of_best(&fine.support, &group);
+        let pair = fine.support.pair(&group[0]).rescaled(from_fine).rescaled(level.scales);
+        let start = Placement { at: pair.point2, affine };
+        let at = align(level.planes, pair.point1, start, &Alignment::STRICT)?.at;
+        Some(UnguidedMatch { pair: PointPair { point2: at, ..pair }.rescaled(full_size), prior })
     };
-    support.mutual_best().map(with_prior).collect()
+    best.into_par_iter().filter_map(aligned).collect()
+}
+
+/// Returns the probability that the best of the look-alikes of a corner is the right one.
+fn prior_of_best(support: &Support, group: &[Putative]) -> f32 {
+    let best = support.pair(&group[0]).point2;
+    let others: f32 = group[1..]
+        .iter()
+        .filter(|m| (support.pair(m).point2 - best).norm() > ELSEWHERE)
+        .map(|m| ((m.correlation - group[0].correlation) / CORRELATION_NOISE).exp())
+        .sum();
+    1.0 / (1.0 + others)
 }
 
 #[cfg(test)]
@@ -90,6 +99,26 @@ mod tests {
         let likely: Vec<&UnguidedMatch> = found.iter().filter(|m| m.is_likely()).collect();
         let right = likely.iter().filter(|m| off(m).norm() < 0.3).count();
         assert!(likely.len() > 25 && 10 * right > 9 * likely.len(), "{right} of {}", likely.len());
+    }
+
+    #[test]
+    fn corners_have_fewer_look_alikes_where_their_match_is_possible() {
+        let scene = ExactScene::aside();
+        let [plane1, plane2] = scene.planes();
+        let pyramids = PyramidPair::new(&plane1, &plane2, 48.0);
+        let levels = PatchLevels::new(RelativeView::UPRIGHT);
+        let right = |possible: &dyn Fn(&PointPair) -> bool| {
+            let found = levels.unguided_corners(&pyramids, possible);
+            assert!(found.iter().all(|m| m.prior > 0.0 && m.prior <= 1.0));
+            let is_right = |m: &&UnguidedMatch| {
+                m.is_likely() && (scene.partner(m.pair.point1) - m.pair.point2).norm() < 0.3
+            };
+            found.iter().filter(is_right).count()
+        };
+        let anywhere = right(&|_| true);
+        let near = right(&|m| (scene.partner(m.point1) - m.point2).norm() < 16.0);
+        assert!(near > anywhere, "{near} near, {anywhere} anywhere");
+        assert_eq!(right(&|_| false), 0);
     }
 
     #[test]

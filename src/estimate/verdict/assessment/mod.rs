@@ -22,7 +22,7 @@ use crate::estimate::evidence::lines::ComparedPencils;
 use crate::estimate::evidence::patches::{Refined, UnguidedMatch, largest_plane, resized};
 use crate::estimate::evidence::viewed::ViewedPair;
 use crate::estimate::verdict::trust::{
-    Evidence, Mirror, PlaneEvidence, RefinedOn, Together, USUAL_SIDE, Witnesses,
+    Evidence, HALF_PLANE, Mirror, PlaneEvidence, RefinedOn, Together, USUAL_SIDE, Witnesses,
 };
 use crate::estimate::{
     Assessment, Clicks, Estimate, Parameters, PatchSupport, PlaneHomography, Refinement, Search, Trust,
@@ -173,13 +173,20 @@ impl Judge<'_> {
         let (side, side_fine) = (frames[0].longer_side(), s1 * frames[0].longer_side());
         let distinctive = fine.support.distinctive();
         let afar = OffPlane::new(&distinctive, &f_fine, &h_fine, side_fine, CORNER_SIGMA);
-        let unguided = self.viewed.patches.unguided(self.viewed.pyramids());
+        let (patches, pyramids) = (&self.viewed.patches, self.viewed.pyramids());
+        let unguided = patches.unguided(pyramids);
         let is_near = |m: &PointPair| {
             let mapped = finite_point(&(h * m.point1.to_homogeneous()));
             mapped.is_some_and(|at| (m.point2 - at).norm() < NEAR_PLANE * side)
         };
+        // A corner has fewer look-alikes near its place on a plane that explains many matches.
+        let mut testify = Vec::new();
+        if share > HALF_PLANE {
+            testify = patches.unguided_corners(pyramids, is_near);
+        }
+        testify.extend(unguided);
         let near: Vec<PointPair> =
-            unguided.iter().filter(|m| m.is_likely()).map(|m| m.pair).filter(is_near).collect();
+            testify.iter().filter(|m| m.is_likely()).map(|m| m.pair).filter(is_near).collect();
         let closely = OffPlane::new(&near, f, &h, side, precision(&near, f));
         // Each clicked pair shows one scene point in both images.
         let clicked = OffPlane::new(&self.clicks.observed(), f, &h, side, self.parameters.click_sigma);
@@ -191,7 +198,7 @@ impl Judge<'_> {
         let evidence = evidence.into_iter().reduce(PlaneEvidence::or_stronger)?;
         let together = parallax::together(&distinctive, &f_fine, &h_fine, side_fine);
         let warp = warp::Warp::fit(matches, &h, frames[0], tolerance);
-        let witnesses = warp.map(|warp| warp::witnesses(unguided, &warp, f, side, tolerance));
+        let witnesses = warp.map(|warp| warp::witnesses(&testify, &warp, f, side, tolerance));
         // Most unguided matches of an upright pair are right; those of a mirror image are not.
         let on_lines = |m: &&UnguidedMatch| sampson_distance(f, &m.pair) < tolerance;
         let likely = || unguided.iter().filter(|m| m.is_likely());

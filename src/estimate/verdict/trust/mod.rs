@@ -7,8 +7,8 @@ mod rules;
 use serde::{Deserialize, Serialize};
 
 pub(in crate::estimate) use evidence::{
-    BarcodeEvidence, Evidence, Mirror, PlaneEvidence, RefinedOn, ResidualPattern, Together, USUAL_SIDE,
-    WRONG_TOGETHER, Witnesses,
+    BarcodeEvidence, Evidence, HALF_PLANE, Mirror, PlaneEvidence, RefinedOn, ResidualPattern, Together,
+    USUAL_SIDE, WRONG_TOGETHER, Witnesses,
 };
 pub(in crate::estimate) use rules::CHANCE_DEVIATIONS;
 pub use rules::{
