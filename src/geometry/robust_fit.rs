@@ -87,28 +87,35 @@ pub fn fit_fundamental(
     Some(FundamentalFit { fundamental, covariance })
 }
 
-/// Covariance of the nine entries of a fitted `F`, row by row, without trust in the σ of the observations or in their
-/// independence: the sandwich estimator of M-estimators (Huber 1967), with the residuals of one group taken as
-/// correlated (Liang & Zeger 1986).
+/// A measured pair of points, with how much it tells of a fitted `F`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Testimony {
+    /// The pair, with the scale of its robust loss, px.
+    pub observation: Observation,
+    /// Standard deviation of the pair, px. Errors that the loss does not know of are part of it.
+    pub deviation: f64,
+    /// Number of the group of pairs that are off alike. All pairs of a group tell as much as one.
+    pub group: usize,
+}
+
+/// Covariance of the nine entries of a fitted `F` with Frobenius norm 1, row by row. The errors of one
+/// group are taken as equal and those of different groups as independent, so more pairs of one group do
+/// not make `F` more precise.
 ///
-/// The loss is the Cauchy cost of [`fit_fundamental`] with a scale of 1. `groups` has the number of the group of each
-/// observation. `None` when fewer groups than twice the seven unknowns have observations, or when the observations do
-/// not determine all seven numbers.
-pub fn grouped_covariance(
-    f: &FundamentalMatrix,
-    observations: &[Observation],
-    groups: &[usize],
-) -> Option<Matrix9> {
-    let conditioning = Conditioning::new(observations);
+/// The loss is the Cauchy cost of [`fit_fundamental`] with a scale of 1. `None` when the pairs do not
+/// determine all seven numbers.
+pub fn grouped_covariance(f: &FundamentalMatrix, testimonies: &[Testimony]) -> Option<Matrix9> {
+    let observations: Vec<Observation> = testimonies.iter().map(|t| t.observation).collect();
+    let conditioning = Conditioning::new(&observations);
     let representation = Orthonormal::new(&conditioning.conditioned(f.matrix()))?;
     let matrix = representation.matrix();
     let derivatives = representation.derivatives(&matrix);
     let by_entries = SMatrix::<f64, 9, 7>::from_fn(|row, k| derivatives[k][(row / 3, row % 3)]);
-    let count = groups.iter().max()? + 1;
-    let mut scores = vec![Vector7::zeros(); count];
-    let mut seen = vec![false; count];
-    let (mut bread, mut expected) = (Matrix7::zeros(), Matrix7::zeros());
-    for (observation, group) in observations.iter().zip(groups) {
+    let groups = testimonies.iter().map(|t| t.group).max()? + 1;
+    let mut sizes = vec![0.0; groups];
+    testimonies.iter().for_each(|t| sizes[t.group] += 1.0);
+    let mut information = Matrix7::zeros();
+    for Testimony { observation, deviation, group } in testimonies {
         let x1 = conditioning.to[0] * observation.pair.point1.to_homogeneous();
         let x2 = conditioning.to[1] * observation.pair.point2.to_homogeneous();
         let (l2, l1) = (matrix * x1, matrix.tr_mul(&x2));
@@ -116,31 +123,20 @@ pub fn grouped_covariance(
         if square < 1e-28 {
             continue;
         }
-        let weight = 1.0 / (conditioning.to[0][(0, 0)] * observation.sigma * square.sqrt());
+        let to_pixels = 1.0 / (conditioning.to[0][(0, 0)] * square.sqrt());
         let n = x2.dot(&l2);
-        let residual = n * weight;
+        let residual = n * to_pixels / observation.sigma;
         let c = n / square;
         let by = SVector::<f64, 9>::from_fn(|k, _| {
             let (i, j) = (k / 3, k % 3);
             let first = if i < 2 { l2[i] * x1[j] } else { 0.0 };
             let second = if j < 2 { l1[j] * x2[i] } else { 0.0 };
-            weight * (x2[i] * x1[j] - c * (first + second))
+            to_pixels / deviation * (x2[i] * x1[j] - c * (first + second))
         });
         let by = by_entries.tr_mul(&by);
-        let left = 1.0 / (1.0 + residual * residual);
-        scores[*group] += by * (residual * left);
-        seen[*group] = true;
-        bread += by * by.transpose() * ((1.0 - residual * residual) * left * left);
-        // The expectation of the same for Cauchy residuals.
-        expected += by * by.transpose() * (0.5 * left);
+        information += by * by.transpose() / ((1.0 + residual * residual) * sizes[*group]);
     }
-    let used = seen.iter().filter(|seen| **seen).count();
-    if used < 14 {
-        return None;
-    }
-    let inverse = bread.cholesky().or_else(|| expected.cholesky())?.inverse();
-    let meat: Matrix7 = scores.iter().map(|score| score * score.transpose()).sum();
-    let few = used as f64 / (used as f64 - 7.0);
+    let covariance = information.cholesky()?.inverse();
     let unit = conditioning.in_pixels(&matrix);
     let norm = unit.norm();
     let unit = unit / norm;
@@ -149,7 +145,7 @@ pub fn grouped_covariance(
         moved - unit * unit.dot(&moved)
     });
     let jacobian = SMatrix::<f64, 9, 7>::from_fn(|row, k| columns[k][(row / 3, row % 3)]);
-    Some(jacobian * (inverse * meat * inverse * few) * jacobian.transpose())
+    Some(jacobian * covariance * jacobian.transpose())
 }
 
 /// Maximum number of steps. A fit that starts within some pixels converges in fewer than ten.
@@ -401,7 +397,7 @@ mod tests {
         let mut gauss = || (0..12).map(|_| rng.random::<f64>()).sum::<f64>() - 6.0;
         let probe = PointPair::new(150.0, 420.0, 160.0, 415.0);
         let on_line = f.line2_from_point1(probe.point1).unwrap().foot(probe.point2);
-        let (mut squares, mut predicted, runs) = (0.0, 0.0, 200);
+        let (mut squares, mut predicted, mut of_groups, runs) = (0.0, 0.0, 0.0, 200);
         for _ in 0..runs {
             let sigma = 0.5;
             let mut noisy = |p: nalgebra::Point2<f64>| {
@@ -421,9 +417,38 @@ mod tests {
             let (x1, x2) = (probe.point1.to_homogeneous(), on_line.to_homogeneous());
             let row = SVector::<f64, 9>::from_fn(|k, _| x2[k / 3] * x1[k % 3]) / l.xy().norm();
             predicted += row.dot(&(result.covariance.unwrap() * row));
+            // With a loss that hardly weighs, and each pair a group of its own.
+            let each = |(group, o): (usize, &Observation)| Testimony {
+                observation: Observation { sigma: 10.0 * sigma, ..*o },
+                deviation: sigma,
+                group,
+            };
+            let testimonies: Vec<Testimony> = observations.iter().enumerate().map(each).collect();
+            of_groups += row.dot(&(grouped_covariance(&result.fundamental, &testimonies).unwrap() * row));
         }
-        let ratio = (squares / predicted).sqrt();
-        assert!((0.8..1.25).contains(&ratio), "measured over predicted deviation {ratio}");
+        for predicted in [predicted, of_groups] {
+            let ratio = (squares / predicted).sqrt();
+            assert!((0.8..1.25).contains(&ratio), "measured over predicted deviation {ratio}");
+        }
+    }
+
+    #[test]
+    fn pairs_of_one_group_tell_as_much_as_one() {
+        let (f, pairs) = scene(60);
+        let of = |copies: usize, deviation: f64| {
+            let testimonies: Vec<Testimony> = (0..60 * copies)
+                .map(|k| Testimony {
+                    observation: Observation { pair: pairs[k % 60], sigma: 1.0 },
+                    deviation,
+                    group: k % 60,
+                })
+                .collect();
+            grouped_covariance(&f, &testimonies).unwrap()
+        };
+        let once = of(1, 0.5);
+        assert!((of(5, 0.5) - once).norm() < 1e-9 * once.norm());
+        assert!((of(1, 1.0) - once * 4.0).norm() < 1e-9 * once.norm());
+        assert!(grouped_covariance(&f, &[]).is_none());
     }
 
     #[test]
