@@ -287,6 +287,12 @@ mod geometry {
         }
         assert_eq!((&result["method"], &result["preset"]), (&"two-point".into(), &"robust".into()));
         assert_eq!((&result["seed"], &result["images"][0]["width"]), (&5.into(), &768.into()));
+        assert!(["everything", "epipole-directions"].contains(&result["determined"].as_str().unwrap()));
+        for bearing in result["epipole_bearings"].as_array().unwrap() {
+            let [nearest, farthest] = ["nearest", "farthest"].map(|end| bearing[end].as_f64());
+            assert!(nearest.unwrap() > 0.0 && farthest.is_none_or(|farthest| farthest > nearest.unwrap()));
+            assert!(bearing["direction_error"].as_f64().unwrap() > 0.0);
+        }
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1, "one file and no leftovers");
     }
 

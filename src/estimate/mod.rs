@@ -31,7 +31,10 @@ pub use evidence::features as covariant;
 pub use evidence::lines::{Candidate, ComparedPencils, Construction, LineFigures, RoundTrip, lines_at};
 pub use evidence::patches::{PatchSupport, RefinedMatch, Refinement};
 pub use evidence::prepared::PreparedPair;
-pub use fit::{EpipoleEllipse, Match, MatchFit, MatchFitError, Noise, Uncertainty, estimate_fundamental};
+pub use fit::{
+    EpipoleBearing, EpipoleCertainty, EpipoleEllipse, Match, MatchFit, MatchFitError, Noise, Uncertainty,
+    estimate_fundamental,
+};
 pub use follow::follow;
 pub use monitor::{Monitor, Progress};
 pub use parameters::{
@@ -44,7 +47,8 @@ pub use parameters::{PARAMETERS, ParameterEntry, ParameterValue};
 pub use stage::Stage;
 pub use verdict::assessment::{SMALLEST_SIDE, examine};
 pub use verdict::result::{
-    Apart, Assessment, BarcodeFigures, Estimate, PlaneHomography, SearchCounts, SearchTrace, StageTiming,
+    Apart, Assessment, BarcodeFigures, Determined, Estimate, PlaneHomography, SearchCounts, SearchTrace,
+    StageTiming,
 };
 pub use verdict::trust::{
     CLEAR_MARGIN, CLICK_DEVIATIONS, CLICK_DEVIATIONS_WRONG, ENOUGH_MATCHES, FAR_TOO_FEW, GUESS_MARGIN,

@@ -113,7 +113,9 @@ pub fn grouped_covariance(f: &FundamentalMatrix, testimonies: &[Testimony]) -> O
     let by_entries = SMatrix::<f64, 9, 7>::from_fn(|row, k| derivatives[k][(row / 3, row % 3)]);
     let groups = testimonies.iter().map(|t| t.group).max()? + 1;
     let mut sizes = vec![0.0; groups];
-    testimonies.iter().for_each(|t| sizes[t.group] += 1.0);
+    for t in testimonies {
+        sizes[t.group] += 1.0;
+    }
     let mut information = Matrix7::zeros();
     for Testimony { observation, deviation, group } in testimonies {
         let x1 = conditioning.to[0] * observation.pair.point1.to_homogeneous();

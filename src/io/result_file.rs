@@ -7,13 +7,13 @@ use serde::Serialize;
 
 use super::geometry_file::{Format, ImageNote, PairLabel};
 use crate::estimate::{
-    BarcodeFigures, Estimate, Method, Parameters, PatchSupport, PlaneHomography, Preset, SearchCounts,
-    StageTiming, Verdict, Warning,
+    BarcodeFigures, Determined, EpipoleBearing, Estimate, Method, Parameters, PatchSupport, PlaneHomography,
+    Preset, SearchCounts, StageTiming, Verdict, Warning,
 };
 use crate::geometry::{
     FundamentalMatrix, PointPair, place_in_words, sampson_distance, symmetric_epipolar_distance,
 };
-use crate::presentation::{reason_in_words, warning_in_words};
+use crate::presentation::{interval_in_words, reason_in_words, warning_in_words};
 
 /// Content of a result file. As JSON it is also a geometry file ([`Format::Json`]).
 #[derive(Serialize)]
@@ -37,6 +37,12 @@ pub struct ResultFile<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     frame_offset: Option<i32>,
     verdict: Option<Verdict>,
+    /// What the matches determine.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    determined: Option<Determined>,
+    /// Direction and distance of both epipoles, with 95 % intervals.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    epipole_bearings: Option<[EpipoleBearing; 2]>,
     reasons: Vec<String>,
     /// Covariance of the nine entries of `fundamental`, row by row, px.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -119,6 +125,7 @@ impl<'a> ResultFile<'a> {
         let (assessment, trace) = (&found.assessment, found.trace.as_deref());
         let trust = assessment.trust.as_ref();
         let refinement = assessment.refinement.as_ref();
+        let frames = images.each_ref().map(|image| image.frame);
         Self {
             convention: Format::Json.convention(),
             fundamental: found.fundamental(),
@@ -132,6 +139,8 @@ impl<'a> ResultFile<'a> {
             barcodes: assessment.barcodes,
             frame_offset: None,
             verdict: trust.map(|t| t.verdict),
+            determined: found.determined(frames),
+            epipole_bearings: found.epipole_bearings(frames),
             reasons: trust.iter().flat_map(|t| t.reasons.iter().map(reason_in_words)).collect(),
             covariance: refinement.and_then(|r| r.uncertainty.as_ref()).map(|uncertainty| {
                 uncertainty.covariance().row_iter().map(|row| std::array::from_fn(|k| row[k])).collect()
@@ -205,6 +214,23 @@ fn numbers(pair: &PointPair) -> [f64; 4] {
     [pair.point1.x, pair.point1.y, pair.point2.x, pair.point2.y]
 }
 
+/// Describes the places of both epipoles, a line each, and what is known of them.
+fn epipoles_in_words(found: &Estimate, images: &[ImageNote; 2]) -> String {
+    let mut text = String::new();
+    let frames = images.each_ref().map(|image| image.frame);
+    let bearings = found.epipole_bearings(frames);
+    for (k, epipole) in [found.geometry.epipole1(), found.geometry.epipole2()].iter().enumerate() {
+        let place = place_in_words(epipole, images[k].frame);
+        let interval = match (found.determined(frames), &bearings) {
+            (Some(Determined::Lines), _) => "; not determined by the matches".to_owned(),
+            (_, Some(bearings)) => format!("; {}", interval_in_words(&bearings[k])),
+            _ => String::new(),
+        };
+        let _ = writeln!(text, "Epipole in image {}: {place}{interval}", k + 1);
+    }
+    text
+}
+
 /// Describes a result in words. F has all its digits, so that it can be copied.
 pub fn result_in_words(found: &Estimate, images: &[ImageNote; 2]) -> String {
     let mut text = String::from("Fundamental matrix F (x2ᵀ F x1 = 0):\n");
@@ -212,10 +238,7 @@ pub fn result_in_words(found: &Estimate, images: &[ImageNote; 2]) -> String {
         let cells = row.map(|v| format!("{:>25}", format!("{v:e}")));
         let _ = writeln!(text, " {}", cells.join(""));
     }
-    for (k, epipole) in [found.geometry.epipole1(), found.geometry.epipole2()].iter().enumerate() {
-        let place = place_in_words(epipole, images[k].frame);
-        let _ = writeln!(text, "Epipole in image {}: {place}", k + 1);
-    }
+    text += &epipoles_in_words(found, images);
     let assessment = &found.assessment;
     if let Some(trust) = &assessment.trust {
         let _ = writeln!(text, "Verdict: {}", trust.verdict.label());

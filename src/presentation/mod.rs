@@ -4,11 +4,13 @@
 //! The estimator gives only codes and figures. The command line, the window and the result files
 //! take their words from here.
 
+mod epipoles;
 mod errors;
 mod parameters;
 mod reasons;
 mod scale;
 
+pub use epipoles::interval_in_words;
 pub use errors::error_in_words;
 #[doc(hidden)]
 pub use parameters::{ShownParameter, parameters_as_markdown, shown_parameters};

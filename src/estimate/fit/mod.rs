@@ -13,7 +13,7 @@ use crate::geometry::PointPair;
 
 pub use matches::{MatchFit, MatchFitError, estimate_fundamental};
 pub use noise::Noise;
-pub use uncertainty::{EpipoleEllipse, Uncertainty};
+pub use uncertainty::{EpipoleBearing, EpipoleCertainty, EpipoleEllipse, Uncertainty};
 
 pub(super) use consensus::{Evidence, Fitted};
 pub(super) use scoring::{BAND, Consensus, Units, Witness, residual};

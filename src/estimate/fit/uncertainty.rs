@@ -4,9 +4,14 @@
 //! To first order. The covariance holds what the matches leave open, not what a wrong geometry does: it is
 //! small for a wrong result that many matches happen to support. The verdict looks at both.
 
-use nalgebra::{Matrix2, Matrix3, SVector, Vector2};
+use std::f64::consts::FRAC_PI_4;
 
-use crate::geometry::{FundamentalMatrix, Matrix9, Point, PointPair, finite_point, rescaled, rescaling};
+use nalgebra::{Matrix2, Matrix3, SVector, Vector2, Vector3};
+use serde::Serialize;
+
+use crate::geometry::{
+    Frame, FundamentalMatrix, Matrix9, Point, PointPair, finite_point, rescaled, rescaling,
+};
 
 /// Covariance of a fundamental matrix, with the level it was estimated at.
 #[derive(Debug, Clone, PartialEq)]
@@ -25,6 +30,49 @@ pub struct EpipoleEllipse {
     pub half_axes: [f64; 2],
     /// Direction of the longer axis, radians from the x axis.
     pub angle: f64,
+}
+
+/// Where an epipole is, seen from the middle of its image, with 95 % intervals.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct EpipoleBearing {
+    /// Direction, radians from the x axis towards the y axis.
+    pub direction: f64,
+    /// Half of the interval of the direction, radians.
+    pub direction_error: f64,
+    /// Distance, px. Infinite for parallel lines.
+    pub distance: f64,
+    /// Shortest distance of the interval, px.
+    pub nearest: f64,
+    /// Longest distance of the interval, px. `None` if the epipole may be at infinity.
+    pub farthest: Option<f64>,
+}
+
+/// What is known of an epipole.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum EpipoleCertainty {
+    /// Its position.
+    Position,
+    /// Its direction. It may be at infinity.
+    Direction,
+    /// Neither.
+    Open,
+}
+
+/// Largest error of a direction that is known: the epipole is on one side of the image.
+const ONE_SIDE: f64 = FRAC_PI_4;
+/// Half of the 95 % interval of a Gaussian variable, in standard deviations.
+const WITHIN: f64 = 1.96;
+
+impl EpipoleBearing {
+    /// Returns what is known of the epipole.
+    pub fn certainty(&self) -> EpipoleCertainty {
+        match self.farthest {
+            Some(_) => EpipoleCertainty::Position,
+            None if self.direction_error < ONE_SIDE => EpipoleCertainty::Direction,
+            None => EpipoleCertainty::Open,
+        }
+    }
 }
 
 impl Uncertainty {
@@ -87,6 +135,55 @@ impl Uncertainty {
         deviations.get(deviations.len() / 2).copied()
     }
 
+    /// Returns where the epipole is in image 1, of this size.
+    pub fn epipole1_bearing(&self, frame: Frame) -> Option<EpipoleBearing> {
+        self.bearing(false, frame)
+    }
+
+    /// Returns where the epipole is in image 2, of this size.
+    pub fn epipole2_bearing(&self, frame: Frame) -> Option<EpipoleBearing> {
+        self.bearing(true, frame)
+    }
+
+    /// The epipole is a point of the unit sphere around the middle of the image, half a side above it.
+    /// Its region is far from the pole where directions have no meaning, or from the equator, where
+    /// distances are infinite. `None` if the covariance is not finite.
+    fn bearing(&self, second: bool, frame: Frame) -> Option<EpipoleBearing> {
+        let [from1, from2] = self.scales.map(rescaling);
+        let unscaled = from2.transpose() * self.fundamental.matrix() * from1;
+        let unscaled = unscaled / unscaled.norm();
+        let (half, middle) = (0.5 * frame.longer_side(), frame.centre());
+        let to_pixels = Matrix3::new(half, 0.0, middle.x, 0.0, half, middle.y, 0.0, 0.0, 1.0);
+        let oriented = |m: Matrix3<f64>| if second { m.transpose() } else { m } * to_pixels;
+        let f = oriented(unscaled);
+        let svd = f.svd(false, true);
+        let e: Vector3<f64> = svd.v_t?.row(svd.singular_values.imin()).transpose();
+        let e = if e.z < 0.0 { -e } else { e };
+        // F e = 0 ⇒ F de = −dF e, across e.
+        let inverse = f.pseudo_inverse(1e-12 * f.norm()).ok()?;
+        let eigen = self.covariance().symmetric_eigen();
+        let level = e.xy().norm_squared().max(f64::MIN_POSITIVE);
+        let (mut turn, mut rise) = (0.0, 0.0);
+        for k in 0..9 {
+            let entries = eigen.eigenvectors.column(k) * eigen.eigenvalues[k].max(0.0).sqrt();
+            let change = oriented(Matrix3::from_fn(|r, c| entries[3 * r + c]));
+            let de = -inverse * (change * e);
+            turn += ((e.x * de.y - e.y * de.x) / level).powi(2);
+            rise += de.z * de.z;
+        }
+        let (turn, rise) = (WITHIN * turn.sqrt(), WITHIN * rise.sqrt());
+        // The height of a point of the sphere is the cosine of its angle from the axis.
+        let distance = |height: f64| half * height.clamp(0.0, 1.0).acos().tan();
+        let bearing = EpipoleBearing {
+            direction: e.y.atan2(e.x),
+            direction_error: turn,
+            distance: if e.z > 0.0 { distance(e.z) } else { f64::INFINITY },
+            nearest: distance(e.z + rise),
+            farthest: (e.z > rise).then(|| distance(e.z - rise)),
+        };
+        (turn.is_finite() && rise.is_finite()).then_some(bearing)
+    }
+
     fn level(&self, p: Point, image: usize) -> Point {
         rescaled(p, self.scales[image])
     }
@@ -132,7 +229,7 @@ impl Uncertainty {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::estimate::exact::{ExactScene, rows};
+    use crate::estimate::exact::{ExactScene, FRAME, rows};
     use crate::geometry::random_scene::RandomScene;
     use crate::geometry::{Line, Observation, fit_fundamental};
 
@@ -198,6 +295,38 @@ mod tests {
             .map(|(u, m)| [u.line2_deviation(m.point1, m.point2), u.line1_deviation(m.point2, m.point1)]);
         assert!((b[0].unwrap() / a[0].unwrap() - 2.0).abs() < 1e-9);
         assert!((b[1].unwrap() / a[1].unwrap() - 1.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn bearings_agree_with_the_ellipse_at_any_distance() {
+        let (scene, _, covariance, _) = along_a_motion();
+        let middle = FRAME.centre();
+        for growth in [1.0, 1e4, 1e9] {
+            let uncertainty = Uncertainty::new(&scene.fundamental(), &(covariance * growth), [1.0; 2]);
+            let ellipse = uncertainty.epipole2().unwrap();
+            let bearing = uncertainty.epipole2_bearing(FRAME).unwrap();
+            let away = ellipse.centre - middle;
+            assert!((bearing.distance / away.norm() - 1.0).abs() < 1e-6);
+            assert!((bearing.direction - away.y.atan2(away.x)).abs() < 1e-9);
+            // The covariance has one direction: the ellipse is a segment.
+            let along =
+                Vector2::new(ellipse.angle.cos(), ellipse.angle.sin()) * (1.96 * ellipse.half_axes[0]);
+            let turn = (along.perp(&away) / away.norm_squared()).abs();
+            assert!((bearing.direction_error / turn - 1.0).abs() < 1e-3, "{bearing:?} {turn}");
+            if growth < 2.0 {
+                let far = bearing.farthest.unwrap();
+                let reach = (along.dot(&away) / away.norm()).abs();
+                assert!(((far - bearing.nearest) / (2.0 * reach) - 1.0).abs() < 1e-2, "{bearing:?} {reach}");
+                assert_eq!(bearing.certainty(), EpipoleCertainty::Position);
+            }
+        }
+        let open = Uncertainty::new(&scene.fundamental(), &(covariance * 1e14), [1.0; 2]);
+        assert_eq!(open.epipole2_bearing(FRAME).unwrap().certainty(), EpipoleCertainty::Open);
+        // Rows determine the direction, not the distance.
+        let rows = Uncertainty::new(&rows(0.0), &(Matrix9::identity() * 1e-8), [1.0; 2]);
+        let bearing = rows.epipole1_bearing(FRAME).unwrap();
+        assert_eq!((bearing.certainty(), bearing.distance), (EpipoleCertainty::Direction, f64::INFINITY));
+        assert!(bearing.direction.sin().abs() < 1e-9 && bearing.nearest > FRAME.longer_side());
     }
 
     #[test]

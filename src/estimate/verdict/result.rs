@@ -10,11 +10,11 @@ use serde::Serialize;
 
 use crate::estimate::evidence::patches::{Hypothesis, PatchLevels};
 use crate::estimate::{
-    Clicks, ComparedPencils, LineFigures, Method, PatchSupport, PreparedPair, Preset, RefinedMatch,
-    Refinement, Stage, Trust, Uncertainty, Warning,
+    Clicks, ComparedPencils, EpipoleBearing, EpipoleCertainty, LineFigures, Method, PatchSupport,
+    PreparedPair, Preset, RefinedMatch, Refinement, Stage, Trust, Uncertainty, Warning,
 };
 use crate::features::FeatureViews;
-use crate::geometry::{EpipolarGeometry, FundamentalMatrix};
+use crate::geometry::{EpipolarGeometry, Frame, FundamentalMatrix};
 use crate::image::RelativeView;
 
 /// Largest number of hypotheses reported with all their figures, rivals included. It bounds the
@@ -31,6 +31,18 @@ pub struct Estimate {
     /// The search that found the geometry. `None` for hypotheses, for geometries that follow moved
     /// clicks, and for imported geometries.
     pub trace: Option<Arc<SearchTrace>>,
+}
+
+/// What the matches of a geometry determine.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Determined {
+    /// Lines and epipoles.
+    Everything,
+    /// Lines, and the directions of both epipoles. One of them may be at infinity.
+    EpipoleDirections,
+    /// Lines near the matches. The epipoles are open.
+    Lines,
 }
 
 /// Assessment of a geometry. Figures that were not computed are `None`.
@@ -209,6 +221,31 @@ impl Estimate {
     /// Returns the uncertainty of a refined geometry.
     pub fn uncertainty(&self) -> Option<&Uncertainty> {
         self.assessment.refinement.as_ref()?.uncertainty.as_ref()
+    }
+
+    /// Returns where the epipoles are in images of these sizes. `None` without a covariance, and where
+    /// the verdict says that a plane or a turn of the camera explains the matches: then the covariance
+    /// knows only the epipole of this geometry, and others do as well.
+    pub fn epipole_bearings(&self, frames: [Frame; 2]) -> Option<[EpipoleBearing; 2]> {
+        let uncertainty = self.uncertainty().filter(|_| !self.says_one_plane())?;
+        Some([uncertainty.epipole1_bearing(frames[0])?, uncertainty.epipole2_bearing(frames[1])?])
+    }
+
+    /// Returns what the matches determine, in images of these sizes. `None` without a covariance.
+    pub fn determined(&self, frames: [Frame; 2]) -> Option<Determined> {
+        if self.says_one_plane() {
+            return Some(Determined::Lines);
+        }
+        let certainty = self.epipole_bearings(frames)?.map(|bearing| bearing.certainty());
+        Some(match certainty[0].max(certainty[1]) {
+            EpipoleCertainty::Position => Determined::Everything,
+            EpipoleCertainty::Direction => Determined::EpipoleDirections,
+            EpipoleCertainty::Open => Determined::Lines,
+        })
+    }
+
+    fn says_one_plane(&self) -> bool {
+        self.assessment.trust.as_ref().is_some_and(Trust::says_one_plane)
     }
 
     /// Returns the line score ([`LineFigures::score`]), if lines were compared.

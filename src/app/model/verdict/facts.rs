@@ -6,9 +6,9 @@ use super::gauge::{Gauge, HypothesisFigure, HypothesisScales, line_score_text, r
 use super::tone::Tone;
 use crate::app::model::computation::Freshness;
 use crate::app::model::document::{Document, Imported};
-use crate::estimate::{Estimate, LineScore, Reason};
-use crate::geometry::{Frame, FundamentalMatrix, HomogeneousPoint, Point, finite_point};
-use crate::presentation::Scale;
+use crate::estimate::{Determined, EpipoleBearing, EpipoleCertainty, Estimate, LineScore, Reason};
+use crate::geometry::{Frame, FundamentalMatrix, HomogeneousPoint, Point, Vector, finite_point};
+use crate::presentation::{Scale, interval_in_words};
 
 /// A figure with its name.
 #[derive(Debug, Clone, PartialEq)]
@@ -64,11 +64,11 @@ pub fn import_facts(imported: &Imported) -> Vec<Fact> {
 
 /// Returns the figures of a result.
 pub fn facts(document: &Document, estimate: &Estimate, freshness: Freshness) -> Vec<Fact> {
-    let mut facts = epipoles(document, estimate.fundamental());
     if matches!(freshness, Freshness::Followed | Freshness::Stale) {
         // The other figures belong to earlier points.
-        return facts;
+        return epipoles(document, estimate.fundamental(), None);
     }
+    let mut facts = epipoles(document, estimate.fundamental(), Some(estimate));
     // Near-copies of the result are told from other geometries only at the end.
     facts.extend((freshness == Freshness::Final).then(|| margin(estimate)));
     facts.extend(barcodes(estimate));
@@ -183,7 +183,7 @@ const MARGIN: &str = "Difference in support between hypothesis 1, from which the
 /// Returns the figures of a hypothesis shown in place of its result `of`.
 pub fn hypothesis_facts(document: &Document, hypothesis: &Estimate, of: Option<&Estimate>) -> Vec<Fact> {
     let scales = of.map(|of| HypothesisScales::new(of, document.parameters.validation.line_score));
-    let mut facts = epipoles(document, hypothesis.fundamental());
+    let mut facts = epipoles(document, hypothesis.fundamental(), None);
     let gauge = |figure: HypothesisFigure| scales.as_ref()?.gauge(figure, figure.of(hypothesis));
     facts.extend(line_figures(document, hypothesis, &gauge));
     if let Some(support) = hypothesis.support_score() {
@@ -193,21 +193,43 @@ pub fn hypothesis_facts(document: &Document, hypothesis: &Estimate, of: Option<&
     facts
 }
 
-/// Returns the positions of the epipoles.
-pub fn epipoles(document: &Document, f: &FundamentalMatrix) -> Vec<Fact> {
-    let frame = |k: usize| document.pictures.as_ref().map(|pictures| pictures[k].frame);
+/// Returns the positions of the epipoles of a geometry, and their 95 % intervals if it is that of
+/// `estimate`.
+pub fn epipoles(document: &Document, f: &FundamentalMatrix, estimate: Option<&Estimate>) -> Vec<Fact> {
+    let frames = document.pictures.as_ref().map(|pictures| [0, 1].map(|k| pictures[k].frame));
+    let bearings = estimate.zip(frames).and_then(|(estimate, frames)| estimate.epipole_bearings(frames));
+    let determined = estimate.zip(frames).and_then(|(estimate, frames)| estimate.determined(frames));
+    let value = |k: usize, epipole: &HomogeneousPoint| match (frames, bearings) {
+        _ if determined == Some(Determined::Lines) => "not determined".to_owned(),
+        (Some(frames), Some(bearings)) => bearing_text(epipole, frames[k], &bearings[k]),
+        _ => epipole_text(epipole, frames.map(|frames| frames[k])),
+    };
     vec![
-        Fact::new(
-            "Left epipole",
-            epipole_text(&f.epipole1(), frame(0)),
-            "Image of the other camera. All epipolar lines of the left image meet there.",
-        ),
-        Fact::new(
-            "Right epipole",
-            epipole_text(&f.epipole2(), frame(1)),
-            "Image of the other camera. All epipolar lines of the right image meet there.",
-        ),
+        Fact::new("Left epipole", value(0, &f.epipole1()), LEFT_EPIPOLE),
+        Fact::new("Right epipole", value(1, &f.epipole2()), RIGHT_EPIPOLE),
     ]
+}
+
+const LEFT_EPIPOLE: &str = "Image of the other camera. All epipolar lines of the left image meet there. \
+                            The 95 % interval of its distance from the middle of the image follows \
+                            from the matches.";
+const RIGHT_EPIPOLE: &str = "Image of the other camera. All epipolar lines of the right image meet there. \
+                             The 95 % interval of its distance from the middle of the image follows \
+                             from the matches.";
+
+/// Describes an epipole outside the image by its side and its interval, and one inside by its place.
+pub(super) fn bearing_text(epipole: &HomogeneousPoint, frame: Frame, bearing: &EpipoleBearing) -> String {
+    if finite_point(epipole).is_some_and(|p| frame.contains(p)) {
+        return epipole_text(epipole, Some(frame));
+    }
+    let (sin, cos) = bearing.direction.sin_cos();
+    let side = direction(frame.centre() + Vector::new(cos, sin) * (2.0 * frame.longer_side()), frame);
+    match bearing.certainty() {
+        EpipoleCertainty::Direction => {
+            format!("far {side}, direction ± {:.1}°", bearing.direction_error.to_degrees())
+        }
+        _ => format!("{side}, {}", interval_in_words(bearing)),
+    }
 }
 
 /// Returns line score and round trip. The first result of a computation has neither yet.

@@ -1,7 +1,8 @@
+use super::facts::bearing_text;
 use super::*;
 use crate::app::fake;
 use crate::app::model::computation::EstimateNews;
-use crate::estimate::{Estimate, Suspect, Trust, Warning};
+use crate::estimate::{EpipoleBearing, Estimate, Suspect, Trust, Warning};
 use crate::geometry::{Frame, HomogeneousPoint, PointPair};
 
 fn computed(change: impl Fn(&mut Estimate)) -> (Document, Computation) {
@@ -123,6 +124,28 @@ fn a_panic_is_reported_and_the_points_stay() {
     let bad = verdict(&document, &computation);
     assert_eq!(bad.tone, Tone::Bad);
     assert!(bad.sentence.contains("boom") && bad.sentence.contains("points are kept"));
+}
+
+#[test]
+fn far_epipoles_are_told_by_their_side_and_what_is_known() {
+    let frame = Frame::new(100, 100);
+    let text = |direction: f64, farthest: Option<f64>| {
+        let bearing =
+            EpipoleBearing { direction, direction_error: 0.02, distance: 950.0, nearest: 900.0, farthest };
+        bearing_text(&HomogeneousPoint::new(direction.cos(), direction.sin(), 1e-3), frame, &bearing)
+    };
+    assert_eq!(text(0.1, Some(1010.0)), "right, 950 ± 60 px away");
+    assert_eq!(text(3.1, Some(2500.0)), "left, 900 to 2500 px away");
+    assert_eq!(text(-1.5, None), "far above, direction ± 1.1°");
+    let inside = HomogeneousPoint::new(30.0, 40.0, 1.0);
+    let near = EpipoleBearing {
+        direction: 0.0,
+        direction_error: 0.2,
+        distance: 20.0,
+        nearest: 18.0,
+        farthest: Some(23.0),
+    };
+    assert_eq!(bearing_text(&inside, frame, &near), "(30.0, 40.0) in the image");
 }
 
 #[test]

@@ -119,7 +119,10 @@ fn another(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) -> bool {
         ui.add(Label::new(RichText::new(warning).color(tone_color(ui.visuals(), Tone::Caution))).wrap());
     }
     let facts = imported.map(import_facts).unwrap_or_default().into_iter();
-    list(ui, true_error(model).into_iter().chain(facts).chain(epipoles(&model.document, shown.fundamental)));
+    list(
+        ui,
+        true_error(model).into_iter().chain(facts).chain(epipoles(&model.document, shown.fundamental, None)),
+    );
     if imported.is_some() {
         let remove = ui.button("Remove it");
         finish_button(ui, remove, ExchangeCommand::RemoveImported.into(), commands);

@@ -1,0 +1,54 @@
+//! Words for what is known of an epipole.
+
+use crate::estimate::{EpipoleBearing, EpipoleCertainty};
+
+/// Share of the distance up to which its interval is told as plus or minus. Wider intervals are far
+/// from symmetric.
+const SYMMETRIC: f64 = 0.2;
+
+/// Describes the 95 % interval of an epipole, seen from the middle of its image.
+pub fn interval_in_words(bearing: &EpipoleBearing) -> String {
+    let EpipoleBearing { direction_error, distance, nearest, farthest, .. } = *bearing;
+    match (bearing.certainty(), farthest) {
+        (EpipoleCertainty::Position, Some(farthest)) => {
+            let half = 0.5 * (farthest - nearest);
+            if half <= SYMMETRIC * distance {
+                format!("{} ± {} px away", rounded(distance, half), rounded(half, half))
+            } else {
+                let step = 0.1 * farthest;
+                format!("{} to {} px away", rounded(nearest, step), rounded(farthest, step))
+            }
+        }
+        (EpipoleCertainty::Direction, _) => {
+            format!("direction ± {:.1}°, distance unknown", direction_error.to_degrees())
+        }
+        _ => "direction and distance unknown".to_owned(),
+    }
+}
+
+/// Writes a length whose error is `error` px: no more digits than that has.
+fn rounded(length: f64, error: f64) -> String {
+    let decimals = (-error.max(f64::MIN_POSITIVE).log10().floor()).clamp(-9.0, 1.0);
+    let step = 10_f64.powf(-decimals);
+    format!("{:.*}", decimals.max(0.0) as usize, (length / step).round() * step)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn words(distance: f64, nearest: f64, farthest: Option<f64>, direction_error: f64) -> String {
+        let direction = 0.3;
+        interval_in_words(&EpipoleBearing { direction, direction_error, distance, nearest, farthest })
+    }
+
+    #[test]
+    fn intervals_have_no_more_digits_than_they_deserve() {
+        assert_eq!(words(4954.0, 4252.0, Some(5671.0), 0.01), "5000 ± 700 px away");
+        assert_eq!(words(83.27, 82.15, Some(84.43), 0.01), "83 ± 1 px away");
+        assert_eq!(words(83.27, 83.15, Some(83.43), 0.01), "83.3 ± 0.1 px away");
+        assert_eq!(words(6000.0, 3120.0, Some(12_100.0), 0.01), "3000 to 12000 px away");
+        assert_eq!(words(6000.0, 3120.0, None, 0.02), "direction ± 1.1°, distance unknown");
+        assert_eq!(words(f64::INFINITY, 400.0, None, 1.5), "direction and distance unknown");
+    }
+}
