@@ -15,7 +15,8 @@ use super::near_lines::{Places, is_within};
 use crate::geometry::{FundamentalMatrix, Line, Point, PointPair};
 use crate::image::{Alignment, HALF, PairLevel, Patch, PatchSampler, Placement, Warp, align, correlation};
 
-/// Corners of each image. Four times as many as the search has; other numbers were not measured.
+/// Corners of each image. With half as many the pose is less precise (`lab/notes.md`); more were not
+/// measured.
 const CORNERS: usize = 6000;
 /// Largest distance of a corner from the line of its partner before alignment, px: both are at whole
 /// pixels, and noise moves a corner by about as much again.
