@@ -26,35 +26,49 @@ fn with_result(plane: Option<PlaneHomography>) -> Window {
     };
     let mut window = window(Start::default(), services);
     click_two_pairs(&mut window);
-    window.key_press_modifiers(Modifiers::COMMAND, Key::E);
-    settle(&mut window);
     window
+}
+
+fn show_export(window: &mut Window) {
+    window.key_press_modifiers(Modifiers::COMMAND, Key::E);
+    settle(window);
 }
 
 #[test]
 fn the_homography_of_a_plane_is_exported_where_there_is_one() {
-    let files = Files::new();
-    let path = files.0.path().join("plane.json");
-    let mut window = with_result(Some(PLANE));
-    for label in ["Homography of the plane", "File"] {
-        window.get_by_label(label).click();
+    // By the dialog of all exports, and by the button of the card.
+    for by_card in [false, true] {
+        let files = Files::new();
+        let path = files.0.path().join("plane.json");
+        let mut window = with_result(Some(PLANE));
+        if by_card {
+            window.get_by_label("Use the homography").click();
+            settle(&mut window);
+        } else {
+            show_export(&mut window);
+            window.get_by_label("Homography of the plane").click();
+            settle(&mut window);
+        }
+        window.get_by_label("File").click();
         settle(&mut window);
+        window.key_press_modifiers(Modifiers::COMMAND, Key::A);
+        window.get_by_label("File").type_text(path.to_str().unwrap());
+        settle(&mut window);
+        window.get_by_label("Export file").click();
+        settle(&mut window);
+        window.get_by_label_contains("Exported the homography of the plane to");
+        let (read, _) = GeometryFile::read(&path).unwrap();
+        assert_eq!(read.homography21, Some(PLANE.homography21));
+        assert_eq!(read.fundamental, None, "what is not determined is not in it");
+        assert!(read.images.is_some());
     }
-    window.key_press_modifiers(Modifiers::COMMAND, Key::A);
-    window.get_by_label("File").type_text(path.to_str().unwrap());
-    settle(&mut window);
-    window.get_by_label("Export file").click();
-    settle(&mut window);
-    window.get_by_label_contains("Exported the homography of the plane to");
-    let (read, _) = GeometryFile::read(&path).unwrap();
-    assert_eq!(read.homography21, Some(PLANE.homography21));
-    assert_eq!(read.fundamental, None, "what is not determined is not in it");
-    assert!(read.images.is_some());
 }
 
 #[test]
 fn where_there_is_none_it_is_not_offered() {
-    let window = with_result(None);
+    let mut window = with_result(None);
+    assert!(window.query_by_label("Use the homography").is_none());
+    show_export(&mut window);
     window.get_by_label("Pairs alone");
     assert!(window.query_by_label("Homography of the plane").is_none());
 }

@@ -27,7 +27,8 @@ impl Inspector {
     /// Applies a command about files of other programs.
     pub(super) fn apply_to_exchange(&mut self, ctx: &Context, command: ExchangeCommand) {
         match command {
-            ExchangeCommand::ShowExport => self.show_file_export(),
+            ExchangeCommand::ShowExport => self.show_file_export(None),
+            ExchangeCommand::ShowPlaneExport => self.show_file_export(Some(ExportKind::Plane)),
             ExchangeCommand::BrowseExport(suggested) => self.pick(PickPurpose::ExportFile(suggested)),
             ExchangeCommand::Export(order) => self.export_file(order),
             ExchangeCommand::CopyFundamental(notation) => {
@@ -48,12 +49,12 @@ impl Inspector {
     }
 
     /// Shows the export dialog. It suggests a path beside the left image, named after both images.
-    fn show_file_export(&mut self) {
+    fn show_file_export(&mut self, what: Option<ExportKind>) {
         let Some(pictures) = &self.model.open.pictures else {
             self.model.messages.tell("There is nothing to export yet: open two images first.");
             return;
         };
-        self.view.dialogs.export.show_with(suggested_path(pictures).with_extension(""));
+        self.view.dialogs.export.show_with(suggested_path(pictures).with_extension(""), what);
     }
 
     fn export_file(&mut self, order: ExportOrder) {

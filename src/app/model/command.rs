@@ -216,6 +216,8 @@ pub enum SessionCommand {
 pub enum ExchangeCommand {
     /// Show the window for exporting.
     ShowExport,
+    /// Show the window for exporting, with the homography of the plane.
+    ShowPlaneExport,
     /// Choose the file of the export with the file dialog of the system, which suggests this path.
     BrowseExport(PathBuf),
     /// Write a file.

@@ -2,7 +2,7 @@
 
 use super::Tone;
 use crate::app::model::Model;
-use crate::app::model::command::Command;
+use crate::app::model::command::{Command, ExchangeCommand};
 use crate::app::model::computation::Freshness;
 use crate::app::model::document::pair_name;
 use crate::app::model::suggesting::Repair;
@@ -42,6 +42,11 @@ impl Model {
         if let Some(pair) = off.filter(|pair| self.repair_question(*pair, Repair::Rematch).is_some()) {
             let label = format!("Move {} to its match", pair_name(pair));
             return Some(CardAction::new(label, Command::Repair(pair, Repair::Rematch)));
+        }
+        // One more pair seldom determines the epipole of a plane or of a turned camera.
+        if estimate.assessment.plane.is_some() {
+            let command = ExchangeCommand::ShowPlaneExport.into();
+            return Some(CardAction::new("Use the homography", command));
         }
         if matches!(self.open.next_click, Some(Some(_))) {
             return Some(CardAction::new("Add a pair at the mark", Command::PlaceAtMark));

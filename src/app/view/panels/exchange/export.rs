@@ -43,16 +43,16 @@ pub struct FileExport {
 }
 
 impl FileExport {
-    /// Opens the dialog. `begin` is the folder and stem of exports of these images.
-    pub fn show_with(&mut self, begin: PathBuf) {
+    /// Opens the dialog, for this kind if there is one. `begin` is the folder and stem of exports of
+    /// these images.
+    pub fn show_with(&mut self, begin: PathBuf, what: Option<ExportKind>) {
         (self.open, self.just_opened) = (true, true);
         if begin != self.images {
             (self.images, self.begin) = (begin.clone(), begin);
             self.typed = Default::default();
             self.path.clear();
         }
-        self.note_typed();
-        self.suggest();
+        self.choose(what.unwrap_or(self.order.what));
     }
 
     /// Fills in a chosen path.
