@@ -79,7 +79,10 @@ def epipole_inside(f, covariance, truth, frame, second):
 
 
 def main():
-    program, *folders = (argument for argument in sys.argv[1:] if argument != "--all")
+    arguments = [argument for argument in sys.argv[1:] if argument != "--all"]
+    if len(arguments) < 2:
+        sys.exit(__doc__)
+    program, *folders = arguments
     for folder in folders:
         lines, epipoles = [], []
         for name, left, right, truth in pairs(folder):
@@ -97,6 +100,9 @@ def main():
             for second in (False, True):
                 image = found["images"][int(second)]
                 epipoles.append(epipole_inside(f, covariance, truth, (image["width"], image["height"]), second))
+        if not lines:
+            print(f"{folder}: no results with a covariance; are there pairs with NAME_F.txt or NAME.P?")
+            continue
         share, error, deviation = np.mean(lines, axis=0)
         ellipse, direction, distance = np.mean(epipoles, axis=0)
         print(

@@ -52,7 +52,9 @@ pub use pencil::{LinePair, PencilMap, pencil_angles};
 pub use point::{HomogeneousPoint, PointPair, finite_point, rescaled, rescaling};
 pub(crate) use residual::median;
 pub use residual::{algebraic_residual, apart_across_lines, sampson_distance, symmetric_epipolar_distance};
-pub use robust_fit::{FundamentalFit, Matrix9, Observation, Testimony, fit_fundamental, grouped_covariance};
+pub use robust_fit::{
+    FundamentalFit, GroupedObservation, Matrix9, Observation, fit_fundamental, grouped_covariance,
+};
 pub(crate) use seven_point::determinant_on_pencil;
 pub use seven_point::{SevenPointError, seven_point};
 

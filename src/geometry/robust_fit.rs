@@ -71,15 +71,7 @@ pub fn fit_fundamental(
     }
     let in_pixels = conditioning.in_pixels(&representation.matrix());
     let fundamental = FundamentalMatrix::from_rank_two(in_pixels)?;
-    // The entries of F follow the seven numbers linearly to first order. F is also scaled to norm
-    // 1.
-    let scale_to_unit = 1.0 / in_pixels.norm();
-    let derivatives = representation.derivatives(&representation.matrix()).map(|d| {
-        let moved = conditioning.in_pixels(&d) * scale_to_unit;
-        let unit = in_pixels * scale_to_unit;
-        moved - unit * unit.dot(&moved)
-    });
-    let jacobian = SMatrix::<f64, 9, 7>::from_fn(|row, k| derivatives[k][(row / 3, row % 3)]);
+    let jacobian = unit_entries(&conditioning, &representation);
     let freedom = (observations.len() as f64 - 7.0).max(1.0);
     // For Gaussian residuals the robust cost is about their sum of squares.
     let variance = cost / freedom;
@@ -87,9 +79,22 @@ pub fn fit_fundamental(
     Some(FundamentalFit { fundamental, covariance })
 }
 
+/// Returns the derivatives of the entries of `F` in pixels, with norm 1, by the seven numbers, row by row.
+fn unit_entries(conditioning: &Conditioning, representation: &Orthonormal) -> SMatrix<f64, 9, 7> {
+    let matrix = representation.matrix();
+    let in_pixels = conditioning.in_pixels(&matrix);
+    let norm = in_pixels.norm();
+    let unit = in_pixels / norm;
+    let columns = representation.derivatives(&matrix).map(|d| {
+        let moved = conditioning.in_pixels(&d) / norm;
+        moved - unit * unit.dot(&moved)
+    });
+    SMatrix::from_fn(|row, k| columns[k][(row / 3, row % 3)])
+}
+
 /// A measured pair of points, with how much it tells of a fitted `F`.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Testimony {
+pub struct GroupedObservation {
     /// The pair, with the scale of its robust loss, px.
     pub observation: Observation,
     /// Standard deviation of the pair, px. Errors that the loss does not know of are part of it.
@@ -104,20 +109,20 @@ pub struct Testimony {
 ///
 /// The loss is the Cauchy cost of [`fit_fundamental`] with a scale of 1. `None` when the pairs do not
 /// determine all seven numbers.
-pub fn grouped_covariance(f: &FundamentalMatrix, testimonies: &[Testimony]) -> Option<Matrix9> {
-    let observations: Vec<Observation> = testimonies.iter().map(|t| t.observation).collect();
+pub fn grouped_covariance(f: &FundamentalMatrix, grouped: &[GroupedObservation]) -> Option<Matrix9> {
+    let observations: Vec<Observation> = grouped.iter().map(|t| t.observation).collect();
     let conditioning = Conditioning::new(&observations);
     let representation = Orthonormal::new(&conditioning.conditioned(f.matrix()))?;
     let matrix = representation.matrix();
     let derivatives = representation.derivatives(&matrix);
     let by_entries = SMatrix::<f64, 9, 7>::from_fn(|row, k| derivatives[k][(row / 3, row % 3)]);
-    let groups = testimonies.iter().map(|t| t.group).max()? + 1;
+    let groups = grouped.iter().map(|t| t.group).max()? + 1;
     let mut sizes = vec![0.0; groups];
-    for t in testimonies {
+    for t in grouped {
         sizes[t.group] += 1.0;
     }
     let mut information = Matrix7::zeros();
-    for Testimony { observation, deviation, group } in testimonies {
+    for GroupedObservation { observation, deviation, group } in grouped {
         let x1 = conditioning.to[0] * observation.pair.point1.to_homogeneous();
         let x2 = conditioning.to[1] * observation.pair.point2.to_homogeneous();
         let (l2, l1) = (matrix * x1, matrix.tr_mul(&x2));
@@ -139,14 +144,7 @@ pub fn grouped_covariance(f: &FundamentalMatrix, testimonies: &[Testimony]) -> O
         information += by * by.transpose() / ((1.0 + residual * residual) * sizes[*group]);
     }
     let covariance = information.cholesky()?.inverse();
-    let unit = conditioning.in_pixels(&matrix);
-    let norm = unit.norm();
-    let unit = unit / norm;
-    let columns = derivatives.map(|d| {
-        let moved = conditioning.in_pixels(&d) / norm;
-        moved - unit * unit.dot(&moved)
-    });
-    let jacobian = SMatrix::<f64, 9, 7>::from_fn(|row, k| columns[k][(row / 3, row % 3)]);
+    let jacobian = unit_entries(&conditioning, &representation);
     Some(jacobian * covariance * jacobian.transpose())
 }
 
@@ -420,13 +418,13 @@ mod tests {
             let row = SVector::<f64, 9>::from_fn(|k, _| x2[k / 3] * x1[k % 3]) / l.xy().norm();
             predicted += row.dot(&(result.covariance.unwrap() * row));
             // With a loss that hardly weighs, and each pair a group of its own.
-            let each = |(group, o): (usize, &Observation)| Testimony {
+            let each = |(group, o): (usize, &Observation)| GroupedObservation {
                 observation: Observation { sigma: 10.0 * sigma, ..*o },
                 deviation: sigma,
                 group,
             };
-            let testimonies: Vec<Testimony> = observations.iter().enumerate().map(each).collect();
-            of_groups += row.dot(&(grouped_covariance(&result.fundamental, &testimonies).unwrap() * row));
+            let grouped: Vec<GroupedObservation> = observations.iter().enumerate().map(each).collect();
+            of_groups += row.dot(&(grouped_covariance(&result.fundamental, &grouped).unwrap() * row));
         }
         for predicted in [predicted, of_groups] {
             let ratio = (squares / predicted).sqrt();
@@ -438,14 +436,14 @@ mod tests {
     fn pairs_of_one_group_tell_as_much_as_one() {
         let (f, pairs) = scene(60);
         let of = |copies: usize, deviation: f64| {
-            let testimonies: Vec<Testimony> = (0..60 * copies)
-                .map(|k| Testimony {
+            let grouped: Vec<GroupedObservation> = (0..60 * copies)
+                .map(|k| GroupedObservation {
                     observation: Observation { pair: pairs[k % 60], sigma: 1.0 },
                     deviation,
                     group: k % 60,
                 })
                 .collect();
-            grouped_covariance(&f, &testimonies).unwrap()
+            grouped_covariance(&f, &grouped).unwrap()
         };
         let once = of(1, 0.5);
         assert!((of(5, 0.5) - once).norm() < 1e-9 * once.norm());

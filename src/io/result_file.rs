@@ -221,9 +221,9 @@ fn epipoles_in_words(found: &Estimate, images: &[ImageNote; 2]) -> String {
     let bearings = found.epipole_bearings(frames);
     for (k, epipole) in [found.geometry.epipole1(), found.geometry.epipole2()].iter().enumerate() {
         let place = place_in_words(epipole, images[k].frame);
-        let interval = match (found.determined(frames), &bearings) {
-            (Some(Determined::Lines), _) => "; not determined by the matches".to_owned(),
-            (_, Some(bearings)) => format!("; {}", interval_in_words(&bearings[k])),
+        let interval = match (&bearings, found.determined(frames)) {
+            (Some(bearings), _) => format!("; {}", interval_in_words(&bearings[k])),
+            (None, Some(Determined::Lines)) => "; not determined by the matches".to_owned(),
             _ => String::new(),
         };
         let _ = writeln!(text, "Epipole in image {}: {place}{interval}", k + 1);

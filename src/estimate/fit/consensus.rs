@@ -16,8 +16,8 @@ use super::scoring::{BAND, Consensus, Units, Witness};
 use crate::cancel::CancelFlag;
 use crate::estimate::stream::{Purpose, stream};
 use crate::geometry::{
-    Equation, Frame, FundamentalMatrix, Matrix9, Observation, Testimony, fit_fundamental, grouped_covariance,
-    point_equation, sampson_distance, solve_seven,
+    Equation, Frame, FundamentalMatrix, GroupedObservation, Matrix9, Observation, fit_fundamental,
+    grouped_covariance, point_equation, sampson_distance, solve_seven,
 };
 
 /// Minimal samples that are drawn. Of the less ambiguous matches some 80 % are right, so that one sample of five has seven
@@ -39,7 +39,7 @@ const LEAST_DRAWN_FROM: usize = 40;
 /// One match in so many may be moved by geometries that are the same: about as many are wrong.
 const SAME_SHARE: usize = 10;
 /// Regions along each side of image 1 whose matches are taken as off alike. With 3, true lines of four
-/// sets of pairs lie in the 95 % regions in 91 to 99 % of the cases; with 4, in 87 to 99 %
+/// sets of pairs lie in the 95 % regions in 92 to 99 % of the cases; with 4, in 86 to 99 %
 /// (`lab/notes.md`). A debt.
 const CELLS: usize = 3;
 /// Half width of the interval that holds as much of a Cauchy distribution of scale 1 as one standard
@@ -140,19 +140,19 @@ impl Evidence<'_> {
         let observations = self.observations(&fitted.noise);
         let (matches, clicks) = observations.split_at(self.matches.len());
         let model_error = MODEL_ERROR * self.frames[0].longer_side();
-        let of_match = |o: &Observation| Testimony {
+        let of_match = |o: &Observation| GroupedObservation {
             observation: *o,
             deviation: (CAUCHY_DEVIATION * o.sigma).hypot(model_error),
             group: cell(o.pair.point1.y, height) * CELLS + cell(o.pair.point1.x, width),
         };
-        let of_click = |(k, o): (usize, &Observation)| Testimony {
+        let of_click = |(k, o): (usize, &Observation)| GroupedObservation {
             observation: *o,
             deviation: o.sigma / SQRT_2,
             group: CELLS * CELLS + k,
         };
-        let testimonies: Vec<Testimony> =
+        let grouped: Vec<GroupedObservation> =
             matches.iter().map(of_match).chain(clicks.iter().enumerate().map(of_click)).collect();
-        grouped_covariance(&fitted.fundamental, &testimonies)
+        grouped_covariance(&fitted.fundamental, &grouped)
     }
 
     /// Finds geometries on which many matches agree, at most one for each scale (px), by minimal samples and from starts.

@@ -18,8 +18,9 @@ pub struct MatchFit {
     pub noise: Noise,
     /// Probability that each match is right, 0 to 1, in the order of the matches.
     pub inlier_probabilities: Vec<f64>,
-    /// Covariance of the matrix, with bands of lines and ellipses of epipoles. `None` where the matches
-    /// do not determine all seven numbers.
+    /// Covariance of the matrix, with bands of lines and ellipses of epipoles. Matches of one region of
+    /// image 1 are taken as off alike, so it is too large where they are independent. `None` where the
+    /// matches do not determine all seven numbers.
     pub uncertainty: Option<Uncertainty>,
 }
 
@@ -234,9 +235,7 @@ mod tests {
     fn the_covariance_knows_that_matches_of_a_region_are_off_alike() {
         let alike = lines_inside(0.1);
         // 360 lines of 40 independent fits: some 4 % either way.
-        assert!((0.88..=1.0).contains(&alike), "{alike}");
-        let tenfold = lines_inside(1.0);
-        assert!((0.7..=1.0).contains(&tenfold), "{tenfold}");
+        assert!(alike > 0.91, "{alike}");
         // Where they are independent, the bands are wider than needed.
         let independent = lines_inside(0.0);
         assert!(independent > 0.97, "{independent}");

@@ -159,16 +159,10 @@ impl Uncertainty {
         let svd = f.svd(false, true);
         let e: Vector3<f64> = svd.v_t?.row(svd.singular_values.imin()).transpose();
         let e = if e.z < 0.0 { -e } else { e };
-        // F e = 0 ⇒ F de = −dF e, across e.
-        let inverse = f.pseudo_inverse(1e-12 * f.norm()).ok()?;
-        let eigen = self.covariance().symmetric_eigen();
-        let level = e.xy().norm_squared().max(f64::MIN_POSITIVE);
+        let from_axis = e.xy().norm_squared().max(f64::MIN_POSITIVE);
         let (mut turn, mut rise) = (0.0, 0.0);
-        for k in 0..9 {
-            let entries = eigen.eigenvectors.column(k) * eigen.eigenvalues[k].max(0.0).sqrt();
-            let change = oriented(Matrix3::from_fn(|r, c| entries[3 * r + c]));
-            let de = -inverse * (change * e);
-            turn += ((e.x * de.y - e.y * de.x) / level).powi(2);
+        for de in null_vector_changes(&f, &e, &self.covariance(), oriented)? {
+            turn += ((e.x * de.y - e.y * de.x) / from_axis).powi(2);
             rise += de.z * de.z;
         }
         let (turn, rise) = (WITHIN * turn.sqrt(), WITHIN * rise.sqrt());
@@ -200,16 +194,10 @@ impl Uncertainty {
         let e = if second { self.fundamental.epipole2() } else { self.fundamental.epipole1() };
         let scale = self.scales[usize::from(second)];
         let position = finite_point(&e)?;
-        // F e = 0 ⇒ F de = −dF e, solved in the plane across e, then the derivative of (x/z, y/z).
-        let inverse = f.pseudo_inverse(1e-14 * f.norm()).ok()?;
+        let oriented = |m: Matrix3<f64>| if second { m.transpose() } else { m };
         let mut covariance = Matrix2::zeros();
-        let eigen = self.covariance.symmetric_eigen();
-        for k in 0..9 {
-            let deviation = eigen.eigenvalues[k].max(0.0).sqrt();
-            let entries = eigen.eigenvectors.column(k) * deviation;
-            let change =
-                Matrix3::from_fn(|r, c| if second { entries[3 * c + r] } else { entries[3 * r + c] });
-            let de = -inverse * (change * e);
+        for de in null_vector_changes(&f, &e, &self.covariance, oriented)? {
+            // The derivative of (x/z, y/z).
             let moved = Vector2::new((de.x - position.x * de.z) / e.z, (de.y - position.y * de.z) / e.z);
             covariance += moved * moved.transpose();
         }
@@ -224,6 +212,23 @@ impl Uncertainty {
         };
         ellipse.half_axes.iter().all(|v| v.is_finite()).then_some(ellipse)
     }
+}
+
+/// Returns the changes of the null vector `e` of `f` by one standard deviation along each axis of the
+/// covariance of the entries of `F`. `oriented` makes a change of `f` from one of `F`.
+/// `F e = 0 ⇒ F de = −dF e`, solved in the plane across `e`.
+fn null_vector_changes(
+    f: &Matrix3<f64>,
+    e: &Vector3<f64>,
+    covariance: &Matrix9,
+    oriented: impl Fn(Matrix3<f64>) -> Matrix3<f64>,
+) -> Option<[Vector3<f64>; 9]> {
+    let inverse = f.pseudo_inverse(1e-14 * f.norm()).ok()?;
+    let eigen = covariance.symmetric_eigen();
+    Some(std::array::from_fn(|k| {
+        let entries = eigen.eigenvectors.column(k) * eigen.eigenvalues[k].max(0.0).sqrt();
+        -inverse * (oriented(Matrix3::from_fn(|r, c| entries[3 * r + c])) * e)
+    }))
 }
 
 #[cfg(test)]

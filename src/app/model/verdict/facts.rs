@@ -200,8 +200,8 @@ pub fn epipoles(document: &Document, f: &FundamentalMatrix, estimate: Option<&Es
     let bearings = estimate.zip(frames).and_then(|(estimate, frames)| estimate.epipole_bearings(frames));
     let determined = estimate.zip(frames).and_then(|(estimate, frames)| estimate.determined(frames));
     let value = |k: usize, epipole: &HomogeneousPoint| match (frames, bearings) {
-        _ if determined == Some(Determined::Lines) => "not determined".to_owned(),
         (Some(frames), Some(bearings)) => bearing_text(epipole, frames[k], &bearings[k]),
+        _ if determined == Some(Determined::Lines) => "not determined".to_owned(),
         _ => epipole_text(epipole, frames.map(|frames| frames[k])),
     };
     vec![
@@ -228,7 +228,8 @@ pub(super) fn bearing_text(epipole: &HomogeneousPoint, frame: Frame, bearing: &E
         EpipoleCertainty::Direction => {
             format!("far {side}, direction ± {:.1}°", bearing.direction_error.to_degrees())
         }
-        _ => format!("{side}, {}", interval_in_words(bearing)),
+        EpipoleCertainty::Position => format!("{side}, {}", interval_in_words(bearing)),
+        EpipoleCertainty::Open => interval_in_words(bearing),
     }
 }
 

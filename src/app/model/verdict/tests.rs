@@ -2,7 +2,8 @@ use super::facts::bearing_text;
 use super::*;
 use crate::app::fake;
 use crate::app::model::computation::EstimateNews;
-use crate::estimate::{EpipoleBearing, Estimate, Suspect, Trust, Warning};
+use crate::app::model::document::PictureIdentity;
+use crate::estimate::{EpipoleBearing, Estimate, Reason, Suspect, Trust, Verdict, Warning};
 use crate::geometry::{Frame, HomogeneousPoint, PointPair};
 
 fn computed(change: impl Fn(&mut Estimate)) -> (Document, Computation) {
@@ -146,6 +147,24 @@ fn far_epipoles_are_told_by_their_side_and_what_is_known() {
         farthest: Some(23.0),
     };
     assert_eq!(bearing_text(&inside, frame, &near), "(30.0, 40.0) in the image");
+}
+
+#[test]
+fn where_only_a_plane_is_certain_no_epipole_is_told() {
+    let epipoles_of = |reasons: Vec<Reason>| -> Vec<String> {
+        let (mut document, computation) = computed(|estimate| {
+            let trust = Trust { verdict: Verdict::Doubtful, reasons: reasons.clone() };
+            estimate.assessment.trust = Some(trust);
+        });
+        let picture = PictureIdentity { name: "a".into(), path: None, frame: Frame::new(100, 100) };
+        document.pictures = Some([picture.clone(), picture]);
+        let (estimate, _) = computation.result().unwrap();
+        let facts = epipoles(&document, estimate.fundamental(), Some(estimate));
+        facts.into_iter().map(|fact| fact.value).collect()
+    };
+    let plane = Reason::OnePlane { percent: 97, groups: 0, agreeing: 0 };
+    assert_eq!(epipoles_of(vec![plane]), ["not determined"; 2]);
+    assert!(epipoles_of(vec![Reason::NotRefined]).iter().all(|text| text != "not determined"));
 }
 
 #[test]

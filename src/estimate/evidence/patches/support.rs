@@ -93,15 +93,11 @@ impl Support {
     /// Returns the distinctive matches, found without a geometry: each corner looks like the other,
     /// and like no third by nearly as much.
     pub fn distinctive(&self) -> Vec<PointPair> {
-        let stands_out = |group: &&[Putative]| {
+        let stands_out = |group: &&Vec<Putative>| {
             let next = group.get(1).map_or(FLOOR, |m| m.correlation);
             group[0].correlation > DISTINCTIVE && group[0].correlation > next + DISTINCTIVE_BY
         };
-        self.mutual_best(|_| true)
-            .iter()
-            .filter(|group| stands_out(&group.as_slice()))
-            .map(|group| self.pair(&group[0]))
-            .collect()
+        self.mutual_best(|_| true).iter().filter(stands_out).map(|group| self.pair(&group[0])).collect()
     }
 
     /// Returns the look-alikes of each corner of image 1 whose best one is mutual, best first. Only

@@ -1,5 +1,5 @@
-//! Matches found in the whole of image 2, without any geometry. They alone testify for a geometry:
-//! matches found along its lines agree with it by construction.
+//! Matches found without epipolar lines: in the whole of image 2, or wherever else a match is possible.
+//! They alone testify for a geometry: matches found along its lines agree with it by construction.
 
 use rayon::prelude::*;
 

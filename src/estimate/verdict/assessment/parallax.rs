@@ -27,8 +27,9 @@
 //! depth. Therefore a motion supports F only with more matches than are wrong in total.
 //!
 //! Three kinds of matches are used. Distinctive matches are precise to a pixel, so they do not show
-//! smaller parallax. The likely ones of all unguided matches, near the plane, are aligned to a
-//! fraction of a pixel. Both kinds are found without F. Clicked pairs are the third kind. F was fitted to them, but the fit uses up no more than the two groups that N leaves out.
+//! smaller parallax. The likely unguided matches near the plane, and corners matched near their place
+//! on it, are aligned to a fraction of a pixel. Both kinds are found without F. Clicked pairs are the
+//! third kind. F was fitted to them, but the fit uses up no more than the two groups that N leaves out.
 //!
 //! A moving object of several motions (such as a rotating one) shows as distinctive matches that
 //! move together and contradict F: see [`together`].

@@ -11,7 +11,8 @@ pub(super) const ONE_PLANE: f64 = 0.95;
 /// themselves: the majority.
 pub(super) const MOSTLY_PLANE: f64 = 0.5;
 /// Share of the matches on one plane beyond which the agreeing matches must have more than
-/// [`ANY_EPIPOLE`] motions: if two motions divide a picture, one has nearly half.
+/// [`ANY_EPIPOLE`] motions: if two motions divide a picture, one has nearly half. Corners are matched
+/// near their place on such a plane.
 pub(in crate::estimate) const HALF_PLANE: f64 = 0.4;
 /// Share of the matches off the plane explained by a lens, beyond which a lens is the likelier
 /// cause: the majority. In a scene with depth, the one additional unknown explains few matches.

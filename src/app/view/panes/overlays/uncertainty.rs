@@ -48,6 +48,10 @@ fn draw(canvas: &Canvas) {
             band(canvas, uncertainty, other, &line, opacity);
         }
     }
+    // Where only a plane is certain, other epipoles explain the matches as well.
+    if shown.estimate.assessment.plane.is_some() {
+        return;
+    }
     let ellipse = match canvas.side {
         Side::Left => uncertainty.epipole1(),
         Side::Right => uncertainty.epipole2(),
