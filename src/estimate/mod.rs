@@ -1,8 +1,8 @@
 //! Estimation of a fundamental matrix from clicked point pairs, with a record of the search.
 //!
 //! [`estimate`] is the driver: propose, rank, refine, judge. `searches` has one search per file,
-//! `evidence` the evidence of lines, patches and features, `fit` the fits of matches, and `verdict`
-//! the reliability of a result. An [`Estimate`] is a geometry with its assessment and, if a search
+//! `evidence` the evidence of lines, patches and features, `fit` the fits of matches, `sampling`
+//! what all random samples share, and `verdict` the reliability of a result. An [`Estimate`] is a geometry with its assessment and, if a search
 //! found it, the trace of the search.
 //!
 //! `docs/estimator.md` has the method in equations; `docs/parameters.md` lists every parameter.
@@ -17,9 +17,9 @@ mod fit;
 mod follow;
 mod monitor;
 mod parameters;
+mod sampling;
 mod searches;
 mod stage;
-mod stream;
 mod verdict;
 
 pub use crate::cancel::CancelFlag;

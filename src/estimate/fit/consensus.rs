@@ -6,7 +6,7 @@
 
 use std::f64::consts::SQRT_2;
 
-use rand::RngExt;
+use nalgebra::Matrix3;
 use rand_pcg::Pcg64Mcg;
 use rayon::prelude::*;
 
@@ -14,7 +14,7 @@ use super::Match;
 use super::noise::{LEAST_SCALE, Noise, residuals};
 use super::scoring::{BAND, Consensus, Units, Witness};
 use crate::cancel::CancelFlag;
-use crate::estimate::stream::{Purpose, stream};
+use crate::estimate::sampling::{Draws, Purpose, best, different};
 use crate::geometry::{
     Equation, Frame, FundamentalMatrix, GroupedObservation, Matrix9, Observation, fit_fundamental,
     grouped_covariance, point_equation, sampson_distance, solve_seven,
@@ -22,9 +22,9 @@ use crate::geometry::{
 
 /// Minimal samples that are drawn. Of the less ambiguous matches some 80 % are right, so that one sample of five has seven
 /// right ones. Twice as many samples change no figure beyond chance.
-const SAMPLES: u64 = 1000;
+const SAMPLES: usize = 1000;
 /// Samples of one task. The streams of random numbers depend on it.
-const TASK: u64 = 50;
+const TASK: usize = 50;
 /// Samples that are optimised at each scale. Each takes four fits. Never varied.
 const OPTIMISED: usize = 4;
 /// Bands of local optimisation, in units of the scale. Far from its matches, a sample is off by more than the noise,
@@ -88,9 +88,6 @@ pub(in crate::estimate) struct Agreed {
     /// Truncated score at that scale.
     pub score: f64,
 }
-
-/// A sample: score, number and geometry.
-type Sample = (f64, u64, FundamentalMatrix);
 
 impl Evidence<'_> {
     /// Fits a geometry and the noise to the matches in turns, from a start; `None` when too few matches determine it.
@@ -172,7 +169,7 @@ impl Evidence<'_> {
         let scorers: Vec<(f64, Consensus)> =
             scales.iter().map(|scale| (*scale, self.scorer(units, *scale))).collect();
         let samples = self.sampled(units, &scorers, seed, round);
-        let best = |((scale, scorer), samples): (&(f64, Consensus), &Vec<FundamentalMatrix>)| {
+        let best_at = |((scale, scorer), samples): (&(f64, Consensus), &Vec<FundamentalMatrix>)| {
             let all: Vec<&FundamentalMatrix> = samples.iter().chain(starts).collect();
             let optimised: Vec<FundamentalMatrix> =
                 all.par_iter().filter_map(|f| self.optimised(f, *scale)).collect();
@@ -180,7 +177,7 @@ impl Evidence<'_> {
             let best = scored.max_by(|a, b| a.0.total_cmp(&b.0));
             best.map(|(score, fundamental)| Agreed { fundamental, scale: *scale, score })
         };
-        scorers.iter().zip(&samples).filter_map(best).collect()
+        scorers.iter().zip(&samples).filter_map(best_at).collect()
     }
 
     /// Returns whether another geometry moves more than a tenth of the matches against their lines by more than the noise. One
@@ -228,45 +225,22 @@ impl Evidence<'_> {
         order.sort_by(|a, b| b.prior.total_cmp(&a.prior));
         order.truncate((order.len() / 2).max(LEAST_DRAWN_FROM));
         let equations: Vec<Equation> = order.iter().map(|m| point_equation(units.pair(&m.pair))).collect();
-        let best = |mut scored: Vec<Sample>| {
-            scored.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
-            scored.truncate(OPTIMISED);
-            scored
+        let scored = |f: Matrix3<f64>| {
+            let fundamental = FundamentalMatrix::nearest_rank_two(units.in_pixels(&f))?;
+            let scores: Vec<f64> = scorers.iter().map(|(_, scorer)| scorer.score_conditioned(&f)).collect();
+            Some((scores, fundamental))
         };
-        let drawn = |task: u64| {
-            let mut rng = stream(seed, Purpose::MatchSamples, (round << 32) | task);
-            let mut samples: Vec<Vec<Sample>> = vec![Vec::new(); scorers.len()];
-            for k in 0..TASK {
-                for f in solve_seven(&seven(&equations, &mut rng)) {
-                    let Some(in_pixels) = FundamentalMatrix::nearest_rank_two(units.in_pixels(&f)) else {
-                        continue;
-                    };
-                    for (samples, (_, scorer)) in samples.iter_mut().zip(scorers) {
-                        samples.push((scorer.score_conditioned(&f), task * TASK + k, in_pixels));
-                    }
-                }
-            }
-            samples.into_iter().map(best).collect()
+        let solved = |random: &mut Pcg64Mcg| {
+            let drawn = different(equations.len(), random).map(|k| equations[k]);
+            solve_seven(&drawn).into_iter().filter_map(scored).collect::<Vec<_>>()
         };
-        let tasks: Vec<Vec<Vec<Sample>>> = (0..SAMPLES / TASK).into_par_iter().map(drawn).collect();
+        let draws =
+            Draws { seed, purpose: Purpose::MatchSamples, first: round << 32, count: SAMPLES, task: TASK };
+        let drawn = draws.collect(solved);
         let of_scale = |k: usize| {
-            let all = tasks.iter().flat_map(|task| task[k].iter().copied()).collect();
-            best(all).into_iter().map(|(.., f)| f).collect()
+            let all = drawn.iter().map(|(scores, f)| (scores[k], *f)).collect();
+            best(all, OPTIMISED).into_iter().map(|(_, f)| f).collect()
         };
         (0..scorers.len()).map(of_scale).collect()
     }
-}
-
-/// Seven different equations.
-fn seven(equations: &[Equation], rng: &mut Pcg64Mcg) -> [Equation; 7] {
-    let mut drawn = [0; 7];
-    for n in 0..7 {
-        loop {
-            drawn[n] = rng.random_range(0..equations.len());
-            if !drawn[..n].contains(&drawn[n]) {
-                break;
-            }
-        }
-    }
-    drawn.map(|index| equations[index])
 }

@@ -5,7 +5,7 @@ use rand::RngExt;
 use crate::estimate::PreparedPair;
 use crate::estimate::evidence::features::MatchedFeatures;
 use crate::estimate::evidence::patches::PatchLevels;
-use crate::estimate::stream::{Purpose, stream};
+use crate::estimate::sampling::{Purpose, stream};
 use crate::geometry::{FundamentalMatrix, PointPair, apart_across_lines, sampson_distance};
 
 /// Number of matches among which two stand-ins are selected. It bounds the time, since all pairs of

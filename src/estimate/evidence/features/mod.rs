@@ -24,7 +24,7 @@ use rand_pcg::Pcg64Mcg;
 use rayon::prelude::*;
 
 use crate::estimate::fit::{BAND, Consensus, Units, Witness, residual};
-use crate::estimate::stream::{Purpose, stream};
+use crate::estimate::sampling::{Draws, Purpose, Weighted, best, refitted};
 use crate::features::{Feature, FeatureMatch, FeatureSet, SIGMA_PER_SCALE};
 use crate::geometry::{
     Equation, Frame, FundamentalMatrix, Observation, PointPair, eight_point, fit_fundamental, frame_equation,
@@ -101,7 +101,7 @@ const BANDS: [f64; 4] = [4.0, 2.0, 1.3, 1.0];
 const LEADERS: usize = 20;
 /// Largest number of rounds of local optimisation. Rounds end earlier when nothing improves. The
 /// streams of random numbers depend on it.
-const LOCAL_ROUNDS: u64 = 4;
+const LOCAL_ROUNDS: usize = 4;
 /// Number of samples in one round of local optimisation. If 80 % of the drawn matches are right,
 /// about 40 samples contain right matches only.
 const LOCAL_DRAWS: usize = 200;
@@ -142,14 +142,6 @@ const LEAST_RIGHT: f64 = 0.05;
 fn sigma(scale: f64, frame: Frame) -> f64 {
     let camera = CAMERA_SIGMA * frame.longer_side();
     (LEAST_SIGMA.powi(2) + (SIGMA_PER_SCALE * scale).powi(2) + camera * camera).sqrt()
-}
-
-/// Draws an index by weights, given their running sums. Returns `None` when all weights are zero.
-fn drawn_by_weight(cumulative: &[f64], random: &mut Pcg64Mcg) -> Option<usize> {
-    let total = cumulative.last().copied().filter(|total| *total > 0.0)?;
-    // Drawn once: a number for each comparison would give another distribution.
-    let at = random.random_range(0.0..total);
-    Some(cumulative.partition_point(|sum| *sum <= at).min(cumulative.len() - 1))
 }
 
 /// Returns the matches as witnesses, each with its gain.
@@ -201,6 +193,9 @@ fn fitted(f: &FundamentalMatrix, witnesses: &[Witness], band: f64, most: usize) 
     fit_fundamental(f, &observations, band.max(1.0) * ROBUST).map(|fit| fit.fundamental)
 }
 
+/// A matrix for pixels with its score.
+type Scored = (f64, FundamentalMatrix);
+
 struct FeatureSearch<'a> {
     evidence: &'a FeatureEvidence<'a>,
     parameters: &'a FeatureSearchParameters,
@@ -211,8 +206,8 @@ struct FeatureSearch<'a> {
     /// Equations of the point and of the frame of each match.
     equations: Vec<[Equation; 2]>,
     click_equations: Vec<Equation>,
-    /// Running sums of the probabilities that the matches are right.
-    cumulative: Vec<f64>,
+    /// Draws a match by the probability that it is right.
+    sampler: Weighted,
 }
 
 /// Returns the best geometries for this evidence, best first. The result does not depend on the
@@ -223,19 +218,15 @@ pub fn hypotheses_from_features(
 ) -> Vec<FeatureHypothesis> {
     let search = FeatureSearch::new(evidence, parameters);
     let drawn = search.drawn();
-    let mut refitted: Vec<(FundamentalMatrix, f64)> =
-        drawn.par_iter().filter_map(|f| search.refitted(f)).collect();
-    refitted.sort_by(|a, b| b.1.total_cmp(&a.1));
+    let refitted: Vec<Scored> = drawn.par_iter().filter_map(|f| search.refitted(f)).collect();
+    let refitted = best(refitted, usize::MAX);
     let distinct = search.distinct(refitted, FundamentalMatrix::matrix, SAME_REFITTED, parameters.rematched);
-    let mut improved: Vec<(FundamentalMatrix, f64)> = distinct
-        .into_par_iter()
-        .enumerate()
-        .map(|(k, start)| search.locally_optimised(start, k as u64))
-        .collect();
-    improved.sort_by(|a, b| b.1.total_cmp(&a.1));
+    let improved: Vec<Scored> =
+        distinct.into_par_iter().enumerate().map(|(k, start)| search.locally_optimised(start, k)).collect();
+    let improved = best(improved, usize::MAX);
     let distinct = search.distinct(improved, FundamentalMatrix::matrix, SAME_REFITTED, parameters.rematched);
     let mut found: Vec<FeatureHypothesis> =
-        distinct.into_par_iter().map(|(f, score)| search.rematched(f, score)).collect();
+        distinct.into_par_iter().map(|(score, f)| search.rematched(f, score)).collect();
     found.sort_by(|a, b| b.score.total_cmp(&a.score));
     found
 }
@@ -258,14 +249,7 @@ impl<'a> FeatureSearch<'a> {
                 [point_equation(pair), frame_equation(pair, along(0, a), along(1, b))]
             })
             .collect();
-        let mut sum = 0.0;
-        let cumulative = log_odds
-            .iter()
-            .map(|l| {
-                sum += 1.0 / (1.0 + (-l).exp());
-                sum
-            })
-            .collect();
+        let sampler = Weighted::new(log_odds.iter().map(|l| 1.0 / (1.0 + (-l).exp())));
         witnesses.extend(clicks.iter().map(|pair| Witness {
             pair: *pair,
             sigmas: [click_sigma; 2],
@@ -274,50 +258,30 @@ impl<'a> FeatureSearch<'a> {
         }));
         let consensus = Consensus::new(units, &witnesses);
         let click_equations = clicks.iter().map(|c| point_equation(units.pair(c))).collect();
-        Self { evidence, parameters, units, witnesses, consensus, equations, click_equations, cumulative }
+        Self { evidence, parameters, units, witnesses, consensus, equations, click_equations, sampler }
     }
 
     /// Returns the best of many matrices from minimal samples, for pixels.
     fn drawn(&self) -> Vec<Matrix3<f64>> {
         let clicks = self.evidence.clicks;
-        let mut all: Vec<(f64, Matrix3<f64>)> = (0..self.parameters.draws.div_ceil(TASK))
-            .into_par_iter()
-            .flat_map_iter(|task| {
-                self.scored_samples(&self.cumulative, TASK, Purpose::FeatureSamples, task as u64)
-            })
-            .collect();
-        all.sort_by(|a, b| b.0.total_cmp(&a.0));
-        let leaders = all.into_iter().take(LEADERS * self.parameters.refitted);
-        let leaders = leaders.map(|(score, f)| (self.units.in_pixels(&f), score)).collect();
-        let mut best: Vec<Matrix3<f64>> = self
-            .distinct(leaders, |f| f, SAME_DRAWN, self.parameters.refitted)
-            .into_iter()
-            .map(|(f, _)| f)
-            .collect();
-        if let Ok(f) = eight_point(clicks) {
-            best.push(*f.matrix());
-        }
-        best
+        let FeatureSearchParameters { draws, refitted, seed, .. } = *self.parameters;
+        let draws = Draws { seed, purpose: Purpose::FeatureSamples, first: 0, count: draws, task: TASK };
+        let leaders =
+            best(draws.collect(|random| self.scored_sample(&self.sampler, random)), LEADERS * refitted);
+        let leaders = leaders.into_iter().map(|(score, f)| (score, self.units.in_pixels(&f))).collect();
+        let distinct = self.distinct(leaders, |f| f, SAME_DRAWN, refitted);
+        let of_clicks = eight_point(clicks).ok().map(|f| *f.matrix());
+        distinct.into_iter().map(|(_, f)| f).chain(of_clicks).collect()
     }
 
-    /// Returns the matrices of `count` samples with their scores, for conditioned coordinates.
-    fn scored_samples(
-        &self,
-        cumulative: &[f64],
-        count: usize,
-        purpose: Purpose,
-        index: u64,
-    ) -> Vec<(f64, Matrix3<f64>)> {
-        let mut random = stream(self.parameters.seed, purpose, index);
-        (0..count)
-            .filter_map(|_| self.sample(cumulative, &mut random))
-            .flat_map(|equations| solve_seven(&equations))
-            .map(|f| (self.consensus.score_conditioned(&f), f))
-            .collect()
+    /// Returns the matrices of one sample with their scores, for conditioned coordinates.
+    fn scored_sample(&self, sampler: &Weighted, random: &mut Pcg64Mcg) -> Vec<(f64, Matrix3<f64>)> {
+        let Some(equations) = self.sample(sampler, random) else { return Vec::new() };
+        solve_seven(&equations).into_iter().map(|f| (self.consensus.score_conditioned(&f), f)).collect()
     }
 
     /// Returns seven equations, of clicks and of matches drawn by their probability of being right.
-    fn sample(&self, cumulative: &[f64], random: &mut Pcg64Mcg) -> Option<[Equation; 7]> {
+    fn sample(&self, sampler: &Weighted, random: &mut Pcg64Mcg) -> Option<[Equation; 7]> {
         let mut rows: Vec<Equation> = Vec::with_capacity(7);
         let clicks = self.click_equations.len();
         let mut order: Vec<usize> = (0..clicks).collect();
@@ -333,7 +297,7 @@ impl<'a> FeatureSearch<'a> {
         // The first two matches of a framed sample give two equations each, if both fit in.
         let mut drawn: Vec<usize> = Vec::new();
         for _ in 0..DRAWN_A_SAMPLE {
-            let at = drawn_by_weight(cumulative, random)?;
+            let at = sampler.draw(random)?;
             if drawn.iter().any(|d| self.too_close(*d, at)) {
                 continue;
             }
@@ -357,64 +321,48 @@ impl<'a> FeatureSearch<'a> {
     }
 
     /// Fits a matrix to the matches that it explains, in ever narrower bands.
-    fn refitted(&self, start: &Matrix3<f64>) -> Option<(FundamentalMatrix, f64)> {
-        let mut best = FundamentalMatrix::nearest_rank_two(*start)?;
-        let mut score = self.consensus.score(best.matrix());
-        let mut current = best;
-        for band in BANDS {
-            let Some(next) = fitted(&current, &self.witnesses, band, FITTED) else { break };
-            current = next;
-            let reached = self.consensus.score(current.matrix());
-            if reached > score {
-                (best, score) = (current, reached);
-            }
-        }
-        Some((best, score))
+    fn refitted(&self, start: &Matrix3<f64>) -> Option<Scored> {
+        let scored = |f: FundamentalMatrix| (self.consensus.score(f.matrix()), f);
+        let start = scored(FundamentalMatrix::nearest_rank_two(*start)?);
+        let refit = |last: &Scored, k: usize| fitted(&last.1, &self.witnesses, BANDS[k], FITTED).map(scored);
+        Some(refitted(start, BANDS.len(), refit))
     }
 
-    /// Improves a matrix by samples of the matches that it explains, each refitted (Chum, Matas &
-    /// Kittler 2003).
-    fn locally_optimised(&self, start: (FundamentalMatrix, f64), number: u64) -> (FundamentalMatrix, f64) {
-        let mut best = start;
-        for round in 0..LOCAL_ROUNDS {
-            let mut sum = 0.0;
-            let cumulative: Vec<f64> = self.witnesses[..self.equations.len()]
-                .iter()
-                .map(|w| {
-                    sum += likely_right(w, residual(best.0.matrix(), w), LOCAL_BAND);
-                    sum
-                })
-                .collect();
-            let mut drawn = {
-                let index = number * LOCAL_ROUNDS + round;
-                self.scored_samples(&cumulative, LOCAL_DRAWS, Purpose::FeatureOptimisation, index)
+    /// Improves a matrix by samples of the matches that it explains, each refitted.
+    fn locally_optimised(&self, start: Scored, number: usize) -> Scored {
+        let matches = &self.witnesses[..self.equations.len()];
+        let improved = |last: &Scored, round: usize| {
+            let right = |w: &Witness| likely_right(w, residual(last.1.matrix(), w), LOCAL_BAND);
+            let sampler = Weighted::new(matches.iter().map(right));
+            let draws = Draws {
+                seed: self.parameters.seed,
+                purpose: Purpose::FeatureOptimisation,
+                first: (number * LOCAL_ROUNDS + round) as u64,
+                count: LOCAL_DRAWS,
+                task: LOCAL_DRAWS,
             };
-            drawn.sort_by(|a, b| b.0.total_cmp(&a.0));
-            let reached = drawn
+            let drawn = best(draws.collect(|random| self.scored_sample(&sampler, random)), LOCAL_REFITTED);
+            drawn
                 .iter()
-                .take(LOCAL_REFITTED)
                 .filter_map(|(_, f)| self.refitted(&self.units.in_pixels(f)))
-                .max_by(|a, b| a.1.total_cmp(&b.1));
-            match reached {
-                Some(better) if better.1 > best.1 => best = better,
-                _ => break,
-            }
-        }
-        best
+                .max_by(|a, b| a.0.total_cmp(&b.0))
+                .filter(|better| better.0 > last.0)
+        };
+        refitted(start, LOCAL_ROUNDS, improved)
     }
 
     /// Returns the first `most` matrices that differ. Two matrices are alike when they share more
     /// than a fraction `alike` of all matches that either explains.
     fn distinct<T>(
         &self,
-        sorted: Vec<(T, f64)>,
+        sorted: Vec<(f64, T)>,
         matrix: impl Fn(&T) -> &Matrix3<f64>,
         alike: f64,
         most: usize,
-    ) -> Vec<(T, f64)> {
-        let mut kept: Vec<((T, f64), Vec<bool>)> = Vec::new();
+    ) -> Vec<(f64, T)> {
+        let mut kept: Vec<((f64, T), Vec<bool>)> = Vec::new();
         for one in sorted {
-            let mine: Vec<bool> = self.witnesses.iter().map(|w| residual(matrix(&one.0), w) < BAND).collect();
+            let mine: Vec<bool> = self.witnesses.iter().map(|w| residual(matrix(&one.1), w) < BAND).collect();
             let same = |other: &[bool]| {
                 let count = |both: fn(bool, bool) -> bool| {
                     mine.iter().zip(other).filter(|(a, b)| both(**a, **b)).count() as f64

@@ -186,29 +186,3 @@ fn guided_matching_finds_all_matches_within_the_band() {
     assert_eq!(found, expected);
     assert!(found.len() >= 56);
 }
-
-#[test]
-fn matches_are_drawn_in_proportion_to_their_weights() {
-    let weights = [5.0, 0.0, 1.0, 3.0, 0.5, 0.5];
-    let mut sum = 0.0;
-    let cumulative: Vec<f64> = weights
-        .iter()
-        .map(|weight| {
-            sum += weight;
-            sum
-        })
-        .collect();
-    let (mut random, mut times) = (Pcg64Mcg::seed_from_u64(3), [0u32; 6]);
-    let draws = 20_000;
-    for _ in 0..draws {
-        times[drawn_by_weight(&cumulative, &mut random).unwrap()] += 1;
-    }
-    for (weight, times) in weights.iter().zip(times) {
-        let (expected, found) = (weight / sum, f64::from(times) / f64::from(draws));
-        // Five standard deviations.
-        assert!((found - expected).abs() <= 5.0 * (expected / f64::from(draws)).sqrt(), "{expected} {found}");
-    }
-    // Weights of zero, and no weights.
-    assert_eq!(drawn_by_weight(&[0.0, 0.0], &mut random), None);
-    assert_eq!(drawn_by_weight(&[], &mut random), None);
-}

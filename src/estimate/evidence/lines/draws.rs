@@ -3,7 +3,7 @@
 use rand::RngExt;
 
 use super::Candidate;
-use crate::estimate::stream::{Purpose, stream};
+use crate::estimate::sampling::{Purpose, stream};
 
 /// Draws `count` different pairs of candidates, cheap ones more often. Returns all pairs when there
 /// are fewer.

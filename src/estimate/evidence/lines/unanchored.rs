@@ -18,14 +18,13 @@
 
 use std::cmp::Reverse;
 
-use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
 use rayon::prelude::*;
 
 use super::SHORTEST_LINE;
 use super::pencils::{have_texture, mutual_best};
 use crate::cancel::CancelFlag;
-use crate::estimate::stream::{Purpose, stream};
+use crate::estimate::sampling::{Draws, Purpose, Weighted, refitted};
 use crate::estimate::{EstimateError, PencilParameters};
 use crate::geometry::{
     AnchoredLine, Frame, FundamentalMatrix, HomogeneousPoint, Line, Observation, Point, PointPair, Segment,
@@ -175,7 +174,7 @@ pub(in crate::estimate) struct LineGeometry {
 
 struct Counting<'a> {
     measured: Vec<Measured>,
-    cumulative: Vec<f64>,
+    sampler: Weighted,
     frames: [Frame; 2],
     how: &'a LineConsensus,
 }
@@ -189,11 +188,10 @@ pub(in crate::estimate) fn geometries_from_lines(
     cancel: &CancelFlag,
 ) -> Result<Vec<LineGeometry>, EstimateError> {
     let counting = Counting::new(candidates, frames, how);
-    let mut drawn: Vec<(usize, FundamentalMatrix)> = (0..how.draws.div_ceil(TASK))
-        .into_par_iter()
-        .filter(|_| !cancel.is_cancelled())
-        .flat_map_iter(|task| counting.draw(task as u64))
-        .collect();
+    let draws =
+        Draws { seed: how.seed, purpose: Purpose::LineConsensus, first: 0, count: how.draws, task: TASK };
+    let mut drawn =
+        draws.collect(|random| if cancel.is_cancelled() { None } else { counting.hypothesis(random) });
     cancel.check()?;
     drawn.sort_by_key(|(count, _)| Reverse(*count));
     let mut refitted: Vec<LineGeometry> =
@@ -214,31 +212,16 @@ pub(in crate::estimate) fn geometries_from_lines(
 
 impl<'a> Counting<'a> {
     fn new(candidates: &[LineCandidate], frames: [Frame; 2], how: &'a LineConsensus) -> Self {
-        let mut measured = Vec::new();
-        let mut cumulative = Vec::new();
-        let mut sum = 0.0;
         let cheapest = candidates.iter().map(|c| f64::from(c.cost)).fold(f64::INFINITY, f64::min).max(1e-9);
-        for candidate in candidates {
-            if let Some(one) = Measured::new(candidate, frames) {
-                sum += (cheapest / f64::from(candidate.cost).max(1e-9)).powi(2);
-                measured.push(one);
-                cumulative.push(sum);
-            }
-        }
-        Self { measured, cumulative, frames, how }
+        let weighted = |c: &LineCandidate| {
+            Some((Measured::new(c, frames)?, (cheapest / f64::from(c.cost).max(1e-9)).powi(2)))
+        };
+        let (measured, weights): (Vec<Measured>, Vec<f64>) = candidates.iter().filter_map(weighted).unzip();
+        Self { measured, sampler: Weighted::new(weights.into_iter()), frames, how }
     }
 
     fn one(&self, random: &mut Pcg64Mcg) -> Option<&Measured> {
-        let total = *self.cumulative.last()?;
-        let at = random.random_range(0.0..total);
-        self.measured.get(self.cumulative.partition_point(|c| *c <= at))
-    }
-
-    /// Returns the best hypothesis of each draw of one task, with the number of agreeing
-    /// candidates.
-    fn draw(&self, task: u64) -> Vec<(usize, FundamentalMatrix)> {
-        let mut random = stream(self.how.seed, Purpose::LineConsensus, task);
-        (0..TASK).filter_map(|_| self.hypothesis(&mut random)).collect()
+        self.measured.get(self.sampler.draw(random)?)
     }
 
     /// Returns the best hypothesis of one draw. Two candidates give the epipoles, and a third
@@ -295,25 +278,26 @@ impl<'a> Counting<'a> {
 
     /// Fits a geometry to the agreeing candidates, repeatedly while their number does not fall.
     fn refitted(&self, f: &FundamentalMatrix) -> LineGeometry {
-        let mut best = LineGeometry { fundamental: *f, agreeing: self.agreeing(f) };
-        for _ in 0..ROUNDS {
-            let observations: Vec<Observation> = best
+        let start = LineGeometry { fundamental: *f, agreeing: self.agreeing(f) };
+        let refit = |((_, round), (last, is_settled)): &((usize, usize), (LineGeometry, bool)), _| {
+            if *is_settled {
+                return None;
+            }
+            let observations: Vec<Observation> = last
                 .agreeing
                 .iter()
                 .flat_map(|k| self.measured[*k].as_pairs())
                 .map(|pair| Observation { pair, sigma: self.how.area })
                 .collect();
-            let Some(fit) = fit_fundamental(&best.fundamental, &observations, ROBUST) else { break };
-            let agreeing = self.agreeing(&fit.fundamental);
-            if agreeing.len() < best.agreeing.len() {
-                break;
-            }
-            let is_settled = agreeing == best.agreeing;
-            best = LineGeometry { fundamental: fit.fundamental, agreeing };
-            if is_settled {
-                break;
-            }
-        }
+            let fundamental = fit_fundamental(&last.fundamental, &observations, ROBUST)?.fundamental;
+            let agreeing = self.agreeing(&fundamental);
+            let is_settled = agreeing == last.agreeing;
+            // Of refits with equally many candidates, the last is the best.
+            let score = (agreeing.len(), round + 1);
+            (agreeing.len() >= last.agreeing.len())
+                .then_some((score, (LineGeometry { fundamental, agreeing }, is_settled)))
+        };
+        let (_, (best, _)) = refitted(((start.agreeing.len(), 0), (start, false)), ROUNDS, refit);
         best
     }
 }

@@ -3,14 +3,14 @@
 
 use nalgebra::Matrix3;
 use rand::RngExt;
-use rayon::prelude::*;
+use rand_pcg::Pcg64Mcg;
 
-use crate::estimate::stream::{Purpose, stream};
+use crate::estimate::sampling::{Draws, Purpose, refitted};
 use crate::geometry::{PointPair, homography};
 
 /// Number of samples. Among 300, at least one has four matches of a plane that holds a third of
 /// all, with a probability of 97 %.
-const SAMPLES: u64 = 300;
+const SAMPLES: usize = 300;
 /// Number of rounds of refitting to the matches within the tolerance. The best round counts, so
 /// more rounds lose nothing but time.
 const REFITS: usize = 3;
@@ -37,33 +37,29 @@ pub(in crate::estimate) fn largest_plane(
     } else {
         matches.to_vec()
     };
-    let from_sample = |k: u64| -> Option<(Matrix3<f64>, usize)> {
-        let mut rng = stream(seed, Purpose::PlaneSamples, k);
-        let sample: [PointPair; 4] = std::array::from_fn(|_| few[rng.random_range(0..few.len())]);
-        refitted(homography(&sample)?, &few, tolerance)
+    let from_sample = |random: &mut Pcg64Mcg| -> Option<(Matrix3<f64>, usize)> {
+        let sample: [PointPair; 4] = std::array::from_fn(|_| few[random.random_range(0..few.len())]);
+        Some(largest_of_refits(homography(&sample)?, &few, tolerance))
     };
-    let planes: Vec<_> = (0..SAMPLES).into_par_iter().map(from_sample).collect();
-    // The first of the best, on any number of threads.
-    let best = planes.into_iter().flatten().reduce(|best, next| if next.1 > best.1 { next } else { best });
-    if few.len() < matches.len() { refitted(best?.0, matches, tolerance) } else { best }
+    let draws = Draws { seed, purpose: Purpose::PlaneSamples, first: 0, count: SAMPLES, task: 1 };
+    // The first of the best.
+    let best = draws.collect(from_sample).into_iter().reduce(|a, b| if b.1 > a.1 { b } else { a })?;
+    Some(if few.len() < matches.len() { largest_of_refits(best.0, matches, tolerance) } else { best })
 }
 
 /// Refits the homography `h` repeatedly to the matches that follow it. Returns the one with most
 /// matches.
-fn refitted(mut h: Matrix3<f64>, matches: &[PointPair], tolerance: f64) -> Option<(Matrix3<f64>, usize)> {
-    let mut best = None;
-    for _ in 0..=REFITS {
+fn largest_of_refits(h: Matrix3<f64>, matches: &[PointPair], tolerance: f64) -> (Matrix3<f64>, usize) {
+    let counted = |h: Matrix3<f64>| {
         let on_plane: Vec<PointPair> =
             matches.iter().filter(|m| is_on_plane(&h, m, tolerance)).copied().collect();
-        if best.is_none_or(|(_, most)| on_plane.len() > most) {
-            best = Some((h, on_plane.len()));
-        }
-        match (on_plane.len() > FEWEST).then(|| homography(&on_plane)).flatten() {
-            Some(better) => h = better,
-            None => break,
-        }
-    }
-    best
+        (on_plane.len(), (h, on_plane))
+    };
+    let refit = |(most, (_, on_plane)): &(usize, (Matrix3<f64>, Vec<PointPair>)), _| {
+        (*most > FEWEST).then(|| homography(on_plane)).flatten().map(counted)
+    };
+    let (most, (h, _)) = refitted(counted(h), REFITS, refit);
+    (h, most)
 }
 
 /// Returns whether [`transfer_error`](crate::geometry::transfer_error) is below a tolerance,

@@ -21,7 +21,7 @@ use super::Proposal;
 use super::plane::largest_plane;
 use super::support::{BAND, DISTINCTIVE, PatchSupport, Support};
 use crate::cancel::CancelFlag;
-use crate::estimate::stream::{Purpose, stream};
+use crate::estimate::sampling::{Draws, Purpose};
 use crate::estimate::{EstimateError, PatchParameters};
 use crate::geometry::{FundamentalMatrix, PointPair, eight_point, transfer_error};
 
@@ -71,16 +71,10 @@ pub(in crate::estimate) fn resample(
         (most > least).then_some(Sampled { fundamental, most })
     };
     let draw = |kind: u64, make: &(dyn Fn(&mut Pcg64Mcg) -> Option<FundamentalMatrix> + Sync)| {
-        let samples = parameters.samples as u64;
-        let found: Vec<Sampled> = (0..samples)
-            .into_par_iter()
-            .filter(|_| !cancel.is_cancelled())
-            .filter_map(|k| {
-                let mut rng = stream(seed, Purpose::PatchSamples, kind * samples + k);
-                promising(make(&mut rng)?)
-            })
-            .collect();
-        found
+        let count = parameters.samples;
+        let first = kind * count as u64;
+        let draws = Draws { seed, purpose: Purpose::PatchSamples, first, count, task: 1 };
+        draws.collect(|rng| if cancel.is_cancelled() { None } else { promising(make(rng)?) })
     };
     let mut found = Vec::new();
     let pool = pooled(support, &best[..best.len().min(parameters.pooled)]);

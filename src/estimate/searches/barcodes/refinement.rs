@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use super::agreement::Pencils;
 use crate::cancel::CancelFlag;
 use crate::estimate::EstimateError;
-use crate::estimate::stream::{Purpose, stream};
+use crate::estimate::sampling::{Purpose, stream};
 use crate::geometry::{Frame, FundamentalMatrix, PointPair, Vector7, sampson_distance};
 use crate::motion::Silhouettes;
 

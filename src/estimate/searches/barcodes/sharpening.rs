@@ -10,7 +10,7 @@ use rand_pcg::Pcg64Mcg;
 use crate::cancel::CancelFlag;
 use crate::estimate::EstimateError;
 use crate::estimate::evidence::lines::LineCandidate;
-use crate::estimate::stream::{Purpose, stream};
+use crate::estimate::sampling::{Purpose, stream};
 use crate::geometry::{AnchoredLine, Frame, Point, Vector};
 use crate::similarity::ScaledSimilarity;
 

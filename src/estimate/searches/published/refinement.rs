@@ -10,7 +10,7 @@ use rand_pcg::Pcg64Mcg;
 
 use crate::cancel::CancelFlag;
 use crate::estimate::evidence::lines::{PencilAngles, PencilPair, line_scores};
-use crate::estimate::stream::{Purpose, stream};
+use crate::estimate::sampling::{Purpose, stream};
 use crate::estimate::{EstimateError, Parameters};
 use crate::geometry::PointPair;
 use crate::similarity::{ScaledSimilarity, SimilaritySource};

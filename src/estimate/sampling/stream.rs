@@ -5,7 +5,7 @@ use rand_pcg::Pcg64Mcg;
 
 /// Purpose of a stream. Two purposes never share random numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Purpose {
+pub(in crate::estimate) enum Purpose {
     /// Pairs of candidate lines, one of each click.
     CandidatePairs = 1,
     /// Steps of the refinement on lines.
@@ -32,7 +32,7 @@ pub(super) enum Purpose {
 
 /// Returns the stream of one task of one purpose. Tasks that run in parallel take one stream each,
 /// so that the result is the same on any number of threads.
-pub(super) fn stream(seed: u64, purpose: Purpose, index: u64) -> Pcg64Mcg {
+pub(in crate::estimate) fn stream(seed: u64, purpose: Purpose, index: u64) -> Pcg64Mcg {
     // With a sum or XOR, seed 1 and task 0 would share a stream with seed 0 and task 1.
     Pcg64Mcg::seed_from_u64(mixed(mixed(mixed(seed) ^ purpose as u64) ^ index))
 }
