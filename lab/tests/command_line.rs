@@ -244,8 +244,8 @@ fn of_the_house_is_evaluated() {
     assert_eq!(record["matches"], 298);
     assert!((record["truth_error"].as_f64().unwrap() - 0.26).abs() < 0.01);
     assert_eq!(record["failures"], 0);
-    // Far above the accuracy of the estimator: this tests the command.
-    assert!(record["median"].as_f64().unwrap() < 20.0, "{}", record["median"]);
+    // 0.27 px in each of 20 trials. The true matrix fits its own matches to 0.26 px.
+    assert!(record["median"].as_f64().unwrap() < 0.4, "{}", record["median"]);
 }
 
 #[test]
@@ -313,6 +313,7 @@ fn sequences_with_known_cameras_are_evaluated() {
     for record in records {
         assert_eq!(record["pair"], "left-right");
         let error = record["trials"][0]["mean"].as_f64().unwrap();
-        assert!(error < 3.0, "{error} px: {}", record["method"]);
+        // 0.30 and 0.31 px.
+        assert!(error < 0.5, "{error} px: {}", record["method"]);
     }
 }

@@ -157,7 +157,8 @@ mod tests {
         for click in &clicks {
             assert!(symmetric_epipolar_distance(found.fundamental(), click) < 1e-6);
         }
-        assert!(scene.error(found.fundamental()) < 6.0, "not far from the newest one");
+        // The clicks moved by 4 px, and the lines through them turned.
+        assert!(scene.error(found.fundamental()) < 4.0, "not far from the newest one");
         assert!(found.assessment.support.is_none() && found.assessment.lines.is_none());
         let other = follow(&prepared, [&truth, &wrong], &clicks, &parameters).unwrap();
         assert!(scene.error(other.fundamental()) > 2.0 * scene.error(found.fundamental()));

@@ -106,7 +106,9 @@ mod tests {
             let moved = f.moved(&step, frames).unwrap();
             let line = |f: &FundamentalMatrix| f.line2_from_point1(Point::new(300.0, 200.0)).unwrap();
             let apart = line(&f).distance(line(&moved).foot(frames[1].centre()));
-            assert!(apart < 20.0, "{k}: {apart} px");
+            // A hundredth of the half diagonal, 480 px, is 4.8 px. The step that turns the lines moves
+            // them by a little more.
+            assert!(apart < 5.5, "{k}: {apart} px");
             assert!((moved.matrix() - f.matrix()).norm() > 1e-6, "{k}");
         }
     }

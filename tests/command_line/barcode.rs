@@ -43,7 +43,8 @@ fn two_folders_of_frames_give_the_geometry_and_their_offset() {
     assert_eq!(result["frame_offset"], 4);
     assert_eq!(result["barcodes"]["frames"], 156);
     let error = error_of(&result);
-    assert!(error < 2.0, "{error} px");
+    // 0.31 px here: silhouettes are as sharp as a pixel.
+    assert!(error < 0.5, "{error} px");
     let again = run(&["barcode", &left, &right, "--offset", "4", "--threads", "1", "--json", "-"]);
     let again: Value = serde_json::from_slice(&again.stdout).unwrap();
     assert_eq!(again["fundamental"], result["fundamental"], "on any number of threads");

@@ -32,7 +32,8 @@ fn a_followed_geometry_stays_with_the_images_and_leaves_wrong_starts() {
         }
         let still = follow(&known.prepared, [&found], &known.show_me, &paper()).unwrap();
         let error = mean_distance(still.fundamental(), &known.scene.matches);
-        assert!(error < 2.0, "{}: {error} px although nothing moved", known.name);
+        // 0.01 and 0.18 px.
+        assert!(error < 0.3, "{}: {error} px although nothing moved", known.name);
         assert!(follow(&known.prepared, [&found], &moved[..1], &parameters).is_none());
         assert!(follow(&known.prepared, [], &moved, &parameters).is_none());
     }

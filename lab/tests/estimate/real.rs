@@ -2,7 +2,7 @@
 
 use crate::skipping::shared;
 use epiline::estimate::{Monitor, Parameters, PreparedPair, estimate_prepared};
-use epiline_lab::{Draws, KnownScene, Protocol, mean, median, pair_scenes, vgg_scenes};
+use epiline_lab::{Draws, KnownScene, Protocol, mean, pair_scenes, vgg_scenes};
 
 /// Returns the errors of a few trials on each scene, px. The clicks depend only on the name of the
 /// pair.
@@ -31,29 +31,26 @@ fn the_house_is_found() {
     let Some(folder) = shared("data/house") else { return };
     let only = ["0-1", "4-5"].map(str::to_owned);
     let errors = errors(&vgg_scenes(&folder, 1, &only).unwrap(), 2, 0.0);
-    assert!(median(&errors) <= 0.5, "{errors:.2?}");
-    assert!(errors.iter().all(|e| *e < 1.0), "{errors:.2?}");
+    assert!(errors.iter().all(|e| *e <= 0.5), "{errors:.2?}");
 }
 
 /// A forward motion with epipoles inside the images. Hundreds of automatic matches reach 0.2 px
-/// here. The bound is 1 % of the longer side for every trial and a pixel for the median.
+/// here; each of 20 trials gives 0.15 px.
 #[test]
 fn a_step_forward_is_found() {
     let Some(folder) = shared("data/pairs") else { return };
     let scenes = pair_scenes(&folder, &["corr".to_owned()]).unwrap();
     let errors = errors(&scenes, 2, 0.0);
-    assert!(median(&errors) <= 1.0, "{errors:.2?}");
-    assert!(errors.iter().all(|e| *e < 0.01 * scenes[0].longer_side()), "{errors:.2?}");
+    assert!(errors.iter().all(|e| *e < 0.3), "{errors:.2?}");
 }
 
 /// Strong changes of viewpoint, one dominant plane, repeated windows. Geometries that fit the plane
-/// and some chance matches have nearly as much support as the right one. With 1 px noise, 98 % of
-/// trials are below 3 px.
+/// and some chance matches have nearly as much support as the right one. With 1 px noise, 40 trials
+/// give 0.5 px on `castle` and 1.0 to 1.7 px on `kampa`.
 #[test]
 fn dominant_planes_do_not_mislead() {
     let Some(folder) = shared("data/pairs") else { return };
     let only = ["castle", "kampa"].map(str::to_owned);
     let errors = errors(&pair_scenes(&folder, &only).unwrap(), 3, 1.0);
-    assert!(errors.iter().filter(|e| **e < 3.0).count() >= 5, "{errors:.2?}");
-    assert!(errors.iter().all(|e| *e < 8.0), "{errors:.2?}");
+    assert!(errors.iter().all(|e| *e < 2.0), "{errors:.2?}");
 }

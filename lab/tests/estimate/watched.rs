@@ -148,8 +148,8 @@ fn tells_stages_in_order_and_a_first_geometry_before_the_result() {
         let (first, _) = preliminary.first().expect("a preliminary geometry");
         let (last, error) = preliminary[preliminary.len() - 1];
         assert!(*first > at(Stage::Pencils) && last < at(Stage::Refinement), "{heard:?}");
-        // The geometry before refinement is accurate to a few per cent of the image.
-        assert!(error < 25.0, "{heard:?}");
+        // The geometry before refinement: 0.26 px with the preset robust, 1.33 px with paper.
+        assert!(error < 2.0, "{heard:?}");
         assert!(found.first_seconds > 0.0 && found.first_seconds < found.seconds);
         let sum: f64 = found.timings.iter().map(|t| t.seconds).sum();
         // Nothing slow happens outside the timed stages.

@@ -70,7 +70,8 @@ mod tests {
         assert!(alone(&clicks[..CLICKS_ALONE - 1], &wrong).is_none(), "nothing tells that seven agree");
         // A single slip of a click is outvoted.
         clicks[4].point2.y += 6.0;
-        assert!(error(&alone(&clicks, &wrong).unwrap()) < 2.0);
+        // Least squares spread 6 px over twelve clicks and seven parameters: 0.87 px on average.
+        assert!(error(&alone(&clicks, &wrong).unwrap()) < 1.0);
     }
 
     #[test]

@@ -109,6 +109,7 @@ mod tests {
         assert!(trace.clicks.is_empty() && trace.counts.candidates[0] > 50, "{:?}", trace.counts);
         assert!(found.assessment.trust.is_some());
         let error = scene.error(found.fundamental());
-        assert!(error < 10.0, "{error} px");
+        // 4.3 to 5.0 px with 20 seeds: 600 lines of a side of 320 px are 2 px apart, and nothing refines.
+        assert!(error < 5.5, "{error} px");
     }
 }
