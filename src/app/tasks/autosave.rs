@@ -9,10 +9,10 @@ use std::time::{Duration, SystemTime};
 
 use crate::foreign::{reason, shown_path};
 
-/// Number of slots, for running windows and for copies that wait.
-const SLOTS: usize = 256;
 /// Maximum number of waiting copies. The oldest are removed first.
-const MOST_LEFT_BEHIND: usize = 24;
+const MOST_LEFT_BEHIND: usize = 8;
+/// Number of slots: for the waiting copies, and for sixteen windows at the same time.
+const SLOTS: usize = MOST_LEFT_BEHIND + 16;
 /// Maximum age of waiting copies.
 const LONGEST: Duration = Duration::from_hours(90 * 24);
 

@@ -7,6 +7,5 @@ mod misfit;
 mod viewing;
 
 pub use command::{RectifiedCommand, RectifyOrder, WritingProgress};
-pub use disparity::DisparityMap;
 pub use making::{DrawnPair, MatchesAtHand, Rectified, RectifiedSheet, RectifyQuestion};
 pub use viewing::{Blink, Guides, RectifiedLayout, RectifiedLook, RectifiedView, Viewing};
