@@ -403,3 +403,60 @@ fn images_stand_above_each_other_on_request_and_it_is_remembered() {
     press(&mut window, Key::V);
     assert!(pane(&window, Side::Left).right() <= pane(&window, Side::Right).left());
 }
+
+/// Where a place of an image turned clockwise by 90° is on the screen.
+fn screen_turned(window: &Window, side: Side, point: Point) -> Pos2 {
+    let rect = pane(window, side);
+    let frame = window.state().document().frame(side).unwrap();
+    let scale = (rect.width() / frame.height as f32).min(rect.height() / frame.width as f32);
+    let offset = point - frame.centre();
+    rect.center() + vec2(-offset.y as f32, offset.x as f32) * scale
+}
+
+#[test]
+fn a_view_turns_by_90_degrees_and_coordinates_stay() {
+    let files = Files::new();
+    let mut window = sample();
+    click_two_pairs(&mut window);
+    let before = window.state().document().pairs.clone();
+    let beside = at(&window, Side::Left, 0.3, -0.4);
+    right_click(&mut window, beside);
+    window.get_by_label("Turn this view by 90°").click();
+    settle(&mut window);
+    assert_eq!(window.state().document().pairs, before);
+
+    // A click gives the coordinates of the image, and a drag moves a point under the cursor.
+    let place = Point::new(90.0, 60.0);
+    let here = screen_turned(&window, Side::Left, place);
+    click(&mut window, here);
+    let half = window.state().document().half.unwrap();
+    assert!((half.point - place).norm() < 0.5, "{}", half.point);
+    press(&mut window, Key::Escape);
+    let start = point(&window, P_LEFT);
+    let (from, step) = (screen_turned(&window, Side::Left, start), vec2(30.0, 10.0));
+    drag(&mut window, from, from + step, PointerButton::Primary);
+    let reached = point(&window, P_LEFT);
+    assert!((screen_turned(&window, Side::Left, reached) - (from + step)).length() < 0.5);
+    // An arrow key moves it that way on the screen: to the right is up in the image.
+    press(&mut window, Key::ArrowRight);
+    assert!((point(&window, P_LEFT) - reached - epiline::geometry::Vector::new(0.0, -0.1)).norm() < 1e-9);
+
+    // A figure shows the image as it is turned, and the other one upright.
+    let path = files.0.path().join("figure.svg");
+    crate::exchange::export(&mut window, &["Figure"], &path);
+    let text = std::fs::read_to_string(&path).unwrap();
+    let extent = |image: &str, name: &str| -> f32 {
+        let value = image.split(&format!(" {name}=\"")).nth(1).unwrap();
+        value.split('"').next().unwrap().parse().unwrap()
+    };
+    let images: Vec<&str> = text.split("<image").skip(1).collect();
+    let is_tall = |image: &str| extent(image, "height") > extent(image, "width");
+    assert_eq!([is_tall(images[0]), is_tall(images[1])], [true, false]);
+
+    // Other pictures are upright.
+    drop_files(&mut window, &[files.image("a.png", 320, 240), files.image("b.png", 320, 240)]);
+    let upright = at(&window, Side::Left, 0.2, 0.1);
+    click(&mut window, upright);
+    let expected = image_position(&window, Side::Left, upright);
+    assert!((window.state().document().half.unwrap().point - expected).norm() < 0.5);
+}

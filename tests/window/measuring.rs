@@ -2,7 +2,7 @@
 
 use crate::support::*;
 
-use egui::{Key, OutputCommand, PointerButton, Pos2, Shape};
+use egui::{Key, OutputCommand, Pos2, Shape};
 use egui_kittest::kittest::Queryable;
 use epiline::internals::app::model::document::Side;
 use epiline::internals::app::model::focus::LineSource;
@@ -22,13 +22,6 @@ fn texts(window: &Window, side: Side) -> Vec<String> {
 /// Returns the measured distance that is written over an image.
 fn distance(window: &Window, side: Side) -> Option<f64> {
     texts(window, side).iter().find_map(|text| text.split_once(" px, ")?.0.parse().ok())
-}
-
-fn right_click(window: &mut Window, place: Pos2) {
-    window.hover_at(place);
-    button(window, place, PointerButton::Secondary, true);
-    button(window, place, PointerButton::Secondary, false);
-    settle(window);
 }
 
 fn choose(window: &mut Window, entry: &str) {

@@ -5,7 +5,7 @@ use crate::support::*;
 
 use std::path::Path;
 
-use egui::{Key, Modifiers, PointerButton, Pos2};
+use egui::{Key, Modifiers};
 use egui_kittest::kittest::{NodeT, Queryable};
 use epiline::estimate::{Trust, Verdict};
 use epiline::geometry::{Point, Vector, symmetric_epipolar_distance};
@@ -14,16 +14,6 @@ use epiline::internals::app::model::suggesting::Repair;
 use epiline::internals::app::{Opening, Services, Start};
 
 const Q_RIGHT: PointRef = PointRef { pair: 1, side: Side::Right };
-
-fn right_click(window: &mut Window, position: Pos2) {
-    window.hover_at(position);
-    button(window, position, PointerButton::Secondary, true);
-    button(window, position, PointerButton::Secondary, false);
-    for _ in 0..3 {
-        window.step();
-    }
-    settle(window);
-}
 
 fn undo(window: &mut Window) {
     window.key_press_modifiers(Modifiers::COMMAND, Key::Z);

@@ -213,6 +213,16 @@ pub fn click(window: &mut Window, position: Pos2) {
     settle(window);
 }
 
+pub fn right_click(window: &mut Window, at: Pos2) {
+    window.hover_at(at);
+    button(window, at, PointerButton::Secondary, true);
+    button(window, at, PointerButton::Secondary, false);
+    for _ in 0..3 {
+        window.step();
+    }
+    settle(window);
+}
+
 pub fn drag(window: &mut Window, from: Pos2, to: Pos2, with: PointerButton) {
     window.hover_at(from);
     button(window, from, with, true);

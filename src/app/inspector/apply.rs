@@ -12,6 +12,7 @@ use crate::app::model::history::Step;
 use crate::app::model::ids::{StageId, TabId};
 use crate::app::model::look::Tool;
 use crate::app::model::measuring::Measuring;
+use crate::app::model::pane_view::QuarterTurns;
 use crate::app::model::recording::PlayerCommand;
 use crate::app::model::rectified::RectifiedCommand;
 use crate::app::model::suggesting::Repair;
@@ -73,6 +74,7 @@ impl Inspector {
                 model.edit(Step::Single, |document| document.set_pairs(Vec::new(), PairOrigin::Clicked));
             }
             Command::Cancel => self.cancel(),
+            Command::TurnView(side) => self.view.panes[side.index()].turn(),
             Command::FitAll => self.fit_all(),
             Command::FitAfterDoubleClick(side) => self.fit_after_double_click(side),
             Command::ToggleTheme => {
@@ -90,7 +92,13 @@ impl Inspector {
                 model.edit(Step::Merged(EditKey::Drag(at)), |document| document.move_to(at, point));
             }
             Command::EndDrag => model.history.close_step(),
-            Command::Nudge(by) => model.nudge(by),
+            Command::Nudge(by) => {
+                // An arrow key moves the point that way on the screen.
+                let side = model.document.selection.map_or(Side::Left, |at| at.side);
+                let turn =
+                    self.view.panes[side.index()].view().map_or_else(QuarterTurns::default, |view| view.turn);
+                model.nudge(turn.inverse().turned(by));
+            }
             Command::Select(at) => model.select(at),
             Command::SetMethod(method) => {
                 model.edit(Step::Single, |document| document.parameters.method = method);

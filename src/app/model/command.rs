@@ -77,6 +77,8 @@ pub enum Command {
     ClearPairs,
     /// Cancel the unfinished action.
     Cancel,
+    /// Turn an image on the screen clockwise by 90°.
+    TurnView(Side),
     /// Fit both images into their panes.
     FitAll,
     /// Fit an image into its pane, and remove the point placed by the first of the two clicks.

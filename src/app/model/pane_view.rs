@@ -2,10 +2,61 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::geometry::{Frame, Point};
+use crate::geometry::{Frame, Point, Vector};
 
 /// Maximum width of an image pixel, screen points.
 pub const LARGEST_SCALE: f64 = 64.0;
+
+/// Clockwise turn of a view, in quarter turns. Coordinates of the image stay as they are.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(from = "u8", into = "u8")]
+pub struct QuarterTurns(u8);
+
+impl From<u8> for QuarterTurns {
+    fn from(turns: u8) -> Self {
+        Self(turns % 4)
+    }
+}
+
+impl From<QuarterTurns> for u8 {
+    fn from(turns: QuarterTurns) -> Self {
+        turns.0
+    }
+}
+
+impl QuarterTurns {
+    /// Returns the number of clockwise quarter turns, 0 to 3.
+    pub fn count(self) -> u8 {
+        self.0
+    }
+
+    /// Returns one quarter turn more.
+    #[must_use]
+    pub fn next(self) -> Self {
+        Self::from(self.0 + 1)
+    }
+
+    /// Returns the turn back.
+    #[must_use]
+    pub fn inverse(self) -> Self {
+        Self::from(4 - self.0)
+    }
+
+    /// Turns a vector (x to the right, y down).
+    pub fn turned(self, v: Vector) -> Vector {
+        match self.0 {
+            0 => v,
+            1 => Vector::new(-v.y, v.x),
+            2 => -v,
+            _ => Vector::new(v.y, -v.x),
+        }
+    }
+
+    /// Returns the size of a turned image.
+    pub fn turned_frame(self, frame: Frame) -> Frame {
+        if self.0.is_multiple_of(2) { frame } else { Frame::new(frame.height, frame.width) }
+    }
+}
 
 /// Visible part of an image.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -14,12 +65,27 @@ pub struct PaneView {
     pub centre: Point,
     /// Screen points per image pixel. `None` fits the image into the pane.
     pub scale: Option<f64>,
+    /// Turn of the image on the screen.
+    #[serde(default)]
+    pub turn: QuarterTurns,
 }
 
 impl PaneView {
     /// Returns a view of the whole image.
     pub fn fitting(frame: Frame) -> Self {
-        Self { centre: frame.centre(), scale: None }
+        Self { centre: frame.centre(), scale: None, turn: QuarterTurns::default() }
+    }
+
+    /// Returns a view of the whole image with the same turn.
+    #[must_use]
+    pub fn fitted(self, frame: Frame) -> Self {
+        Self { turn: self.turn, ..Self::fitting(frame) }
+    }
+
+    /// Returns the view after one more quarter turn about the middle of the pane.
+    #[must_use]
+    pub fn turned(self) -> Self {
+        Self { turn: self.turn.next(), ..self }
     }
 
     /// Returns whether the image is fitted into the pane.

@@ -160,11 +160,11 @@ impl View {
     /// Splits the room below the bars into dock and stage.
     fn split(&mut self, ctx: &Context, room: Rect, model: &Model) -> (Option<Rect>, Rect) {
         let window = ctx.content_rect().size();
-        let frames = Self::frames(model);
+        let frames = self.frames(model);
         let look = (&model.look.dock, model.look.stacked);
         let size = |v: Vec2| [v.x, v.y];
         // Other pictures are arranged afresh.
-        let originals = Self::originals(model);
+        let originals = self.originals(model);
         if originals.is_some() && std::mem::replace(&mut self.arranged, originals) != originals {
             self.placement = None;
         }
@@ -192,14 +192,18 @@ impl View {
         (Some(dock), stage)
     }
 
-    fn originals(model: &Model) -> Option<[FrameSize; 2]> {
-        Some(model.document.pictures.as_ref()?.each_ref().map(|picture| picture.frame))
+    /// Returns the sizes of the pictures as they are turned on the screen.
+    fn originals(&self, model: &Model) -> Option<[FrameSize; 2]> {
+        let frames = model.document.pictures.as_ref()?.each_ref().map(|picture| picture.frame);
+        let turned =
+            |k: usize| self.panes[k].view().map_or(frames[k], |view| view.turn.turned_frame(frames[k]));
+        Some([turned(0), turned(1)])
     }
 
     /// Returns the sizes by which the stage is arranged. A rectified pair of about the same shape keeps
     /// the arrangement of the pictures, so that nothing moves when the stage changes.
-    fn frames(model: &Model) -> Option<[FrameSize; 2]> {
-        let originals = Self::originals(model)?;
+    fn frames(&self, model: &Model) -> Option<[FrameSize; 2]> {
+        let originals = self.originals(model)?;
         let drawn = model.open.rectified.as_ref().and_then(|rectified| rectified.outcome.as_ref().ok());
         let Some(drawn) = drawn.filter(|_| model.stage() == StageId::Rectified) else {
             return Some(originals);

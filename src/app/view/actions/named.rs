@@ -6,6 +6,7 @@ use crate::app::model::Model;
 use crate::app::model::command::{Command, ExchangeCommand};
 use crate::app::model::comparison::Contestant;
 use crate::app::model::dock::DockEdge;
+use crate::app::model::document::Side;
 use crate::app::model::point_table::PointsCommand;
 use crate::app::model::recording::PlayerCommand;
 use crate::app::model::rectified::{RectifiedCommand, RectifiedLayout};
@@ -27,7 +28,17 @@ pub fn by_name() -> Vec<Action> {
         action(ExchangeCommand::CopyFundamental(notation), notation.name(), tooltip)
             .when(|model| model.shown().is_some())
     };
+    let turn = |side: Side| {
+        action(
+            Command::TurnView(side),
+            "Turn this view by 90°",
+            "Turn the image on the screen clockwise. Its coordinates stay as they are.",
+        )
+        .when(|model| model.document.pictures.is_some())
+    };
     vec![
+        turn(Side::Left).listed(|_| "Turn the left view by 90°"),
+        turn(Side::Right).listed(|_| "Turn the right view by 90°"),
         copy(Notation::NumPy, "Copy F of the shown geometry as Python code that makes a NumPy array.")
             .listed(|_| "Copy F as NumPy"),
         copy(Notation::Cpp, "Copy F of the shown geometry as C++ code that makes a cv::Matx33d.")

@@ -8,12 +8,13 @@ use crate::app::model::Model;
 use crate::app::model::document::Side;
 use crate::app::model::exchange::{FigureChoices, trust_note};
 use crate::app::model::ids::OverlayId;
-use crate::app::model::pane_view::PaneView;
+use crate::app::model::pane_view::{PaneView, QuarterTurns};
 use crate::app::model::picture::Pictures;
 use crate::app::model::tones::Rendition;
 use crate::app::view::panes::overlays::{Canvas, Labels, OVERLAYS};
 use crate::app::view::panes::{PanePlace, Transform};
 use crate::app::view::theme;
+use crate::geometry::Frame;
 use crate::io::TrustNote;
 
 /// Height of images side by side, and width of stacked images, in points. With text of 13 points,
@@ -36,6 +37,21 @@ pub struct Placed {
     pub count: [u32; 2],
     /// Brightness and channels of the image.
     pub rendition: Rendition,
+}
+
+impl Placed {
+    /// Finds the pixels that are visible in the rectangle of a transform.
+    fn new(transform: Transform, frame: Frame, rendition: Rendition) -> Self {
+        let [low, high] = transform.image_range(transform.rect);
+        let range = |low: f64, high: f64, size: usize| {
+            let first = (low + 0.5 + 1e-6).floor().clamp(0.0, size as f64 - 1.0);
+            let end = (high + 0.5 - 1e-6).ceil().clamp(first + 1.0, size as f64);
+            (first as u32, (end - first) as u32)
+        };
+        let (x, width) = range(low.x, high.x, frame.width);
+        let (y, height) = range(low.y, high.y, frame.height);
+        Self { transform, first: [x, y], count: [width, height], rendition }
+    }
 }
 
 /// The whole content of a figure.
@@ -62,11 +78,13 @@ pub struct Sheet {
 pub fn sheet(model: &Model, panes: [Option<PanePlace>; 2], choices: &FigureChoices) -> Option<Sheet> {
     let pictures = model.open.pictures()?;
     let frames = pictures.each_ref().map(|picture| picture.frame());
+    let turns = panes.each_ref().map(|pane| pane.map_or_else(QuarterTurns::default, |pane| pane.view.turn));
     // A visible part has the shape of its pane, a whole image its own shape.
     let seen = panes.map(|pane| pane.filter(|_| choices.seen));
+    let turned = |k: usize| turns[k].turned_frame(frames[k]);
     let aspect = |k: usize| match &seen[k] {
         Some(pane) => pane.rect.width() / pane.rect.height().max(1.0),
-        None => frames[k].width as f32 / frames[k].height as f32,
+        None => turned(k).width as f32 / turned(k).height as f32,
     };
     let stacked = model.look.stacked.unwrap_or(false);
     let sizes = [0, 1].map(|k| {
@@ -74,8 +92,8 @@ pub fn sheet(model: &Model, panes: [Option<PanePlace>; 2], choices: &FigureChoic
             if stacked { (EXTENT, EXTENT / aspect(k)) } else { (EXTENT * aspect(k), EXTENT) };
         vec2(width.clamp(8.0, 40.0 * EXTENT), height.clamp(8.0, 40.0 * EXTENT))
     });
-    let views =
-        [0, 1].map(|k| seen[k].as_ref().map_or_else(|| PaneView::fitting(frames[k]), |pane| pane.view));
+    let whole = |k: usize| PaneView { turn: turns[k], ..PaneView::fitting(frames[k]) };
+    let views = [0, 1].map(|k| seen[k].as_ref().map_or_else(|| whole(k), |pane| pane.view));
     // The transforms at the size of the sheet.
     let fit = [0, 1].map(|k| {
         let rect = Rect::from_min_size(pos2(0.0, 0.0), sizes[k]);
@@ -85,7 +103,9 @@ pub fn sheet(model: &Model, panes: [Option<PanePlace>; 2], choices: &FigureChoic
             (Some(pane), Some(scale)) => {
                 transform.scale = scale * f64::from(sizes[k].x / pane.rect.width().max(1.0));
             }
-            (None, _) => transform.scale = f64::from(sizes[k].x) / frames[k].width as f64,
+            (None, _) => {
+                transform.scale = f64::from(sizes[k].x) / turned(k).width as f64;
+            }
             _ => {}
         }
         transform
@@ -108,16 +128,8 @@ pub fn sheet(model: &Model, panes: [Option<PanePlace>; 2], choices: &FigureChoic
     let places = [first, second].map(egui::Pos2::to_vec2);
     let places: [Placed; 2] = std::array::from_fn(|k| {
         let rect = Rect::from_min_size(places[k].to_pos2(), sizes[k]);
-        let transform = Transform::new(rect, views[k].centre, fit[k].scale * f64::from(enlarged));
-        let (low, high) = (transform.image_from_screen(rect.min), transform.image_from_screen(rect.max));
-        let range = |low: f64, high: f64, size: usize| {
-            let first = (low + 0.5 + 1e-6).floor().clamp(0.0, size as f64 - 1.0);
-            let end = (high + 0.5 - 1e-6).ceil().clamp(first + 1.0, size as f64);
-            (first as u32, (end - first) as u32)
-        };
-        let (x, width) = range(low.x, high.x, frames[k].width);
-        let (y, height) = range(low.y, high.y, frames[k].height);
-        Placed { transform, first: [x, y], count: [width, height], rendition: model.open.tones.of[k] }
+        let scale = fit[k].scale * f64::from(enlarged);
+        Placed::new(fit[k].at(rect, scale), frames[k], model.open.tones.of[k])
     });
     let context = egui::Context::default();
     context.set_fonts(theme::fonts());
@@ -182,8 +194,15 @@ impl Sheet {
         let pixels = self.frames.as_ref().map_or(&self.pictures[k].pixels, |frames| &frames[k]);
         let seen = pixels.crop_imm(*x, *y, *width, *height);
         let pixels = rendition.render(&seen);
-        let pixels = image::RgbaImage::from_raw(*width, *height, pixels).unwrap_or_default();
+        let pixels: DynamicImage =
+            image::RgbaImage::from_raw(*width, *height, pixels).unwrap_or_default().into();
+        let pixels = match transform.turn.count() {
+            0 => pixels,
+            1 => pixels.rotate90(),
+            2 => pixels.rotate180(),
+            _ => pixels.rotate270(),
+        };
         let end = [x + width, y + height].map(|v| v as usize);
-        (pixels.into(), transform.screen_from_pixels([*x as usize, *y as usize], end))
+        (pixels, transform.screen_from_pixels([*x as usize, *y as usize], end))
     }
 }

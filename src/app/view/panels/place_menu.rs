@@ -30,6 +30,12 @@ pub fn show(ui: &mut Ui, model: &Model, side: Side, point: Point, commands: &mut
             "Measure distance and direction from this place to the next click.",
             Command::MeasureFrom(side, point),
         ),
+        (
+            "Turn this view by 90°",
+            true,
+            "Turn the image on the screen clockwise. Its coordinates stay as they are.",
+            Command::TurnView(side),
+        ),
     ] {
         let entry = ui.add_enabled(enabled, Button::new(text)).on_hover_text(tooltip);
         if entry.on_disabled_hover_text("There is no geometry yet.").clicked() {

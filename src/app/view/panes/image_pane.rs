@@ -22,7 +22,7 @@ use crate::app::model::picture::Opened;
 use crate::app::model::shared::Shared;
 use crate::app::view::panels::{pair_menu, pin_menu, place_menu};
 use crate::app::view::theme;
-use crate::geometry::{Frame, Point, Vector};
+use crate::geometry::{Frame, Point};
 use crate::image::Picture;
 
 /// A drag in progress.
@@ -102,7 +102,14 @@ impl ImagePane {
     /// Shows the whole image.
     pub fn fit(&mut self) {
         if let Some(image) = &mut self.image {
-            image.view = PaneView::fitting(image.picture.frame());
+            image.view = image.view.fitted(image.picture.frame());
+        }
+    }
+
+    /// Turns the image on the screen clockwise by 90°.
+    pub fn turn(&mut self) {
+        if let Some(image) = &mut self.image {
+            image.view = image.view.turned();
         }
     }
 
@@ -127,7 +134,7 @@ impl ImagePane {
     pub fn follow(&mut self, leader: &Self) {
         if let (Some(own), Some(other)) = (&mut self.image, &leader.image) {
             let place = |image: &PaneImage, rect| (image.picture.frame(), rect);
-            own.view = other.view.carried_over(place(other, leader.rect), place(own, self.rect));
+            own.view = other.view.carried_over(place(other, leader.rect), &own.view, place(own, self.rect));
         }
     }
 
@@ -409,8 +416,7 @@ fn follow(ui: &Ui, drag: &Drag, image: &mut PaneImage, transform: &Transform, co
     let delta = position - drag.origin;
     match drag.what {
         Dragged::Point(at, start) => {
-            let moved = Vector::new(f64::from(delta.x), f64::from(delta.y)) / transform.scale;
-            commands.push(Command::Drag(at, start + moved));
+            commands.push(Command::Drag(at, start + transform.image_vector(delta)));
         }
         Dragged::View(start) => image.view.pan(transform, image.picture.frame(), start, delta),
     }

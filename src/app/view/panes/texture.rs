@@ -13,8 +13,10 @@ use super::film::{Film, PIXELS};
 use crate::app::model::picture::{Opened, Overview, multiplied};
 use crate::app::model::shared::Shared;
 use crate::app::model::tones::Rendition;
+use crate::geometry::Point;
 use crate::image::Picture;
-use egui::{Color32, ColorImage, Mesh, Painter, Rect, TextureFilter, TextureHandle, TextureOptions, pos2};
+use egui::epaint::Vertex;
+use egui::{Color32, ColorImage, Mesh, Painter, TextureFilter, TextureHandle, TextureOptions, pos2};
 use image::DynamicImage;
 
 /// Side of a tile, px: small enough to convert within a frame.
@@ -116,10 +118,10 @@ impl PictureTexture {
     pub fn draw_tinted(&mut self, painter: &Painter, transform: &Transform, tint: Color32) {
         let size = [self.picture.pixels.width() as usize, self.picture.pixels.height() as usize];
         if let Some(film) = &self.film {
-            draw(painter, &film.texture, transform.screen_from_pixels([0, 0], size), tint);
+            draw(painter, &film.texture, transform, [[0, 0], size], tint);
             return;
         }
-        draw(painter, &self.overview, transform.screen_from_pixels([0, 0], size), tint);
+        draw(painter, &self.overview, transform, [[0, 0], size], tint);
         let pixels_a_pixel = transform.scale * f64::from(painter.pixels_per_point());
         if self.scale < 1.0 && pixels_a_pixel > self.scale * OVERVIEW_MAGNIFICATION {
             self.draw_tiles(painter, transform, size, tint);
@@ -128,8 +130,7 @@ impl PictureTexture {
 
     fn draw_tiles(&mut self, painter: &Painter, transform: &Transform, size: [usize; 2], tint: Color32) {
         self.frame += 1;
-        let clip = painter.clip_rect();
-        let (min, max) = (transform.image_from_screen(clip.min), transform.image_from_screen(clip.max));
+        let [min, max] = transform.image_range(painter.clip_rect());
         let range = |low: f64, high: f64, size: usize| {
             let pixel = |v: f64| (v + 0.5).floor().clamp(0.0, size as f64 - 1.0) as usize;
             pixel(low) / TILE_SIDE..=pixel(high) / TILE_SIDE
@@ -139,10 +140,9 @@ impl PictureTexture {
             for column in range(min.x, max.x, size[0]) {
                 let first = [column * TILE_SIDE, row * TILE_SIDE];
                 let end = [(first[0] + TILE_SIDE).min(size[0]), (first[1] + TILE_SIDE).min(size[1])];
-                let area = transform.screen_from_pixels(first, end);
                 if let Some(tile) = self.tiles.get_mut(&[column, row]) {
                     tile.seen = self.frame;
-                    draw(painter, &tile.handle, area, tint);
+                    draw(painter, &tile.handle, transform, [first, end], tint);
                 } else if uploads < UPLOADS_A_FRAME {
                     uploads += 1;
                     let [x, y, w, h] =
@@ -150,7 +150,7 @@ impl PictureTexture {
                     let pixels = rendered(self.rendition, &self.picture.pixels.crop_imm(x, y, w, h));
                     let image = ColorImage::from_rgba_premultiplied([w, h].map(|v| v as usize), &pixels);
                     let handle = painter.ctx().load_texture("tile", image, PIXELS);
-                    draw(painter, &handle, area, tint);
+                    draw(painter, &handle, transform, [first, end], tint);
                     self.tiles.insert([column, row], Tile { handle, seen: self.frame });
                 } else {
                     // The overview shows through until later frames bring the rest.
@@ -176,12 +176,23 @@ fn rendered(rendition: Rendition, pixels: &DynamicImage) -> Vec<u8> {
     if rendition.is_plain() { multiplied(pixels) } else { rendition.render(pixels) }
 }
 
-/// Draws a texture as a mesh, since the soft edges of an image shape would show as seams between
-/// tiles.
-fn draw(painter: &Painter, handle: &TextureHandle, area: Rect, tint: Color32) {
+/// Draws a texture over the pixels from `first` up to but not including `end`, as a mesh, since the
+/// soft edges of an image shape would show as seams between tiles.
+fn draw(
+    painter: &Painter,
+    handle: &TextureHandle,
+    transform: &Transform,
+    [first, end]: [[usize; 2]; 2],
+    tint: Color32,
+) {
     let mut mesh = Mesh::with_texture(handle.id());
-    let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
-    mesh.add_rect_with_uv(area, whole, tint);
+    for uv in [pos2(0.0, 0.0), pos2(1.0, 0.0), pos2(1.0, 1.0), pos2(0.0, 1.0)] {
+        let edge = |k: usize, at: f32| if at > 0.5 { end[k] } else { first[k] } as f64 - 0.5;
+        let pos = transform.screen_from_image(Point::new(edge(0, uv.x), edge(1, uv.y)));
+        mesh.vertices.push(Vertex { pos, uv, color: tint });
+    }
+    mesh.add_triangle(0, 1, 2);
+    mesh.add_triangle(0, 2, 3);
     painter.add(mesh);
 }
 

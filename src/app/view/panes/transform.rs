@@ -3,46 +3,56 @@
 //! Image coordinates are those of [`crate::geometry`]: the centre of the top-left pixel is `(0,
 //! 0)`, so the edge of the picture lies half a pixel outside.
 
-use crate::app::model::pane_view::{LARGEST_SCALE, PaneView};
+use crate::app::model::pane_view::{LARGEST_SCALE, PaneView, QuarterTurns};
 use crate::app::model::rectified::{RectifiedView, Viewing};
 use crate::geometry::{Frame, Point, Vector};
-use egui::{Pos2, Rect, pos2, vec2};
+use egui::{Pos2, Rect, Vec2, vec2};
 
 impl PaneView {
     /// Returns the transform for a pane at `rect`.
     pub fn transform(&self, frame: Frame, rect: Rect) -> Transform {
-        let scale = self.scale.unwrap_or_else(|| fitting_scale(frame, rect));
-        Transform { rect, centre: self.centre, scale }
+        let scale = self.scale.unwrap_or_else(|| self.fitting_scale(frame, rect));
+        Transform { rect, centre: self.centre, scale, turn: self.turn }
     }
 
     /// Zooms by a factor and keeps the image position under `at` in place.
     pub fn zoom(&mut self, transform: &Transform, frame: Frame, at: Pos2, factor: f64) {
-        let smallest = fitting_scale(frame, transform.rect) * 0.25;
+        let smallest = self.fitting_scale(frame, transform.rect) * 0.25;
         let scale = (transform.scale * factor).clamp(smallest.min(LARGEST_SCALE), LARGEST_SCALE);
         let fixed = transform.image_from_screen(at);
-        let offset = at - transform.rect.center();
         self.scale = Some(scale);
-        self.centre = fixed - Vector::new(f64::from(offset.x), f64::from(offset.y)) / scale;
+        self.centre = fixed - transform.at(transform.rect, scale).image_vector(at - transform.rect.center());
         self.keep_in_sight(frame);
     }
 
     /// Moves the image position `start` to the offset `delta` from the middle of the pane.
-    pub fn pan(&mut self, transform: &Transform, frame: Frame, start: Point, delta: egui::Vec2) {
+    pub fn pan(&mut self, transform: &Transform, frame: Frame, start: Point, delta: Vec2) {
         self.scale = Some(transform.scale);
-        self.centre = start - Vector::new(f64::from(delta.x), f64::from(delta.y)) / transform.scale;
+        self.centre = start - transform.image_vector(delta);
         self.keep_in_sight(frame);
     }
 
-    /// Returns the same part of another image, relative to its width and height.
+    /// Returns the scale at which the whole image fits.
+    fn fitting_scale(&self, frame: Frame, rect: Rect) -> f64 {
+        let frame = self.turn.turned_frame(frame);
+        let room = |extent: f32, pixels: usize| f64::from(extent).max(1.0) / pixels.max(1) as f64;
+        room(rect.width(), frame.width).min(room(rect.height(), frame.height)).min(LARGEST_SCALE)
+    }
+
+    /// Returns the same part of another image, relative to its width and height, with the turn of the
+    /// view `own` of that image.
     #[must_use]
-    pub fn carried_over(&self, from: (Frame, Rect), to: (Frame, Rect)) -> Self {
+    pub fn carried_over(&self, from: (Frame, Rect), own: &Self, to: (Frame, Rect)) -> Self {
         let share = |v: f64, from: f64, to: f64| v / from.max(1.0) * to;
         Self {
             centre: Point::new(
                 share(self.centre.x, from.0.right(), to.0.right()),
                 share(self.centre.y, from.0.bottom(), to.0.bottom()),
             ),
-            scale: self.scale.map(|scale| scale / fitting_scale(from.0, from.1) * fitting_scale(to.0, to.1)),
+            scale: self
+                .scale
+                .map(|scale| scale / self.fitting_scale(from.0, from.1) * own.fitting_scale(to.0, to.1)),
+            turn: own.turn,
         }
     }
 }
@@ -54,15 +64,9 @@ impl Viewing {
         match self.view {
             None => PaneView::fitting(frame),
             Some(RectifiedView { frame: own, view }) if own == frame => view,
-            Some(RectifiedView { frame: own, view }) => view.carried_over((own, rect), (frame, rect)),
+            Some(RectifiedView { frame: own, view }) => view.carried_over((own, rect), &view, (frame, rect)),
         }
     }
-}
-
-/// Returns the scale at which the whole image fits.
-fn fitting_scale(frame: Frame, rect: Rect) -> f64 {
-    let room = |extent: f32, pixels: usize| f64::from(extent).max(1.0) / pixels.max(1) as f64;
-    room(rect.width(), frame.width).min(room(rect.height(), frame.height)).min(LARGEST_SCALE)
 }
 
 /// Transform between an image and the pane that shows it.
@@ -73,40 +77,63 @@ pub struct Transform {
     centre: Point,
     /// Screen points per image pixel.
     pub scale: f64,
+    /// Turn of the image on the screen.
+    pub turn: QuarterTurns,
 }
 
 impl Transform {
     /// Creates a transform with `centre` in the middle of `rect`, at `scale` screen points per
-    /// image pixel.
+    /// image pixel, not turned.
     pub fn new(rect: Rect, centre: Point, scale: f64) -> Self {
-        Self { rect, centre, scale }
+        Self { rect, centre, scale, turn: QuarterTurns::default() }
+    }
+
+    /// Returns the same view in another rectangle and at another scale.
+    #[must_use]
+    pub fn at(self, rect: Rect, scale: f64) -> Self {
+        Self { rect, scale, ..self }
+    }
+
+    /// Returns the same view with a turn.
+    #[must_use]
+    pub fn turned(self, turn: QuarterTurns) -> Self {
+        Self { turn, ..self }
+    }
+
+    /// Returns the image vector of a screen vector.
+    pub fn image_vector(&self, v: Vec2) -> Vector {
+        self.turn.inverse().turned(Vector::new(f64::from(v.x), f64::from(v.y))) / self.scale
     }
 
     /// Returns the screen position of an image position.
     pub fn screen_from_image(&self, point: Point) -> Pos2 {
-        let offset = (point - self.centre) * self.scale;
+        let offset = self.turn.turned((point - self.centre) * self.scale);
         self.rect.center() + vec2(offset.x as f32, offset.y as f32)
     }
 
     /// Returns the image position at a screen position.
     pub fn image_from_screen(&self, position: Pos2) -> Point {
-        let offset = position - self.rect.center();
-        self.centre + Vector::new(f64::from(offset.x), f64::from(offset.y)) / self.scale
+        self.centre + self.image_vector(position - self.rect.center())
     }
 
     /// Returns the screen rectangle of the pixels from `first` up to but not including `end`.
     pub fn screen_from_pixels(&self, first: [usize; 2], end: [usize; 2]) -> Rect {
-        let corner = |p: [usize; 2]| {
-            let at = self.screen_from_image(Point::new(p[0] as f64 - 0.5, p[1] as f64 - 0.5));
-            pos2(at.x, at.y)
-        };
-        Rect::from_min_max(corner(first), corner(end))
+        let corner = |p: [usize; 2]| self.screen_from_image(Point::new(p[0] as f64 - 0.5, p[1] as f64 - 0.5));
+        Rect::from_two_pos(corner(first), corner(end))
+    }
+
+    /// Returns the range of image positions that a rectangle of the screen shows: the smallest and
+    /// the largest coordinates.
+    pub fn image_range(&self, area: Rect) -> [Point; 2] {
+        let (a, b) = (self.image_from_screen(area.min), self.image_from_screen(area.max));
+        [Point::new(a.x.min(b.x), a.y.min(b.y)), Point::new(a.x.max(b.x), a.y.max(b.y))]
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use egui::pos2;
     use proptest::prelude::*;
 
     const FRAME: Frame = Frame { width: 768, height: 576 };
@@ -122,6 +149,23 @@ mod tests {
         let image = transform.screen_from_pixels([0, 0], [FRAME.width, FRAME.height]);
         assert!(rect.contains_rect(image));
         assert!((image.center() - rect.center()).length() < 1e-3);
+    }
+
+    #[test]
+    fn a_turned_view_shows_all_of_the_image_and_its_top_at_the_right() {
+        let (rect, view) = (pane(), PaneView::fitting(FRAME).turned());
+        let transform = view.transform(FRAME, rect);
+        let image = transform.screen_from_pixels([0, 0], [FRAME.width, FRAME.height]);
+        assert!(rect.contains_rect(image) && image.height() > image.width());
+        // Clockwise: the top left corner goes to the top right.
+        let corner = transform.screen_from_image(Point::new(-0.5, -0.5));
+        assert!((corner - image.right_top()).length() < 1e-3, "{corner} {image}");
+        let [low, high] = transform.image_range(image);
+        assert!(
+            (low - Point::new(-0.5, -0.5)).norm() < 1e-3 && (high - Point::new(767.5, 575.5)).norm() < 1e-3
+        );
+        let four = (0..4).fold(view, |view, _| view.turned());
+        assert_eq!(four, view);
     }
 
     #[test]
@@ -142,11 +186,11 @@ mod tests {
     fn a_view_carried_over_and_back_is_the_same() {
         let (small, large) = ((FRAME, pane()), (Frame::new(4000, 3000), pane()));
         let mut view = PaneView::fitting(FRAME);
-        assert!(view.carried_over(small, large).fits());
+        assert!(view.carried_over(small, &view, large).fits());
         view.zoom(&view.transform(FRAME, pane()), FRAME, pos2(200.0, 200.0), 3.0);
-        let there = view.carried_over(small, large);
+        let there = view.carried_over(small, &view, large);
         assert!((there.centre.x / 3999.0 - view.centre.x / 767.0).abs() < 1e-9);
-        let back = there.carried_over(large, small);
+        let back = there.carried_over(large, &view, small);
         assert!((back.centre - view.centre).norm() < 1e-9);
         assert!((back.scale.unwrap() - view.scale.unwrap()).abs() < 1e-9);
     }
@@ -154,10 +198,10 @@ mod tests {
     proptest! {
         #[test]
         fn the_transforms_undo_each_other_and_zoom_keeps_the_cursor(
-            x in 40.0..600.0f32, y in 60.0..420.0f32, factor in 0.8..1.3f64
+            x in 40.0..600.0f32, y in 60.0..420.0f32, factor in 0.8..1.3f64, turn in 0..4u8
         ) {
             let rect = pane();
-            let mut view = PaneView::fitting(FRAME);
+            let mut view = PaneView { turn: turn.into(), ..PaneView::fitting(FRAME) };
             let before = view.transform(FRAME, rect);
             let at = pos2(x, y);
             prop_assert!((before.screen_from_image(before.image_from_screen(at)) - at).length() < 1e-3);
