@@ -41,10 +41,9 @@ impl Autosave {
             .filter(|(path, _)| path.exists())
             .collect();
         left_behind.sort_by_key(|(path, _)| std::cmp::Reverse(modified(path)));
+        let left_behind = pruned(left_behind, SystemTime::now());
         let (path, lock) = free_slot(folder).map_err(failed)?;
-        let mut found = Self { folder: folder.to_owned(), path, lock, left_behind, is_failing: false };
-        found.prune(SystemTime::now());
-        Ok(found)
+        Ok(Self { folder: folder.to_owned(), path, lock, left_behind, is_failing: false })
     }
 
     /// Leaves the copy of this window behind and takes another slot. Returns whether a slot was
@@ -53,24 +52,8 @@ impl Autosave {
         let Ok((path, lock)) = free_slot(&self.folder) else { return false };
         let left = (std::mem::replace(&mut self.path, path), std::mem::replace(&mut self.lock, lock));
         self.left_behind.insert(0, left);
-        self.prune(SystemTime::now());
+        self.left_behind = pruned(std::mem::take(&mut self.left_behind), SystemTime::now());
         true
-    }
-
-    /// Removes copies beyond the maximum number and age.
-    fn prune(&mut self, now: SystemTime) {
-        let is_old = |path: &Path| {
-            let age = modified(path).and_then(|then| now.duration_since(then).ok());
-            age.is_some_and(|age| age > LONGEST)
-        };
-        let mut kept = Vec::new();
-        for (path, lock) in self.left_behind.drain(..) {
-            // A copy that cannot be removed is kept.
-            if (kept.len() < MOST_LEFT_BEHIND && !is_old(&path)) || std::fs::remove_file(&path).is_err() {
-                kept.push((path, lock));
-            }
-        }
-        self.left_behind = kept;
     }
 
     /// Returns the path for the copy of this window.
@@ -91,6 +74,22 @@ impl Autosave {
             let _ = std::fs::remove_file(path);
         }
     }
+}
+
+/// Removes copies beyond the maximum number and age, and returns the others.
+fn pruned(copies: Vec<(PathBuf, File)>, now: SystemTime) -> Vec<(PathBuf, File)> {
+    let is_old = |path: &Path| {
+        let age = modified(path).and_then(|then| now.duration_since(then).ok());
+        age.is_some_and(|age| age > LONGEST)
+    };
+    let mut kept = Vec::new();
+    for (path, lock) in copies {
+        // A copy that cannot be removed is kept.
+        if (kept.len() < MOST_LEFT_BEHIND && !is_old(&path)) || std::fs::remove_file(&path).is_err() {
+            kept.push((path, lock));
+        }
+    }
+    kept
 }
 
 fn path_of(folder: &Path, slot: usize) -> PathBuf {
