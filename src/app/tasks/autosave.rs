@@ -181,7 +181,7 @@ mod tests {
     #[test]
     fn there_is_always_room_for_one_more_copy() {
         let folder = tempfile::tempdir().unwrap();
-        for slot in 0..100 {
+        for slot in 0..SLOTS {
             std::fs::write(path_of(folder.path(), slot), format!("work {slot}")).unwrap();
         }
         let mut window = Autosave::begin(folder.path()).unwrap();
