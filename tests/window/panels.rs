@@ -226,8 +226,8 @@ fn the_start_shows_one_card_and_every_tab_says_what_will_appear() {
     for (key, says) in [
         (Key::Num1, "Intensities along the epipolar lines of p"),
         (Key::Num2, "The costs of matching all lines through p and q"),
-        (Key::Num3, "Distances of your pairs from the epipolar lines appear here"),
-        (Key::Num4, "Distances of your pairs from the epipolar lines appear here"),
+        (Key::Num3, "Distances from the epipolar lines appear here"),
+        (Key::Num4, "Distances from the epipolar lines appear here"),
     ] {
         press(&mut window, key);
         window.get_by_label_contains(says);

@@ -312,7 +312,7 @@ fn without_ground_truth_its_button_is_greyed_and_says_why() {
     let left = at(&window, Side::Left, 0.1, 0.1);
     click(&mut window, left);
     press(&mut window, Key::Num3);
-    window.get_by_label_contains("Distances of your pairs from the epipolar lines appear here");
+    window.get_by_label_contains("Distances from the epipolar lines appear here");
     assert!(window.get_by_label("Ground truth").accesskit_node().is_disabled());
     press(&mut window, Key::G);
     assert!(window.state().messages().any(|text| text.contains("open a VGG folder")));

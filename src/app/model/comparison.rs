@@ -64,6 +64,8 @@ const SEED: u64 = 0;
 pub enum PointSet {
     /// Clicked pairs.
     Pairs,
+    /// Matches that the program found in the images.
+    Matches,
     /// True matches.
     #[default]
     TrueMatches,
@@ -84,9 +86,9 @@ pub enum Measure {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(default, rename_all = "kebab-case")]
 pub struct Subject {
-    /// Points at which distances are measured. Clicked pairs, if no true matches are known.
+    /// Points at which distances are measured, if there are any of this kind.
     pub measured: PointSet,
-    /// Points that the other methods are fitted to. Clicked pairs, if no true matches are known.
+    /// Points that the other methods are fitted to, if there are any of this kind.
     pub fitted: PointSet,
     /// Measure of distance.
     pub measure: Measure,
@@ -107,6 +109,8 @@ pub struct ComparisonQuestion {
     pub excluded: Vec<usize>,
     /// Pairs used in the estimate.
     pub used: Vec<PointPair>,
+    /// Matches of the result.
+    pub matches: Vec<PointPair>,
     /// Sizes of the images.
     pub frames: [Frame; 2],
     /// Ground truth, if known and in use.
@@ -133,6 +137,8 @@ pub struct Comparison {
     pub number: u64,
     /// The measured points.
     pub measured: PointSet,
+    /// The points that the other methods are fitted to.
+    pub fitted: PointSet,
     /// Number of measured points.
     pub points: usize,
     /// Rows in the order of [`Contestant::ALL`].
@@ -160,13 +166,9 @@ impl ComparisonQuestion {
     /// Computes the comparison.
     pub fn answer(&self) -> Comparison {
         let truth = self.truth.as_deref();
-        let (measured, points) = match (self.subject.measured, truth) {
-            (PointSet::TrueMatches, Some(truth)) if !truth.matches.is_empty() => {
-                (PointSet::TrueMatches, &truth.matches)
-            }
-            _ => (PointSet::Pairs, &self.pairs),
-        };
-        let counts = |k: usize| measured == PointSet::TrueMatches || !self.excluded.contains(&k);
+        let measured = self.present(self.subject.measured);
+        let points = self.points(measured);
+        let counts = |k: usize| measured != PointSet::Pairs || !self.excluded.contains(&k);
         let counted: Vec<PointPair> = (0..points.len()).filter(|k| counts(*k)).map(|k| points[k]).collect();
         let known = |fundamental: &FundamentalMatrix, pairs: usize| PointFit {
             fundamental: *fundamental,
@@ -174,13 +176,18 @@ impl ComparisonQuestion {
             solutions: 1,
         };
         let fitted = self.fitted();
+        // Seven of many matches, spread over the list, which follows the image.
+        let seven = fitted.clone().map(|pairs| match self.present(self.subject.fitted) {
+            PointSet::Matches if pairs.len() > 7 => (0..7).map(|k| pairs[k * pairs.len() / 7]).collect(),
+            _ => pairs,
+        });
         let fits = Contestant::ALL.map(|contestant| match contestant {
             Contestant::Result => {
                 let none = || "no result yet: click two point pairs".to_owned();
                 self.result.as_ref().map(|f| known(f, self.used.len())).ok_or_else(none)
             }
             Contestant::SevenPoint => {
-                fitted.clone().and_then(|pairs| self.in_words(fit_seven(&pairs, &counted)))
+                seven.clone().and_then(|pairs| self.in_words(fit_seven(&pairs, &counted)))
             }
             Contestant::EightPoint => fitted.clone().and_then(|pairs| self.in_words(fit_eight(&pairs))),
             Contestant::Ransac => fitted.clone().and_then(|pairs| self.in_words(fit_msac(&pairs, SEED))),
@@ -212,6 +219,7 @@ impl ComparisonQuestion {
         Comparison {
             number: revision::fresh(),
             measured,
+            fitted: self.present(self.subject.fitted),
             points: points.len(),
             rows,
             true_error: self.shown.as_ref().and_then(error),
@@ -219,14 +227,31 @@ impl ComparisonQuestion {
         }
     }
 
-    /// Returns the points that the other methods are fitted to: the clicked pairs, or the used
-    /// pairs and further true matches up to eight, drawn as in an evaluation.
+    /// Returns the points of a set.
+    fn points(&self, set: PointSet) -> &[PointPair] {
+        match set {
+            PointSet::Pairs => &self.pairs,
+            PointSet::Matches => &self.matches,
+            PointSet::TrueMatches => self.truth.as_deref().map_or(&[], |truth| &truth.matches),
+        }
+    }
+
+    /// Returns the wanted set if it has points, and else the first set that has some.
+    fn present(&self, wanted: PointSet) -> PointSet {
+        let order = [wanted, PointSet::Pairs, PointSet::Matches];
+        order.into_iter().find(|set| !self.points(*set).is_empty()).unwrap_or(PointSet::Pairs)
+    }
+
+    /// Returns the points that the other methods are fitted to: the clicked pairs, the matches of
+    /// the result, or the used pairs and further true matches up to eight, drawn as in an evaluation.
     fn fitted(&self) -> Result<Vec<PointPair>, String> {
-        let wanted = self.subject.fitted == PointSet::TrueMatches;
-        let known = self.truth.as_deref().filter(|truth| wanted && !truth.matches.is_empty());
-        let Some(truth) = known else {
-            let included = self.pairs.iter().enumerate().filter(|(k, _)| !self.excluded.contains(k));
-            return Ok(included.map(|(_, pair)| *pair).collect());
+        let truth = match (self.present(self.subject.fitted), self.truth.as_deref()) {
+            (PointSet::TrueMatches, Some(truth)) => truth,
+            (PointSet::Matches, _) => return Ok(self.matches.clone()),
+            _ => {
+                let included = self.pairs.iter().enumerate().filter(|(k, _)| !self.excluded.contains(k));
+                return Ok(included.map(|(_, pair)| *pair).collect());
+            }
         };
         let GroundTruth { name, fundamental, matches, .. } = truth;
         let known = KnownPair { name, frames: self.frames, truth: fundamental, matches };
@@ -239,13 +264,13 @@ impl ComparisonQuestion {
         fit.map_err(|error| match error {
             FitError::TooFew { .. } => error.to_string(),
             FitError::Seven(_) | FitError::Eight(_) | FitError::NoSample
-                if self.subject.fitted == PointSet::Pairs =>
+                if self.present(self.subject.fitted) == PointSet::Pairs =>
             {
                 "these pairs do not determine a geometry: spread them over the images and over depth"
                     .to_owned()
             }
             FitError::Seven(_) | FitError::Eight(_) | FitError::NoSample => {
-                "these true matches do not determine a geometry".to_owned()
+                "these matches do not determine a geometry".to_owned()
             }
         })
     }
@@ -265,6 +290,7 @@ mod tests {
             pairs: sample.show_me.to_vec(),
             excluded: Vec::new(),
             used: sample.show_me.to_vec(),
+            matches: Vec::new(),
             frames: sample.pictures.each_ref().map(crate::image::Picture::frame),
             truth: Some(Shared::new(sample.truth)),
             subject: Subject::default(),
@@ -310,6 +336,27 @@ mod tests {
             ..question
         };
         assert!(empty.answer().rows.iter().all(|row| row.fit.is_err() && row.spread.is_none()));
+    }
+
+    #[test]
+    fn matches_of_the_images_are_measured_and_fitted() {
+        let matches: Vec<PointPair> = question().truth.as_ref().unwrap().matches.clone();
+        let count = matches.len();
+        let mut question = ComparisonQuestion { truth: None, pairs: Vec::new(), matches, ..question() };
+        let comparison = question.answer();
+        assert_eq!(
+            (comparison.measured, comparison.points),
+            (PointSet::Matches, count),
+            "nothing else is there"
+        );
+        for contestant in [Contestant::SevenPoint, Contestant::EightPoint, Contestant::Ransac] {
+            assert!(comparison.of(contestant).spread.unwrap().max < 1e-2, "{contestant:?}");
+        }
+        // Clicked pairs come first, unless the matches are asked for.
+        question.pairs = question.used.clone();
+        assert_eq!(question.answer().measured, PointSet::Pairs);
+        question.subject.measured = PointSet::Matches;
+        assert_eq!(question.answer().measured, PointSet::Matches);
     }
 
     #[test]

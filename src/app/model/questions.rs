@@ -56,10 +56,17 @@ impl Model {
             pairs: document.pairs.clone(),
             excluded: document.excluded.iter().copied().collect(),
             used: document.used().map(|pair| document.pairs[pair]).collect(),
+            matches: self.found_matches(),
             frames: pictures.each_ref().map(|picture| picture.frame),
             truth: self.truth().and(self.open.known.as_ref()).map(|known| known.truth.clone()),
             subject: self.look.compared,
         })
+    }
+
+    /// Returns the matches of the result, with the result as it was found.
+    fn found_matches(&self) -> Vec<PointPair> {
+        let result = self.open.computation.result();
+        result.map_or_else(Vec::new, |(found, _)| found.matches().iter().map(|found| found.pair).collect())
     }
 
     /// Returns the request for a suggested match. None for sequences: their cameras are too far

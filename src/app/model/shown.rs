@@ -164,7 +164,10 @@ impl Model {
             .unwrap_or(0.0);
         let f = self.shown()?.fundamental;
         let used = self.document.used_pairs().and_then(|pairs| pairs.first_chunk::<2>().copied());
-        let own = Construction::of(f, used.or_else(|| self.stand_in_clicks(f))?, turn)?;
+        // Matches anchor the lines of both images at the same scene points.
+        let matched = || self.standing_in().first_chunk::<2>().copied();
+        let clicks = used.or_else(matched).or_else(|| self.stand_in_clicks(f))?;
+        let own = Construction::of(f, clicks, turn)?;
         own.corresponding(line1, line2).map(|(line1, line2)| [line1, line2])
     }
 
@@ -194,14 +197,30 @@ impl Model {
         })
     }
 
+    /// Returns the lines through one of the matches that replace clicks: those of which both images
+    /// show most.
+    fn through_longest(&self) -> Option<LineSource> {
+        let shown = |source: &LineSource| {
+            let length = |side: Side, line: &AnchoredLine| {
+                self.document.frame(side)?.clip(&line.line()).map(|segment| segment.length())
+            };
+            let [line1, line2] = self.lines(*source)?;
+            Some(length(Side::Left, &line1)?.min(length(Side::Right, &line2)?))
+        };
+        let through = |found: PointPair| LineSource::Through { side: Side::Left, point: found.point1 };
+        let sources = self.standing_in().into_iter().map(through);
+        let longest = sources.filter_map(|source| Some((shown(&source)?, source)));
+        longest.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, source)| source)
+    }
+
     /// Returns the inspected line pair: the selected pin, or else the lines through the first
     /// click.
     pub fn inspected(&self) -> Option<InspectedLines> {
         let source = match self.open.focus.inspected() {
             Some(pin) => pin.source,
-            None => match (self.document.used().next(), self.standing_in().first()) {
-                (Some(pair), _) => LineSource::Pair(pair),
-                (None, found) => LineSource::Through { side: Side::Left, point: found?.point1 },
+            None => match self.document.used().next() {
+                Some(pair) => LineSource::Pair(pair),
+                None => self.through_longest()?,
             },
         };
         Some(InspectedLines { source, lines: self.lines(source)? })

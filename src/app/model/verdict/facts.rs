@@ -160,10 +160,7 @@ const SUPPORT: &str = "Corners of the reduced images with a match along their ep
 /// Returns the margin of the result, and the hypothesis to which it is measured.
 fn margin(estimate: &Estimate) -> Fact {
     let Some(margin) = estimate.assessment.margin else {
-        return Fact {
-            tone: Some(Tone::Good),
-            ..Fact::new("Margin", "no clearly different geometry", MARGIN)
-        };
+        return Fact { tone: Some(Tone::Good), ..Fact::new("Margin", "no rival", MARGIN) };
     };
     let rival = rival(estimate).map_or(String::new(), |rival| format!(" to hypothesis {}", rival + 1));
     // The margin after refinement decides, if it was measured.

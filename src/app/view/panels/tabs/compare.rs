@@ -4,7 +4,7 @@ use egui::{ScrollArea, Ui};
 
 use super::super::table::{Column, RowLook, Table};
 use super::Tab;
-use super::residuals::{choice, contestants, measured, px, tools};
+use super::residuals::{MATCHES, choice, contestants, measured, missing, px, tools};
 use crate::app::model::Model;
 use crate::app::model::command::Command;
 use crate::app::model::comparison::{Comparison, Contestant, PointSet, Subject};
@@ -22,12 +22,10 @@ const LEAST_WIDTH: f32 = 330.0;
 
 fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let Some(comparison) = measured(ui, model, commands) else { return };
-    if model.truth().is_some() {
-        ui.horizontal_wrapped(|ui| {
-            ui.spacing_mut().item_spacing.x = 3.0;
-            inputs(ui, model, commands);
-        });
-    }
+    ui.horizontal_wrapped(|ui| {
+        ui.spacing_mut().item_spacing.x = 3.0;
+        inputs(ui, model, comparison, commands);
+    });
     let room = ui.available_width();
     ScrollArea::horizontal().id_salt("summary table").auto_shrink([false, false]).show(ui, |ui| {
         ui.set_width(room.max(LEAST_WIDTH));
@@ -35,16 +33,18 @@ fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     });
 }
 
-/// Shows the choice of the pairs given to the 7-point and 8-point algorithms.
-fn inputs(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+/// Shows the choice of the pairs given to the other methods.
+fn inputs(ui: &mut Ui, model: &Model, comparison: &Comparison, commands: &mut Vec<Command>) {
     let now = model.look.compared;
-    ui.weak("7/8-point input").on_hover_text("Point pairs given to the 7-point and 8-point algorithms.");
+    ui.weak("Fitted to")
+        .on_hover_text("Pairs given to the 7-point and 8-point algorithms, RANSAC and LMedS.");
     for (set, name, tooltip) in [
         (
             PointSet::Pairs,
             "Point pairs",
             "All pairs that are not left out. The 7-point algorithm takes the first seven.",
         ),
+        (PointSet::Matches, "Matches", MATCHES),
         (
             PointSet::TrueMatches,
             "My pairs + true matches",
@@ -53,7 +53,7 @@ fn inputs(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         ),
     ] {
         let then = Subject { fitted: set, ..now };
-        choice(ui, (name, tooltip), now.fitted == set, true, then, commands);
+        choice(ui, (name, tooltip), comparison.fitted == set, missing(model, set), then, commands);
     }
 }
 
@@ -180,6 +180,7 @@ fn from(model: &Model, comparison: &Comparison, contestant: Contestant) -> Strin
         Err(why) => return why.clone(),
     };
     match contestant {
+        Contestant::Result if fit.pairs == 0 => "the images alone".to_owned(),
         Contestant::Result => format!("{} pairs and the images", fit.pairs),
         Contestant::SevenPoint if fit.solutions > 1 => {
             format!("7 pairs, nearest of {} solutions", fit.solutions)

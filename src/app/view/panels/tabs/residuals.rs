@@ -14,6 +14,7 @@ use crate::app::model::ids::TabId;
 use crate::app::model::verdict::Gauge;
 use crate::app::view::panels::truth_button;
 use crate::app::view::theme;
+use crate::geometry::PointPair;
 
 /// Registered in [`super::TABS`].
 pub const TAB: Tab = Tab { id: TabId::Residuals, tools, show };
@@ -28,11 +29,10 @@ pub fn tools(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
 
 /// Shows what is missing. Returns the comparison if there is one with points.
 pub fn measured<'a>(ui: &mut Ui, model: &'a Model, commands: &mut Vec<Command>) -> Option<&'a Comparison> {
-    if model.document.pairs.is_empty() && model.truth().is_none() {
+    if model.document.pairs.is_empty() && model.truth().is_none() && !has_matches(model) {
         empty(
             ui,
-            "Distances of your pairs from the epipolar lines appear here. Click point pairs, or open a \
-             folder with ground truth. The sample has ground truth, too: press Ground truth (G).",
+            "Distances from the epipolar lines appear here. Click point pairs, or find F without clicks.",
         );
         return None;
     }
@@ -42,7 +42,7 @@ pub fn measured<'a>(ui: &mut Ui, model: &'a Model, commands: &mut Vec<Command>) 
     });
     let comparison = model.open.comparison.as_ref()?;
     if comparison.points == 0 {
-        empty(ui, "There are no points to measure on. Click a point pair, or choose True matches above.");
+        empty(ui, "There are no points to measure on. Click a point pair, or choose other points above.");
         return None;
     }
     Some(comparison)
@@ -60,12 +60,14 @@ fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
 /// Shows the choices of points and measure.
 pub fn choices(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let now = model.look.compared;
-    let has_truth = model.truth().is_some();
-    let measured = if has_truth { now.measured } else { PointSet::Pairs };
-    for (set, name) in [(PointSet::Pairs, "Point pairs"), (PointSet::TrueMatches, "True matches")] {
-        let enabled = has_truth || set == PointSet::Pairs;
+    let measured = model.open.comparison.as_ref().map_or(now.measured, |comparison| comparison.measured);
+    for (set, name, tooltip) in [
+        (PointSet::Pairs, "Point pairs", "Measure on the pairs that you clicked."),
+        (PointSet::Matches, "Matches", MATCHES),
+        (PointSet::TrueMatches, "True matches", "Measure on the true matches."),
+    ] {
         let then = Subject { measured: set, ..now };
-        choice(ui, (name, "Measure on these points."), measured == set, enabled, then, commands);
+        choice(ui, (name, tooltip), measured == set, missing(model, set), then, commands);
     }
     ui.add_space(theme::GAP);
     for (measure, name, tooltip) in [
@@ -81,22 +83,41 @@ pub fn choices(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         ),
     ] {
         let then = Subject { measure, ..now };
-        choice(ui, (name, tooltip), now.measure == measure, true, then, commands);
+        choice(ui, (name, tooltip), now.measure == measure, None, then, commands);
     }
 }
 
-/// Shows one value of a choice.
+/// Tooltip of the matches of the result.
+pub const MATCHES: &str = "The matches that the program found in the images. It looked for them along the epipolar \
+                           lines of the result, which favours the result.";
+
+fn has_matches(model: &Model) -> bool {
+    model.open.computation.result().is_some_and(|(found, _)| !found.matches().is_empty())
+}
+
+/// Returns why there are no points of a kind; `None` if there are some.
+pub fn missing(model: &Model, set: PointSet) -> Option<&'static str> {
+    match set {
+        PointSet::Pairs => model.document.pairs.is_empty().then_some("You have clicked no point pair."),
+        PointSet::Matches => (!has_matches(model)).then_some("There is no result with matches yet."),
+        PointSet::TrueMatches => model.truth().is_none().then_some(
+            "Needs ground truth: open a folder that has it, or press Ground truth (G) on the sample.",
+        ),
+    }
+}
+
+/// Shows one value of a choice. It is disabled if something is missing.
 pub fn choice(
     ui: &mut Ui,
     (name, tooltip): (&str, &str),
     chosen: bool,
-    enabled: bool,
+    missing: Option<&str>,
     then: Subject,
     commands: &mut Vec<Command>,
 ) {
-    let response = ui.add_enabled(enabled, egui::Button::selectable(chosen, name).small());
-    let missing = "Needs ground truth: open a folder that has it, or press Ground truth (G).";
-    if response.on_hover_text(tooltip).on_disabled_hover_text(missing).clicked() {
+    let response = ui.add_enabled(missing.is_none(), egui::Button::selectable(chosen, name).small());
+    let response = response.on_hover_text(tooltip);
+    if response.on_disabled_hover_text(missing.unwrap_or_default()).clicked() {
         commands.push(Command::Compare(then));
     }
 }
@@ -112,8 +133,8 @@ fn point_columns(contestants: &[Contestant]) -> Vec<Column> {
     let point = Column::figures(
         "Point",
         84.0,
-        "The pair, or the number of the true match. Point at a row to find it in both images. Click a pair \
-         to select it, or a true match to inspect its lines.",
+        "The pair, or the number of the match. Point at a row to find it in both images. Click a pair to \
+         select it, or a match to inspect its lines.",
     );
     let distance = |contestant: &Contestant| {
         let (title, tooltip) = match contestant {
@@ -136,7 +157,11 @@ fn point_columns(contestants: &[Contestant]) -> Vec<Column> {
 
 fn points(ui: &mut Ui, model: &Model, comparison: &Comparison, commands: &mut Vec<Command>) {
     let are_pairs = comparison.measured == PointSet::Pairs;
-    let target = |row: usize| if are_pairs { Target::Pair(row) } else { Target::TrueMatch(row) };
+    let target = |row: usize| match comparison.measured {
+        PointSet::Pairs => Target::Pair(row),
+        PointSet::Matches => Target::Match(row),
+        PointSet::TrueMatches => Target::TrueMatch(row),
+    };
     let name = |row: usize| if are_pairs { pair_name(row) } else { (row + 1).to_string() };
     let document = &model.document;
     let contestants = contestants(model);
@@ -148,7 +173,12 @@ fn points(ui: &mut Ui, model: &Model, comparison: &Comparison, commands: &mut Ve
         rows: comparison.points,
         revision: comparison.number,
         row_name: &|row| {
-            format!("{} {}", if are_pairs { "Residuals of pair" } else { "True match" }, name(row))
+            let kind = match comparison.measured {
+                PointSet::Pairs => "Residuals of pair",
+                PointSet::Matches => "Match",
+                PointSet::TrueMatches => "True match",
+            };
+            format!("{kind} {}", name(row))
         },
         key: &|row, column| match column {
             0 => row as f64,
@@ -184,9 +214,18 @@ fn points(ui: &mut Ui, model: &Model, comparison: &Comparison, commands: &mut Ve
     } else if let Some(row) = touched.clicked {
         if are_pairs {
             commands.push(Command::Select(Some(PointRef { pair: row, side: Side::Left })));
-        } else if let Some(pair) = model.truth().and_then(|truth| truth.matches.get(row)) {
+        } else if let Some(pair) = matched(model, comparison.measured, row) {
             commands.push(Command::Pin(LineSource::Through { side: Side::Left, point: pair.point1 }));
         }
+    }
+}
+
+/// Returns a match of a set, by its number.
+fn matched(model: &Model, set: PointSet, number: usize) -> Option<PointPair> {
+    match set {
+        PointSet::Pairs => None,
+        PointSet::Matches => Some(model.open.computation.result()?.0.matches().get(number)?.pair),
+        PointSet::TrueMatches => model.truth()?.matches.get(number).copied(),
     }
 }
 
