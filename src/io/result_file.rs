@@ -7,8 +7,8 @@ use serde::Serialize;
 
 use super::geometry_file::{Format, ImageNote, PairLabel};
 use crate::estimate::{
-    BarcodeFigures, Determined, EpipoleBearing, Estimate, Method, Parameters, PatchSupport, PlaneHomography,
-    Preset, SearchCounts, StageTiming, Verdict, Warning,
+    BarcodeFigures, Determined, EpipoleBearing, EpipoleCertainty, Estimate, Method, Parameters, PatchSupport,
+    PlaneHomography, Preset, SearchCounts, StageTiming, Verdict, Warning,
 };
 use crate::geometry::{
     FundamentalMatrix, PointPair, place_in_words, sampson_distance, symmetric_epipolar_distance,
@@ -222,7 +222,10 @@ fn epipoles_in_words(found: &Estimate, images: &[ImageNote; 2]) -> String {
     for (k, epipole) in [found.geometry.epipole1(), found.geometry.epipole2()].iter().enumerate() {
         let place = place_in_words(epipole, images[k].frame);
         let interval = match (&bearings, found.determined(frames)) {
-            (Some(bearings), _) => format!("; {}", interval_in_words(&bearings[k])),
+            (Some(bearings), _) => {
+                let is_place = bearings[k].certainty() == EpipoleCertainty::Position;
+                format!("; {}{}", interval_in_words(&bearings[k]), if is_place { " away" } else { "" })
+            }
             (None, Some(Determined::Lines)) => "; not determined by the matches".to_owned(),
             _ => String::new(),
         };

@@ -6,17 +6,18 @@ use crate::estimate::{EpipoleBearing, EpipoleCertainty};
 /// from symmetric.
 const SYMMETRIC: f64 = 0.2;
 
-/// Describes the 95 % interval of an epipole, seen from the middle of its image.
+/// Describes the 95 % interval of an epipole's distance or direction, seen from the middle of its
+/// image.
 pub fn interval_in_words(bearing: &EpipoleBearing) -> String {
     let EpipoleBearing { direction_error, distance, nearest, farthest, .. } = *bearing;
     match (bearing.certainty(), farthest) {
         (EpipoleCertainty::Position, Some(farthest)) => {
             let half = 0.5 * (farthest - nearest);
             if half <= SYMMETRIC * distance {
-                format!("{} ± {} px away", rounded(distance, half), rounded(half, half))
+                format!("{} ± {} px", rounded(distance, half), rounded(half, half))
             } else {
                 let step = 0.1 * farthest;
-                format!("{} to {} px away", rounded(nearest, step), rounded(farthest, step))
+                format!("{} to {} px", rounded(nearest, step), rounded(farthest, step))
             }
         }
         (EpipoleCertainty::Direction, _) => {
@@ -44,10 +45,10 @@ mod tests {
 
     #[test]
     fn intervals_have_no_more_digits_than_they_deserve() {
-        assert_eq!(words(4954.0, 4252.0, Some(5671.0), 0.01), "5000 ± 700 px away");
-        assert_eq!(words(83.27, 82.15, Some(84.43), 0.01), "83 ± 1 px away");
-        assert_eq!(words(83.27, 83.15, Some(83.43), 0.01), "83.3 ± 0.1 px away");
-        assert_eq!(words(6000.0, 3120.0, Some(12_100.0), 0.01), "3000 to 12000 px away");
+        assert_eq!(words(4954.0, 4252.0, Some(5671.0), 0.01), "5000 ± 700 px");
+        assert_eq!(words(83.27, 82.15, Some(84.43), 0.01), "83 ± 1 px");
+        assert_eq!(words(83.27, 83.15, Some(83.43), 0.01), "83.3 ± 0.1 px");
+        assert_eq!(words(6000.0, 3120.0, Some(12_100.0), 0.01), "3000 to 12000 px");
         assert_eq!(words(6000.0, 3120.0, None, 0.02), "direction ± 1.1°, distance unknown");
         assert_eq!(words(f64::INFINITY, 400.0, None, 1.5), "direction and distance unknown");
     }

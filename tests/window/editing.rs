@@ -38,7 +38,7 @@ fn the_sentence_follows_the_clicks() {
     window.get_by_label_contains("Pair p: now click the same scene point in the right image");
     let right = at(&window, Side::Right, 0.1, 0.1);
     click(&mut window, right);
-    window.get_by_label_contains("One more pair: click pair q");
+    window.get_by_label_contains("One more pair: click q");
 }
 
 #[test]

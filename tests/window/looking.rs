@@ -78,7 +78,7 @@ fn the_inspect_tool_pins_line_pairs_and_escape_leaves_it() {
     let mut window = sample();
     click_two_pairs(&mut window);
     press(&mut window, Key::I);
-    window.get_by_label_contains("Pin tool: click in an image to pin");
+    window.get_by_label_contains("Pin tool: click to pin");
     let place = at(&window, Side::Right, 0.1, 0.1);
     click(&mut window, place);
     let pins = window.state().focus().pins().to_vec();
@@ -117,7 +117,7 @@ fn enter_accepts_a_clear_suggestion_only() {
             settle(&mut window);
             assert!(window.state().document().pairs.is_empty(), "one step to undo");
         } else {
-            window.get_by_label_contains("Unclear: other places look nearly as good");
+            window.get_by_label_contains("Several places look alike");
         }
     }
 }

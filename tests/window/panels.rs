@@ -135,7 +135,7 @@ fn a_cell_of_the_pencils_is_pointed_at_and_a_click_inspects_its_lines() {
 fn a_place_in_the_profiles_is_a_sample_of_the_line() {
     let mut window = with_result();
     press(&mut window, Key::Num1);
-    let title = window.get_by_label("Before warping").rect();
+    let title = window.get_by_label("Grey before warping").rect();
     window.hover_at(title.left_bottom() + vec2(150.0, 20.0));
     settle(&mut window);
     let hovered = window.state().focus().hovered();
@@ -513,7 +513,7 @@ fn plots_that_have_no_room_are_scrolled_to() {
     let place = |window: &Window, title: &str| window.get_by_label(title).rect();
     // The two curves come first, side by side; the others are below.
     let [before, after, costs] =
-        ["Before warping", "After warping", "Cost of each sample"].map(|title| place(&window, title));
+        ["Grey before warping", "Grey after warping", "Cost, grey²"].map(|title| place(&window, title));
     assert!((before.min.y - after.min.y).abs() < 1.0 && before.max.x < after.min.x, "{before:?} {after:?}");
     assert!(costs.min.y > before.min.y + 82.0, "no plot over another");
     press(&mut window, Key::Num3);
@@ -537,4 +537,36 @@ fn figures_stand_on_their_scales_of_good_and_bad() {
     window.get_by_label("Hypothesis 3").click();
     settle(&mut window);
     window.get_by_label_contains("Support on its scale: ");
+}
+
+/// Returns the texts in view that end in "…" because they have no room.
+fn cut_texts(window: &Window) -> Vec<String> {
+    let text = |clipped: &egui::epaint::ClippedShape| match &clipped.shape {
+        egui::Shape::Text(text) if text.galley.elided && clipped.clip_rect.contains(text.pos) => {
+            Some(text.galley.text().to_owned())
+        }
+        _ => None,
+    };
+    window.output().shapes.iter().filter_map(text).collect()
+}
+
+#[test]
+fn no_text_is_cut_in_a_small_window() {
+    let mut window = window(Start::default(), rich_services());
+    window.set_size(vec2(1024.0, 640.0));
+    settle(&mut window);
+    assert_eq!(cut_texts(&window), [""; 0], "at the start");
+    let left = at(&window, Side::Left, 0.1, 0.1);
+    click(&mut window, left);
+    assert_eq!(cut_texts(&window), [""; 0], "after the first click");
+    press(&mut window, Key::Escape);
+    click_two_pairs(&mut window);
+    for tab in [Key::Num1, Key::Num3, Key::Num4, Key::Num2] {
+        press(&mut window, tab);
+        assert_eq!(cut_texts(&window), [""; 0], "tab {tab:?}");
+    }
+    for step in ["Pencils", "Candidates", "Epipoles", "Round trip", "Validation", "Result"] {
+        show_step(&mut window, step);
+        assert_eq!(cut_texts(&window), [""; 0], "step {step}");
+    }
 }

@@ -70,7 +70,7 @@ fn a_right_click_on_a_pinned_line_tells_which_it_is_and_unpins_it() {
     window.get_by_label("Line pair 3");
     window.get_by_label("Show its profiles").click();
     settle(&mut window);
-    window.get_by_label("Before warping");
+    window.get_by_label("Grey before warping");
     let first = at(&window, Side::Left, 0.1, -0.4);
     right_click(&mut window, first);
     window.get_by_label("Line pair 1");

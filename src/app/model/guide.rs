@@ -3,6 +3,7 @@
 use super::Model;
 use super::document::{Side, pair_name};
 use super::look::Tool;
+use crate::suggest::Clarity;
 
 /// Returns a hint about the next step.
 pub fn guide(model: &Model) -> String {
@@ -16,7 +17,7 @@ pub fn guide(model: &Model) -> String {
     }
     if model.tool == Tool::Inspect {
         return if model.shown().is_some() {
-            "Pin tool: click in an image to pin the pair of epipolar lines through that place. Escape goes back.".into()
+            "Pin tool: click to pin the epipolar lines through a place. Escape goes back.".into()
         } else {
             "Pin tool: there are no epipolar lines to pin yet. Escape goes back to placing points.".into()
         };
@@ -29,9 +30,12 @@ pub fn guide(model: &Model) -> String {
         let other = half.side.other().name();
         let offer = match &model.open.suggestion {
             Some(Ok(found)) if found.clear().is_some() => "Enter accepts the suggested match.".to_owned(),
-            Some(Ok(found)) => {
-                format!("{}: click the match yourself, or press Escape to remove the point.", found.verdict)
+            Some(Ok(found)) => match found.verdict {
+                Clarity::Ambiguous => "Several places look alike.",
+                Clarity::NoReturn => "Searching back from the best place ends elsewhere.",
+                Clarity::Weak | Clarity::Clear => "No place looks very similar.",
             }
+            .to_owned(),
             Some(Err(_)) => "No match is suggested.".to_owned(),
             None => "Escape removes the point.".to_owned(),
         };
@@ -43,22 +47,16 @@ pub fn guide(model: &Model) -> String {
             "Searching automatically. Any points you add will be used.".into()
         }
         _ if document.is_unclicked() && computation.failure().is_some() => {
-            "Click a distinct point in the left image, then its match in the right one. Two such \
-             pairs fix the geometry."
-                .into()
+            "Click a distinct point in the left image, then its match in the right one.".into()
         }
         _ if document.is_unclicked() && computation.result().is_some() => {
-            "Move the cursor over an image to see its epipolar line in the other, or click pairs \
-             to make the geometry more certain."
-                .into()
+            "Point at an image to see the epipolar line in the other. Click pairs for more certainty.".into()
         }
-        0 => "Click a point in the left image, then the same scene point in the right one. \
-             Two such pairs give the epipolar geometry."
-            .into(),
+        0 => "Click a point in the left image, then the same scene point in the right one.".into(),
         placed if placed < needed => {
             let name = pair_name(document.pairs.len());
             format!(
-                "{}: click pair {name} in the {} image, far from the others and in a textured place.",
+                "{}: click {name} in the {} image, on texture and far from the others.",
                 if needed - placed == 1 { "One more pair" } else { "Two more pairs" },
                 Side::Left.name(),
             )
@@ -68,9 +66,9 @@ pub fn guide(model: &Model) -> String {
             "Drag the points to better places, or delete a pair and click another.".into()
         }
         _ if computation.result().is_none() => "The estimate was stopped. F5 computes again.".into(),
-        _ => "Move the cursor over an image to see its epipolar line in the other. Drag points to \
-              correct them, click more pairs to make the geometry more certain, or press I to pin \
-              lines."
-            .into(),
+        _ => {
+            "Point at an image to see the epipolar line in the other. Drag points, click more, I pins lines."
+                .into()
+        }
     }
 }

@@ -135,8 +135,8 @@ fn far_epipoles_are_told_by_their_side_and_what_is_known() {
             EpipoleBearing { direction, direction_error: 0.02, distance: 950.0, nearest: 900.0, farthest };
         bearing_text(&HomogeneousPoint::new(direction.cos(), direction.sin(), 1e-3), frame, &bearing)
     };
-    assert_eq!(text(0.1, Some(1010.0)), "right, 950 ± 60 px away");
-    assert_eq!(text(3.1, Some(2500.0)), "left, 900 to 2500 px away");
+    assert_eq!(text(0.1, Some(1010.0)), "right, 950 ± 60 px");
+    assert_eq!(text(3.1, Some(2500.0)), "left, 900 to 2500 px");
     assert_eq!(text(-1.5, None), "far above, direction ± 1.1°");
     let inside = HomogeneousPoint::new(30.0, 40.0, 1.0);
     let near = EpipoleBearing {

@@ -15,7 +15,7 @@ use crate::app::model::command::Command;
 use crate::app::model::focus::Target;
 use crate::app::model::ids::TabId;
 use crate::app::model::inspection::Inspection;
-use crate::app::view::theme;
+use crate::app::view::{heat, theme};
 
 /// Registered in [`super::TABS`].
 pub const TAB: Tab = Tab { id: TabId::Profiles, tools, show };
@@ -100,6 +100,15 @@ impl PlotGrid {
         }
     }
 
+    /// Returns the plot beside whose title the lines and the sample under the cursor are described: one
+    /// in view with room there.
+    fn described(self) -> usize {
+        match self {
+            Self::Whole => 1,
+            Self::Low | Self::Narrow => 0,
+        }
+    }
+
     /// Returns whether a plot shows the scale of the distance, which plots in a column share.
     fn has_scale(self, number: usize) -> bool {
         match self {
@@ -110,6 +119,9 @@ impl PlotGrid {
     }
 }
 
+/// Width below which the description of the lines is left out, screen points: it would be cut after a
+/// word or two.
+const ROOM_FOR_WORDS: f32 = 170.0;
 /// Width below which the plots are one below the other, screen points.
 const LEAST_WIDTH: f32 = 420.0;
 
@@ -132,7 +144,15 @@ fn all_plots(ui: &mut Ui, model: &Model, inspection: &Inspection, area: Rect, gr
                     ui.label(small(text));
                 }
             }
-            if let Some((text, tooltip)) = read_out(model).filter(|_| number == 0) {
+            if number == 3 {
+                let (bar, _) = ui.allocate_exact_size(vec2(56.0, 9.0), Sense::hover());
+                heat::bar(ui, bar);
+                ui.label(small("unlike to alike"))
+                    .on_hover_text("Cost of matching two samples, high to low.");
+            }
+            let has_room = ui.available_width() > ROOM_FOR_WORDS;
+            if let Some((text, tooltip)) = read_out(model).filter(|_| number == grid.described() && has_room)
+            {
                 ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                     let text = RichText::new(text).size(12.0);
                     ui.add(Label::new(text).truncate()).on_hover_text(tooltip);
@@ -150,19 +170,23 @@ type Content = fn(&mut PlotUi, &Inspection, &TextureHandle);
 
 /// Title, tooltip and content of each plot.
 const PLOTS: [(&str, &str, Content); 4] = [
-    ("Before warping", "Intensities of both lines at the same distance from the click.", before),
     (
-        "Cost of each sample",
+        "Grey before warping",
+        "Intensities of both lines (vertical) at the same distance from the click (horizontal, px).",
+        before,
+    ),
+    (
+        "Cost, grey²",
         "Cost of each sample, grey²: its intensity difference and the change of disparity.",
         costs,
     ),
     (
-        "After warping",
+        "Grey after warping",
         "Intensities of the right line, warped onto the left line by the disparities found.",
         after,
     ),
     (
-        "Disparities",
+        "Disparity, px",
         "Cost of matching each sample of the left line (horizontal) at each disparity (vertical). Bright \
          means similar. The curve is the matching found.",
         band,

@@ -33,9 +33,23 @@ fn legend(ui: &mut Ui) {
         .on_hover_text("Each of the two lines is among the best matches of the other.");
     mark(ui, theme::ESTIMATED);
     ui.label(caption("shown"));
-    let axes = "x: direction of the left line · y: rotation of the right line";
-    ui.add(egui::Label::new(caption(axes)).truncate());
+    // The longest words that fit.
+    for axes in [
+        "x: direction of the left line · y: rotation of the right line",
+        "x: left direction · y: right rotation",
+        "",
+    ] {
+        let font = egui::FontId::proportional(theme::CAPTION);
+        let width = ui.painter().layout_no_wrap(axes.to_owned(), font, egui::Color32::WHITE).size().x;
+        if width <= ui.available_width() {
+            ui.label(caption(axes));
+            break;
+        }
+    }
 }
+
+/// Width of a matrix below which its title is only the name of the point, screen points.
+const ROOM_FOR_WORDS: f32 = 130.0;
 
 /// Shows the two matrices.
 pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
@@ -88,7 +102,7 @@ fn one(ui: &mut Ui, model: &Model, number: usize, pencils: &ComparedPencils, com
         let lines = if number == 0 { construction.p() } else { construction.q() };
         (lines.line1, lines.line2)
     });
-    let title = format!("Lines through {name}");
+    let title = if plot.width() < ROOM_FOR_WORDS { name } else { format!("Lines through {name}") };
     let heading = RichText::new(title).size(theme::CAPTION);
     let top = Rect::from_min_max(pos2(plot.min.x, area.min.y), pos2(area.max.x, plot.min.y - 2.0));
     ui.put(top, egui::Label::new(heading.weak()).truncate().halign(egui::Align::Min));
